@@ -95,32 +95,33 @@ private:
 /// The source's heuristic for two pieces (Algorithm 4): the best of `steps` equal steps of time,
 /// then of as many between its neighbours, and so on, until the weighted error is accepted or
 /// `rounds` are done.
-inline KnotSearch refine_knot(const BezierCurve& curve, std::size_t steps, const FitOptions& options = {},
-                              double accepted_error = 0, std::size_t rounds = 8) {
+inline Result<BestKnots, KnotReport> refine_knot(const BezierCurve& curve, std::size_t steps,
+                                                 const FitOptions& options = {}, double accepted_error = 0,
+                                                 std::size_t rounds = 8) {
     const SobolevFitter fitter(curve, options);
-    KnotSearch search;
-    search.status = fitter.status();
-    if (search.status != Status::ok) return search;
+    Result<BestKnots, KnotReport> search;
+    search.report.status = fitter.status();
+    if (!search) return search;
     double low = 0, high = 1;
     for (std::size_t round = 0;
-         round < rounds && std::sqrt(std::fmax(search.objective, 0.0)) > accepted_error; ++round) {
+         round < rounds && std::sqrt(std::fmax(search.report.objective, 0.0)) > accepted_error; ++round) {
         double best = 0.5 * (low + high), least = std::numeric_limits<double>::infinity();
         for (std::size_t i = 1; i < steps; ++i) {
             const double part = low + (high - low) * double(i) / double(steps);
             const std::array<double, 3> parameters{0, BezierFunction(curve).parameter_at_part(part), 1};
             const double objective = fitter.objective(parameters);
-            ++search.trials;
+            ++search.report.trials;
             if (objective >= least) continue;
             least = objective;
             best = part;
-            search.parameters.assign(parameters.begin(), parameters.end());
+            search.value.parameters.assign(parameters.begin(), parameters.end());
         }
-        search.objective = least;
+        search.report.objective = least;
         const double step = (high - low) / double(steps);
         low = best - step;
         high = best + step;
     }
-    if (search.parameters.empty()) search.status = Status::too_many_conditions;
+    if (search.value.parameters.empty()) search.report.status = Status::too_many_conditions;
     return search;
 }
 

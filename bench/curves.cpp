@@ -1,7 +1,7 @@
 // Key-frame curves: fitting them, and evaluating many at one time, beside solving the cubic every time.
 #include "curve_comparators.hpp"
 
-#include <cageform/animate/compile_clip.hpp>
+#include <cageform/animate/compile.hpp>
 #include <cageform/animate/curve_bank.hpp>
 #include <cageform/core/threads.hpp>
 
@@ -49,7 +49,7 @@ template <class T>
 std::vector<PiecewiseCubic<T>> cage_curves() {
     std::vector<PiecewiseCubic<T>> curves;
     for (std::uint32_t k = 0; k < curves_of_cage; ++k)
-        curves.push_back(compile_track<T>(random_keys(seconds + 1, k)).track.curve);
+        curves.push_back(compile<T>(random_keys(seconds + 1, k)).track.curve);
     return curves;
 }
 /// The same as functions that are solved for the parameter.
@@ -89,7 +89,7 @@ void compile_million_keys(benchmark::State& state) {
         options.tolerance = 1.0 / 1024;
         Running running;
         running.progress = [&](double) { return ++calls > 0; };
-        const auto track = compile_track<double>(keys, options, running);
+        const auto track = compile<double>(keys, options, running);
         if (track.status != Status::ok) state.SkipWithError(to_string(track.status));
         state.counters["progress_calls"] = calls;
     }
@@ -102,7 +102,7 @@ void compile_cage(benchmark::State& state) {
     for (std::uint32_t k = 0; k < curves_of_cage; ++k) keys.push_back(random_keys(seconds + 1, k));
     const ThreadedFor threads{unsigned(state.range(0))};
     for (auto _ : state) {
-        const auto clip = compile_clip<float, 3>(keys, {}, {.parallel = threads});
+        const auto clip = compile<float, 3>(keys, {}, {.parallel = threads});
         if (clip.status != Status::ok) state.SkipWithError(to_string(clip.status));
         benchmark::DoNotOptimize(clip.sup_error);
     }

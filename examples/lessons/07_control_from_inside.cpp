@@ -40,4 +40,4 @@ int main() {
 //> (4.0, 2.0) moves up by -0.50
 //> (4.0, 3.0) moves up by -0.21
 //> (0.5, 0.5) moves up by -0.02
-//> mean value: this coordinate type cannot honour interior cells
+//> mean value: this coordinate type does not support interior cells

@@ -1,5 +1,5 @@
 // 17. A glTF animation moves a cage: the samplers' arrays become a clip, which is shipped in one file with the figure.
-#include <cageform/animate/compile_clip.hpp>
+#include <cageform/animate/compile.hpp>
 #include <cageform/animate/pack_clip.hpp>
 #include <cageform/binding/pack.hpp>
 #include <cageform/coordinates/mean_value.hpp>
@@ -34,7 +34,7 @@ Status ship(cageform::PackedFigure<float, 3>& file) {
         keys.insert(keys.end(), imported.curves.begin(), imported.curves.end()); // x, y and z of the vertex
     }
     const cageform::TrackOptions options{.after = cageform::Extrapolation::cycle};
-    const auto compiled = cageform::compile_clip<float, 3>(keys, options);
+    const auto compiled = cageform::compile<float, 3>(keys, options);
     if (compiled.status != Status::ok) return compiled.status;
     // No vertex off by more than 0.0001: curves that allow it take 16 bits a coefficient.
     const auto [clip, report] = pack_clip(compiled.clip, {.tolerance = 0.0001});

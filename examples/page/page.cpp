@@ -4,7 +4,7 @@
 // place of numbers in memory. Figures in the plane are bound in double, as the programs do; the mesh in float.
 // Where a status is not 0, page_message() says what is wrong.
 
-#include <cageform/animate/detail/compile_track.hpp>
+#include <cageform/animate/compile.hpp>
 #include <cageform/binding/bind.hpp>
 #include <cageform/binding/skin_weights.hpp>
 #include <cageform/clone/clone.hpp>
@@ -278,7 +278,7 @@ PAGE_EXPORT(page_fit) int page_fit(std::size_t keys, double tolerance) {
     }
     cageform::TrackOptions options;
     options.tolerance = tolerance;
-    const auto compiled = cageform::compile_track<double>(track, options);
+    const auto compiled = cageform::compile<double>(track, options);
     if (refuse(compiled.status) != 0) return -1;
     output = {compiled.sup_error};
     for (const auto& piece : compiled.track.curve.pieces())

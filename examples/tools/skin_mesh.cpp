@@ -279,7 +279,7 @@ int skin_figure(const Arguments& given, const ObjFile& figure, const std::vector
                    ? cageform::bone_heat(figure.vertices, figure.triangles, segments, options, running)
                    : cageform::harmonic_skin(figure.vertices, figure.triangles, segments, options, running);
     };
-    cageform::SurfaceSkin<double> made = weights();
+    auto made = weights();
     if (made.report.status == Status::cage_not_closed && !given.sees_through) {
         note(figure.name +
              ": the mesh is not closed, so that nothing is inside it: every vertex sees its nearest "

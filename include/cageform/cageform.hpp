@@ -1,7 +1,7 @@
-// Everything for cages but the adapters (cageform/adapt/) and the threads
-// (cageform/core/threads.hpp). Key-frame curves are in cageform/animate/, which stands alone.
-// What ships figures is in cageform/binding/bind.hpp. A game that only plays them back includes
-// cageform/runtime.hpp alone.
+// Includes everything for cages except the adapters (cageform/adapt/) and the threads
+// (cageform/core/threads.hpp). Keyframe curves are in cageform/animate/, which stands alone. A tool
+// that exports figures includes cageform/binding/bind.hpp; a game that only plays them back
+// includes only cageform/runtime.hpp.
 #pragma once
 
 #include <cageform/binding/bind.hpp>

@@ -1,43 +1,45 @@
-// cageform: every macro of the library, and what it changes.
+// The macros of the library, and their effects.
 //
-//   CAGEFORM_ASSERT(condition, why)  checks a promise of the caller. Define it before the first
-//                                    include to hand failures to an engine's own assert; by default
-//                                    it is the standard assert, so NDEBUG removes it.
-//   CAGEFORM_REGISTER_BYTES          width of the vector register the kernels are written for: 16,
-//                                    32 or 64; follows the compiler's target flags, 0 means plain
+//   CAGEFORM_ASSERT(condition, why)  checks a precondition. Define it before the first include to
+//                                    use an engine's own assert; by default it is the standard
+//                                    assert, so NDEBUG removes it.
+//   CAGEFORM_REGISTER_BYTES          width of the vector registers that the kernels use: 16, 32 or
+//                                    64. It follows the compiler's target flags; 0 means plain
 //                                    scalars, as on x86 without SSE2.
-//   CAGEFORM_DETERMINISTIC           if defined, clones and clips come out the same to the bit
-//                                    whatever the compiler, its level of optimisation and the
-//                                    registers: every product and every sum is rounded by itself,
-//                                    and sums are taken in one order. GNU and clang; x86-64, ARM and
-//                                    WebAssembly; not with -ffast-math, nor with registers on 32-bit
-//                                    ARM, whose NEON takes denormal numbers for zero: there compile
-//                                    for VFP (-mfpu=vfpv4-d16), or set CAGEFORM_REGISTER_BYTES to 0,
-//                                    nor with WebAssembly's relaxed SIMD. Clones from caches take as
-//                                    long, from memory up to a third longer, clips up to twice as
-//                                    long. Left out: what is bound, normals, and angles and
+//   CAGEFORM_DETERMINISTIC           if defined, clones and clips have the same bits for every
+//                                    compiler, optimisation level and register width: every product
+//                                    and every sum is rounded separately, and sums have one order.
+//                                    Supported: GNU and clang; x86-64, ARM and WebAssembly. Not
+//                                    supported: -ffast-math; WebAssembly's relaxed SIMD; registers
+//                                    on 32-bit ARM, whose NEON treats denormal numbers as zero
+//                                    (compile for VFP there, -mfpu=vfpv4-d16, or set
+//                                    CAGEFORM_REGISTER_BYTES to 0). Clones from caches take as long
+//                                    as before, from memory up to a third longer, clips up to twice
+//                                    as long. Not covered: binding, normals, and the angles and
 //                                    rotations of a RigidMotion, which take sines from the standard
 //                                    library.
 //
-// All change code, and so do -fno-exceptions, -ffast-math and the fused multiply-add of the processor
-// (-mfma). All are part of the inline namespace CAGEFORM_ABI (of an assert of one's own, only that it
-// is one): two files compiled with different settings have different names for everything instead of
-// one name for two things. No macro tells -ffp-contract: it must be the same in all files.
+// All of these change the generated code, and so do -fno-exceptions, -ffast-math and fused
+// multiply-add (-mfma). All are therefore encoded in the inline namespace CAGEFORM_ABI (for
+// CAGEFORM_ASSERT, only whether it is user-defined). Files compiled with different settings use
+// different names for everything, instead of one name for two things. No macro reveals
+// -ffp-contract: it must be the same in all files.
 //
-// One program for processors from SSE2 to AVX-512: put what calls cageform every frame into a file of
-// its own, compile it once for each level (as it is, with -mavx2 -mfma, with -mavx512f -mavx512dq -mfma)
-// and choose at the start by __builtin_cpu_supports. Functions between these files and the rest must
-// take and return nothing of this namespace and no class with inline functions, but pointers and sizes:
-// numbers of poses and points, and the bytes of a packed binding or figure, which are the same on all
-// levels. Inline functions of others, of the standard library too, have one name on all levels, and a
-// linker keeps the one that it meets first: link the lowest level first, and optimise. Bits differ
-// between the levels unless CAGEFORM_DETERMINISTIC is defined. tests/levels is such a program.
+// To make one program for processors from SSE2 to AVX-512, put the calls of cageform that run every
+// frame into a separate file. Compile it once per level (without flags, with -mavx2 -mfma, with
+// -mavx512f -mavx512dq -mfma) and choose a level at startup by __builtin_cpu_supports. The
+// interface between these files and the rest must not use types of this namespace or classes with
+// inline functions. Pass pointers and sizes: numbers of poses and points, and the bytes of a packed
+// binding or figure, which are the same on all levels. Other inline functions, of the standard
+// library too, have the same name on all levels, and a linker keeps the first it finds: link the
+// lowest level first, and optimise. Results differ in bits between levels unless
+// CAGEFORM_DETERMINISTIC is defined. tests/levels is such a program.
 //
-// There is no macro for allocation. Nothing called every frame allocates: clones, samples of clips,
-// normals. What owns memory (Binding, PackedBinding, PiecewiseCubic, CageClip and their cursors)
-// has it from the global operator new, which an engine replaces, or needs not at all for figures:
-// BindingView and PackedBindingView are read from memory of the caller, open_blob finds one in the
-// bytes of a file.
+// There is no macro for allocation. Functions called every frame (clones, samples of clips,
+// normals) do not allocate. Classes that own memory (Binding, PackedBinding, PiecewiseCubic,
+// CageClip and their cursors) get it from the global operator new, which an engine can replace.
+// Figures can avoid even that: BindingView and PackedBindingView read the caller's memory, and
+// open_blob finds a view in the bytes of a file.
 #pragma once
 
 #include <cageform/version.hpp>

@@ -1,5 +1,5 @@
-// All that a game includes: figures and bindings as they are shipped, clones of them, and clips that
-// move a cage. No dependency, no exceptions, no RTTI, no allocation in a frame.
+// Everything that a game needs: packed figures and bindings, clones of them, and clips that move a
+// cage. No dependency, no exceptions, no RTTI, no allocation per frame.
 #pragma once
 
 #include <cageform/animate/clip.hpp>

@@ -1,4 +1,4 @@
-// cageform: the one place where the version is written; CMake reads it from here.
+// The version of cageform, defined only here; CMake reads it from this file.
 #pragma once
 
 #define CAGEFORM_VERSION_MAJOR 0

@@ -5,13 +5,13 @@
 #include "support/keys.hpp"
 #include "support/larger.hpp"
 
-#include <cageform/animate/compile_clip.hpp>
+#include <cageform/animate/compile.hpp>
 
 namespace clip_tests {
 
 using namespace cageform_tests;
 using cageform::CageClip;
-using cageform::compile_track;
+using cageform::compile;
 using cageform::CubicPiece;
 using cageform::epsilon;
 using cageform::Extrapolation;
@@ -30,9 +30,9 @@ template <class T>
 Track<T> track_of(const std::vector<Key>& keys, Extrapolation mode = Extrapolation::constant) {
     cageform::TrackOptions options;
     options.before = options.after = mode;
-    const auto compiled = compile_track<T>(keys, options);
-    REQUIRE(compiled.status == Status::ok);
-    return compiled.track;
+    const auto compiled = compile<T>(keys, options);
+    REQUIRE(compiled.status() == Status::ok);
+    return compiled.value;
 }
 
 /// Automatic keys that all begin at 0 and end at 3 where `common`, otherwise anywhere between.
@@ -163,23 +163,23 @@ TEMPLATE_TEST_CASE("key frames compiled to a clip: its curves are those of their
         for (std::size_t k = count; k > 0; --k) body(k - 1, k);
     };
     running.progress = [&](double done) { return (told = done) <= 1; };
-    const auto compiled = cageform::compile_clip<T, 3>(keys, options, running);
-    REQUIRE(compiled.status == Status::ok);
+    const auto compiled = cageform::compile<T, 3>(keys, options, running);
+    REQUIRE(compiled.status() == Status::ok);
     CHECK(told == 1);
     std::vector<PiecewiseCubic<T>> curves;
     for (const auto& of_curve : keys) {
-        const auto track = compile_track<T>(of_curve, options);
-        sup_error = cageform_tests::larger(sup_error, track.sup_error);
-        curves.push_back(track.track.curve);
+        const auto track = compile<T>(of_curve, options);
+        sup_error = cageform_tests::larger(sup_error, track.report.sup_error);
+        curves.push_back(track.value.curve);
     }
-    CHECK(compiled.sup_error == sup_error);
+    CHECK(compiled.report.sup_error == sup_error);
     const CageClip<T, 3> expected(curves, options.before, options.after);
-    REQUIRE(compiled.clip.vertex_count() == 7);
-    auto cursor = compiled.clip.make_cursor(), other = expected.make_cursor();
+    REQUIRE(compiled.value.vertex_count() == 7);
+    auto cursor = compiled.value.make_cursor(), other = expected.make_cursor();
     std::vector<Vec<T, 3>> pose(7), same(7);
     for (int n = 0; n < 100; ++n) {
         const T time = T(random.uniform(-3, 12));
-        compiled.clip.sample(time, cursor, pose);
+        compiled.value.sample(time, cursor, pose);
         expected.sample(time, other, same);
         REQUIRE(pose == same);
     }
@@ -203,10 +203,10 @@ TEST_CASE("the default tolerance of a clip goes with its size, one that is given
         }
     }
     const double diagonal = distance(lower, upper);
-    const auto compiled = cageform::compile_clip<double, 2>(keys);
-    REQUIRE(compiled.status == Status::ok);
-    CHECK(compiled.sup_error <= cageform::screen_tolerance * diagonal * (1 + 1e-12));
-    CHECK(compiled.sup_error > 0);
+    const auto compiled = cageform::compile<double, 2>(keys);
+    REQUIRE(compiled.status() == Status::ok);
+    CHECK(compiled.report.sup_error <= cageform::screen_tolerance * diagonal * (1 + 1e-12));
+    CHECK(compiled.report.sup_error > 0);
     for (const double unit : {0x1p-20, 0x1p20}) { // in another unit
         CAPTURE(unit);
         auto scaled = keys;
@@ -215,42 +215,41 @@ TEST_CASE("the default tolerance of a clip goes with its size, one that is given
                 for (double* x : {&at.value, &at.in_handle[1], &at.out_handle[1]}) *x *= unit;
             }
         }
-        const auto again = cageform::compile_clip<double, 2>(scaled);
-        REQUIRE(again.status == Status::ok);
-        CHECK(again.sup_error == Approx(unit * compiled.sup_error).epsilon(1e-9));
+        const auto again = cageform::compile<double, 2>(scaled);
+        REQUIRE(again.status() == Status::ok);
+        CHECK(again.report.sup_error == Approx(unit * compiled.report.sup_error).epsilon(1e-9));
         for (int n = 0; n <= 30; ++n) {
-            const auto pose = pose_of(compiled.clip, 0.1 * n);
-            auto other = pose_of(again.clip, 0.1 * n);
+            const auto pose = pose_of(compiled.value, 0.1 * n);
+            auto other = pose_of(again.value, 0.1 * n);
             for (auto& p : other) p = (1 / unit) * p;
             CHECK(largest_difference(pose, other) <= 1e-9);
         }
-        const auto given = cageform::compile_clip<double, 2>(scaled, {.tolerance = 1e-2 * unit});
-        REQUIRE(given.status == Status::ok);
-        CHECK(given.sup_error <= 1e-2 * unit);
+        const auto given = cageform::compile<double, 2>(scaled, {.tolerance = 1e-2 * unit});
+        REQUIRE(given.status() == Status::ok);
+        CHECK(given.report.sup_error <= 1e-2 * unit);
     }
     // One point at rest has no size.
-    CHECK(
-        cageform::compile_clip<double, 2>(std::vector<std::vector<Key>>(2, {key(0, 3), key(1, 3)})).status ==
-        Status::ok);
+    CHECK(cageform::compile<double, 2>(std::vector<std::vector<Key>>(2, {key(0, 3), key(1, 3)})).status() ==
+          Status::ok);
 }
 
 TEST_CASE("key frames that make no clip are refused, with the curve and the key",
           "[animate][clip][refused]") {
     std::vector<std::vector<Key>> keys(6, {key(0, 1), key(1, 2), key(2, 0)});
-    REQUIRE(cageform::compile_clip<double, 3>(keys).status == Status::ok);
-    REQUIRE(cageform::compile_clip<double, 2>(keys).clip.vertex_count() == 3);
-    CHECK(cageform::compile_clip<float, 2>({}).status == Status::ok);
-    CHECK(cageform::compile_clip<float, 2>(std::span(keys).first(5)).status == Status::input_malformed);
+    REQUIRE(cageform::compile<double, 3>(keys).status() == Status::ok);
+    REQUIRE(cageform::compile<double, 2>(keys).value.vertex_count() == 3);
+    CHECK(cageform::compile<float, 2>(std::vector<std::vector<Key>>{}).status() == Status::ok);
+    CHECK(cageform::compile<float, 2>(std::span(keys).first(5)).status() == Status::input_malformed);
     keys[5].clear();
     keys[3][2].time = 0.5;
-    const auto refused = cageform::compile_clip<double, 3>(keys);
-    CHECK(refused.status == Status::keys_not_ascending);
-    CHECK(refused.culprit_curve == 3);
-    CHECK(refused.culprit == 2);
-    CHECK(refused.clip.vertex_count() == 0);
+    const auto refused = cageform::compile<double, 3>(keys);
+    CHECK(refused.status() == Status::keys_not_ascending);
+    CHECK(refused.report.curve == 3);
+    CHECK(refused.report.culprit == 2);
+    CHECK(refused.value.vertex_count() == 0);
     cageform::Running running;
     running.progress = [](double) { return false; };
-    CHECK(cageform::compile_clip<double, 3>(keys, {}, running).status == Status::cancelled);
+    CHECK(cageform::compile<double, 3>(keys, {}, running).status() == Status::cancelled);
 }
 
 TEST_CASE("a clip goes on as a whole", "[animate][clip][property]") {

@@ -6,7 +6,7 @@
 #include "support/keys.hpp"
 #include "support/larger.hpp"
 
-#include <cageform/animate/compile_clip.hpp>
+#include <cageform/animate/compile.hpp>
 #include <cageform/animate/pack_clip.hpp>
 
 namespace clip_blob_tests {
@@ -51,9 +51,9 @@ cageform::Track<T> random_track(Random& random) {
     cageform::TrackOptions options;
     options.before = modes[random.below(5)];
     options.after = modes[random.below(5)];
-    const auto compiled = cageform::compile_track<T>(random_keys(random), options);
-    REQUIRE(compiled.status == Status::ok);
-    return compiled.track;
+    const auto compiled = cageform::compile<T>(random_keys(random), options);
+    REQUIRE(compiled.status() == Status::ok);
+    return compiled.value;
 }
 
 template <class T, std::size_t D>
@@ -63,9 +63,9 @@ CageClip<T, D> random_clip(Random& random, std::size_t vertices, bool moves = fa
     cageform::TrackOptions options;
     options.before = modes[random.below(5)];
     options.after = modes[random.below(5)];
-    auto compiled = cageform::compile_clip<T, D>(keys, options);
-    REQUIRE(compiled.status == Status::ok);
-    if (!moves) return std::move(compiled.clip);
+    auto compiled = cageform::compile<T, D>(keys, options);
+    REQUIRE(compiled.status() == Status::ok);
+    if (!moves) return std::move(compiled.value);
     cageform::RigidMotion<T, D> motion;
     for (std::size_t k = 0; k < D; ++k) {
         motion.pivot[k] = T(random.uniform(-1, 1));
@@ -76,8 +76,8 @@ CageClip<T, D> random_clip(Random& random, std::size_t vertices, bool moves = fa
         const T half = T(random.uniform(-3, 3));
         motion.rotations.push_back({std::sin(half), 0, 0, std::cos(half)});
     }
-    compiled.clip.set_rigid_motion(motion);
-    return std::move(compiled.clip);
+    compiled.value.set_rigid_motion(motion);
+    return std::move(compiled.value);
 }
 
 /// Frames forwards, backwards and anywhere, far ones too.
@@ -92,12 +92,12 @@ std::vector<T> times_of_play(Random& random) {
 
 Status status_of(std::span<const std::byte> bytes, BlobCheck check = BlobCheck::all) {
     const auto opened = open_clip<float, 3>(bytes, check);
-    if (opened.status != Status::ok) {
-        CHECK(opened.clip.vertex_count() == 0);
-        CHECK(opened.clip.bank.knots.empty());
-        CHECK(opened.bytes == 0);
+    if (opened.status() != Status::ok) {
+        CHECK(opened.value.vertex_count() == 0);
+        CHECK(opened.value.bank.knots.empty());
+        CHECK(opened.report.bytes == 0);
     }
-    return opened.status;
+    return opened.status();
 }
 
 ClipHeader header_of(std::span<const std::byte> bytes) {
@@ -139,7 +139,7 @@ TEMPLATE_TEST_CASE("an opened clip plays the bits of the clip, without an alloca
         }
         const std::size_t after = allocations;
         CHECK(after == before);
-        REQUIRE(opened.status == Status::ok);
+        REQUIRE(opened.status() == Status::ok);
         CHECK(same);
         CHECK(opened.bytes == packed.clip.bytes().size());
         CHECK(opened.clip.vertex_count() == vertices);
@@ -275,13 +275,13 @@ TEMPLATE_TEST_CASE("quantised clips keep the distance promised, at every time",
         last = report.quantised;
         Aligned file(packed.bytes());
         const auto opened = open_clip<T, D>(file.bytes());
-        REQUIRE(opened.status == Status::ok);
-        auto cursor = clip.make_cursor(), player = opened.clip.make_cursor();
+        REQUIRE(opened.status() == Status::ok);
+        auto cursor = clip.make_cursor(), player = opened.value.make_cursor();
         std::vector<Vec<T, D>> pose(vertices), other(vertices);
         double farthest = 0, farthest_vertex = 0;
         for (const T time : times_of_play<T>(random)) {
             clip.sample(time, cursor, pose);
-            opened.clip.sample(time, player, other);
+            opened.value.sample(time, player, other);
             for (std::size_t i = 0; i < vertices; ++i) {
                 const auto off = cageform::vec_cast<double>(pose[i]) - cageform::vec_cast<double>(other[i]);
                 const double distance = std::sqrt(dot(off, off));
@@ -340,22 +340,22 @@ TEST_CASE("a clip that could not be opened is not packed", "[animate][clip_blob]
 TEST_CASE("a clip without vertices, and one of a single key, are shipped too", "[animate][clip_blob]") {
     const auto none = pack_clip(CageClip<float, 3>{}, {.tolerance = 1});
     REQUIRE(none.report.status == Status::ok);
-    const auto opened = open_clip<float, 3>(none.clip.bytes());
-    REQUIRE(opened.status == Status::ok);
-    CHECK(opened.clip.vertex_count() == 0);
-    auto cursor = opened.clip.make_cursor(std::span<cageform::Lanes<float>>{});
-    opened.clip.sample(1, cursor, {});
-    CHECK(open_clip<float, 3>(PackedClip<float, 3>{}.bytes()).status == Status::not_a_clip);
+    const auto opened = open_clip<float, 3>(none.value.bytes());
+    REQUIRE(opened.status() == Status::ok);
+    CHECK(opened.value.vertex_count() == 0);
+    auto cursor = opened.value.make_cursor(std::span<cageform::Lanes<float>>{});
+    opened.value.sample(1, cursor, {});
+    CHECK(open_clip<float, 3>(PackedClip<float, 3>{}.bytes()).status() == Status::not_a_clip);
     const std::vector<std::vector<Key>> keys(3, {key(0, 0.7)});
-    const auto still = cageform::compile_clip<float, 3>(keys);
+    const auto still = cageform::compile<float, 3>(keys);
     for (const double tolerance : {0.0, 1e-6}) {
-        const auto packed = pack_clip(still.clip, {.tolerance = tolerance});
-        const auto player = open_clip<float, 3>(packed.clip.bytes());
-        REQUIRE(player.status == Status::ok);
-        auto at = player.clip.make_cursor();
+        const auto packed = pack_clip(still.value, {.tolerance = tolerance});
+        const auto player = open_clip<float, 3>(packed.value.bytes());
+        REQUIRE(player.status() == Status::ok);
+        auto at = player.value.make_cursor();
         std::vector<Vec<float, 3>> pose(1);
         for (const float time : {-1.0f, 0.0f, 1.0f}) {
-            player.clip.sample(time, at, pose);
+            player.value.sample(time, at, pose);
             CHECK(pose[0] == Vec<float, 3>{0.7f, 0.7f, 0.7f});
         }
     }
@@ -363,14 +363,14 @@ TEST_CASE("a clip without vertices, and one of a single key, are shipped too", "
 
 TEST_CASE("a clip of another kind is refused by name", "[animate][clip_blob][refused]") {
     Random random(7);
-    const auto packed = pack_clip(random_clip<float, 3>(random, 4, true), {.tolerance = 1e-4}).clip;
+    const auto packed = pack_clip(random_clip<float, 3>(random, 4, true), {.tolerance = 1e-4}).value;
     const auto bytes = packed.bytes();
     CHECK(status_of(bytes) == Status::ok);
-    CHECK(open_clip<double, 3>(bytes).status == Status::blob_kind_differs);
-    CHECK(open_clip<float, 2>(bytes).status == Status::blob_kind_differs);
+    CHECK(open_clip<double, 3>(bytes).status() == Status::blob_kind_differs);
+    CHECK(open_clip<float, 2>(bytes).status() == Status::blob_kind_differs);
     CHECK(status_of({}) == Status::not_a_clip);
     CHECK(status_of(bytes.subspan(8)) == Status::not_a_clip);
-    CHECK(cageform::open_blob<float, 3>(bytes).status == Status::not_a_blob);
+    CHECK(cageform::open_blob<float, 3>(bytes).status() == Status::not_a_blob);
     const auto changed = [&]<class X>(std::size_t offset, X x) {
         Aligned memory(bytes);
         memory.set(offset, x);
@@ -393,7 +393,7 @@ TEST_CASE("a clip of another kind is refused by name", "[animate][clip_blob][ref
     for (std::size_t byte = 0; byte < bytes.size(); byte += byte < 256 ? 1 : 23) {
         for (int bit = int(byte % 3); bit < 8; bit += 3) {
             memory.data()[byte] ^= std::byte(1 << bit);
-            if (open_clip<float, 3>(memory.bytes()).status == Status::ok) ++accepted;
+            if (open_clip<float, 3>(memory.bytes()).status() == Status::ok) ++accepted;
             memory.data()[byte] ^= std::byte(1 << bit);
         }
     }
@@ -417,8 +417,8 @@ TEST_CASE("each number of a clip that contradicts the others is refused", "[anim
     const auto quantised = pack_clip(packed.view(), {.tolerance = 3e-5});
     REQUIRE(quantised.report.quantised > 0);
     REQUIRE(quantised.report.quantised < quantised.report.curves);
-    const Aligned sound(quantised.clip.bytes());
-    const ClipHeader header = header_of(quantised.clip.bytes());
+    const Aligned sound(quantised.value.bytes());
+    const ClipHeader header = header_of(quantised.value.bytes());
     const auto refused = [&]<class X>(std::size_t offset, X x) {
         Aligned memory = sound;
         memory.set(offset, x);
@@ -457,7 +457,7 @@ TEST_CASE("each number of a clip that contradicts the others is refused", "[anim
                 infinite = std::numeric_limits<float>::infinity();
     std::size_t exact = 0, stepped = 0; // a curve of each format
     for (std::size_t k = 0; k < header.curves; ++k)
-        (quantised.clip.view().bank.is_quantised(k) ? stepped : exact) = k;
+        (quantised.value.view().bank.is_quantised(k) ? stepped : exact) = k;
     for (const std::size_t k : {exact, stepped}) {
         const std::size_t curve = std::size_t(header.curve_table) + k * 20;
         for (const std::uint32_t x : {1u, 1u << 20, ~0u}) {
@@ -505,8 +505,8 @@ TEST_CASE("a hostile clip neither crashes nor leads a player out of bounds",
           "[animate][clip_blob][hostile]") {
     Random random{std::uint64_t(GENERATE(range(0, 3))) + 501};
     const std::array sound{
-        Aligned(pack_clip(random_clip<float, 3>(random, 5, true)).clip.bytes()),
-        Aligned(pack_clip(random_clip<float, 3>(random, 3), {.tolerance = 1e-3}).clip.bytes())};
+        Aligned(pack_clip(random_clip<float, 3>(random, 5, true)).value.bytes()),
+        Aligned(pack_clip(random_clip<float, 3>(random, 3), {.tolerance = 1e-3}).value.bytes())};
     std::size_t opened_count = 0;
     for (int round = 0; round < 3000; ++round) {
         Aligned memory = sound[random.below(2)];
@@ -522,12 +522,12 @@ TEST_CASE("a hostile clip neither crashes nor leads a player out of bounds",
             memory.set(random.below(reach / 4) * 4, values[random.below(std::size(values))]);
         }
         const auto opened = open_clip<float, 3>(memory.bytes(), BlobCheck::structure);
-        if (opened.status != Status::ok) continue;
+        if (opened.status() != Status::ok) continue;
         ++opened_count;
-        auto cursor = opened.clip.make_cursor();
-        std::vector<Vec<float, 3>> pose(opened.clip.vertex_count());
+        auto cursor = opened.value.make_cursor();
+        std::vector<Vec<float, 3>> pose(opened.value.vertex_count());
         for (const float time : {-1e30f, -3.0f, 0.0f, 0.1f, 1.0f, 2.0f, 1.5f, 77.0f, 1e30f, 0.5f})
-            opened.clip.sample(time, cursor, pose);
+            opened.value.sample(time, cursor, pose);
     }
     CHECK(opened_count > 100);
     CHECK(opened_count < 2900);

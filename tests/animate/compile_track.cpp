@@ -4,14 +4,13 @@
 #include "support/keys.hpp"
 #include "support/larger.hpp"
 
-#include <cageform/animate/detail/compile_track.hpp>
+#include <cageform/animate/compile.hpp>
 
 namespace compile_track_tests {
 
 using namespace cageform_tests;
 using cageform::BezierFunction;
-using cageform::compile_track;
-using cageform::CompiledTrack;
+using cageform::compile;
 using cageform::epsilon;
 using cageform::Extrapolation;
 using cageform::Key;
@@ -68,10 +67,10 @@ TEMPLATE_TEST_CASE("keys of any kinds: met at their times, within the tolerance 
     const auto keys = random_keys(random, kinds);
     TrackOptions options;
     options.tolerance = std::pow(10.0, random.uniform(-5, -1));
-    const auto compiled = compile_track<T>(keys, options);
-    REQUIRE(compiled.status == Status::ok);
-    CHECK(compiled.sup_error <= options.tolerance);
-    const auto& track = compiled.track;
+    const auto compiled = compile<T>(keys, options);
+    REQUIRE(compiled.status() == Status::ok);
+    CHECK(compiled.report.sup_error <= options.tolerance);
+    const auto& track = compiled.value;
     CHECK(track.curve.begin() == T(keys.front().time));
     CHECK(track.curve.end() >= T(keys.back().time));
     CHECK(track.curve.end() <= std::nextafter(T(keys.back().time), T(100)));
@@ -92,7 +91,7 @@ TEMPLATE_TEST_CASE("keys of any kinds: met at their times, within the tolerance 
         for (int n = 0; n < 40; ++n) {
             const T x = std::max(at, std::min(before, T(random.uniform(keys[i].time, keys[i + 1].time))));
             const double expected = keys[i].kind == KeyKind::hold ? keys[i].value : function(double(x));
-            REQUIRE(std::fabs(double(track(x)) - expected) <= compiled.sup_error + rounding(x));
+            REQUIRE(std::fabs(double(track(x)) - expected) <= compiled.report.sup_error + rounding(x));
         }
     }
     // Beyond.
@@ -108,19 +107,19 @@ TEST_CASE("the error named is the largest there is", "[animate][track][property]
     const auto keys = random_keys(random, bezier);
     TrackOptions options;
     options.tolerance = std::pow(10.0, random.uniform(-4, -1));
-    const auto compiled = compile_track<double>(keys, options);
-    REQUIRE(compiled.status == Status::ok);
+    const auto compiled = compile<double>(keys, options);
+    REQUIRE(compiled.status() == Status::ok);
     double most = 0;
     for (std::size_t i = 0; i + 1 < keys.size(); ++i) {
         const BezierFunction function(key_interval(keys, i));
         for (int n = 0; n <= 4000; ++n) {
             const double x = keys[i].time + (keys[i + 1].time - keys[i].time) * n / 4000.0;
-            most = cageform_tests::larger(most, std::fabs(compiled.track(x) - function(x)));
+            most = cageform_tests::larger(most, std::fabs(compiled.value(x) - function(x)));
         }
     }
-    CHECK(most <= compiled.sup_error + 1e-12);
-    CHECK(most >= 0.99 * compiled.sup_error);
-    CHECK(compiled.sup_error <= options.tolerance);
+    CHECK(most <= compiled.report.sup_error + 1e-12);
+    CHECK(most >= 0.99 * compiled.report.sup_error);
+    CHECK(compiled.report.sup_error <= options.tolerance);
 }
 
 TEST_CASE("a tighter tolerance takes more pieces, and no more than it has to", "[animate][track]") {
@@ -131,20 +130,20 @@ TEST_CASE("a tighter tolerance takes more pieces, and no more than it has to", "
     for (const double tolerance : {1.0, 0.1, 0.01, 1e-3, 1e-4, 1e-5}) {
         TrackOptions options;
         options.tolerance = tolerance;
-        const auto compiled = compile_track<double>(keys, options);
-        REQUIRE(compiled.status == Status::ok);
-        CHECK(compiled.track.curve.pieces().size() >= std::max(pieces, keys.size() - 1));
-        pieces = compiled.track.curve.pieces().size();
+        const auto compiled = compile<double>(keys, options);
+        REQUIRE(compiled.status() == Status::ok);
+        CHECK(compiled.value.curve.pieces().size() >= std::max(pieces, keys.size() - 1));
+        pieces = compiled.value.curve.pieces().size();
     }
     CHECK(pieces > keys.size() - 1);
 }
 
 TEST_CASE("hold jumps at the next key", "[animate][track][kinds]") {
     const std::array keys{key(1, 5, KeyKind::hold), key(2, -3, KeyKind::hold), key(4, 7, KeyKind::hold)};
-    const auto compiled = compile_track<double>(keys);
-    REQUIRE(compiled.status == Status::ok);
-    CHECK(compiled.sup_error == 0);
-    const auto& track = compiled.track;
+    const auto compiled = compile<double>(keys);
+    REQUIRE(compiled.status() == Status::ok);
+    CHECK(compiled.report.sup_error == 0);
+    const auto& track = compiled.value;
     for (const double x : {-9.0, 1.0, 1.5, just_before<double>(2)}) CHECK(track(x) == 5);
     for (const double x : {2.0, 3.0, just_before<double>(4)}) CHECK(track(x) == -3);
     for (const double x : {4.0, std::nextafter(4.0, 5.0), 4.5, 1e9}) CHECK(track(x) == 7);
@@ -157,18 +156,18 @@ TEST_CASE("linear is a straight line at constant speed", "[animate][track][kinds
     Random random(std::uint64_t(seed) + 401);
     const std::array linear{KeyKind::linear};
     const auto keys = random_keys(random, linear);
-    const auto compiled = compile_track<double>(keys);
-    REQUIRE(compiled.status == Status::ok);
-    CHECK(compiled.sup_error <= 1e-14);
-    REQUIRE(compiled.track.curve.pieces().size() == keys.size() - 1);
+    const auto compiled = compile<double>(keys);
+    REQUIRE(compiled.status() == Status::ok);
+    CHECK(compiled.report.sup_error <= 1e-14);
+    REQUIRE(compiled.value.curve.pieces().size() == keys.size() - 1);
     for (int n = 0; n < 100; ++n) {
         const std::size_t i = random.below(keys.size() - 1);
         const double part = random.uniform(0, 1), h = keys[i + 1].time - keys[i].time;
         const double rise = keys[i + 1].value - keys[i].value, x = keys[i].time + part * h;
-        CHECK(compiled.track(x) ==
+        CHECK(compiled.value(x) ==
               Approx(keys[i].value + (x - keys[i].time) / h * rise).epsilon(0).margin(1e-13));
         if (part > 1e-6 && part < 1 - 1e-6)
-            CHECK(compiled.track.curve.derivative(x) == Approx(rise / h).epsilon(0).margin(1e-12));
+            CHECK(compiled.value.curve.derivative(x) == Approx(rise / h).epsilon(0).margin(1e-12));
     }
 }
 
@@ -180,10 +179,10 @@ TEST_CASE("kinds that are cubics of time are met in one piece an interval",
     const std::array simple{KeyKind::hold, KeyKind::linear, KeyKind::hermite, KeyKind::tcb,
                             KeyKind::automatic};
     const auto keys = random_keys(random, simple);
-    const auto compiled = compile_track<double>(keys);
-    REQUIRE(compiled.status == Status::ok);
-    CHECK(compiled.sup_error <= 1e-13);
-    CHECK(compiled.track.curve.pieces().size() == keys.size() - 1);
+    const auto compiled = compile<double>(keys);
+    REQUIRE(compiled.status() == Status::ok);
+    CHECK(compiled.report.sup_error <= 1e-13);
+    CHECK(compiled.value.curve.pieces().size() == keys.size() - 1);
 }
 
 TEST_CASE("hermite: slopes in and out", "[animate][track][kinds][property]") {
@@ -192,9 +191,9 @@ TEST_CASE("hermite: slopes in and out", "[animate][track][kinds][property]") {
     Random random(std::uint64_t(seed) + 601);
     const std::array hermite{KeyKind::hermite};
     const auto keys = random_keys(random, hermite);
-    const auto compiled = compile_track<double>(keys);
-    REQUIRE(compiled.status == Status::ok);
-    const auto pieces = compiled.track.curve.pieces();
+    const auto compiled = compile<double>(keys);
+    REQUIRE(compiled.status() == Status::ok);
+    const auto pieces = compiled.value.curve.pieces();
     REQUIRE(pieces.size() == keys.size() - 1);
     for (std::size_t i = 0; i + 1 < keys.size(); ++i) {
         CHECK(pieces[i].derivative(keys[i].time) == Approx(keys[i].out_slope).epsilon(0).margin(1e-10));
@@ -220,9 +219,9 @@ TEST_CASE("tcb: Kochanek and Bartels' slopes where keys are equally far apart",
         }
         keys.push_back(k);
     }
-    const auto compiled = compile_track<double>(keys);
-    REQUIRE(compiled.status == Status::ok);
-    const auto pieces = compiled.track.curve.pieces();
+    const auto compiled = compile<double>(keys);
+    REQUIRE(compiled.status() == Status::ok);
+    const auto pieces = compiled.value.curve.pieces();
     REQUIRE(pieces.size() == 5);
     for (std::size_t i = 1; i < 5; ++i) {
         const double time = keys[i].time, value = keys[i].value;
@@ -239,7 +238,7 @@ TEST_CASE("tcb: Kochanek and Bartels' slopes where keys are equally far apart",
             const double catmull_rom =
                 0.5 * (2 * p1 + (p2 - p0) * u + (2 * p0 - 5 * p1 + 4 * p2 - p3) * u * u +
                        (3 * p1 - p0 - 3 * p2 + p3) * u * u * u);
-            CHECK(compiled.track(time + u * step) == Approx(catmull_rom).epsilon(0).margin(1e-11));
+            CHECK(compiled.value(time + u * step) == Approx(catmull_rom).epsilon(0).margin(1e-11));
         }
     }
 }
@@ -254,9 +253,9 @@ TEST_CASE("automatic is smooth and goes not beyond the keys", "[animate][track][
         std::sort(keys.begin(), keys.end(), [](auto& a, auto& b) { return a.value < b.value; });
     double time = 0;
     for (Key& k : keys) k.time = time += std::pow(10.0, random.uniform(-3, 1)); // some near, some far
-    const auto compiled = compile_track<double>(keys);
-    REQUIRE(compiled.status == Status::ok);
-    const auto& track = compiled.track;
+    const auto compiled = compile<double>(keys);
+    REQUIRE(compiled.status() == Status::ok);
+    const auto& track = compiled.value;
     const auto pieces = track.curve.pieces();
     REQUIRE(pieces.size() == keys.size() - 1);
     for (std::size_t i = 0; i + 1 < keys.size(); ++i) {
@@ -282,9 +281,9 @@ TEST_CASE("automatic is smooth and goes not beyond the keys", "[animate][track][
 TEST_CASE("automatic: Fritsch and Butland's slopes; the chord's into a hold", "[animate][track][kinds]") {
     const std::array keys{key(0, 0), key(1, 2), key(4, 3, KeyKind::automatic), key(6, 7, KeyKind::hold),
                           key(7, 0)};
-    const auto compiled = compile_track<double>(keys);
-    REQUIRE(compiled.status == Status::ok);
-    const auto pieces = compiled.track.curve.pieces();
+    const auto compiled = compile<double>(keys);
+    REQUIRE(compiled.status() == Status::ok);
+    const auto pieces = compiled.value.curve.pieces();
     // Chords 2, 1/3 and 2; the mean of their inverses leans to the longer interval's, which is the flatter.
     CHECK(pieces[0].derivative(0) == Approx(2));
     CHECK(pieces[1].derivative(1) == Approx(1 / ((1 + 2 * 3) / 12.0 / 2 + (2 * 1 + 3) / 12.0 * 3)));
@@ -294,9 +293,9 @@ TEST_CASE("automatic: Fritsch and Butland's slopes; the chord's into a hold", "[
 
 TEST_CASE("automatic keys on a line are the line", "[animate][track][kinds]") {
     const std::array keys{key(0, 1), key(1, 3), key(1.5, 4), key(4, 9)};
-    const auto compiled = compile_track<double>(keys);
+    const auto compiled = compile<double>(keys);
     for (const double x : {0.0, 0.3, 1.2, 2.0, 4.0})
-        CHECK(compiled.track(x) == Approx(1 + 2 * x).epsilon(1e-14));
+        CHECK(compiled.value(x) == Approx(1 + 2 * x).epsilon(1e-14));
 }
 
 TEST_CASE("bezier handles count where a key has them, thirds elsewhere", "[animate][track][kinds]") {
@@ -318,11 +317,11 @@ TEST_CASE("bezier handles count where a key has them, thirds elsewhere", "[anima
     std::array cubic{key(1, 2, KeyKind::bezier), key(4, 0, KeyKind::bezier)};
     cubic[0].out_handle = {2, 9};
     cubic[1].in_handle = {3, -5};
-    const auto compiled = compile_track<double>(cubic);
-    REQUIRE(compiled.status == Status::ok);
-    CHECK(compiled.track.curve.pieces().size() == 1);
-    CHECK(compiled.sup_error <= 1e-13);
-    CHECK(compiled.track(2.5) == Approx((2 + 3 * 9 + 3 * -5 + 0) / 8.0));
+    const auto compiled = compile<double>(cubic);
+    REQUIRE(compiled.status() == Status::ok);
+    CHECK(compiled.value.curve.pieces().size() == 1);
+    CHECK(compiled.report.sup_error <= 1e-13);
+    CHECK(compiled.value(2.5) == Approx((2 + 3 * 9 + 3 * -5 + 0) / 8.0));
 }
 
 TEST_CASE("vertical tangents are met within the tolerance too", "[animate][track][kinds]") {
@@ -332,11 +331,11 @@ TEST_CASE("vertical tangents are met within the tolerance too", "[animate][track
         keys[1].in_handle = {1, 0};
         TrackOptions options;
         options.tolerance = tolerance;
-        const auto compiled = compile_track<double>(keys, options);
-        REQUIRE(compiled.status == Status::ok);
+        const auto compiled = compile<double>(keys, options);
+        REQUIRE(compiled.status() == Status::ok);
         const BezierFunction function(key_interval(keys, 0));
         for (int n = 0; n <= 1000; ++n)
-            REQUIRE(std::fabs(compiled.track(n / 1000.0) - function(n / 1000.0)) <= tolerance * (1 + 1e-9));
+            REQUIRE(std::fabs(compiled.value(n / 1000.0) - function(n / 1000.0)) <= tolerance * (1 + 1e-9));
     }
 }
 
@@ -352,13 +351,13 @@ TEST_CASE("late keys keep their digits", "[animate][track][property]") {
     for (Key& k : later) {
         for (double* x : {&k.time, &k.in_handle[0], &k.out_handle[0]}) *x += 1e6;
     }
-    const auto here = compile_track<double>(keys), there = compile_track<double>(later);
-    REQUIRE(here.status == Status::ok);
-    REQUIRE(there.status == Status::ok);
+    const auto here = compile<double>(keys), there = compile<double>(later);
+    REQUIRE(here.status() == Status::ok);
+    REQUIRE(there.status() == Status::ok);
     const double begin = keys.front().time, end = keys.back().time;
     for (int n = 0; n <= 100; ++n) {
         const double x = std::floor((begin + (end - begin) * n / 100) * 4096) / 4096;
-        CHECK(there.track(x + 1e6) == Approx(here.track(x)).epsilon(0).margin(1e-7));
+        CHECK(there.value(x + 1e6) == Approx(here.value(x)).epsilon(0).margin(1e-7));
     }
 }
 
@@ -370,13 +369,13 @@ TEST_CASE("a single key is a constant", "[animate][track]") {
             for (const auto mode : {Extrapolation::constant, Extrapolation::linear, Extrapolation::cycle,
                                     Extrapolation::cycle_with_offset, Extrapolation::ping_pong}) {
                 options.before = options.after = mode;
-                const auto compiled = compile_track<float>(keys, options);
-                REQUIRE(compiled.status == Status::ok);
-                CHECK(compiled.sup_error == 0);
-                CHECK(compiled.track.before == mode);
-                CHECK(compiled.track.after == mode);
+                const auto compiled = compile<float>(keys, options);
+                REQUIRE(compiled.status() == Status::ok);
+                CHECK(compiled.report.sup_error == 0);
+                CHECK(compiled.value.before == mode);
+                CHECK(compiled.value.after == mode);
                 for (const float x : {-1e9f, -1.0f, float(time), 2.5f, 1e9f})
-                    CHECK(compiled.track(x) == 1.5f);
+                    CHECK(compiled.value(x) == 1.5f);
             }
         }
     }
@@ -394,12 +393,12 @@ TEST_CASE("what is refused, and which key is to blame", "[animate][track][refuse
     };
     const auto refused = [](const std::vector<Key>& keys, Status status, std::size_t culprit,
                             const TrackOptions& options = {}) {
-        const auto compiled = compile_track<double>(keys, options);
-        CHECK(compiled.status == status);
-        CHECK(compiled.culprit == culprit);
-        CHECK(compiled.track.curve.empty());
+        const auto compiled = compile<double>(keys, options);
+        CHECK(compiled.status() == status);
+        CHECK(compiled.report.culprit == culprit);
+        CHECK(compiled.value.curve.empty());
     };
-    REQUIRE(compile_track<double>(good()).status == Status::ok);
+    REQUIRE(compile<double>(good()).status() == Status::ok);
     refused({}, Status::keys_missing, 0);
     for (const double bad :
          {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(),
@@ -448,12 +447,12 @@ TEST_CASE("what is refused, and which key is to blame", "[animate][track][refuse
     }
     TrackOptions options;
     options.tolerance = 1e-15;
-    CHECK(compile_track<double>(good(), options).status == Status::tolerance_not_met);
+    CHECK(compile<double>(good(), options).status() == Status::tolerance_not_met);
     // The outer handles of the first and the last key are not looked at.
     keys = good();
     keys[0].in_handle = {7, 7};
     keys[3].out_handle = {-7, 7};
-    CHECK(compile_track<double>(keys).status == Status::ok);
+    CHECK(compile<double>(keys).status() == Status::ok);
 }
 
 TEMPLATE_TEST_CASE("what is too large for the scalar is refused, with its key", "[animate][track][refused]",
@@ -462,11 +461,11 @@ TEMPLATE_TEST_CASE("what is too large for the scalar is refused, with its key", 
     constexpr double largest = std::numeric_limits<T>::max();
     const auto refused = [](const std::vector<Key>& keys, std::size_t culprit,
                             Status why = Status::value_not_finite) {
-        const auto compiled = compile_track<T>(keys);
+        const auto compiled = compile<T>(keys);
         CAPTURE(keys[0].time, keys[0].value, keys[1].time, keys[1].value, int(keys[0].kind));
-        CHECK(compiled.status == why);
-        CHECK(compiled.culprit == culprit);
-        CHECK(compiled.track.curve.empty());
+        CHECK(compiled.status() == why);
+        CHECK(compiled.report.culprit == culprit);
+        CHECK(compiled.value.curve.empty());
     };
     constexpr bool is_float = std::is_same_v<T, float>;
     // Between the largest floats differences are numbers in double, though none to be met to 1/1920.
@@ -479,9 +478,9 @@ TEMPLATE_TEST_CASE("what is too large for the scalar is refused, with its key", 
     // A value that stays is as it is.
     for (const double value : {largest, -largest}) {
         const std::array keys{key(0, value, KeyKind::hold), key(1, 0, KeyKind::hold)};
-        const auto compiled = compile_track<T>(keys);
-        REQUIRE(compiled.status == Status::ok);
-        CHECK(compiled.track(T(0.5)) == T(value));
+        const auto compiled = compile<T>(keys);
+        REQUIRE(compiled.status() == Status::ok);
+        CHECK(compiled.value(T(0.5)) == T(value));
     }
     if (is_float) {
         for (const auto kind : {KeyKind::hold, KeyKind::linear}) {
@@ -508,14 +507,14 @@ TEMPLATE_TEST_CASE("a value that the scalar can say stays finite between any key
     }
     TrackOptions options;
     options.tolerance = 1e-3 * scale;
-    const auto compiled = compile_track<T>(keys, options);
-    if (compiled.status != Status::ok) {
-        CHECK(compiled.status == Status::value_not_finite);
+    const auto compiled = compile<T>(keys, options);
+    if (compiled.status() != Status::ok) {
+        CHECK(compiled.status() == Status::value_not_finite);
         CHECK(std::fabs(std::log2(scale)) + 3 * std::fabs(std::log2(pace)) >
               0.9 * std::numeric_limits<T>::max_exponent);
         return;
     }
-    const auto& curve = compiled.track.curve;
+    const auto& curve = compiled.value.curve;
     for (int n = 0; n <= 200; ++n) {
         const T x = T(keys.front().time + (keys.back().time - keys.front().time) * n / 200);
         CHECK(std::isfinite(curve(x)));
@@ -525,10 +524,10 @@ TEMPLATE_TEST_CASE("a value that the scalar can say stays finite between any key
 
 TEST_CASE("times that are the same in the scalar are refused", "[animate][track][refused]") {
     const std::array keys{key(1e6, 0), key(1e6 + 1e-3, 1), key(1e6 + 2, 3)};
-    CHECK(compile_track<double>(keys).status == Status::ok);
-    const auto compiled = compile_track<float>(keys);
-    CHECK(compiled.status == Status::keys_not_ascending);
-    CHECK(compiled.culprit == 1);
+    CHECK(compile<double>(keys).status() == Status::ok);
+    const auto compiled = compile<float>(keys);
+    CHECK(compiled.status() == Status::keys_not_ascending);
+    CHECK(compiled.report.culprit == 1);
 }
 
 TEST_CASE("knots between keys that the scalar cannot tell apart are left out, and keys still met",
@@ -538,11 +537,11 @@ TEST_CASE("knots between keys that the scalar cannot tell apart are left out, an
     near[1].in_handle = {near[0].time, -2};
     TrackOptions options;
     options.tolerance = 1e-3;
-    const auto short_track = compile_track<float>(near, options);
-    REQUIRE(short_track.status == Status::ok);
-    CHECK(short_track.track(float(near[0].time)) == Approx(0).epsilon(0).margin(1e-6));
-    CHECK(short_track.track(float(near[1].time)) == Approx(1).epsilon(0).margin(1e-5));
-    for (int n = 0; n <= 4; ++n) CHECK(std::isfinite(short_track.track(float(near[0].time + n * 0x1p-11))));
+    const auto short_track = compile<float>(near, options);
+    REQUIRE(short_track.status() == Status::ok);
+    CHECK(short_track.value(float(near[0].time)) == Approx(0).epsilon(0).margin(1e-6));
+    CHECK(short_track.value(float(near[1].time)) == Approx(1).epsilon(0).margin(1e-5));
+    for (int n = 0; n <= 4; ++n) CHECK(std::isfinite(short_track.value(float(near[0].time + n * 0x1p-11))));
 }
 
 TEST_CASE("the progress is told every thousand keys, and may cancel", "[animate][track]") {
@@ -555,15 +554,15 @@ TEST_CASE("the progress is told every thousand keys, and may cancel", "[animate]
         told.push_back(done);
         return told.size() < most;
     };
-    const auto compiled = compile_track<double>(keys, {}, running);
-    REQUIRE(compiled.status == Status::ok);
+    const auto compiled = compile<double>(keys, {}, running);
+    REQUIRE(compiled.status() == Status::ok);
     CHECK(told == std::vector<double>{0, 0.4, 0.8, 1});
-    CHECK(compiled.seconds >= 0);
+    CHECK(compiled.report.seconds >= 0);
     for (most = 1; most <= 4; ++most) {
         told.clear();
-        const auto cancelled = compile_track<double>(keys, {}, running);
-        CHECK(cancelled.status == Status::cancelled);
-        CHECK(cancelled.track.curve.empty());
+        const auto cancelled = compile<double>(keys, {}, running);
+        CHECK(cancelled.status() == Status::cancelled);
+        CHECK(cancelled.value.curve.empty());
         CHECK(told.size() == most);
     }
 }
@@ -584,10 +583,10 @@ TEST_CASE("tied pieces tell their progress within an interval, and may be cancel
         told.push_back(done);
         return told.size() < 5;
     };
-    const auto cancelled = compile_track<double>(keys, options, running);
-    CHECK(cancelled.status == Status::cancelled);
-    CHECK(cancelled.culprit == 0);
-    CHECK(cancelled.track.curve.empty());
+    const auto cancelled = compile<double>(keys, options, running);
+    CHECK(cancelled.status() == Status::cancelled);
+    CHECK(cancelled.report.culprit == 0);
+    CHECK(cancelled.value.curve.empty());
     CHECK(told.size() == 5);
     CHECK(std::is_sorted(told.begin(), told.end()));
     CHECK(told.back() < 0.1); // of the first of two intervals
@@ -597,13 +596,13 @@ TEST_CASE("a track that holds at its end cycles at its keys' period", "[animate]
     const std::array keys{key(0, 1, KeyKind::hold), key(1, 2, KeyKind::hold), key(2, 3, KeyKind::hold)};
     TrackOptions options;
     options.before = options.after = Extrapolation::cycle;
-    const auto compiled = compile_track<float>(keys, options);
-    REQUIRE(compiled.status == Status::ok);
+    const auto compiled = compile<float>(keys, options);
+    REQUIRE(compiled.status() == Status::ok);
     for (int turn = -1000; turn <= 1000; ++turn) {
-        CHECK(compiled.track(float(2 * turn) + 0.5f) == 1);
-        CHECK(compiled.track(float(2 * turn) + 1.0f) == 2);
-        CHECK(compiled.track(float(2 * turn) + 1.5f) == 2);
-        if (turn != 0 && turn != 1) CHECK(compiled.track(float(2 * turn)) == 1);
+        CHECK(compiled.value(float(2 * turn) + 0.5f) == 1);
+        CHECK(compiled.value(float(2 * turn) + 1.0f) == 2);
+        CHECK(compiled.value(float(2 * turn) + 1.5f) == 2);
+        if (turn != 0 && turn != 1) CHECK(compiled.value(float(2 * turn)) == 1);
     }
 }
 

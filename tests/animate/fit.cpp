@@ -46,29 +46,30 @@ TEST_CASE("every tolerance is met", "[animate][fit][tolerance][property]") {
     auto options = with(configuration(numbers[random.below(3)]), 3 + random.below(3));
     const double height = height_of(curve), tolerance = height * std::pow(10.0, random.uniform(-6, -1));
     const auto result = fit(curve, tolerance, options);
-    CAPTURE(tolerance, options.degree, unsigned(options.conditions), result.pieces());
-    REQUIRE(result.status == Status::ok);
-    CHECK(result.sup_error <= tolerance);
-    const auto error = sampled_error(result, curve, 2000);
+    CAPTURE(tolerance, options.degree, unsigned(options.conditions), result.value.pieces());
+    REQUIRE(result.status() == Status::ok);
+    CHECK(result.report.sup_error <= tolerance);
+    const auto error = sampled_error(result.value, curve, 2000);
     CHECK(error.sampled <= tolerance * (1 + 1e-9));
-    CHECK(result.sup_error >= error.sampled - 1e-13 * height);
-    CHECK(result.sup_error <= error.polished + 1e-9 * height);
-    CHECK(result.knots.front() == curve.begin());
-    CHECK(result.knots.back() == curve.end());
-    CHECK(result.knots.size() == result.parameters.size());
-    CHECK(result.bernstein.size() == result.pieces() * (options.degree + 1));
-    CHECK(result.free_coefficients <= result.bernstein.size());
-    for (std::size_t i = 0; i < result.pieces(); ++i) CHECK(result.knots[i] < result.knots[i + 1]);
+    CHECK(result.report.sup_error >= error.sampled - 1e-13 * height);
+    CHECK(result.report.sup_error <= error.polished + 1e-9 * height);
+    CHECK(result.value.knots.front() == curve.begin());
+    CHECK(result.value.knots.back() == curve.end());
+    CHECK(result.value.knots.size() == result.value.parameters.size());
+    CHECK(result.value.bernstein.size() == result.value.pieces() * (options.degree + 1));
+    CHECK(result.value.free_coefficients <= result.value.bernstein.size());
+    for (std::size_t i = 0; i < result.value.pieces(); ++i)
+        CHECK(result.value.knots[i] < result.value.knots[i + 1]);
     // The conditions hold.
-    const auto conditions = conditions_of(result, curve, options.conditions);
+    const auto conditions = conditions_of(result.value, curve, options.conditions);
     const Eigen::VectorXd v =
-        Eigen::Map<const Eigen::VectorXd>(result.bernstein.data(), long(result.bernstein.size()));
+        Eigen::Map<const Eigen::VectorXd>(result.value.bernstein.data(), long(result.value.bernstein.size()));
     CHECK((conditions.a * v - conditions.d).lpNorm<Eigen::Infinity>() <= 1e-9 * height);
     // The same as of those knots.
-    const auto again = cageform::fit_pieces(curve, result.parameters, options);
-    REQUIRE(again.status == Status::ok);
-    CHECK(again.sup_error == Approx(result.sup_error).epsilon(1e-9).margin(1e-14 * height));
-    CHECK(again.w12_error() == Approx(result.w12_error()).epsilon(1e-9));
+    const auto again = cageform::fit_pieces(curve, result.value.parameters, options);
+    REQUIRE(again.status() == Status::ok);
+    CHECK(again.report.sup_error == Approx(result.report.sup_error).epsilon(1e-9).margin(1e-14 * height));
+    CHECK(again.report.w12_error() == Approx(result.report.w12_error()).epsilon(1e-9));
 }
 
 TEST_CASE("no choice of knots on a fine grid needs fewer pieces", "[animate][fit][tolerance][property]") {
@@ -86,8 +87,8 @@ TEST_CASE("no choice of knots on a fine grid needs fewer pieces", "[animate][fit
         const auto result = fit(curve, tolerance, options);
         const std::size_t fewest = fewest_on_grid(curve, tolerance, options, 100);
         CAPTURE(seed, tolerance, options.degree);
-        REQUIRE(result.status == Status::ok);
-        if (fewest > 0) CHECK(result.pieces() <= fewest); // 0: the grid is too coarse for the curve
+        REQUIRE(result.status() == Status::ok);
+        if (fewest > 0) CHECK(result.value.pieces() <= fewest); // 0: the grid is too coarse for the curve
     }
 }
 
@@ -99,14 +100,14 @@ TEST_CASE("pieces tied together: every tolerance is met, one piece less would no
             const auto options = with(configuration(number));
             const double tolerance = 1.0 / 256;
             const auto result = fit(test_curves[c], tolerance, options);
-            REQUIRE(result.status == Status::ok);
-            CHECK(result.sup_error <= tolerance);
-            if (result.pieces() == 1) continue;
+            REQUIRE(result.status() == Status::ok);
+            CHECK(result.report.sup_error <= tolerance);
+            if (result.value.pieces() == 1) continue;
             // Not at the best knots in the W12 norm, which is what is promised.
-            const auto search = cageform::optimal_knots(test_curves[c], result.pieces() - 1, {options});
-            if (search.status != Status::ok) continue;
-            const auto fewer = cageform::fit_pieces(test_curves[c], search.parameters, options);
-            CHECK(fewer.sup_error > tolerance);
+            const auto search = cageform::optimal_knots(test_curves[c], result.value.pieces() - 1, {options});
+            if (search.status() != Status::ok) continue;
+            const auto fewer = cageform::fit_pieces(test_curves[c], search.value.parameters, options);
+            CHECK(fewer.report.sup_error > tolerance);
         }
     }
 }
@@ -121,9 +122,9 @@ TEST_CASE("vertical tangents: tolerances are met", "[animate][fit][tolerance][ve
                 FitOptions options;
                 options.slope_weight = slope_weight;
                 const auto result = fit(curve, tolerance, options);
-                REQUIRE(result.status == Status::ok);
-                CHECK(result.sup_error <= tolerance);
-                CHECK(sampled_error(result, curve, 4000).sampled <= tolerance * (1 + 1e-9));
+                REQUIRE(result.status() == Status::ok);
+                CHECK(result.report.sup_error <= tolerance);
+                CHECK(sampled_error(result.value, curve, 4000).sampled <= tolerance * (1 + 1e-9));
             }
         }
     }
@@ -132,45 +133,49 @@ TEST_CASE("vertical tangents: tolerances are met", "[animate][fit][tolerance][ve
 TEST_CASE("a straight line is one piece", "[animate][fit][tolerance]") {
     const auto line = moved(bezier(0.3, 0.3, 0.8, 0.8), 2, 5, -1, 7);
     const auto result = fit(line, 1e-9);
-    REQUIRE(result.status == Status::ok);
-    CHECK(result.pieces() == 1);
-    CHECK(result.sup_error <= 1e-14 * 10);
+    REQUIRE(result.status() == Status::ok);
+    CHECK(result.value.pieces() == 1);
+    CHECK(result.report.sup_error <= 1e-14 * 10);
     const auto flat = moved(bezier(0.3, 0, 0.8, 0), 0, 1, 3, 0);
-    CHECK(fit(flat, 1e-9).pieces() == 1);
-    CHECK(fit(flat, 1e-9).sup_error <= 1e-15);
+    CHECK(fit(flat, 1e-9).value.pieces() == 1);
+    CHECK(fit(flat, 1e-9).report.sup_error <= 1e-15);
 }
 
 TEST_CASE("too tight a tolerance and bad input are refused with a reason", "[animate][fit][tolerance]") {
     const auto good = bezier(0.3, 0.4, 0.6, 1.2);
-    REQUIRE(fit(good, 0.01).status == Status::ok);
+    REQUIRE(fit(good, 0.01).status() == Status::ok);
     const double not_a_number = std::numeric_limits<double>::quiet_NaN();
     for (const double tolerance : {0.0, -1.0, not_a_number})
-        CHECK(fit(good, tolerance).status == Status::tolerance_not_positive);
-    const auto best = fit(test_curves[4], 1e-6, {}, 3);
-    CHECK(best.status == Status::tolerance_not_met);
-    CHECK(best.pieces() == 3);
-    CHECK(best.w12_error() == Approx(0.183608).epsilon(0.005)); // the optimum of three pieces
-    const auto tied = fit(test_curves[4], 1e-6, with(end_value | knot_c0), 3);
-    CHECK(tied.status == Status::tolerance_not_met);
-    CHECK(tied.pieces() == 3);
+        CHECK(fit(good, tolerance).status() == Status::tolerance_not_positive);
+    const auto best = fit(test_curves[4], 1e-6, {.max_pieces = 3});
+    CHECK(best.status() == Status::tolerance_not_met);
+    CHECK(best.value.pieces() == 3);
+    CHECK(best.report.w12_error() == Approx(0.183608).epsilon(0.005)); // the optimum of three pieces
+    auto three = with(end_value | knot_c0);
+    three.max_pieces = 3;
+    const auto tied = fit(test_curves[4], 1e-6, three);
+    CHECK(tied.status() == Status::tolerance_not_met);
+    CHECK(tied.value.pieces() == 3);
     auto curve = good;
     curve.points[1][1] = not_a_number;
-    CHECK(fit(curve, 0.01).status == Status::value_not_finite);
+    CHECK(fit(curve, 0.01).status() == Status::value_not_finite);
     curve = good;
     std::swap(curve.points[0], curve.points[3]);
-    CHECK(fit(curve, 0.01).status == Status::interval_empty);
-    CHECK(fit(bezier(1.3, 0, .3, 1), 0.01).status == Status::curve_turns_back);
-    CHECK(fit(good, 0.01, with(end_value | knot_value, 6)).status == Status::degree_not_supported);
+    CHECK(fit(curve, 0.01).status() == Status::interval_empty);
+    CHECK(fit(bezier(1.3, 0, .3, 1), 0.01).status() == Status::curve_turns_back);
+    CHECK(fit(good, 0.01, with(end_value | knot_value, 6)).status() == Status::degree_not_supported);
     FitOptions weights;
     weights.value_weight = 0;
-    CHECK(fit(good, 0.01, weights).status == Status::weights_not_positive);
-    CHECK(fit(good, 0.01, with(end_value | knot_value | end_d1 | knot_d1 | end_d2 | knot_d2)).status ==
+    CHECK(fit(good, 0.01, weights).status() == Status::weights_not_positive);
+    CHECK(fit(good, 0.01, with(end_value | knot_value | end_d1 | knot_d1 | end_d2 | knot_d2)).status() ==
           Status::too_many_conditions);
-    CHECK(fit(bezier(0, 1, 0.5, 1), 0.01, with(end_value | knot_value | end_d1)).status ==
+    CHECK(fit(bezier(0, 1, 0.5, 1), 0.01, with(end_value | knot_value | end_d1)).status() ==
           Status::slope_unbounded);
-    CHECK(fit(good, 0.01, with(end_value | knot_c0 | knot_value)).status ==
+    CHECK(fit(good, 0.01, with(end_value | knot_c0 | knot_value)).status() ==
           Status::ok); // one piece has no inner knot
-    CHECK(fit(good, 1e-5, with(end_value | knot_c0 | knot_value), 3).status == Status::too_many_conditions);
+    three = with(end_value | knot_c0 | knot_value);
+    three.max_pieces = 3;
+    CHECK(fit(good, 1e-5, three).status() == Status::too_many_conditions);
 }
 
 TEST_CASE("tolerances that cannot be seen", "[animate][fit][tolerance]") {
@@ -195,9 +200,9 @@ TEST_CASE("the sup norm gives a largest error that no small change of a piece lo
     const auto plain = cageform::fit_pieces(curve, cageform::uniform_in_parameter(2), options);
     options.norm = cageform::FitNorm::sup;
     const auto refined = cageform::fit_pieces(curve, cageform::uniform_in_parameter(2), options);
-    REQUIRE(refined.status == Status::ok);
-    CHECK(refined.sup_error <= plain.sup_error);
-    CHECK(refined.w12_error() >= plain.w12_error() * (1 - 1e-9));
+    REQUIRE(refined.status() == Status::ok);
+    CHECK(refined.report.sup_error <= plain.report.sup_error);
+    CHECK(refined.report.w12_error() >= plain.report.w12_error() * (1 - 1e-9));
     const SobolevFitter fitter(curve, options);
     for (const auto& [begin, end] : {std::pair(0.0, 0.5), std::pair(0.5, 1.0)}) {
         const auto piece = fitter.fit_piece(begin, end);
@@ -211,10 +216,10 @@ TEST_CASE("the sup norm gives a largest error that no small change of a piece lo
     }
     // It never takes more pieces.
     const double tolerance = 1e-3;
-    CHECK(fit(curve, tolerance, options).pieces() <=
-          fit(curve, tolerance, with(end_value | knot_value, options.degree)).pieces());
+    CHECK(fit(curve, tolerance, options).value.pieces() <=
+          fit(curve, tolerance, with(end_value | knot_value, options.degree)).value.pieces());
     options.conditions = end_value | knot_c0;
-    CHECK(fit(curve, tolerance, options).status == Status::norm_not_supported);
+    CHECK(fit(curve, tolerance, options).status() == Status::norm_not_supported);
 }
 
 } // namespace fit_tests

@@ -63,11 +63,12 @@ double slow_search(const BezierCurve& curve, const std::vector<double>& candidat
         knots.push_back(1);
         if (knots.size() != pieces + 1) continue;
         const auto fit = cageform::fit_pieces(curve, knots, options);
-        if (fit.status != Status::ok) continue;
-        least = std::min(least, options.value_weight * fit.l2_error * fit.l2_error +
-                                    (options.slope_weight > 0
-                                         ? options.slope_weight * fit.slope_error * fit.slope_error
-                                         : 0)); // which may be infinite
+        if (fit.status() != Status::ok) continue;
+        least =
+            std::min(least, options.value_weight * fit.report.l2_error * fit.report.l2_error +
+                                (options.slope_weight > 0
+                                     ? options.slope_weight * fit.report.slope_error * fit.report.slope_error
+                                     : 0)); // which may be infinite
     }
     return least;
 }
@@ -83,14 +84,15 @@ TEST_CASE("the 60 errors in the captions of the source's figures", "[animate][kn
             CAPTURE(c + 1, pieces);
             for (const auto conditions : {end_value | knot_c0, end_value | knot_value}) {
                 const auto search = search_knots(curve, candidates, pieces, {with(conditions)});
-                REQUIRE(search.status == Status::ok);
-                REQUIRE(search.parameters.size() == pieces + 1);
-                const auto fit = cageform::fit_pieces(curve, search.parameters, with(conditions));
-                REQUIRE(fit.status == Status::ok);
-                CHECK(std::fabs(fit.w12_error() - captions[c][pieces - 1]) <= 1e-6);
-                worst = cageform_tests::larger(worst, std::fabs(fit.w12_error() - captions[c][pieces - 1]));
+                REQUIRE(search.status() == Status::ok);
+                REQUIRE(search.value.parameters.size() == pieces + 1);
+                const auto fit = cageform::fit_pieces(curve, search.value.parameters, with(conditions));
+                REQUIRE(fit.status() == Status::ok);
+                CHECK(std::fabs(fit.report.w12_error() - captions[c][pieces - 1]) <= 1e-6);
+                worst = cageform_tests::larger(worst,
+                                               std::fabs(fit.report.w12_error() - captions[c][pieces - 1]));
                 for (std::size_t i = 0; i <= pieces; ++i)
-                    CHECK(search.parameters[i] == candidates[search.indices[i]]);
+                    CHECK(search.value.parameters[i] == candidates[search.value.indices[i]]);
             }
         }
     }
@@ -133,12 +135,12 @@ TEST_CASE("the search finds the best of all choices", "[animate][knots][property
     const auto search = search_knots(curve, candidates, pieces, {options});
     const double least = slow_search(curve, candidates, pieces, options);
     CAPTURE(pieces, options.degree, unsigned(options.conditions), least);
-    if (search.status == Status::too_many_conditions) {
+    if (search.status() == Status::too_many_conditions) {
         CHECK(!(least < std::numeric_limits<double>::infinity()));
         return;
     }
-    REQUIRE(search.status == Status::ok);
-    CHECK(search.objective == Approx(least).epsilon(1e-8).margin(1e-20));
+    REQUIRE(search.status() == Status::ok);
+    CHECK(search.report.objective == Approx(least).epsilon(1e-8).margin(1e-20));
 }
 
 TEST_CASE("neighbours that agree have practically the best knots of values taken", "[animate][knots]") {
@@ -147,11 +149,11 @@ TEST_CASE("neighbours that agree have practically the best knots of values taken
             CAPTURE(c + 1, pieces);
             const auto candidates = uniform_in_parameter(12);
             const auto search = search_knots(test_curves[c], candidates, pieces, {with(end_value | knot_c0)});
-            REQUIRE(search.status == Status::ok);
+            REQUIRE(search.status() == Status::ok);
             const auto fit =
-                cageform::fit_pieces(test_curves[c], search.parameters, with(end_value | knot_c0));
+                cageform::fit_pieces(test_curves[c], search.value.parameters, with(end_value | knot_c0));
             const double least = slow_search(test_curves[c], candidates, pieces, {with(end_value | knot_c0)});
-            CHECK(fit.w12_error() <= std::sqrt(least) + 1e-7);
+            CHECK(fit.report.w12_error() <= std::sqrt(least) + 1e-7);
         }
     }
 }
@@ -165,9 +167,10 @@ TEST_CASE("in the L2 norm neighbours that agree have other best knots than value
         CAPTURE(curve.points[1][0], curve.points[2][0]);
         const auto candidates = uniform_in_parameter(10);
         const auto search = search_knots(curve, candidates, 3, {options});
-        REQUIRE(search.status == Status::ok);
-        const auto fit = cageform::fit_pieces(curve, search.parameters, options);
-        CHECK(fit.l2_error == Approx(std::sqrt(slow_search(curve, candidates, 3, options))).epsilon(1e-6));
+        REQUIRE(search.status() == Status::ok);
+        const auto fit = cageform::fit_pieces(curve, search.value.parameters, options);
+        CHECK(fit.report.l2_error ==
+              Approx(std::sqrt(slow_search(curve, candidates, 3, options))).epsilon(1e-6));
     }
 }
 
@@ -178,13 +181,15 @@ TEST_CASE("optimal knots reach the optimum", "[animate][knots][oracle]") {
             CAPTURE(c + 1, pieces);
             for (const auto conditions : {end_value | knot_c0, end_value | knot_value}) {
                 const auto search = optimal_knots(test_curves[c], pieces, {with(conditions)});
-                REQUIRE(search.status == Status::ok);
-                const auto fit = cageform::fit_pieces(test_curves[c], search.parameters, with(conditions));
-                REQUIRE(fit.status == Status::ok);
-                const double ratio = fit.w12_error() / optimum[c][pieces - 1];
+                REQUIRE(search.status() == Status::ok);
+                const auto fit =
+                    cageform::fit_pieces(test_curves[c], search.value.parameters, with(conditions));
+                REQUIRE(fit.status() == Status::ok);
+                const double ratio = fit.report.w12_error() / optimum[c][pieces - 1];
                 CAPTURE(ratio);
                 CHECK(ratio <= 1.005);
-                CHECK(search.objective == Approx(fit.w12_error() * fit.w12_error()).epsilon(1e-7));
+                CHECK(search.report.objective ==
+                      Approx(fit.report.w12_error() * fit.report.w12_error()).epsilon(1e-7));
                 worst = cageform_tests::larger(worst, ratio);
                 best = std::min(best, ratio);
             }
@@ -204,17 +209,17 @@ TEST_CASE("no move of one optimal knot lowers the error", "[animate][knots][prop
     options.degree = 3 + random.below(3);
     const std::size_t pieces = 2 + random.below(3);
     const auto search = optimal_knots(curve, pieces, {options});
-    REQUIRE(search.status == Status::ok);
+    REQUIRE(search.status() == Status::ok);
     const SobolevFitter fitter(curve, options);
     const auto uniform = fitter.objective(uniform_in_parameter(pieces));
-    CHECK(search.objective <= uniform * (1 + 1e-6) + 1e-16);
+    CHECK(search.report.objective <= uniform * (1 + 1e-6) + 1e-16);
     for (std::size_t i = 1; i < pieces; ++i) {
         for (const double move : {-1e-2, -1e-3, 1e-3, 1e-2}) {
-            auto t = search.parameters;
+            auto t = search.value.parameters;
             t[i] += move * (move < 0 ? t[i] - t[i - 1] : t[i + 1] - t[i]);
             CAPTURE(i, move);
             // By the knots of values taken where neighbours only agree: the same to 1e-6.
-            CHECK(fitter.objective(t) >= search.objective * (1 - 1e-5) - 1e-16);
+            CHECK(fitter.objective(t) >= search.report.objective * (1 - 1e-5) - 1e-16);
         }
     }
 }
@@ -228,11 +233,11 @@ TEST_CASE("many knots come near the optimum too", "[animate][knots]") {
         cageform::KnotOptions knots{options};
         knots.rounds = 20;
         const auto search = optimal_knots(curve, pieces, knots);
-        REQUIRE(search.status == Status::ok);
-        REQUIRE(search.parameters.size() == pieces + 1);
-        const auto fit = cageform::fit_pieces(curve, search.parameters, options);
-        REQUIRE(fit.status == Status::ok);
-        return fit.w12_error() * std::pow(double(pieces), 3);
+        REQUIRE(search.status() == Status::ok);
+        REQUIRE(search.value.parameters.size() == pieces + 1);
+        const auto fit = cageform::fit_pieces(curve, search.value.parameters, options);
+        REQUIRE(fit.status() == Status::ok);
+        return fit.report.w12_error() * std::pow(double(pieces), 3);
     };
     const double few = scaled(60, {}), tied = scaled(24, smooth);
     CHECK(scaled(130, {}) == Approx(few).epsilon(0.1));
@@ -244,17 +249,17 @@ TEST_CASE("the source's heuristic comes near the optimum of two pieces", "[anima
         CAPTURE(c + 1);
         const auto options = with(end_value | knot_c0);
         const auto search = refine_knot(test_curves[c], 10, options, 0, 8);
-        REQUIRE(search.status == Status::ok);
-        REQUIRE(search.parameters.size() == 3);
-        const auto fit = cageform::fit_pieces(test_curves[c], search.parameters, options);
+        REQUIRE(search.status() == Status::ok);
+        REQUIRE(search.value.parameters.size() == 3);
+        const auto fit = cageform::fit_pieces(test_curves[c], search.value.parameters, options);
         // Of several valleys it may follow a wrong one: curves 3, 5, 7, 9, 10, steep in the middle.
         const bool steep = c == 2 || c == 4 || c == 6 || c >= 8;
-        CHECK(fit.w12_error() <= optimum[c][1] * (steep ? 1.2 : 1) + 1e-5);
-        CHECK(search.trials <= 8 * 9);
+        CHECK(fit.report.w12_error() <= optimum[c][1] * (steep ? 1.2 : 1) + 1e-5);
+        CHECK(search.report.trials <= 8 * 9);
         // It stops where the error is accepted.
         const auto early = refine_knot(test_curves[c], 10, options, 1e3);
-        CHECK(early.trials == 9);
-        CHECK(std::sqrt(early.objective) >= fit.w12_error() - 1e-9);
+        CHECK(early.report.trials == 9);
+        CHECK(std::sqrt(early.report.objective) >= fit.report.w12_error() - 1e-9);
     }
 }
 
@@ -270,26 +275,27 @@ TEST_CASE("a search tells how far it is, and may be cancelled", "[animate][knots
             return told.size() < most;
         };
         const auto result = search(running);
-        CHECK((result.status == Status::cancelled) == (told.size() == most));
+        CHECK((result.status() == Status::cancelled) == (told.size() == most));
         return told.size();
     };
-    for (const auto& search : std::array<std::function<cageform::KnotSearch(const cageform::Running&)>, 4>{
-             [&](const auto& running) {
-                 return search_knots(curve, uniform_in_parameter(20), 3, {}, running);
-             },
-             [&](const auto& running) {
-                 return search_knots(curve, uniform_in_parameter(25), 4, {smooth}, running);
-             },
-             [&](const auto& running) { return optimal_knots(curve, 3, {}, running); },
-             [&](const auto& running) { return optimal_knots(curve, 3, {smooth}, running); }}) {
+    for (const auto& search :
+         std::array<std::function<cageform::Result<cageform::BestKnots, cageform::KnotReport>(
+                        const cageform::Running&)>,
+                    4>{[&](const auto& running) {
+                           return search_knots(curve, uniform_in_parameter(20), 3, {}, running);
+                       },
+                       [&](const auto& running) {
+                           return search_knots(curve, uniform_in_parameter(25), 4, {smooth}, running);
+                       },
+                       [&](const auto& running) { return optimal_knots(curve, 3, {}, running); },
+                       [&](const auto& running) { return optimal_knots(curve, 3, {smooth}, running); }}) {
         const std::size_t all = run(1000, search);
         CHECK(all > 1);
         for (std::size_t most = 1; most <= all; ++most) CHECK(run(most, search) == most);
     }
     const auto of_tolerance = [&](const FitOptions& options) {
-        return [&curve, options](const auto& running) {
-            return cageform::fit(curve, 1e-5, options, 64, running);
-        };
+        return
+            [&curve, options](const auto& running) { return cageform::fit(curve, 1e-5, options, running); };
     };
     for (const auto& options : {FitOptions{}, smooth}) {
         const std::size_t all = run(1000, of_tolerance(options));
@@ -301,23 +307,23 @@ TEST_CASE("a search tells how far it is, and may be cancelled", "[animate][knots
 TEST_CASE("a search that cannot be is refused with a reason", "[animate][knots]") {
     const auto curve = bezier(0.3, 0.4, 0.6, 1.2);
     const auto candidates = uniform_in_parameter(10);
-    CHECK(search_knots(curve, candidates, 0).status == Status::knots_not_ascending);
-    CHECK(search_knots(curve, candidates, 11).status == Status::knots_not_ascending);
-    CHECK(search_knots(curve, candidates, 10).status == Status::ok);
-    CHECK(search_knots(curve, {}, 1).status == Status::knots_not_ascending);
+    CHECK(search_knots(curve, candidates, 0).status() == Status::knots_not_ascending);
+    CHECK(search_knots(curve, candidates, 11).status() == Status::knots_not_ascending);
+    CHECK(search_knots(curve, candidates, 10).status() == Status::ok);
+    CHECK(search_knots(curve, {}, 1).status() == Status::knots_not_ascending);
     const auto smooth = with(end_value | knot_c0 | knot_c1);
-    CHECK(search_knots(curve, candidates, 4, {smooth, 83}).status == Status::too_many_trials); // 84 choices
-    CHECK(search_knots(curve, candidates, 4, {smooth, 84}).status == Status::ok);
-    CHECK(search_knots(curve, candidates, 1, {with(configuration(14))}).status ==
+    CHECK(search_knots(curve, candidates, 4, {smooth, 83}).status() == Status::too_many_trials); // 84 choices
+    CHECK(search_knots(curve, candidates, 4, {smooth, 84}).status() == Status::ok);
+    CHECK(search_knots(curve, candidates, 1, {with(configuration(14))}).status() ==
           Status::too_many_conditions);
-    CHECK(search_knots(bezier(-1, 0, 0.5, 1), candidates, 2).status == Status::curve_turns_back);
-    CHECK(optimal_knots(bezier(-1, 0, 0.5, 1), 2).status == Status::curve_turns_back);
-    CHECK(optimal_knots(curve, 0).status == Status::knots_not_ascending);
-    CHECK(optimal_knots(curve, 1, {with(configuration(15))}).status == Status::too_many_conditions);
-    CHECK(refine_knot(bezier(-1, 0, 0.5, 1), 10).status == Status::curve_turns_back);
+    CHECK(search_knots(bezier(-1, 0, 0.5, 1), candidates, 2).status() == Status::curve_turns_back);
+    CHECK(optimal_knots(bezier(-1, 0, 0.5, 1), 2).status() == Status::curve_turns_back);
+    CHECK(optimal_knots(curve, 0).status() == Status::knots_not_ascending);
+    CHECK(optimal_knots(curve, 1, {with(configuration(15))}).status() == Status::too_many_conditions);
+    CHECK(refine_knot(bezier(-1, 0, 0.5, 1), 10).status() == Status::curve_turns_back);
     FitOptions degree;
     degree.degree = 6;
-    CHECK(search_knots(curve, candidates, 2, {degree}).status == Status::degree_not_supported);
+    CHECK(search_knots(curve, candidates, 2, {degree}).status() == Status::degree_not_supported);
 }
 
 } // namespace knots_tests

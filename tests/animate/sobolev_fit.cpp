@@ -52,6 +52,7 @@ struct RandomFit {
     std::vector<double> parameters;
     FitOptions options;
     BezierFit fit;
+    cageform::FitReport report;
 };
 RandomFit random_fit(Random& random, const BezierCurve& curve) {
     RandomFit result;
@@ -62,15 +63,18 @@ RandomFit random_fit(Random& random, const BezierCurve& curve) {
         result.options.conditions = configurations[random.below(configurations.size())];
         result.options.slope_weight = std::pow(10.0, random.uniform(-2, 1));
         result.options.scale_free = random.below(2) == 0;
-        result.fit = fit_pieces(curve, result.parameters, result.options);
-        REQUIRE((result.fit.status == Status::ok || result.fit.status == Status::too_many_conditions));
-    } while (result.fit.status != Status::ok);
+        auto fitted = fit_pieces(curve, result.parameters, result.options);
+        REQUIRE((fitted || fitted.status() == Status::too_many_conditions));
+        result.fit = std::move(fitted.value);
+        result.report = fitted.report;
+    } while (result.report.status != Status::ok);
     return result;
 }
 
 /// A fit of a normal curve with the default norm.
-BezierFit fit_of(const BezierCurve& curve, const std::vector<double>& parameters, FitCondition conditions,
-                 std::size_t degree = 3) {
+cageform::Result<BezierFit, cageform::FitReport> fit_of(const BezierCurve& curve,
+                                                        const std::vector<double>& parameters,
+                                                        FitCondition conditions, std::size_t degree = 3) {
     FitOptions options;
     options.conditions = conditions;
     options.degree = degree;
@@ -113,20 +117,20 @@ TEST_CASE("fits are those of the reference cases", "[animate][fit][oracle]") {
         if (mode == "search_t") {
             const auto search =
                 cageform::search_knots(curve, uniform_in_parameter(knots.at("K")), pieces, {options});
-            REQUIRE(search.status == Status::ok);
-            CHECK(search.indices == expected.at("search_index").get<std::vector<std::size_t>>());
-            parameters = search.parameters;
+            REQUIRE(search.status() == Status::ok);
+            CHECK(search.value.indices == expected.at("search_index").get<std::vector<std::size_t>>());
+            parameters = search.value.parameters;
         }
         const auto fit = fit_pieces(curve, parameters, options);
-        REQUIRE(fit.status == Status::ok);
+        REQUIRE(fit.status() == Status::ok);
         const auto list = [&](const char* name) { return expected.at(name).get<std::vector<double>>(); };
         const double range = std::max(1.0, height_of(curve));
-        CHECK(difference(fit.knots, list("knots_x")) <= 1e-12 * (1 + std::fabs(curve.end())));
-        CHECK(difference(fit.parameters, list("knots_t")) <= 1e-12);
+        CHECK(difference(fit.value.knots, list("knots_x")) <= 1e-12 * (1 + std::fabs(curve.end())));
+        CHECK(difference(fit.value.parameters, list("knots_t")) <= 1e-12);
         std::vector<double> bernstein;
         for (const auto& piece : expected.at("bernstein"))
             bernstein.insert(bernstein.end(), piece.begin(), piece.end());
-        CHECK(difference(fit.bernstein, bernstein) <= 1e-10 * range); // measured: 7e-15
+        CHECK(difference(fit.value.bernstein, bernstein) <= 1e-10 * range); // measured: 7e-15
         const auto error = [&](const char* name, double value) {
             CAPTURE(name, value);
             if (expected.at(name).is_null()) {
@@ -136,27 +140,28 @@ TEST_CASE("fits are those of the reference cases", "[animate][fit][oracle]") {
             const double e = expected.at(name);
             CHECK(std::fabs(value - e) <= 1e-9 * e + 1e-12);
         };
-        error("l2_error", fit.l2_error);
-        error("h1_semi_error", fit.slope_error);
-        error("w12_error", fit.w12_error());
+        error("l2_error", fit.report.l2_error);
+        error("h1_semi_error", fit.report.slope_error);
+        error("w12_error", fit.report.w12_error());
         const double sup = expected.at("sup_error");
-        CHECK(std::fabs(fit.sup_error - sup) <= (sup > 0 ? 1e-9 * sup : 1e-12));
-        CHECK(fit.free_coefficients == expected.at("free_coefficients").get<std::size_t>());
+        CHECK(std::fabs(fit.report.sup_error - sup) <= (sup > 0 ? 1e-9 * sup : 1e-12));
+        CHECK(fit.value.free_coefficients == expected.at("free_coefficients").get<std::size_t>());
         // The place, except where there is none or where symmetry leaves two.
         if (!expected.at("sup_at_x").is_null() && mode != "uniform_t") {
             const double at = expected.at("sup_at_x");
             const double mirrored = curve.begin() + curve.end() - at;
-            CHECK(std::min(std::fabs(fit.sup_at - at), std::fabs(fit.sup_at - mirrored)) <=
+            CHECK(std::min(std::fabs(fit.report.sup_at - at), std::fabs(fit.report.sup_at - mirrored)) <=
                   1e-6 * (1 + std::fabs(at)));
         }
         // The polynomials in powers of time, as curves.
         for (std::size_t i = 0; i < pieces; ++i) {
             const auto power = expected.at("power_x")[i].get<std::vector<double>>();
             for (int n = 0; n <= 10; ++n) {
-                const double u = double(n) / 10, x = fit.knots[i] + u * (fit.knots[i + 1] - fit.knots[i]);
+                const double u = double(n) / 10,
+                             x = fit.value.knots[i] + u * (fit.value.knots[i + 1] - fit.value.knots[i]);
                 long double sum = 0;
                 for (const double c : power) sum = sum * x + c;
-                const auto value = piece_at(fit.coefficients(i), 1, u).value;
+                const auto value = piece_at(fit.value.coefficients(i), 1, u).value;
                 CHECK(std::fabs(double(sum - value)) <= 1e-9 * largest(power));
             }
         }
@@ -173,31 +178,31 @@ TEST_CASE("values in another unit: the same fit, to the bit", "[animate][fit][pr
     BezierCurve curve = some.curve;
     for (auto& p : curve.points) p[1] *= unit;
     const auto fit = fit_pieces(curve, some.parameters, some.options);
-    REQUIRE(fit.status == Status::ok);
-    for (std::size_t i = 0; i < fit.bernstein.size(); ++i)
-        CHECK(fit.bernstein[i] == unit * some.fit.bernstein[i]);
-    CHECK(fit.l2_error == unit * some.fit.l2_error);
-    CHECK(fit.slope_error == unit * some.fit.slope_error);
-    CHECK(fit.sup_error == unit * some.fit.sup_error);
-    CHECK(fit.sup_at == some.fit.sup_at);
+    REQUIRE(fit.status() == Status::ok);
+    for (std::size_t i = 0; i < fit.value.bernstein.size(); ++i)
+        CHECK(fit.value.bernstein[i] == unit * some.fit.bernstein[i]);
+    CHECK(fit.report.l2_error == unit * some.report.l2_error);
+    CHECK(fit.report.slope_error == unit * some.report.slope_error);
+    CHECK(fit.report.sup_error == unit * some.report.sup_error);
+    CHECK(fit.report.sup_at == some.report.sup_at);
 }
 
 TEST_CASE("errors are those of brute quadrature", "[animate][fit][property]") {
     const auto seed = GENERATE(seeds(40));
     CAPTURE(seed);
     Random random(std::uint64_t(seed) + 11);
-    const auto [curve, parameters, options, fit] = random_fit(random, random_curve(random, 0.05));
+    const auto [curve, parameters, options, fit, report] = random_fit(random, random_curve(random, 0.05));
     const auto slow = slow_errors(fit, curve);
     const double length = curve.end() - curve.begin(), height = height_of(curve);
-    CHECK(fit.l2_error == Approx(slow.l2).epsilon(1e-8).margin(1e-13 * height * std::sqrt(length)));
-    CHECK(fit.slope_error == Approx(slow.slope).epsilon(1e-8).margin(1e-12 * height / std::sqrt(length)));
+    CHECK(report.l2_error == Approx(slow.l2).epsilon(1e-8).margin(1e-13 * height * std::sqrt(length)));
+    CHECK(report.slope_error == Approx(slow.slope).epsilon(1e-8).margin(1e-12 * height / std::sqrt(length)));
 }
 
 TEST_CASE("conditions are met, and the fit is the best of all that meet them", "[animate][fit][property]") {
     const auto seed = GENERATE(seeds(120));
     CAPTURE(seed);
     Random random(std::uint64_t(seed) + 23);
-    const auto [curve, parameters, options, fit] = random_fit(random, random_curve(random, 0.05));
+    const auto [curve, parameters, options, fit, report] = random_fit(random, random_curve(random, 0.05));
     CAPTURE(unsigned(options.conditions), options.degree, parameters.size());
     const auto conditions = conditions_of(fit, curve, options.conditions);
     const Eigen::VectorXd v =
@@ -240,10 +245,10 @@ TEST_CASE("a curve whose time is linear is fitted exactly", "[animate][fit][prop
     const double length = std::pow(10.0, random.uniform(-2, 2));
     const auto curve = moved(bezier(1. / 3, random.uniform(-1, 2), 2. / 3, random.uniform(-1, 2)),
                              random.uniform(-3, 3), length, random.uniform(-3, 3), random.uniform(1, 5));
-    const auto fit = random_fit(random, curve).fit;
-    CHECK(fit.sup_error <= 1e-12 * height_of(curve));
-    CHECK(fit.l2_error <= 1e-12 * height_of(curve) * std::sqrt(length));
-    CHECK(fit.slope_error <= 1e-10 * height_of(curve) / std::sqrt(length));
+    const auto [same, parameters, options, fit, report] = random_fit(random, curve);
+    CHECK(report.sup_error <= 1e-12 * height_of(curve));
+    CHECK(report.l2_error <= 1e-12 * height_of(curve) * std::sqrt(length));
+    CHECK(report.slope_error <= 1e-10 * height_of(curve) / std::sqrt(length));
     for (std::size_t i = 0; i < fit.pieces(); ++i) {
         for (const double u : {0.0, 0.25, 0.5, 1.0}) {
             const double x = fit.knots[i] + u * (fit.knots[i + 1] - fit.knots[i]);
@@ -259,7 +264,7 @@ TEST_CASE("a fit follows scales and shifts of the value, and shears leave its er
     const auto seed = GENERATE(seeds(60));
     CAPTURE(seed);
     Random random(std::uint64_t(seed) + 41);
-    const auto [curve, parameters, options, fit] = random_fit(random, random_normal_curve(random));
+    const auto [curve, parameters, options, fit, report] = random_fit(random, random_normal_curve(random));
     const double factor = random.uniform(-5, 5), shift = random.uniform(-5, 5), shear = random.uniform(-5, 5);
     auto scaled = curve, sheared = curve;
     for (std::size_t k = 0; k < 4; ++k) {
@@ -267,22 +272,24 @@ TEST_CASE("a fit follows scales and shifts of the value, and shears leave its er
         sheared.points[k][1] += shear * curve.points[k][0];
     }
     const auto of_scaled = fit_pieces(scaled, parameters, options);
-    REQUIRE(of_scaled.status == Status::ok);
+    REQUIRE(of_scaled.status() == Status::ok);
     for (std::size_t k = 0; k < fit.bernstein.size(); ++k)
-        CHECK(of_scaled.bernstein[k] == Approx(factor * fit.bernstein[k] + shift)
-                                            .epsilon(0)
-                                            .margin(1e-10 * (1 + largest(fit.bernstein))));
+        CHECK(of_scaled.value.bernstein[k] == Approx(factor * fit.bernstein[k] + shift)
+                                                  .epsilon(0)
+                                                  .margin(1e-10 * (1 + largest(fit.bernstein))));
     const double size = 1 + largest(fit.bernstein);
-    CHECK(of_scaled.sup_error == Approx(std::fabs(factor) * fit.sup_error).epsilon(0).margin(1e-11 * size));
-    CHECK(of_scaled.l2_error == Approx(std::fabs(factor) * fit.l2_error).epsilon(0).margin(1e-11 * size));
-    CHECK(of_scaled.slope_error ==
-          Approx(std::fabs(factor) * fit.slope_error).epsilon(0).margin(1e-9 * size));
+    CHECK(of_scaled.report.sup_error ==
+          Approx(std::fabs(factor) * report.sup_error).epsilon(0).margin(1e-11 * size));
+    CHECK(of_scaled.report.l2_error ==
+          Approx(std::fabs(factor) * report.l2_error).epsilon(0).margin(1e-11 * size));
+    CHECK(of_scaled.report.slope_error ==
+          Approx(std::fabs(factor) * report.slope_error).epsilon(0).margin(1e-9 * size));
 
     const auto of_sheared = fit_pieces(sheared, parameters, options);
-    REQUIRE(of_sheared.status == Status::ok);
-    CHECK(of_sheared.sup_error == Approx(fit.sup_error).epsilon(0).margin(1e-11 * size));
-    CHECK(of_sheared.l2_error == Approx(fit.l2_error).epsilon(0).margin(1e-11 * size));
-    CHECK(of_sheared.slope_error == Approx(fit.slope_error).epsilon(0).margin(1e-9 * size));
+    REQUIRE(of_sheared.status() == Status::ok);
+    CHECK(of_sheared.report.sup_error == Approx(report.sup_error).epsilon(0).margin(1e-11 * size));
+    CHECK(of_sheared.report.l2_error == Approx(report.l2_error).epsilon(0).margin(1e-11 * size));
+    CHECK(of_sheared.report.slope_error == Approx(report.slope_error).epsilon(0).margin(1e-9 * size));
 }
 
 TEST_CASE("weights in the curve's units are other weights of the normal form", "[animate][fit][property]") {
@@ -302,17 +309,18 @@ TEST_CASE("weights in the curve's units are other weights of the normal form", "
         normal.scale_free = random.below(2) == 0; // the same for an interval of length 1
         const auto fit = fit_pieces(curve, drawn.parameters, units ? in_units : scale_free);
         const auto of_form = fit_pieces(form.curve, drawn.parameters, normal);
-        REQUIRE(fit.status == Status::ok);
-        REQUIRE(of_form.status == Status::ok);
-        const double size = 1 + largest(of_form.bernstein), height = std::fabs(form.height);
-        for (std::size_t k = 0; k < fit.bernstein.size(); ++k)
-            CHECK((fit.bernstein[k] - form.value) / form.height ==
-                  Approx(of_form.bernstein[k]).epsilon(0).margin(1e-10 * size));
-        CHECK(fit.sup_error == Approx(height * of_form.sup_error).epsilon(0).margin(1e-11 * size * height));
-        CHECK(fit.l2_error / height / std::sqrt(form.length) ==
-              Approx(of_form.l2_error).epsilon(0).margin(1e-11 * size));
-        CHECK(fit.slope_error / height * std::sqrt(form.length) ==
-              Approx(of_form.slope_error).epsilon(0).margin(1e-9 * size));
+        REQUIRE(fit.status() == Status::ok);
+        REQUIRE(of_form.status() == Status::ok);
+        const double size = 1 + largest(of_form.value.bernstein), height = std::fabs(form.height);
+        for (std::size_t k = 0; k < fit.value.bernstein.size(); ++k)
+            CHECK((fit.value.bernstein[k] - form.value) / form.height ==
+                  Approx(of_form.value.bernstein[k]).epsilon(0).margin(1e-10 * size));
+        CHECK(fit.report.sup_error ==
+              Approx(height * of_form.report.sup_error).epsilon(0).margin(1e-11 * size * height));
+        CHECK(fit.report.l2_error / height / std::sqrt(form.length) ==
+              Approx(of_form.report.l2_error).epsilon(0).margin(1e-11 * size));
+        CHECK(fit.report.slope_error / height * std::sqrt(form.length) ==
+              Approx(of_form.report.slope_error).epsilon(0).margin(1e-9 * size));
     }
 }
 
@@ -320,11 +328,11 @@ TEST_CASE("far away times change nothing, reversed time mirrors", "[animate][fit
     const auto seed = GENERATE(seeds(60));
     CAPTURE(seed);
     Random random(std::uint64_t(seed) + 61);
-    const auto [curve, parameters, options, fit] = random_fit(random, random_normal_curve(random));
+    const auto [curve, parameters, options, fit, report] = random_fit(random, random_normal_curve(random));
     const auto shifted = fit_pieces(moved(curve, 1e3, 1, 0, 1), parameters, options);
-    REQUIRE(shifted.status == Status::ok);
-    CHECK(difference(shifted.bernstein, fit.bernstein) <= 1e-9 * (1 + largest(fit.bernstein)));
-    CHECK(shifted.sup_error == Approx(fit.sup_error).epsilon(0).margin(1e-9));
+    REQUIRE(shifted.status() == Status::ok);
+    CHECK(difference(shifted.value.bernstein, fit.bernstein) <= 1e-9 * (1 + largest(fit.bernstein)));
+    CHECK(shifted.report.sup_error == Approx(report.sup_error).epsilon(0).margin(1e-9));
 
     BezierCurve back;
     for (std::size_t k = 0; k < 4; ++k) {
@@ -333,12 +341,12 @@ TEST_CASE("far away times change nothing, reversed time mirrors", "[animate][fit
     std::vector<double> mirrored(parameters.rbegin(), parameters.rend());
     for (double& t : mirrored) t = 1 - t;
     const auto of_back = fit_pieces(back, mirrored, options);
-    REQUIRE(of_back.status == Status::ok);
+    REQUIRE(of_back.status() == Status::ok);
     for (std::size_t k = 0; k < fit.bernstein.size(); ++k)
-        CHECK(of_back.bernstein[k] == Approx(1 - fit.bernstein[fit.bernstein.size() - 1 - k])
-                                          .margin(1e-10 * (1 + largest(fit.bernstein))));
-    CHECK(of_back.sup_error == Approx(fit.sup_error).epsilon(0).margin(1e-11));
-    CHECK(of_back.slope_error == Approx(fit.slope_error).epsilon(0).margin(1e-9));
+        CHECK(of_back.value.bernstein[k] == Approx(1 - fit.bernstein[fit.bernstein.size() - 1 - k])
+                                                .margin(1e-10 * (1 + largest(fit.bernstein))));
+    CHECK(of_back.report.sup_error == Approx(report.sup_error).epsilon(0).margin(1e-11));
+    CHECK(of_back.report.slope_error == Approx(report.slope_error).epsilon(0).margin(1e-9));
 }
 
 TEST_CASE("the error is linear in the handles' distance from a straight line", "[animate][fit][property]") {
@@ -346,21 +354,24 @@ TEST_CASE("the error is linear in the handles' distance from a straight line", "
     for (std::size_t pieces = 1; pieces <= 6; ++pieces) {
         const auto t = uniform_in_parameter(pieces);
         const auto seventh = fit_pieces(test_curves[6], t), tenth = fit_pieces(test_curves[9], t);
-        CHECK(tenth.w12_error() == Approx(5.5 * seventh.w12_error()).epsilon(1e-11));
-        CHECK(tenth.sup_error == Approx(5.5 * seventh.sup_error).epsilon(1e-11));
+        CHECK(tenth.report.w12_error() == Approx(5.5 * seventh.report.w12_error()).epsilon(1e-11));
+        CHECK(tenth.report.sup_error == Approx(5.5 * seventh.report.sup_error).epsilon(1e-11));
     }
     for (int seed = 0; seed < 50; ++seed) {
         CAPTURE(seed);
         Random random(std::uint64_t(seed) + 71);
-        const auto [curve, parameters, options, fit] = random_fit(random, random_normal_curve(random));
+        const auto [curve, parameters, options, fit, report] =
+            random_fit(random, random_normal_curve(random));
         const double factor = random.uniform(-6, 6);
         auto other = curve;
         for (const std::size_t k : {1u, 2u})
             other.points[k][1] = curve.points[k][0] + factor * (curve.points[k][1] - curve.points[k][0]);
         const auto of_other = fit_pieces(other, parameters, options);
-        REQUIRE(of_other.status == Status::ok);
-        CHECK(of_other.w12_error() == Approx(std::fabs(factor) * fit.w12_error()).epsilon(1e-8).margin(1e-9));
-        CHECK(of_other.sup_error == Approx(std::fabs(factor) * fit.sup_error).epsilon(1e-8).margin(1e-11));
+        REQUIRE(of_other.status() == Status::ok);
+        CHECK(of_other.report.w12_error() ==
+              Approx(std::fabs(factor) * report.w12_error()).epsilon(1e-8).margin(1e-9));
+        CHECK(of_other.report.sup_error ==
+              Approx(std::fabs(factor) * report.sup_error).epsilon(1e-8).margin(1e-11));
     }
 }
 
@@ -371,11 +382,11 @@ TEST_CASE("more knots, a higher degree and fewer conditions never raise the erro
     Random random(std::uint64_t(seed) + 83);
     const auto curve = random_normal_curve(random);
     const auto knots = random_parameters(random, 3 + random.below(3));
-    const auto never_above = [](const BezierFit& a, const BezierFit& b) {
-        if (a.status == Status::too_many_conditions || b.status == Status::too_many_conditions) return;
-        REQUIRE(a.status == Status::ok);
-        REQUIRE(b.status == Status::ok);
-        CHECK(a.w12_error() <= b.w12_error() * (1 + 1e-9) + 1e-12);
+    const auto never_above = [](const auto& a, const auto& b) {
+        if (a.status() == Status::too_many_conditions || b.status() == Status::too_many_conditions) return;
+        REQUIRE(a.status() == Status::ok);
+        REQUIRE(b.status() == Status::ok);
+        CHECK(a.report.w12_error() <= b.report.w12_error() * (1 + 1e-9) + 1e-12);
     };
     // Where conditions only tie neighbours together.
     for (const std::size_t number : {1u, 2u, 4u, 8u}) {
@@ -399,7 +410,7 @@ TEST_CASE("more knots, a higher degree and fewer conditions never raise the erro
         return bits;
     };
     for (const std::size_t degree : {3u, 4u, 5u}) {
-        std::vector<BezierFit> fits;
+        std::vector<cageform::Result<BezierFit, cageform::FitReport>> fits;
         for (const auto conditions : configurations) fits.push_back(fit_of(curve, knots, conditions, degree));
         for (std::size_t a = 0; a < 27; ++a) {
             for (std::size_t b = 0; b < 27; ++b) {
@@ -419,14 +430,16 @@ TEST_CASE("XXIV is the clamped spline, IX leaves two coefficients", "[animate][f
     const std::size_t pieces = 1 + random.below(8);
     const auto knots = random_parameters(random, pieces);
     const auto fit = fit_of(curve, knots, configuration(24));
-    REQUIRE(fit.status == Status::ok);
-    CHECK(fit.free_coefficients == 0);
+    REQUIRE(fit.status() == Status::ok);
+    CHECK(fit.value.free_coefficients == 0);
     // Slopes at the knots of the spline, from its tridiagonal system.
     const long n = long(pieces);
     Eigen::MatrixXd a = Eigen::MatrixXd::Zero(n + 1, n + 1);
     Eigen::VectorXd right(n + 1);
     const auto value = [&](long i) { return double(point_at(curve, knots[std::size_t(i)])[1]); };
-    const auto h = [&](long i) { return fit.knots[std::size_t(i) + 1] - fit.knots[std::size_t(i)]; };
+    const auto h = [&](long i) {
+        return fit.value.knots[std::size_t(i) + 1] - fit.value.knots[std::size_t(i)];
+    };
     for (const long end : {0L, n}) {
         a(end, end) = 1;
         right(end) = double(derivatives_at(curve, end == 0 ? 0 : 1)[1]);
@@ -443,13 +456,13 @@ TEST_CASE("XXIV is the clamped spline, IX leaves two coefficients", "[animate][f
         const std::array expected{value(i), value(i) + slope(i) * h(i) / 3,
                                   value(i + 1) - slope(i + 1) * h(i) / 3, value(i + 1)};
         for (std::size_t k = 0; k < 4; ++k)
-            CHECK(fit.coefficients(std::size_t(i))[k] ==
+            CHECK(fit.value.coefficients(std::size_t(i))[k] ==
                   Approx(expected[k]).epsilon(0).margin(1e-9 * (1 + slope.lpNorm<Eigen::Infinity>())));
     }
     const auto ninth = fit_of(curve, knots, configuration(9));
-    REQUIRE(ninth.status == Status::ok);
-    CHECK(ninth.free_coefficients == 2);
-    CHECK(ninth.w12_error() <= fit.w12_error() * (1 + 1e-9));
+    REQUIRE(ninth.status() == Status::ok);
+    CHECK(ninth.value.free_coefficients == 2);
+    CHECK(ninth.report.w12_error() <= fit.report.w12_error() * (1 + 1e-9));
 }
 
 TEST_CASE("the W12 error bounds the largest, as sharply as can be", "[animate][fit][property]") {
@@ -457,11 +470,11 @@ TEST_CASE("the W12 error bounds the largest, as sharply as can be", "[animate][f
     CAPTURE(seed);
     Random random(std::uint64_t(seed) + 103);
     const auto curve = random_normal_curve(random, seed % 3 == 0 ? 1e-4 : 0.02);
-    const auto [same, parameters, options, fit] = random_fit(random, curve);
+    const auto [same, parameters, options, fit, report] = random_fit(random, curve);
     if (contains(options.conditions, end_value)) {
         const double bound = std::sqrt(std::tanh(0.5) / 2);
         CHECK(bound == Approx(0.480686).epsilon(1e-6));
-        CHECK(fit.sup_error <= bound * fit.w12_error() + 1e-13);
+        CHECK(report.sup_error <= bound * report.w12_error() + 1e-13);
     }
     FitOptions apart = options;
     apart.conditions = end_value | knot_value;
@@ -483,16 +496,16 @@ TEST_CASE("pieces of degree 3 are Bézier curves with handles at thirds", "[anim
     Random random(std::uint64_t(seed) + 113);
     const auto curve = random_curve(random);
     const auto fit = fit_pieces(curve, random_parameters(random, 1 + random.below(6)));
-    REQUIRE(fit.status == Status::ok);
-    CHECK(fit.knots.front() == curve.begin());
-    CHECK(fit.knots.back() == curve.end());
+    REQUIRE(fit.status() == Status::ok);
+    CHECK(fit.value.knots.front() == curve.begin());
+    CHECK(fit.value.knots.back() == curve.end());
     const double size = std::fabs(curve.begin()) + curve.end() - curve.begin(),
-                 height = 1 + largest(fit.bernstein);
-    for (std::size_t i = 0; i < fit.pieces(); ++i) {
-        const auto piece = fit.as_bezier(i);
+                 height = 1 + largest(fit.value.bernstein);
+    for (std::size_t i = 0; i < fit.value.pieces(); ++i) {
+        const auto piece = fit.value.as_bezier(i);
         REQUIRE(cageform::check(piece).status == Status::ok);
-        CHECK(piece.begin() == fit.knots[i]);
-        CHECK(piece.end() == fit.knots[i + 1]);
+        CHECK(piece.begin() == fit.value.knots[i]);
+        CHECK(piece.end() == fit.value.knots[i + 1]);
         const double third = (piece.end() - piece.begin()) / 3;
         for (std::size_t k = 1; k < 3; ++k)
             CHECK(std::fabs(piece.points[k][0] - (piece.begin() + double(k) * third)) <=
@@ -501,7 +514,7 @@ TEST_CASE("pieces of degree 3 are Bézier curves with handles at thirds", "[anim
         for (int n = 1; n < 20; ++n) {
             const double x = piece.begin() + (piece.end() - piece.begin()) * double(n) / 20;
             const double slope = std::fabs(function.derivative(x));
-            CHECK(std::fabs(function(x) - fit(x)) <= 64 * epsilon<double> * (height + slope * size));
+            CHECK(std::fabs(function(x) - fit.value(x)) <= 64 * epsilon<double> * (height + slope * size));
         }
     }
 }
@@ -517,20 +530,20 @@ TEST_CASE("the largest error is never below one that samples find, nor above the
         Random random(std::uint64_t(seed) + 127);
         // Every third touches the boundary of the region nearly.
         const auto curve = random_normal_curve(random, seed % 3 == 0 ? 1e-6 : 0.02);
-        const auto [same, parameters, options, fit] = random_fit(random, curve);
+        const auto [same, parameters, options, fit, report] = random_fit(random, curve);
         const auto error = sampled_error(fit, curve, 2000);
         const double size = 1 + largest(fit.bernstein);
-        CAPTURE(seed, fit.sup_error, error.sampled, error.polished, size);
-        if (!(fit.sup_error >= error.sampled - 64 * epsilon<double> * size))
-            CHECK(fit.sup_error >= error.sampled);
-        if (!(fit.sup_error <= error.polished + 1e-9 * std::fmin(size, 100)))
-            CHECK(fit.sup_error <= error.polished);
+        CAPTURE(seed, report.sup_error, error.sampled, error.polished, size);
+        if (!(report.sup_error >= error.sampled - 64 * epsilon<double> * size))
+            CHECK(report.sup_error >= error.sampled);
+        if (!(report.sup_error <= error.polished + 1e-9 * std::fmin(size, 100)))
+            CHECK(report.sup_error <= error.polished);
         if (seed % 10 == 0) { // and it is where it says
             const cageform::BezierFunction function(curve);
-            const double slope = std::fabs(function.derivative(fit.sup_at));
+            const double slope = std::fabs(function.derivative(report.sup_at));
             if (slope < 1e3)
-                CHECK(std::fabs(function(fit.sup_at) - fit(fit.sup_at)) ==
-                      Approx(fit.sup_error).epsilon(0).margin(1e-10 * size));
+                CHECK(std::fabs(function(report.sup_at) - fit(report.sup_at)) ==
+                      Approx(report.sup_error).epsilon(0).margin(1e-10 * size));
         }
     }
 }
@@ -552,13 +565,13 @@ TEST_CASE("vertical tangents: the L2 norm, or the W12 norm less its infinite con
                 CAPTURE(slope_weight, number);
                 options.conditions = configuration(number);
                 const auto fit = fit_pieces(curve, t, options);
-                REQUIRE(fit.status == Status::ok);
-                CHECK(fit.slope_error == infinity);
-                CHECK(fit.w12_error() == infinity);
-                CHECK(fit.sup_error < 1);
-                const auto error = sampled_error(fit, curve, 4000);
-                CHECK(fit.sup_error >= error.sampled - 1e-14);
-                CHECK(fit.sup_error <= error.polished + 1e-9);
+                REQUIRE(fit.status() == Status::ok);
+                CHECK(fit.report.slope_error == infinity);
+                CHECK(fit.report.w12_error() == infinity);
+                CHECK(fit.report.sup_error < 1);
+                const auto error = sampled_error(fit.value, curve, 4000);
+                CHECK(fit.report.sup_error >= error.sampled - 1e-14);
+                CHECK(fit.report.sup_error <= error.polished + 1e-9);
             }
         }
         // The minimiser is the limit of those of curves nearby.
@@ -568,8 +581,8 @@ TEST_CASE("vertical tangents: the L2 norm, or the W12 norm less its infinite con
         options.slope_weight = 1;
         options.conditions = configuration(2);
         const auto fit = fit_pieces(curve, t, options), beside = fit_pieces(near, t, options);
-        REQUIRE(beside.status == Status::ok);
-        CHECK(difference(fit.bernstein, beside.bernstein) <= 1e-4);
+        REQUIRE(beside.status() == Status::ok);
+        CHECK(difference(fit.value.bernstein, beside.value.bernstein) <= 1e-4);
     }
 }
 
@@ -586,10 +599,10 @@ TEST_CASE("a slope that there is not is refused, a handle on its key is not", "[
         const auto t = uniform_in_parameter(3);
         for (const auto& curve : {start, end}) {
             REQUIRE(cageform::check(curve).vertical_tangent);
-            CHECK(fit_of(curve, t, end_value | knot_value | end_d1).status == Status::slope_unbounded);
-            CHECK(fit_of(curve, t, end_value | knot_c0 | end_d1).status == Status::slope_unbounded);
-            CHECK(fit_of(curve, t, end_value | knot_c0 | end_d2).status == Status::slope_unbounded);
-            CHECK(fit_of(curve, t, end_value | knot_value | knot_d1).status == Status::ok);
+            CHECK(fit_of(curve, t, end_value | knot_value | end_d1).status() == Status::slope_unbounded);
+            CHECK(fit_of(curve, t, end_value | knot_c0 | end_d1).status() == Status::slope_unbounded);
+            CHECK(fit_of(curve, t, end_value | knot_c0 | end_d2).status() == Status::slope_unbounded);
+            CHECK(fit_of(curve, t, end_value | knot_value | knot_d1).status() == Status::ok);
         }
         // With the handle on the key the curve is smooth there: everything is finite.
         start.points[1] = start.points[0];
@@ -598,13 +611,13 @@ TEST_CASE("a slope that there is not is refused, a handle on its key is not", "[
             for (const auto conditions :
                  {end_value | knot_value | end_d1, end_value | knot_c0 | knot_c1 | end_d1}) {
                 const auto fit = fit_of(curve, t, conditions);
-                REQUIRE(fit.status == Status::ok);
-                const auto slow = slow_errors(fit, curve);
-                CHECK(fit.slope_error == Approx(slow.slope).epsilon(1e-6));
-                CHECK(fit.l2_error == Approx(slow.l2).epsilon(1e-6));
-                const auto rows = conditions_of(fit, curve, end_value);
-                const double first =
-                    3 * (fit.bernstein[1] - fit.bernstein[0]) / (fit.knots[1] - fit.knots[0]);
+                REQUIRE(fit.status() == Status::ok);
+                const auto slow = slow_errors(fit.value, curve);
+                CHECK(fit.report.slope_error == Approx(slow.slope).epsilon(1e-6));
+                CHECK(fit.report.l2_error == Approx(slow.l2).epsilon(1e-6));
+                const auto rows = conditions_of(fit.value, curve, end_value);
+                const double first = 3 * (fit.value.bernstein[1] - fit.value.bernstein[0]) /
+                                     (fit.value.knots[1] - fit.value.knots[0]);
                 if (&curve == &start)
                     CHECK(first == Approx((start.points[2][1] - start.points[0][1]) /
                                           (start.points[2][0] - start.points[0][0])));
@@ -617,9 +630,9 @@ TEST_CASE("a vertical tangent at a knot is no slope to take", "[animate][fit][ve
     const auto curve = bezier(4. / 3, 0.2, 2. / 3, 0.9); // vertical at 2/3 of its parameter
     REQUIRE(cageform::check(curve).vertical_tangent);
     const auto t = uniform_in_parameter(3);
-    CHECK(fit_of(curve, t, end_value | knot_value).status == Status::ok);
-    CHECK(fit_of(curve, t, end_value | knot_value | knot_d1).status == Status::slope_unbounded);
-    CHECK(fit_of(curve, t, end_value | knot_c0 | knot_d1).status == Status::slope_unbounded);
+    CHECK(fit_of(curve, t, end_value | knot_value).status() == Status::ok);
+    CHECK(fit_of(curve, t, end_value | knot_value | knot_d1).status() == Status::slope_unbounded);
+    CHECK(fit_of(curve, t, end_value | knot_c0 | knot_d1).status() == Status::slope_unbounded);
 }
 
 TEST_CASE("nearly vertical tangents: errors to many digits", "[animate][fit][vertical]") {
@@ -627,11 +640,11 @@ TEST_CASE("nearly vertical tangents: errors to many digits", "[animate][fit][ver
     for (const double u1 : {1e-3, 1e-5, 1e-9}) {
         const auto curve = bezier(u1, 0.9, 0.6, 1);
         const auto fit = fit_pieces(curve, uniform_in_parameter(3));
-        REQUIRE(fit.status == Status::ok);
+        REQUIRE(fit.status() == Status::ok);
         long double sum = 0;
         const auto& rule = cageform::detail::Gauss<16>::rule();
         for (std::size_t i = 0; i < 3; ++i) {
-            const double begin = fit.parameters[i], end = fit.parameters[i + 1];
+            const double begin = fit.value.parameters[i], end = fit.value.parameters[i + 1];
             const long double x_begin = point_at(curve, begin)[0], h = point_at(curve, end)[0] - x_begin;
             const std::size_t panels = 400;
             const auto at = [&](std::size_t k) {
@@ -640,14 +653,15 @@ TEST_CASE("nearly vertical tangents: errors to many digits", "[animate][fit][ver
             for (std::size_t k = 0; k < panels; ++k) {
                 sum += rule(at(k), at(k + 1), [&](double t) {
                     const auto velocity = velocity_at(curve, t);
-                    const auto f = piece_at(fit.coefficients(i), h, (point_at(curve, t)[0] - x_begin) / h);
+                    const auto f =
+                        piece_at(fit.value.coefficients(i), h, (point_at(curve, t)[0] - x_begin) / h);
                     const auto e = velocity[1] - f.slope * velocity[0];
                     return double(e * e / velocity[0]);
                 });
             }
         }
         CAPTURE(u1);
-        CHECK(fit.slope_error == Approx(double(std::sqrt(sum))).epsilon(1e-11));
+        CHECK(fit.report.slope_error == Approx(double(std::sqrt(sum))).epsilon(1e-11));
     }
 }
 
@@ -655,12 +669,12 @@ TEST_CASE("bad input of a fit is refused with a reason", "[animate][fit]") {
     const auto good = bezier(0.3, 0.4, 0.6, 0.7);
     const auto t = uniform_in_parameter(3);
     const FitOptions options;
-    REQUIRE(fit_pieces(good, t, options).status == Status::ok);
+    REQUIRE(fit_pieces(good, t, options).status() == Status::ok);
     const auto refused = [&](const BezierCurve& curve, Status why) {
         const auto fit = fit_pieces(curve, t, options);
-        CHECK(fit.status == why);
-        CHECK(fit.pieces() == 0);
-        CHECK(fit.bernstein.empty());
+        CHECK(fit.status() == why);
+        CHECK(fit.value.pieces() == 0);
+        CHECK(fit.value.bernstein.empty());
     };
     auto curve = good;
     curve.points[2][1] = std::numeric_limits<double>::quiet_NaN();
@@ -679,7 +693,7 @@ TEST_CASE("bad input of a fit is refused with a reason", "[animate][fit]") {
     refused(bezier(-.05, 0, .5, 1), Status::curve_turns_back);
     refused(bezier(.5, 0, 1.05, 1), Status::curve_turns_back);
 
-    const auto status_of = [&](const FitOptions& with) { return fit_pieces(good, t, with).status; };
+    const auto status_of = [&](const FitOptions& with) { return fit_pieces(good, t, with).status(); };
     for (const std::size_t degree : {0u, 1u, 2u, 6u, 100u}) {
         FitOptions with;
         with.degree = degree;
@@ -709,7 +723,7 @@ TEST_CASE("bad input of a fit is refused with a reason", "[animate][fit]") {
                                                               {0, -1, 1},
                                                               {not_a_number, 1},
                                                               {0, 0.5, std::nextafter(0.5, 1), 1}}) {
-        const auto status = fit_pieces(good, knots, options).status;
+        const auto status = fit_pieces(good, knots, options).status();
         // The last: different parameters, but their times may be one by rounding.
         if (knots.size() != 4 || knots[1] >= knots[2]) CHECK(status == Status::knots_not_ascending);
     }
@@ -718,7 +732,7 @@ TEST_CASE("bad input of a fit is refused with a reason", "[animate][fit]") {
 TEST_CASE("too many conditions are refused, and which do fit is counted", "[animate][fit]") {
     const auto curve = bezier(0.3, 0.4, 0.6, 1.2); // of no symmetry
     const auto status_of = [&](std::size_t number, std::size_t pieces, std::size_t degree = 3) {
-        return fit_of(curve, uniform_in_parameter(pieces), configuration(number), degree).status;
+        return fit_of(curve, uniform_in_parameter(pieces), configuration(number), degree).status();
     };
     // Free coefficients with 3 pieces (8.3), configuration by configuration.
     constexpr std::array free{12, 8, 6, 6, 4, 4, 2, 4, 2, 2, 2, 6, 4, 4,
@@ -726,8 +740,8 @@ TEST_CASE("too many conditions are refused, and which do fit is counted", "[anim
     for (std::size_t n = 1; n <= 27; ++n) {
         CAPTURE(n);
         const auto fit = fit_of(curve, uniform_in_parameter(3), configuration(n));
-        REQUIRE(fit.status == Status::ok);
-        CHECK(int(fit.free_coefficients) == free[n - 1]);
+        REQUIRE(fit.status() == Status::ok);
+        CHECK(int(fit.value.free_coefficients) == free[n - 1]);
     }
     // XXI, XXII and XXVII need three pieces (5.3), XIV, XV and XX two.
     for (const std::size_t n : {21u, 22u, 27u}) CHECK(status_of(n, 2) == Status::too_many_conditions);
@@ -737,11 +751,11 @@ TEST_CASE("too many conditions are refused, and which do fit is counted", "[anim
     for (const std::size_t n : {14u, 15u, 20u}) CHECK(status_of(n, 1, 5) == Status::ok);
     // Conditions that repeat each other.
     const auto t = uniform_in_parameter(3);
-    CHECK(fit_of(curve, t, end_value | knot_c0 | knot_value).status == Status::too_many_conditions);
-    CHECK(fit_of(curve, t, end_value | knot_c0 | knot_c1 | knot_d1).status == Status::too_many_conditions);
-    CHECK(fit_of(curve, t, end_value | knot_value | end_d1 | knot_d1 | end_d2 | knot_d2).status ==
+    CHECK(fit_of(curve, t, end_value | knot_c0 | knot_value).status() == Status::too_many_conditions);
+    CHECK(fit_of(curve, t, end_value | knot_c0 | knot_c1 | knot_d1).status() == Status::too_many_conditions);
+    CHECK(fit_of(curve, t, end_value | knot_value | end_d1 | knot_d1 | end_d2 | knot_d2).status() ==
           Status::too_many_conditions);
-    CHECK(fit_of(curve, t, end_value | knot_value | end_d1 | knot_d1 | end_d2 | knot_d2, 5).status ==
+    CHECK(fit_of(curve, t, end_value | knot_value | end_d1 | knot_d1 | end_d2 | knot_d2, 5).status() ==
           Status::ok);
 }
 

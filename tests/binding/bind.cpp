@@ -827,12 +827,12 @@ namespace elsewhere {
 using namespace cageform; // NOLINT(google-build-using-namespace): what is tested
 
 auto bound() {
-    const MeanValueCoordinates2d c(square<double>);
+    const MeanValueCoordinates<double, 2> c(square<double>);
     const std::vector<std::array<double, 2>> points{{1, 1}};
     return bind(c, points);
 }
 auto bound_by_default_options() {
-    const MeanValueCoordinates2f c(square<float>);
+    const MeanValueCoordinates<float, 2> c(square<float>);
     const std::vector<std::array<float, 2>> points{{1, 1}};
     return bind(c, points, {});
 }

@@ -180,7 +180,8 @@ TEST_CASE("what bind and pack refuse is refused with the point's number among al
         const auto result =
             cageform::pack(harmonic, points, {.pack = {.threshold = 1e-3}, .batch = batch}, running);
         CAPTURE(at);
-        CHECK((result.report.bound.status == Status::cancelled || result.report.packed.status == Status::cancelled));
+        CHECK((result.report.bound.status == Status::cancelled ||
+               result.report.packed.status == Status::cancelled));
         CHECK(result.value.bytes().empty());
     }
     CHECK(before <= 1);

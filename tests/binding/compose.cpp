@@ -47,9 +47,9 @@ TEMPLATE_TEST_CASE("a composed binding moves points as one clone after the other
     const auto seed = std::uint64_t(GENERATE(range(0, 10)));
     CAPTURE(seed);
     const TwoLevels<T> levels(seed);
-    const auto [composed, status, still] = compose(levels.fine, levels.coarse);
-    REQUIRE(status == Status::ok);
-    CHECK(still.empty());
+    const auto [composed, report] = compose(levels.fine, levels.coarse);
+    REQUIRE(report.status == Status::ok);
+    CHECK(report.still.empty());
     REQUIRE(composed.point_count() == 100);
     REQUIRE(composed.handle_count() == 3);
     const auto pose = random_points<T, 2>(3, 30, seed + 1);
@@ -88,8 +88,8 @@ TEMPLATE_TEST_CASE("sites bound to themselves compose to the fine binding", "[bi
     const auto itself =
         cageform::bind(cageform::MeanValueCoordinates<T, 2>(cageform::Polygon<T>(levels.star)), levels.star)
             .value;
-    const auto [composed, status, still] = compose(levels.fine, itself);
-    REQUIRE(status == Status::ok);
+    const auto [composed, report] = compose(levels.fine, itself);
+    REQUIRE(report.status == Status::ok);
     for (std::size_t i = 0; i < 100; ++i) {
         for (std::size_t h = 0; h < levels.star.size(); ++h)
             CHECK(composed.weight(i, h) == levels.fine.weight(i, h));
@@ -102,9 +102,9 @@ TEST_CASE("a site that no coarse handle moves stands still, and is named", "[bin
     const auto coarse = cageform::bind(cageform::BarycentricCoordinates<double, 2>(levels.triangle),
                                        levels.star, {.outside = cageform::OutsidePoints::keep_in_place})
                             .value;
-    const auto [composed, status, still] = compose(levels.fine, coarse);
-    REQUIRE(status == Status::ok);
-    CHECK(still.size() == levels.star.size());
+    const auto [composed, report] = compose(levels.fine, coarse);
+    REQUIRE(report.status == Status::ok);
+    CHECK(report.still.size() == levels.star.size());
     const auto moved = cloned(composed, random_points<double, 2>(3, 9, 1));
     for (std::size_t i = 0; i < 100; ++i) CHECK(moved[i] == levels.fine.rest_point(i));
 }

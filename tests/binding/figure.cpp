@@ -161,8 +161,8 @@ TEMPLATE_TEST_CASE("a figure by one call has the bits of separate calls", "[figu
         check_same(vectors[1].value, opened.value.part(FigureTags::bitangents));
         CHECK(opened_from.report.vectors[1].error.value == vectors[1].report.error.value);
         REQUIRE(clone(packed.value, pose, moved) == Status::ok);
-        REQUIRE(clone_tangent_frames(std::array{vectors[0].value.view(), vectors[1].value.view()}, pose,
-                                     up, along) == Status::ok);
+        REQUIRE(clone_tangent_frames(std::array{vectors[0].value.view(), vectors[1].value.view()}, pose, up,
+                                     along) == Status::ok);
         check(opened.value, moved, up, along);
     }
 }
@@ -348,8 +348,7 @@ TEST_CASE("a figure put together of parts of different sizes is refused", "[figu
 
     auto of_another_cage = figure; // a box has eight handles
     of_another_cage.points =
-        cageform::bind(Mean3<float>(divided_box({1, 1, 1}, 1).mesh<float>()), FigurePoints{out})
-            .value.points;
+        cageform::bind(Mean3<float>(divided_box({1, 1, 1}, 1).mesh<float>()), FigurePoints{out}).value.points;
     REQUIRE(of_another_cage.points.handle_count() != handles);
     of_another_cage.tangents = {};
     of_another_cage.handedness.clear();
@@ -430,8 +429,8 @@ TEST_CASE("a figure bound anew to an edited cage is what binding gives, with its
         const auto anew = cageform::bind(edited, FigurePoints{inside, normals, tangents});
         REQUIRE(again.report.status == Status::ok);
         REQUIRE(anew.report.status == Status::ok);
-        CHECK(
-            std::equal(expected.begin(), expected.end(), again.report.old_handles.begin(), again.report.old_handles.end()));
+        CHECK(std::equal(expected.begin(), expected.end(), again.report.old_handles.begin(),
+                         again.report.old_handles.end()));
         const auto pose = shaken(edited.handles(), 0.2, seed);
         Points3<float> out(40), up(40), out_anew(40), up_anew(40);
         std::vector<std::array<float, 4>> along(40), along_anew(40);
@@ -521,7 +520,8 @@ TEST_CASE("a figure of another kind, cage or figure is refused by name", "[figur
     const auto opened = cageform::open<float, 3>(bytes);
     REQUIRE(opened.status() == Status::ok);
     CHECK(opened.report.bytes == bytes.size());
-    CHECK(status_of(bytes, {.cage_hash = opened.report.cage_hash, .figure_hash = opened.report.figure_hash}) == Status::ok);
+    CHECK(status_of(bytes, {.cage_hash = opened.report.cage_hash,
+                            .figure_hash = opened.report.figure_hash}) == Status::ok);
     CHECK(status_of(bytes, {.cage_hash = 1}) == Status::blob_of_another_cage);
     CHECK(status_of(bytes, {.figure_hash = 1}) == Status::blob_of_another_figure);
     CHECK(cageform::open<double, 3>(bytes).status() == Status::blob_kind_differs);

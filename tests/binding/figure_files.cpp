@@ -4,7 +4,7 @@
 #include "../support/keys.hpp"
 #include "../support/packed.hpp"
 
-#include <cageform/animate/compile_clip.hpp>
+#include <cageform/animate/compile.hpp>
 #include <cageform/animate/pack_clip.hpp>
 #include <cageform/binding/rebind.hpp>
 #include <cageform/binding/rebind_cage.hpp>
@@ -80,7 +80,7 @@ cageform::CageClip<float, 3> random_clip(std::size_t vertices, std::uint64_t see
         for (int n = 0; n < 4; ++n)
             of_curve.push_back(key(n + random.uniform(0, 0.5), random.uniform(-2, 2)));
     }
-    return cageform::compile_clip<float, 3>(keys).clip;
+    return cageform::compile<float, 3>(keys).value;
 }
 
 Status status_of(std::span<const std::byte> bytes, BlobCheck check = BlobCheck::all) {
@@ -148,8 +148,7 @@ TEST_CASE("one file ships a figure and its clips, found by name, played without 
         for (int frame = 0; frame < 300; ++frame) {
             clip.sample(float(frame) / 60, cursor, pose);
             packed[n].view().sample(float(frame) / 60, cursors[n], expected);
-            same =
-                same && pose == expected && clone(opened.value, pose, FigureOutput{out, up}) == Status::ok;
+            same = same && pose == expected && clone(opened.value, pose, FigureOutput{out, up}) == Status::ok;
         }
     }
     const std::size_t after = allocations;
@@ -422,9 +421,9 @@ TEST_CASE("a figure in a cage that follows a coarser cage is composed as its bin
     const auto fine = parts.bind(coordinates);
     const auto outer = divided_box({1, 1, 1}, 3).mesh<float>();
     const auto coarse = cageform::bind(Mean3(outer), coordinates.handles()).value;
-    const auto [figure, status, still] = compose(fine, coarse);
-    REQUIRE(status == Status::ok);
-    CHECK(still.empty());
+    const auto [figure, report] = compose(fine, coarse);
+    REQUIRE(report.status == Status::ok);
+    CHECK(report.still.empty());
     CHECK(figure.points.handle_count() == outer.size());
     const auto pose = shaken(outer.vertices(), 0.2, 8), between = cloned(coarse, pose);
     Points3<float> out(30), up(30), out_twice(30), up_twice(30);
@@ -436,7 +435,7 @@ TEST_CASE("a figure in a cage that follows a coarser cage is composed as its bin
         CHECK(distance(up[i], up_twice[i]) <= 1e-4);
         CHECK(along[i][3] == along_twice[i][3]);
     }
-    CHECK(cageform::open<float, 3>(cageform::pack(figure).figure.bytes()).status == Status::ok);
+    CHECK(cageform::open<float, 3>(cageform::pack(figure).value.bytes()).status() == Status::ok);
     const auto refused = compose(fine, fine.points);
     CHECK(refused.status() == Status::bindings_differ);
     CHECK(refused.value.points.point_count() == 0);

@@ -59,8 +59,8 @@ TEST_CASE("every allocation that fails is a status, whichever call makes it", "[
     // A collinear vertex, so that the report of the cage has something to say.
     const Points2<double> square{{0, 0}, {1, 0}, {2, 0}, {2, 2}, {0, 2}};
     const Points2<double> points{{0.5, 0.5}, {1.5, 0.7}, {1, 0}, {3, 1}, {0.5, 1.5}};
-    const cageform::MeanValueCoordinates2d mean_value(square);
-    cageform::HarmonicCoordinates2d harmonic(square, {.resolution = 8});
+    const cageform::MeanValueCoordinates<double, 2> mean_value(square);
+    cageform::HarmonicCoordinates<double, 2> harmonic(square, {.resolution = 8});
     for (const auto outside : {cageform::OutsidePoints::extend, cageform::OutsidePoints::nearest_boundary}) {
         const BindOptions options{.outside = outside};
         fail_in_turn("bind", [&] { return bind(mean_value, points, options).report.status; });
@@ -71,7 +71,7 @@ TEST_CASE("every allocation that fails is a status, whichever call makes it", "[
                      [&] { return bind_jacobians(harmonic, points, options).report.status; });
     }
     fail_in_turn("solve", [&] {
-        cageform::HarmonicCoordinates2d fresh = harmonic;
+        cageform::HarmonicCoordinates<double, 2> fresh = harmonic;
         return fresh.solve().status;
     });
     REQUIRE(harmonic.solve().status == Status::ok);
@@ -101,8 +101,8 @@ TEST_CASE("every allocation that fails in space is a status", "[binding][status]
     const std::vector<Point> vertices{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {5, 5, 5}}; // one unused
     const std::vector<std::array<std::uint32_t, 3>> faces{{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
     const std::vector<Point> points{{0.2f, 0.2f, 0.2f}, {0.1f, 0.3f, 0.2f}};
-    const cageform::MeanValueCoordinates3f mean_value(vertices, faces);
-    const cageform::HarmonicCoordinates3f harmonic(
+    const cageform::MeanValueCoordinates<float, 3> mean_value(vertices, faces);
+    const cageform::HarmonicCoordinates<float, 3> harmonic(
         cageform::TriangleMesh<float>(std::vector<Point>(vertices.begin(), vertices.end() - 1), faces),
         {.resolution = 8});
     fail_in_turn("bind", [&] { return bind(mean_value, points).report.status; });
@@ -117,10 +117,11 @@ TEST_CASE("a cage or coordinates without the memory for them are empty and say s
     fail_in_turn("polygon", [&] { return check(Polygon<double>(square)).status; });
     fail_in_turn("loops", [&] { return check(Polygon<double>(square, sizes)).status; });
     fail_in_turn("barycentric",
-                 [&] { return cageform::BarycentricCoordinates2d(triangle).cage_report().status; });
-    fail_in_turn("mean value", [&] { return cageform::MeanValueCoordinates2d(square).cage_report().status; });
+                 [&] { return cageform::BarycentricCoordinates<double, 2>(triangle).cage_report().status; });
+    fail_in_turn("mean value",
+                 [&] { return cageform::MeanValueCoordinates<double, 2>(square).cage_report().status; });
     fail_in_turn("harmonic", [&] {
-        const cageform::HarmonicCoordinates2d coordinates(square, {.resolution = 8});
+        const cageform::HarmonicCoordinates<double, 2> coordinates(square, {.resolution = 8});
         CHECK((coordinates.handles().size() == 5 || coordinates.cage_report().status != Status::ok));
         return coordinates.cage_report().status;
     });
@@ -133,14 +134,15 @@ TEST_CASE("a cage or coordinates without the memory for them are empty and say s
     });
     const cageform::CellComplex<double, 2> outline{Polygon<double>(square)};
     fail_in_turn("mean value of a complex",
-                 [&] { return cageform::MeanValueCoordinates2d(outline).cage_report().status; });
+                 [&] { return cageform::MeanValueCoordinates<double, 2>(outline).cage_report().status; });
 
     using Point = Vec<float, 3>;
     const std::vector<Point> vertices{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {5, 5, 5}};
     const std::vector<std::array<std::uint32_t, 3>> faces{{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
     fail_in_turn("mesh", [&] { return check(cageform::TriangleMesh<float>(vertices, faces)).status; });
-    fail_in_turn("mean value in space",
-                 [&] { return cageform::MeanValueCoordinates3f(vertices, faces).cage_report().status; });
+    fail_in_turn("mean value in space", [&] {
+        return cageform::MeanValueCoordinates<float, 3>(vertices, faces).cage_report().status;
+    });
     fail_in_turn("box", [&] { return check(cageform::Box<float>({0, 0, 0}, {1, 1, 1}, {2, 2, 2})).status; });
     fail_in_turn("faces in space", [&] {
         cageform::CellComplex<float, 3> made{cageform::TriangleMesh<float>(vertices, faces)};
@@ -157,11 +159,13 @@ TEST_CASE("a cage or coordinates without the memory for them are empty and say s
     }
     const cageform::SibsonCoordinates<float, 3> sibson(sites);
     fail_in_turn("bind to sites", [&] { return bind(sibson, std::span(sites).last(1)).report.status; });
-    std::vector<std::vector<cageform::MeanValueCoordinates2d>> parts(
-        100, {cageform::MeanValueCoordinates2d(square), cageform::MeanValueCoordinates2d(triangle)});
+    std::vector<std::vector<cageform::MeanValueCoordinates<double, 2>>> parts(
+        100, {cageform::MeanValueCoordinates<double, 2>(square),
+              cageform::MeanValueCoordinates<double, 2>(triangle)});
     fail_in_turn("blended", [&] {
         REQUIRE(!parts.empty());
-        const cageform::BlendedCoordinates<cageform::MeanValueCoordinates2d> blended(std::move(parts.back()));
+        const cageform::BlendedCoordinates<cageform::MeanValueCoordinates<double, 2>> blended(
+            std::move(parts.back()));
         parts.pop_back();
         return blended.cage_report().status;
     });

@@ -34,7 +34,7 @@ void check_surround(std::uint64_t seed) {
     const double margin = random.uniform(0.01, 2);
     const auto box = cageform::bounds_of(std::span<const Vec<T, D>>(points));
     for (const auto kind : {SurroundSites::corners, SurroundSites::lattice}) {
-        const auto [status, sites] = surround(points, {margin, kind});
+        const auto [sites, status] = surround(points, {margin, kind});
         REQUIRE(status == Status::ok);
         CHECK(sites.size() == (kind == SurroundSites::corners ? 1u << D : D == 2 ? 8u : 26u));
         std::set<std::array<T, D>> different;
@@ -80,8 +80,8 @@ TEST_CASE("surround refuses what has no box", "[cage][control_points][status]") 
           Status::value_not_finite);
     const auto flat = surround(Points{{0, 0, 1}, {3, 4, 1}}, {0.1}); // in a plane: with a margin across
     REQUIRE(flat.status() == Status::ok);
-    CHECK(flat.sites.front()[2] == Approx(0.5));
-    CHECK(flat.sites.back()[2] == Approx(1.5));
+    CHECK(flat.value.front()[2] == Approx(0.5));
+    CHECK(flat.value.back()[2] == Approx(1.5));
 }
 
 TEMPLATE_TEST_CASE("figure points become sites once, and each knows its handle", "[cage][control_points]",
@@ -97,8 +97,9 @@ TEMPLATE_TEST_CASE("figure points become sites once, and each knows its handle",
     figure[8][0] += T(4) * cageform::epsilon<T> * T(5); // within rounding of it
     figure[9] = figure[3];
     const std::vector<std::size_t> indices{3, 7, 9, 8, 3, 20};
-    const auto [status, all, handles] = sites_with_figure_points(sites, figure, indices);
-    REQUIRE(status == Status::ok);
+    const auto result = sites_with_figure_points(sites, figure, indices);
+    REQUIRE(result.status() == Status::ok);
+    const auto& [all, handles] = result.value;
     CHECK(all.size() == 22); // those of figure points 3 and 20
     CHECK(std::equal(sites.begin(), sites.end(), all.begin()));
     CHECK(handles == std::vector<std::uint32_t>{20, 4, 20, 4, 20, 21});
@@ -112,8 +113,9 @@ TEST_CASE("figure points that there are not, or are no numbers, are refused",
     const auto status = [&](std::size_t index) {
         const std::array<std::size_t, 1> indices{index};
         const auto result = sites_with_figure_points(sites, figure, indices);
-        if (result.status != Status::ok) CHECK((result.sites.empty() && result.handles.empty()));
-        return result.status;
+        if (result.status() != Status::ok)
+            CHECK((result.value.sites.empty() && result.value.handles.empty()));
+        return result.status();
     };
     CHECK(status(0) == Status::ok);
     CHECK(status(1) == Status::vertex_not_finite);

@@ -285,25 +285,26 @@ TEMPLATE_TEST_CASE("barycentric coordinates at the ends of the scalar's range",
 TEST_CASE("barycentric coordinates take a two-dimensional cage like the other types",
           "[coordinates][barycentric]") {
     const std::vector<Vec<double, 2>> triangle{{0, 0}, {4, 0}, {0, 2}};
-    const cageform::BarycentricCoordinates2d from_polygon{cageform::Polygon<double>(triangle)};
-    const cageform::BarycentricCoordinates2d from_points(triangle);
+    const cageform::BarycentricCoordinates<double, 2> from_polygon{cageform::Polygon<double>(triangle)};
+    const cageform::BarycentricCoordinates<double, 2> from_points(triangle);
     std::array<double, 3> a{}, b{};
     CHECK(cageform::weights_at(from_polygon, Vec<double, 2>{1, 1}, a) == PointState::inside);
     CHECK(cageform::weights_at(from_points, Vec<double, 2>{1, 1}, b) == PointState::inside);
     CHECK(a == b);
     const std::vector<Vec<double, 2>> square{{0, 0}, {1, 0}, {1, 1}, {0, 1}};
-    const cageform::BarycentricCoordinates2d of_square{cageform::Polygon<double>(square)};
+    const cageform::BarycentricCoordinates<double, 2> of_square{cageform::Polygon<double>(square)};
     CHECK(of_square.cage_report().status == Status::not_a_simplex);
-    STATIC_REQUIRE(!std::is_constructible_v<cageform::BarycentricCoordinates3d, cageform::Polygon<double>>);
+    STATIC_REQUIRE(
+        !std::is_constructible_v<cageform::BarycentricCoordinates<double, 3>, cageform::Polygon<double>>);
 }
 
 TEST_CASE("barycentric coordinates say when a polygon is not one loop of three",
           "[coordinates][barycentric]") {
     const std::vector<Vec<double, 2>> triangle{{0, 0}, {4, 0}, {0, 2}};
     const std::vector<std::size_t> split{1, 2}, too_many{7};
-    const cageform::BarycentricCoordinates2d two_loops{cageform::Polygon<double>(triangle, split)};
+    const cageform::BarycentricCoordinates<double, 2> two_loops{cageform::Polygon<double>(triangle, split)};
     CHECK(two_loops.cage_report().status == Status::not_a_simplex);
-    const cageform::BarycentricCoordinates2d no_match{cageform::Polygon<double>(triangle, too_many)};
+    const cageform::BarycentricCoordinates<double, 2> no_match{cageform::Polygon<double>(triangle, too_many)};
     CHECK(no_match.cage_report().status == Status::loops_do_not_match);
 }
 
@@ -311,7 +312,7 @@ TEST_CASE("weights that the scalar cannot hold make a point unreached",
           "[coordinates][barycentric][binding]") {
     const std::vector<Vec<float, 2>> tiny{{0, 0}, {1e-20f, 0}, {0, 1e-20f}};
     const std::vector<Vec<float, 2>> points{{1e20f, 1e20f}, {2e-21f, 2e-21f}};
-    const auto [binding, report] = cageform::bind(cageform::BarycentricCoordinates2f(tiny), points);
+    const auto [binding, report] = cageform::bind(cageform::BarycentricCoordinates<float, 2>(tiny), points);
     REQUIRE(report.status == Status::ok);
     CHECK(report.unreached == std::vector<std::size_t>{0});
     std::vector<Vec<float, 2>> out(2);
@@ -321,7 +322,7 @@ TEST_CASE("weights that the scalar cannot hold make a point unreached",
 
 TEST_CASE("a boundary point is found from where all are equally near", "[coordinates][barycentric]") {
     const std::vector<Vec<double, 2>> triangle{{10, 10}, {14, 10}, {10, 12}};
-    const cageform::BarycentricCoordinates2d coordinates(triangle);
+    const cageform::BarycentricCoordinates<double, 2> coordinates(triangle);
     std::array<double, 3> row{};
     const auto q = coordinates.nearest_boundary({1e160, 11}, row);
     CHECK(sum_of(row) == 1);

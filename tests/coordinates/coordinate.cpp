@@ -111,12 +111,12 @@ struct NearestOfOtherDimension : Minimal {
 
 TEST_CASE("the coordinate types model the concept, spoilt ones do not", "[coordinates][concept]") {
     using cageform::CageCoordinates;
-    STATIC_REQUIRE(CageCoordinates<cageform::MeanValueCoordinates2f>);
-    STATIC_REQUIRE(CageCoordinates<cageform::MeanValueCoordinates2d>);
-    STATIC_REQUIRE(CageCoordinates<cageform::HarmonicCoordinates2f>);
-    STATIC_REQUIRE(CageCoordinates<cageform::HarmonicCoordinates2d>);
-    STATIC_REQUIRE(CageCoordinates<cageform::BarycentricCoordinates2f>);
-    STATIC_REQUIRE(CageCoordinates<cageform::BarycentricCoordinates3d>);
+    STATIC_REQUIRE(CageCoordinates<cageform::MeanValueCoordinates<float, 2>>);
+    STATIC_REQUIRE(CageCoordinates<cageform::MeanValueCoordinates<double, 2>>);
+    STATIC_REQUIRE(CageCoordinates<cageform::HarmonicCoordinates<float, 2>>);
+    STATIC_REQUIRE(CageCoordinates<cageform::HarmonicCoordinates<double, 2>>);
+    STATIC_REQUIRE(CageCoordinates<cageform::BarycentricCoordinates<float, 2>>);
+    STATIC_REQUIRE(CageCoordinates<cageform::BarycentricCoordinates<double, 3>>);
     STATIC_REQUIRE(CageCoordinates<cageform::BarycentricCoordinates<double, 1>>);
     STATIC_REQUIRE(CageCoordinates<cageform::BarycentricCoordinates<float, 4>>);
     STATIC_REQUIRE(CageCoordinates<Minimal>);

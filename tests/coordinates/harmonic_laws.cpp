@@ -1,6 +1,6 @@
 // What every harmonic function does: it has no extremum inside, is the mean of its values around, and in rectangles with
 // linear sides is bilinear.
-#include "../../examples/support/pictures/level_lines.hpp"
+#include "pictures/level_lines.hpp"
 #include "catch.hpp"
 #include "support/effort.hpp"
 #include "support/larger.hpp"

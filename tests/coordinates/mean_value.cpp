@@ -493,12 +493,12 @@ TEMPLATE_TEST_CASE("the boundary point that mean value coordinates call nearest 
 
 TEST_CASE("mean value coordinates keep what they were made from", "[coordinates][mean_value]") {
     const std::vector<std::array<float, 2>> square{{0, 0}, {2, 0}, {2, 2}, {0, 2}};
-    const cageform::MeanValueCoordinates2d coordinates(square);
+    const cageform::MeanValueCoordinates<double, 2> coordinates(square);
     CHECK(coordinates.cage().size() == 4);
     CHECK(coordinates.handles().size() == 4);
     CHECK(coordinates.handles()[2] == Vec<double, 2>{2, 2});
     CHECK(coordinates.cage_report().status == Status::ok);
-    STATIC_REQUIRE(cageform::MeanValueCoordinates2d::has_extension);
+    STATIC_REQUIRE(cageform::MeanValueCoordinates<double, 2>::has_extension);
     std::array<double, 4> row{};
     CHECK(cageform::weights_at(coordinates, Vec<float, 2>{1, 1}, row) == PointState::inside);
     for (const double w : row) CHECK(w == Approx(0.25).epsilon(1e-15));
@@ -510,7 +510,7 @@ TEST_CASE("points on edges are known at the ends of float's range", "[coordinate
     const float scale = std::ldexp(1.0f, exponent);
     std::vector<Vec<float, 2>> cage{{0, 0}, {4, 0}, {4, 3}, {2, 1}, {0, 3}};
     for (auto& c : cage) c = scale * c;
-    const cageform::MeanValueCoordinates2f coordinates(cage);
+    const cageform::MeanValueCoordinates<float, 2> coordinates(cage);
     REQUIRE(coordinates.cage_report().status == Status::ok);
     std::vector<float> row(cage.size());
     for (std::size_t i = 0; i < cage.size(); ++i) {

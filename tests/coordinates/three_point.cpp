@@ -64,10 +64,10 @@ using Wachspress = cageform::WachspressCoordinates<T>;
 template <class T>
 using Harmonic = cageform::DiscreteHarmonicCoordinates<T>;
 
-static_assert(cageform::GradientCoordinates<cageform::WachspressCoordinates2f>);
-static_assert(cageform::GradientCoordinates<cageform::WachspressCoordinates2d>);
-static_assert(cageform::GradientCoordinates<cageform::DiscreteHarmonicCoordinates2f>);
-static_assert(cageform::GradientCoordinates<cageform::DiscreteHarmonicCoordinates2d>);
+static_assert(cageform::GradientCoordinates<cageform::WachspressCoordinates<float>>);
+static_assert(cageform::GradientCoordinates<cageform::WachspressCoordinates<double>>);
+static_assert(cageform::GradientCoordinates<cageform::DiscreteHarmonicCoordinates<float>>);
+static_assert(cageform::GradientCoordinates<cageform::DiscreteHarmonicCoordinates<double>>);
 static_assert(cageform::GradientCoordinates<ThreePointCoordinates<double, Hyperbola>>);
 
 /// A strictly convex polygon of 3 to 12 vertices from edges in the order of their directions; of either orientation,

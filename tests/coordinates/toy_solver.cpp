@@ -201,7 +201,7 @@ TEST_CASE("a solver of one's own agrees with the multigrid, in the plane and in 
     std::vector<Vec<double, 2>> in_plane(100);
     for (auto& p : in_plane) p = random_inside(star, random);
     check_same(Direct<Polygon<double>>(star, {.resolution = 50}),
-               cageform::HarmonicCoordinates2d(
+               cageform::HarmonicCoordinates<double, 2>(
                    star, {.resolution = 50, .multigrid = {.tolerance = 1e-10, .corner_functions = false}}),
                in_plane);
     const auto mesh = random_mesh(2).mesh<double>();
@@ -212,9 +212,10 @@ TEST_CASE("a solver of one's own agrees with the multigrid, in the plane and in 
         for (std::size_t k = 0; k < 3; ++k) p[k] = random.uniform(bounds.lower[k], bounds.upper[k]);
         in_space.push_back(p);
     }
-    check_same(Direct<TriangleMesh<double>>(mesh, {.resolution = 24}),
-               cageform::HarmonicCoordinates3d(mesh, {.resolution = 24, .multigrid = {.tolerance = 1e-10}}),
-               in_space);
+    check_same(
+        Direct<TriangleMesh<double>>(mesh, {.resolution = 24}),
+        cageform::HarmonicCoordinates<double, 3>(mesh, {.resolution = 24, .multigrid = {.tolerance = 1e-10}}),
+        in_space);
 }
 
 TEST_CASE("a solver of one's own has threads, progress, cancel and refusals of the driver",

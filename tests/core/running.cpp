@@ -4,7 +4,7 @@
 #include "../support/meshes.hpp"
 #include "../support/progress.hpp"
 
-#include <cageform/animate/compile_clip.hpp>
+#include <cageform/animate/compile.hpp>
 #include <cageform/animate/fit/knots.hpp>
 #include <cageform/enclose/make_cage.hpp>
 #include <cageform/enclose/make_cage_3d.hpp>
@@ -48,7 +48,7 @@ TEST_CASE("progress never falls and ends with 1: grids and graphs", "[core][runn
     check_progress("bone_heat", [&](const Running& r) {
         return cageform::bone_heat(ring.vertices, ring.faces, bones, {}, r);
     });
-    const auto weights = cageform::cotangent_weights(ring.vertices, ring.faces);
+    const auto weights = cageform::cotangent_weights(ring.vertices, ring.faces).value;
     check_progress("solve_surface", [&](const Running& r) {
         std::vector<std::uint8_t> marks(ring.vertices.size(), 0);
         std::vector<double> values(ring.vertices.size(), 0);
@@ -64,7 +64,7 @@ TEST_CASE("progress never falls and ends with 1: curves", "[core][running][progr
     for (const auto conditions : {cageform::FitOptions{}.conditions, end_value | knot_c0}) {
         cageform::FitOptions options;
         options.conditions = conditions;
-        check_progress("fit", [&](const Running& r) { return fit(curve, 1e-2, options, 64, r); });
+        check_progress("fit", [&](const Running& r) { return fit(curve, 1e-2, options, r); });
         cageform::KnotOptions knots;
         knots.fit = options;
         check_progress("optimal_knots", [&](const Running& r) { return optimal_knots(curve, 4, knots, r); });
@@ -76,28 +76,25 @@ TEST_CASE("progress never falls and ends with 1: curves", "[core][running][progr
         for (const std::size_t count : {1u, 5u}) {
             std::vector<cageform::Key> keys;
             for (std::size_t i = 0; i < count; ++i) keys.push_back(key(double(i), double(i * i % 3)));
-            check_progress("compile_track", [&](const Running& r) {
-                return cageform::compile_track<float>(std::span<const cageform::Key>(keys), track, r);
+            check_progress("compile, a track", [&](const Running& r) {
+                return cageform::compile<float>(std::span<const cageform::Key>(keys), track, r);
             });
             const std::vector<std::vector<cageform::Key>> curves(3, keys);
-            check_progress("compile_clip", [&](const Running& r) {
-                return cageform::compile_clip<float, 3>(curves, track, r);
-            });
+            check_progress("compile, a clip",
+                           [&](const Running& r) { return cageform::compile<float, 3>(curves, track, r); });
         }
     }
-    check_progress("compile_clip of no curves", [&](const Running& r) {
-        return cageform::compile_clip<float, 3>(std::span<const std::vector<cageform::Key>>{}, {}, r);
+    check_progress("compile, a clip of no curves", [&](const Running& r) {
+        return cageform::compile<float, 3>(std::span<const std::vector<cageform::Key>>{}, {}, r);
     });
 }
 
 TEST_CASE("progress never falls and ends with 1: made cages", "[core][running][progress]") {
     const std::vector<cageform::DrawnSegment<double>> drawn{{{0, 0}, {1, 0}, 0.1}, {{1, 0}, {1, 1}, 0.1}};
-    check_progress("make_cage, plane", [&](const Running& r) {
-        return cageform::make_cage(std::span<const cageform::DrawnSegment<double>>(drawn), {.running = r});
-    });
+    check_progress("make_cage, plane", [&](const Running& r) { return cageform::make_cage(drawn, {}, r); });
     const auto ball = sphere(1);
     check_progress("make_cage, space", [&](const Running& r) {
-        return cageform::make_cage(ball.vertices, ball.faces, {.vertices = 24, .running = r});
+        return cageform::make_cage(ball.vertices, ball.faces, {.vertices = 24}, r);
     });
 }
 

@@ -99,13 +99,13 @@ TEMPLATE_TEST_CASE("a cage holds its figure at the distance asked for", "[enclos
         const auto made = make_cage(std::span<const DrawnSegment<TestType>>(figure), options);
         REQUIRE(to_string(made.report.status) == std::string("ok"));
         const auto& report = made.report;
-        CHECK(is_cage(check(made.cage)));
-        CHECK(made.cage.loops().size() == 1);
-        CHECK(made.cage.size() == options.vertices);
+        CHECK(is_cage(check(made.value)));
+        CHECK(made.value.loops().size() == 1);
+        CHECK(made.value.size() == options.vertices);
         CHECK(report.vertices == options.vertices);
         CHECK(report.clearance >= 0.9 * report.margin);
-        const double sampled = sampled_clearance(made.cage, figure);
-        const auto box = bounds_of(made.cage.vertices());
+        const double sampled = sampled_clearance(made.value, figure);
+        const auto box = bounds_of(made.value.vertices());
         CHECK(sampled >= report.clearance - double(coincidence_tolerance(box)));
         CHECK(sampled <= report.clearance + 0.5 * double(box.diagonal())); // a number about this cage
         // Of a line nearly all is margin, of which a cage may lack a 20th.
@@ -145,9 +145,9 @@ TEMPLATE_TEST_CASE("a mirrored cage is its own image", "[enclose][property]", fl
         const auto made = make_cage(std::span<const DrawnSegment<TestType>>(figure), options);
         REQUIRE(to_string(made.report.status) == std::string("ok"));
         CHECK(is_cage(made.report.cage));
-        CHECK(made.cage.size() == 24);
-        CHECK(sampled_clearance(made.cage, figure) >= 0.89 * made.report.margin);
-        const auto vertices = made.cage.vertices();
+        CHECK(made.value.size() == 24);
+        CHECK(sampled_clearance(made.value, figure) >= 0.89 * made.report.margin);
+        const auto vertices = made.value.vertices();
         const auto box = bounds_of(vertices);
         const double middle = (double(box.lower[axis]) + double(box.upper[axis])) / 2;
         if (options.mirror->place)
@@ -177,19 +177,18 @@ TEST_CASE("a cage follows its figure, moved and scaled by powers of two", "[encl
         };
         moved.push_back({map(s.a), map(s.b), 4 * s.radius});
     }
-    const auto made = make_cage<double>(figure), again = make_cage<double>(figure),
-               other = make_cage<double>(moved);
+    const auto made = make_cage(figure), again = make_cage(figure), other = make_cage(moved);
     REQUIRE(made);
     REQUIRE(other);
-    REQUIRE(made.cage.size() == other.cage.size());
-    for (std::size_t i = 0; i < made.cage.size(); ++i) {
-        CHECK(made.cage[i] == again.cage[i]);
-        const auto& p = made.cage[i];
-        CHECK(detail::length(other.cage[i] - Vec<double, 2>{4 * p[0] - 4096, 4 * p[1] + 8192}) <= 1e-11);
+    REQUIRE(made.value.size() == other.value.size());
+    for (std::size_t i = 0; i < made.value.size(); ++i) {
+        CHECK(made.value[i] == again.value[i]);
+        const auto& p = made.value[i];
+        CHECK(detail::length(other.value[i] - Vec<double, 2>{4 * p[0] - 4096, 4 * p[1] + 8192}) <= 1e-11);
     }
     std::reverse(moved.begin(), moved.end());
-    const auto reversed = make_cage<double>(moved);
-    for (std::size_t i = 0; i < other.cage.size(); ++i) CHECK(reversed.cage[i] == other.cage[i]);
+    const auto reversed = make_cage(moved);
+    for (std::size_t i = 0; i < other.value.size(); ++i) CHECK(reversed.value[i] == other.value[i]);
 }
 
 TEST_CASE("discs apart: one cage with bridges, or a loop for each", "[enclose]") {
@@ -201,22 +200,22 @@ TEST_CASE("discs apart: one cage with bridges, or a loop for each", "[enclose]")
         MakeCageOptions options;
         options.vertices = 12 * count;
         options.margin = 0.003;
-        const auto one = make_cage<double>(figure, options);
+        const auto one = make_cage(figure, options);
         REQUIRE(one);
         CHECK(one.report.parts == count);
         CHECK(one.report.bridges == count - 1);
-        CHECK(one.cage.loops().size() == 1);
+        CHECK(one.value.loops().size() == 1);
         options.one_cage = false;
-        const auto each = make_cage<double>(figure, options);
+        const auto each = make_cage(figure, options);
         REQUIRE(each);
         CHECK(each.report.bridges == 0);
-        CHECK(each.cage.loops().size() == count);
-        CHECK(each.cage.size() == options.vertices);
+        CHECK(each.value.loops().size() == count);
+        CHECK(each.value.size() == options.vertices);
         CHECK(each.report.tightest_area < one.report.tightest_area);
-        CHECK(is_cage(check(each.cage)));
-        CHECK(sampled_clearance(each.cage, figure) > 0.85 * each.report.margin);
+        CHECK(is_cage(check(each.value)));
+        CHECK(sampled_clearance(each.value, figure) > 0.85 * each.report.margin);
         options.vertices = 3; // too few for so many
-        const auto few = make_cage<double>(figure, options);
+        const auto few = make_cage(figure, options);
         REQUIRE(few);
         CHECK(few.report.vertices == 4 * count);
     }
@@ -233,10 +232,10 @@ TEST_CASE("loops of one size, mirrored too, have as many vertices each", "[enclo
             for (std::size_t k = 0; k < pairs; ++k) add_disc<double>(figure, 3 + 4 * double(k), 0, 1);
             options.mirror = MirrorPlane{0, 0.0};
             options.vertices = 2 * pairs * each;
-            const auto made = make_cage<double>(figure, options);
+            const auto made = make_cage(figure, options);
             REQUIRE(made);
-            CHECK(made.cage.loops().size() == 2 * pairs);
-            for (const auto& loop : made.cage.loops()) CHECK(loop.size() == each);
+            CHECK(made.value.loops().size() == 2 * pairs);
+            for (const auto& loop : made.value.loops()) CHECK(loop.size() == each);
         }
     }
 }
@@ -260,11 +259,11 @@ TEST_CASE("loops of any sizes share the vertices, with sides on one line too", "
     for (const std::size_t vertices : {20u, 24u, 31u, 60u}) {
         CAPTURE(vertices);
         options.vertices = vertices;
-        const auto made = make_cage<double>(figure, options);
+        const auto made = make_cage(figure, options);
         REQUIRE(made);
-        CHECK(made.cage.loops().size() == sizes.size());
-        CHECK(made.cage.size() == vertices);
-        CHECK(is_cage(check(made.cage)));
+        CHECK(made.value.loops().size() == sizes.size());
+        CHECK(made.value.size() == vertices);
+        CHECK(is_cage(check(made.value)));
     }
 }
 
@@ -277,7 +276,7 @@ TEST_CASE("loops hold parts that are smaller than a step", "[enclose]") {
     options.one_cage = false;
     options.vertices = 4;
     options.mirror = MirrorPlane{0, {}};
-    CHECK(make_cage<double>(dots, options));
+    CHECK(make_cage(dots, options));
     options.mirror.reset();
     options.margin = 0.008;
     for (std::uint64_t seed = 0; seed < 20; ++seed) {
@@ -289,9 +288,9 @@ TEST_CASE("loops hold parts that are smaller than a step", "[enclose]") {
             figure.push_back({p, p + Vec<double, 2>{random.uniform(-0.02, 0.02), 0}, 0});
         }
         options.vertices = 4 + random.below(8);
-        const auto made = make_cage<double>(figure, options);
+        const auto made = make_cage(figure, options);
         REQUIRE(made);
-        CHECK(sampled_clearance(made.cage, figure) > 0.85 * made.report.margin);
+        CHECK(sampled_clearance(made.value, figure) > 0.85 * made.report.margin);
     }
 }
 
@@ -306,12 +305,12 @@ TEST_CASE("cages of convex figures have no hooks", "[enclose]") {
             CAPTURE(corners.size(), vertices);
             MakeCageOptions options;
             options.vertices = vertices;
-            const auto made = make_cage<double>(figure, options);
+            const auto made = make_cage(figure, options);
             REQUIRE(made);
             double most = 0; // the largest turn to the outside
             for (std::size_t i = 0; i < vertices; ++i) {
-                const Vec<double, 2> u = made.cage[(i + 1) % vertices] - made.cage[i],
-                                     v = made.cage[(i + 2) % vertices] - made.cage[(i + 1) % vertices];
+                const Vec<double, 2> u = made.value[(i + 1) % vertices] - made.value[i],
+                                     v = made.value[(i + 2) % vertices] - made.value[(i + 1) % vertices];
                 most = larger(most, std::atan2(-cross(u, v), dot(u, v)));
             }
             CHECK(most < 0.8);
@@ -340,13 +339,13 @@ TEST_CASE("narrow mouths are closed, wide ones stay open", "[enclose]") {
     options.margin = 0.05;
     options.vertices = 32;
     // A gap leaves a free width of itself less two margins; slits below 1.2 margins are closed.
-    const auto open = make_cage<double>(open_ring(4.5 * margin), options);
-    const auto closed = make_cage<double>(open_ring(2.9 * margin), options);
+    const auto open = make_cage(open_ring(4.5 * margin), options);
+    const auto closed = make_cage(open_ring(2.9 * margin), options);
     REQUIRE(open);
     REQUIRE(closed);
     const Vec<double, 2> middle{0, 0};
-    CHECK(locate(open.cage, middle, 0.0) == PointState::outside);
-    CHECK(locate(closed.cage, middle, 0.0) == PointState::inside);
+    CHECK(locate(open.value, middle, 0.0) == PointState::outside);
+    CHECK(locate(closed.value, middle, 0.0) == PointState::inside);
     // The whole disc is the least that the closed one can have.
     CHECK(closed.report.area > std::numbers::pi);
     CHECK(open.report.area < 2);
@@ -358,24 +357,24 @@ TEST_CASE("holes stay where they are asked for and nothing is painted", "[enclos
     add_loop(figure, Points2<double>{{3, 3}, {7, 3}, {7, 7}, {3, 7}}); // turns as the outer one
     MakeCageOptions options;
     options.vertices = 20;
-    const auto filled = make_cage<double>(figure, options);
+    const auto filled = make_cage(figure, options);
     REQUIRE(filled);
-    CHECK(filled.cage.loops().size() == 1);
+    CHECK(filled.value.loops().size() == 1);
     options.holes = true;
-    const auto lines = make_cage<double>(figure, options);
+    const auto lines = make_cage(figure, options);
     REQUIRE(lines);
-    CHECK(lines.cage.loops().size() == 4); // a band along each of the two outlines
+    CHECK(lines.value.loops().size() == 4); // a band along each of the two outlines
     const PaintedArea even_odd{0, figure.size(), true}, non_zero{0, figure.size(), false};
-    const auto frame = make_cage<double>(figure, options, std::span(&even_odd, 1));
+    const auto frame = make_cage(Drawing(figure, std::span(&even_odd, 1)), options);
     REQUIRE(frame);
-    REQUIRE(frame.cage.loops().size() == 2);
-    CHECK(is_cage(check(frame.cage)));
-    CHECK(signed_area(frame.cage, frame.cage.loops()[0]) > 100);
-    CHECK(signed_area(frame.cage, frame.cage.loops()[1]) < 0);
-    CHECK(locate(frame.cage, {5, 5}, 0.0) == PointState::outside);
-    const auto solid = make_cage<double>(figure, options, std::span(&non_zero, 1));
+    REQUIRE(frame.value.loops().size() == 2);
+    CHECK(is_cage(check(frame.value)));
+    CHECK(signed_area(frame.value, frame.value.loops()[0]) > 100);
+    CHECK(signed_area(frame.value, frame.value.loops()[1]) < 0);
+    CHECK(locate(frame.value, {5, 5}, 0.0) == PointState::outside);
+    const auto solid = make_cage(Drawing(figure, std::span(&non_zero, 1)), options);
     REQUIRE(solid);
-    CHECK(solid.cage.loops().size() == 1);
+    CHECK(solid.value.loops().size() == 1);
 }
 
 TEMPLATE_TEST_CASE("what cannot be enclosed is named", "[enclose][error]", float, double) {
@@ -385,8 +384,8 @@ TEMPLATE_TEST_CASE("what cannot be enclosed is named", "[enclose][error]", float
     const Segments sound{{{0, 0}, {1, 1}, 0}, {{1, 1}, {2, 0}, TestType(0.1)}};
     const auto status = [](const Segments& figure, const MakeCageOptions& options, std::size_t culprit = 0,
                            std::span<const PaintedArea> areas = {}) {
-        const auto made = make_cage(std::span<const DrawnSegment<TestType>>(figure), options, areas);
-        CHECK(made.cage.size() == (made ? made.report.vertices : 0));
+        const auto made = make_cage(Drawing(figure, areas), options);
+        CHECK(made.value.size() == (made ? made.report.vertices : 0));
         if (!made) CHECK(made.report.culprit == culprit);
         return made.report.status;
     };
@@ -432,19 +431,19 @@ TEST_CASE("sizes at both ends of the numbers, lines and dots", "[enclose]") {
     for (const double size : {1e-140, 1e-30, 1e30, 1e140}) {
         CAPTURE(size);
         const Figure<double> line{{{size, size}, {2 * size, 3 * size}, 0}};
-        const auto made = make_cage<double>(line);
+        const auto made = make_cage(line);
         REQUIRE(made);
         CHECK(made.report.clearance >= 0.9 * made.report.margin);
         CHECK(made.report.clearance <= 2 * made.report.margin);
     }
     Figure<double> dot;
     add_disc<double>(dot, 7, 7, 2);
-    const auto about_dot = make_cage<double>(dot);
+    const auto about_dot = make_cage(dot);
     REQUIRE(about_dot);
     CHECK(about_dot.report.area > std::numbers::pi * 4);
     // Far from the origin single precision has no room for the margin.
     const Figure<float> far{{{1e7F, 0}, {1e7F + 2, 1}, 0}};
-    const auto far_off = make_cage<float>(far);
+    const auto far_off = make_cage(far);
     CHECK(far_off.report.status == Status::cage_not_found);
 }
 
@@ -464,14 +463,15 @@ TEST_CASE("where coordinates are coarse the margin is kept as well, or no cage g
         options.margin = 0.08;
         options.vertices = 6;
         double most = 0;
-        options.running.progress = [&](double done) {
+        cageform::Running running;
+        running.progress = [&](double done) {
             if (done < 1) most = larger(most, done);
             return true;
         };
-        const auto made = make_cage<float>(figure, options);
+        const auto made = make_cage(figure, options, running);
         const double kept = 0.9 * made.report.margin;
-        CHECK((made ? made.report.clearance >= kept && sampled_clearance(made.cage, figure) >= kept
-                    : made.report.status == Status::cage_not_found && made.cage.size() == 0));
+        CHECK((made ? made.report.clearance >= kept && sampled_clearance(made.value, figure) >= kept
+                    : made.report.status == Status::cage_not_found && made.value.size() == 0));
         found += made ? 1 : 0;
         found_later += made && most > 0.9 ? 1 : 0; // not with the first try
     }
@@ -483,19 +483,20 @@ TEST_CASE("making a cage tells how far it is and can be stopped", "[enclose]") {
     const auto figure = random_figure<double>(3);
     MakeCageOptions options;
     std::vector<double> told;
-    options.running.progress = [&](double done) {
+    cageform::Running running;
+    running.progress = [&](double done) {
         told.push_back(done);
         return true;
     };
-    REQUIRE(make_cage<double>(figure, options));
+    REQUIRE(make_cage(figure, options, running));
     CHECK(std::is_sorted(told.begin(), told.end()));
     CHECK(told.back() == 1);
     for (std::size_t stop = 0; stop < told.size(); ++stop) {
         std::size_t calls = 0;
-        options.running.progress = [&](double) { return calls++ < stop; };
-        const auto made = make_cage<double>(figure, options);
+        running.progress = [&](double) { return calls++ < stop; };
+        const auto made = make_cage(figure, options, running);
         CHECK(made.report.status == Status::cancelled);
-        CHECK(made.cage.size() == 0);
+        CHECK(made.value.size() == 0);
     }
 }
 
@@ -505,26 +506,26 @@ TEST_CASE("a hull and a box about a figure", "[enclose]") {
         const auto figure = random_figure<double>(seed);
         MakeCageOptions options;
         options.vertices = 40;
-        const auto tight = make_cage<double>(figure, options);
+        const auto tight = make_cage(figure, options);
         options.shape = CageShape::hull;
-        const auto hull = make_cage<double>(figure, options);
+        const auto hull = make_cage(figure, options);
         options.shape = CageShape::box;
-        const auto box = make_cage<double>(figure, options);
+        const auto box = make_cage(figure, options);
         REQUIRE(tight);
         REQUIRE(hull);
         REQUIRE(box);
         CHECK(hull.report.bridges == 0);
         CHECK(hull.report.area >= 0.99 * tight.report.area);
-        CHECK(hull.cage.size() == 40);
-        CHECK(sampled_clearance(hull.cage, figure) >= 0.9 * hull.report.margin);
+        CHECK(hull.value.size() == 40);
+        CHECK(sampled_clearance(hull.value, figure) >= 0.9 * hull.report.margin);
         // A rounded convex body has no dents but what relaxation leaves within the margin.
         CHECK(hull.report.area <= 1.03 * hull.report.tightest_area);
-        CHECK(box.cage.size() == 4);
+        CHECK(box.value.size() == 4);
         CHECK(box.report.clearance >= (1 - 1e-9) * box.report.margin);
-        CHECK(is_cage(check(box.cage)));
+        CHECK(is_cage(check(box.value)));
         options.mirror = MirrorPlane{1, {}};
         options.shape = CageShape::hull;
-        const auto mirrored = make_cage<double>(figure, options);
+        const auto mirrored = make_cage(figure, options);
         REQUIRE(mirrored);
         CHECK(mirrored.report.area >= 0.99 * hull.report.area);
     }

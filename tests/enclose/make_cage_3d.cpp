@@ -121,11 +121,11 @@ TEMPLATE_TEST_CASE("a cage in space holds its figure at the distance asked for",
         options.margin = random.uniform(0.09, 0.12);
         const auto made = make_cage(figure.vertices, figure.faces, options);
         REQUIRE(to_string(made.report.status) == std::string("ok"));
-        CHECK(is_cage(check(made.cage)));
-        CHECK(made.cage.size() == options.vertices);
+        CHECK(is_cage(check(made.value)));
+        CHECK(made.value.size() == options.vertices);
         CHECK(made.report.vertices == options.vertices);
         CHECK(made.report.clearance >= 0.9 * made.report.margin);
-        const double sampled = sampled_clearance(made.cage, figure);
+        const double sampled = sampled_clearance(made.value, figure);
         // Samples are of the figure's faces: the least over all of them is below.
         CHECK(sampled >= made.report.clearance * (1 - 1e-5));
         CHECK(made.report.area > 0.9 * made.report.tightest_area);
@@ -142,15 +142,15 @@ TEST_CASE("a cage keeps tunnels, or fills them", "[enclose]") {
     REQUIRE(kept);
     CHECK(kept.report.tunnels == 1);
     CHECK(is_cage(kept.report.cage));
-    CHECK_FALSE(detail::is_enclosed(winding_number(kept.cage, {0, 0, 0})));
+    CHECK_FALSE(detail::is_enclosed(winding_number(kept.value, {0, 0, 0})));
     options.fill_tunnels = true;
     const auto filled = make_cage(figure.vertices, figure.faces, options);
     REQUIRE(filled);
     CHECK(filled.report.tunnels == 0);
     CHECK(is_cage(filled.report.cage));
-    CHECK(detail::is_enclosed(winding_number(filled.cage, {0, 0, 0})));
+    CHECK(detail::is_enclosed(winding_number(filled.value, {0, 0, 0})));
     CHECK(filled.report.area > kept.report.area);
-    CHECK(sampled_clearance(filled.cage, figure) > 0.9 * filled.report.margin);
+    CHECK(sampled_clearance(filled.value, figure) > 0.9 * filled.report.margin);
 }
 
 TEST_CASE("a cage has more vertices than asked for where its tunnel takes them", "[enclose]") {
@@ -161,11 +161,11 @@ TEST_CASE("a cage has more vertices than asked for where its tunnel takes them",
     const auto made = make_cage(figure.vertices, figure.faces, options);
     REQUIRE(made);
     CHECK(made.report.tunnels == 1);
-    CHECK(made.report.vertices == made.cage.size());
-    CHECK(made.cage.size() >= 7); // the least of any torus
-    CHECK(made.cage.size() < 24);
-    CHECK(is_cage(check(made.cage)));
-    CHECK(sampled_clearance(made.cage, figure) >= 0.9 * made.report.margin);
+    CHECK(made.report.vertices == made.value.size());
+    CHECK(made.value.size() >= 7); // the least of any torus
+    CHECK(made.value.size() < 24);
+    CHECK(is_cage(check(made.value)));
+    CHECK(sampled_clearance(made.value, figure) >= 0.9 * made.report.margin);
 }
 
 TEST_CASE("several tunnels are counted", "[enclose]") {
@@ -202,16 +202,16 @@ TEST_CASE("balls apart: one cage with bridges, or a shell for each", "[enclose]"
     REQUIRE(one);
     CHECK(one.report.parts == 3);
     CHECK(one.report.bridges == 2);
-    CHECK(shells_of(one.cage).first_face.size() == 1);
+    CHECK(shells_of(one.value).first_face.size() == 1);
     options.one_cage = false;
     const auto each = make_cage(figure.vertices, figure.faces, options);
     REQUIRE(each);
     CHECK(each.report.bridges == 0);
-    CHECK(shells_of(each.cage).first_face.size() == 3);
-    CHECK(each.cage.size() == 60);
+    CHECK(shells_of(each.value).first_face.size() == 3);
+    CHECK(each.value.size() == 60);
     CHECK(is_cage(each.report.cage));
     CHECK(each.report.tightest_area < one.report.tightest_area);
-    CHECK(sampled_clearance(each.cage, figure) > 0.9 * each.report.margin);
+    CHECK(sampled_clearance(each.value, figure) > 0.9 * each.report.margin);
 }
 
 TEMPLATE_TEST_CASE("a mirrored cage in space is its own image", "[enclose][property]", float, double) {
@@ -226,10 +226,10 @@ TEMPLATE_TEST_CASE("a mirrored cage in space is its own image", "[enclose][prope
         const auto made = make_cage(figure.vertices, figure.faces, options);
         REQUIRE(to_string(made.report.status) == std::string("ok"));
         CHECK(is_cage(made.report.cage));
-        CHECK(made.cage.size() + 1 >= options.vertices);
-        CHECK(made.cage.size() <= options.vertices);
-        CHECK(sampled_clearance(made.cage, figure) > 0.89 * made.report.margin);
-        const auto vertices = made.cage.vertices();
+        CHECK(made.value.size() + 1 >= options.vertices);
+        CHECK(made.value.size() <= options.vertices);
+        CHECK(sampled_clearance(made.value, figure) > 0.89 * made.report.margin);
+        const auto vertices = made.value.vertices();
         const auto box = bounds_of(vertices);
         const double middle = (double(box.lower[axis]) + double(box.upper[axis])) / 2;
         double worst = 0;
@@ -252,8 +252,8 @@ TEMPLATE_TEST_CASE("a mirrored cage in space is its own image", "[enclose][prope
             std::rotate(face.begin(), std::min_element(face.begin(), face.end()), face.end());
             return face;
         };
-        for (const auto& face : made.cage.faces()) ++faces[sorted_from_least(face)];
-        for (const auto& face : made.cage.faces())
+        for (const auto& face : made.value.faces()) ++faces[sorted_from_least(face)];
+        for (const auto& face : made.value.faces())
             CHECK(faces.count(sorted_from_least({image[face[0]], image[face[2]], image[face[1]]})) == 1);
     }
 }
@@ -275,13 +275,13 @@ TEST_CASE("a cage in space follows its figure, moved and scaled by powers of two
     const auto other = make_cage(moved.vertices, moved.faces, options);
     REQUIRE(made);
     REQUIRE(other);
-    REQUIRE(made.cage.size() == other.cage.size());
-    for (std::size_t i = 0; i < made.cage.size(); ++i) {
-        CHECK(made.cage[i] == again.cage[i]);
-        CHECK(detail::length(other.cage[i] - (4.0 * made.cage[i] + Vec<double, 3>{1024, -512, 256})) <=
+    REQUIRE(made.value.size() == other.value.size());
+    for (std::size_t i = 0; i < made.value.size(); ++i) {
+        CHECK(made.value[i] == again.value[i]);
+        CHECK(detail::length(other.value[i] - (4.0 * made.value[i] + Vec<double, 3>{1024, -512, 256})) <=
               1e-10);
     }
-    CHECK(std::ranges::equal(made.cage.faces(), other.cage.faces()));
+    CHECK(std::ranges::equal(made.value.faces(), other.value.faces()));
 }
 
 TEMPLATE_TEST_CASE("what cannot be enclosed in space is named", "[enclose][error]", float, double) {
@@ -296,7 +296,7 @@ TEMPLATE_TEST_CASE("what cannot be enclosed in space is named", "[enclose][error
     quick.margin = 0.1;
     const auto status = [](const Solid& figure, const MakeCageOptions& options, std::size_t culprit = 0) {
         const auto made = make_cage(figure.vertices, figure.faces, options);
-        CHECK(made.cage.size() == (made ? made.report.vertices : 0));
+        CHECK(made.value.size() == (made ? made.report.vertices : 0));
         if (!made) CHECK(made.report.culprit == culprit);
         return made.report.status;
     };
@@ -340,19 +340,20 @@ TEST_CASE("making a cage in space tells how far it is and can be stopped", "[enc
     options.vertices = 50;
     options.margin = 0.1;
     std::vector<double> told;
-    options.running.progress = [&](double done) {
+    cageform::Running running;
+    running.progress = [&](double done) {
         told.push_back(done);
         return true;
     };
-    REQUIRE(make_cage(figure.vertices, figure.faces, options));
+    REQUIRE(make_cage(figure.vertices, figure.faces, options, running));
     CHECK(std::is_sorted(told.begin(), told.end()));
     CHECK(told.back() == 1);
     for (const std::size_t stop : {std::size_t{0}, std::size_t{1}, told.size() / 2, told.size() - 1}) {
         std::size_t calls = 0;
-        options.running.progress = [&](double) { return calls++ < stop; };
-        const auto made = make_cage(figure.vertices, figure.faces, options);
+        running.progress = [&](double) { return calls++ < stop; };
+        const auto made = make_cage(figure.vertices, figure.faces, options, running);
         CHECK(made.report.status == Status::cancelled);
-        CHECK(made.cage.size() == 0);
+        CHECK(made.value.size() == 0);
     }
 }
 
@@ -366,15 +367,15 @@ TEST_CASE("a hull and a box about a figure in space", "[enclose]") {
     REQUIRE(hull);
     CHECK(is_cage(hull.report.cage));
     CHECK(hull.report.tunnels == 0);
-    CHECK(hull.cage.size() == 40);
-    CHECK(sampled_clearance(hull.cage, figure) >= 0.9 * hull.report.margin);
+    CHECK(hull.value.size() == 40);
+    CHECK(sampled_clearance(hull.value, figure) >= 0.9 * hull.report.margin);
     options.shape = CageShape::box;
     for (const bool mirrored : {false, true}) {
         if (mirrored) options.mirror = MirrorPlane{2, {}};
         const auto box = make_cage(figure.vertices, figure.faces, options);
         REQUIRE(box);
         CHECK(is_cage(box.report.cage));
-        CHECK(box.cage.size() == 8);
+        CHECK(box.value.size() == 8);
         CHECK(box.report.clearance >= (1 - 1e-9) * box.report.margin);
         CHECK(box.report.area > 0);
     }

@@ -2,7 +2,7 @@
 #include "catch.hpp"
 #include "support/cages.hpp"
 
-#include <cageform/animate/compile_clip.hpp>
+#include <cageform/animate/compile.hpp>
 #include <cageform/exchange/blender.hpp>
 #include <cageform/exchange/css.hpp>
 #include <cageform/exchange/gltf.hpp>
@@ -25,30 +25,30 @@ bool same_bits(const BezierCurve& a, const BezierCurve& b) {
 
 /// interval(n) is the curve from key n to the next, as it is imported by itself.
 template <class Interval>
-void check_intervals(const ImportedKeys& imported, const Interval& interval,
-                     const std::vector<double>& values) {
-    REQUIRE(imported.status == Status::ok);
-    REQUIRE(imported.keys.size() == values.size());
+void check_intervals(const cageform::Result<std::vector<Key>, cageform::ExchangeReport>& imported,
+                     const Interval& interval, const std::vector<double>& values) {
+    REQUIRE(imported.status() == Status::ok);
+    REQUIRE(imported.value.size() == values.size());
     std::size_t held = 0, straight = 0, curved = 0;
     for (std::size_t n = 0; n < values.size(); ++n) {
         CAPTURE(n);
-        CHECK(imported.keys[n].value == values[n]);
+        CHECK(imported.value[n].value == values[n]);
         if (n + 1 == values.size()) continue;
-        const ImportedCurve curve = interval(n);
-        REQUIRE(curve.status == Status::ok);
-        CHECK(imported.keys[n].kind == curve.kind);
-        held += curve.kind == KeyKind::hold ? 1u : 0u;
-        straight += curve.kind == KeyKind::linear ? 1u : 0u;
-        curved += curve.kind == KeyKind::bezier ? 1u : 0u;
-        CHECK(imported.keys[n].time == curve.curve.begin());
-        if (curve.kind == KeyKind::bezier) {
-            CHECK(same_bits(key_interval(imported.keys, n), curve.curve));
-        } else if (curve.kind == KeyKind::linear) {
-            const auto line = key_interval(imported.keys, n);
+        const auto curve = interval(n);
+        REQUIRE(curve.status() == Status::ok);
+        CHECK(imported.value[n].kind == curve.value.kind);
+        held += curve.value.kind == KeyKind::hold ? 1u : 0u;
+        straight += curve.value.kind == KeyKind::linear ? 1u : 0u;
+        curved += curve.value.kind == KeyKind::bezier ? 1u : 0u;
+        CHECK(imported.value[n].time == curve.value.curve.begin());
+        if (curve.value.kind == KeyKind::bezier) {
+            CHECK(same_bits(key_interval(imported.value, n), curve.value.curve));
+        } else if (curve.value.kind == KeyKind::linear) {
+            const auto line = key_interval(imported.value, n);
             for (std::size_t i = 0; i < 4; ++i) {
                 for (std::size_t axis = 0; axis < 2; ++axis)
                     CHECK(line.points[i][axis] ==
-                          Approx(curve.curve.points[i][axis]).epsilon(1e-15).margin(1e-15));
+                          Approx(curve.value.curve.points[i][axis]).epsilon(1e-15).margin(1e-15));
             }
         }
     }
@@ -56,14 +56,14 @@ void check_intervals(const ImportedKeys& imported, const Interval& interval,
     // Compiled, which is the second call: the pieces follow the curves.
     TrackOptions options;
     options.tolerance = 1e-4;
-    const auto track = compile_track<double>(imported.keys, options);
-    REQUIRE(track.status == Status::ok);
+    const auto track = compile<double>(imported.value, options);
+    REQUIRE(track.status() == Status::ok);
     for (std::size_t n = 0; n + 1 < values.size(); ++n) {
-        const ImportedCurve curve = interval(n);
-        const BezierFunction function(curve.curve);
+        const auto curve = interval(n);
+        const BezierFunction function(curve.value.curve);
         for (int k = 1; k < 20; ++k) {
-            const double time = std::lerp(curve.curve.begin(), curve.curve.end(), k / 20.0);
-            CHECK(std::fabs(track.track(time) - function(time)) <= 1.001e-4);
+            const double time = std::lerp(curve.value.curve.begin(), curve.value.curve.end(), k / 20.0);
+            CHECK(std::fabs(track.value(time) - function(time)) <= 1.001e-4);
         }
     }
 }
@@ -132,14 +132,14 @@ TEST_CASE("keys of Blender, Unity, Unreal, Lottie and CSS have the imported curv
     check_intervals(
         keys_from_css(css),
         [&](std::size_t n) {
-            const auto unit = parse_css_easing(css[n].easing).curve.points;
+            const auto unit = parse_css_easing(css[n].easing).value.points;
             BezierCurve curve{{place(n), {}, {}, place(n + 1)}};
             for (const std::size_t i : {1u, 2u}) {
                 for (std::size_t axis = 0; axis < 2; ++axis)
                     curve.points[i][axis] =
                         std::lerp(curve.points[0][axis], curve.points[3][axis], unit[i][axis]);
             }
-            return ImportedCurve{Status::ok, KeyKind::bezier, curve};
+            return cageform::Result<cageform::KeyInterval>{{KeyKind::bezier, curve}, Status::ok};
         },
         values);
 }
@@ -160,36 +160,35 @@ TEST_CASE(
     }
     const auto curves = from_gltf_cubicspline(times, cubic, components);
     const auto keys = keys_from_gltf(times, cubic, components, GltfInterpolation::cubicspline);
-    REQUIRE(curves.status == Status::ok);
-    REQUIRE(keys.status == Status::ok);
-    REQUIRE(keys.curves.size() == components);
+    REQUIRE(curves.status() == Status::ok);
+    REQUIRE(keys.status() == Status::ok);
+    REQUIRE(keys.value.size() == components);
     for (std::size_t k = 0; k + 1 < count; ++k) {
         for (std::size_t c = 0; c < components; ++c)
-            CHECK(same_bits(key_interval(keys.curves[c], k), curves.curves[k * components + c]));
+            CHECK(same_bits(key_interval(keys.value[c], k), curves.value[k * components + c]));
     }
-    const auto clip = compile_clip<double, 3>(keys.curves);
-    REQUIRE(clip.status == Status::ok);
-    auto cursor = clip.clip.make_cursor();
+    const auto clip = compile<double, 3>(keys.value);
+    REQUIRE(clip.status() == Status::ok);
+    auto cursor = clip.value.make_cursor();
     std::vector<Vec<double, 3>> pose(1);
     for (std::size_t k = 0; k + 1 < count; ++k) {
         const double at = std::lerp(double(times[k]), double(times[k + 1]), random.uniform(0.01, 0.99));
-        clip.clip.sample(at, cursor, pose);
+        clip.value.sample(at, cursor, pose);
         for (std::size_t c = 0; c < components; ++c)
-            CHECK(pose[0][c] == Approx(BezierFunction(curves.curves[k * components + c])(at)).margin(1e-12));
+            CHECK(pose[0][c] == Approx(BezierFunction(curves.value[k * components + c])(at)).margin(1e-12));
     }
     const auto lines = keys_from_gltf(times, plain, components, GltfInterpolation::linear),
                steps = keys_from_gltf(times, plain, components, GltfInterpolation::step);
-    const auto by_lines = compile_clip<double, 3>(lines.curves),
-               by_steps = compile_clip<double, 3>(steps.curves);
-    REQUIRE(by_lines.status == Status::ok);
-    REQUIRE(by_steps.status == Status::ok);
-    auto first = by_lines.clip.make_cursor(), second = by_steps.clip.make_cursor();
+    const auto by_lines = compile<double, 3>(lines.value), by_steps = compile<double, 3>(steps.value);
+    REQUIRE(by_lines.status() == Status::ok);
+    REQUIRE(by_steps.status() == Status::ok);
+    auto first = by_lines.value.make_cursor(), second = by_steps.value.make_cursor();
     std::vector<Vec<double, 3>> other(1);
     for (std::size_t k = 0; k + 1 < count; ++k) {
         const double part = random.uniform(0.01, 0.99),
                      at = std::lerp(double(times[k]), double(times[k + 1]), part);
-        by_lines.clip.sample(at, first, pose);
-        by_steps.clip.sample(at, second, other);
+        by_lines.value.sample(at, first, pose);
+        by_steps.value.sample(at, second, other);
         for (std::size_t c = 0; c < components; ++c) {
             const double begin = plain[k * components + c], end = plain[(k + 1) * components + c];
             CHECK(pose[0][c] == Approx(std::lerp(begin, end, part)).margin(1e-12));
@@ -199,19 +198,19 @@ TEST_CASE(
     // A single key is a constant.
     const auto one =
         keys_from_gltf(std::span(times).first(1), std::span(plain).first(3), 3, GltfInterpolation::linear);
-    REQUIRE(one.status == Status::ok);
-    CHECK(compile_clip<float, 3>(one.curves).status == Status::ok);
+    REQUIRE(one.status() == Status::ok);
+    CHECK(compile<float, 3>(one.value).status() == Status::ok);
 
     const auto status = [&](std::span<const float> t, std::span<const float> v, std::size_t c, auto mode) {
         const auto result = keys_from_gltf(t, v, c, mode);
-        CHECK(result.curves.empty());
-        return result.status;
+        CHECK(result.value.empty());
+        return result.status();
     };
     CHECK(status({}, {}, 3, GltfInterpolation::linear) == Status::input_malformed);
     CHECK(status(times, plain, 3, GltfInterpolation::cubicspline) == Status::input_malformed);
     CHECK(status(times, plain, 0, GltfInterpolation::linear) == Status::input_malformed);
     plain[5] = std::numeric_limits<float>::infinity();
-    CHECK(keys_from_gltf(times, plain, 3, GltfInterpolation::step).culprit == 1);
+    CHECK(keys_from_gltf(times, plain, 3, GltfInterpolation::step).report.culprit == 1);
     CHECK(status(times, plain, 3, GltfInterpolation::step) == Status::value_not_finite);
     std::swap(times[3], times[4]);
     CHECK(status(times, cubic, 3, GltfInterpolation::cubicspline) == Status::keys_not_ascending);
@@ -221,25 +220,25 @@ TEST_CASE("keys that make no curve are refused with the key that the interval be
           "[animate][import][keys][refused]") {
     std::vector<UnityKey> unity(4);
     for (std::size_t n = 0; n < 4; ++n) unity[n].time = double(n);
-    REQUIRE(keys_from_unity(unity).status == Status::ok);
+    REQUIRE(keys_from_unity(unity).status() == Status::ok);
     unity[2].time = 1;
     const auto refused = keys_from_unity(unity);
-    CHECK(refused.status == Status::interval_empty);
-    CHECK(refused.culprit == 1);
-    CHECK(refused.keys.empty());
-    CHECK(keys_from_unity({}).status == Status::keys_missing);
-    CHECK(keys_from_unity(std::span(unity).first(1)).keys.size() == 1);
+    CHECK(refused.status() == Status::interval_empty);
+    CHECK(refused.report.culprit == 1);
+    CHECK(refused.value.empty());
+    CHECK(keys_from_unity({}).status() == Status::keys_missing);
+    CHECK(keys_from_unity(std::span(unity).first(1)).value.size() == 1);
     unity[0].value = std::numeric_limits<double>::infinity();
-    CHECK(keys_from_unity(std::span(unity).first(1)).status == Status::value_not_finite);
+    CHECK(keys_from_unity(std::span(unity).first(1)).status() == Status::value_not_finite);
 
     const CssKey css[] = {{0, 1, "ease"}, {1, 2, "steps(3)"}, {2, 3, "not read"}};
-    CHECK(keys_from_css(css).status == Status::input_malformed);
-    CHECK(keys_from_css(css).culprit == 1);
-    CHECK(keys_from_css(std::span(css).first(2)).status == Status::ok);
+    CHECK(keys_from_css(css).status() == Status::input_malformed);
+    CHECK(keys_from_css(css).report.culprit == 1);
+    CHECK(keys_from_css(std::span(css).first(2)).status() == Status::ok);
     std::vector<LottieKey> lottie{{0, 0, {{0, 0}, {1, 1}, true}},
                                   {1, std::numeric_limits<double>::infinity(), {}}};
-    CHECK(keys_from_lottie(lottie).status == Status::value_not_finite);
-    CHECK(keys_from_lottie(lottie).culprit == 1);
+    CHECK(keys_from_lottie(lottie).status() == Status::value_not_finite);
+    CHECK(keys_from_lottie(lottie).report.culprit == 1);
 }
 
 } // namespace import_keys_tests

@@ -93,13 +93,13 @@ bool same_bits(const BezierCurve& a, const BezierCurve& b) {
 }
 
 /// A refusal carries no curve.
-bool refused(const ImportedCurve& result, Status status) {
-    return result.status == status && result.curve == BezierCurve{};
+bool refused(const Result<KeyInterval>& result, Status status) {
+    return result.status() == status && result.value.curve == BezierCurve{};
 }
 
-bool consistent(const ImportedCurve& result) {
-    return result.status == Status::ok ? check(result.curve).status == Status::ok
-                                       : result.curve == BezierCurve{};
+bool consistent(const Result<KeyInterval>& result) {
+    return result.status() == Status::ok ? check(result.value.curve).status == Status::ok
+                                         : result.value.curve == BezierCurve{};
 }
 
 /// The cubic with given values and slopes at both ends, by Hermite's basis as glTF's appendix C prints it.
@@ -137,10 +137,10 @@ TEST_CASE("the keywords of CSS easing are the curves of its specification", "[an
     };
     const auto parsed = [](std::string_view text) {
         const auto result = parse_css_easing(text);
-        CAPTURE(std::string(text), result.error_at);
-        CHECK(result.status == Status::ok);
-        CHECK(result.error_at == 0);
-        return result.curve;
+        CAPTURE(std::string(text), result.report.error_at);
+        CHECK(result.status() == Status::ok);
+        CHECK(result.report.error_at == 0);
+        return result.value;
     };
     CHECK(parsed("linear") == curve(0, 0, 1, 1));
     CHECK(parsed("ease") == curve(0.25, 0.1, 0.25, 1));
@@ -160,16 +160,16 @@ TEST_CASE("cubic-bezier() is read with all of CSS' numbers", "[animate][import][
         "/* ease */cubic-bezier(0.250000000000000000000000000000,.1,2.5e-0001,1e+0)");
     CAPTURE(text);
     const auto result = parse_css_easing(text);
-    CHECK(result.status == Status::ok);
-    CHECK(result.curve == curve_of({0, 0}, {0.25, 0.1}, {0.25, 1}, {1, 1}));
+    CHECK(result.status() == Status::ok);
+    CHECK(result.value == curve_of({0, 0}, {0.25, 0.1}, {0.25, 1}, {1, 1}));
 }
 
 TEST_CASE("CSS numbers beyond a double are told apart", "[animate][import][css]") {
     const auto y1 = [](const std::string& number) {
         const auto result = parse_css_easing("cubic-bezier(0," + number + ",1,1)");
         CAPTURE(number);
-        CHECK(result.status == Status::ok);
-        return result.curve.points[1][1];
+        CHECK(result.status() == Status::ok);
+        return result.value.points[1][1];
     };
     CHECK(y1("-1e-400") == 0);
     CHECK(y1("1e-99999999999999999999999999") == 0);
@@ -181,11 +181,11 @@ TEST_CASE("CSS numbers beyond a double are told apart", "[animate][import][css]"
     CHECK(y1("-1.7976931348623157e308") == -1.7976931348623157e308);
     for (const std::string large : {"1e309", "-1e309", "1e99999999999999999999", "100e308"}) {
         const auto result = parse_css_easing("cubic-bezier(0, 0, 1, " + large + ")");
-        CHECK(result.status == Status::value_not_finite);
-        CHECK(result.error_at == 22);
-        CHECK(parse_css_easing("cubic-bezier(" + large + ",0,1,1)").status == Status::handle_not_allowed);
+        CHECK(result.status() == Status::value_not_finite);
+        CHECK(result.report.error_at == 22);
+        CHECK(parse_css_easing("cubic-bezier(" + large + ",0,1,1)").status() == Status::handle_not_allowed);
     }
-    CHECK(parse_css_easing("cubic-bezier(0,0,1,1" + std::string(400, '0') + ")").status ==
+    CHECK(parse_css_easing("cubic-bezier(0,0,1,1" + std::string(400, '0') + ")").status() ==
           Status::value_not_finite);
 }
 
@@ -240,9 +240,9 @@ TEST_CASE("what is no CSS easing is refused, with its place", "[animate][import]
     }));
     CAPTURE(c.text);
     const auto result = parse_css_easing(c.text);
-    CHECK(result.status == c.status);
-    CHECK(result.error_at == c.at);
-    CHECK(result.curve == BezierCurve{});
+    CHECK(result.status() == c.status);
+    CHECK(result.report.error_at == c.at);
+    CHECK(result.value == BezierCurve{});
 }
 
 TEST_CASE("what to_css writes is read as the same bits", "[animate][import][css]") {
@@ -262,33 +262,33 @@ TEST_CASE("what to_css writes is read as the same bits", "[animate][import][css]
         };
         const auto curve = curve_of({0, 0}, {x(), y()}, {x(), y()}, {1, 1});
         const auto css = to_css(curve);
-        CAPTURE(css.text);
-        REQUIRE(css.status == Status::ok);
-        const auto back = parse_css_easing(css.text);
-        REQUIRE(back.status == Status::ok);
-        CHECK(same_bits(back.curve, curve));
+        CAPTURE(css.value);
+        REQUIRE(css.status() == Status::ok);
+        const auto back = parse_css_easing(css.value);
+        REQUIRE(back.status() == Status::ok);
+        CHECK(same_bits(back.value, curve));
     }
 }
 
 TEST_CASE("to_css writes the curve in its normal form", "[animate][import][css]") {
-    CHECK(to_css(parse_css_easing("ease").curve).text == "cubic-bezier(0.25, 0.1, 0.25, 1)");
-    CHECK(to_css(curve_of({8, -1}, {10, -1}, {16, 7}, {16, 3})).text == "cubic-bezier(0.25, 0, 1, 2)");
-    CHECK(to_css(curve_of({0, 3}, {1, 3}, {2, 1}, {4, 1})).text ==
+    CHECK(to_css(parse_css_easing("ease").value).value == "cubic-bezier(0.25, 0.1, 0.25, 1)");
+    CHECK(to_css(curve_of({8, -1}, {10, -1}, {16, 7}, {16, 3})).value == "cubic-bezier(0.25, 0, 1, 2)");
+    CHECK(to_css(curve_of({0, 3}, {1, 3}, {2, 1}, {4, 1})).value ==
           "cubic-bezier(0.25, 0, 0.5, 1)"); // falling
-    CHECK(to_css(curve_of({0, 3}, {1, 3}, {2, 3}, {4, 3})).text == "cubic-bezier(0.25, 0, 0.5, 1)"); // level
-    CHECK(to_css(curve_of({0, 0}, {0, 1e300}, {1, -1e-300}, {1, 1})).text ==
+    CHECK(to_css(curve_of({0, 3}, {1, 3}, {2, 3}, {4, 3})).value == "cubic-bezier(0.25, 0, 0.5, 1)"); // level
+    CHECK(to_css(curve_of({0, 0}, {0, 1e300}, {1, -1e-300}, {1, 1})).value ==
           "cubic-bezier(0, 1e+300, 1, -1e-300)");
     const double lowest = std::numeric_limits<double>::denorm_min();
     CHECK(to_css(
               curve_of({0, 0}, {lowest, -1.7976931348623157e308}, {lowest, -2.2250738585072014e-308}, {1, 1}))
-              .text == "cubic-bezier(5e-324, -1.7976931348623157e+308, 5e-324, -2.2250738585072014e-308)");
+              .value == "cubic-bezier(5e-324, -1.7976931348623157e+308, 5e-324, -2.2250738585072014e-308)");
 }
 
 TEST_CASE("to_css refuses with a status and no text", "[animate][import][css]") {
     const auto status = [](const BezierCurve& curve) {
         const auto css = to_css(curve);
-        CHECK(css.text.empty());
-        return css.status;
+        CHECK(css.value.empty());
+        return css.status();
     };
     CHECK(status(curve_of({0, 0}, {1.2, 0}, {0.65, 1}, {1, 1})) ==
           Status::handle_not_allowed); // sound elsewhere
@@ -307,9 +307,9 @@ TEST_CASE("CSS is read and written the same in every locale", "[animate][import]
     for (const char* name : {"de_DE.UTF-8", "de_DE.utf8", "pl_PL.UTF-8", "fr_FR.UTF-8", "de_DE"})
         comma = comma || std::setlocale(LC_ALL, name) != nullptr;
     CAPTURE(comma); // most machines of the build have no locale with a decimal comma
-    const auto css = to_css(parse_css_easing("cubic-bezier(.5,.25,.75,1.5)").curve);
+    const auto css = to_css(parse_css_easing("cubic-bezier(.5,.25,.75,1.5)").value);
     std::setlocale(LC_ALL, before.c_str());
-    CHECK(css.text == "cubic-bezier(0.5, 0.25, 0.75, 1.5)");
+    CHECK(css.value == "cubic-bezier(0.5, 0.25, 0.75, 1.5)");
 }
 
 // Lottie
@@ -317,27 +317,27 @@ TEST_CASE("CSS is read and written the same in every locale", "[animate][import]
 TEST_CASE("handles of Lottie are parts of the interval and the rise", "[animate][import][lottie]") {
     const LottieEasing easing{{0.25, 0.5}, {0.75, 1.5}, false};
     const auto result = from_lottie(easing, {10, 4}, {30, 0});
-    REQUIRE(result.status == Status::ok);
-    CHECK(result.kind == KeyKind::bezier);
-    CHECK(result.curve == curve_of({10, 4}, {15, 2}, {25, -2}, {30, 0}));
-    const auto back = to_lottie(result.curve);
+    REQUIRE(result.status() == Status::ok);
+    CHECK(result.value.kind == KeyKind::bezier);
+    CHECK(result.value.curve == curve_of({10, 4}, {15, 2}, {25, -2}, {30, 0}));
+    const auto back = to_lottie(result.value.curve);
     CHECK(back.status() == Status::ok);
     CHECK(back.value == easing);
     const auto linear = from_lottie({}, {1, 2}, {3, 8});
-    CHECK(linear.curve == curve_of({1, 2}, {1, 2}, {3, 8}, {3, 8}));
-    CHECK(to_lottie(linear.curve).value == LottieEasing{});
-    CHECK(to_lottie(result.curve, KeyKind::linear).value == LottieEasing{});
+    CHECK(linear.value.curve == curve_of({1, 2}, {1, 2}, {3, 8}, {3, 8}));
+    CHECK(to_lottie(linear.value.curve).value == LottieEasing{});
+    CHECK(to_lottie(result.value.curve, KeyKind::linear).value == LottieEasing{});
 }
 
 TEST_CASE("Lottie's hold keeps the first value", "[animate][import][lottie]") {
     const auto result =
         from_lottie({{no_number, 5}, {1, 1}, true}, {10, 4}, {30, no_number}); // i and o may be missing then
-    REQUIRE(result.status == Status::ok);
-    CHECK(result.kind == KeyKind::hold);
-    CHECK(result.curve.begin() == 10);
-    CHECK(result.curve.end() == 30);
-    for (const double t : {10.0, 17.0, 30.0}) CHECK(BezierFunction(result.curve)(t) == 4);
-    const auto back = to_lottie(result.curve, KeyKind::hold);
+    REQUIRE(result.status() == Status::ok);
+    CHECK(result.value.kind == KeyKind::hold);
+    CHECK(result.value.curve.begin() == 10);
+    CHECK(result.value.curve.end() == 30);
+    for (const double t : {10.0, 17.0, 30.0}) CHECK(BezierFunction(result.value.curve)(t) == 4);
+    const auto back = to_lottie(result.value.curve, KeyKind::hold);
     CHECK(back.status() == Status::ok);
     CHECK(back.value.hold);
 }
@@ -351,10 +351,10 @@ TEST_CASE("curves come back from Lottie to rounding", "[animate][import][lottie]
         const auto lottie = to_lottie(curve);
         REQUIRE(lottie.status() == Status::ok);
         const auto back = from_lottie(lottie.value, curve.points[0], curve.points[3]);
-        REQUIRE(back.status == Status::ok);
-        CHECK(back.curve.points[0] == curve.points[0]);
-        CHECK(back.curve.points[3] == curve.points[3]);
-        check_close(curve, back.curve);
+        REQUIRE(back.status() == Status::ok);
+        CHECK(back.value.curve.points[0] == curve.points[0]);
+        CHECK(back.value.curve.points[3] == curve.points[3]);
+        check_close(curve, back.value.curve);
     }
 }
 
@@ -408,9 +408,9 @@ TEST_CASE("F-curves evaluate as in Blender 3.4.1", "[animate][import][blender]")
     for (const auto& [stored, values] : cases) {
         const auto [first, second] = blender_keys(stored);
         const auto result = from_blender(first, second);
-        REQUIRE(result.status == Status::ok);
+        REQUIRE(result.status() == Status::ok);
         for (std::size_t i = 0; i < times.size(); ++i)
-            CHECK(BezierFunction(result.curve)(times[i]) == Approx(values[i]).epsilon(0).margin(1e-5));
+            CHECK(BezierFunction(result.value.curve)(times[i]) == Approx(values[i]).epsilon(0).margin(1e-5));
     }
 }
 
@@ -418,8 +418,8 @@ TEST_CASE("long handles of F-curves are shortened in their direction", "[animate
     const auto limited = [](const BezierCurve& stored, BlenderLimit limit) {
         const auto [first, second] = blender_keys(stored);
         const auto result = from_blender(first, second, limit);
-        CHECK(result.status == Status::ok);
-        return result.curve;
+        CHECK(result.status() == Status::ok);
+        return result.value.curve;
     };
     const auto each = BlenderLimit::each_handle, both = BlenderLimit::both_together;
     const auto one_long = curve_of({0, 0}, {16, 4}, {6, 1}, {8, 1});
@@ -447,14 +447,16 @@ TEST_CASE("any inward handles of F-curves are sound once limited", "[animate][im
         stored.points[2][0] = stored.end() - std::pow(10.0, random.uniform(-3, 3)) * length;
         const auto [first, second] = blender_keys(stored);
         const auto result = from_blender(first, second, limit);
-        REQUIRE(result.status == Status::ok);
+        REQUIRE(result.status() == Status::ok);
         // and limiting it again changes nothing, so that Blender takes it back as it is
         BlenderKey a, b;
-        REQUIRE(to_blender(result.curve, a, b, KeyKind::bezier, limit) == Status::ok);
+        REQUIRE(to_blender(result.value.curve, a, b, KeyKind::bezier, limit) == Status::ok);
         const auto again = from_blender(a, b, limit);
-        REQUIRE(again.status == Status::ok);
-        CHECK(distance(result.curve, again.curve, 0) <= 8 * epsilon<double> * size(result.curve, 0));
-        CHECK(distance(result.curve, again.curve, 1) <= 1e-10 * size(result.curve, 1)); // steep handles
+        REQUIRE(again.status() == Status::ok);
+        CHECK(distance(result.value.curve, again.value.curve, 0) <=
+              8 * epsilon<double> * size(result.value.curve, 0));
+        CHECK(distance(result.value.curve, again.value.curve, 1) <=
+              1e-10 * size(result.value.curve, 1)); // steep handles
     }
 }
 
@@ -468,8 +470,8 @@ TEST_CASE("F-curves come back with every bit, neighbours untouched", "[animate][
         second.interpolation = KeyKind::linear;
         REQUIRE(to_blender(curve, first, second) == Status::ok);
         const auto back = from_blender(first, second);
-        REQUIRE(back.status == Status::ok);
-        CHECK(same_bits(back.curve, curve));
+        REQUIRE(back.status() == Status::ok);
+        CHECK(same_bits(back.value.curve, curve));
         CHECK(first.handle_left == Place{-100, 1});
         CHECK(second.handle_right == Place{100, 2});
         CHECK(second.interpolation == KeyKind::linear);
@@ -479,21 +481,21 @@ TEST_CASE("F-curves come back with every bit, neighbours untouched", "[animate][
 TEST_CASE("constant and linear F-curves need no handles", "[animate][import][blender]") {
     const BlenderKey second{{6, 3}, {no_number, no_number}, {0, 0}, KeyKind::bezier};
     const auto hold = from_blender({{2, 1}, {0, 0}, {no_number, no_number}, KeyKind::hold}, second);
-    REQUIRE(hold.status == Status::ok);
-    CHECK(hold.kind == KeyKind::hold);
-    CHECK(BezierFunction(hold.curve)(5.9) == 1);
+    REQUIRE(hold.status() == Status::ok);
+    CHECK(hold.value.kind == KeyKind::hold);
+    CHECK(BezierFunction(hold.value.curve)(5.9) == 1);
     const auto linear = from_blender({{2, 1}, {0, 0}, {no_number, no_number}, KeyKind::linear}, second);
-    REQUIRE(linear.status == Status::ok);
-    CHECK(linear.kind == KeyKind::linear);
-    CHECK(BezierFunction(linear.curve)(3) == Approx(1.5));
+    REQUIRE(linear.status() == Status::ok);
+    CHECK(linear.value.kind == KeyKind::linear);
+    CHECK(BezierFunction(linear.value.curve)(3) == Approx(1.5));
     BlenderKey a, b;
     b.co[1] = 17;
-    REQUIRE(to_blender(hold.curve, a, b, KeyKind::hold) == Status::ok);
+    REQUIRE(to_blender(hold.value.curve, a, b, KeyKind::hold) == Status::ok);
     CHECK(a.interpolation == KeyKind::hold);
     CHECK(b.co == Place{6, 17}); // the value is the next interval's
-    CHECK(from_blender(a, b).curve == hold.curve);
-    REQUIRE(to_blender(linear.curve, a, b, linear.kind) == Status::ok);
-    CHECK(from_blender(a, b).curve == linear.curve);
+    CHECK(from_blender(a, b).value.curve == hold.value.curve);
+    REQUIRE(to_blender(linear.value.curve, a, b, linear.value.kind) == Status::ok);
+    CHECK(from_blender(a, b).value.curve == linear.value.curve);
 }
 
 TEST_CASE("what is no F-curve is refused", "[animate][import][blender]") {
@@ -531,10 +533,10 @@ TEST_CASE("unweighted keys of Unity are Hermite's cubic", "[animate][import][uni
     second.out_tangent = inf; // the outer tangents and unused weights do not matter
     first.out_weight = second.in_weight = no_number;
     const auto result = from_unity(first, second);
-    REQUIRE(result.status == Status::ok);
-    check_close(result.curve, curve_of({2, 1}, {3, 4}, {4, 5.5}, {5, 4}));
+    REQUIRE(result.status() == Status::ok);
+    check_close(result.value.curve, curve_of({2, 1}, {3, 4}, {4, 5.5}, {5, 4}));
     for (double t = 2; t <= 5; t += 0.25)
-        CHECK(BezierFunction(result.curve)(t) == Approx(hermite(2, 1, 3, 5, 4, -1.5, t)));
+        CHECK(BezierFunction(result.value.curve)(t) == Approx(hermite(2, 1, 3, 5, 4, -1.5, t)));
 }
 
 TEST_CASE("weighted keys of Unity have handles at their weights", "[animate][import][unity]") {
@@ -545,16 +547,17 @@ TEST_CASE("weighted keys of Unity have handles at their weights", "[animate][imp
     const double third = 4.0 / 3;
     first.weighted = WeightedHandles::out;
     second.weighted = WeightedHandles::out; // of the other side
-    check_close(from_unity(first, second).curve, curve_of({0, 0}, {3, 6}, {4 - third, 1 + third}, {4, 1}));
+    check_close(from_unity(first, second).value.curve,
+                curve_of({0, 0}, {3, 6}, {4 - third, 1 + third}, {4, 1}));
     first.weighted = WeightedHandles::in;
     second.weighted = WeightedHandles::in;
-    check_close(from_unity(first, second).curve, curve_of({0, 0}, {third, 2 * third}, {2, 3}, {4, 1}));
+    check_close(from_unity(first, second).value.curve, curve_of({0, 0}, {third, 2 * third}, {2, 3}, {4, 1}));
     first.weighted = second.weighted = WeightedHandles::both;
-    CHECK(from_unity(first, second).curve == curve_of({0, 0}, {3, 6}, {2, 3}, {4, 1}));
+    CHECK(from_unity(first, second).value.curve == curve_of({0, 0}, {3, 6}, {2, 3}, {4, 1}));
     first.out_weight = second.in_weight = 1; // both handles across the whole interval
-    CHECK(from_unity(first, second).curve == curve_of({0, 0}, {4, 8}, {0, 5}, {4, 1}));
+    CHECK(from_unity(first, second).value.curve == curve_of({0, 0}, {4, 8}, {0, 5}, {4, 1}));
     first.out_weight = second.in_weight = 0;
-    CHECK(from_unity(first, second).curve == curve_of({0, 0}, {0, 0}, {4, 1}, {4, 1}));
+    CHECK(from_unity(first, second).value.curve == curve_of({0, 0}, {0, 0}, {4, 1}, {4, 1}));
 }
 
 TEST_CASE("an infinite tangent in Unity holds the value", "[animate][import][unity]") {
@@ -564,16 +567,16 @@ TEST_CASE("an infinite tangent in Unity holds the value", "[animate][import][uni
     UnityKey first{.time = 1, .value = 7}, second{.time = 2, .value = 9};
     (at_second ? second.in_tangent : first.out_tangent) = infinite;
     const auto result = from_unity(first, second);
-    REQUIRE(result.status == Status::ok);
-    CHECK(result.kind == KeyKind::hold);
-    CHECK(BezierFunction(result.curve)(1.999) == 7);
+    REQUIRE(result.status() == Status::ok);
+    CHECK(result.value.kind == KeyKind::hold);
+    CHECK(BezierFunction(result.value.curve)(1.999) == 7);
     UnityKey a, b;
     b.value = 9;
-    REQUIRE(to_unity(result.curve, a, b, result.kind) == Status::ok);
+    REQUIRE(to_unity(result.value.curve, a, b, result.value.kind) == Status::ok);
     CHECK(a.out_tangent == inf);
     CHECK(b.value == 9);
-    CHECK(from_unity(a, b).kind == KeyKind::hold);
-    CHECK(from_unity(a, b).curve == result.curve);
+    CHECK(from_unity(a, b).value.kind == KeyKind::hold);
+    CHECK(from_unity(a, b).value.curve == result.value.curve);
 }
 
 TEST_CASE("keys of Unity come back as the same single numbers", "[animate][import][unity]") {
@@ -593,10 +596,10 @@ TEST_CASE("keys of Unity come back as the same single numbers", "[animate][impor
             key->weighted = WeightedHandles(random.below(4));
         }
         const auto result = from_unity(first, second);
-        REQUIRE(result.status == Status::ok);
+        REQUIRE(result.status() == Status::ok);
         UnityKey a = first, b = second;
         a.out_tangent = b.in_tangent = a.out_weight = b.in_weight = 0;
-        REQUIRE(to_unity(result.curve, a, b) == Status::ok);
+        REQUIRE(to_unity(result.value.curve, a, b) == Status::ok);
         CHECK(a.time == first.time);
         CHECK(a.value == first.value);
         CHECK(b.time == second.time);
@@ -609,7 +612,7 @@ TEST_CASE("keys of Unity come back as the same single numbers", "[animate][impor
         const bool in = detail::has(second.weighted, WeightedHandles::in);
         CHECK(float(a.out_weight) == (out ? float(first.out_weight) : 1.0f / 3));
         CHECK(float(b.in_weight) == (in ? float(second.in_weight) : 1.0f / 3));
-        check_close(result.curve, from_unity(a, b).curve);
+        check_close(result.value.curve, from_unity(a, b).value.curve);
     }
 }
 
@@ -622,8 +625,8 @@ TEST_CASE("curves come back from Unity to rounding", "[animate][import][unity]")
         UnityKey a, b;
         REQUIRE(to_unity(curve, a, b) == Status::ok);
         const auto back = from_unity(a, b);
-        REQUIRE(back.status == Status::ok);
-        check_close(curve, back.curve, 16); // a quotient and a product more
+        REQUIRE(back.status() == Status::ok);
+        check_close(curve, back.value.curve, 16); // a quotient and a product more
     }
     UnityKey a, b;
     REQUIRE(to_unity(curve_of({0, 0}, {0.1, 5}, {0.2, 5}, {2, 1}), a, b, KeyKind::linear) == Status::ok);
@@ -640,7 +643,7 @@ TEST_CASE("what Unity cannot say is refused", "[animate][import][unity]") {
         change(key);
         return from_unity(key, second);
     };
-    CHECK(from_unity(first, second).status == Status::ok);
+    CHECK(from_unity(first, second).status() == Status::ok);
     CHECK(refused(from_unity(second, first), Status::interval_empty));
     CHECK(refused(from_unity(first, first), Status::interval_empty));
     CHECK(refused(with_first([](auto& k) { k.out_weight = -0.1; }), Status::handle_not_allowed));
@@ -670,9 +673,9 @@ TEST_CASE("unweighted keys of Unreal are Hermite's cubic", "[animate][import][un
     second.arrive_tangent = -1.5;
     first.leave_weight = second.arrive_weight = no_number;
     const auto result = from_unreal(first, second);
-    REQUIRE(result.status == Status::ok);
+    REQUIRE(result.status() == Status::ok);
     for (double t = 2; t <= 5; t += 0.25)
-        CHECK(BezierFunction(result.curve)(t) == Approx(hermite(2, 1, 3, 5, 4, -1.5, t)));
+        CHECK(BezierFunction(result.value.curve)(t) == Approx(hermite(2, 1, 3, 5, 4, -1.5, t)));
 }
 
 TEST_CASE("weighted keys of Unreal have handles of their length", "[animate][import][unreal]") {
@@ -680,11 +683,11 @@ TEST_CASE("weighted keys of Unreal have handles of their length", "[animate][imp
     UnrealKey second{.time = 8, .value = 2, .arrive_tangent = -2.4, .arrive_weight = 13};
     first.weighted = second.weighted = WeightedHandles::both;
     const auto result = from_unreal(first, second);
-    REQUIRE(result.status == Status::ok);
-    check_close(result.curve, curve_of({0, 1}, {4, 4}, {3, 14}, {8, 2})); // (4, 3) of 5, (5, -12) of 13
+    REQUIRE(result.status() == Status::ok);
+    check_close(result.value.curve, curve_of({0, 1}, {4, 4}, {3, 14}, {8, 2})); // (4, 3) of 5, (5, -12) of 13
     first.weighted = WeightedHandles::in;
     second.weighted = WeightedHandles::out;
-    check_close(from_unreal(first, second).curve,
+    check_close(from_unreal(first, second).value.curve,
                 curve_of({0, 1}, {8.0 / 3, 3}, {16.0 / 3, 2 + 2.4 * 8 / 3}, {8, 2}));
 }
 
@@ -692,20 +695,20 @@ TEST_CASE("constant and linear keys of Unreal", "[animate][import][unreal]") {
     UnrealKey first{.time = 1, .value = 7, .leave_tangent = no_number}, second{.time = 2, .value = 9};
     first.interpolation = KeyKind::hold;
     const auto hold = from_unreal(first, second);
-    CHECK(hold.kind == KeyKind::hold);
-    CHECK(BezierFunction(hold.curve)(1.999) == 7);
+    CHECK(hold.value.kind == KeyKind::hold);
+    CHECK(BezierFunction(hold.value.curve)(1.999) == 7);
     first.interpolation = KeyKind::linear;
     const auto linear = from_unreal(first, second);
-    CHECK(linear.kind == KeyKind::linear);
-    CHECK(BezierFunction(linear.curve)(1.5) == Approx(8));
+    CHECK(linear.value.kind == KeyKind::linear);
+    CHECK(BezierFunction(linear.value.curve)(1.5) == Approx(8));
     for (const auto& imported : {hold, linear}) {
         UnrealKey a, b;
         b.value = 9;
-        REQUIRE(to_unreal(imported.curve, a, b, imported.kind) == Status::ok);
+        REQUIRE(to_unreal(imported.value.curve, a, b, imported.value.kind) == Status::ok);
         CHECK(b.value == 9);
         const auto back = from_unreal(a, b);
-        CHECK(back.kind == imported.kind);
-        CHECK(back.curve == imported.curve);
+        CHECK(back.value.kind == imported.value.kind);
+        CHECK(back.value.curve == imported.value.curve);
     }
 }
 
@@ -722,10 +725,10 @@ TEST_CASE("keys of Unreal come back as the same single numbers", "[animate][impo
         first.weighted = WeightedHandles(random.below(4));
         second.weighted = WeightedHandles(random.below(4));
         const auto result = from_unreal(first, second);
-        REQUIRE(result.status == Status::ok);
+        REQUIRE(result.status() == Status::ok);
         UnrealKey a = first, b = second;
         a.leave_tangent = a.leave_weight = b.arrive_tangent = b.arrive_weight = 0;
-        REQUIRE(to_unreal(result.curve, a, b) == Status::ok);
+        REQUIRE(to_unreal(result.value.curve, a, b) == Status::ok);
         CHECK(a.time == first.time);
         CHECK(b.value == second.value);
         CHECK(float(a.leave_tangent) == float(first.leave_tangent));
@@ -736,7 +739,7 @@ TEST_CASE("keys of Unreal come back as the same single numbers", "[animate][impo
             CHECK(float(a.leave_weight) == float(first.leave_weight));
         if (detail::has(second.weighted, WeightedHandles::in))
             CHECK(float(b.arrive_weight) == float(second.arrive_weight));
-        check_close(result.curve, from_unreal(a, b).curve, 16);
+        check_close(result.value.curve, from_unreal(a, b).value.curve, 16);
     }
 }
 
@@ -753,11 +756,11 @@ TEST_CASE("curves come back from Unreal to rounding", "[animate][import][unreal]
         UnrealKey a, b;
         REQUIRE(to_unreal(curve, a, b) == Status::ok);
         const auto back = from_unreal(a, b);
-        REQUIRE(back.status == Status::ok);
+        REQUIRE(back.status() == Status::ok);
         // The time of a steep handle comes from its length: all coordinates share the rounding.
         const double most = std::max(size(curve, 0), size(curve, 1));
-        CHECK(distance(curve, back.curve, 0) <= 16 * epsilon<double> * most);
-        CHECK(distance(curve, back.curve, 1) <= 16 * epsilon<double> * most);
+        CHECK(distance(curve, back.value.curve, 0) <= 16 * epsilon<double> * most);
+        CHECK(distance(curve, back.value.curve, 1) <= 16 * epsilon<double> * most);
     }
 }
 
@@ -769,7 +772,7 @@ TEST_CASE("what Unreal cannot say is refused", "[animate][import][unreal]") {
         change(key);
         return from_unreal(key, second);
     };
-    CHECK(from_unreal(first, second).status == Status::ok); // weights of 0
+    CHECK(from_unreal(first, second).status() == Status::ok); // weights of 0
     for (const auto kind : {KeyKind::hold, KeyKind::linear, KeyKind::bezier}) {
         UnrealKey late = second;
         first.interpolation = late.interpolation = kind;
@@ -829,11 +832,11 @@ TEST_CASE("glTF's cubic splines evaluate as the specification says", "[animate][
     const Track track = random_track(random);
     const std::size_t n = track.components;
     const auto result = from_gltf_cubicspline(track.times, track.values, n);
-    REQUIRE(result.status == Status::ok);
-    REQUIRE(result.curves.size() == (track.times.size() - 1) * n);
+    REQUIRE(result.status() == Status::ok);
+    REQUIRE(result.value.size() == (track.times.size() - 1) * n);
     for (std::size_t k = 0; k + 1 < track.times.size(); ++k) {
         for (std::size_t c = 0; c < n; ++c) {
-            const auto& curve = result.curves[k * n + c];
+            const auto& curve = result.value[k * n + c];
             REQUIRE(check(curve).status == Status::ok);
             const BezierFunction f(curve);
             const float* v = track.values.data() + 3 * n * k + c;
@@ -853,11 +856,11 @@ TEST_CASE("glTF's cubic splines come back with every bit", "[animate][import][gl
     Random random{std::uint64_t(seed)};
     const Track track = random_track(random);
     const auto curves = from_gltf_cubicspline(track.times, track.values, track.components);
-    REQUIRE(curves.status == Status::ok);
-    const auto back = to_gltf_cubicspline(curves.curves, track.components);
-    REQUIRE(back.status == Status::ok);
-    CHECK(back.times == track.times);
-    CHECK(back.values == track.values);
+    REQUIRE(curves.status() == Status::ok);
+    const auto back = to_gltf_cubicspline(curves.value, track.components);
+    REQUIRE(back.status() == Status::ok);
+    CHECK(back.value.times == track.times);
+    CHECK(back.value.values == track.values);
 }
 
 TEST_CASE("handles keep their values where times are rounded for glTF", "[animate][import][gltf]") {
@@ -865,22 +868,22 @@ TEST_CASE("handles keep their values where times are rounded for glTF", "[animat
     const double begin = 100.1, end = 100.1001, third = (end - begin) / 3;
     const auto curve = curve_of({begin, 1}, {begin + third, 2}, {end - third, 5}, {end, 3});
     const auto track = to_gltf_cubicspline({&curve, 1}, 1);
-    REQUIRE(track.status == Status::ok);
-    const auto back = from_gltf_cubicspline(track.times, track.values, 1);
-    REQUIRE(back.status == Status::ok);
+    REQUIRE(track.status() == Status::ok);
+    const auto back = from_gltf_cubicspline(track.value.times, track.value.values, 1);
+    REQUIRE(back.status() == Status::ok);
     for (std::size_t i = 0; i < 4; ++i)
-        CHECK(back.curves[0].points[i][1] == Approx(curve.points[i][1]).epsilon(1e-6));
-    CHECK(track.values.front() == 0);
-    CHECK(track.values.back() == 0);
+        CHECK(back.value[0].points[i][1] == Approx(curve.points[i][1]).epsilon(1e-6));
+    CHECK(track.value.values.front() == 0);
+    CHECK(track.value.values.back() == 0);
 }
 
 TEST_CASE("samplers that are not as glTF asks for are refused", "[animate][import][gltf]") {
     std::vector<float> times{0, 1, 2}, values(18, 0.5f);
     const auto status = [&](std::size_t components, std::size_t culprit = 0) {
         const auto result = from_gltf_cubicspline(times, values, components);
-        if (result.status != Status::ok) CHECK(result.curves.empty());
-        CHECK(result.culprit == culprit);
-        return result.status;
+        if (result.status() != Status::ok) CHECK(result.value.empty());
+        CHECK(result.report.culprit == culprit);
+        return result.status();
     };
     CHECK(status(2) == Status::ok);
     CHECK(status(0) == malformed);
@@ -922,13 +925,13 @@ TEST_CASE("curves that glTF cannot say are refused", "[animate][import][gltf]") 
     auto curves = good;
     const auto status = [&](std::size_t components, std::size_t culprit) {
         const auto result = to_gltf_cubicspline(curves, components);
-        if (result.status != Status::ok) {
-            CHECK(result.times.empty());
-            CHECK(result.values.empty());
+        if (result.status() != Status::ok) {
+            CHECK(result.value.times.empty());
+            CHECK(result.value.values.empty());
         }
-        CHECK(result.culprit == culprit);
+        CHECK(result.report.culprit == culprit);
         curves = good;
-        return result.status;
+        return result.status();
     };
     CHECK(status(2, 0) == Status::ok);
     CHECK(status(0, 0) == malformed);
@@ -1004,15 +1007,15 @@ TEST_CASE("any bytes and any spoilt easing end in a status", "[animate][import][
         const std::vector<char> exact(text.begin(),
                                       text.end()); // so that a sanitizer sees a read past the end
         const auto result = parse_css_easing({exact.data(), exact.size()});
-        bool good = result.error_at <= text.size();
-        if (result.status == Status::ok) {
+        bool good = result.report.error_at <= text.size();
+        if (result.status() == Status::ok) {
             ++sound;
-            const auto& p = result.curve.points;
-            good = good && check(result.curve).status == Status::ok && p[1][0] >= 0 && p[2][0] <= 1;
-            const auto css = to_css(result.curve);
-            good = good && css.status == Status::ok && parse_css_easing(css.text).curve == result.curve;
+            const auto& p = result.value.points;
+            good = good && check(result.value).status == Status::ok && p[1][0] >= 0 && p[2][0] <= 1;
+            const auto css = to_css(result.value);
+            good = good && css.status() == Status::ok && parse_css_easing(css.value).value == result.value;
         } else {
-            good = good && result.curve == BezierCurve{};
+            good = good && result.value == BezierCurve{};
         }
         if (!good && wrong++ == 0) first_wrong = text;
     }
@@ -1032,7 +1035,7 @@ TEST_CASE("any keys end in a status or a sound curve", "[animate][import][fuzz]"
     std::size_t wrong = 0, wrong_at = 0;
     for (std::size_t i = 0; i < fuzz_count; ++i) {
         const auto limit = BlenderLimit(random.below(2));
-        const std::array<ImportedCurve, 4> results{
+        const std::array<Result<KeyInterval>, 4> results{
             from_lottie({{number(), number()}, {number(), number()}, random.below(4) == 0}, place(), place()),
             from_blender({place(), place(), place(), kind()}, {place(), place(), place(), kind()}, limit),
             from_unity({number(), number(), number(), number(), number(), number(), weighted()},
@@ -1042,10 +1045,10 @@ TEST_CASE("any keys end in a status or a sound curve", "[animate][import][fuzz]"
         bool good = true;
         for (std::size_t f = 0; f < 4; ++f) {
             good = good && consistent(results[f]);
-            if (results[f].status != Status::ok) continue;
+            if (results[f].status() != Status::ok) continue;
             ++sound[f];
             // Every sound curve can be offered to every exporter, and what it writes is finite.
-            const auto& curve = results[f].curve;
+            const auto& curve = results[f].value.curve;
             const auto lottie = to_lottie(curve, kind());
             good = good && is_finite(lottie.value.out.y) && is_finite(lottie.value.in.y);
             BlenderKey b0, b1;
@@ -1059,7 +1062,7 @@ TEST_CASE("any keys end in a status or a sound curve", "[animate][import][fuzz]"
             if (to_unreal(curve, r0, r1) == Status::ok)
                 good = good && is_finite(r0.leave_tangent) && is_finite(r1.arrive_tangent);
             const auto css = to_css(curve);
-            good = good && (css.status == Status::ok) == !css.text.empty();
+            good = good && (css.status() == Status::ok) == !css.value.empty();
         }
         if (!good && wrong++ == 0) wrong_at = i;
         // Any curve at all, too.
@@ -1097,20 +1100,21 @@ TEST_CASE("any arrays end in a status or a sound track", "[animate][import][gltf
         default: break;
         }
         auto result = from_gltf_cubicspline(track.times, track.values, track.components);
-        bool good = (result.status == Status::ok) == !result.curves.empty();
-        if (result.status == Status::ok) {
+        bool good = (result.status() == Status::ok) == !result.value.empty();
+        if (result.status() == Status::ok) {
             ++sound;
-            for (const auto& curve : result.curves) good = good && check(curve).status == Status::ok;
+            for (const auto& curve : result.value) good = good && check(curve).status == Status::ok;
             if (random.below(2) == 0) { // spoil a curve
-                auto& p = result.curves[random.below(result.curves.size())].points;
+                auto& p = result.value[random.below(result.value.size())].points;
                 p[random.below(4)][random.below(2)] = any_number(random);
             }
-            const auto back = to_gltf_cubicspline(result.curves, track.components);
-            good = good && (back.status == Status::ok) == !back.times.empty();
-            if (back.status == Status::ok) {
+            const auto back = to_gltf_cubicspline(result.value, track.components);
+            good = good && (back.status() == Status::ok) == !back.value.times.empty();
+            if (back.status() == Status::ok) {
                 ++written;
-                const auto again = from_gltf_cubicspline(back.times, back.values, track.components);
-                good = good && again.status == Status::ok;
+                const auto again =
+                    from_gltf_cubicspline(back.value.times, back.value.values, track.components);
+                good = good && again.status() == Status::ok;
             }
         }
         if (!good && wrong++ == 0) wrong_at = i;

@@ -114,7 +114,7 @@ std::vector<double> solve(const MeshData& mesh, std::vector<double> values, cons
                           MeshWeights kind = MeshWeights::intrinsic_delaunay) {
     const auto weights = cotangent_weights(mesh.vertices, mesh.faces, kind);
     REQUIRE(weights.report.status == Status::ok);
-    REQUIRE(cageform::solve_surface(weights, marks, std::span(values)).status == Status::ok);
+    REQUIRE(cageform::solve_surface(weights.value, marks, std::span(values)).status == Status::ok);
     return values;
 }
 
@@ -143,7 +143,7 @@ TEMPLATE_TEST_CASE("solve_surface: reference values", "[surface][oracle]", float
             auto [values, marks] = given_of<TestType>(json, mesh.vertices.size());
             const auto weights = cotangent_weights(mesh.mesh<TestType>().vertices(), mesh.faces, kind);
             REQUIRE(weights.report.status == Status::ok);
-            REQUIRE(cageform::solve_surface(weights, marks, std::span(values)).status == Status::ok);
+            REQUIRE(cageform::solve_surface(weights.value, marks, std::span(values)).status == Status::ok);
             const double tolerance = std::is_same_v<TestType, float> ? 2e-6 : 1e-12;
             for (std::size_t i = 0; i < values.size(); ++i) {
                 CAPTURE(i);
@@ -164,8 +164,8 @@ TEST_CASE("cotangent_weights: the obtuse pair's, exactly", "[surface][oracle]") 
         const MeshData mesh = mesh_of(json);
         const auto own = cotangent_weights(mesh.vertices, mesh.faces, MeshWeights::own);
         const Json expected = json.at("edge_weights");
-        REQUIRE(own.links.size() == expected.size());
-        for (const auto& link : own.links) {
+        REQUIRE(own.value.links.size() == expected.size());
+        for (const auto& link : own.value.links) {
             const auto [low, high] = std::minmax(link.a, link.b);
             const auto text =
                 expected.at(std::to_string(low) + " " + std::to_string(high)).get<std::string>();
@@ -209,7 +209,7 @@ TEST_CASE("solve_surface: in the range of the data, sums to one, on closed meshe
     REQUIRE(weights.report.status == Status::ok);
     CHECK(weights.report.negative_weights == 0);
     CHECK(weights.report.flips > 0);
-    for (const auto& link : weights.links) REQUIRE(link.conductance > 0);
+    for (const auto& link : weights.value.links) REQUIRE(link.conductance > 0);
     const auto [given, marks] = random_fields(random, size);
     const auto solved = solve(mesh, given, marks);
     for (std::size_t i = 0; i < size; ++i) {
@@ -278,7 +278,7 @@ TEST_CASE("solve_surface: a Möbius strip", "[surface]") {
     }
     const auto weights = cotangent_weights(mesh.vertices, mesh.faces);
     REQUIRE(weights.report.status == Status::ok);
-    REQUIRE(cageform::solve_surface(weights, marks, std::span(values)).status == Status::ok);
+    REQUIRE(cageform::solve_surface(weights.value, marks, std::span(values)).status == Status::ok);
     for (const double value : values) CHECK((value >= 0 && value <= 1));
 }
 
@@ -297,7 +297,8 @@ TEST_CASE("solve_surface: the two sides of a flat triangle, exactly", "[surface]
             CHECK(weights.report.flips == 1);
             CHECK(weights.report.negative_weights == 0);
             std::vector<double> values{0, 1, nan};
-            REQUIRE(cageform::solve_surface(weights, Marks{1, 1, 0}, std::span(values)).status == Status::ok);
+            REQUIRE(cageform::solve_surface(weights.value, Marks{1, 1, 0}, std::span(values)).status ==
+                    Status::ok);
             CHECK(values[2] == Approx(at_b / (at_a + at_b)).epsilon(1e-12));
         }
     }
@@ -330,7 +331,7 @@ TEST_CASE("solve_surface: flat pillows, their faces turned at random", "[surface
             CHECK(weights.report.negative_weights == 0);
             flips += weights.report.flips;
             auto values = start;
-            REQUIRE(cageform::solve_surface(weights, marks, std::span(values)).status == Status::ok);
+            REQUIRE(cageform::solve_surface(weights.value, marks, std::span(values)).status == Status::ok);
             return values;
         };
         const auto expected = solved();
@@ -368,13 +369,13 @@ TEST_CASE("solve_surface: vertices almost at one place, needles", "[surface][pro
         if (weights.report.status == Status::face_without_area) continue;
         REQUIRE(weights.report.status == Status::ok);
         flips += weights.report.flips;
-        for (const auto& link : weights.links) REQUIRE(std::isfinite(link.conductance));
+        for (const auto& link : weights.value.links) REQUIRE(std::isfinite(link.conductance));
         if (weights.report.negative_weights > 0) {
             ++negative;
             continue;
         }
         auto [values, marks] = random_fields(random, mesh.vertices.size());
-        REQUIRE(cageform::solve_surface(weights, marks, std::span(values)).status == Status::ok);
+        REQUIRE(cageform::solve_surface(weights.value, marks, std::span(values)).status == Status::ok);
         for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
             REQUIRE(values[i] >= 0);
             REQUIRE(values[i] <= 1 + 1e-14);
@@ -390,13 +391,14 @@ TEST_CASE("cotangent_weights: what is refused, by name", "[surface][errors]") {
     const auto refused = [](const MeshData& mesh, Status status, CageFaultKind kind, std::size_t a) {
         const auto weights = cotangent_weights(mesh.vertices, mesh.faces);
         CHECK(weights.report.status == status);
-        CHECK(weights.links.empty());
-        CHECK(weights.vertices == 0);
+        CHECK(weights.value.links.empty());
+        CHECK(weights.value.vertices == 0);
         REQUIRE(!weights.report.mesh.faults.empty());
         CHECK(weights.report.mesh.faults[0].kind == kind);
         CHECK(weights.report.mesh.faults[0].a == a);
-        std::vector<double> none;
-        CHECK(cageform::solve_surface(weights, Marks{}, std::span(none)).status == status);
+        std::vector<double> values(mesh.vertices.size(), 1.0);
+        CHECK(cageform::solve_surface(weights.value, Marks(values.size(), 0), std::span(values)).status ==
+              Status::input_malformed);
     };
     MeshData bad = good;
     bad.faces[7][1] = -1;
@@ -435,7 +437,7 @@ TEST_CASE("solve_surface: what is refused, by name; nothing is written", "[surfa
     std::vector<double> values(mesh.vertices.size(), 7);
     Marks marks(values.size());
     marks[0] = 1;
-    auto evaluation = cageform::solve_surface(weights, marks, std::span(values));
+    auto evaluation = cageform::solve_surface(weights.value, marks, std::span(values));
     CHECK(evaluation.status == Status::cells_unreached);
     CHECK(evaluation.solver.culprit == size);
     CHECK(std::count(values.begin(), values.end(), 7.0) == std::ptrdiff_t(values.size()));
@@ -443,19 +445,19 @@ TEST_CASE("solve_surface: what is refused, by name; nothing is written", "[surfa
     marks[size + 1] = marks[size + 3] = 1;
     values[size + 3] = nan; // of the vertex without a face: not looked at
     values[size + 1] = nan;
-    evaluation = cageform::solve_surface(weights, marks, std::span(values));
+    evaluation = cageform::solve_surface(weights.value, marks, std::span(values));
     CHECK(evaluation.status == Status::value_not_finite);
     CHECK(evaluation.solver.culprit == size + 1);
 
     values[size + 1] = 2;
-    REQUIRE(cageform::solve_surface(weights, marks, std::span(values)).status == Status::ok);
+    REQUIRE(cageform::solve_surface(weights.value, marks, std::span(values)).status == Status::ok);
     CHECK(values[1] == Approx(7));
     CHECK(values[size] == Approx(2));
     CHECK(std::isnan(values[size + 3]));
 
     cageform::Running stop;
     stop.progress = [](double) { return false; };
-    CHECK(cageform::solve_surface(weights, marks, std::span(values), stop).status == Status::cancelled);
+    CHECK(cageform::solve_surface(weights.value, marks, std::span(values), stop).status == Status::cancelled);
 }
 
 TEST_CASE("cotangent_weights: an open rim that an obtuse angle faces is counted", "[surface]") {
@@ -464,10 +466,10 @@ TEST_CASE("cotangent_weights: an open rim that an obtuse angle faces is counted"
     REQUIRE(weights.report.status == Status::ok);
     CHECK(weights.report.negative_weights == 3); // all of the rim
     double negative = 0;
-    for (const auto& link : weights.links) negative = std::min(negative, link.conductance);
+    for (const auto& link : weights.value.links) negative = std::min(negative, link.conductance);
     CHECK(negative == Approx(-15.0 / 16).epsilon(1e-14)); // ½ cot, of (−2, −½)·(2, −½) over 2
     double areas = 0;
-    for (const double area : weights.areas) areas += area * weights.unit * weights.unit;
+    for (const double area : weights.value.areas) areas += area * weights.value.unit * weights.value.unit;
     CHECK(areas == Approx(6).epsilon(1e-14));
 }
 

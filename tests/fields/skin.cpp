@@ -84,11 +84,11 @@ TEMPLATE_TEST_CASE("bone_heat: reference values", "[surface][skin][oracle]", flo
             REQUIRE(skin.report.status == Status::ok);
             CHECK(skin.report.hidden == 0);
             const auto expected = json.at("solution_numbers").get<std::vector<std::vector<double>>>();
-            REQUIRE(skin.weights.size() == 3 * expected.size());
+            REQUIRE(skin.value.size() == 3 * expected.size());
             const double tolerance = std::is_same_v<TestType, float> ? 2e-6 : 1e-12;
-            for (std::size_t n = 0; n < skin.weights.size(); ++n) {
+            for (std::size_t n = 0; n < skin.value.size(); ++n) {
                 CAPTURE(n);
-                CHECK(double(skin.weights[n]) == Approx(expected[n / 3][n % 3]).epsilon(0).margin(tolerance));
+                CHECK(double(skin.value[n]) == Approx(expected[n / 3][n % 3]).epsilon(0).margin(tolerance));
                 ++checked;
             }
         }
@@ -106,13 +106,13 @@ TEST_CASE("weights of bones: laws", "[surface][skin][property]") {
     const auto harmonic = harmonic_skin(ring.mesh.vertices, ring.mesh.faces, all);
     for (const auto* skin : {&heat, &harmonic}) {
         REQUIRE(skin->report.status == Status::ok);
-        REQUIRE(skin->weights.size() == bones * ring.mesh.vertices.size());
+        REQUIRE(skin->value.size() == bones * ring.mesh.vertices.size());
         CHECK(skin->report.mesh.negative_weights == 0);
         for (std::size_t i = 0; i < ring.mesh.vertices.size(); ++i) {
             double sum = 0;
             for (std::size_t b = 0; b < bones; ++b) {
-                sum += skin->weights[i * bones + b];
-                REQUIRE(skin->weights[i * bones + b] >= -1e-13);
+                sum += skin->value[i * bones + b];
+                REQUIRE(skin->value[i * bones + b] >= -1e-13);
             }
             REQUIRE(sum == Approx(1).epsilon(1e-12));
         }
@@ -127,8 +127,8 @@ TEST_CASE("weights of bones: laws", "[surface][skin][property]") {
     auto turned = ring.bones;
     for (auto& v : other.vertices) v = 0x1p-500 * v;
     for (auto& bone : turned) bone = {0x1p-500 * bone.tail, 0x1p-500 * bone.head};
-    CHECK(largest_difference(bone_heat(other.vertices, other.faces, turned).weights, heat.weights) < 1e-12);
-    CHECK(largest_difference(harmonic_skin(other.vertices, other.faces, turned).weights, harmonic.weights) <
+    CHECK(largest_difference(bone_heat(other.vertices, other.faces, turned).value, heat.value) < 1e-12);
+    CHECK(largest_difference(harmonic_skin(other.vertices, other.faces, turned).value, harmonic.value) <
           1e-12);
     other = ring.mesh;
     turned = ring.bones;
@@ -140,8 +140,8 @@ TEST_CASE("weights of bones: laws", "[surface][skin][property]") {
     for (const bool is_heat : {false, true}) {
         auto skin = is_heat ? bone_heat(other.vertices, other.faces, turned)
                             : harmonic_skin(other.vertices, other.faces, turned);
-        std::reverse(skin.weights.begin(), skin.weights.end());
-        CHECK(largest_difference(skin.weights, (is_heat ? heat : harmonic).weights) < 1e-10);
+        std::reverse(skin.value.begin(), skin.value.end());
+        CHECK(largest_difference(skin.value, (is_heat ? heat : harmonic).value) < 1e-10);
     }
 }
 
@@ -163,8 +163,8 @@ TEST_CASE("weights of bones: a mesh and bones that mirror each other", "[surface
         for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
             const auto& v = mesh.vertices[i];
             const std::size_t j = at.at({-v[0] + 0.0, v[1] + 0.0, v[2] + 0.0});
-            REQUIRE(skin->weights[3 * i] == Approx(skin->weights[3 * j + 1]).epsilon(0).margin(1e-12));
-            REQUIRE(skin->weights[3 * i + 2] == Approx(skin->weights[3 * j + 2]).epsilon(0).margin(1e-12));
+            REQUIRE(skin->value[3 * i] == Approx(skin->value[3 * j + 1]).epsilon(0).margin(1e-12));
+            REQUIRE(skin->value[3 * i + 2] == Approx(skin->value[3 * j + 2]).epsilon(0).margin(1e-12));
         }
     }
 }
@@ -172,7 +172,7 @@ TEST_CASE("weights of bones: a mesh and bones that mirror each other", "[surface
 TEST_CASE("bone_heat: of little heat, the mean of what vertices say", "[surface][skin][property]") {
     // Then the weights are alike at all vertices: Σ M H p / Σ M H. At 1e-18 nothing was left of it.
     const MeshData mesh = cageform_tests::sphere(3);
-    const auto areas = cageform::cotangent_weights(mesh.vertices, mesh.faces).areas;
+    const auto areas = cageform::cotangent_weights(mesh.vertices, mesh.faces).value.areas;
     for (std::uint64_t seed = 0; seed < 10; ++seed) {
         CAPTURE(seed);
         Random random(seed);
@@ -198,13 +198,13 @@ TEST_CASE("bone_heat: of little heat, the mean of what vertices say", "[surface]
             const auto skin = bone_heat(mesh.vertices, mesh.faces, bones, options);
             REQUIRE(skin.report.status == Status::ok);
             const double margin = std::max(100 * heat, 1e-12);
-            for (std::size_t n = 0; n < skin.weights.size(); ++n)
-                REQUIRE(skin.weights[n] == Approx(shares[n % 3] / all).epsilon(0).margin(margin));
+            for (std::size_t n = 0; n < skin.value.size(); ++n)
+                REQUIRE(skin.value[n] == Approx(shares[n % 3] / all).epsilon(0).margin(margin));
         }
         options.heat = 1e308; // of what neighbours say
         const auto skin = bone_heat(mesh.vertices, mesh.faces, bones, options);
         REQUIRE(skin.report.status == Status::ok);
-        for (const double w : skin.weights) REQUIRE((w == 1 || w < 1e-100));
+        for (const double w : skin.value) REQUIRE((w == 1 || w < 1e-100));
     }
 }
 
@@ -229,8 +229,7 @@ TEST_CASE("weights of bones: bound, posed and cloned they are linear blend skinn
     }
     for (const bool is_heat : {false, true}) {
         const auto weights =
-            (is_heat ? bone_heat(points, faces, ring.bones) : harmonic_skin(points, faces, ring.bones))
-                .weights;
+            (is_heat ? bone_heat(points, faces, ring.bones) : harmonic_skin(points, faces, ring.bones)).value;
         const auto bound =
             cageform::bind_bones(points, std::span<const Move>(rest), std::span<const double>(weights));
         REQUIRE(bound.report.status == Status::ok);
@@ -268,7 +267,7 @@ TEST_CASE("harmonic_skin: a bone moves nothing beyond its neighbours", "[surface
         for (std::size_t b = 0; b < 5; ++b) {
             CAPTURE(i, b);
             const double away = std::fabs(std::remainder(turn - (double(b) + 0.5), 5.0));
-            const double w = skin.weights[5 * i + b];
+            const double w = skin.value[5 * i + b];
             if (away > 0.9) REQUIRE(w == 0);
             if (away < 0.1) REQUIRE(w == 1);
             if (away > 0.4 && away < 0.6) ++shared;
@@ -291,16 +290,16 @@ TEST_CASE("weights of bones: a mesh in the plane", "[surface][skin]") {
     const std::vector<BoneSegment> bones{{{0, 2, 0}, {4, 2, 0}}, {{4, 2, 0}, {8, 2, 0}}};
     const auto same = [&](const auto& of_flat, const auto& of_space) {
         REQUIRE(of_flat.report.status == Status::ok);
-        REQUIRE(of_flat.weights.size() == of_space.weights.size());
-        for (std::size_t n = 0; n < of_flat.weights.size(); ++n)
-            REQUIRE(of_flat.weights[n] == float(of_space.weights[n]));
+        REQUIRE(of_flat.value.size() == of_space.value.size());
+        for (std::size_t n = 0; n < of_flat.value.size(); ++n)
+            REQUIRE(of_flat.value[n] == float(of_space.value[n]));
     };
     same(harmonic_skin(flat, mesh.faces, bones), harmonic_skin(mesh.vertices, mesh.faces, bones));
     same(bone_heat(flat, mesh.faces, bones, blind), bone_heat(mesh.vertices, mesh.faces, bones, blind));
     CHECK(bone_heat(flat, mesh.faces, bones).report.status == Status::cage_not_closed);
     const auto weights = cageform::cotangent_weights(flat, mesh.faces);
     CHECK(weights.report.rim_edges == 2 * (8 + 4));
-    CHECK(weights.links.size() > 80);
+    CHECK(weights.value.links.size() > 80);
     flat[7][1] = std::numeric_limits<float>::infinity();
     const auto bad = cageform::cotangent_weights(flat, mesh.faces);
     REQUIRE(bad.report.mesh.faults.size() == 1);
@@ -414,14 +413,14 @@ TEST_CASE("harmonic_skin: groups that are named", "[surface][skin]") {
     const auto skin = harmonic_skin(mesh.vertices, mesh.faces, bones, {.groups = groups});
     REQUIRE(skin.report.status == Status::ok);
     for (std::size_t i = 0; i < groups.size(); ++i) {
-        if (groups[i] != cageform::no_bone) REQUIRE(skin.weights[2 * i + groups[i]] == 1);
-        if (mesh.vertices[i][2] == 0) REQUIRE(skin.weights[2 * i] == Approx(0.5).epsilon(1e-12));
+        if (groups[i] != cageform::no_bone) REQUIRE(skin.value[2 * i + groups[i]] == 1);
+        if (mesh.vertices[i][2] == 0) REQUIRE(skin.value[2 * i] == Approx(0.5).epsilon(1e-12));
     }
     groups[7] = 2;
     const auto bad = harmonic_skin(mesh.vertices, mesh.faces, bones, {.groups = groups});
     CHECK(bad.report.status == Status::index_out_of_range);
     CHECK(bad.report.solver.culprit == 7);
-    CHECK(bad.weights.empty());
+    CHECK(bad.value.empty());
     groups.pop_back();
     CHECK(harmonic_skin(mesh.vertices, mesh.faces, bones, {.groups = groups}).report.status ==
           Status::labels_do_not_match);
@@ -433,7 +432,7 @@ TEST_CASE("weights of bones: what is refused, by name", "[surface][skin][errors]
     using Bones = std::vector<BoneSegment>;
     const auto status = [&](const MeshData& of, const Bones& bones, const SurfaceSkinOptions& options = {}) {
         const auto skin = bone_heat(of.vertices, of.faces, bones, options);
-        CHECK((skin.report.status == Status::ok) == !skin.weights.empty());
+        CHECK((skin.report.status == Status::ok) == !skin.value.empty());
         return skin.report.status;
     };
     CHECK(status(mesh, good) == Status::ok);
@@ -466,7 +465,7 @@ TEST_CASE("weights of bones: what is refused, by name", "[surface][skin][errors]
     bones = {{mesh.vertices[0], mesh.vertices[0]}, good[0]};
     const auto skin = bone_heat(mesh.vertices, mesh.faces, bones);
     REQUIRE(skin.report.status == Status::ok);
-    CHECK(skin.weights[0] == Approx(1).epsilon(1e-6));
+    CHECK(skin.value[0] == Approx(1).epsilon(1e-6));
 
     cageform::Running stop;
     stop.progress = [](double) { return false; };

@@ -8,7 +8,7 @@
 //
 // With -DRANDOM_BYTES and without "fuzzer,": random bytes, a million in minutes.
 //     ./fuzz_compile_keys COUNT [SEED]
-#include <cageform/animate/compile_clip.hpp>
+#include <cageform/animate/compile.hpp>
 
 #include <array>
 #include <cstdio>
@@ -131,16 +131,16 @@ void check_track(std::span<const Key> keys, const TrackOptions& options) {
     cageform::Running running; // tied pieces that miss the tolerance take long: cancelled after some
     std::size_t told = 0;
     running.progress = [&](double) { return ++told < 20; };
-    const auto compiled = cageform::compile_track<T>(keys, options, running);
-    const auto& curve = compiled.track.curve;
-    ++outcomes[compiled.status];
-    if (compiled.status != Status::ok) {
+    const auto compiled = cageform::compile<T>(keys, options, running);
+    const auto& curve = compiled.value.curve;
+    ++outcomes[compiled.status()];
+    if (compiled.status() != Status::ok) {
         REQUIRE(curve.empty());
-        REQUIRE(compiled.status == Status::keys_missing || compiled.culprit < keys.size());
+        REQUIRE(compiled.status() == Status::keys_missing || compiled.report.culprit < keys.size());
         return;
     }
     REQUIRE(curve.begin() == T(keys.front().time) && curve.end() == T(keys.back().time));
-    REQUIRE(compiled.sup_error == 0 || compiled.sup_error <= options.tolerance);
+    REQUIRE(compiled.report.sup_error == 0 || compiled.report.sup_error <= options.tolerance);
     for (std::size_t i = 0; i < curve.pieces().size(); ++i) {
         const T begin = curve.pieces()[i].begin;
         const T end = i + 1 < curve.pieces().size() ? curve.pieces()[i + 1].begin : curve.end();
@@ -153,34 +153,35 @@ void check_track(std::span<const Key> keys, const TrackOptions& options) {
     REQUIRE(curve(T(keys.back().time)) == T(keys.back().value));
     for (const T x : {curve.begin() - 1, curve.end() + 1, std::numeric_limits<T>::max(),
                       std::numeric_limits<T>::quiet_NaN(), -std::numeric_limits<T>::infinity()})
-        (void)compiled.track(x);
+        (void)compiled.value(x);
 }
 
 template <class T>
 void check_clip(const std::vector<Key>& first, const std::vector<Key>& second, TrackOptions options) {
     options.fit = {}; // no tied pieces, which no one could cancel here
     const std::vector<std::vector<Key>> curves{first, second};
-    const auto compiled = cageform::compile_clip<T, 2>(curves, options);
-    if (compiled.status != Status::ok) return;
-    auto cursor = compiled.clip.make_cursor();
+    const auto compiled = cageform::compile<T, 2>(curves, options);
+    if (compiled.status() != Status::ok) return;
+    auto cursor = compiled.value.make_cursor();
     std::array<cageform::Vec<T, 2>, 1> pose{};
     for (const T part : {T(-0.5), T(0), T(0.3), T(1), T(1.5)})
-        compiled.clip.sample(compiled.clip.begin() + part * (compiled.clip.end() - compiled.clip.begin()),
-                             cursor, pose);
+        compiled.value.sample(compiled.value.begin() + part * (compiled.value.end() - compiled.value.begin()),
+                              cursor, pose);
 }
 
-void check_fit(const BezierCurve& curve, double tolerance, const FitOptions& options, std::size_t pieces) {
-    const auto fitted = cageform::fit(curve, tolerance, options, pieces);
-    if (fitted.status == Status::ok) {
+void check_fit(const BezierCurve& curve, double tolerance, FitOptions options, std::size_t pieces) {
+    options.max_pieces = pieces;
+    const auto [fitted, report] = cageform::fit(curve, tolerance, options);
+    if (report.status == Status::ok) {
         REQUIRE(fitted.pieces() >= 1 && fitted.pieces() <= pieces);
-        REQUIRE(fitted.sup_error <= tolerance);
+        REQUIRE(report.sup_error <= tolerance);
         for (const double b : fitted.bernstein) REQUIRE(std::isfinite(b));
         for (std::size_t i = 0; i < fitted.pieces(); ++i) REQUIRE(fitted.knots[i] <= fitted.knots[i + 1]);
     }
     const auto search = cageform::optimal_knots(curve, pieces, {.fit = options, .rounds = 3});
-    if (search.status != Status::ok) return;
-    REQUIRE(search.parameters.size() == pieces + 1);
-    (void)cageform::fit_pieces(curve, search.parameters, options);
+    if (search.status() != Status::ok) return;
+    REQUIRE(search.value.parameters.size() == pieces + 1);
+    (void)cageform::fit_pieces(curve, search.value.parameters, options);
 }
 
 } // namespace
@@ -200,10 +201,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     else
         single ? check_track<float>(first, options) : check_track<double>(first, options);
     if (first.size() >= 2 && bytes.below(32) == 31) {
-        check_fit(cageform::key_interval(first, 0), options.tolerance, options.fit, 1 + bytes.below(6));
+        check_fit(cageform::key_interval(first, 0), options.tolerance.value_or(0), options.fit,
+                  1 + bytes.below(6));
         BezierCurve curve;
         for (auto& p : curve.points) p = {bytes.number(), bytes.number()};
-        check_fit(curve, options.tolerance, options.fit, 1 + bytes.below(6));
+        check_fit(curve, options.tolerance.value_or(0), options.fit, 1 + bytes.below(6));
     }
     REQUIRE(double(std::clock() - start) / CLOCKS_PER_SEC < 60);
     return 0;

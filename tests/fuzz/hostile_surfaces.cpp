@@ -229,7 +229,7 @@ void try_harmonic(const CotangentWeights& weights, Random& random, unsigned long
         for (std::size_t i = 0; i < solved.size(); ++i) REQUIRE(is_same(i));
         const bool is_named =
             evaluation.status == Status::cells_unreached || evaluation.status == Status::value_not_finite;
-        REQUIRE(is_named || weights.report.negative_weights > 0);
+        REQUIRE(is_named || weights.has_negative);
         REQUIRE(!is_named || evaluation.solver.culprit < std::max(size, solved.size()));
         return;
     }
@@ -237,7 +237,7 @@ void try_harmonic(const CotangentWeights& weights, Random& random, unsigned long
         if (given[i % size] != 0 || weights.unused[i % size] != 0) REQUIRE(is_same(i));
         if (given[i % size] != 0 || weights.unused[i % size] != 0) continue;
         REQUIRE(is_finite(solved[i]));
-        if (weights.report.negative_weights > 0) continue;
+        if (weights.has_negative) continue;
         REQUIRE(solved[i] >= T(0) && double(solved[i]) <= 1 + 1e-12);
     }
 }
@@ -251,21 +251,21 @@ void try_weights(const std::vector<Vec<T, D>>& points, const IndexFaces& faces, 
     count("cotangent_weights", status);
     if (status != Status::ok) {
         REQUIRE(is_mesh_fault(status) && names(weights.report.mesh, status, points.size(), faces.size()));
-        REQUIRE(weights.vertices == 0 && weights.links.empty() && weights.areas.empty());
+        REQUIRE(weights.value.vertices == 0 && weights.value.links.empty() && weights.value.areas.empty());
         return;
     }
-    REQUIRE(weights.vertices == points.size() && weights.areas.size() == points.size());
+    REQUIRE(weights.value.vertices == points.size() && weights.value.areas.size() == points.size());
     std::size_t negative = 0;
-    for (const auto& link : weights.links) {
+    for (const auto& link : weights.value.links) {
         REQUIRE(link.a < points.size() && link.b < points.size() && link.a != link.b);
         REQUIRE(is_finite(link.conductance) && link.conductance != 0);
         negative += link.conductance < 0 ? 1 : 0;
     }
     REQUIRE(negative == weights.report.negative_weights);
     for (std::size_t i = 0; i < points.size(); ++i)
-        REQUIRE(is_finite(weights.areas[i]) && weights.areas[i] >= 0 &&
-                (weights.unused[i] == 0 || weights.areas[i] == 0));
-    try_harmonic<T>(weights, random, seed);
+        REQUIRE(is_finite(weights.value.areas[i]) && weights.value.areas[i] >= 0 &&
+                (weights.value.unused[i] == 0 || weights.value.areas[i] == 0));
+    try_harmonic<T>(weights.value, random, seed);
 }
 
 /// A skin of weights that are all positive or zero and sum to one.
@@ -275,14 +275,14 @@ void try_skin(const std::vector<T>& weights, std::size_t bones, Random& random, 
     const auto skin = skin_weights(std::span<const T>(weights), bones, options);
     count("skin_weights", skin.report.status);
     if (skin.report.status != Status::ok) {
-        REQUIRE(options.influences == 0 && skin.skin.weights.empty());
+        REQUIRE(options.influences == 0 && skin.value.weights.empty());
         return;
     }
-    for (std::size_t i = 0; i < skin.skin.point_count(); ++i) {
+    for (std::size_t i = 0; i < skin.value.point_count(); ++i) {
         double sum = 0;
         for (std::size_t k = 0; k < options.influences; ++k) {
-            const float w = skin.skin.weights[i * options.influences + k];
-            REQUIRE(w >= 0 && w <= 1 && skin.skin.joints[i * options.influences + k] < bones);
+            const float w = skin.value.weights[i * options.influences + k];
+            REQUIRE(w >= 0 && w <= 1 && skin.value.joints[i * options.influences + k] < bones);
             sum += double(w);
         }
         REQUIRE(sum == 0 || std::fabs(sum - 1) < 1e-7);
@@ -308,7 +308,7 @@ void try_bones(const std::vector<Vec<T, D>>& points, const IndexFaces& faces,
     const bool obtuse = skin.report.mesh.negative_weights > 0;
     count(is_heat ? "bone_heat" : "harmonic_skin", status);
     if (status != Status::ok) {
-        REQUIRE(skin.weights.empty());
+        REQUIRE(skin.value.empty());
         const bool is_named = is_mesh_fault(status) || status == Status::cage_not_closed
                                   ? names(skin.report.mesh.mesh, status, points.size(), faces.size())
                               : status == Status::value_not_finite ? skin.report.solver.culprit < bones.size()
@@ -319,13 +319,13 @@ void try_bones(const std::vector<Vec<T, D>>& points, const IndexFaces& faces,
         REQUIRE(is_named);
         return;
     }
-    REQUIRE(skin.weights.size() == points.size() * bones.size());
+    REQUIRE(skin.value.size() == points.size() * bones.size());
     double largest = 1; // negative weights may make others large
-    for (const T w : skin.weights) largest = std::fmax(largest, std::fabs(double(w)));
+    for (const T w : skin.value) largest = std::fmax(largest, std::fabs(double(w)));
     for (std::size_t i = 0; i < points.size(); ++i) {
         double sum = 0;
         for (std::size_t b = 0; b < bones.size(); ++b) {
-            const double w = double(skin.weights[i * bones.size() + b]);
+            const double w = double(skin.value[i * bones.size() + b]);
             REQUIRE(is_finite(w));
             REQUIRE(obtuse || (w >= 0 && w <= 1 + 1e-12));
             sum += w;
@@ -333,7 +333,7 @@ void try_bones(const std::vector<Vec<T, D>>& points, const IndexFaces& faces,
         REQUIRE(sum == 0 ||
                 std::fabs(sum - 1) <= double(bones.size()) * (sizeof(T) == 4 ? 1e-7 : 1e-12) * largest);
     }
-    if (!obtuse) try_skin(skin.weights, bones.size(), random, seed);
+    if (!obtuse) try_skin(skin.value, bones.size(), random, seed);
 }
 
 /// Frames of bones, and weights that may be wrong; where all is of the size of one, a clone is a skinning.

@@ -149,14 +149,14 @@ template <class T, std::size_t D>
 void open_as(std::span<const std::byte> bytes) {
     for (const BlobCheck check : {BlobCheck::all, BlobCheck::structure}) {
         const auto opened = cageform::open_blob<T, D>(bytes, {.check = check});
-        if (opened.status != Status::ok) {
+        if (opened.status() != Status::ok) {
             REQUIRE(opened.value.point_count() == 0 && opened.value.weights == nullptr);
             continue;
         }
-        REQUIRE(opened.bytes <= bytes.size());
-        REQUIRE(
-            (cageform::open_blob<T, D>(bytes.first(opened.bytes), {.check = check}).status == Status::ok));
-        REQUIRE((cageform::open_blob<T, D>(bytes.first(opened.bytes - 1), {.check = check}).status !=
+        REQUIRE(opened.report.bytes <= bytes.size());
+        REQUIRE((cageform::open_blob<T, D>(bytes.first(opened.report.bytes), {.check = check}).status() ==
+                 Status::ok));
+        REQUIRE((cageform::open_blob<T, D>(bytes.first(opened.report.bytes - 1), {.check = check}).status() !=
                  Status::ok));
         if (check == BlobCheck::structure) clone_all_ways(opened.value);
     }
@@ -181,16 +181,16 @@ template <class T, std::size_t D>
 void open_clip_as(std::span<const std::byte> bytes) {
     for (const BlobCheck check : {BlobCheck::all, BlobCheck::structure}) {
         const auto opened = cageform::open_clip<T, D>(bytes, check);
-        if (opened.status != Status::ok) {
-            REQUIRE(opened.clip.vertex_count() == 0 && opened.clip.bank.knots.empty());
+        if (opened.status() != Status::ok) {
+            REQUIRE(opened.value.vertex_count() == 0 && opened.value.bank.knots.empty());
             continue;
         }
-        REQUIRE(opened.bytes <= bytes.size());
+        REQUIRE(opened.report.bytes <= bytes.size());
         const auto again = [&](std::size_t size) {
-            return cageform::open_clip<T, D>(bytes.first(size), check).status;
+            return cageform::open_clip<T, D>(bytes.first(size), check).status();
         };
-        REQUIRE(again(opened.bytes) == Status::ok && again(opened.bytes - 1) != Status::ok);
-        if (check == BlobCheck::structure) play(opened.clip);
+        REQUIRE(again(opened.report.bytes) == Status::ok && again(opened.report.bytes - 1) != Status::ok);
+        if (check == BlobCheck::structure) play(opened.value);
     }
 }
 
@@ -208,7 +208,7 @@ void play(const cageform::PackedFigureView<T, D>& figure) {
         sum += figure.find_clip(figure.clip_name(n));
         play(figure.clip(n));
     }
-    for (std::size_t n = 1; n <= figure.level_count(); ++n) sum += open_level(figure, n).figure.point_count();
+    for (std::size_t n = 1; n <= figure.level_count(); ++n) sum += open_level(figure, n).value.point_count();
     REQUIRE(sum + 1 > 0); // it is used
     const std::size_t points = figure.point_count(), handles = figure.handle_count();
     if (points > most || handles > most) return;
@@ -230,16 +230,16 @@ template <class T, std::size_t D>
 void open_figure_as(std::span<const std::byte> bytes) {
     for (const BlobCheck check : {BlobCheck::all, BlobCheck::structure}) {
         const auto opened = cageform::open<T, D>(bytes, {.check = check});
-        if (opened.status != Status::ok) {
-            REQUIRE(opened.figure.point_count() == 0 && opened.figure.table.empty());
+        if (opened.status() != Status::ok) {
+            REQUIRE(opened.value.point_count() == 0 && opened.value.table.empty());
             continue;
         }
-        REQUIRE(opened.bytes <= bytes.size());
+        REQUIRE(opened.report.bytes <= bytes.size());
         const auto again = [&](std::size_t size) {
-            return cageform::open<T, D>(bytes.first(size), {.check = check}).status;
+            return cageform::open<T, D>(bytes.first(size), {.check = check}).status();
         };
-        REQUIRE(again(opened.bytes) == Status::ok && again(opened.bytes - 1) != Status::ok);
-        if (check == BlobCheck::structure) play(opened.figure);
+        REQUIRE(again(opened.report.bytes) == Status::ok && again(opened.report.bytes - 1) != Status::ok);
+        if (check == BlobCheck::structure) play(opened.value);
     }
 }
 
@@ -350,7 +350,7 @@ std::vector<std::byte> packed_clip(Numbers& numbers, std::size_t vertices) {
     }
     const auto result = pack_clip(clip, {.tolerance = numbers.below(2) == 0 ? 0 : 2e-5});
     REQUIRE(result.report.status == Status::ok);
-    return {result.clip.bytes().begin(), result.clip.bytes().end()};
+    return {result.value.bytes().begin(), result.value.bytes().end()};
 }
 
 /// The part of a figure that holds clips: of its vertices, or now and then of others.

@@ -129,13 +129,13 @@ void read_lottie(const std::string& text) {
 
 void read_css(const std::string& text) {
     const auto easing = cageform::parse_css_easing(text);
-    REQUIRE(easing.error_at <= text.size());
-    if (easing.status != cageform::Status::ok) return;
-    const auto written = cageform::to_css(easing.curve);
+    REQUIRE(easing.report.error_at <= text.size());
+    if (easing.status() != cageform::Status::ok) return;
+    const auto written = cageform::to_css(easing.value);
     // What is told level or too large by the difference of the keys has no text.
-    if (written.status != cageform::Status::ok) return;
-    const auto again = cageform::parse_css_easing(written.text);
-    REQUIRE(again.status == cageform::Status::ok && again.curve.points == easing.curve.points);
+    if (written.status() != cageform::Status::ok) return;
+    const auto again = cageform::parse_css_easing(written.value);
+    REQUIRE(again.status() == cageform::Status::ok && again.value.points == easing.value.points);
 }
 
 struct Reader {

@@ -231,7 +231,7 @@ int compare(const std::string& path, const ObjFile& figure, const ObjFile& cage,
         cageform::bind(cageform::MeanValueCoordinates<double, 3>(
                            cageform::TriangleMesh<double>(cage.vertices, cage.triangles)),
                        figure.vertices)
-            .binding;
+            .value;
     double size = 0;
     for (const Point3& c : cage.vertices) size = cageform_tests::larger(size, length(c - cage.vertices[0]));
     // Normalised integers are off by one at most for each of the weights; where the joints of a vertex go apart counts.
@@ -243,10 +243,10 @@ int compare(const std::string& path, const ObjFile& figure, const ObjFile& cage,
         static std::map<std::size_t, cageform::Result<cageform::SkinWeights, cageform::SkinWeightsReport>>
             skins; // of the figure, by influences
         auto& made = skins[skin.count];
-        if (made.skin.influences == 0)
+        if (made.value.influences == 0)
             made = cageform::smooth_skin_weights(binding, figure.triangles, {.influences = skin.count});
         if (made.report.status != cageform::Status::ok ||
-            cageform::skin_to_binding(binding, made.skin, skinned) != cageform::Status::ok)
+            cageform::skin_to_binding(binding, made.value, skinned) != cageform::Status::ok)
             throw std::runtime_error("no skin");
         binding = std::move(skinned);
     }

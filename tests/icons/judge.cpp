@@ -238,7 +238,7 @@ Picture bent_picture(const Picture& wide, const ViewBox& view, std::size_t width
                               view.y + view.height * ((1 + 2 * margin) * at[1] - margin)});
         }
     }
-    const cageform::MeanValueCoordinates2d coordinates(cage_of(view, false));
+    const cageform::MeanValueCoordinates<double, 2> coordinates(cage_of(view, false));
     const auto [binding, report] = cageform::bind(coordinates, places);
     std::vector<Vertex> moved(places.size());
     if (report.status != cageform::Status::ok ||

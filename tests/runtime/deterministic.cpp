@@ -120,11 +120,11 @@ void print_opened_clips(const char* what) {
         const auto [packed, report] = pack_clip(clip, {.tolerance = 1e-4});
         if (report.quantised == 0 || report.quantised == report.curves) return hash.print("no mixture");
         const auto opened = cageform::open_clip<T, D>(packed.bytes());
-        if (opened.status != Status::ok) return hash.print("a clip that does not open");
-        auto cursor = opened.clip.make_cursor();
-        std::vector<Vec<T, D>> pose(opened.clip.vertex_count());
+        if (opened.status() != Status::ok) return hash.print("a clip that does not open");
+        auto cursor = opened.value.make_cursor();
+        std::vector<Vec<T, D>> pose(opened.value.vertex_count());
         for (int frame = 0; frame < 400; ++frame) {
-            opened.clip.sample(T(frame * (frame % 50 == 0 ? -3 : 1)) / T(10), cursor, pose);
+            opened.value.sample(T(frame * (frame % 50 == 0 ? -3 : 1)) / T(10), cursor, pose);
             hash.add(pose);
         }
     }

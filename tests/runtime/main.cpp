@@ -116,7 +116,8 @@ void check_refusals() {
     };
     expect(status(bytes) == Status::ok, "copied bytes");
     expect(status(bytes.first(bytes.size() - 64)) == Status::blob_truncated, "a blob cut off");
-    expect(cageform::open_blob<double, 3>(bytes).status() == Status::blob_kind_differs, "a blob of the plane");
+    expect(cageform::open_blob<double, 3>(bytes).status() == Status::blob_kind_differs,
+           "a blob of the plane");
     bytes[bytes.size() - 64] ^= std::byte{1};
     expect(status(bytes) == Status::blob_corrupt, "a bit that differs");
     const auto pose = made_up::points<double, 2>(5, 5);

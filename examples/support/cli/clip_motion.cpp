@@ -2,7 +2,7 @@
 #include "files/clip_file.hpp"
 #include "files/csv.hpp"
 
-#include <cageform/animate/detail/compile_track.hpp>
+#include <cageform/animate/compile.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -80,7 +80,7 @@ SvgResult<cageform::CageClip<double, 2>> make_clip(const ClipFile& file, std::sp
             double tolerance = cageform::screen_tolerance; // a long way to a millionth of it
             for (const cageform::Key& key : keys)
                 tolerance = std::max(tolerance, 1e-6 * std::fabs(key.value));
-            const auto compiled = cageform::compile_track<double>(keys, {.tolerance = tolerance});
+            const auto compiled = cageform::compile<double>(keys, {.tolerance = tolerance});
             if (compiled.status != cageform::Status::ok) {
                 // Of the keys that are repeated: a time in the file.
                 const std::size_t row = compiled.culprit % (control.rows.size() - 1);

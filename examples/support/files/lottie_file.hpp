@@ -20,7 +20,7 @@ struct LottieCurve {
     std::string
         path; ///< "layers/0/ks/r/k/2:0": the keyframe in the file and, behind the colon, the component
     std::string layer; ///< the names on the way there, as the artist gave them
-    cageform::ImportedCurve curve;
+    cageform::Result<cageform::KeyInterval> curve;
 };
 
 namespace detail {
@@ -104,13 +104,13 @@ inline std::vector<LottieCurve> lottie_curves(const nlohmann::ordered_json& file
 
 /// "layers/0/ks/r/k/0:0  frames 0 to 30, 0 to 90  (ball)".
 inline std::string describe(const LottieCurve& one) {
-    const auto& p = one.curve.curve.points;
+    const auto& p = one.curve.value.curve.points;
     std::string text = one.path + "  ";
-    if (one.curve.status != cageform::Status::ok)
-        text += cageform::to_string(one.curve.status);
+    if (one.curve.status() != cageform::Status::ok)
+        text += cageform::to_string(one.curve.status());
     else
         text += "frames " + detail::short_number(p[0][0]) + " to " + detail::short_number(p[3][0]) +
-                (one.curve.kind == cageform::KeyKind::hold
+                (one.curve.value.kind == cageform::KeyKind::hold
                      ? ", held at " + detail::short_number(p[0][1])
                      : ", " + detail::short_number(p[0][1]) + " to " + detail::short_number(p[3][1]));
     return text + (one.layer.empty() ? "" : "  (" + one.layer + ")");

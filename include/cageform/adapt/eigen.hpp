@@ -1,11 +1,12 @@
-// Eigen vectors as points, and matrices of points by rows or columns without a copy.
+// Adapts Eigen: vectors as points, and matrices as ranges of points in rows or columns, without a
+// copy.
 #pragma once
 
 #include <cageform/core/view.hpp>
 
 #include <Eigen/Core>
 
-/// Column and row vectors of fixed size: Eigen::Vector2d, Eigen::RowVector3f, …
+/// Adapts column and row vectors of fixed size: Eigen::Vector2d, Eigen::RowVector3f, …
 template <class T, int Rows, int Cols, int Options, int MaxRows, int MaxCols>
     requires((Rows == 1 || Cols == 1) && Rows > 0 && Cols > 0)
 struct cageform::PointTraits<Eigen::Matrix<T, Rows, Cols, Options, MaxRows, MaxCols>> {
@@ -22,14 +23,15 @@ namespace cageform::inline CAGEFORM_ABI {
 
 namespace detail {
 
-/// float* or const float*, as the matrix's data() has it.
+/// float or const float, the element type of the matrix's data().
 template <class M>
 using element_t = std::remove_pointer_t<decltype(std::declval<M&>().data())>;
 
 } // namespace detail
 
-/// The rows of an #P × D matrix as points, in either storage order, mapped or a block of a larger
-/// matrix. Refers to the matrix's memory; write through it when the matrix is not const.
+/// Views the rows of an #P × D matrix as points. The matrix may have either storage order and may
+/// be mapped or a block of a larger matrix. The view refers to the matrix's memory and writes to it
+/// if the matrix is not const.
 template <std::size_t D, class M>
 auto points_in_rows(M&& matrix) noexcept {
     using T = detail::element_t<std::remove_reference_t<M>>;
@@ -39,7 +41,7 @@ auto points_in_rows(M&& matrix) noexcept {
                                matrix.colStride() * std::ptrdiff_t(sizeof(T)));
 }
 
-/// The columns of a D × #P matrix as points.
+/// Views the columns of a D × #P matrix as points.
 template <std::size_t D, class M>
 auto points_in_columns(M&& matrix) noexcept {
     using T = detail::element_t<std::remove_reference_t<M>>;
@@ -49,7 +51,7 @@ auto points_in_columns(M&& matrix) noexcept {
                                matrix.rowStride() * std::ptrdiff_t(sizeof(T)));
 }
 
-/// A view of a temporary would outlive it.
+/// Deleted for temporaries, which the view would outlive.
 template <std::size_t D, class M>
     requires(std::is_base_of_v<Eigen::PlainObjectBase<M>, M>)
 auto points_in_rows(M&& matrix) = delete;

@@ -1,4 +1,4 @@
-// GLM vectors as points: glm::vec2, glm::vec3, glm::dvec2, … in any qualifier.
+// Adapts GLM vectors as points: glm::vec2, glm::vec3, glm::dvec2, … with any qualifier.
 #pragma once
 
 #include <cageform/core/point.hpp>

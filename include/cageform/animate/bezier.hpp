@@ -10,8 +10,8 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Keys at `points[0]` and `points[3]`, their handles between; axis 0 is time, axis 1 the value. A
-/// function of time where time never turns back along the curve, which is what `check` is for.
+/// Keys `points[0]` and `points[3]`, with their handles between them; axis 0 is time, axis 1 the
+/// value. The curve is a function of time if time never decreases along it; see `check`.
 struct BezierCurve {
     std::array<Vec<double, 2>, 4> points;
 
@@ -21,22 +21,22 @@ struct BezierCurve {
     friend bool operator==(const BezierCurve&, const BezierCurve&) = default;
 };
 
-/// What a curve is as a function of time. `status` is
+/// The result of `check`. `status` is ok or
 ///   value_not_finite     a coordinate is NaN or infinite
 ///   interval_empty       the second key is not later than the first, by 1e-308 at least
-///   curve_turns_back     time turns back between the keys
+///   curve_turns_back     time decreases somewhere between the keys
 struct BezierCheck {
     Status status = Status::ok;
-    /// Somewhere; the slope is unbounded there, unless it is a handle on its key.
+    /// The slope is unbounded somewhere, except at a key whose handle coincides with it.
     bool vertical_tangent = false;
 };
 
 namespace detail {
 
-/// Coefficients of t, t², t³; a curve's coordinate from its first key on.
+/// The coefficients of t, t², t³ for a coordinate of a curve, relative to the first key.
 struct PowerForm {
     double c1 = 0, c2 = 0, c3 = 0;
-    double last = 0; ///< from the last handle to the last key: a third of the slope there, exactly
+    double last = 0; ///< the last key minus the last handle: exactly a third of the slope there
 
     double operator()(double t) const noexcept { return ((c3 * t + c2) * t + c1) * t; }
     double slope(double t) const noexcept {
@@ -45,9 +45,9 @@ struct PowerForm {
     double curvature(double t) const noexcept { return 6 * c3 * t + 2 * c2; }
 };
 
-/// The power form of a coordinate, `scale` times.
+/// The power form of a coordinate times `scale`.
 inline PowerForm power_form(const BezierCurve& curve, std::size_t axis, double scale) noexcept {
-    // From differences of neighbours, so that a far away origin costs no digits.
+    // Uses differences of neighbours, so that a far origin loses no digits.
     std::array<double, 3> step{};
     for (std::size_t k = 0; k < 3; ++k) step[k] = scale * (curve.points[k + 1][axis] - curve.points[k][axis]);
     return {3 * step[0], 3 * (step[1] - step[0]), step[0] - 2 * step[1] + step[2], step[2]};
@@ -55,9 +55,9 @@ inline PowerForm power_form(const BezierCurve& curve, std::size_t axis, double s
 
 } // namespace detail
 
-/// Whether time never turns back. With u1 and u2 the handles' times in parts of the interval:
-/// u1 ≥ 0, u2 ≤ 1, and u1 ≤ u2 or (u1 − u2)² ≤ u1 (1 − u2). There the derivative of time, a
-/// quadratic, has no sign change in (0, 1).
+/// Checks that time never decreases. Let u1 and u2 be the handles' times as fractions of the
+/// interval. Then time is monotone if u1 ≥ 0, u2 ≤ 1, and u1 ≤ u2 or (u1 − u2)² ≤ u1 (1 − u2): the
+/// derivative of time, a quadratic, has no sign change in (0, 1).
 inline BezierCheck check(const BezierCurve& curve) noexcept {
     BezierCheck result;
     for (const auto& p : curve.points) {
@@ -69,7 +69,7 @@ inline BezierCheck check(const BezierCurve& curve) noexcept {
         result.status = Status::interval_empty;
         return result;
     }
-    constexpr double rounding = 4 * epsilon<double>; // of what is compared, which is about 1
+    constexpr double rounding = 4 * epsilon<double>; // relative to the terms compared, about 1
     const double u1 = (curve.points[1][0] - curve.begin()) / length;
     const double rest = (curve.end() - curve.points[2][0]) / length; // 1 - u2
     const double between = 1 - u1 - rest;                            // u2 - u1
@@ -80,10 +80,10 @@ inline BezierCheck check(const BezierCurve& curve) noexcept {
     return result;
 }
 
-/// A sound curve as a function of time: Newton's method held between bounds by bisection, so that
-/// vertical tangents do no harm. The reference for everything else here.
+/// A checked curve as a function of time, by Newton's method safeguarded by bisection, so that
+/// vertical tangents do no harm. All other evaluations are compared with this one.
 ///
-///   accuracy  of time a rounding of the interval's length, of the value what that makes
+///   accuracy  time: a rounding error of the interval's length; value: the error that this causes
 ///   cost      some tens of nanoseconds
 class BezierFunction {
 public:
@@ -93,27 +93,29 @@ public:
         , time_(detail::power_form(curve, 0, 1 / length_))
         , value_(detail::power_form(curve, 1, 1)) {}
 
-    /// The curve's parameter, in [0, 1], at a time, which is taken into the interval.
+    /// The curve's parameter, in [0, 1], at a time; the time is clamped to the interval.
     double parameter(double x) const noexcept {
         const double part = std::fmin(std::fmax((x - curve_.begin()) / length_, 0.0), 1.0);
         return parameter_at_part(part);
     }
     double operator()(double x) const noexcept {
-        // From the nearer end, so that both keys are met exactly.
+        // Starts from the nearer end, so that both keys are met exactly.
         const double t = parameter(x);
         return t < 1 ? curve_.points[0][1] + value_(t) : curve_.points[3][1];
     }
-    /// Infinite at a vertical tangent; where a handle lies on its key, the limit.
+    /// The derivative by time: infinite at a vertical tangent, the limit at a key whose handle
+    /// coincides with it.
     double derivative(double x) const noexcept { return slope_at(parameter(x)); }
 
-    /// Derivatives by time at a parameter.
+    /// The first and second derivative by time, at a parameter.
     double slope_at(double t) const noexcept {
         const double g = time_.slope(t), f = value_.slope(t);
         if (g == 0 && f == 0) {
             const double g2 = time_.curvature(t), f2 = value_.curvature(t);
             // Both handles lie on this key: the curve is a straight line.
             if (g2 == 0 && f2 == 0) return value_.c3 / time_.c3 / length_;
-            // Vertical: near t0, an end, time's velocity goes as (t - t0)², the value's as f2 (t - t0).
+            // Vertical: near an end t0, the derivative of time is of order (t - t0)², and of the
+            // value f2 (t - t0).
             if (g2 == 0) return std::copysign(std::numeric_limits<double>::infinity(), t < 0.5 ? f2 : -f2);
             return f2 / g2 / length_;
         }
@@ -126,10 +128,10 @@ public:
 
     const BezierCurve& curve() const noexcept { return curve_; }
     double length() const noexcept { return length_; }               ///< of the interval
-    const detail::PowerForm& time() const noexcept { return time_; } ///< from 0 to 1
+    const detail::PowerForm& time() const noexcept { return time_; } ///< scaled to run from 0 to 1
     const detail::PowerForm& value() const noexcept { return value_; }
 
-    /// The parameter where `part`, in [0, 1], of the interval has gone by.
+    /// The parameter at which the fraction `part`, in [0, 1], of the interval's time has passed.
     double parameter_at_part(double part) const noexcept {
         if (part <= 0) return 0;
         if (part >= 1) return 1;

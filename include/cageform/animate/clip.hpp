@@ -1,4 +1,4 @@
-// A cage that moves: the pose of all its vertices at a time. Run time, as piecewise_cubic.hpp.
+// The motion of a cage: gives the pose of all its vertices at a time; for run time, like piecewise_cubic.hpp.
 #pragma once
 
 #include <cageform/animate/curve_bank.hpp>
@@ -6,8 +6,8 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// A clip that lies elsewhere: in a `CageClip`, or in packed memory (animate/clip_blob.hpp), which
-/// is played by the same code. Owns nothing.
+/// A view of a clip stored elsewhere: in a `CageClip`, or in packed memory (animate/clip_blob.hpp).
+/// Both are played by the same code. Owns nothing.
 template <Scalar T, std::size_t D>
 struct CageClipView {
     static_assert(D == 2 || D == 3);
@@ -15,34 +15,34 @@ struct CageClipView {
     static constexpr std::size_t dimension = D;
     using Cursor = CurveCursor<T>;
 
-    CurveBankView<T> bank; ///< #vertices · D, the coordinates of a vertex side by side
+    CurveBankView<T> bank; ///< #vertices · D curves, the coordinates of a vertex adjacent
     T first_time = 0, last_time = 0;
     Extrapolation before = Extrapolation::constant, after = Extrapolation::constant;
-    /// 3 · #curves: of each its slope at the first time, at the last, and its rise between them;
-    /// none where no extrapolation takes them.
+    /// 3 · #curves: all slopes at the first time, all slopes at the last, all rises between them;
+    /// empty if no extrapolation uses them.
     std::span<const T> ends;
     RigidMotionView<T, D> motion;
-    bool moves = false; ///< by the motion
+    bool moves = false; ///< whether `motion` applies
 
     std::size_t vertex_count() const noexcept { return bank.size() / D; }
     T begin() const noexcept { return first_time; }
     T end() const noexcept { return last_time; }
 
-    /// The memory of a cursor, in Lanes<T> of 64 bytes each.
+    /// The size of a cursor's memory, in Lanes<T> of 64 bytes each.
     std::size_t cursor_rows() const noexcept { return bank.cursor_rows() + block_count<T>(bank.size()); }
-    /// Where a player of the clip is; one for every place that plays it. May throw std::bad_alloc.
+    /// The state of a player of the clip; each player has its own. May throw std::bad_alloc.
     Cursor make_cursor() const { return detail::started(*this, Cursor(cursor_rows())); }
-    /// Makes a cursor in memory of the caller, `cursor_rows` at least; allocates nothing.
+    /// Makes a cursor in memory of the caller, at least `cursor_rows` long; allocates nothing.
     Cursor make_cursor(std::span<Lanes<T>> memory) const noexcept {
         return detail::started(*this, Cursor(memory));
     }
-    /// Makes a cursor one of this clip, whatever clip it was one of, if it has memory enough.
+    /// Resets a cursor, of this or another clip, to this clip; its memory must suffice.
     void start(Cursor& cursor) const noexcept {
         CAGEFORM_ASSERT(cursor.memory().size() >= cursor_rows(), "memory for a cursor");
         bank.start(cursor);
     }
 
-    /// The cage's vertices at a time, into `pose` (#vertices): what `clone` takes.
+    /// Writes the cage's vertices at a time to `pose` (#vertices), the input of `clone`.
     void sample(T time, Cursor& cursor, std::span<Vec<T, D>> pose) const noexcept {
         CAGEFORM_ASSERT(pose.size() >= vertex_count(), "a place for every vertex");
         CAGEFORM_ASSERT(cursor.memory().size() >= cursor_rows(), "a cursor of this clip");
@@ -64,8 +64,8 @@ struct CageClipView {
 };
 
 /// The motion of a cage: a curve for every coordinate of every vertex, and perhaps a rigid motion
-/// on top. Made once, of key frames by `compile_clip` (animate/compile_clip.hpp); `sample`
-/// allocates nothing. `pack_clip` (animate/pack_clip.hpp) makes of it what is shipped.
+/// on top. Made once, from key frames, by `compile` (animate/compile.hpp); `sample`
+/// allocates nothing. `pack_clip` (animate/pack_clip.hpp) turns it into a block of bytes to ship.
 template <Scalar T, std::size_t D>
 class CageClip {
     static_assert(D == 2 || D == 3);
@@ -73,13 +73,13 @@ class CageClip {
 public:
     using scalar = T;
     static constexpr std::size_t dimension = D;
-    /// Where a player of the clip is; one for every place that plays it.
+    /// The state of a player of the clip; each player has its own.
     using Cursor = CurveCursor<T>;
 
     CageClip() = default;
 
-    /// `curves`: #vertices · D, the coordinates of a vertex side by side, each with pieces. The
-    /// clip lasts from the first begin of a curve to the last end. It is extrapolated as a whole.
+    /// `curves`: #vertices · D, the coordinates of a vertex adjacent, each with pieces. The clip
+    /// lasts from the first begin of a curve to the last end. It is extrapolated as a whole.
     CageClip(std::span<const PiecewiseCubic<T>> curves, Extrapolation before = Extrapolation::constant,
              Extrapolation after = Extrapolation::constant)
         : bank_(curves)
@@ -115,7 +115,7 @@ public:
     std::size_t bytes() const noexcept { return bank_.bytes(); } ///< of memory
     Cursor make_cursor() const { return view().make_cursor(); }
 
-    /// The cage's vertices at a time, into `pose` (#vertices): what `clone` takes.
+    /// Writes the cage's vertices at a time to `pose` (#vertices), the input of `clone`.
     void sample(T time, Cursor& cursor, std::span<Vec<T, D>> pose) const noexcept {
         view().sample(time, cursor, pose);
     }

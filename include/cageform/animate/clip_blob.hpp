@@ -1,33 +1,32 @@
-// A clip in one piece of memory: what is written to a file, mapped, and played from where it lies.
+// The format of a packed clip: one block of memory that is written to a file, mapped, and played in place.
 //
-// Little or big endian as the machine that made it, told by a tag; every part begins at a multiple
-// of 64 bytes from the beginning; offsets, no pointers. T is the clip's scalar, D its dimension. A
-// curve of n pieces has n + 1 knots: where its pieces begin, and where the last one ends.
+// Numbers have the byte order of the machine that made it, which a tag records. Every table begins at
+// a multiple of 64 bytes; there are offsets, no pointers. T is the clip's scalar, D its dimension. A
+// curve of n pieces has n + 1 knots: the begins of its pieces, and the end of the last one.
 //
 //     ClipHeader
-//     curves        #curves × BankCurve: the coordinates of a vertex side by side
-//     knots         (#pieces + #steps) × T: those of the curves that are not quantised, one curve after
-//                   the other, then those of the curves that are
-//     pieces        #pieces × 4 × T: c0 … c3 for each of the first knots, where
-//                   c0 + u (c1 + u (c2 + u c3)) is the value at the time u after it; constant from the
-//                   last knot of a curve on
-//     steps         #steps × 4 × uint16: Bernstein coefficients for each of the other knots, up to the
-//                   next one, where n stands for low + n · step of the curve; unused at the last knot
-//                   of a curve, from which on end_value is held
-//     entries       #knots × BankEntry: by time, knots of one time by their number
-//     ends          3 × #curves × T: the slopes at the first time, those at the last, and what the
-//                   curves rise by between them; only with an extrapolation that takes them (linear,
-//                   cycle_with_offset)
-//     motion        PackedMotion; only where the cage is turned and moved as a whole
-//     track_begins  #track_pieces × T      of its tracks, one after the other; with `motion`
-//     track_pieces  #track_pieces × 5 × T: where a piece begins, c0 … c3
+//     curves        #curves × BankCurve: the coordinates of a vertex are adjacent
+//     knots         (#pieces + #steps) × T: the knots of unquantised curves, one curve after the other,
+//                   then the knots of quantised curves
+//     pieces        #pieces × 4 × T: c0 … c3 for each knot of an unquantised curve; the value at the
+//                   time u after the knot is c0 + u (c1 + u (c2 + u c3)), constant after the last knot
+//     steps         #steps × 4 × uint16: Bernstein coefficients from each knot of a quantised curve to
+//                   the next; n stands for low + n · step of the curve. Unused at the last knot of a
+//                   curve, from which on the value is end_value
+//     entries       #knots × BankEntry: sorted by time, then by the number of the knot
+//     ends          3 × #curves × T: all slopes at the first time, all slopes at the last, all rises
+//                   between them; only if an extrapolation uses them (linear, cycle_with_offset)
+//     motion        PackedMotion; only if the cage is rotated and moved as a whole
+//     track_begins  #track_pieces × T: the begins of the motion's pieces, one track after the other
+//     track_pieces  #track_pieces × 5 × T: begin, c0 … c3
 //     rotations     #rotations × 4 × T: x, y, z, w; only in space
 //
-// A part of no elements is not there, and its offset is 0.
+// An empty table is absent, and its offset is 0.
 #pragma once
 
 #include <cageform/animate/clip.hpp>
 #include <cageform/core/detail/packed_memory.hpp>
+#include <cageform/core/result.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 
@@ -40,11 +39,11 @@ struct ClipHeader {
     std::uint32_t version = current_version;
     std::uint32_t endian = 0x01020304u;
     std::uint64_t bytes = 0;    ///< of the whole clip, a multiple of 64
-    std::uint64_t checksum = 0; ///< `hash_memory` of all that follows this field
+    std::uint64_t checksum = 0; ///< `hash_memory` of all bytes after this field
     std::uint32_t scalar_bytes = 0, dimension = 0;
     std::uint32_t before = 0, after = 0; ///< Extrapolation
     std::uint64_t curves = 0, pieces = 0, steps = 0;
-    double begin = 0, end = 0; ///< times, of T
+    double begin = 0, end = 0; ///< times, representable in T
     std::uint64_t curve_table = 0, knot_table = 0, piece_table = 0, step_table = 0, entry_table = 0, ends = 0;
     std::uint64_t motion = 0, tracks = 0, turns = 0; ///< tracks: #track_pieces, turns: #rotations
     std::uint64_t track_begins = 0, track_pieces = 0, rotations = 0;
@@ -52,8 +51,8 @@ struct ClipHeader {
 };
 static_assert(sizeof(ClipHeader) == 192);
 
-/// A track of a packed motion; its pieces follow those of the track before. Of none: it does
-/// nothing.
+/// A track of a packed motion; its pieces follow those of the track before. A track without pieces
+/// has no effect.
 template <Scalar T>
 struct PackedTrack {
     std::uint32_t first = 0, pieces = 0;
@@ -64,16 +63,13 @@ struct PackedTrack {
 /// A RigidMotion.
 template <Scalar T, std::size_t D>
 struct PackedMotion {
-    std::array<PackedTrack<T>, 1 + D> tracks; ///< the turn, and the translation along each axis
+    std::array<PackedTrack<T>, 1 + D> tracks; ///< the rotation, and the translation along each axis
     Vec<T, D> pivot{};
 };
 
-/// `clip` points into the memory given; it is empty unless `status` is ok.
-template <Scalar T, std::size_t D>
-struct OpenedClip {
+struct OpenClipReport {
     Status status = Status::ok;
-    CageClipView<T, D> clip;
-    std::size_t bytes = 0; ///< of the packed clip; what follows may begin there
+    std::size_t bytes = 0; ///< size of the packed clip; other data may follow it
 };
 
 namespace detail {
@@ -82,7 +78,7 @@ inline bool is_extrapolation(std::uint32_t mode) noexcept {
     return mode <= std::uint32_t(Extrapolation::ping_pong);
 }
 
-/// Whether any of the extrapolations of a clip takes slopes or rises.
+/// Whether one of a clip's extrapolations uses slopes or rises.
 inline bool takes_ends(std::uint32_t before, std::uint32_t after) noexcept {
     const auto takes = [](std::uint32_t mode) {
         return mode == std::uint32_t(Extrapolation::linear) ||
@@ -91,8 +87,7 @@ inline bool takes_ends(std::uint32_t before, std::uint32_t after) noexcept {
     return takes(before) || takes(after);
 }
 
-/// Visits the parts of a packed clip: visit(offset, bytes a part takes). A part of none is not
-/// there.
+/// Visits the tables of a packed clip: visit(offset, bytes). Tables of 0 bytes are absent.
 template <Scalar T, std::size_t D, class Header, class Visit>
 void for_each_clip_part(Header& header, const Visit& visit) noexcept {
     visit(header.curve_table, header.curves * sizeof(BankCurve<T>));
@@ -148,8 +143,8 @@ bool is_finite_piece(const CubicPiece<T>& p) noexcept {
     return is_finite(p.begin) && is_finite(p.c0) && is_finite(p.c1) && is_finite(p.c2) && is_finite(p.c3);
 }
 
-/// Whether the knots of a bank are shared out among its curves, those of either format one after the
-/// other, ascend, and all is finite numbers, also as decoded.
+/// Whether the curves of a bank share out its knots in order (unquantised curves, then quantised
+/// ones), knots ascend, and all numbers are finite, also when decoded.
 template <Scalar T>
 bool is_sound(const CurveBankView<T>& bank) noexcept {
     std::array<std::size_t, 2> next{0, bank.pieces.size()}, end{bank.pieces.size(), bank.knots.size()};
@@ -173,7 +168,7 @@ bool is_sound(const CurveBankView<T>& bank) noexcept {
     return next == end;
 }
 
-/// Whether the entries of a sound bank are all of its knots, in order, and agree with the times.
+/// Whether the entries of a valid bank are all of its knots, in order, and agree with the clip's times.
 template <Scalar T, std::size_t D>
 bool is_in_order(const CageClipView<T, D>& clip) noexcept {
     const auto& bank = clip.bank;
@@ -193,7 +188,7 @@ bool is_in_order(const CageClipView<T, D>& clip) noexcept {
            (last == time(count - 1) || after == time(count - 1)) && clip.first_time <= last;
 }
 
-/// Whether the tracks of a motion share its pieces out, one after the other, and end at finite numbers.
+/// Whether the tracks of a motion share out its pieces in order, and their ends are finite.
 template <Scalar T, std::size_t D>
 bool tracks_follow(const PackedMotion<T, D>& motion, std::uint64_t pieces) noexcept {
     std::uint64_t first = 0;
@@ -206,7 +201,7 @@ bool tracks_follow(const PackedMotion<T, D>& motion, std::uint64_t pieces) noexc
     return first == pieces;
 }
 
-/// Whether the pieces of a track ascend, and are finite numbers.
+/// Whether the pieces of a track ascend and are finite.
 template <Scalar T>
 bool is_sound(const TrackView<T>& track) noexcept {
     const auto pieces = track.curve.pieces;
@@ -225,12 +220,13 @@ bool is_sound(const RigidMotionView<T, D>& motion) noexcept {
     for (const Quaternion<T>& turn : motion.rotations) {
         T square = 0;
         for (const T x : turn) square += x * x;
-        sound = sound && square > T(0.98) && square < T(1.02); // of length 1 up to rounding
+        sound = sound && square > T(0.98) && square < T(1.02); // length 1 up to rounding
     }
     return sound;
 }
 
-/// Counts that 32 bits hold keep the products of `for_each_clip_part` below 2^64.
+/// Checks a header and its tables. Counts must fit in 32 bits, so that the sizes in
+/// `for_each_clip_part` stay below 2^64.
 template <Scalar T, std::size_t D>
 Status check_clip(const std::byte* data, const ClipHeader& header) noexcept {
     bool sound = is_extrapolation(header.before) && is_extrapolation(header.after) &&
@@ -261,36 +257,38 @@ Status check_clip(const std::byte* data, const ClipHeader& header) noexcept {
 
 } // namespace detail
 
-/// Makes use of a packed clip where it lies, in a mapped file for instance; `data` must stay as it
-/// is while the clip is used.
+/// Opens a packed clip in place, for example in a mapped file; `data` must stay unchanged while the
+/// clip is in use.
 ///
-///   data     at least the clip, aligned to 64 bytes; what follows it is left alone
-///   check    BlobCheck::structure leaves the checksum out
+///   data     at least the clip, aligned to 64 bytes; bytes after it are ignored
+///   check    BlobCheck::structure skips the checksum
 ///   returns  not_a_clip, blob_version_differs, blob_kind_differs, blob_truncated, blob_corrupt,
-///            blob_malformed, or ok: then times ascend, all numbers are finite and rotations of length 1. What was opened
-///            never reads or writes out of bounds, whatever the bytes, and gives the same bits as
-///            the clip that was packed, where nothing was quantised
+///            blob_malformed, or ok: times ascend, all numbers are finite, and rotations have
+///            length 1. An opened clip never reads or writes out of bounds, whatever the bytes, and
+///            gives the same bits as the clip that was packed, if nothing was quantised
 ///   cost     no allocation; O(#pieces), some 50 ns each; with BlobCheck::all reads everything twice
 template <Scalar T, std::size_t D>
     requires(D == 2 || D == 3)
-OpenedClip<T, D> open_clip(std::span<const std::byte> data, BlobCheck check = BlobCheck::all)
+Result<CageClipView<T, D>, OpenClipReport> open_clip(std::span<const std::byte> data,
+                                                     BlobCheck check = BlobCheck::all)
 noexcept {
-    OpenedClip<T, D> opened;
-    opened.status = detail::check_prefix(data, detail::prefix_of(ClipHeader{}), sizeof(ClipHeader), check,
-                                         Status::not_a_clip);
-    if (opened.status != Status::ok) return opened;
+    Result<CageClipView<T, D>, OpenClipReport> opened;
+    Status& status = opened.report.status;
+    status = detail::check_prefix(data, detail::prefix_of(ClipHeader{}), sizeof(ClipHeader), check,
+                                  Status::not_a_clip);
+    if (status != Status::ok) return opened;
     ClipHeader header;
     std::memcpy(&header, data.data(), sizeof(header));
-    opened.status = header.scalar_bytes != sizeof(T) || header.dimension != D
-                        ? Status::blob_kind_differs
-                        : detail::check_clip<T, D>(data.data(), header);
-    if (opened.status != Status::ok) return opened;
-    opened.clip = detail::view_clip<T, D>(data.data(), header);
-    opened.bytes = static_cast<std::size_t>(header.bytes);
+    status = header.scalar_bytes != sizeof(T) || header.dimension != D
+                 ? Status::blob_kind_differs
+                 : detail::check_clip<T, D>(data.data(), header);
+    if (status != Status::ok) return opened;
+    opened.value = detail::view_clip<T, D>(data.data(), header);
+    opened.report.bytes = static_cast<std::size_t>(header.bytes);
     return opened;
 }
 
-/// The owner of a packed clip; made by `pack_clip` (animate/pack_clip.hpp). Copies are whole clips.
+/// Owns a packed clip; made by `pack_clip` (animate/pack_clip.hpp). A copy copies all bytes.
 template <Scalar T, std::size_t D>
 class PackedClip {
 public:
@@ -298,7 +296,7 @@ public:
     static constexpr std::size_t dimension = D;
 
     PackedClip() = default;
-    /// Any clip as it is, to the bit. std::bad_alloc where there is no memory.
+    /// Packs a clip exactly, without quantising. Throws std::bad_alloc if memory runs out.
     explicit PackedClip(const CageClipView<T, D>& clip) {
         ClipHeader header;
         header.scalar_bytes = sizeof(T);

@@ -1,4 +1,4 @@
-// Many piecewise cubics at one time. Run time, as piecewise_cubic.hpp.
+// Evaluates many piecewise cubics at the same time; for run time, like piecewise_cubic.hpp.
 #pragma once
 
 #include <cageform/animate/piecewise_cubic.hpp>
@@ -11,16 +11,16 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// A curve of a bank. Its knots are where its pieces begin, and where the last one ends.
+/// A curve of a bank. Its knots are the begins of its pieces, and the end of the last one.
 template <Scalar T>
 struct BankCurve {
     std::uint32_t first_knot = 0;
     std::uint32_t knots = 0; ///< #pieces + 1
-    T low = 0, step = 0;     ///< of 16 bits: coefficient n stands for low + n · step
-    T end_value = 0;         ///< held from the last knot on
+    T low = 0, step = 0;     ///< for a curve in 16 bits: coefficient n stands for low + n · step
+    T end_value = 0;         ///< constant from the last knot on
 };
 
-/// A curve enters a piece at a knot.
+/// The event that a curve enters a piece at a knot.
 struct BankEntry {
     std::uint32_t knot, curve;
 
@@ -30,16 +30,16 @@ struct BankEntry {
 template <Scalar T>
 struct CurveBankView;
 
-/// The pieces of all curves at the time last asked for. One for every place that plays a bank or a
-/// clip; made once, used every frame.
+/// The current pieces of all curves. Each player of a bank or a clip has its own; it is made once
+/// and used every frame.
 template <Scalar T>
 class CurveCursor {
 public:
     CurveCursor() = default;
-    /// In memory of the caller, which stays as long as the cursor; copies share it.
+    /// Uses memory of the caller, which must outlive the cursor; copies share it.
     explicit CurveCursor(std::span<Lanes<T>> memory) noexcept
         : given_(memory) {}
-    /// In memory of its own.
+    /// Allocates its own memory.
     explicit CurveCursor(std::size_t rows)
         : own_(rows) {}
 
@@ -49,7 +49,7 @@ private:
     friend struct CurveBankView<T>;
     std::vector<Lanes<T>> own_;
     std::span<Lanes<T>> given_;
-    std::size_t entered_ = 0; ///< entries up to the time
+    std::size_t entered_ = 0; ///< the number of entries up to the current time
 };
 
 namespace detail {
@@ -62,19 +62,19 @@ Cursor started(const Player& player, Cursor cursor) noexcept {
 
 } // namespace detail
 
-/// A bank that lies elsewhere: in a `CurveBank`, or in a packed clip.
+/// A view of a bank stored elsewhere: in a `CurveBank`, or in a packed clip.
 template <Scalar T>
 struct CurveBankView {
     using scalar = T;
     using Cursor = CurveCursor<T>;
 
     std::span<const BankCurve<T>> curves;
-    /// The knots of the curves in pieces as they are, one after the other, then of those in 16 bits.
+    /// The knots of the unquantised curves, one curve after the other, then of the curves in 16 bits.
     std::span<const T> knots;
-    std::span<const std::array<T, 4>> pieces; ///< c0 … c3 from a knot on, of the first knots
-    /// Bernstein coefficients from a knot on, for the other knots; unused at the last one of a curve.
+    std::span<const std::array<T, 4>> pieces; ///< c0 … c3 from each knot of an unquantised curve on
+    /// Bernstein coefficients from each knot of a curve in 16 bits on; unused at the last knot of a curve.
     std::span<const std::array<std::uint16_t, 4>> steps;
-    std::span<const BankEntry> entries; ///< #knots: by time, then by knot
+    std::span<const BankEntry> entries; ///< one per knot, sorted by time, then by knot
 
     std::size_t size() const noexcept { return curves.size(); } ///< curves
     std::size_t bytes() const noexcept {
@@ -83,19 +83,19 @@ struct CurveBankView {
     }
     std::size_t piece_count(std::size_t curve) const noexcept { return curves[curve].knots - 1; }
     bool is_quantised(std::size_t curve) const noexcept { return curves[curve].first_knot >= pieces.size(); }
-    /// A piece of a curve; the last one (#pieces) is the constant after it.
+    /// Piece n of a curve; n = #pieces is the constant after the last one.
     CubicPiece<T> piece(std::size_t curve, std::size_t n) const noexcept {
         return piece_at(curve, curves[curve].first_knot + n);
     }
 
-    /// The memory of a cursor, in Lanes<T>.
+    /// The size of a cursor's memory, in Lanes<T>.
     std::size_t cursor_rows() const noexcept { return rows * block_count<T>(size()); }
     Cursor make_cursor() const { return detail::started(*this, Cursor(cursor_rows())); }
-    /// In memory of the caller, `cursor_rows` at least; allocates nothing.
+    /// Uses memory of the caller, at least `cursor_rows` long; allocates nothing.
     Cursor make_cursor(std::span<Lanes<T>> memory) const noexcept {
         return detail::started(*this, Cursor(memory));
     }
-    /// Makes a cursor one of this bank, at the time before all curves, whatever it was one of.
+    /// Resets a cursor, of this or another bank, to this bank and the time before all curves.
     void start(Cursor& cursor) const noexcept {
         CAGEFORM_ASSERT(cursor.memory().size() >= cursor_rows(), "memory for a cursor");
         for (std::size_t b = 0; b < block_count<T>(size()); ++b) {
@@ -106,9 +106,9 @@ struct CurveBankView {
         cursor.entered_ = 0;
     }
 
-    /// The values of all curves at a finite time, into `out` (#curves), and their derivatives by
-    /// time where `slopes` is not empty. Outside a curve its nearest value is held. O(#curves),
-    /// wherever the cursor was.
+    /// Writes the values of all curves at a finite time to `out` (#curves), and their derivatives
+    /// by time to `slopes` unless that is empty. Outside its range, a curve keeps its nearest
+    /// value. O(#curves), wherever the cursor was.
     void sample(T x, Cursor& cursor, std::span<T> out, std::span<T> slopes = {}) const noexcept {
         CAGEFORM_ASSERT(out.size() >= size() && (slopes.empty() || slopes.size() >= size()),
                         "a place for every curve");
@@ -128,7 +128,7 @@ struct CurveBankView {
     }
 
 private:
-    static constexpr std::size_t rows = 5; ///< of a block of a cursor: begin, c0 … c3
+    static constexpr std::size_t rows = 5; ///< per block of a cursor: begin, c0 … c3
 
     static Lanes<T>* block(Cursor& cursor, std::size_t b) noexcept {
         return cursor.memory().data() + b * rows;
@@ -156,7 +156,7 @@ private:
         const auto& p = pieces[knot];
         return {knots[knot], p[0], p[1], p[2], p[3]};
     }
-    /// From 16 bits: the differences of whole numbers are exact.
+    /// Decodes a piece from 16 bits. The differences are exact, since they are of integers.
     CubicPiece<T> decoded(const BankCurve<T>& c, std::size_t knot) const noexcept {
         if (knot - c.first_knot + 1 == c.knots) return constant(c.end_value);
         const auto& b = steps[knot - pieces.size()];
@@ -179,7 +179,7 @@ private:
         std::size_t& e = cursor.entered_;
         const auto time = [&](std::size_t i) { return knots[entries[i].knot]; };
         const std::size_t count = entries.size(), most = 4 * size();
-        // Of a far jump a search a curve, in place of more than four entries a curve.
+        // For a far jump, a search in each curve is faster than visiting more than four entries per curve.
         const bool far_forward = e + most < count && time(e + most) <= x;
         if (far_forward || (e > most && time(e - most - 1) > x)) {
             e = time(0) <= x ? detail::last_up_to(x, count, time) + 1 : 0;
@@ -195,7 +195,7 @@ private:
             load(cursor, curve, piece_before(curve, knot));
         }
     }
-    /// The piece of a curve at a time.
+    /// Finds the piece of a curve at a time.
     CubicPiece<T> locate(std::size_t curve, T x) const noexcept {
         const BankCurve<T>& c = curves[curve];
         const T* const of_curve = knots.data() + c.first_knot;
@@ -205,16 +205,16 @@ private:
     }
 };
 
-/// Many curves at one time, as the coordinates of a cage's vertices. They need no common knots.
+/// Many curves evaluated at the same time, such as the coordinates of a cage's vertices. They need
+/// no common knots.
 ///
-/// A cursor holds the current piece of every curve in rows of a cache line. The knots of all curves
-/// in the order of time tell which curves enter another piece between two times, forwards and
-/// backwards.
+/// A cursor holds the current piece of each curve, in rows of one cache line. The knots of all curves are
+/// sorted by time: the knots between two times show which curves enter another piece, forwards or backwards.
 ///
-///   cost    of play, a few operations and five loads a value, whole vector registers at a time,
-///           and a few nanoseconds for each curve that enters another piece; of a jump, a search
-///           among the pieces of each curve
-///   memory  five scalars and two indices a piece; a cursor, five scalars a curve
+///   cost    playing: a few operations and five loads per value, whole vector registers at a time,
+///           and a few nanoseconds for each curve that enters another piece; a jump: a search among
+///           the pieces of each curve
+///   memory  five scalars and two indices per piece; a cursor: five scalars per curve
 template <Scalar T>
 class CurveBank {
 public:
@@ -238,14 +238,14 @@ public:
                 add_knot(piece.begin);
                 pieces_.push_back({piece.c0, piece.c1, piece.c2, piece.c3});
             }
-            // At the end itself still in the last piece, for its slope, unless the value jumps.
+            // At the end itself the last piece still counts, for its slope, unless the value jumps.
             const bool jumps = curve.end_value() != curve.pieces().back()(curve.end());
             add_knot(jumps ? curve.end() : std::nextafter(curve.end(), (std::numeric_limits<T>::max)()));
             pieces_.push_back({curve.end_value(), T(0), T(0), T(0)});
             curves_.push_back(made);
         }
         if (entries.empty()) return;
-        // A time and a knot occur together once, so that the order is the same with every library.
+        // A time and a knot occur together only once, so that every library sorts them alike.
         std::qsort(entries.data(), entries.size(), sizeof(Entry), [](const void* a, const void* b) {
             const auto &first = *static_cast<const Entry*>(a), &second = *static_cast<const Entry*>(b);
             if (first.time != second.time) return first.time < second.time ? -1 : 1;

@@ -1,4 +1,7 @@
-// As few pieces as meet a tolerance.
+// Fits as few polynomial pieces to a Bézier curve as meet a tolerance.
+//
+// The order of reading: fit/fit_options.hpp (what is minimised), fit/sobolev_fit.hpp (the best pieces for
+// given knots), fit/knots.hpp (the best knots for a number of pieces), this header (the number of pieces).
 #pragma once
 
 #include <cageform/animate/fit/knots.hpp>
@@ -8,75 +11,69 @@ namespace cageform::inline CAGEFORM_ABI {
 
 namespace detail {
 
-inline constexpr std::size_t default_max_pieces = 64;
-
 /// The fewest pieces of one curve for a tolerance.
 class FewestPieces {
 public:
-    FewestPieces(const BezierCurve& curve, double tolerance, const FitOptions& options,
-                 std::size_t max_pieces)
+    using Fit = Result<BezierFit, FitReport>;
+
+    FewestPieces(const BezierCurve& curve, double tolerance, const FitOptions& options)
         : fitter_(curve, options)
         , options_(options)
-        , tolerance_(tolerance)
-        , max_pieces_(max_pieces) {}
+        , tolerance_(tolerance) {}
 
-    /// tolerance_not_met, where pieces are determined by their own interval, is without pieces.
-    BezierFit find(const Running& running) const {
+    /// Finds them. With independent pieces, a result with tolerance_not_met has no pieces.
+    Fit find(const Running& running) const {
         if (fitter_.status() != Status::ok) return refused(fitter_.status());
         if (!(tolerance_ > 0)) return refused(Status::tolerance_not_positive);
         return fitter_.decoupled() ? reach_far(running) : add_pieces(running);
     }
-    /// Whether a piece depends on the others, which takes longer.
+    /// Whether pieces depend on each other, which takes longer.
     bool tied() const noexcept { return fitter_.status() == Status::ok && !fitter_.decoupled(); }
-    /// With as many pieces as there may be: what comes nearest to a tolerance that is not met.
-    BezierFit nearest(const Running& running) const {
-        BezierFit result = at_optimal_knots(max_pieces_, KnotOptions{}.rounds, running);
-        if (result.status == Status::ok) result.status = Status::tolerance_not_met;
+    /// Fits the largest number of pieces allowed: the best result if the tolerance cannot be met.
+    Fit nearest(const Running& running) const {
+        Fit result = at_optimal_knots(options_.max_pieces, KnotOptions{}.rounds, running);
+        if (result) result.report.status = Status::tolerance_not_met;
         return result;
     }
 
 private:
-    static BezierFit refused(Status status) {
-        BezierFit result;
-        result.status = status;
-        return result;
-    }
+    static Fit refused(Status status) { return {{}, {status}}; }
 
-    BezierFit at_optimal_knots(std::size_t pieces, int rounds, const Running& running) const {
+    Fit at_optimal_knots(std::size_t pieces, int rounds, const Running& running) const {
         KnotOptions options;
         options.fit = options_;
         options.rounds = rounds;
         const auto search = optimal_knots(fitter_.curve(), pieces, options, running);
-        return search.status == Status::ok ? fitter_.fit(search.parameters) : refused(search.status);
+        return search ? fitter_.fit(search.value.parameters) : refused(search.status());
     }
 
-    /// Of tied pieces: one more until they suffice.
-    BezierFit add_pieces(const Running& running) const {
-        BezierFit result;
-        for (std::size_t pieces = 1; pieces <= max_pieces_; ++pieces) {
-            if (!running.keep_going(double(pieces - 1) / double(max_pieces_)))
+    /// For tied pieces: adds one piece after another until they suffice.
+    Fit add_pieces(const Running& running) const {
+        Fit result;
+        for (std::size_t pieces = 1; pieces <= options_.max_pieces; ++pieces) {
+            if (!running.keep_going(double(pieces - 1) / double(options_.max_pieces)))
                 return refused(Status::cancelled);
-            for (const int rounds : {0, 20}) { // polished only where that may help
+            for (const int rounds : {0, 20}) { // polishes knots only if that may help
                 result = at_optimal_knots(pieces, rounds, {});
-                if (result.status != Status::ok) break;
-                if (result.sup_error <= tolerance_) return result;
-                if (result.sup_error > 2 * tolerance_) break;
+                if (!result) break;
+                if (result.report.sup_error <= tolerance_) return result;
+                if (result.report.sup_error > 2 * tolerance_) break;
             }
-            // More pieces give more freedom, but not to conditions that repeat each other.
-            if (result.status == Status::too_many_conditions && pieces < 8) continue;
-            if (result.status != Status::ok) return result;
+            // More pieces give more freedom, but do not resolve repeated conditions.
+            if (result.status() == Status::too_many_conditions && pieces < 8) continue;
+            if (!result) return result;
         }
-        if (result.status == Status::ok) result.status = Status::tolerance_not_met;
+        if (result) result.report.status = Status::tolerance_not_met;
         return result;
     }
 
-    /// Of pieces that are determined by their own interval: each as long as it can be.
-    BezierFit reach_far(const Running& running) const {
+    /// For independent pieces: makes each as long as possible.
+    Fit reach_far(const Running& running) const {
         std::vector<FitPiece> pieces;
         double begin = 0, step = 1;
         while (begin < 1) {
             if (!running.keep_going(begin)) return refused(Status::cancelled);
-            if (pieces.size() == max_pieces_) return refused(Status::tolerance_not_met);
+            if (pieces.size() == options_.max_pieces) return refused(Status::tolerance_not_met);
             const auto [status, piece] = longest_piece(begin, (std::min)(1.0, begin + step));
             if (status != Status::ok) return refused(status);
             pieces.push_back(piece);
@@ -90,7 +87,7 @@ private:
         Status status;
         FitPiece piece;
     };
-    /// The longest piece from a parameter on that meets the tolerance, the first try up to `end`.
+    /// The longest piece from parameter `begin` that meets the tolerance; the first trial ends at `end`.
     LongestPiece longest_piece(double begin, double end) const {
         FitPiece good;
         double low = begin, high = 2; // an end that is near enough, and one that is too far
@@ -100,7 +97,7 @@ private:
             if (!piece.solved && end - begin < 1e-12) return {why_none(), {}};
             double error =
                 piece.solved ? fitter_.sampled_error(piece) : std::numeric_limits<double>::infinity();
-            // Exactly only where it may be the end of the search.
+            // Measures the error exactly only if the search may end here.
             const bool last = end == 1 || error >= 0.9 * tolerance_ || narrow();
             if (last && error <= tolerance_) error = fitter_.largest_error(piece);
             const bool fits = error <= tolerance_;
@@ -111,52 +108,50 @@ private:
             const double guess = begin + (end - begin) * length_factor(error), top = (std::min)(high, 1.0);
             end = guess > low && guess < top ? guess : fits && high > 1 ? 1.0 : 0.5 * (low + top);
         }
-        // Samples may have missed the largest error. Below what doubles resolve no length helps.
+        // The samples may have missed the largest error. Errors of rounding do not shrink with the length.
         for (int round = 0; good.solved && fitter_.largest_error(good) > tolerance_; ++round) {
             if (round == 100) return {Status::tolerance_not_met, {}};
             good = fitter_.fit_piece(begin, begin + 0.95 * (good.end - begin));
         }
-        // Without a piece the tolerance is below what doubles resolve.
+        // No piece: the tolerance is below the resolution of doubles.
         return {good.solved ? Status::ok : Status::tolerance_not_met, good};
     }
 
-    /// How much longer a piece of this error may be: errors are of order degree + 1 in the length.
+    /// The factor by which the length may change: errors are of order degree + 1 in the length.
     double length_factor(double error) const noexcept {
         const double order = double(options_.degree + 1);
         return std::clamp(std::pow(0.985 * tolerance_ / (std::max)(error, 1e-300), 1 / order), 0.1, 8.0);
     }
 
-    /// Why there is no piece however short.
+    /// The reason why there is no piece, however short.
     Status why_none() const {
-        const Status status = fitter_.fit(std::array<double, 2>{0, 1}).status;
+        const Status status = fitter_.fit(std::array<double, 2>{0, 1}).status();
         return status == Status::ok ? Status::too_many_conditions : status;
     }
 
     SobolevFitter fitter_;
     FitOptions options_;
     double tolerance_;
-    std::size_t max_pieces_;
 };
 
 } // namespace detail
 
-/// The fewest pieces whose largest error, measured exactly, is not above a tolerance.
+/// Fits the fewest pieces whose largest error, measured exactly, is not above a tolerance.
 ///
-/// Pieces that are determined by their own interval (as by default) are each as long as they can
-/// be; otherwise there is one piece more until they suffice, at the best knots for their number.
+/// With conditions that leave pieces independent (the default), each piece is as long as possible.
+/// Otherwise pieces are added one by one until they suffice, at the best knots for their number.
 ///
-///   tolerance   of |C − f|, in the units of the curve's values
-///   max_pieces  tolerance_not_met where they do not suffice; the result is then the best of that
-///               many
-///   cost        some microseconds a piece where it is determined by its own interval; otherwise
-///               milliseconds, and seconds for many
-inline BezierFit fit(const BezierCurve& curve, double tolerance, const FitOptions& options = {},
-                     std::size_t max_pieces = detail::default_max_pieces, const Running& running = {}) {
-    const detail::FewestPieces search(curve, tolerance, options, max_pieces);
-    BezierFit result = search.find(running);
-    const bool nothing = result.status == Status::tolerance_not_met && result.knots.empty();
+///   tolerance   the bound for |C − f|, in the units of the curve's values
+///   returns     the pieces. If options.max_pieces do not suffice, the status is tolerance_not_met and
+///               the value is the best fit of that many pieces
+///   cost        some microseconds per independent piece; otherwise milliseconds, and seconds for many pieces
+inline Result<BezierFit, FitReport> fit(const BezierCurve& curve, double tolerance,
+                                        const FitOptions& options = {}, const Running& running = {}) {
+    const detail::FewestPieces search(curve, tolerance, options);
+    auto result = search.find(running);
+    const bool nothing = result.status() == Status::tolerance_not_met && result.value.knots.empty();
     if (nothing) result = search.nearest(running.part(1, 1));
-    result.status = running.end(result.status);
+    result.report.status = running.end(result.report.status);
     return result;
 }
 

@@ -1,4 +1,4 @@
-// Key frames: what animators set, and the Bézier curves between.
+// Key frames as animators set them, and the Bézier curves between them.
 #pragma once
 
 #include <cageform/animate/bezier.hpp>
@@ -8,31 +8,30 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// What the curve is from a key to the next. Where it arrives there, the next key's own handle or
-/// slope counts.
+/// The shape of the curve from a key to the next. At its end, the handle or slope of the next key counts.
 enum class KeyKind : std::uint8_t {
     hold,      ///< the value stays until the next key
     linear,    ///< a straight line
     hermite,   ///< slopes `in_slope` and `out_slope`, per unit of time
     tcb,       ///< slopes by tension, continuity and bias (Kochanek & Bartels 1984)
     bezier,    ///< handles `in_handle` and `out_handle`
-    automatic, ///< smooth, and never beyond the keys' values (Fritsch & Butland 1984)
+    automatic, ///< smooth, never beyond the keys' values (Fritsch & Butland 1984)
 };
 
 struct Key {
     double time = 0, value = 0;
     KeyKind kind = KeyKind::automatic;
-    Vec<double, 2> in_handle{}, out_handle{};     ///< of bezier: time and value of the handle itself
-    double in_slope = 0, out_slope = 0;           ///< of hermite
-    double tension = 0, continuity = 0, bias = 0; ///< of tcb, in [-1, 1]; 0 is Catmull & Rom's
-    /// The curve arrives by `in_handle` whatever the kind, as where a hold follows a Bézier curve.
+    Vec<double, 2> in_handle{}, out_handle{};     ///< for bezier: time and value of the handle itself
+    double in_slope = 0, out_slope = 0;           ///< for hermite
+    double tension = 0, continuity = 0, bias = 0; ///< for tcb, in [-1, 1]; 0 gives Catmull-Rom slopes
+    /// Whether the curve arrives by `in_handle`, whatever the kind; needed if a hold follows a Bézier curve.
     bool arrives_by_handle = false;
 };
 
 namespace detail {
 
-/// The slope at a key that has no handles, per unit of time: where the curve leaves it (`out`), or
-/// arrives. Of two keys at least.
+/// The slope, per unit of time, at a key without handles: of the curve that leaves it (`out`) or
+/// arrives at it. There must be at least two keys.
 inline double key_slope(std::span<const Key> keys, std::size_t i, bool out) noexcept {
     const Key& key = keys[i];
     const auto length = [&](std::size_t k) { return keys[k + 1].time - keys[k].time; };
@@ -44,7 +43,7 @@ inline double key_slope(std::span<const Key> keys, std::size_t i, bool out) noex
     case KeyKind::hold:
     case KeyKind::linear: return out ? after : before;
     case KeyKind::tcb: {
-        // Slopes in place of differences, which is the same where keys are equally far apart.
+        // Uses slopes instead of differences; for equally spaced keys both are the same.
         const double c = out ? key.continuity : -key.continuity;
         return 0.5 * (1 - key.tension) *
                ((1 + key.bias) * (1 + c) * before + (1 - key.bias) * (1 - c) * after);
@@ -59,8 +58,7 @@ inline double key_slope(std::span<const Key> keys, std::size_t i, bool out) noex
     return before * after / (part * after + (1 - part) * before);
 }
 
-/// A key's own handle where it has such, otherwise that on its slope at `third` of an interval from
-/// the key.
+/// The key's own handle if it has one; otherwise the point at the time `third` from the key, on the tangent.
 inline Vec<double, 2> key_handle(std::span<const Key> keys, std::size_t i, double third) noexcept {
     const Key& key = keys[i];
     const bool out = third > 0;
@@ -71,8 +69,8 @@ inline Vec<double, 2> key_handle(std::span<const Key> keys, std::size_t i, doubl
 
 } // namespace detail
 
-/// The Bézier curve from key `i` to the next, of kinds other than hold. A handle that a key does
-/// not have itself lies at a third of the interval; where both do, the curve is a cubic of time.
+/// The Bézier curve from key `i`, which is not a hold, to the next. Missing handles are placed at a
+/// third of the interval; if both are, the curve is a cubic polynomial in time.
 inline BezierCurve key_interval(std::span<const Key> keys, std::size_t i) noexcept {
     const Key &a = keys[i], &b = keys[i + 1];
     const Vec<double, 2> begin{a.time, a.value}, end{b.time, b.value};

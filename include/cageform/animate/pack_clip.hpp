@@ -1,5 +1,5 @@
-// From a clip to what is shipped: its curves in 16 bits a coefficient where a distance allows it.
-// Bind time.
+// Packs a clip into a block of bytes to ship, with 16-bit coefficients for curves where a tolerance
+// allows it. Bind time.
 #pragma once
 
 #include <cageform/animate/clip_blob.hpp>
@@ -11,50 +11,50 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// The distance of a vertex is the largest one, at any time, between where the packed clip puts it
-/// and where the clip does.
+/// The distance of a vertex is the largest distance, over all times, between its positions in the
+/// packed clip and in the clip.
 struct ClipPackOptions {
-    /// The largest distance that any vertex may have, in the units of the cage. Curves are put into
-    /// 16 bits a coefficient as long as it is kept. 0: no promise in these units.
+    /// The largest distance allowed for a vertex, in the units of the cage. Curves are quantised to
+    /// 16-bit coefficients as long as it is kept. 0: no limit in these units.
     double tolerance = 0;
-    /// The largest distance as a part of the cage's size (ClipPackReport::size): the smaller of both counts.
-    /// With neither, nothing is quantised, and the packed clip gives the same bits as the clip.
+    /// The largest distance as a share of the cage's size (ClipPackReport::size). The smaller limit
+    /// counts. Without either, nothing is quantised, and the packed clip gives the same bits as the clip.
     double share = 0;
 };
 
 struct ClipPackReport {
-    Status status = Status::ok; ///< value_not_finite: a tolerance that is no number or negative
+    Status status = Status::ok; ///< value_not_finite: a tolerance that is NaN, infinite or negative
     std::size_t vertices = 0;
-    std::size_t curves = 0, quantised = 0; ///< quantised ones: in 16 bits a coefficient
-    /// The diagonal of the box around the places where the vertices are at the knots of their
-    /// curves, apart from the rigid motion.
+    std::size_t curves = 0, quantised = 0; ///< `quantised`: with 16-bit coefficients
+    /// The diagonal of the bounding box of all vertices at the knots of their curves, without the
+    /// rigid motion.
     double size = 0;
-    /// No vertex is farther off at any time, apart from the roundings of T as it is played; a rigid
-    /// motion changes nothing of it.
+    /// The largest distance of a vertex, apart from rounding to T during play; a rigid motion does
+    /// not change it.
     double distance = 0;
     std::size_t distance_vertex = 0;
     std::size_t bytes = 0;             ///< of the packed clip
-    std::size_t unquantised_bytes = 0; ///< of one without any curve in 16 bits
+    std::size_t unquantised_bytes = 0; ///< without any quantised curve
     double seconds = 0;
 };
 
 namespace detail {
 
-/// The largest |c0 + u (c1 + u (c2 + u c3))| for u in [0, h].
+/// The maximum of |c0 + u (c1 + u (c2 + u c3))| for u in [0, h].
 inline double largest_of_cubic(const std::array<double, 4>& c, double h) noexcept {
     const auto at = [&c](double u) { return std::fabs(((c[3] * u + c[2]) * u + c[1]) * u + c[0]); };
     double most = std::fmax(at(0), at(h));
     const auto add = [&](double u) {
         if (u > 0 && u < h) most = std::fmax(most, at(u));
     };
-    const double root = std::sqrt(std::fmax(c[2] * c[2] - 3 * c[3] * c[1], 0.0)); // of the slope
-    const double sum = -(c[2] + std::copysign(root, c[2]));                       // without cancellation
+    const double root = std::sqrt(std::fmax(c[2] * c[2] - 3 * c[3] * c[1], 0.0)); // of the derivative
+    const double sum = -(c[2] + std::copysign(root, c[2]));                       // avoids cancellation
     if (c[3] != 0) add(sum / (3 * c[3]));
     if (sum != 0) add(c[1] / sum);
     return most;
 }
 
-/// A bank with the chosen curves in 16 bits.
+/// A bank in which the chosen curves are quantised.
 template <Scalar T>
 struct QuantisedBank {
     std::vector<BankCurve<T>> curves;
@@ -93,8 +93,8 @@ struct QuantisedBank {
     CurveBankView<T> view() const noexcept { return {curves, knots, pieces, steps, entries}; }
 };
 
-/// The largest difference of a curve of two banks with the same knots; infinite where one of them
-/// has no number.
+/// The largest difference of a curve between two banks with the same knots; infinite if a
+/// coefficient is not finite.
 template <Scalar T>
 double largest_difference(const CurveBankView<T>& a, const CurveBankView<T>& b, std::size_t curve) noexcept {
     double most = 0;
@@ -109,7 +109,7 @@ double largest_difference(const CurveBankView<T>& a, const CurveBankView<T>& b, 
     return most;
 }
 
-/// The diagonal of the box around the vertices at their knots.
+/// The diagonal of the bounding box of all vertices at their knots.
 template <Scalar T, std::size_t D>
 double size_of_cage(const CurveBankView<T>& bank) noexcept {
     double square = 0;
@@ -126,8 +126,8 @@ double size_of_cage(const CurveBankView<T>& bank) noexcept {
     return std::sqrt(square);
 }
 
-/// Chooses the curves of a vertex that keep a distance in 16 bits, the least errors first; the
-/// distance they make.
+/// Chooses the curves of a vertex that can be quantised within the tolerance, those of least error
+/// first. Returns the distance of the vertex.
 template <std::size_t D>
 double choose_curves(std::span<const double> errors, double tolerance, std::span<char> chosen) noexcept {
     std::array<std::size_t, D> order{};
@@ -181,7 +181,7 @@ Status pack_clip_into(const CageClipView<T, D>& clip, const ClipPackOptions& opt
     CageClipView<T, D> made = clip;
     made.bank = mixed.view();
     PackedClip<T, D> smaller(made);
-    if (smaller.bytes().size() < packed.bytes().size()) { // or it is a few constants
+    if (smaller.bytes().size() < packed.bytes().size()) { // false if there are only a few constants
         packed = std::move(smaller);
         report.quantised = std::size_t(std::count(chosen.begin(), chosen.end(), char(1)));
     } else {
@@ -189,19 +189,19 @@ Status pack_clip_into(const CageClipView<T, D>& clip, const ClipPackOptions& opt
         report.distance_vertex = 0;
     }
     report.bytes = packed.bytes().size();
-    if (open_clip<T, D>(packed.bytes(), BlobCheck::structure).status == Status::ok) return Status::ok;
+    if (open_clip<T, D>(packed.bytes(), BlobCheck::structure)) return Status::ok;
     packed = {};
     return Status::value_not_finite;
 }
 
 } // namespace detail
 
-/// Packs a clip for `open_clip`, and for `pack_figure` (FigurePackOptions::clips). With a tolerance,
-/// each curve is put into 16 bits a coefficient (QuantisedCubic) where its vertex stays within the
-/// distance, else it stays as it is; what is promised is measured on the coefficients as stored.
-/// Slopes and rises of the extrapolations, jumps and the rigid motion stay exact.
+/// Packs a clip for `open_clip`, and for `pack_figure` (FigurePackOptions::clips). With a
+/// tolerance, quantises each curve to 16-bit coefficients (QuantisedCubic) if its vertex stays
+/// within the distance, measured on the coefficients as stored; other curves stay as they are.
+/// Slopes and rises for extrapolation, jumps and the rigid motion stay exact.
 ///
-///   returns  the packed clip and its report; fails with value_not_finite, also where a number of the
+///   returns  the packed clip and its report; fails with value_not_finite, also if a number of the
 ///            clip is not finite or a rotation is not of length 1; out_of_memory
 ///   cost     O(#pieces): some 10 ms for 10,000
 template <Scalar T, std::size_t D>

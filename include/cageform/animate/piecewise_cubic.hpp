@@ -1,5 +1,5 @@
-// A function of time made of cubics: what an animation curve is at run time. No Eigen, no
-// exceptions, nothing but the standard library; evaluation allocates nothing.
+// A piecewise cubic function of time: an animation curve at run time. Needs only the standard
+// library, throws no exceptions; evaluation allocates nothing.
 #pragma once
 
 #include <cageform/core/detail/simd.hpp>
@@ -10,7 +10,8 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// c0 + u (c1 + u (c2 + u c3)) with u = x − begin. In this variable a late time costs no digits.
+/// The cubic c0 + u (c1 + u (c2 + u c3)) with u = x − begin. Measuring from `begin` keeps late
+/// times accurate.
 template <Scalar T>
 struct CubicPiece {
     T begin, c0, c1, c2, c3;
@@ -27,8 +28,8 @@ struct CubicPiece {
 
 namespace detail {
 
-/// The last of `count` ascending times begin(0), begin(1), … that is not later than `x`; 0 where
-/// all are later. Without branches on x.
+/// Binary search: the index of the last of `count` ascending times begin(0), begin(1), … that is
+/// not later than `x`; 0 if all are later. Has no branches on x.
 template <Scalar T, class Begin>
 std::size_t last_up_to(T x, std::size_t count, const Begin& begin) noexcept {
     std::size_t first = 0;
@@ -37,31 +38,31 @@ std::size_t last_up_to(T x, std::size_t count, const Begin& begin) noexcept {
         first += begin(first + half) <= x ? half : 0;
         count -= half;
     }
-    std::size_t found = first; // the last few at once
+    std::size_t found = first; // counts through the last few
     for (std::size_t i = 1; i < count; ++i) found += begin(first + i) <= x ? 1 : 0;
     return found;
 }
 
 } // namespace detail
 
-/// A piecewise cubic that lies elsewhere: in a `PiecewiseCubic`, or in a packed clip.
+/// A view of a piecewise cubic stored elsewhere: in a `PiecewiseCubic`, or in a packed clip.
 template <Scalar T>
 struct PiecewiseCubicView {
     using scalar = T;
 
     std::span<const CubicPiece<T>> pieces;
-    const T* begins = nullptr; ///< of the pieces, side by side to be searched
+    const T* begins = nullptr; ///< the begins of the pieces, contiguous for the search
     T end = 0, end_value = 0;
 
     bool empty() const noexcept { return pieces.empty(); }
     T begin() const noexcept { return pieces.front().begin; }
 
-    /// The piece at a time, for a curve that is not empty: the last that begins not later. O(log
-    /// #pieces).
+    /// The index of the piece at a time: the last piece that does not begin later. The curve must
+    /// not be empty. O(log #pieces).
     std::size_t locate(T x) const noexcept {
         return detail::last_up_to(x, pieces.size(), [begin = begins](std::size_t i) { return begin[i]; });
     }
-    /// Finds the piece in O(1) where it is `hint` or the next one, as in forward play.
+    /// Finds the piece in O(1) if it is `hint` or the next one, as in forward play.
     std::size_t locate(T x, std::size_t hint) const noexcept {
         if (hint < pieces.size() && pieces[hint].begin <= x) {
             if (hint + 1 == pieces.size() || x < pieces[hint + 1].begin) return hint;
@@ -75,7 +76,7 @@ struct PiecewiseCubicView {
         const T inside = held(x);
         return pieces[locate(inside)](inside);
     }
-    /// `cursor`: what the last call left there, 0 at first.
+    /// `cursor` keeps the piece of the last call; it is 0 at first.
     T operator()(T x, std::size_t& cursor) const noexcept {
         if (x >= end) {
             cursor = pieces.size() - 1;
@@ -85,7 +86,7 @@ struct PiecewiseCubicView {
         cursor = locate(inside, cursor);
         return pieces[cursor](inside);
     }
-    /// By time; 0 where the value is held. At the end, that of the last piece.
+    /// The derivative by time; 0 where the value is constant. At the end, the one of the last piece.
     T derivative(T x) const noexcept {
         return x >= pieces.front().begin && x <= end ? pieces[locate(x)].derivative(x) : T(0);
     }
@@ -94,21 +95,21 @@ private:
     T held(T x) const noexcept { return x < begins[0] ? begins[0] : x; }
 };
 
-/// Cubic pieces one after the other, in the units of their keys. Six scalars a piece. Outside of
-/// them the nearest value is held; `Track` (animate/track.hpp) extrapolates.
+/// Consecutive cubic pieces, in the units of their keys; six scalars per piece. Outside its range,
+/// a curve keeps its nearest value; `Track` (animate/track.hpp) extrapolates.
 template <Scalar T>
 class PiecewiseCubic {
 public:
     using scalar = T;
 
     PiecewiseCubic() = default;
-    /// Pieces ascend by `begin`; `end` is that of the last, not before its begin. From there on the
-    /// value is held.
+    /// Pieces ascend by `begin`; `end` is the end of the last, not before its begin. From `end` on
+    /// the value is constant.
     PiecewiseCubic(std::vector<CubicPiece<T>> pieces, T end)
         : PiecewiseCubic(std::move(pieces), end, T(0)) {
         if (!pieces_.empty()) end_value_ = pieces_.back()(end_);
     }
-    /// With a jump at the end to `end_value`.
+    /// The value jumps to `end_value` at the end.
     PiecewiseCubic(std::vector<CubicPiece<T>> pieces, T end, T end_value)
         : pieces_(std::move(pieces))
         , end_(end)
@@ -128,14 +129,14 @@ public:
     std::span<const CubicPiece<T>> pieces() const noexcept { return pieces_; }
     T begin() const noexcept { return pieces_.front().begin; }
     T end() const noexcept { return end_; }
-    T end_value() const noexcept { return end_value_; } ///< from there on
+    T end_value() const noexcept { return end_value_; } ///< from the end on
 
     std::size_t locate(T x) const noexcept { return view().locate(x); }
     std::size_t locate(T x, std::size_t hint) const noexcept { return view().locate(x, hint); }
     T operator()(T x) const noexcept { return view()(x); }
     T operator()(T x, std::size_t& cursor) const noexcept { return view()(x, cursor); }
     T derivative(T x) const noexcept { return view().derivative(x); }
-    /// Values at many times; fastest where they ascend.
+    /// Evaluates at many times; this is fastest if they ascend.
     void sample(std::span<const T> times, std::span<T> out) const noexcept {
         CAGEFORM_ASSERT(out.size() >= times.size(), "a place for every time");
         std::size_t cursor = 0;
@@ -144,7 +145,7 @@ public:
 
 private:
     std::vector<CubicPiece<T>> pieces_;
-    std::vector<T> begins_; ///< of the pieces, side by side to be searched
+    std::vector<T> begins_; ///< the begins of the pieces, contiguous for the search
     T end_ = 0, end_value_ = 0;
 };
 

@@ -1,4 +1,4 @@
-// A cage turned and moved as a whole. Run time, as piecewise_cubic.hpp.
+// Rotates and moves a cage as a whole; for run time, like piecewise_cubic.hpp.
 #pragma once
 
 #include <cageform/animate/track.hpp>
@@ -12,8 +12,7 @@ namespace cageform::inline CAGEFORM_ABI {
 template <Scalar T>
 using Quaternion = std::array<T, 4>;
 
-/// From one rotation to another along the shorter arc at constant speed; `part` in [0, 1] (Shoemake
-/// 1985).
+/// Interpolates between rotations along the shorter arc at constant speed; `part` in [0, 1] (Shoemake 1985).
 template <Scalar T>
 Quaternion<T> slerp(const Quaternion<T>& a, Quaternion<T> b, T part) noexcept {
     T cosine = 0;
@@ -23,8 +22,7 @@ Quaternion<T> slerp(const Quaternion<T>& a, Quaternion<T> b, T part) noexcept {
         cosine = -cosine;
     }
     T of_a = 1 - part, of_b = part;
-    // Nearer than that a straight line does as well, made of unit length below; the sine is not
-    // near zero.
+    // Nearer rotations are interpolated linearly, then normalised below; their sine is near zero.
     constexpr T nearly_equal = T(0.9995);
     if (cosine < nearly_equal) {
         const T angle = std::acos(cosine), sine = std::sin(angle);
@@ -41,11 +39,11 @@ Quaternion<T> slerp(const Quaternion<T>& a, Quaternion<T> b, T part) noexcept {
     return q;
 }
 
-/// A rigid motion that lies elsewhere: in a `RigidMotion`, or in a packed clip.
+/// A view of a rigid motion stored elsewhere: in a `RigidMotion`, or in a packed clip.
 template <Scalar T, std::size_t D>
 struct RigidMotionView {
     Vec<T, D> pivot{};
-    TrackView<T> turn; ///< in the plane the angle, in space the place among the rotations
+    TrackView<T> turn; ///< 2D: the angle; 3D: the position in `rotations`
     std::span<const Quaternion<T>> rotations;
     std::array<TrackView<T>, D> translation{};
 
@@ -63,7 +61,7 @@ struct RigidMotionView {
     }
 
 private:
-    /// The rows of the rotation's matrix.
+    /// The rows of the rotation matrix.
     Vec<Vec<T, D>, D> rotation(T time) const noexcept {
         if constexpr (D == 2) {
             if (!turn.curve.empty()) {
@@ -88,16 +86,16 @@ private:
     }
 };
 
-/// Turns and moves a cage as a whole, on top of what its vertices do: interpolating the vertices
-/// between two turned poses would shrink the cage in between. Tracks without pieces do nothing.
+/// Rotates and moves a cage as a whole, after its vertices have moved. Interpolating the vertices
+/// between two rotated poses would shrink the cage in between. Tracks without pieces have no effect.
 template <Scalar T, std::size_t D>
 struct RigidMotion {
-    Vec<T, D> pivot{};                    ///< the point about which the cage turns
-    Track<T> angle;                       ///< in the plane: radians, counter-clockwise with y up
-    std::vector<Quaternion<T>> rotations; ///< in space, at keys
-    /// In space, the place among the keys: 2.25 is a quarter of the arc from key 2 to key 3.
+    Vec<T, D> pivot{};                    ///< the centre of rotation
+    Track<T> angle;                       ///< 2D: radians, counter-clockwise with y up
+    std::vector<Quaternion<T>> rotations; ///< 3D: at keys
+    /// 3D: the position among the keys; 2.25 is a quarter of the arc from key 2 to key 3.
     Track<T> phase;
-    std::array<Track<T>, D> translation{}; ///< after the turn
+    std::array<Track<T>, D> translation{}; ///< after the rotation
 
     RigidMotionView<T, D> view() const noexcept {
         RigidMotionView<T, D> view{pivot, (D == 2 ? angle : phase).view(), rotations, {}};

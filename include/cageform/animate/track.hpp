@@ -1,4 +1,4 @@
-// A curve with its extrapolation. Run time, as piecewise_cubic.hpp.
+// A curve with its extrapolation; for run time, like piecewise_cubic.hpp.
 #pragma once
 
 #include <cageform/animate/detail/extrapolation.hpp>
@@ -6,14 +6,14 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// A track that lies elsewhere: in a `Track`, or in a packed clip.
+/// A view of a track stored elsewhere: in a `Track`, or in a packed clip.
 template <Scalar T>
 struct TrackView {
     PiecewiseCubicView<T> curve;
     Extrapolation before = Extrapolation::constant;
     Extrapolation after = Extrapolation::constant;
 
-    /// The value at a time, of a track with pieces; `cursor` is that of the curve.
+    /// The value at a time. The track must have pieces; `cursor` is the cursor of the curve.
     T operator()(T x, std::size_t& cursor) const noexcept {
         const auto folded = fold_time(x, curve.begin(), curve.end, before, after);
         const T value = curve(folded.time, cursor);
@@ -28,7 +28,7 @@ struct TrackView {
     }
 };
 
-/// A curve with its extrapolation. Made by `compile_track` (animate/detail/compile_track.hpp).
+/// A curve with its extrapolation. Made by `compile` (animate/compile.hpp).
 template <Scalar T>
 struct Track {
     PiecewiseCubic<T> curve;
@@ -37,7 +37,7 @@ struct Track {
 
     TrackView<T> view() const noexcept { return {curve.view(), before, after}; }
 
-    /// The value at a time, of a track with pieces; `cursor` is that of the curve.
+    /// The value at a time. The track must have pieces; `cursor` is the cursor of the curve.
     T operator()(T x, std::size_t& cursor) const noexcept { return view()(x, cursor); }
     T operator()(T x) const noexcept { return view()(x); }
 };

@@ -1,4 +1,4 @@
-// From a coordinate type and a figure to a binding, and the report of how it went.
+// Binds points, figures and vectors to a cage by any type of coordinates, and reports how it went.
 #pragma once
 
 #include <cageform/binding/detail/figure_binder.hpp>
@@ -25,32 +25,26 @@ struct Bind {
     }
 
     template <CageCoordinates C, class P, class N, class G>
-        requires(PointsFor<P, C>&& NormalsFor<N, C>&& TangentsFor<G, N, C>)
+        requires(PointsFor<P, C>&& NormalsFor<N, C>&& TangentsIn<G, N, C::dimension>)
     Result<FigureBinding<typename C::scalar, C::dimension>, FigureBindReport>
     operator()(const C& coordinates, const FigurePoints<P, N, G>& figure, const BindOptions& options = {},
                const Running& running = {}) const {
         using T = typename C::scalar;
         Result<FigureBinding<T, C::dimension>, FigureBindReport> result;
         run_into(result.report, [&] {
-            FigureInput<T, C::dimension> input{read_points<T>(figure.points), {}, {}};
-            const auto bind_input = [&] {
+            return read_figure<T, C::dimension>(figure, [&](FigureInput<T, C::dimension>& input) {
                 return bind_read_figure(coordinates, input, options, running, result);
-            };
-            if constexpr (is_wanted<N>) {
-                return read_tangents<T>(figure, [&](const auto& tangents, auto&& handedness) {
-                    for (std::size_t k = 0; k < tangents.size(); ++k)
-                        input.tangents[k] = read_points<T>(tangents[k]);
-                    input.handedness = std::move(handedness);
-                    return bind_input();
-                });
-            } else {
-                return bind_input();
-            }
+            });
         });
         return result;
     }
 
-    // Other arguments are taken too, so that the first line that compilers print names the reason.
+    template <class Figure, BindsByMember<Figure> C, class... More>
+    auto operator()(const C& coordinates, const Figure& figure, More&&... more) const {
+        return coordinates.bind(figure, std::forward<More>(more)...);
+    }
+
+    // Accepts any further arguments, so that the first line that compilers print names the reason.
     template <CageCoordinates C, UnknownPointRange R, class... More>
     ReasonOr<PointTraitsNotSpecialisedForThesePoints,
              Result<Binding<typename C::scalar, C::dimension>, BindReport>>
@@ -64,7 +58,7 @@ struct Bind {
 
 } // namespace detail
 
-/// Binds points to the cage of `coordinates`: evaluates all weights, treats the points outside,
+/// Binds points to the cage of `coordinates`: evaluates all weights, handles points outside,
 /// restores linear precision, and reports.
 ///
 ///     bind(coordinates, points, options, running)
@@ -73,8 +67,8 @@ struct Bind {
 ///   points    any PointRange of the same dimension, converted to the scalar of the coordinates
 ///   recycled  a binding no longer needed, whose memory is used again: a megabyte of new memory
 ///             costs the system as much time as the weights to fill it
-///   returns   the binding and its report. Unless the report's status is ok the binding is empty; a
-///             bad *point* is listed and kept in place, and is no reason to refuse the others.
+///   returns   the binding and its report. Unless the report's status is ok the binding is empty. A
+///             bad *point* is listed and kept in place; the others are bound nevertheless
 ///   cost      that of the coordinates, plus O(#handles) a point; (#handles + D) scalars of memory
 ///             a point
 ///   fails     as the cage's check and the coordinates say; coordinates_empty; cancelled;
@@ -84,41 +78,41 @@ struct Bind {
 ///
 ///     bind(coordinates, FigurePoints{points, normals, tangents}, options, running)
 ///
-/// Binds the points as above, and the normals and tangents
-/// as `bind_vectors` does with what `tangents_of` makes of them, to the bit.
+/// This binds the points as above. Normals and tangents are converted by `tangents_of` and bound as
+/// by `bind_vectors`, with the same bits.
 ///
 ///   figure   see FigurePoints
-///   options  as for `bind`, of points and vectors
-///   returns  the figure and its report, which lists bad points and vectors, and no reason to
-///            refuse the others
-///   cost     that of `bind` and `bind_vectors`; but coordinates that solve do so once, where they
+///   options  as above, for points and vectors
+///   returns  the figure and its report. Bad points and vectors are listed; the others are bound
+///            nevertheless
+///   cost     that of `bind` and `bind_vectors`. But coordinates with a solver solve only once, if they
 ///            have not before, and keep their functions meanwhile (half of SolverMemory::block for
 ///            each group)
 ///   fails    vectors_do_not_match; as `bind` and `bind_vectors`
 ///
-/// A function object, so that argument-dependent lookup never finds std::bind in its place.
+/// `bind` is a function object, so that argument-dependent lookup never finds std::bind instead.
 inline constexpr detail::Bind bind{};
 
-/// Binds vectors attached to points, so that a pose moves them as the matter around the points:
+/// Binds vectors attached to points. A pose moves them as it moves the material around the points:
 ///
 ///     t' = t + Σ (t·∇w_i(p)) (C'_i − C_i) = J t,   J the Jacobian of the deformation at p
 ///
-/// That is a Binding with vectors in place of points and directional derivatives in place of
-/// weights; `clone` moves it, and at rest gives the vectors bit for bit. Affine poses x ↦ A x + b
+/// The result is a Binding with vectors instead of points and directional derivatives instead of
+/// weights. `clone` moves it, and at rest returns the vectors bit for bit. Affine poses x ↦ A x + b
 /// give A t to rounding.
 ///
 ///   points    as for `bind`
 ///   vectors   K families in an array, as `tangents_of` returns them, each as many as points, of
 ///             any length, read as the scalar of the coordinates
-///   options   as for `bind`. With nearest_boundary, vectors of points outside turn as matter does
-///             at the nearest place of the boundary. Without extension, or with keep_in_place, they
+///   options   as for `bind`. With nearest_boundary, vectors of points outside move with the material
+///             at the nearest boundary point. Without extension, or with keep_in_place, they
 ///             keep their direction and length
 ///   returns   a binding for each family and the report, as `bind` does: lists of points (not
 ///             finite: the point or one of its vectors); the largest |Σw| and |Σwc − t|; the
 ///             changes and the least of these weights
 ///   cost      that of evaluate_gradients once for all families, plus O(K #handles) a point; closed
-///             forms a few points at a time. A solver's gradients are taken all at once, D #handles
-///             scalars a point, and anew with nearest_boundary if points lie outside
+///             forms a few points at a time. A solver's gradients are computed all at once, D #handles
+///             scalars a point, and again with nearest_boundary if points lie outside
 ///   fails     as `bind`, and as evaluate_gradients
 template <GradientCoordinates C, PointRangeIn<C::dimension> R, PointRangeIn<C::dimension> V, std::size_t K>
 Result<std::array<Binding<typename C::scalar, C::dimension>, K>, BindReport>
@@ -132,7 +126,7 @@ bind_vectors(const C& coordinates, const R& points, const std::array<V, K>& vect
     return detail::bind_each_vector(coordinates, detail::read_points<T>(points), readers, options, running);
 }
 
-/// The same with one vector a point, or the same one for all points.
+/// Binds one vector per point, or the same vector for all points.
 template <GradientCoordinates C, PointRangeIn<C::dimension> R, class V>
     requires(PointRangeIn<V, C::dimension> ||
              (Point<V> && !PointRange<V> && PointTraits<V>::dimension == C::dimension))
@@ -155,7 +149,8 @@ Result<Binding<typename C::scalar, C::dimension>, BindReport> bind_vectors(const
     return {std::move(result.value[0]), std::move(result.report)};
 }
 
-/// Binds the D axes at every point, for `clone_jacobians`. Contract and cost as of `bind_vectors`.
+/// Binds the D axes at every point, for `clone_jacobians`. Contract and cost are those of
+/// `bind_vectors`.
 template <GradientCoordinates C, PointRangeIn<C::dimension> R>
 Result<std::array<Binding<typename C::scalar, C::dimension>, C::dimension>, BindReport>
 bind_jacobians(const C& coordinates, const R& points, const BindOptions& options = {},

@@ -12,11 +12,11 @@ struct BindBonesReport : BindReport {
 
 namespace detail {
 
-/// Bones as handles: their places at rest, and how a point lies in each.
+/// Bones as handles: their frames at rest, and the coordinates of points in each frame.
 template <Scalar T, std::size_t D>
 class BoneHandles {
 public:
-    /// The frames of bones. Faults, by bone or handle, go into the report.
+    /// Reads the frames of bones. Faults, by bone or handle, go into the report.
     BoneHandles(std::span<const Transform<T, D>> bones, CageReport& report) {
         for (const auto& bone : bones) {
             add(bone.translation, HandleKind::point, report);
@@ -28,8 +28,8 @@ public:
 
     HandleView<T, D> view() const noexcept { return {rest_.data(), rest_.size(), kinds_.data(), nullptr}; }
 
-    /// The weights of a point for a bone with the share `share`: share and share · A⁻¹ (p − o), in
-    /// the bone's D + 1 rows.
+    /// Computes a point's weights for a bone with the share `share`: share and share · A⁻¹ (p − o),
+    /// for the bone's D + 1 handles.
     template <class Set>
     void weigh(std::size_t bone, double share, const Vec<T, D>& p, const Set& set) const {
         const std::size_t first = bone * (D + 1);
@@ -45,7 +45,7 @@ private:
         rest_.push_back(handle);
         kinds_.push_back(kind);
     }
-    /// The rows of A⁻¹ are the gradients of barycentric coordinates of the ends of the axes.
+    /// Computes A⁻¹. Its rows are the gradients of barycentric coordinates of the axes' end points.
     void invert(const Transform<T, D>& bone, std::size_t b, CageReport& report) {
         std::array<Vec<double, D>, D + 1> corners{};
         double size = 0;
@@ -54,7 +54,8 @@ private:
             corners[k] = (1 / size) * vec_cast<double>(bone.columns[k]);
         const auto rows = simplex_gradients<D>(corners);
         bool spans = !rows.empty();
-        for (std::size_t k = 0; k < D && spans; ++k) { // one over the sine to the other axes
+        // One over the sine of the angle to the other axes.
+        for (std::size_t k = 0; k < D && spans; ++k) {
             spans = 64 * double(epsilon<T>) * length(rows[k]) * length(corners[k]) < 1;
             inverse_.push_back((1 / size) * rows[k]);
         }
@@ -70,10 +71,10 @@ private:
 template <Scalar T, std::size_t D, Scalar W>
 struct BoneShares {
     const BoneHandles<T, D>& handles;
-    std::span<const W> shares; ///< a point's lie side by side
+    std::span<const W> shares; ///< point after point
     bool restore;              ///< divides those of a point by their sum
 
-    /// Fills the weights of point `i` of a batch, and its state. The largest change of a share.
+    /// Fills the weights of point `i` of a batch, and its state. Returns the largest change of a share.
     Extreme weigh(const Batch<T>& batch, std::size_t i) const {
         const std::size_t bones = handles.view().count / (D + 1);
         const auto row = shares.subspan(i * bones, bones);
@@ -95,26 +96,26 @@ struct BoneShares {
 
 } // namespace detail
 
-/// Binds points to bones by given weights: `clone` is then linear blend skinning,
+/// Binds points to bones by given weights, so that `clone` is linear blend skinning:
 ///
 ///     p' = Σ_b ω_b (A_b p + t_b)
 ///
-/// with D + 1 handles a bone, side by side: its origin o, a point, and its axes, vectors. Their
-/// weights are ω_b and ω_b times the coordinates of p − o along the axes. So poses common to all
-/// bones are exact, packed too, and blobs, shaders and normals work as they are. (A skin for engines
-/// and glTF of the same weights: `skin_weights`.)
+/// A bone has D + 1 handles, side by side: its origin o, a point, and its axes, vectors. Their
+/// weights are ω_b and ω_b times the coordinates of p − o along the axes. Poses common to all bones
+/// are therefore exact, also in packed bindings, and blobs, shaders and normals work as for any
+/// binding. (`skin_weights` makes a skin for engines and glTF of the same weights.)
 ///
 ///   points   any PointRange of the bones' dimension
 ///   bones    frames at rest: columns are axes, of any length but not all in a plane. Their pose is
-///            that of the handles: the frames when posed, or what `pose_bones` makes of the bones'
-///            moves. Where the binding is to be packed, axes as long as the figure is large lose the
+///            that of the handles: the posed frames, or the result of `pose_bones` for the bones'
+///            transforms. If the binding is to be packed, axes as long as the figure lose the
 ///            least, since formats round all weights alike
-///   weights  #points · #bones: a point's weights lie side by side
-///   options  `restore` divides the weights of a point by their sum, and mends rounding;
+///   weights  #points · #bones: the weights of a point lie side by side
+///   options  `restore` divides the weights of a point by their sum, and corrects rounding;
 ///            BindReport::weight_change has the largest change
 ///   returns  the binding, its report, and the bones that move nothing. Points whose weights are not
-///            numbers, or sum to nothing or less, are unreached. Of the report's measures
-///            least_weight and amplification take axes' weights for weights
+///            numbers, or sum to zero or less, are unreached. In the report, least_weight and
+///            amplification count the axes' weights as weights
 ///   cost     O(#bones) a point; (#handles + D) scalars of memory a point
 ///   fails    bone_weights_do_not_match, vertex_not_finite (by handle), bone_axes_dependent (by bone),
 ///            cancelled, out_of_memory
@@ -149,7 +150,7 @@ Result<Binding<T, D>, BindBonesReport> bind_bones(const R& points, std::span<con
             for (const Extreme& each : found) missed.raise(each);
             return {done, {}};
         };
-        // Points lie nowhere but inside. Zero weights stay zero: a bone keeps to its points.
+        // All points count as inside. Zero weights stay zero: a bone keeps to its points.
         const detail::BindInput<T, D> input{faults,
                                             [&] { return handles.view(); },
                                             false,

@@ -1,4 +1,4 @@
-// How a bind went: which points are bound how, and the largest errors with the points they are at.
+// Options and reports of binding.
 #pragma once
 
 #include <cageform/cage/report.hpp>
@@ -6,17 +6,18 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// What happens to points outside the cage.
+/// How points outside the cage are bound.
 enum class OutsidePoints : std::uint8_t {
-    extend,           ///< the coordinate type's own extension; kept in place where it has none
-    keep_in_place,    ///< no pose moves them
-    nearest_boundary, ///< they follow the nearest point of the cage's boundary, at the same offset
+    extend,        ///< by the coordinate type's own extension; kept in place if it has none
+    keep_in_place, ///< no pose moves them
+    /// They follow the nearest point of the cage's boundary, at the same offset.
+    nearest_boundary,
 };
 
-/// Whether weights that miss Σw = 1 and Σwc = p (solvers leave a residual) are moved by the least
-/// change, in the sense of least squares over the handles, that restores both. Affine poses are
-/// then exact; a weight near zero may turn negative, by about BindReport::weight_change. No change
-/// is made where it would not lower what is missed (BindReport::not_restored).
+/// Whether weights that miss Σw = 1 or Σwc = p (solvers leave a residual) are changed by the least
+/// amount, in the least-squares sense over the handles, that restores both. Affine poses are then
+/// exact; a weight near zero may become negative, by about BindReport::weight_change. Weights stay
+/// unchanged if the change would not lower the residual (BindReport::not_restored).
 enum class LinearPrecision : std::uint8_t { restore, leave };
 
 struct BindOptions {
@@ -24,12 +25,12 @@ struct BindOptions {
     LinearPrecision linear_precision = LinearPrecision::restore;
 };
 
-/// The largest (or least) value met, and at which point.
+/// The largest (or least) value found, and the point that has it.
 struct Extreme {
     static constexpr std::size_t none = ~std::size_t{0};
 
     double value = 0;
-    std::size_t point = none; ///< none while there was no value
+    std::size_t point = none; ///< none before the first value
 
     void raise(const Extreme& other) noexcept {
         if (other.point != none && (point == none || other.value > value)) *this = other;
@@ -46,21 +47,22 @@ struct BindReport {
     SolverReport solver;
     std::size_t points = 0; ///< given
     std::vector<std::size_t> on_boundary;
-    std::vector<std::size_t> outside;    ///< treated as BindOptions::outside says
+    std::vector<std::size_t> outside;    ///< treated according to BindOptions::outside
     std::vector<std::size_t> not_finite; ///< kept as they are in every pose
-    std::vector<std::size_t> unreached;  ///< weights cannot be had or represented; kept in place
-    std::vector<std::size_t>
-        not_restored;           ///< LinearPrecision::restore has left more than rounding: the weights
-                                ///< are so large (thin cages) that changes would not lower it
-    Extreme partition_error;    ///< largest |Σw − 1| of the finished weights
-    Extreme reproduction_error; ///< largest |Σwc − p| of the finished weights, in the units of the cage; p is
-                                ///< the boundary point for OutsidePoints::nearest_boundary
-    Extreme weight_change;      ///< largest change of a weight by a round of LinearPrecision::restore
+    std::vector<std::size_t> unreached;  ///< weights do not exist or overflow; kept in place
+    /// LinearPrecision::restore has left more than rounding: the weights are so large (thin
+    /// cages) that changes would not lower the residual
+    std::vector<std::size_t> not_restored;
+    Extreme partition_error; ///< largest |Σw − 1| of the final weights
+    /// Largest |Σwc − p| of the final weights, in the units of the cage; with
+    /// OutsidePoints::nearest_boundary p is the boundary point.
+    Extreme reproduction_error;
+    Extreme weight_change;     ///< largest change of a weight in a round of LinearPrecision::restore
     Extreme residual_restored; ///< largest |Σwc − p| before it
     Extreme least_weight;      ///< negative weights are no fault of closed forms
-    Extreme amplification;     ///< largest Σ|w|: so far handles moved by 1 may move a point; 1 where no
-                               ///< weight is negative
-    double seconds = 0;        ///< wall-clock time, the solver's included
+    /// Largest Σ|w|: how far a point can move if handles move by 1; 1 if no weight is negative.
+    Extreme amplification;
+    double seconds = 0; ///< wall-clock time, including the solver's
 };
 
 } // namespace cageform::inline CAGEFORM_ABI

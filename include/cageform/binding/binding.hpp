@@ -1,5 +1,5 @@
-// The artefact between bind time and run time: a figure's points, expressed by the handles of a
-// cage.
+// A binding: a figure's points, expressed by the handles of a cage. It is made at bind time and
+// used at run time.
 #pragma once
 
 #include <cageform/core/detail/blocks.hpp>
@@ -10,18 +10,18 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// What `clone` reads; owns nothing, so it may point into a `Binding` or into memory of the caller.
+/// The input of `clone`. It owns nothing, so it may refer to a `Binding` or to memory of the caller.
 template <Scalar T, std::size_t D>
 struct BindingView {
     using scalar = T;
     static constexpr std::size_t dimension = D;
 
     BlockView<const T> weights;               ///< rows are handles
-    BlockView<const T> rest;                  ///< rows are axes: where the points were bound
-    const Vec<T, D>* rest_handles = nullptr;  ///< #handles: where the handles were then
+    BlockView<const T> rest;                  ///< rows are axes: the points at rest
+    const Vec<T, D>* rest_handles = nullptr;  ///< #handles: the handles at rest
     const HandleKind* handle_kinds = nullptr; ///< #handles; null: all are points
-    const HandleFace<D>* handle_faces =
-        nullptr; ///< of the vectors, in their order; null: they belong to none
+    /// The faces of the vectors, in their order; null: they belong to none.
+    const HandleFace<D>* handle_faces = nullptr;
 
     std::size_t handle_count() const noexcept { return weights.rows; }
     std::size_t point_count() const noexcept { return weights.points; }
@@ -30,11 +30,10 @@ struct BindingView {
     }
 };
 
-/// A bound figure: for every point its place at rest and a weight per handle. Made by `bind`.
+/// A bound figure: for every point its position at rest and a weight per handle. Made by `bind`.
 ///
-/// A pose moves a point by the weighted sum of its handles' displacements, so the unmoved pose
-/// returns the bound points bit for bit, and where the weights miss the point at rest the residual
-/// is kept:
+/// A pose moves a point by the weighted sum of its handles' displacements. The pose at rest
+/// therefore returns the bound points bit for bit, and any residual of the weights at rest is kept:
 ///
 ///     p' = p + Σ w_i (C'_i − C_i) = Σ w_i C'_i + (p − Σ w_i C_i)
 ///
@@ -48,7 +47,7 @@ public:
     Binding() = default;
     Binding(const Binding&) = default;
     Binding& operator=(const Binding&) = default;
-    /// What is moved from is empty.
+    /// A moved-from binding is empty.
     Binding(Binding&& other) noexcept { *this = std::move(other); }
     Binding& operator=(Binding&& other) noexcept {
         weights_ = std::exchange(other.weights_, {});
@@ -75,8 +74,8 @@ public:
         CAGEFORM_ASSERT(rest_.size() == block_count<T>(point_count_) * D, "one row per axis");
     }
 
-    /// Gives the memory of weights and rest points away, to be filled anew; the binding is then
-    /// empty.
+    /// Releases the memory of weights and rest points, so that it can be reused; the binding is
+    /// then empty.
     struct Memory {
         std::vector<Lanes<T>> weights, rest;
     };
@@ -106,7 +105,7 @@ private:
     std::vector<Lanes<T>> rest_;
     std::vector<Vec<T, D>> rest_handles_;
     std::vector<HandleKind> handle_kinds_;    // empty: all are points
-    std::vector<HandleFace<D>> handle_faces_; // empty: the vectors belong to none
+    std::vector<HandleFace<D>> handle_faces_; // empty: the vectors belong to no faces
     std::size_t point_count_ = 0;
 };
 

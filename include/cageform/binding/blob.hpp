@@ -1,26 +1,26 @@
-// A packed binding in memory: what is written to a file, mapped, and cloned from where it lies.
+// The binary layout of a packed binding: written to a file, mapped, and cloned without copying.
 //
-// Little or big endian as the machine that made it, told by a tag; every part begins at a multiple
-// of 64 bytes from the beginning; offsets, no pointers. L = 64 / sizeof(T) points make a block (16
-// for float, 8 for double), B = ⌈#points / L⌉.
+// Byte order is that of the machine that wrote it, marked by a tag. Every part begins at a multiple
+// of 64 bytes from the beginning; there are offsets, no pointers. L = 64 / sizeof(T) points make a
+// block (16 for float, 8 for double), B = ⌈#points / L⌉.
 //
 //     BlobHeader
 //     weights       #rows × L of the format: a row holds the weights of a block's points for one
 //                   handle, block by block
-//     row_begin     B + 1 × uint32    only of sparse bindings; else #rows = B · #handles
+//     row_begin     B + 1 × uint32    only in sparse bindings; else #rows = B · #handles
 //     row_handle    #rows × uint16    with row_begin
-//     order         #points × uint32: the point at each place; only where they are not in order
+//     order         #points × uint32: the point at each position; only if they are not in order
 //     scale         B × T             not with scalar weights
 //     residual      B × (D + 1) × L × T         with scale
 //     affine_fit    #handles × (D + 1) × T      with scale
 //     rest          B × D × L × T
 //     rest_handles  #handles × D × T
-//     handle_kinds  #handles × uint8: 0 a point, 1 a vector; only where some are vectors
-//     handle_faces  #vectors × D × uint32: the handles at a face's corners; only where the vectors
+//     handle_kinds  #handles × uint8: 0 a point, 1 a vector; only if some are vectors
+//     handle_faces  #vectors × D × uint32: the handles at a face's corners; only if the vectors
 //                   belong to faces
 //
-// Version 1 has no vectors and is read as well.
-// The same bytes serve as buffers of a GPU (clone/glsl.hpp).
+// Version 1 has no vectors and can be read as well. A GPU can use these bytes as buffers
+// (clone/glsl.hpp).
 #pragma once
 
 #include <cageform/binding/detail/packed_binding.hpp>
@@ -29,8 +29,7 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// The first 192 bytes of a blob. Offsets are in bytes from its beginning, 0 for a part that is not
-/// there.
+/// The first 192 bytes of a blob. Offsets are in bytes from its beginning, 0 if a part is absent.
 struct BlobHeader {
     static constexpr std::uint64_t magic_number = 0x6D726F6665676163u; // "cageform" in little endian
     static constexpr std::uint32_t current_version = 2, endian_tag = 0x01020304u;
@@ -87,7 +86,7 @@ PackedBindingView<T, D> view_blob(const std::byte* data, const BlobHeader& heade
     return view;
 }
 
-/// Visits the parts of a blob: visit(offset, bytes a part takes, wanted).
+/// Visits the parts of a blob: visit(offset, size in bytes, whether the part is wanted).
 template <Scalar T, std::size_t D, class Header, class Visit>
 void for_each_blob_part(Header& header, const Visit& visit) noexcept {
     const std::uint64_t points = header.points, rows = header.rows, handles = header.handles;
@@ -107,8 +106,8 @@ void for_each_blob_part(Header& header, const Visit& visit) noexcept {
     visit(header.handle_faces, header.vectors * (D * sizeof(std::uint32_t)), header.handle_faces != 0);
 }
 
-/// Whether there are as many vectors among the handles as a blob says, on faces whose corners are
-/// points.
+/// Checks that there are as many vectors among the handles as a blob says, on faces whose corners
+/// are points.
 template <Scalar T, std::size_t D>
 Status check_handles(const HandleView<T, D>& handles, std::uint64_t vectors) noexcept {
     for (std::size_t i = 0; handles.kinds != nullptr && i < handles.count; ++i) {
@@ -123,8 +122,8 @@ Status check_handles(const HandleView<T, D>& handles, std::uint64_t vectors) noe
     return Status::ok;
 }
 
-/// Counts that 32 bits hold keep the products of `for_each_blob_part` below 2^64; rows of dense
-/// blobs are checked by division.
+/// Checks a blob. Counts that fit into 32 bits keep the products of `for_each_blob_part` below
+/// 2^64; the rows of dense blobs are checked by division.
 template <Scalar T, std::size_t D>
 Status check_blob(const std::byte* data, const BlobHeader& header) noexcept {
     constexpr std::uint64_t most = 0xFFFFFFFFu;
@@ -168,14 +167,14 @@ Status check_blob(const std::byte* data, const BlobHeader& header) noexcept {
 
 } // namespace detail
 
-/// Makes use of a blob where it lies, in a mapped file for instance; `data` must stay as it is
-/// while the binding is used.
+/// Opens a blob without copying, for instance in a mapped file. `data` must not change while the
+/// binding is used.
 ///
-///   data     at least the blob, aligned to 64 bytes; what follows it is left alone
+///   data     at least the blob, aligned to 64 bytes; bytes after it are ignored
 ///   returns  not_a_blob, blob_version_differs, blob_kind_differs, blob_truncated, blob_corrupt,
-///            blob_malformed, blob_of_another_cage, blob_of_another_figure, or ok. A clone by what
-///            was opened never reads or writes out of bounds, whatever the bytes; with
-///            BlobCheck::all they are also those that were written.
+///            blob_malformed, blob_of_another_cage, blob_of_another_figure, or ok. A clone by an opened
+///            blob never reads or writes out of bounds, whatever the bytes; BlobCheck::all also
+///            verifies that the bytes are those that were written.
 ///   cost     no allocation; reads order, row_begin and row_handle, and with BlobCheck::all
 ///            everything once
 template <Scalar T, std::size_t D>
@@ -203,7 +202,7 @@ Result<PackedBindingView<T, D>, BlobReport> open_blob(std::span<const std::byte>
             {Status::ok, header.cage_hash, header.figure_hash, std::size_t(header.bytes)}};
 }
 
-/// The owner of a blob; made by `pack`. Copies and moves are whole bindings.
+/// Owns a blob; made by `pack`. Copies and moves are whole bindings.
 template <Scalar T, std::size_t D>
 class PackedBinding {
 public:
@@ -211,9 +210,9 @@ public:
     static constexpr std::size_t dimension = D;
 
     PackedBinding() = default;
-    /// Makes room for a blob: sets the offsets and the size of `header`, in which a part is wanted
-    /// that is not zero. The parts are zero, `writable` until `seal` ends it. std::bad_alloc where
-    /// there is no memory.
+    /// Allocates a blob and sets the offsets and the size in `header`. An offset of `header` that
+    /// is not zero asks for that part. All parts are zero and `writable` until `seal` is called.
+    /// Throws std::bad_alloc.
     explicit PackedBinding(BlobHeader header) {
         header.scalar_bytes = sizeof(T);
         header.dimension = D;
@@ -229,11 +228,11 @@ public:
     }
     template <class X>
     X* writable(const X* part_of_view) noexcept {
-        return const_cast<X*>(part_of_view); // into memory_, which is not const
+        return const_cast<X*>(part_of_view); // points into memory_, which is not const
     }
     void seal() noexcept { memory_.seal(); }
 
-    /// What to write to a file; aligned to 64 bytes.
+    /// Returns the bytes to write to a file; aligned to 64 bytes.
     std::span<const std::byte> bytes() const noexcept { return memory_.bytes(); }
     PackedBindingView<T, D> view() const noexcept {
         if (bytes().empty()) return {};

@@ -1,4 +1,4 @@
-// Two levels of handles as one: a figure bound to sites, and the sites bound to fewer handles.
+// Composes two levels of handles: a figure bound to sites, and the sites bound to fewer handles.
 #pragma once
 
 #include <cageform/binding/binding.hpp>
@@ -16,7 +16,7 @@ struct ComposeReport {
 
 namespace detail {
 
-/// The weights of a few sites, one after the other, for one point: rows of a product that are not 0.
+/// The non-zero weights of each site on the coarse handles, site after site.
 template <Scalar T>
 struct SparseRows {
     std::vector<std::size_t> begin; ///< #sites + 1
@@ -50,18 +50,18 @@ Status check_compose(const Binding<T, D>& fine, const Binding<T, D>& coarse) noe
 
 } // namespace detail
 
-/// One binding in place of two clones, one after the other: weights U V of a figure bound to sites
-/// (U) that are bound to handles themselves (V).
+/// Replaces two consecutive clones by one binding. U are the weights of a figure bound to sites, V
+/// the weights of the sites bound to coarser handles; the result has the weights U V.
 ///
 ///     clone(compose(fine, coarse)) = clone(fine) by the pose clone(coarse), to rounding
 ///
 ///   fine     the figure, bound to n sites, all of them points
 ///   coarse   the n sites as points, bound where the fine one has its handles, to the bit
 ///   running  threads, progress, cancel; the result does not depend on it
-///   returns  the binding. Weights sum to one and meet the point, to rounding, where the fine ones
+///   returns  the binding. Weights sum to one and reproduce the point, to rounding, if the fine ones
 ///            do and every site's do. A site kept in place is listed: it stands still, and so does
 ///            its share of the figure
-///   cost     a product for each weight of the fine binding with each of its site's that is not 0;
+///   cost     one product for each pair of a non-zero fine weight and a non-zero weight of its site;
 ///            (#coarse handles + D) scalars of memory a point. Sums are in double
 ///   fails    handles_not_points, bindings_differ, cancelled, out_of_memory
 template <Scalar T, std::size_t D>

@@ -1,27 +1,27 @@
-// A whole figure in memory: bindings of its points and of what gives normals and tangents, labels
-// of its handles, and whatever else a game wants beside them. Written to one file, mapped, and
-// cloned from where it lies (clone/clone_figure.hpp).
+// A packed figure: bindings of its points and of its tangents, labels of its handles, clips,
+// levels, and whatever else a game stores with them. It is written to one file, mapped, and cloned
+// without copying (clone/clone_figure.hpp).
 //
-// Little or big endian as the machine that made it, told by a tag; every part begins at a multiple
+// Byte order is that of the machine that wrote it, marked by a tag. Every part begins at a multiple
 // of 64 bytes from the beginning.
 //
 //     FigureHeader
 //     table    #parts × FigurePart, by ascending offset
 //     PNTS     a blob (binding/blob.hpp): the points
-//     TAN1     a blob: unit tangents; only where there are normals
-//     TAN2     a blob: unit bitangents, the normal is cross(TAN1, TAN2); only in space, with TAN1
-//     HAND     #points × int8: 1 or −1, the handedness of the texture; only where the tangents are
-//              the figure's own, not just any that make its normals
+//     TAN1     a blob: unit tangents; only if there are normals
+//     TAN2     a blob: unit bitangents, the normal is cross(TAN1, TAN2); only in 3D, with TAN1
+//     HAND     #points × int8: 1 or −1, the handedness of the texture; only if the tangents are the
+//              figure's own, not just any that fit its normals
 //     LABL     (#handles + 1) × uint32, ascending: where the label of a handle begins in the
-//              characters that follow, and where the last one ends; only where there are labels
+//              characters that follow, and where the last one ends; only if there are labels
 //     CLPS     uint64 #clips, #clips × FigureClip, the characters of all names, and packed clips
-//              (animate/clip_blob.hpp) that begin at multiples of 64; only where there are clips
+//              (animate/clip_blob.hpp) that begin at multiples of 64; only if there are clips
 //     LVL1 …   packed figures of the same handles: levels of less detail, up to LVL9
 //     …        the user's, under tags of their own
 //
-// The blobs are of the same points in the same order, and of the same handles. Version 1 has no
-// clips and levels, and is what figures without them still are: its parts CLPS and LVL1 … LVL9 are
-// the user's.
+// All blobs have the same points in the same order, and the same handles. Version 1 has no clips
+// and levels. Figures without them are still written as version 1; there the parts CLPS and LVL1 …
+// LVL9 belong to the user.
 #pragma once
 
 #include <cageform/animate/clip_blob.hpp>
@@ -29,7 +29,7 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Stands for vectors that a figure has none of, or that nobody wants.
+/// Stands for normals or tangents that a figure lacks or that the caller does not want.
 struct NoVectors {};
 
 namespace detail {
@@ -41,7 +41,7 @@ inline constexpr bool is_wanted = !std::is_same_v<std::remove_cvref_t<Range>, No
 
 /// The labels of handles; owns nothing.
 struct HandleLabels {
-    const std::uint32_t* begin = nullptr; ///< #handles + 1; null where there are none
+    const std::uint32_t* begin = nullptr; ///< #handles + 1; null if there are none
     const char* text = nullptr;
 
     std::string_view operator[](std::size_t handle) const noexcept {
@@ -50,79 +50,80 @@ struct HandleLabels {
     }
 };
 
-/// What `clone` reads of a figure, dense or packed; owns nothing.
+/// The input of `clone`: a view of a figure, dense or packed. It owns nothing.
 template <Scalar T, std::size_t D>
 struct PackedFigureView {
     using scalar = T;
     static constexpr std::size_t dimension = D;
 
     PackedBindingView<T, D> points;
-    /// In space tangents and bitangents, whose cross product is the normal; in the plane the
-    /// tangent, the normal turned clockwise. Of no weights where there are no normals.
+    /// In 3D tangents and bitangents, whose cross product is the normal; in 2D the tangent, which
+    /// is the normal rotated clockwise. Without normals they have no weights.
     std::array<PackedBindingView<T, D>, D - 1> tangents;
-    const std::int8_t* handedness = nullptr; ///< #points, as bound; null without tangents of its own
+    /// #points, as bound; null unless the figure had its own tangents.
+    const std::int8_t* handedness = nullptr;
     HandleLabels labels;
     std::span<const FigurePart> table; ///< of a packed figure
-    const std::byte* data = nullptr;   ///< where that begins
+    const std::byte* data = nullptr;   ///< the beginning of the packed figure
     std::span<const FigureClip> clips; ///< of a packed figure
-    std::size_t levels = 0;            ///< of less detail, of a packed figure
+    std::size_t levels = 0;            ///< the number of levels of less detail in a packed figure
 
     std::size_t handle_count() const noexcept { return points.handle_count(); }
     std::size_t point_count() const noexcept { return points.point_count(); }
     HandleView<T, D> handle_view() const noexcept { return points.handle_view(); }
-    /// Where the handles are in the pose at rest, #handles: a pose to begin with.
+    /// Returns the handles at rest, #handles: a pose to start from.
     std::span<const Vec<T, D>> rest_handles() const noexcept { return {points.rest_handles, handle_count()}; }
     bool has_normals() const noexcept { return tangents[0].rest_handles != nullptr; }
     bool has_tangents() const noexcept { return handedness != nullptr; }
 
-    /// The label of a handle; empty where it has none.
+    /// Returns the label of a handle; empty if it has none.
     std::string_view label(std::size_t handle) const noexcept { return labels[handle]; }
-    /// The first handle of that label; #handles where there is none. An empty label is that of the
-    /// first handle without one. O(#handles).
+    /// Returns the first handle with that label, or #handles if there is none. For an empty label
+    /// it is the first handle without a label. O(#handles).
     std::size_t find_handle(std::string_view label) const noexcept {
         std::size_t handle = 0;
         while (handle < handle_count() && labels[handle] != label) ++handle;
         return handle;
     }
 
-    /// The clips of a packed figure: poses of the vertices of its cage, which are the handles, or
-    /// those handles that are points where there are vectors (clone/pose_handles.hpp).
+    /// Returns the number of clips of a packed figure. They are poses of the vertices of its cage:
+    /// all handles, or those that are points if there are vectors (clone/pose_handles.hpp).
     std::size_t clip_count() const noexcept { return clips.size(); }
     std::string_view clip_name(std::size_t clip) const noexcept {
         CAGEFORM_ASSERT(clip < clip_count(), "a clip of the figure");
         const auto bytes = part(FigureTags::clips).subspan(clips[clip].name, clips[clip].name_bytes);
         return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
     }
-    /// The bytes of a clip, as `open_clip` and `pack` take them.
+    /// Returns the bytes of a clip, in the form that `open_clip` and `pack` expect.
     std::span<const std::byte> clip_bytes(std::size_t clip) const noexcept {
         CAGEFORM_ASSERT(clip < clip_count(), "a clip of the figure");
         return part(FigureTags::clips).subspan(clips[clip].offset, clips[clip].bytes);
     }
-    /// As `open_clip` gives it.
+    /// Returns a clip as `open_clip` does.
     CageClipView<T, D> clip(std::size_t clip) const noexcept {
         const std::byte* const begin = clip_bytes(clip).data();
         ClipHeader header;
         std::memcpy(&header, begin, sizeof(header));
         return detail::view_clip<T, D>(begin, header);
     }
-    /// The first clip of that name; #clips where there is none.
+    /// Returns the first clip with that name, or #clips if there is none.
     std::size_t find_clip(std::string_view name) const noexcept {
         std::size_t clip = 0;
         while (clip < clip_count() && clip_name(clip) != name) ++clip;
         return clip;
     }
 
-    /// How many levels of less detail a packed figure has; `open_level` opens them.
+    /// Returns how many levels of less detail a packed figure has; `open_level` opens them.
     std::size_t level_count() const noexcept { return levels; }
 
-    /// The bytes of a part, at a multiple of 64; none where there is no such part.
+    /// Returns the bytes of a part, aligned to 64; none if there is no such part.
     std::span<const std::byte> part(FigureTag tag) const noexcept {
         for (const FigurePart& line : table) {
             if (line.tag == tag) return {data + line.offset, static_cast<std::size_t>(line.bytes)};
         }
         return {};
     }
-    /// The same as an array: of #bytes / sizeof(X), whatever is in it.
+    /// Returns a part as an array of #bytes / sizeof(X) elements, whatever it holds.
     template <class X>
         requires std::is_trivially_copyable_v<X> std::span<const X> part_as(FigureTag tag)
     const noexcept {
@@ -132,12 +133,13 @@ struct PackedFigureView {
 };
 
 struct OpenReport : BlobReport {
-    FigureTag culprit; ///< the part that the status is about; 0: the figure as a whole
+    FigureTag culprit; ///< the part that the status refers to; 0: the figure as a whole
 };
 
 namespace detail {
 
-/// Whether a table that is known to be within the figure names parts that are, one after the other.
+/// Checks that the parts of a table lie within the figure, one after the other, with different
+/// tags. The table itself is known to lie within the figure.
 inline bool is_sound(std::span<const FigurePart> table, std::uint64_t bytes) noexcept {
     std::uint64_t end = sizeof(FigureHeader) + table.size_bytes();
     for (std::size_t n = 0; n < table.size(); ++n) {
@@ -153,7 +155,7 @@ inline bool is_sound(std::span<const FigurePart> table, std::uint64_t bytes) noe
     return true;
 }
 
-/// Whether the handles at rest are the same, to the bit.
+/// Returns whether the handles at rest are the same, to the bit.
 template <Scalar T, std::size_t D>
 bool same_handles(const HandleView<T, D>& a, const HandleView<T, D>& b) noexcept {
     const auto same = []<class X>(const X* p, const X* q, std::size_t count) {
@@ -195,7 +197,7 @@ Status open_bindings(Result<PackedFigureView<T, D>, OpenReport>& opened,
     return Status::ok;
 }
 
-/// The parts of a figure that are no bindings.
+/// Opens the parts of a figure that are not bindings.
 template <Scalar T, std::size_t D>
 Status open_tables(Result<PackedFigureView<T, D>, OpenReport>& opened) noexcept {
     auto& figure = opened.value;
@@ -223,11 +225,12 @@ Status open_tables(Result<PackedFigureView<T, D>, OpenReport>& opened) noexcept 
     return Status::ok;
 }
 
-/// Whether a clip poses the vertices of a cage: all handles, or those that are points.
+/// Checks that a clip poses the vertices of a cage: all handles, or those that are points.
 template <Scalar T, std::size_t D>
-Status check_clip_of(const OpenedClip<T, D>& clip, const HandleView<T, D>& handles) noexcept {
-    if (clip.status != Status::ok) return clip.status;
-    const std::size_t vertices = clip.clip.vertex_count();
+Status check_clip_of(const Result<CageClipView<T, D>, OpenClipReport>& clip,
+                     const HandleView<T, D>& handles) noexcept {
+    if (!clip) return clip.status();
+    const std::size_t vertices = clip.value.vertex_count();
     return vertices == handles.count || vertices + handles.vector_count() == handles.count
                ? Status::ok
                : Status::blob_of_another_cage;
@@ -263,7 +266,7 @@ Result<PackedFigureView<T, D>, OpenReport> open_figure_within(std::span<const st
                                                               const BlobExpectation& expected,
                                                               bool may_have_levels) noexcept;
 
-/// Levels are figures of the same handles, without levels of their own.
+/// Opens the levels. They are figures of the same handles, without levels of their own.
 template <Scalar T, std::size_t D>
 Status open_levels(Result<PackedFigureView<T, D>, OpenReport>& opened, bool may_have_levels) noexcept {
     for (std::size_t n = 1; n <= FigureTags::most_levels; ++n) {
@@ -315,18 +318,18 @@ Result<PackedFigureView<T, D>, OpenReport> open_figure_within(std::span<const st
 
 } // namespace detail
 
-/// Opens a packed figure, or a single packed binding, where it lies, in a mapped file for instance; `data`
-/// must stay as it is while the figure is used. A single binding becomes a figure of points alone.
+/// Opens a packed figure or a single packed binding without copying, for instance in a mapped file.
+/// `data` must not change while the figure is used. A single binding becomes a figure with points only.
 ///
-///   data      at least the figure, aligned to 64 bytes; what follows it is left alone
+///   data      at least the figure, aligned to 64 bytes; bytes after it are ignored
 ///   expected  as for `open_blob`; the hashes are those of the points' blob
-///   returns   not_a_figure, not_a_blob, not_a_clip; blob_version_differs, blob_kind_differs, blob_truncated, blob_corrupt,
-///             blob_malformed, blob_of_another_cage, blob_of_another_figure, of the figure or of
-///             the part `culprit`; bindings_differ, where a part is of other points or handles than
-///             the first, or in another order; or ok. A clip is of another cage where it has another
-///             number of vertices, a level where it has other handles. What was opened never reads or
-///             writes out of bounds, whatever the bytes. What the parts of the user hold is not
-///             looked at
+///   returns   the view and its report. Status: not_a_figure, not_a_blob, not_a_clip;
+///             blob_version_differs, blob_kind_differs, blob_truncated, blob_corrupt, blob_malformed,
+///             blob_of_another_cage, blob_of_another_figure, for the figure or the part `culprit`;
+///             bindings_differ, if a part has other points or handles than the first, or another
+///             order; or ok. A clip belongs to another cage if its number of vertices differs, a level
+///             if its handles differ. An opened figure never reads or writes out of bounds, whatever
+///             the bytes. The contents of the user's parts are not checked
 ///   cost      no allocation; with BlobCheck::all reads everything once, else the tables and the
 ///             clips
 template <Scalar T, std::size_t D>
@@ -344,11 +347,11 @@ noexcept {
     return opened;
 }
 
-/// A level of less detail of a figure that `open` gave: another figure of the same cage, which
-/// the same poses and clips move.
+/// Opens a level of less detail of a figure opened by `open`. It is another figure of the same
+/// cage, moved by the same poses and clips.
 ///
 ///   level    0: the figure itself; up to PackedFigureView::level_count
-///   returns  as `open`; not_a_figure where there is no such level. No allocation; reads the
+///   returns  as `open`; not_a_figure if there is no such level. No allocation; reads the
 ///            tables of that level
 template <Scalar T, std::size_t D>
 Result<PackedFigureView<T, D>, OpenReport> open_level(const PackedFigureView<T, D>& figure,
@@ -363,7 +366,7 @@ Result<PackedFigureView<T, D>, OpenReport> open_level(const PackedFigureView<T, 
     return detail::open_figure_within<T, D>(bytes, {0, 0, BlobCheck::structure}, false);
 }
 
-/// The owner of a packed figure; made by `pack`. Copies are whole figures.
+/// Owns a packed figure; made by `pack`. Copies are whole figures.
 template <Scalar T, std::size_t D>
 class PackedFigure {
 public:
@@ -371,7 +374,7 @@ public:
     static constexpr std::size_t dimension = D;
 
     PackedFigure() = default;
-    /// Puts parts together, in their order. std::bad_alloc where there is no memory.
+    /// Joins parts in their order. Throws std::bad_alloc if there is no memory.
     explicit PackedFigure(std::span<const FigurePartData> parts) {
         const auto whole = [](std::size_t bytes) { return (bytes + 63) / 64 * 64; };
         const std::size_t table = sizeof(FigureHeader) + parts.size() * sizeof(FigurePart);
@@ -399,7 +402,7 @@ public:
         memory_.seal();
     }
 
-    /// What to write to a file, and what `open` takes: aligned to 64 bytes.
+    /// Returns the bytes to write to a file and to pass to `open`, aligned to 64.
     std::span<const std::byte> bytes() const noexcept { return memory_.bytes(); }
 
 private:

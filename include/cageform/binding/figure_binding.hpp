@@ -1,4 +1,4 @@
-// A bound figure: points, normals and tangents, handedness, and the names of its handles.
+// A bound figure: points, normals and tangents, handedness, and the labels of its handles.
 #pragma once
 
 #include <cageform/binding/bind_options.hpp>
@@ -11,13 +11,12 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// What is bound of a figure: `FigurePoints{points, normals, tangents}`, the last or the last two
-/// left out where there are none. Refers to what it is given, and keeps what is given as a
-/// temporary.
+/// The input of a figure's `bind`: `FigurePoints{points, normals, tangents}`. Tangents, or normals
+/// and tangents, can be left out. It refers to lvalue arguments and stores temporaries.
 ///
 ///   points    as for `bind`
 ///   normals   of any length, one for every point
-///   tangents  in space, one for every point, as `tangents_of` takes them; where they have four
+///   tangents  in 3D, one for every point, as for `tangents_of`. If they have four numbers, the sign of
 ///             numbers, the sign of the fourth is the handedness of the texture, as glTF has it
 template <class Points, class Normals = NoVectors, class Tangents = NoVectors>
 struct FigurePoints {
@@ -32,8 +31,8 @@ FigurePoints(Points&&, Normals&&) -> FigurePoints<Points, Normals>;
 template <class Points, class Normals, class Tangents>
 FigurePoints(Points&&, Normals&&, Tangents&&) -> FigurePoints<Points, Normals, Tangents>;
 
-/// A bound figure, made by `bind`. `clone` moves it (clone/clone_figure.hpp), `pack`
-/// makes of it what a game ships.
+/// A bound figure, made by `bind`. `clone` moves it (clone/clone_figure.hpp); `pack` converts it to
+/// what a game ships.
 template <Scalar T, std::size_t D>
 class FigureBinding {
 public:
@@ -41,15 +40,15 @@ public:
     static constexpr std::size_t dimension = D;
 
     Binding<T, D> points;
-    std::array<Binding<T, D>, D - 1> tangents; ///< unit tangents, in space bitangents; empty without normals
-    std::vector<std::int8_t> handedness;       ///< #points; empty without tangents of its own
+    /// Unit tangents, in 3D also bitangents; empty without normals.
+    std::array<Binding<T, D>, D - 1> tangents;
+    std::vector<std::int8_t> handedness; ///< #points; empty unless the figure had its own tangents
 
     bool has_normals() const noexcept { return tangents[0].handle_count() != 0; }
 
-    /// Names for the handles, of any length, as many as there are; kept by `pack` and
-    /// `rebind_cage`.
+    /// Sets a label for every handle, of any length; `pack` and `rebind_cage` keep them.
     ///
-    ///   labels   any range of what std::string_view is made of
+    ///   labels   any range whose elements convert to std::string_view
     ///   returns  labels_do_not_match; out_of_memory; the labels are then as they were
     template <class Labels>
     Status set_labels(const Labels& labels) {
@@ -73,12 +72,12 @@ public:
             return Status::ok;
         });
     }
-    /// None where `points` was replaced by a binding of more or fewer handles.
+    /// Returns the labels, or none if `points` was replaced by a binding with another number of handles.
     HandleLabels labels() const noexcept {
         if (labels_.empty() || labelled_ != points.handle_count()) return {};
         return {labels_.data(), reinterpret_cast<const char*>(labels_.data() + points.handle_count() + 1)};
     }
-    /// As they lie in a packed figure.
+    /// Returns the labels as they are stored in a packed figure.
     std::span<const std::byte> label_bytes() const noexcept { return std::as_bytes(std::span(labels_)); }
 
     PackedFigureView<T, D> view() const noexcept {
@@ -93,14 +92,14 @@ public:
 
 private:
     std::vector<std::uint32_t> labels_; // where they begin, #handles + 1, and characters; or none
-    std::size_t labelled_ = 0;          // #handles of that time
+    std::size_t labelled_ = 0;          // #handles when they were set
 };
 
 struct FigureBindReport {
     Status status = Status::ok; ///< of the points, or else of the vectors
     BindReport points;
-    BindReport vectors; ///< of tangents and bitangents; of no points where there are no normals
-    double seconds = 0; ///< wall-clock time, the solver's included
+    BindReport vectors; ///< of tangents and bitangents; without normals it has no points
+    double seconds = 0; ///< wall-clock time, including the solver's
 };
 
 } // namespace cageform::inline CAGEFORM_ABI

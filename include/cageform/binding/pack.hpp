@@ -1,5 +1,6 @@
-// From a binding or a figure to what is shipped: weights dropped, by number or by the distance that points may
-// be off, rounded, put into an order that lets neighbours share rows.
+// Packs a binding or a figure for shipping: drops small weights, rounds the others, and stores
+// points so that neighbours share rows of weights. The loss is limited by number, by size,
+// or by the distance that points may move.
 #pragma once
 
 #include <cageform/binding/detail/figure_packer.hpp>
@@ -7,16 +8,25 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Packs a binding: drops weights, rounds them, and restores Σ w and Σ w c of every point, so that
-/// rest and affine poses stay as exact as they were. Dropping is followed by the least change of
-/// the weights kept, in the sense of least squares; rounding by D + 1 numbers a point that hold
-/// what is missing (binding/detail/packed_binding.hpp). A point keeps its own largest weights and those of
-/// other handles its block has a row for: they cost nothing.
+/// Packs a binding. It drops weights and rounds the others, then restores Σ w and Σ w c of every
+/// point, so rest and affine poses stay as exact as they were:
 ///
-/// With a tolerance, every block is given the rows that serve its points best, one after the other,
-/// until none of them has a larger distance. Over poses, the weights kept are those that lose the
-/// least in them. What is promised is measured on the weights as stored; a clone adds the rounding
-/// of its own sums.
+///   - After dropping, the kept weights change by the least amount, in the least-squares sense, that
+///     restores both sums.
+///   - After rounding, D + 1 numbers per point hold what is missing of them
+///     (binding/detail/packed_binding.hpp).
+///
+/// Points are stored in blocks of one cache line (16 points of float, 8 of double). A block has a
+/// row of weights for every handle that is kept for at least one of its points, so a point keeps
+/// its own largest weights, and also those of the other rows of its block, which cost nothing.
+///
+/// With PackOptions::tolerance (packing by distance) rows are added to each block one after the other,
+/// always the one that reduces the loss most, until no point of the block is farther than the
+/// tolerance from where the full weights put it. If poses are given, the loss is measured in them. The
+/// reported distance is measured on the weights as stored; a clone adds the rounding of its own sums.
+///
+/// Code: binding/detail/packer.hpp packs block by block, choose_rows.hpp finds the number of rows
+/// of a block, row_pursuit.hpp the order in which rows are added.
 ///
 ///   binding  any binding, of points or vectors
 ///   returns  the packed binding and its report; fails with too_few_weights, too_many_handles (more
@@ -38,14 +48,14 @@ Result<PackedBinding<T, D>, PackReport> pack(const Binding<T, D>& binding, const
     return pack(binding.view(), options, running);
 }
 
-/// Packs a figure for `open`: its bindings as `pack` does, the tangents in the order of the
-/// points, its labels, clips and levels, and parts of the user's.
+/// Packs a figure for `open`: its bindings as above, the tangents in the order of the points, its
+/// labels, clips and levels, and parts of the user.
 ///
 ///   returns  the packed figure and its report; fails as `pack`, with the part in
-///            FigurePackReport::culprit; tag_taken, name_taken, too_many_parts; of a clip or level, as
+///            FigurePackReport::culprit; tag_taken, name_taken, too_many_parts; for a clip or level as
 ///            `open_clip` and `open`, and blob_of_another_cage; bindings_differ,
-///            vectors_do_not_match, labels_do_not_match, where the parts of the figure were replaced
-///            by others that are of different points or handles
+///            vectors_do_not_match, labels_do_not_match, if the parts of the figure were replaced
+///            by others of different points or handles
 ///   cost     that of `pack` for each binding, and a copy of all parts
 template <Scalar T, std::size_t D>
 Result<PackedFigure<T, D>, FigurePackReport>
@@ -56,12 +66,13 @@ pack(const FigureBinding<T, D>& figure, const FigurePackOptions& options = {}, c
     return result;
 }
 
-/// `pack` of `bind`, without the weights between in memory: the same bytes, and the same reports but
-/// for the times and PackReport::culprit of what is refused. Coordinates that are solved for are
-/// solved once, their functions kept meanwhile; few points, of one batch, are bound as `bind` does.
+/// Binds points and packs the result in batches, so that the full weights are never in memory at
+/// once. The bytes are those of `pack` after `bind`, and so are the reports, except for times and
+/// the PackReport::culprit of a refusal. Coordinates with a solver solve once and keep their
+/// functions meanwhile. If the points fit into one batch, they are bound as `bind` does.
 ///
 ///   points  any PointRange of the same dimension, converted to the scalar of the coordinates; copied
-///   fails   as `bind` and `pack`; too_many_handles also where all blocks have more than 2³² rows
+///   fails   as `bind` and `pack`; too_many_handles also if all blocks have more than 2³² rows
 ///   cost    that of `bind` and `pack`
 ///   memory  see pack_memory
 template <CageCoordinates C, PointRangeIn<C::dimension> R>
@@ -90,7 +101,8 @@ pack(const C& coordinates, const R& points, const StreamedPackOptions& options =
     return result;
 }
 
-/// What that takes, told before; of coordinates that are solved for at the cost of making the grid.
+/// Returns the memory of a streamed `pack` in advance. For coordinates with a solver it costs as
+/// much as making the grid.
 template <CageCoordinates C>
 StreamedPackMemory pack_memory(const C& coordinates, std::size_t points,
                                const StreamedPackOptions& options = {}) {

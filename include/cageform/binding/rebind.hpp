@@ -1,4 +1,4 @@
-// A binding moved to a changed figure, without the coordinates it was made by.
+// Transfers a binding to a changed figure without evaluating coordinates again.
 #pragma once
 
 #include <cageform/binding/bind.hpp>
@@ -14,37 +14,39 @@
 namespace cageform::inline CAGEFORM_ABI {
 
 struct RebindOptions {
-    std::size_t neighbours = 0;  ///< old places to interpolate from, at least D + 1 of them; 0: 4 D
+    std::size_t neighbours = 0;  ///< how many old points to interpolate from, at least D + 1; 0: 4 D
     double largest_distance = 2; ///< from the old figure, in its spacings; farther points are listed
 };
 
 /// How a rebind went. Lists hold indices of new points in ascending order. The spacing of the old
-/// figure near a point is the distance from the old place nearest to it to the D-th nearest place
-/// from there; places count once.
+/// figure near a point is the distance from the nearest old point to its D-th nearest neighbour;
+/// old points at the same position count once.
 struct RebindReport {
     Status status = Status::ok;
     std::size_t culprit = Extreme::none; ///< weight_not_finite: the old point
     std::size_t points = 0;              ///< given
-    std::size_t matched = 0;             ///< stand where an old point stood
-    std::size_t interpolated = 0;        ///< have weights interpolated from old points
-    std::vector<std::size_t> distant; ///< of these, farther off than `largest_distance`: weights are guessed
-    std::vector<std::size_t>
-        kept_in_place; ///< no pose moves them, for none moved the old point there, or the nearest
+    std::size_t matched = 0;             ///< at the position of an old point
+    std::size_t interpolated = 0;        ///< with weights interpolated from old points
+    /// The interpolated points farther away than `largest_distance`: their weights are guesses.
+    std::vector<std::size_t> distant;
+    /// No pose moves them, because no pose moved the old point there or the nearest one.
+    std::vector<std::size_t> kept_in_place;
     std::vector<std::size_t> not_finite; ///< kept as they are in every pose
-    std::vector<std::size_t> unreached;  ///< weights cannot be represented; kept in place
-    // Of interpolated points:
-    Extreme distance;           ///< the largest from the old figure, in its spacings
-    Extreme partition_error;    ///< largest |Σw − 1| of the finished weights
-    Extreme reproduction_error; ///< largest |Σwc − p| of the finished weights, p the place that is reproduced
-    Extreme weight_change;      ///< largest change of a weight by which both are restored
+    std::vector<std::size_t> unreached;  ///< weights overflow; kept in place
+    // For interpolated points:
+    Extreme distance;        ///< the largest from the old figure, in its spacings
+    Extreme partition_error; ///< largest |Σw − 1| of the final weights
+    /// Largest |Σwc − p| of the final weights; p is the point to be reproduced.
+    Extreme reproduction_error;
+    Extreme weight_change;     ///< largest change of a weight by which both are restored
     Extreme residual_restored; ///< largest |Σwc − p| before it
-    Extreme least_weight;      ///< may turn negative though no old weight is
+    Extreme least_weight;      ///< may become negative though no old weight is
     double seconds = 0;        ///< wall-clock time
 };
 
 namespace detail {
 
-/// The state of one rebind.
+/// The working state of one rebind.
 template <Scalar T, std::size_t D>
 class Rebinder {
 public:
@@ -98,7 +100,7 @@ private:
     static constexpr std::size_t none = Extreme::none;
     using Tree = PointTree<D>;
 
-    /// Such are local coordinates: what restoring adds to them leaves their zeros.
+    /// Returns whether coordinates are local. If so, restoring linear precision keeps their zeros.
     static bool is_mostly_zero(const BindingView<T, D>& binding) noexcept {
         std::size_t zeros = 0;
         for (std::size_t i = 0; i < binding.point_count(); ++i) {
@@ -114,7 +116,7 @@ private:
         BindPiece measures;
         Extreme distance;
     };
-    /// Where the weights of a new point go.
+    /// Where the weights of a new point are written.
     struct Slot {
         std::size_t point;
         Lanes<T>* rows;
@@ -128,10 +130,10 @@ private:
     };
 
     Vec<T, D> old_point(std::size_t i) const { return block_point<D>(old_.rest, i); }
-    /// Exact, and of the order of one for old points.
+    /// Scales by a power of two, which is exact; old points are then of order one.
     Vec<double, D> in_units(const Vec<T, D>& p) const { return unit_ * vec_cast<double>(p); }
 
-    /// Which old points are bound, and where they stand: `places_`, ascending, each once.
+    /// Finds the old points that are bound, and lists their distinct positions in `places_`, ascending.
     Status look_at_old(RebindReport& report) {
         const std::size_t count = old_.point_count(), blocks = block_count<T>(count);
         bound_.assign(count, 0);
@@ -176,8 +178,8 @@ private:
         return std::lexicographical_compare(p.v, p.v + D, q.v, q.v + D);
     }
 
-    /// Reads the user's points and looks for old ones in their places; one of the same number has
-    /// precedence.
+    /// Reads the user's points and finds old points at the same positions; the old point with the
+    /// same number is preferred.
     void match(std::size_t block) {
         points_.read(block, rest_.block(block));
         for (std::size_t i = block * lanes; i < (std::min)((block + 1) * lanes, count_); ++i) {
@@ -208,8 +210,8 @@ private:
             std::any_of(places_.begin(), places_.end(), [this](std::size_t i) { return bound_[i] == 0; });
     }
 
-    /// All weights of a block. Those that are copied are written last: restoring leaves no bit of
-    /// them alone.
+    /// Fills all weights of a block. Copied weights are written last, because restoring would
+    /// change their bits.
     void fill(std::size_t block, Piece& piece, Scratch& scratch) {
         Lanes<T>* const rows = weights_.block(block);
         Lanes<T> target[D], bound;
@@ -217,7 +219,7 @@ private:
         for (std::size_t lane = 0; lane < lanes; ++lane) {
             const std::size_t i = block * lanes + lane;
             clear(rows, lane);
-            // Lanes that are left out have any finite target.
+            // Lanes without weights get some finite target.
             Vec<T, D> place = handles_.count == 0 ? Vec<T, D>{} : handles_.rest[0];
             bound[lane] = T(0);
             if (i < count_ && kinds_[i] == Kind::interpolated) {
@@ -257,7 +259,7 @@ private:
         for (std::size_t h = 0; h < handles_.count; ++h) rows[h][lane] = T(0);
     }
 
-    /// Writes the weights of a point, and into `target` what they are to reproduce.
+    /// Writes the weights of a point, and writes to `target` the point that they must reproduce.
     Kind interpolate(const Slot& slot, Vec<T, D>& target, Piece& piece, Scratch& scratch) const {
         const auto place = block_point<D>(BlockView<const T>(rest_), slot.point);
         const Vec<double, D> p = in_units(place);
@@ -282,7 +284,8 @@ private:
         for (const auto& n : found) scratch.places.push_back(in_units(old_point(places_[n.point])) - p);
         scratch.shares.compute(scratch.places, radius, 8 * double(epsilon<T>));
         scratch.row.assign(handles_.count, 0.0);
-        Vec<double, D> reached{}; // Σ s q less the point: 0 unless the places say too little
+        // Σ s q minus the point: 0 unless the old points leave slopes undetermined.
+        Vec<double, D> reached{};
         for (std::size_t j = 0; j < found.size(); ++j) {
             const double share = scratch.shares[j];
             const std::size_t source = places_[found[j].point];
@@ -290,8 +293,8 @@ private:
             for (std::size_t h = 0; h < handles_.count; ++h)
                 scratch.row[h] += share * double(old_.weights(source, h));
         }
-        // What the old weights reproduce other than their own points, beyond rounding, the new ones
-        // do as well: points outside that follow the boundary do so at an offset.
+        // If the old weights reproduce points offset from their own, by more than rounding, so do
+        // the new ones: points outside the cage follow the boundary at an offset.
         Vec<double, D> offset = reached + p;
         Vec<double, D> rounding{};
         for (std::size_t h = 0; h < handles_.count; ++h) {
@@ -342,11 +345,11 @@ private:
     std::size_t count_, neighbours_;
     BlockView<T> weights_, rest_;
     std::vector<char> bound_;          // of old points: some weight is not zero
-    std::vector<std::size_t> places_;  // old points, one for each place that is finite, ascending
+    std::vector<std::size_t> places_;  // old points, one per distinct finite position, ascending
     double unit_ = 1;                  // a power of two
     Tree tree_;                        // of places_
-    bool any_kept_ = false;            // of these
-    std::vector<std::size_t> sources_; // old points that stand where new ones do
+    bool any_kept_ = false;            // whether any of these is kept in place
+    std::vector<std::size_t> sources_; // the old points at the positions of new ones
     std::vector<Kind> kinds_;
     std::vector<Piece> pieces_;
 };
@@ -365,29 +368,29 @@ Result<Binding<T, D>, RebindReport> rebind_points(const BindingView<T, D>& bindi
 
 } // namespace detail
 
-/// Moves a binding to a changed figure: points added, removed, put in another order, moved a
-/// little. The cage is the same, and its coordinates are not asked.
+/// Transfers a binding to a changed figure: points may be added, removed, reordered, or moved a
+/// little. The cage stays the same, and its coordinates are not evaluated.
 ///
-///   binding  of points, not of vectors; views are read where they lie
+///   binding  of points, not of vectors; views are read without copying
 ///   points   any PointRange of the same dimension, converted to the binding's scalar: the new
 ///            figure
-///   weights  of a point that stands where an old one stood (its coordinates are equal): that
-///            one's, bit for bit. Of others: interpolated linearly from the nearest old places,
-///            then changed the least that restores Σw = 1 and Σwc = p; of a binding most of whose
-///            weights are zero, zeros stay zeros. Where old points follow the
-///            boundary at an offset, new ones between them do. Linear weights are met to rounding
-///            up to half a spacing off the old figure, others to second order in its spacing: a
-///            figure twice as dense has errors a quarter as large. Slopes that the old places do
-///            not tell (off a sheet in space, far away) are those of the least change
-///   special  new points whose nearest old point is kept in place (all weights zero) are; old
-///            points that are not finite take no part; a bad new *point* is listed and kept in
-///            place, and is no reason to refuse the others
+///   weights  a point with exactly the coordinates of an old point gets its weights, bit for bit.
+///            Other points get weights interpolated linearly from the nearest old points, with the
+///            least change that restores Σw = 1 and Σwc = p. If most weights of the binding are zero,
+///            zeros stay zeros. If old points follow the boundary at an offset, so do new ones
+///            between them. Linear weights are exact to rounding up to half a spacing off the old
+///            figure, others to second order in its spacing: a figure twice as dense has errors a
+///            quarter as large. Slopes that the old points do not determine (off a sheet in 3D, far
+///            away) follow from the least change
+///   special  a new point is kept in place if its nearest old point is (all weights zero). Old
+///            points that are not finite are ignored; a bad new *point* is listed and kept in
+///            place, and the others are transferred nevertheless
 ///   returns  the binding and its report. Unless the report's status is ok the binding is empty; no
 ///            points give a binding of none. The result depends neither on threads nor on the order
 ///            of the points
 ///   cost     O(#old (log #old + #handles)), and O(log #old + #handles) for a point that is
 ///            matched, O(log #old + neighbours · #handles) for one that is not: 3 µs at 66 handles
-///            in space. Memory: the new binding, and some 60 bytes for each old and new point
+///            in 3D. Memory: the new binding, and some 60 bytes for each old and new point
 ///   fails    binding_empty: points, but none before; weight_not_finite (RebindReport::culprit);
 ///            cancelled; out_of_memory
 template <Scalar T, std::size_t D, PointRange R>

@@ -1,4 +1,4 @@
-// A figure bound anew after an edit of its cage: vertices moved, added or removed.
+// Binds a figure again after an edit of its cage: vertices moved, added or removed.
 #pragma once
 
 #include <cageform/binding/detail/figure_binder.hpp>
@@ -7,21 +7,21 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// What `rebind_cage` makes.
+/// The report of `rebind_cage`.
 struct CageRebindReport : FigureBindReport {
     /// #handles of the edited cage: the number that each had before, or `new_handle`.
     std::vector<std::size_t> old_handles;
 };
 
-/// Stands in the place of the number that a handle had before an edit, where it had none.
+/// Marks a handle that did not exist before an edit.
 inline constexpr std::size_t new_handle = ~std::size_t{0};
 
-/// The handles of a cage before an edit: for every handle after it the number that it had, or
-/// `new_handle`.
+/// Matches handles across an edit of the cage: returns for every handle the number that it had
+/// before, or `new_handle`.
 ///
-///   as many       handles after it: each is the one of the same number, wherever it has moved
-///   more or less  the one of the same kind that stood at the same place; `new_handle` where none
-///                 did. Of several at one place the first; vectors, which have none, by their value
+///   as many       handles as before: each keeps its number, wherever it has moved
+///   more or less  the handle of the same kind at the same position, or `new_handle` if there is none.
+///                 If there are several, the first; vectors are compared by value
 ///   cost          O(#handles log #handles); may throw std::bad_alloc
 template <Scalar T, std::size_t D>
 std::vector<std::size_t> match_handles(const HandleView<T, D>& before, const HandleView<T, D>& after) {
@@ -36,7 +36,7 @@ std::vector<std::size_t> match_handles(const HandleView<T, D>& before, const Han
         for (std::size_t k = 0; k < D; ++k) key[k] = handles.rest[i][k];
         return std::pair(handles.is_point(i), key);
     };
-    for (std::size_t i = before.count; i-- > 0;) { // of packed data, where they may be no numbers
+    for (std::size_t i = before.count; i-- > 0;) { // packed data may hold non-finite numbers
         if (is_finite(before.rest[i])) places[place(before, i)] = i;
     }
     for (std::size_t i = 0; i < after.count; ++i) {
@@ -48,7 +48,8 @@ std::vector<std::size_t> match_handles(const HandleView<T, D>& before, const Han
 
 namespace detail {
 
-/// The points or vectors of a binding at rest, in their order as bound. Reads the binding's memory.
+/// Reads the points or vectors of a binding at rest, in the order in which they were bound. Refers
+/// to the binding's memory.
 template <Scalar T, std::size_t D>
 PointReader<T> read_rest(const PackedBindingView<T, D>& binding) {
     const BlockView<const T> rest{binding.rest, D, binding.points};
@@ -66,7 +67,7 @@ PointReader<T> read_rest(const PackedBindingView<T, D>& binding) {
             }};
 }
 
-/// The labels of the handles that there were; others have none.
+/// Gives handles their old labels; new handles have none.
 template <Scalar T, std::size_t D>
 Status take_labels_over(const HandleLabels& before, std::span<const std::size_t> old_handles,
                         FigureBinding<T, D>& after) {
@@ -79,21 +80,20 @@ Status take_labels_over(const HandleLabels& before, std::span<const std::size_t>
 
 } // namespace detail
 
-/// Binds a figure anew to an edited cage: what `bind` makes of its points, normals and
-/// tangents, to the bit, without asking for them again. Labels go with their handles.
+/// Binds a figure again to an edited cage. The result is that of `bind` for the same points, normals
+/// and tangents, to the bit, without the caller providing them again. Labels stay with their handles.
 ///
-///   figure       as it was bound to the cage before the edit: a FigureBinding, or the view of one that
-///                `open` gave, however it was packed: where the points are at rest is kept in
-///                all digits
+///   figure       the figure bound to the cage before the edit: a FigureBinding, or the view that `open`
+///                returned, however it was packed: points at rest are stored in full precision
 ///   coordinates  of the edited cage. Those of a solver may have been solved from the ones before
 ///                (HarmonicCoordinates::solve_from), which takes fewer cycles
 ///   old_handles  #handles of the edited cage: the number that each had before, or `new_handle`.
-///                Empty: as `match_handles` has them, which takes a vertex removed and another one
-///                added for a move. Used for labels alone
+///                Empty: the result of `match_handles`, which takes the removal of a vertex and the
+///                addition of another one for a move. Used for labels alone
 ///   options      as for `bind`
-///   returns      the figure and its report; fails as `bind`; labels_do_not_match, where
-///                old_handles are not as many as the handles, or name one that there was not;
-///                vectors_do_not_match, where there is not one handedness for every point
+///   returns      the figure and its report; fails as `bind`; labels_do_not_match, if old_handles are
+///                not as many as the handles, or name one that did not exist; vectors_do_not_match, if
+///                there is not one handedness for every point
 template <CageCoordinates C>
     requires GradientCoordinates<C> Result<FigureBinding<typename C::scalar, C::dimension>, CageRebindReport>
     rebind_cage(const PackedFigureView<typename C::scalar, C::dimension>& figure, const C& coordinates,

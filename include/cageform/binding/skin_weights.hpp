@@ -1,5 +1,4 @@
-// From a binding to a skin as engines and glTF have it: a few handles a point, with weights that
-// are not negative.
+// Converts a binding to a skin for engines and glTF: a few handles per point, with non-negative weights.
 #pragma once
 
 #include <cageform/binding/bind.hpp>
@@ -14,17 +13,18 @@
 namespace cageform::inline CAGEFORM_ABI {
 
 struct SkinWeightsOptions {
-    std::size_t influences = 4; ///< K, the most handles a point may have; glTF takes 4 a set
-    double threshold = 0;       ///< lesser weights are left out as well, where the rest can do without
+    std::size_t influences = 4; ///< K, the most handles a point may have; glTF has sets of 4
+    double threshold = 0;       ///< smaller weights are dropped too, if the others can do without them
 };
 
-/// A skin: every handle is a joint that is only moved, p' = p + Σ w_k (C'_joint − C_joint). A
-/// point's entries lie side by side, in the order of falling weights; unused ones have weight 0 and
-/// joint 0.
+/// A skin. Every handle is a joint that only translates: p' = p + Σ w_k (C'_joint − C_joint). The
+/// entries of a point lie side by side, in the order of falling weights; unused ones have weight 0
+/// and joint 0.
 struct SkinWeights {
     std::size_t influences = 0;        ///< K
     std::vector<std::uint16_t> joints; ///< #points · K: handles
-    std::vector<float> weights; ///< #points · K: none negative; a point's sum is 1 to half a rounding of 1
+    /// #points · K, non-negative; the sum of a point's weights is 1 to half a rounding of 1
+    std::vector<float> weights;
 
     std::size_t point_count() const noexcept { return influences == 0 ? 0 : joints.size() / influences; }
 };
@@ -33,23 +33,26 @@ struct SkinWeights {
 struct SkinWeightsReport {
     Status status = Status::ok;
     std::size_t points = 0;
-    std::vector<std::size_t>
-        not_reproduced; ///< outside the hull of the handles, or of K of them: Σwc is not p
-    std::vector<std::size_t>
-        without_weights;              ///< kept in place by the binding, or not finite: all weights are 0
-    std::vector<float> weight_errors; ///< #points: Σ|w − w0|, w0 the binding's weights, over all handles
-    Extreme weight_error;             ///< the largest of them
-    double mean_weight_error = 0;     ///< of the points that have weights
-    Extreme partition_error;          ///< largest |Σw − 1| of the finished weights
-    Extreme reproduction_error; ///< largest |Σwc − p| of the finished weights, in the units of the cage
-    Extreme weight_added;       ///< largest w − w0: what negative and dropped weights cost the others
+    /// Outside the hull of the handles, or of any K of them: Σwc is not p.
+    std::vector<std::size_t> not_reproduced;
+    /// Kept in place by the binding, or not finite: all weights are 0.
+    std::vector<std::size_t> without_weights;
+    /// #points: Σ|w − w0| over all handles, where w0 are the binding's weights
+    std::vector<float> weight_errors;
+    Extreme weight_error;         ///< the largest of them
+    double mean_weight_error = 0; ///< of the points that have weights
+    Extreme partition_error;      ///< largest |Σw − 1| of the final weights
+    /// Largest |Σwc − p| of the final weights, in the units of the cage.
+    Extreme reproduction_error;
+    /// Largest w − w0: the increase that makes up for negative and dropped weights.
+    Extreme weight_added;
     double mean_influences = 0; ///< weights other than 0, of the points that have any
     double seconds = 0;         ///< wall-clock time
 };
 
 namespace detail {
 
-/// What the making of a skin finds out about a point.
+/// The result for one point of a skin.
 struct SkinnedPoint {
     enum class Kind : std::uint8_t { reproduced, not_reproduced, without_weights };
     Kind kind = Kind::without_weights;
@@ -81,8 +84,8 @@ inline void gather_skin(const std::vector<SkinnedPoint>& points, SkinWeightsRepo
     report.mean_influences = double(used) / double(bound);
 }
 
-/// The largest of a point's falling weights makes up for all roundings; where the second was as
-/// large it may now be the lesser by one.
+/// Lets the first, largest weight absorb all rounding, so the sum is 1. If the second was as large,
+/// the order is corrected afterwards.
 inline void make_up_for_rounding(std::span<std::uint16_t> joints, std::span<float> weights) noexcept {
     double others = 0;
     for (std::size_t k = 1; k < weights.size(); ++k) others += double(weights[k]);
@@ -93,8 +96,8 @@ inline void make_up_for_rounding(std::span<std::uint16_t> joints, std::span<floa
     }
 }
 
-/// The largest shares of a point, each over the sum of them; none where there is no positive one, or
-/// one that is no number. `order` is for work, an entry a bone.
+/// Keeps the largest shares of a point, divided by their sum; none if no share is positive or one
+/// is not finite. `order` is working memory, an entry per bone.
 template <Scalar W>
 SkinnedPoint keep_largest(std::span<const W> shares, double threshold, std::span<std::uint16_t> order,
                           std::span<std::uint16_t> joints, std::span<float> weights) {
@@ -133,7 +136,7 @@ SkinnedPoint keep_largest(std::span<const W> shares, double threshold, std::span
     return result;
 }
 
-/// The places that a binding's weights reproduce, and how far a skin's are from them.
+/// Computes the points that a binding's weights reproduce, and how far a skin is from them.
 template <Scalar T, std::size_t D>
 class SkinMeasure {
 public:
@@ -146,9 +149,9 @@ public:
 
     double size() const noexcept { return size_; } ///< of the cage
 
-    /// A place of the binding, and what its weights reproduce instead of it.
+    /// A point of the binding, and the offset of the point that its weights reproduce.
     struct Place {
-        Vec<double, D> p, offset{}; ///< of what is reproduced, in units of the size
+        Vec<double, D> p, offset{}; ///< to the reproduced point, in units of the size
         double whole = 0;           ///< Σ|w|
         bool is_bound = false;
     };
@@ -162,8 +165,8 @@ public:
         }
         place.is_bound =
             is_finite(place.p) && is_finite(place.whole) && is_finite(place.offset) && place.whole != 0;
-        // Points that follow the nearest one of the boundary reproduce that one. A solver's
-        // residual or a rounding is not meant.
+        // Points that follow their nearest boundary point reproduce that one. A smaller offset is a
+        // solver's residual or rounding, and is ignored.
         if (dot(place.offset, place.offset) < 1e-8) place.offset = {};
         return place;
     }
@@ -171,15 +174,16 @@ public:
         return {place.p + size_ * place.offset, size_};
     }
 
-    /// Stores weights, of falling order, and compares them with the binding's.
+    /// Stores weights in falling order, and compares them with the binding's.
     ///
     ///   weight    of a handle
-    ///   support   handles; from the first one whose weight single precision rounds away, none is stored
+    ///   support   handles, in falling order; storing stops at the first weight that single precision
+    ///             rounds away
     template <class Weight>
     void store(std::size_t i, const Place& place, std::span<const std::size_t> support, const Weight& weight,
                std::span<std::uint16_t> joints, std::span<float> weights, SkinnedPoint& result) const {
         for (const std::size_t h : support) {
-            constexpr double rounding = 0x1p-26; // of 1, to single precision
+            constexpr double rounding = 0x1p-26; // of 1, in single precision
             if (!(weight(h) > rounding)) break;
             joints[result.used] = static_cast<std::uint16_t>(h);
             weights[result.used++] = static_cast<float>(weight(h));
@@ -209,7 +213,7 @@ public:
     }
 
 private:
-    /// A handle as seen from a place, in units of the cage's size.
+    /// Returns a handle relative to a point, in units of the cage's size.
     Vec<double, D> from(const Vec<double, D>& p, std::size_t handle) const {
         return (1 / size_) * (vec_cast<double>(binding_.rest_handles[handle]) - p);
     }
@@ -218,8 +222,8 @@ private:
     double size_ = 1;
 };
 
-/// The state of one making of a skin; as Binder, what a point finds out is kept apart and put
-/// together in the end.
+/// Makes one skin. As in Binder, the results of each point are stored separately and combined at
+/// the end.
 template <Scalar T, std::size_t D>
 class Skinner {
 public:
@@ -269,7 +273,7 @@ private:
     std::vector<SkinnedPoint> points_;
 };
 
-/// Runs make(skin, report), a Status, for a skin of a binding where there can be one.
+/// Calls make(skin, report), which returns a Status, if the binding can have a skin.
 template <Scalar T, std::size_t D, class Make>
 Result<SkinWeights, SkinWeightsReport> make_skin(const BindingView<T, D>& binding,
                                                  const SkinWeightsOptions& options, const Make& make) {
@@ -291,19 +295,19 @@ Result<SkinWeights, SkinWeightsReport> make_skin(const BindingView<T, D>& bindin
 
 } // namespace detail
 
-/// The skin nearest to a binding: per point at most K weights, not negative, with Σw = 1 and Σwc =
-/// p, so that the rest pose and affine poses stay as they are.
+/// Returns the skin closest to a binding: per point at most K non-negative weights, with Σw = 1 and
+/// Σwc = p, so that the rest pose and affine poses stay as they are.
 ///
-///   influences  K. Any D + 1 are enough for a point in the hull of the handles (Carathéodory), so
-///               with K > D no point within a cage fails; outside the hull, and for a lesser K, Σwc
-///               is nearly the nearest to p that can be had, and the report lists the point
-///   weights     nearest to the binding's by least squares for the handles that are kept; these are
-///               chosen greedily, from the least weight on. A pose that moves no handle by more
-///               than d moves a point to within d · Σ|w − w0| of where the binding has it
-///   exact       but for rounding to single precision: 1e-7 of the cage's size
+///   influences  K. A point in the hull of the handles needs at most D + 1 of them (Carathéodory), so
+///               with K > D no point within a cage fails. Outside the hull, and for a smaller K, Σwc
+///               is close to the point nearest to p that is possible, and the report lists the point
+///   weights     closest to the binding's by least squares for the handles that are kept; these are
+///               chosen greedily, from the smallest weight on. A pose that moves no handle by more
+///               than d moves a point to within d · Σ|w − w0| of where the binding puts it
+///   exact       except for rounding to single precision: 1e-7 of the cage's size
 ///   returns     the skin and its report; points that the binding keeps in place have no weights
-///   cost        a few Newton steps of O(#handles) for every time that handles are left out,
-///               log(#handles / K) times and more where the hull is narrow: 0.1 ms a point for 112
+///   cost        a few Newton steps of O(#handles) each time that handles are dropped,
+///               log(#handles / K) times and more if the hull is narrow: 0.1 ms a point for 112
 ///               handles
 ///   fails       handles_not_points: a joint is a point; too_few_influences; too_many_handles: more
 ///               than 65535, or as many influences, as 16 bits count; value_not_finite: a threshold
@@ -323,13 +327,13 @@ Result<SkinWeights, SkinWeightsReport> skin_weights(const Binding<T, D>& binding
     return skin_weights(binding.view(), options, running);
 }
 
-/// The skin of bones by weights that are given, as `bind_bones` takes them: of each point the K
-/// largest that are positive and no less than the threshold, divided by their sum. Joints are bones;
-/// in a skin of theirs they turn too.
+/// Returns the skin of bones with given weights, as in `bind_bones`: for each point the K largest
+/// shares that are positive and at least the threshold, divided by their sum. Joints are bones,
+/// which also rotate in a skin.
 ///
-///   shares   #points · #bones: a point's lie side by side
-///   returns  the skin and its report, w0 the shares; points with shares that are no numbers, or none
-///            positive, have no weights. Nothing is said of places
+///   shares   #points · #bones: those of a point lie side by side
+///   returns  the skin and its report, with the shares as w0. Points with shares that are not finite, or
+///            without positive ones, have no weights. Reproduced points are not checked
 ///   fails    bone_weights_do_not_match, too_few_influences, too_many_handles, value_not_finite (the
 ///            threshold), cancelled, out_of_memory
 template <Scalar W>
@@ -364,11 +368,11 @@ Result<SkinWeights, SkinWeightsReport> skin_weights(std::span<const W> shares, s
     return result;
 }
 
-/// The binding with the weights of a skin in the place of its own: `clone` then shows what an
-/// engine will.
+/// Writes a binding with the weights of a skin instead of its own. `clone` then shows what an
+/// engine will show.
 ///
 ///   skin     of this binding
-///   out      overwritten where the result is ok
+///   out      overwritten if the result is ok
 ///   fails    out_of_memory
 template <Scalar T, std::size_t D>
 Status skin_to_binding(const BindingView<T, D>& binding, const SkinWeights& skin, Binding<T, D>& out) {
@@ -390,13 +394,12 @@ Status skin_to_binding(const Binding<T, D>& binding, const SkinWeights& skin, Bi
     return skin_to_binding(binding.view(), skin, out);
 }
 
-/// A skin's weights as normalised integers, `std::uint8_t` or `std::uint16_t`. Those of a point sum
-/// to exactly 255 or 65535, and to 0 where it has none; each is within one of the number it stands
-/// for, and they still fall. The units that are missing after rounding down go to the largest
-/// remainders.
+/// Converts a skin's weights to normalised integers, `std::uint8_t` or `std::uint16_t`. The weights
+/// of a point sum to exactly 255 or 65535, or to 0 if it has none. Each is within one of the exact
+/// value, and they still fall. After rounding down, the missing units go to the largest remainders.
 ///
 ///   returns  #points · K, as in the skin; may throw std::bad_alloc
-/// glTF 2.0, sec. 3.7.3.3.
+/// See glTF 2.0, sec. 3.7.3.3.
 template <class Integer>
     requires(std::same_as<Integer, std::uint8_t> || std::same_as<Integer, std::uint16_t>)
 std::vector<Integer> to_normalised(const SkinWeights& skin) {

@@ -1,5 +1,5 @@
-// A skin whose weights are chosen together over a mesh, so that its surface stays smooth where neighbours leave
-// different handles out.
+// Chooses the weights of a skin for all points of a mesh together, so that its surface stays smooth
+// where neighbours drop different handles.
 #pragma once
 
 #include <cageform/binding/detail/smooth_weights.hpp>
@@ -67,9 +67,10 @@ private:
         return places;
     }
 
-    /// Points at one place that have the same weights are one node, so that seams stay closed.
+    /// Merges points at the same position with the same weights into one node, so that seams stay
+    /// closed.
     void weld() {
-        std::map<std::array<double, D>, std::vector<std::size_t>> at; // nodes of a place
+        std::map<std::array<double, D>, std::vector<std::size_t>> at; // nodes at a position
         for (std::size_t i = 0; i < binding_.point_count(); ++i) {
             const auto& place = places_.emplace_back(measure_.place_of(i));
             node_.push_back(SmoothWeights<D>::no_node);
@@ -93,8 +94,8 @@ private:
         }
     }
 
-    /// The smooth weights of a point; where they do not reproduce its place, the nearest to those of twice as many
-    /// handles that do.
+    /// Returns the smooth weights of a point. If they do not reproduce its position, it returns the
+    /// closest weights that do, starting from the smooth weights on twice as many handles.
     SkinnedPoint make(NearWeights<D>& nearest, ConvexWeights<D>& convex, std::size_t i,
                       const SmoothWeights<D>& smooth, std::span<std::uint16_t> joints,
                       std::span<float> weights) const {
@@ -130,21 +131,24 @@ private:
 
 } // namespace detail
 
-/// A skin as `skin_weights` makes it, of points that are the vertices of a mesh: which handles a point keeps, and with
-/// what weights, is decided for all points together, so that what is lost changes little along the edges. Chosen point by
-/// point, neighbours leave different handles out, and the surface creases.
+/// Returns a skin as `skin_weights` does, for points that are the vertices of a mesh. The handles
+/// and weights of all points are chosen together, so that the loss changes little along edges. If
+/// they are chosen point by point, neighbours drop different handles and the surface creases.
 ///
-///   triangles  #triangles · 3 indices of points. Points at one place with the same weights get the same skin
-///   objective  what poses lose that move near handles alike: Σ over edges of the squared difference of the loss, the
-///              longer the edge the less, and in small parts the loss itself and the place missed. Handles move together
-///              by a Gaussian of a fifth of the cage's diagonal; handles are left out in ten rounds, those of the least
-///              weight, smoothed over the mesh
-///   weights    none negative, Σw = 1 and, with K > D, Σwc = p as with skin_weights(): by the least relative change,
-///              under which weights that fade out still do. Where the handles kept do not surround the point, others take
-///              their places, and the surface may crease there: with 4 handles in space everywhere, with 8 hardly
+///   triangles  #triangles · 3 indices of points. Points at the same position with the same weights get
+///              the same skin
+///   objective  the loss in poses that move close handles alike: the sum over edges of the squared
+///              difference of the loss, with smaller weights for longer edges, plus a small share of the
+///              loss itself and of the error of the reproduced point. The covariance of the handles'
+///              displacements is a Gaussian of a fifth of the cage's diagonal. Handles are dropped in ten
+///              rounds: those of the smallest weights, smoothed over the mesh
+///   weights    non-negative, Σw = 1 and, with K > D, Σwc = p as with skin_weights(). This is restored by
+///              the least relative change, so weights that fade out still do. If the kept handles do not
+///              surround the point, others replace them and the surface may crease there: with 4 handles
+///              in 3D everywhere, with 8 hardly
 ///   returns    the skin and its report, as skin_weights()
-///   cost       480 passes over the weights kept, each of some thirty numbers a weight: 0.7 ms a point for 60 handles
-///              and K of 8. Memory: #points · (#handles floats twice, and 120 doubles)
+///   cost       480 passes over the kept weights, each of some thirty numbers a weight: 0.7 ms a point for
+///              60 handles and K of 8. Memory: #points · (#handles floats twice, and 120 doubles)
 ///   fails      as skin_weights(); index_out_of_range
 template <Scalar T, std::size_t D, FaceRange F>
 Result<SkinWeights, SkinWeightsReport>

@@ -1,4 +1,4 @@
-// Tangents to go with normals, so that normals can be bound.
+// Computes tangents for normals, so that normals can be bound.
 #pragma once
 
 #include <cageform/core/view.hpp>
@@ -11,7 +11,7 @@ namespace cageform::inline CAGEFORM_ABI {
 
 namespace detail {
 
-/// `v` made of unit length, whatever its size; zero stays zero.
+/// Returns `v` scaled to unit length, whatever its size; zero stays zero.
 template <std::size_t D>
 Vec<double, D> unit_or_zero(Vec<double, D> v) noexcept {
     double largest = 0;
@@ -21,7 +21,7 @@ Vec<double, D> unit_or_zero(Vec<double, D> v) noexcept {
     return (1 / std::sqrt(dot(v, v))) * v;
 }
 
-/// Two unit vectors with cross(first, second) = `n`, of unit length.
+/// Returns two orthogonal unit vectors with cross(first, second) = `n`, for `n` of unit length.
 ///
 /// Duff et al., Building an Orthonormal Basis, Revisited (JCGT 6, 2017), listing 3.
 inline std::array<Vec<double, 3>, 2> any_tangents(const Vec<double, 3>& n) noexcept {
@@ -31,13 +31,12 @@ inline std::array<Vec<double, 3>, 2> any_tangents(const Vec<double, 3>& n) noexc
 
 } // namespace detail
 
-/// Unit tangents to go with normals of any length, to be bound by `bind_vectors` and played by
-/// `clone_normals`. In space two for each, orthogonal, with cross(tangent, bitangent) along the
-/// normal; in the plane one, the normal turned clockwise.
+/// Returns unit tangents for normals of any length. `bind_vectors` binds them, `clone_normals`
+/// converts them back to normals. In 3D there are two per normal, orthogonal, with cross(tangent,
+/// bitangent) along the normal; in 2D one, the normal rotated clockwise.
 ///
-///   returns  an array of tangents and bitangents, in the plane of tangents alone; of a zero normal
-///            zeros; of one that is not finite a tangent that is not, so that `bind_vectors`
-///            reports it
+///   returns  an array of tangents and bitangents, in 2D of tangents alone; zeros for a zero normal; for
+///            a normal that is not finite a tangent that is not, so that `bind_vectors` reports it
 template <PointRange R>
     requires(range_dimension<R> == 2 || range_dimension<R> == 3)
 auto tangents_of(const R& normals) {
@@ -64,11 +63,11 @@ auto tangents_of(const R& normals) {
     return result;
 }
 
-/// The same with tangents of one's own: made orthogonal to the normals and of unit length. The
-/// bitangents are cross(normal, tangent), whichever way the texture runs: that sign (the w of a
-/// glTF tangent) is the caller's, and no pose changes it.
+/// Returns the given tangents, made orthogonal to the normals and of unit length. The bitangents
+/// are cross(normal, tangent), whichever way the texture runs. The sign of the texture's handedness
+/// (the w of a glTF tangent) stays with the caller; no pose changes it.
 ///
-///   tangents  as many as normals; where one is zero or along the normal, any other is taken
+///   tangents  as many as normals; a tangent that is zero or along the normal is replaced by any other
 template <PointRange R, PointRange S>
     requires(range_dimension<R> == 3 && range_dimension<S> == 3)
 auto tangents_of(const R& normals, const S& tangents) {
@@ -83,7 +82,7 @@ auto tangents_of(const R& normals, const S& tangents) {
         const auto across = unit - dot(unit, n) * n;
         if (!(dot(across, across) > 1e-12)) continue; // along the normal
         auto t = detail::unit_or_zero(across);
-        t = detail::unit_or_zero(t - dot(t, n) * n); // what the first difference rounded off
+        t = detail::unit_or_zero(t - dot(t, n) * n); // the rounding error of the first subtraction
         result[0][i] = vec_cast<T>(t);
         result[1][i] = vec_cast<T>(cross(n, t));
     }

@@ -1,5 +1,5 @@
-// From a figure that was saved in full precision to one that an editor goes on with; and two levels
-// of handles as one.
+// Restores the figure that was packed in full precision, for editing; and composes two levels of
+// handles.
 #pragma once
 
 #include <cageform/binding/compose.hpp>
@@ -19,15 +19,14 @@ Binding<T, D> copy_binding(const BindingView<T, D>& view) {
 
 } // namespace detail
 
-/// The figure that was packed, to the bit: bindings, handedness and labels. Clips, levels and parts of the
-/// user are read from the packed figure itself, and so are the faces of the cage, where they were shipped as
-/// such a part: a binding knows the handles alone. What `pack` makes
-/// of a figure without further options is dense; an editor saves such a file beside the one for the
-/// game, and packs what it has opened anew.
+/// Restores the figure that was packed, to the bit: bindings, handedness and labels. Clips, levels
+/// and parts of the user are read from the packed figure itself; so are the faces of the cage if
+/// they were stored as a part, because a binding knows only the handles. `pack` without further
+/// options makes a dense figure, which this function can restore. An editor saves such a file
+/// beside the one for the game, opens it later and packs it again.
 ///
-///   figure   as `open` gives it, or any other view
-///   fails    binding_not_dense, where weights were dropped, rounded or put into another order;
-///            out_of_memory
+///   figure   as `open` returns it, or any other view
+///   fails    binding_not_dense, if weights were dropped, rounded or reordered; out_of_memory
 ///   cost     a copy of all
 template <Scalar T, std::size_t D>
 Result<FigureBinding<T, D>> unpack(const PackedFigureView<T, D>& figure) {
@@ -55,8 +54,9 @@ Result<FigureBinding<T, D>> unpack(const PackedFigureView<T, D>& figure) {
     return result;
 }
 
-/// `compose` of a whole figure: its points, and its normals and tangents with them. A cage in a
-/// coarser cage becomes one; the coarse binding has no labels, and neither has what is made.
+/// Composes a whole figure: its points, and its normals and tangents with them. It replaces a cage
+/// that is itself bound to a coarser cage by the coarser cage. The result has no labels, as the
+/// coarse binding has none.
 ///
 ///   fine, coarse, running, fails  as for `compose` of bindings
 template <Scalar T, std::size_t D>

@@ -6,11 +6,12 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// An axis-aligned box. Its vertices are the corners of the rectangles that its faces are divided
-/// into, the first axis fastest: two divisions along each axis make 26 vertices. Between the
-/// vertices of a rectangle boundary data is bilinear.
+/// An axis-aligned box. Each face is divided into rectangles, and the rectangles' corners are the
+/// vertices, numbered with the first axis fastest. Two divisions along each axis make 26 vertices.
+/// Boundary data is bilinear within a rectangle.
 ///
-/// `check` tells whether the box can serve as a cage. Memory and time are those of the vertices.
+/// `check` reports whether the box can serve as a cage. Memory and time are proportional to the
+/// number of vertices.
 template <Scalar T>
 class Box {
 public:
@@ -27,12 +28,12 @@ public:
         if (status_ != Status::ok) vertices_.clear();
     }
 
-    /// A bind keeps a weight of each vertex for each point.
+    /// Limits the vertices: binding stores one weight per vertex and point.
     static constexpr std::size_t most_vertices = std::size_t{1} << 24;
 
-    /// too_many_handles beyond `most_vertices`, which is found before any memory is taken;
-    /// out_of_memory where there was none for the vertices. There are no vertices then, and `check`
-    /// reports it. (A copy throws as one of a std::vector does.)
+    /// Returns too_many_handles beyond `most_vertices` (found before any allocation) or
+    /// out_of_memory. The box then has no vertices, and `check` reports the status. (Copying
+    /// throws, as copying a std::vector does.)
     Status status() const noexcept { return status_; }
     std::size_t size() const noexcept { return vertices_.size(); }
     std::span<const Vec<T, 3>> vertices() const noexcept { return vertices_; }
@@ -40,9 +41,8 @@ public:
     const Vec<T, 3>& upper() const noexcept { return upper_; }
     const Divisions& divisions() const noexcept { return divisions_; }
 
-    /// The boundary data at a place of the face across `axis`, the upper or the lower one. The
-    /// place is given by its parts of the box's extents, of which that along `axis` is not looked
-    /// at.
+    /// Returns the boundary data at a point on the upper or lower face across `axis`. `part` gives
+    /// the point in fractions of the box's extents; its component along `axis` is ignored.
     BoundaryValue<3> on_face(std::size_t axis, bool upper, const Vec<double, 3>& part) const noexcept {
         std::array<std::size_t, 3> low{};
         std::array<double, 3> beyond{};
@@ -68,8 +68,8 @@ public:
         return value;
     }
 
-    /// f(triangle), as arrays of vertices: the rectangles, each cut in two, counter-clockwise seen from
-    /// outside.
+    /// Calls f(triangle) with arrays of vertices. Each rectangle is cut into two triangles,
+    /// counter-clockwise seen from outside.
     template <class F>
     void for_each_triangle(F&& f) const {
         for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -85,7 +85,8 @@ public:
                             index[b] += n >= 2 ? 1 : 0;
                             return std::uint32_t(number_of(index));
                         };
-                        const bool turned = upper == (axis == 1); // a, b and the axis are left-handed
+                        const bool turned = upper == (axis == 1); // the axes a, b and `axis` form a
+                                                                  // left-handed frame
                         f(std::array{corner(0), corner(turned ? 2 : 1), corner(turned ? 1 : 2)});
                         f(std::array{corner(0), corner(turned ? 3 : 2), corner(turned ? 2 : 3)});
                     }
@@ -94,7 +95,8 @@ public:
         }
     }
 
-    /// The parts of the box's extents at which a point lies: 0 at the lower end, 1 at the upper.
+    /// Returns the position of a point in fractions of the box's extents: 0 at the lower end, 1 at
+    /// the upper.
     Vec<double, 3> parts(const Vec<double, 3>& p) const noexcept {
         Vec<double, 3> part;
         for (std::size_t k = 0; k < 3; ++k)
@@ -105,14 +107,14 @@ public:
 private:
     Status fill() {
         const auto [a, b, c] = divisions_;
-        if (a == 0 || b == 0 || c == 0) return Status::ok; // refused by `check`
+        if (a == 0 || b == 0 || c == 0) return Status::ok; // `check` refuses these
         const double x = double(a), y = double(b), z = double(c);
         if (2 * (x * y + y * z + z * x + 1) > double(most_vertices)) return Status::too_many_handles;
         std::array<std::size_t, 3> index{};
         for (index[2] = 0; index[2] <= c; ++index[2]) {
             for (index[1] = 0; index[1] <= b; ++index[1]) {
                 const bool whole = index[2] == 0 || index[2] == c || index[1] == 0 || index[1] == b;
-                const std::size_t step = whole ? 1 : a; // over the inside
+                const std::size_t step = whole ? 1 : a; // jump over the interior
                 for (index[0] = 0; index[0] <= a; index[0] += step) vertices_.push_back(place(index));
             }
         }
@@ -126,7 +128,8 @@ private:
         }
         return p;
     }
-    /// The number of the vertex at a place of the surface: of those before it.
+    /// Returns the number of the vertex with these lattice indices on the surface, by counting the
+    /// vertices before it.
     std::size_t number_of(const std::array<std::size_t, 3>& index) const noexcept {
         const auto [a, b, c] = divisions_;
         const auto [i, j, k] = index;
@@ -142,10 +145,10 @@ private:
     Vec<T, 3> lower_{}, upper_{};
     Divisions divisions_{};
     std::vector<Vec<T, 3>> vertices_;
-    Status status_ = Status::ok; // last: what fills the others is its initialiser
+    Status status_ = Status::ok; // declared last: its initialiser fills the other members
 };
 
-/// f(triangle), as arrays of vertices.
+/// Calls f(triangle) with arrays of vertices.
 template <Scalar T, class F>
 void for_each_facet(const Box<T>& box, F&& f) {
     box.for_each_triangle(f);
@@ -153,11 +156,12 @@ void for_each_facet(const Box<T>& box, F&& f) {
 
 // ---- inside -------------------------------------------------------------------------------------
 
-/// Inside, on the boundary when within `tolerance` of it (the cage's coincidence_tolerance).
+/// Classifies a point. It is on the boundary if it lies within `tolerance` of it (pass the cage's
+/// coincidence_tolerance).
 template <Scalar T>
 PointState locate(const Box<T>& box, const Vec<T, 3>& p, T tolerance) noexcept {
     if (!is_finite(p)) return PointState::not_finite;
-    double least = (std::numeric_limits<double>::max)(); // to a face, negative outside
+    double least = (std::numeric_limits<double>::max)(); // distance to the nearest face, negative outside
     for (std::size_t k = 0; k < 3; ++k) {
         least = std::fmin(
             least, std::fmin(double(p[k]) - double(box.lower()[k]), double(box.upper()[k]) - double(p[k])));
@@ -166,7 +170,8 @@ PointState locate(const Box<T>& box, const Vec<T, 3>& p, T tolerance) noexcept {
     return least > 0 ? PointState::inside : PointState::outside;
 }
 
-/// The boundary data at the boundary place nearest to a finite point, and that place.
+/// Finds the boundary point nearest to a finite point; returns the boundary data there and stores
+/// the point in `place`.
 template <Scalar T>
 BoundaryValue<3> nearest_boundary_value(const Box<T>& box, const Vec<T, 3>& p, Vec<T, 3>& place) noexcept {
     std::size_t axis = 0;
@@ -193,8 +198,8 @@ BoundaryValue<3> nearest_boundary_value(const Box<T>& box, const Vec<T, 3>& p, V
 
 // ---- check --------------------------------------------------------------------------------------
 
-/// Whether a box can serve as a cage: its corners are finite, and along every axis there are
-/// divisions, which are longer than coincidence_tolerance.
+/// Whether a box can serve as a cage: its corners are finite, and along every axis it has divisions
+/// longer than coincidence_tolerance.
 template <Scalar T>
 CageReport check(const Box<T>& box) {
     return detail::report_on(box.status(), [&](CageReport& report) {

@@ -1,4 +1,4 @@
-// A cage with cells inside that carry handles of their own: points, edges, and in space faces.
+// A cage with cells inside that carry their own handles: points, edges and, in space, faces.
 #pragma once
 
 #include <cageform/cage/detail/bones.hpp>
@@ -8,15 +8,15 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// A point (`i` = `j`), or in space an edge of a chain. It has a radius because without one it has
-/// no capacity, and no harmonic function takes notice of its value. Places within the radius have
-/// the value of the bone's nearest place.
+/// A point (`i` = `j`) or, in space, an edge of a chain. A bone needs a radius: a point or a thin
+/// edge has no capacity, so a harmonic function would ignore its value. Points within the radius
+/// take the value of the bone's nearest point.
 struct Bone {
     std::uint32_t i = 0, j = 0; ///< handles
     double radius = 0;          ///< in the units of the cage
 };
 
-/// Cells inside a cage, by their handles.
+/// The cells inside a cage, given by their handles.
 template <std::size_t D>
 struct InteriorCells {
     std::vector<std::array<std::uint32_t, D>> facets; ///< edges of chains in the plane, faces in space
@@ -25,26 +25,26 @@ struct InteriorCells {
     bool empty() const noexcept { return facets.empty() && bones.empty(); }
 };
 
-/// A boundary and cells inside it (Joshi et al. 2007, sec. 4.1), for local control: a vertex in the
-/// head, a line of bones, a wall between two legs. The functions are linear on the cells and only
-/// continuous across them. The handles are the vertices of the boundary, then those of the cells in
-/// the order they were added.
+/// A boundary with cells inside it (Joshi et al. 2007, sec. 4.1), for local control: a vertex in
+/// the head, a line of bones, a wall between two legs. The coordinate functions are linear on the
+/// cells and only continuous across them. The handles are the vertices of the boundary, then those
+/// of the cells in the order they were added.
 ///
 ///     CellComplex<double, 2> cage(Polygon<double>(outline));
 ///     const std::size_t head = cage.add_point(eye, 12.0);
 ///     cage.add_chain(spine);
 ///
-/// About bones linear functions are missed, by at most the radius. `bind` restores them by default,
-/// for poses that turn the whole cage; weights then leave [0, 1] by about the radius over the
-/// cage's size (LinearPrecision::leave keeps them).
+/// Near bones linear functions are not reproduced exactly; the error is at most the radius. By
+/// default `bind` restores them, for poses that rotate the whole cage. Weights may then leave [0,
+/// 1] by about the radius over the cage's size (LinearPrecision::leave skips this).
 ///
-/// A point that equals a vertex already there is that vertex: so cells meet, and a chain from
-/// boundary to boundary parts the cage. Construction never fails; `check` tells whether the complex
-/// can serve as a cage. To add a point takes O(#handles).
+/// A point equal to an existing vertex reuses that vertex. This is how cells meet, and how a chain
+/// from boundary to boundary divides the cage. Construction never fails; `check` reports whether
+/// the complex can serve as a cage. Adding a point takes O(#handles).
 ///
-/// Next to the free rim of faces in space, and the end of a chain without a grid cell of room
-/// about it, the functions rise like the square root of the distance, which a grid misses by some
-/// tenths within a cell.
+/// Near the free rim of faces in space, and near the end of a chain that has less than a grid cell
+/// of room around it, the functions rise like the square root of the distance. A grid misses them
+/// there by some tenths within a cell.
 template <Scalar T, std::size_t D>
     requires(D == 2 || D == 3)
 class CellComplex {
@@ -59,7 +59,7 @@ public:
         keep([&] { vertices_.assign(boundary_.vertices().begin(), boundary_.vertices().end()); });
     }
 
-    /// An isolated vertex; everything within `radius` follows it. Returns its handle.
+    /// Adds an isolated vertex; everything within `radius` follows it. Returns its handle.
     template <Point P>
     std::size_t add_point(const P& point, T radius) {
         std::uint32_t i = no_vertex;
@@ -70,7 +70,7 @@ public:
         return i;
     }
 
-    /// Edges from each of the points to the next, in the plane. Returns the handles of the points.
+    /// Adds edges in the plane, from each point to the next. Returns the handles of the points.
     template <PointRange R>
         requires(D == 2 && range_dimension<R> == 2)
     std::vector<std::size_t> add_chain(const R& points) {
@@ -82,7 +82,8 @@ public:
         });
         return handles;
     }
-    /// Edges in space; everything within `radius` of them follows them.
+    /// Adds edges in space; everything within `radius` of them follows them. Returns the handles of
+    /// the points.
     template <PointRange R>
         requires(D == 3 && range_dimension<R> == 3)
     std::vector<std::size_t> add_chain(const R& points, T radius) {
@@ -96,9 +97,9 @@ public:
         });
         return handles;
     }
-    /// Triangles in space: `faces[f][k]`, k = 0, 1, 2, is the place in `points` of a corner.
-    /// Returns the handles of the points. Faces that name a point that there is not are remembered
-    /// and reported by `check`.
+    /// Adds triangles in space: `faces[f][k]`, k = 0, 1, 2, is the index in `points` of a corner.
+    /// Returns the handles of the points. Faces that name a missing point are remembered, and
+    /// `check` reports them.
     template <PointRange R, FaceRange F>
         requires(D == 3 && range_dimension<R> == 3)
     std::vector<std::size_t> add_faces(const R& points, const F& faces) {
@@ -115,17 +116,17 @@ public:
         return handles;
     }
 
-    /// out_of_memory where there was none for something added; it is then not to be used. `check`
-    /// reports it. (A copy throws as one of a std::vector does.)
+    /// Returns out_of_memory if an addition did not fit in memory; do not use the complex then.
+    /// `check` reports it. (Copying throws, as copying a std::vector does.)
     Status status() const noexcept { return status_; }
-    std::size_t size() const noexcept { return vertices_.size(); } ///< handles
+    std::size_t size() const noexcept { return vertices_.size(); } ///< number of handles
     std::span<const Vec<T, D>> vertices() const noexcept { return vertices_; }
     const Vec<T, D>& operator[](std::size_t i) const noexcept { return vertices_[i]; }
     const Boundary& boundary() const noexcept { return boundary_; }
     const InteriorCells<D>& cells() const noexcept { return cells_; }
 
 private:
-    /// Runs add() and remembers that its memory was not there.
+    /// Runs add() and records its status if it runs out of memory.
     template <class Add>
     void keep(const Add& add) {
         const Status status = detail::guard_memory([&] {
@@ -158,13 +159,13 @@ CellComplex(Polygon<T>) -> CellComplex<T, 2>;
 template <Scalar T>
 CellComplex(TriangleMesh<T>) -> CellComplex<T, 3>;
 
-/// The boundary of any cage, and the cells inside it.
+/// Return the boundary of any cage, and the cells inside it.
 template <class Cage>
 const Cage& boundary_of(const Cage& cage) noexcept {
     return cage; // NOLINT(bugprone-return-const-ref-from-parameter): no temporaries, see below
 }
 template <class Cage>
-const Cage& boundary_of(const Cage&& cage) = delete; // of a temporary
+const Cage& boundary_of(const Cage&& cage) = delete; // refuses temporaries
 template <Scalar T, std::size_t D>
 const typename CellComplex<T, D>::Boundary& boundary_of(const CellComplex<T, D>& cage) noexcept {
     return cage.boundary();
@@ -180,15 +181,15 @@ const InteriorCells<D>& interior_cells(const CellComplex<T, D>& cage) noexcept {
 
 // ---- inside -------------------------------------------------------------------------------------
 
-/// The bone of a complex with its vertices' places.
+/// Returns a bone of a complex with the positions of its vertices.
 template <Scalar T, std::size_t D>
 PlacedBone<D> placed_bone(const CellComplex<T, D>& cage, const Bone& bone) noexcept {
     return {bone.i, bone.j, vec_cast<double>(cage[bone.i]), vec_cast<double>(cage[bone.j]), bone.radius};
 }
 
-/// The boundary data at the place of boundary and cells nearest to a finite point, and that place:
-/// linear on facets, that of the nearest place within the radius of a bone. Of a sound complex;
-/// O(facets and bones).
+/// Finds the point of boundary and cells nearest to a finite point; returns the boundary data there
+/// and stores the point in `place`. The data is linear on facets; within the radius of a bone it is
+/// that of the bone's nearest point. The complex must be sound. O(facets and bones).
 template <Scalar T, std::size_t D>
 BoundaryValue<D> nearest_boundary_value(const CellComplex<T, D>& cage, const Vec<T, D>& p,
                                         Vec<T, D>& place) noexcept {
@@ -216,7 +217,8 @@ BoundaryValue<D> nearest_boundary_value(const CellComplex<T, D>& cage, const Vec
     return value;
 }
 
-/// As for the boundary; places on a facet, or within the radius of a bone, are on_boundary.
+/// Classifies a point as for the boundary; points on a facet or within the radius of a bone are
+/// on_boundary too.
 template <Scalar T, std::size_t D>
 PointState locate(const CellComplex<T, D>& cage, const Vec<T, D>& p, T tolerance) noexcept {
     const auto state = locate(cage.boundary(), p, tolerance);
@@ -235,7 +237,7 @@ PointState locate(const CellComplex<T, D>& cage, const Vec<T, D>& p, T tolerance
 
 // ---- check --------------------------------------------------------------------------------------
 
-/// What coordinate types that know no interior cells report.
+/// Reports interior cells as a fault, for coordinate types that do not support them.
 template <Scalar T, std::size_t D>
 void refuse_interior_cells(const CellComplex<T, D>& cage, CageReport& report) {
     const std::size_t cells = cage.cells().facets.size() + cage.cells().bones.size();
@@ -245,7 +247,8 @@ void refuse_interior_cells(const CellComplex<T, D>& cage, CageReport& report) {
 
 namespace detail {
 
-/// Vertices that are finite, faces that have theirs, bones that have a radius.
+/// Checks that vertices are finite, that facets name existing vertices, and that bones have a
+/// positive radius.
 template <Scalar T, std::size_t D>
 void check_cells(const CellComplex<T, D>& cage, CageReport& report) {
     for (std::size_t i = cage.boundary().size(); i < cage.size(); ++i) {
@@ -261,7 +264,7 @@ void check_cells(const CellComplex<T, D>& cage, CageReport& report) {
     }
 }
 
-/// The steps of `check` after `check_cells` has found nothing. Each adds to the report.
+/// The steps of `check` after `check_cells` found nothing. Each step adds to the report.
 template <Scalar T, std::size_t D>
 class ComplexCheck {
 public:
@@ -278,8 +281,8 @@ public:
         });
     }
 
-    /// Vertices of cells are apart from all others and inside, unless the boundary has them too.
-    /// Those that nothing uses get a warning, as in a mesh.
+    /// Checks that vertices of cells are apart from all others and inside, unless they belong to
+    /// the boundary. Unused vertices get a warning, as in a mesh.
     void check_vertices() {
         std::vector<bool> used(cage_.size());
         for (const auto& facet : cells()) {
@@ -317,7 +320,8 @@ public:
         }
     }
 
-    /// Facets lie inside, and meet the boundary and each other in common vertices and edges alone.
+    /// Checks that facets lie inside, and meet the boundary and each other only in common vertices
+    /// and edges.
     void check_facets() {
         for (const auto& facet : cells()) {
             std::array<double, D> middle;
@@ -332,7 +336,8 @@ public:
         }
     }
 
-    /// Bones keep their radius from all facets, and from other bones unless they share a joint.
+    /// Checks that bones keep their radius from all facets, and from other bones unless they share
+    /// a joint.
     void check_bones() {
         for (std::size_t n = 0; n < bones_.size(); ++n) {
             const auto& bone = bones_[n];
@@ -358,7 +363,7 @@ private:
             report_.add(CageFaultKind::interior_cell_outside, handle);
     }
     void touch(std::size_t a, std::size_t b) { report_.add(CageFaultKind::interior_cells_touch, a, b); }
-    /// Whether an end of bone `b` that is no joint with bone `a` lies in that.
+    /// Whether an end of bone `b`, other than a joint shared with bone `a`, lies inside bone `a`.
     bool swallows(const PlacedBone<D>& a, const PlacedBone<D>& b) const noexcept {
         return (!a.has(b.i) && a.distance(b.a) <= tolerance_) ||
                (!a.has(b.j) && a.distance(b.b) <= tolerance_);
@@ -368,17 +373,18 @@ private:
     CageReport& report_;
     T rounding_;
     double tolerance_;
-    Buffer<Facet<D>> facets_; ///< those of the cells, then those of the boundary
-    std::size_t inner_ = 0;   ///< facets of cells
+    Buffer<Facet<D>> facets_; ///< of the cells first, then of the boundary
+    std::size_t inner_ = 0;   ///< number of facets of cells
     Buffer<PlacedBone<D>> bones_;
 };
 
 } // namespace detail
 
-/// Whether a complex can serve as a cage: its boundary can; its cells are not degenerate, lie
-/// inside, and meet the boundary and each other in common vertices, edges and faces alone; bones
-/// have a radius, keep it from the boundary and from facets, share vertices only with each other,
-/// and reach no other end of those. O(cells · (cells + facets of the boundary)).
+/// Whether a complex can serve as a cage. The boundary must be sound. The cells must not be
+/// degenerate, must lie inside, and may meet the boundary and each other only in common vertices,
+/// edges and faces. Bones must have a positive radius, keep that distance from the boundary and
+/// from facets, share vertices only with other bones, and not reach the far ends of these. O(cells
+/// · (cells + facets of the boundary)).
 template <Scalar T, std::size_t D>
 CageReport check(const CellComplex<T, D>& cage) {
     return detail::report_on(cage.status(), [&](CageReport& report) {

@@ -1,5 +1,5 @@
-// Sets of control points made from a figure: points of its own as handles, and points about it that
-// stand still.
+// Builds sets of control points from a figure: figure points that serve as handles, and fixed
+// points around the figure.
 #pragma once
 
 #include <cageform/cage/detail/primitives.hpp>
@@ -11,27 +11,28 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
+/// The result of `sites_with_figure_points`.
 template <Scalar T, std::size_t D>
 struct ConstraintPoints {
-    std::vector<Vec<T, D>> sites;       ///< those given, then those added; empty unless ok
+    std::vector<Vec<T, D>> sites;       ///< those given, then those added
     std::vector<std::uint32_t> handles; ///< #indices: the site at each figure point
 };
 
 /// Adds points of a figure to a set of control points, so that they can be moved directly: a figure
-/// point at a site follows it exactly.
+/// point that is a site follows it exactly.
 ///
 ///   sites    any PointRange
 ///   figure   any PointRange of the same dimension, converted to the scalar of the sites
-///   indices  of figure points; one nearer to a site before it than coincidence_tolerance (of sites
-///            and chosen points) adds none and takes that site for its handle
+///   indices  of figure points; one closer to an earlier site than coincidence_tolerance (of sites
+///            and chosen points) adds no site and uses that one as its handle
 ///   cost     O(#indices · #sites)
 ///   fails    index_out_of_range, vertex_not_finite, out_of_memory
 template <PointRange S, PointRangeIn<range_dimension<S>> F>
-ConstraintPoints<range_scalar_t<S>, range_dimension<S>>
+Result<ConstraintPoints<range_scalar_t<S>, range_dimension<S>>>
 sites_with_figure_points(const S& sites, const F& figure, std::span<const std::size_t> indices) {
     using T = range_scalar_t<S>;
     using Site = Vec<T, range_dimension<S>>;
-    ConstraintPoints<T, range_dimension<S>> result;
+    Result<ConstraintPoints<T, range_dimension<S>>> result;
     const auto run = [&] {
         for (std::size_t i = 0; i < std::size(sites); ++i) result.value.sites.push_back(to_vec<T>(sites[i]));
         std::vector<Site> chosen;
@@ -57,31 +58,30 @@ sites_with_figure_points(const S& sites, const F& figure, std::span<const std::s
         return Status::ok;
     };
     result.report = detail::guard_memory(run);
-    if (result.report != Status::ok) {
-        result.value.sites.clear();
-        result.value.handles.clear();
-    }
+    if (!result) result.value = {};
     return result;
 }
 
-/// Which points of a box `surround` makes.
+/// Selects the points of the box that `surround` makes.
 enum class SurroundSites : std::uint8_t {
-    corners, ///< 2^D
-    lattice, ///< 3^D − 1: corners, and the middles of edges and, in space, of faces
+    corners, ///< the 2^D corners
+    lattice, ///< 3^D − 1 points: corners, and the midpoints of edges and, in space, of faces
 };
 
 struct SurroundOptions {
-    double margin = 0.25; ///< from the points to the sides of the box, in diagonals of the points; above 0
+    double margin = 0.25; ///< distance from the points to the sides of the box, in diagonals of the
+                          ///< points; > 0
     SurroundSites sites = SurroundSites::corners;
 };
 
-/// Sites of a box around points, to stand still: a deformation by sites among the points and these
-/// fades to nothing towards the box, and no point is outside.
+/// Makes sites on a box around points, which are meant to stay fixed. Together with sites among the
+/// points they make a deformation fade to nothing towards the box, and no point lies outside.
 ///
-///   points  any PointRange: figure and sites. In a plane, or on a line, they have a margin across
-///   fails   too_few_vertices where there is no point, vertex_not_finite, cage_has_no_area or
-///           cage_has_no_volume where all points are one, radius_not_positive of the margin,
-///           value_not_finite where a corner is beyond the scalar's range, out_of_memory
+///
+///   points  any PointRange: figure and sites. Points in one plane or on one line get a margin across it
+///   fails   too_few_vertices without points, vertex_not_finite, cage_has_no_area or
+///           cage_has_no_volume if all points coincide, radius_not_positive for the margin,
+///           value_not_finite if a corner exceeds the scalar's range, out_of_memory
 template <PointRange R>
 Result<std::vector<Vec<range_scalar_t<R>, range_dimension<R>>>>
 surround(const R& points, const SurroundOptions& options = {}) {
@@ -104,7 +104,7 @@ surround(const R& points, const SurroundOptions& options = {}) {
         std::size_t count = 1;
         for (std::size_t k = 0; k < D; ++k) count *= steps;
         for (std::size_t i = 0; i < count; ++i) {
-            if (2 * i + 1 == count) continue; // the middle of a lattice
+            if (2 * i + 1 == count) continue; // skip the centre of the lattice
             Vec<double, D> site{};
             for (std::size_t k = 0, rest = i; k < D; ++k, rest /= steps) {
                 const double share = double(rest % steps) / double(steps - 1);
@@ -115,7 +115,7 @@ surround(const R& points, const SurroundOptions& options = {}) {
         }
         return Status::ok;
     });
-    if (result.report != Status::ok) result.value.clear();
+    if (!result) result.value.clear();
     return result;
 }
 

@@ -1,4 +1,4 @@
-// Control points without a cage: sites anywhere on, in or about a figure.
+// Control points that belong to no cage: sites anywhere on, in or around a figure.
 #pragma once
 
 #include <cageform/cage/detail/primitives.hpp>
@@ -7,10 +7,11 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// A set of sites in the plane or in space, in any order: no box, no lattice, no topology.
+/// A set of sites in the plane or in space, in any order. It has no box, no lattice and no
+/// topology.
 ///
-/// Copies the sites. Construction never fails; `check` tells whether they can serve as control
-/// points.
+/// Copies the sites. Construction never fails; `check` reports whether the sites can serve as
+/// control points.
 template <Scalar T, std::size_t D>
 class PointSet {
     static_assert(D == 2 || D == 3, "sites lie in the plane or in space");
@@ -32,8 +33,8 @@ public:
         if (status_ != Status::ok) sites_.clear();
     }
 
-    /// out_of_memory where there was none for the sites: there are none then. `check` reports it.
-    /// (A copy throws as one of a std::vector does.)
+    /// Returns out_of_memory if the sites did not fit in memory; the set is then empty. `check`
+    /// reports it. (Copying throws, as copying a std::vector does.)
     Status status() const noexcept { return status_; }
     std::size_t size() const noexcept { return sites_.size(); }
     std::span<const Vec<T, D>> sites() const noexcept { return sites_; }
@@ -41,7 +42,7 @@ public:
 
 private:
     std::vector<Vec<T, D>> sites_;
-    Status status_ = Status::ok; // last: what fills the others is its initialiser
+    Status status_ = Status::ok; // declared last: its initialiser fills the other members
 };
 
 template <PointRange R>
@@ -49,9 +50,10 @@ PointSet(const R&) -> PointSet<range_scalar_t<R>, range_dimension<R>>;
 
 namespace detail {
 
-/// f(i, j), i < j, for sites nearer to each other than `tolerance`: every site once at most, with
-/// the first of those it coincides with. Runs of sites without a gap along one axis after the other,
-/// until none is divided: O(n log n) unless very many are nearly one.
+/// Calls f(i, j), i < j, for sites closer to each other than `tolerance`. Each site j is reported
+/// at most once, with the first site i it coincides with. Sorts the sites along one axis after the
+/// other and splits them at gaps wider than the tolerance, until no axis splits a run any more. O(n
+/// log n) unless very many sites almost coincide.
 template <std::size_t D>
 class CloseSites {
 public:
@@ -80,8 +82,8 @@ public:
 private:
     struct Run {
         std::size_t begin, end;
-        std::size_t axis;      ///< the next to sort by
-        std::size_t undivided; ///< axes in a row along which there was no gap
+        std::size_t axis;      ///< the axis to sort along next
+        std::size_t undivided; ///< number of successive axes without a gap
     };
 
     void divide(const Run& run, std::vector<Run>& runs) {
@@ -116,8 +118,8 @@ private:
     std::vector<std::size_t> order_;
 };
 
-/// Whether all sites lie within `tolerance` of a line in the plane, of a plane in space: of the one
-/// through sites that lie as far from each other as can be, one after the other.
+/// Whether all sites lie within `tolerance` of a line (in the plane) or of a plane (in space). The
+/// line or plane is spanned greedily: each axis points to the site farthest from the span so far.
 template <std::size_t D>
 bool is_flat_set(std::span<const Vec<double, D>> sites, double tolerance) noexcept {
     std::array<Vec<double, D>, D> axis{}; // orthonormal
@@ -135,7 +137,7 @@ bool is_flat_set(std::span<const Vec<double, D>> sites, double tolerance) noexce
     return false;
 }
 
-/// The steps of `check`.
+/// Runs the steps of `check`.
 template <Scalar T, std::size_t D>
 void check_point_set(const PointSet<T, D>& set, CageReport& report) {
     if (set.size() < D + 1) return report.add(CageFaultKind::too_few_vertices, 0, set.size());
@@ -144,7 +146,7 @@ void check_point_set(const PointSet<T, D>& set, CageReport& report) {
     }
     if (report.status != Status::ok) return;
 
-    // In units of the largest coordinate, so that nothing overflows or vanishes.
+    // Scale by the largest coordinate so that nothing overflows or underflows.
     std::vector<Vec<double, D>> sites;
     for (const auto& site : set.sites()) sites.push_back(vec_cast<double>(site));
     int exponent = 0;
@@ -163,10 +165,10 @@ void check_point_set(const PointSet<T, D>& set, CageReport& report) {
 
 } // namespace detail
 
-/// Whether sites can serve as control points: D + 1 at least, finite, none of them nearer to another
-/// than the coincidence_tolerance of their bounds, and not all of them that near to a plane (in the
-/// plane, to a line). Of duplicates every one counts once, with the first that it coincides with.
-/// O(n log n).
+/// Whether sites can serve as control points. There must be at least D + 1, all finite, no two
+/// closer than the coincidence_tolerance of their bounds, and not all within that tolerance of one
+/// plane (in the plane, of one line). Each duplicate is reported once, with the first site it
+/// coincides with. O(n log n).
 template <Scalar T, std::size_t D>
 CageReport check(const PointSet<T, D>& set) {
     return detail::report_on(set.status(), [&](CageReport& report) { detail::check_point_set(set, report); });

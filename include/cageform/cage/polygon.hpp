@@ -1,5 +1,4 @@
-// The 2D cage: one or more closed polygons. What they are, where a point lies, whether they are
-// sound.
+// The 2D cage, one or more closed polygons: its data, point location, and its check.
 #pragma once
 
 #include <cageform/cage/detail/boundary_value.hpp>
@@ -10,12 +9,12 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// A cage in the plane: closed loops of vertices, outer loops and holes in any order and
-/// orientation (inside is where the even-odd rule says so). A loop is a run of consecutive
-/// vertices; the edge from its last vertex to its first is implied.
+/// A cage in the plane: closed loops of vertices. Outer loops and holes come in any order and
+/// orientation; the even-odd rule decides what is inside. A loop is a run of consecutive vertices;
+/// the edge from its last vertex to its first is implied.
 ///
-/// Copies the vertices (a cage is small). Construction never fails; `check` tells whether the
-/// polygon can serve as a cage, and every coordinate type asks it.
+/// Copies the vertices (a cage is small). Construction never fails; `check` reports whether the
+/// polygon can serve as a cage, and every coordinate type calls it.
 template <Scalar T>
 class Polygon {
 public:
@@ -37,14 +36,14 @@ public:
 
     Polygon() = default;
 
-    /// A single loop.
+    /// Makes a single loop.
     template <PointRange R>
         requires(range_dimension<R> == 2)
     explicit Polygon(const R& vertices)
         : Polygon(vertices, {}) {}
 
-    /// Several loops: `loop_sizes[k]` vertices each, in the order of the vertices. Sizes that do
-    /// not add up to the number of vertices are remembered and reported by `check`.
+    /// Makes several loops of `loop_sizes[k]` vertices each, in the order of the vertices. Sizes
+    /// that do not add up to the number of vertices are remembered, and `check` reports them.
     template <PointRange R>
         requires(range_dimension<R> == 2)
     Polygon(const R& vertices, std::span<const std::size_t> loop_sizes)
@@ -52,8 +51,8 @@ public:
         if (status_ != Status::ok) *this = Polygon(status_);
     }
 
-    /// out_of_memory where there was none for the vertices; the polygon is then empty. `check`
-    /// reports it. (A copy throws as one of a std::vector does.)
+    /// Returns out_of_memory if the vertices did not fit in memory; the polygon is then empty.
+    /// `check` reports it. (Copying throws, as copying a std::vector does.)
     Status status() const noexcept { return status_; }
     std::size_t size() const noexcept { return vertices_.size(); }
     std::span<const Vec<T, 2>> vertices() const noexcept { return vertices_; }
@@ -61,7 +60,7 @@ public:
     std::span<const Loop> loops() const noexcept { return loops_; }
     bool loops_match() const noexcept { return loops_match_; }
 
-    /// The edges of all loops.
+    /// Calls `f(i, j)` for the edges of all loops.
     template <class F>
     void for_each_edge(F&& f) const {
         for (const Loop& loop : loops_) loop.for_each_edge(f);
@@ -93,7 +92,7 @@ private:
     std::vector<Vec<T, 2>> vertices_;
     Buffer<Loop> loops_;
     bool loops_match_ = true;
-    Status status_ = Status::ok; // last: what fills the others is its initialiser
+    Status status_ = Status::ok; // declared last: its initialiser fills the other members
 };
 
 /// Deduces the scalar from the points: `Polygon cage(points)` is a Polygon<double> for double
@@ -103,7 +102,7 @@ Polygon(const R&) -> Polygon<range_scalar_t<R>>;
 template <PointRange R, class Sizes>
 Polygon(const R&, const Sizes&) -> Polygon<range_scalar_t<R>>;
 
-/// f(edge), as arrays of vertices.
+/// Calls f(edge) with arrays of vertices.
 template <Scalar T, class F>
 void for_each_facet(const Polygon<T>& polygon, F&& f) {
     polygon.for_each_edge([&](std::size_t i, std::size_t j) {
@@ -111,7 +110,7 @@ void for_each_facet(const Polygon<T>& polygon, F&& f) {
     });
 }
 
-/// The signed area of a loop, positive when counter-clockwise (y up).
+/// Returns the signed area of a loop, positive if it is counter-clockwise (y up).
 template <Scalar T>
 double signed_area(const Polygon<T>& polygon, typename Polygon<T>::Loop loop) noexcept {
     double twice = 0;
@@ -124,8 +123,8 @@ double signed_area(const Polygon<T>& polygon, typename Polygon<T>::Loop loop) no
 
 // ---- inside -------------------------------------------------------------------------------------
 
-/// How many other loops enclose loop `k`: even for an outer loop, odd for a hole. Loops must not
-/// touch.
+/// Counts the other loops that enclose loop `k`: an even number for an outer loop, odd for a hole.
+/// Loops must not touch.
 template <Scalar T>
 std::size_t loop_depth(const Polygon<T>& polygon, std::size_t k) noexcept {
     const auto q = vec_cast<double>(polygon[polygon.loops()[k].begin]);
@@ -142,25 +141,25 @@ std::size_t loop_depth(const Polygon<T>& polygon, std::size_t k) noexcept {
     return depth;
 }
 
-/// Whether the inside of the polygon lies to the left of the edges of loop `k`: outer loops
-/// counter-clockwise, holes clockwise. Loops must not touch. O(#V).
+/// Whether the inside of the polygon lies to the left of the edges of loop `k`, as it does for a
+/// counter-clockwise outer loop and a clockwise hole. Loops must not touch. O(#V).
 template <Scalar T>
 bool inside_is_left(const Polygon<T>& polygon, std::size_t k) noexcept {
     return (signed_area(polygon, polygon.loops()[k]) > 0) == (loop_depth(polygon, k) % 2 == 0);
 }
 
-/// A place on the boundary of a polygon: (1 − s) vertex[i] + s vertex[j].
+/// A point on the boundary of a polygon: (1 − s) vertex[i] + s vertex[j].
 template <Scalar T>
 struct BoundaryPoint {
     std::size_t i = 0;
     std::size_t j = 0;
     T s = 0;            ///< in [0, 1]
-    T distance = 0;     ///< from the point asked for
-    Vec<T, 2> position; ///< of the place itself
+    T distance = 0;     ///< to the query point
+    Vec<T, 2> position; ///< of the boundary point
 };
 
-/// The place of edge (i, j) nearest to `p`; interpolated from the nearer end, so that both ends are
-/// met exactly. `p` must be finite.
+/// Returns the point of edge (i, j) nearest to `p`. Interpolates from the nearer end, so that both
+/// ends are reproduced exactly. `p` must be finite.
 template <Scalar T>
 BoundaryPoint<T> nearest_on_edge(const Polygon<T>& polygon, std::size_t i, std::size_t j,
                                  const Vec<T, 2>& p) noexcept {
@@ -176,20 +175,21 @@ BoundaryPoint<T> nearest_on_edge(const Polygon<T>& polygon, std::size_t i, std::
     return {i, j, static_cast<T>(s), static_cast<T>(std::hypot(x[0] - q[0], x[1] - q[1])), vec_cast<T>(x)};
 }
 
-/// The nearest place on the whole boundary. `p` must be finite and the polygon not empty. O(#V).
+/// Returns the nearest point on the whole boundary. `p` must be finite and the polygon not empty.
+/// O(#V).
 template <Scalar T>
 BoundaryPoint<T> nearest_on_boundary(const Polygon<T>& polygon, const Vec<T, 2>& p) noexcept {
     BoundaryPoint<T> best;
     polygon.for_each_edge([&](std::size_t i, std::size_t j) {
         const auto candidate = nearest_on_edge(polygon, i, j, p);
-        const bool first = best.i == best.j; // taken as it is: so far out all distances may be infinite
+        const bool first = best.i == best.j; // accepted as is: far away all distances may be infinite
         if (first || candidate.distance < best.distance) best = candidate;
     });
     return best;
 }
 
-/// The boundary data at the boundary place nearest to a finite point, and that place: linear along
-/// the edges.
+/// Finds the boundary point nearest to a finite point; returns the boundary data there, which is
+/// linear along the edges, and stores the point in `place`.
 template <Scalar T>
 BoundaryValue<2> nearest_boundary_value(const Polygon<T>& polygon, const Vec<T, 2>& p,
                                         Vec<T, 2>& place) noexcept {
@@ -198,11 +198,11 @@ BoundaryValue<2> nearest_boundary_value(const Polygon<T>& polygon, const Vec<T, 
     return {{std::uint32_t(q.i), std::uint32_t(q.j)}, {1 - double(q.s), double(q.s)}};
 }
 
-/// Inside by the even-odd rule; on the boundary when within `tolerance` of it (the cage's
-/// coincidence_tolerance); not_finite for a NaN or infinite point. O(#V).
+/// Classifies a point by the even-odd rule. It is on the boundary if it lies within `tolerance` of
+/// it (pass the cage's coincidence_tolerance); a NaN or infinite point is not_finite. O(#V).
 ///
-/// On which side of an edge the point is can only be wrong nearer to the edge than the tolerance,
-/// where the answer is on_boundary in any case.
+/// Rounding can only confuse the sides of an edge closer to it than the tolerance, where the answer
+/// is on_boundary anyway.
 template <Scalar T>
 PointState locate(const Polygon<T>& polygon, const Vec<T, 2>& p, T tolerance) noexcept {
     if (!is_finite(p)) return PointState::not_finite;
@@ -226,7 +226,7 @@ PointState locate(const Polygon<T>& polygon, const Vec<T, 2>& p, T tolerance) no
 
 namespace detail {
 
-/// Numbers of vertices, and finite ones.
+/// Checks the numbers of vertices, and that all are finite.
 template <Scalar T>
 void check_loops(const Polygon<T>& polygon, CageReport& report) {
     const auto loops = polygon.loops();
@@ -244,7 +244,8 @@ void check_loops(const Polygon<T>& polygon, CageReport& report) {
     }
 }
 
-/// Whether no vertex leaves the line through the first vertex and the one farthest from it.
+/// Whether all vertices lie within tolerance of the line through the first vertex and the one
+/// farthest from it.
 inline bool is_flat_loop(std::span<const Facet<2>> edges, double tolerance) {
     const auto origin = edges[0].corner[0];
     Vec<double, 2> axis{0, 0};
@@ -265,7 +266,7 @@ inline void check_crossing_edges(std::span<const Facet<2>> edges, double toleran
                   });
 }
 
-/// Vertices between collinear edges of a loop.
+/// Warns of vertices whose two edges are collinear.
 inline void check_collinear_vertices(std::span<const Facet<2>> edges, double tolerance, CageReport& report) {
     const Facet<2>* before = &edges.back();
     for (const auto& edge : edges) {
@@ -277,7 +278,7 @@ inline void check_collinear_vertices(std::span<const Facet<2>> edges, double tol
     }
 }
 
-/// The steps of `check`.
+/// Runs the steps of `check`.
 template <Scalar T>
 void check_polygon(const Polygon<T>& polygon, CageReport& report) {
     check_loops(polygon, report);
@@ -310,10 +311,10 @@ void check_polygon(const Polygon<T>& polygon, CageReport& report) {
 
 } // namespace detail
 
-/// Whether a polygon can serve as a cage: every loop has three vertices and an area, consecutive
-/// vertices are apart, and no two edges touch except neighbours at their common vertex. What
-/// "apart" means is the cage's coincidence_tolerance. Usually O(#V log #V), O(#V²) at
-/// worst.
+/// Whether a polygon can serve as a cage: every loop has at least three vertices and an area,
+/// consecutive vertices are apart, and no two edges touch except neighbours at their common vertex.
+/// Vertices are apart if their distance exceeds the cage's coincidence_tolerance. Usually O(#V log
+/// #V), O(#V²) at worst.
 template <Scalar T>
 CageReport check(const Polygon<T>& polygon) {
     return detail::report_on(polygon.status(),

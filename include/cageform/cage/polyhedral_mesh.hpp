@@ -1,4 +1,4 @@
-// The 3D cage whose faces are planar polygons: what it is, where a point lies, whether it is sound.
+// The 3D cage whose faces are planar polygons: its data, point location, and its check.
 #pragma once
 
 #include <cageform/cage/detail/face_plane.hpp>
@@ -9,8 +9,8 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Loops of vertices that can be read by index: `faces[f]` has a size, and `faces[f][k]` is a whole
-/// number.
+/// A range of vertex loops that can be read by index: `faces[f]` has a size, and `faces[f][k]` is
+/// an integer.
 template <class F>
 concept LoopRange = requires(const F& faces, std::size_t i) {
     { std::size(faces) } -> std::convertible_to<std::size_t>;
@@ -18,15 +18,15 @@ concept LoopRange = requires(const F& faces, std::size_t i) {
     requires std::integral<std::remove_cvref_t<decltype(faces[i][i])>>;
 };
 
-/// A cage in space with planar faces of any number of corners, also not convex, each one loop
-/// counter-clockwise seen from outside. Its surface is that of `triangles()`; what differs is the
-/// data on a face: that of coordinates in the face's plane (Joshi et al., Harmonic Coordinates for
-/// Character Articulation, sec. 4: every face solves the equation of its own dimension), so that the
-/// weights do not depend on how a face is cut.
+/// A cage in space with planar faces. A face has any number of corners and may be non-convex; it is
+/// one loop, counter-clockwise seen from outside. The surface equals that of `triangles()`, but the
+/// boundary data on a face differs: it comes from coordinates in the face's plane (Joshi et al.,
+/// Harmonic Coordinates for Character Articulation, sec. 4: every face solves the equation of its
+/// own dimension). The weights therefore do not depend on how a face is triangulated.
 ///
-/// Copies the vertices and faces. Construction never fails; `check` tells whether the mesh can serve
-/// as a cage. Gaps are closed as in a TriangleMesh, by triangles. O(#corners log #corners), and
-/// O(m²) for a face of m corners.
+/// Copies the vertices and faces. Construction never fails; `check` reports whether the mesh can
+/// serve as a cage. Gaps are closed by triangles, as in a TriangleMesh. O(#corners log #corners),
+/// and O(m²) for a face of m corners.
 template <Scalar T>
 class PolyhedralMesh {
 public:
@@ -35,9 +35,9 @@ public:
 
     PolyhedralMesh() = default;
 
-    /// `off_plane` is how far a corner may lie off its face's plane, in units of the cage; 64
-    /// roundings are always allowed. Weights on such a face reproduce the place in the plane: their
-    /// error is that distance at most.
+    /// `off_plane` limits how far a corner may lie off its face's plane, in units of the cage; 64
+    /// roundings are always allowed. Weights on such a face reproduce the point's projection onto
+    /// the plane, so their error is at most that distance.
     template <PointRange R, LoopRange F>
         requires(range_dimension<R> == 3)
     PolyhedralMesh(const R& vertices, const F& faces, T off_plane = 0)
@@ -46,31 +46,31 @@ public:
         if (status_ != Status::ok) *this = PolyhedralMesh(status_);
     }
 
-    /// out_of_memory where there was none for vertices and faces; the mesh is then empty. `check`
-    /// reports it. (A copy throws as one of a std::vector does.)
+    /// Returns out_of_memory if vertices and faces did not fit in memory; the mesh is then empty.
+    /// `check` reports it. (Copying throws, as copying a std::vector does.)
     Status status() const noexcept { return status_; }
     std::size_t size() const noexcept { return triangles_.size(); }
     std::span<const Vec<T, 3>> vertices() const noexcept { return triangles_.vertices(); }
     const Vec<T, 3>& operator[](std::size_t i) const noexcept { return triangles_[i]; }
 
     std::size_t face_count() const noexcept { return ends_.size(); }
-    /// The vertices of a face; no_vertex for indices that there are not.
+    /// Returns the vertices of a face; no_vertex stands for an index out of range.
     std::span<const std::uint32_t> face(std::size_t f) const noexcept {
         const std::size_t begin = f == 0 ? 0 : ends_[f - 1];
         return {corners_.data() + begin, ends_[f] - begin};
     }
-    /// The same surface in triangles: those of face 0, of face 1, …, then those that close gaps.
+    /// Returns the surface as triangles: those of face 0, of face 1, …, then those that close gaps.
     const TriangleMesh<T>& triangles() const noexcept { return triangles_; }
-    /// The triangles [first, second) of a face; one less than its corners, less one.
+    /// Returns the range [first, second) of a face's triangles; a face of m corners has m − 2.
     std::pair<std::size_t, std::size_t> triangles_of(std::size_t f) const noexcept {
         return {f == 0 ? 0 : triangle_ends_[f - 1], triangle_ends_[f]};
     }
-    /// The face of a triangle; face_count() for one that closes a gap.
+    /// Returns the face of a triangle; face_count() for one that closes a gap.
     std::size_t face_of(std::size_t triangle) const noexcept {
         return std::size_t(std::upper_bound(triangle_ends_.begin(), triangle_ends_.end(), triangle) -
                            triangle_ends_.begin());
     }
-    /// How far a corner may lie off its face's plane.
+    /// Returns how far a corner may lie off its face's plane.
     double off_plane() const noexcept { return off_plane_; }
 
 private:
@@ -98,7 +98,7 @@ private:
         return triangles_.status();
     }
 
-    /// Adds the triangles of a face.
+    /// Triangulates a face and adds its triangles.
     static void cut(std::span<const std::uint32_t> loop, std::span<const Vec<T, 3>> at,
                     std::vector<std::array<std::uint32_t, 3>>& triangles) {
         if (loop.size() == 3) return triangles.push_back({loop[0], loop[1], loop[2]});
@@ -114,31 +114,31 @@ private:
         for (const auto& [a, b, c] : cutter.triangles()) triangles.push_back({loop[a], loop[b], loop[c]});
     }
 
-    std::vector<std::uint32_t> corners_;            ///< of all faces
-    std::vector<std::size_t> ends_, triangle_ends_; ///< of each face, in corners_ and triangles
+    std::vector<std::uint32_t> corners_;            ///< of all faces, one after the other
+    std::vector<std::size_t> ends_, triangle_ends_; ///< where each face ends in corners_ and triangles
     TriangleMesh<T> triangles_;
     double off_plane_ = 0;
-    Status status_ = Status::ok; // last: what fills the others is its initialiser
+    Status status_ = Status::ok; // declared last: its initialiser fills the other members
 };
 
 /// Deduces the scalar from the points.
 template <PointRange R, LoopRange F>
 PolyhedralMesh(const R&, const F&) -> PolyhedralMesh<range_scalar_t<R>>;
 
-/// f(triangle), as arrays of vertices.
+/// Calls f(triangle) with arrays of vertices.
 template <Scalar T, class F>
 void for_each_facet(const PolyhedralMesh<T>& mesh, F&& f) {
     for_each_facet(mesh.triangles(), f);
 }
 
-/// Inside, on the boundary when within `tolerance` of a face. O(#corners).
+/// Classifies a point; it is on the boundary if it lies within `tolerance` of a face. O(#corners).
 template <Scalar T>
 PointState locate(const PolyhedralMesh<T>& mesh, const Vec<T, 3>& p, T tolerance) noexcept {
     return locate(mesh.triangles(), p, tolerance);
 }
 
-/// The nearest boundary place, with the data of the triangle there: coordinates take those of the
-/// triangle's face in its stead (coordinates/detail/face_coordinates.hpp). O(#corners).
+/// Finds the nearest boundary point and returns the data of the triangle there. Coordinates replace
+/// it by the data of the triangle's face (coordinates/detail/face_coordinates.hpp). O(#corners).
 template <Scalar T>
 BoundaryValue<3> nearest_boundary_value(const PolyhedralMesh<T>& mesh, const Vec<T, 3>& p,
                                         Vec<T, 3>& place) noexcept {
@@ -147,14 +147,14 @@ BoundaryValue<3> nearest_boundary_value(const PolyhedralMesh<T>& mesh, const Vec
 
 namespace detail {
 
-/// The plane of a face.
+/// Returns the plane of a face.
 template <Scalar T>
 FacePlane plane_of(const PolyhedralMesh<T>& mesh, std::size_t f) {
     Buffer<Vec<double, 3>> places;
     for (const std::uint32_t i : mesh.face(f)) places.push_back(vec_cast<double>(mesh[i]));
     return FacePlane(places);
 }
-/// A face in its plane, counter-clockwise.
+/// Returns a face as a counter-clockwise polygon in its plane.
 template <Scalar T>
 Polygon<double> flat_face(const PolyhedralMesh<T>& mesh, std::size_t f, const FacePlane& plane) {
     std::vector<Vec<double, 2>> flat;
@@ -162,7 +162,7 @@ Polygon<double> flat_face(const PolyhedralMesh<T>& mesh, std::size_t f, const Fa
     return Polygon<double>(flat);
 }
 
-/// The faults of the triangles, which name faces by number, as faults of the faces.
+/// Adds the faults of the triangle mesh, with triangle numbers translated to face numbers.
 template <Scalar T>
 void add_faults_of_triangles(const PolyhedralMesh<T>& mesh, CageReport& report) {
     using Kind = CageFaultKind;
@@ -185,9 +185,9 @@ void add_faults_of_triangles(const PolyhedralMesh<T>& mesh, CageReport& report) 
 
 } // namespace detail
 
-/// What is wrong with a face by itself: too_few_vertices, face_without_vertex, and of more than three
-/// corners face_without_area, face_not_planar, face_crosses_itself; none where it can serve. Finite
-/// vertices are assumed. O(m log m) for m corners, O(m²) at worst.
+/// Returns the first fault of one face, if any: too_few_vertices, face_without_vertex and, for more
+/// than three corners, face_without_area, face_not_planar or face_crosses_itself. Assumes finite
+/// vertices. O(m log m) for m corners, O(m²) at worst.
 template <Scalar T>
 std::optional<CageFault> face_fault(const PolyhedralMesh<T>& mesh, std::size_t f) {
     using Kind = CageFaultKind;
@@ -216,9 +216,10 @@ std::optional<CageFault> face_fault(const PolyhedralMesh<T>& mesh, std::size_t f
     return std::nullopt;
 }
 
-/// Whether a mesh can serve as a cage: every face has three corners or more, that are there and
-/// finite, in a plane (see off_plane), and is a simple polygon; the rest as for a TriangleMesh. Faces
-/// are named by their numbers. Cost as there, and O(m log m) for a face of m corners, O(m²) at worst.
+/// Whether a mesh can serve as a cage. Every face must have at least three corners that exist, are
+/// finite, lie in one plane (see off_plane) and form a simple polygon; the other conditions are
+/// those of a TriangleMesh. Faults name faces by number. Costs as much as for a TriangleMesh, plus
+/// O(m log m) for a face of m corners, O(m²) at worst.
 template <Scalar T>
 CageReport check(const PolyhedralMesh<T>& mesh) {
     return detail::report_on(mesh.status(), [&](CageReport& report) {

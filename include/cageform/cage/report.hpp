@@ -1,4 +1,4 @@
-// What is wrong with a cage, fault by fault, with indices.
+// The faults that `check` finds in a cage, with the indices of the vertices and faces involved.
 #pragma once
 
 #include <cageform/core/detail/guard_memory.hpp>
@@ -9,39 +9,41 @@
 namespace cageform::inline CAGEFORM_ABI {
 
 enum class CageFaultKind : std::uint8_t {
-    too_few_vertices, ///< loop or face `a` has `b` vertices, less than three; a point set `b`, less than D + 1
-    not_a_simplex,    ///< `a` vertices where a simplex has `b`
-    loops_do_not_match, ///< the loop sizes add up to `a`, the vertices to `b`
-    vertex_not_finite,  ///< vertex `a`
-    duplicate_vertices, ///< `a` and `b` coincide within rounding; in a polygon, neighbours
+    too_few_vertices,   ///< loop or face `a` has only `b` vertices (< 3); a point set has `b` (< D + 1)
+    not_a_simplex,      ///< `a` vertices were given where a simplex has `b`
+    loops_do_not_match, ///< the loop sizes add up to `a`, but there are `b` vertices
+    vertex_not_finite,  ///< vertex `a` is NaN or infinite
+    duplicate_vertices, ///< vertices `a` and `b` coincide within rounding; in a polygon they are neighbours
     edges_cross,        ///< the edges that start at vertices `a` and `b` cross or touch
     no_area,            ///< all vertices of loop `a` lie on one line
     degenerate_simplex, ///< the simplex has no volume relative to its size
     no_volume, ///< a box has no extent along axis `a`; a mesh has no faces, or the shell of face `a` is flat
-    face_without_vertex,   ///< face `a` of a mesh names a vertex that there is not
+    face_without_vertex,   ///< face `a` of a mesh names a vertex that does not exist
     face_without_area,     ///< the corners of face `a` lie on one line
-    face_not_planar,       ///< vertex `b` lies off the plane of face `a`, whose corner it is
+    face_not_planar,       ///< vertex `b`, a corner of face `a`, lies off the face's plane
     face_crosses_itself,   ///< the loop of face `a` crosses or touches itself, first at vertex `b`
     open_edge,             ///< only one face has the edge between vertices `a` and `b`
     edge_not_manifold,     ///< more than two faces have the edge between vertices `a` and `b`
-    face_flipped,          ///< of the neighbouring faces `a` and `b` one is turned inside out
-    vertex_not_manifold,   ///< the faces about vertex `a` are not one closed fan
+    face_flipped,          ///< the neighbouring faces `a` and `b` have opposite orientations
+    vertex_not_manifold,   ///< the faces around vertex `a` do not form one closed fan
     faces_cross,           ///< the faces `a` and `b` pass through each other
-    radius_not_positive,   ///< of the interior cell at handle `a`
-    interior_cell_outside, ///< the interior cell at handle `a`
-    interior_cells_touch, ///< the cells or facets at handles `a` and `b`, elsewhere than in a vertex they share
-    vertex_not_convex,   ///< vertex `a` is no convex corner, or the first of a second loop; not for this type
-    sites_in_a_plane,    ///< all sites of a point set lie in a plane, or in the plane on a line
-    bone_axes_dependent, ///< the axes of bone `a` lie in a plane, or in the plane on a line
-    interior_cells_not_supported, ///< by this coordinate type; there are `a` cells
-    gap_closed, ///< warning: only one face has the edge between vertices `a` and `b`; the gap was closed
+    radius_not_positive,   ///< the interior cell at handle `a` has no positive radius
+    interior_cell_outside, ///< the interior cell at handle `a` is not inside the boundary
+    interior_cells_touch,  ///< the cells or facets at handles `a` and `b` touch outside shared vertices
+    vertex_not_convex,     ///< vertex `a` is no convex corner, or starts a second loop; this type needs
+                           ///< convexity
+    sites_in_a_plane,      ///< all sites lie in one plane; in the plane, on one line
+    bone_axes_dependent,   ///< the axes of bone `a` lie in one plane; in the plane, on one line
+    interior_cells_not_supported, ///< this coordinate type supports none; there are `a` cells
+    gap_closed, ///< warning: only one face had the edge between vertices `a` and `b`; the gap was closed
     collinear_vertex,      ///< warning: vertex `a` lies on the straight line between its neighbours
-    vertex_unused,         ///< warning: no face has vertex `a`; its weights are zero
-    shell_turns_otherwise, ///< warning: the shell of face `a` is counter-clockwise seen from inside; handled
-    loop_turns_otherwise,  ///< warning: loop `a` is clockwise, or a hole `a` counter-clockwise; handled
+    vertex_unused,         ///< warning: no face uses vertex `a`; its weights are zero
+    shell_turns_otherwise, ///< warning: the shell of face `a` is oriented inwards; this is handled
+    loop_turns_otherwise,  ///< warning: loop `a` is a clockwise outer loop or a counter-clockwise hole;
+                           ///< handled
 };
 
-/// One fault; what `a` and `b` are stands with each kind.
+/// One fault. The comment of each kind says what `a` and `b` mean.
 struct CageFault {
     CageFaultKind kind;
     std::size_t a = 0;
@@ -97,7 +99,7 @@ constexpr CageFaultText text_of(CageFaultKind kind) noexcept {
 
 } // namespace detail
 
-/// The Status a fault leads to; ok for a fault that is only a warning.
+/// Returns the Status that a fault leads to; ok for a warning.
 constexpr Status status_of(CageFaultKind kind) noexcept {
     return detail::text_of(kind).status;
 }
@@ -105,15 +107,15 @@ constexpr const char* to_string(CageFaultKind kind) noexcept {
     return detail::text_of(kind).text;
 }
 
-/// The faults of a cage. `status` is that of the first fault that is not a warning; out_of_memory
-/// where the cage or its check found none.
+/// The faults of a cage. `status` belongs to the first fault that is not a warning. It is
+/// out_of_memory if the cage or its check ran out of memory.
 struct CageReport {
-    /// A tangle has as many crossings as pairs of edges.
+    /// Limits the list: a badly tangled cage can have as many crossings as pairs of edges.
     static constexpr std::size_t most_listed = 1000;
 
     Status status = Status::ok;
-    std::vector<CageFault> faults; ///< all warnings, and the first `most_listed` of the others
-    std::size_t fault_count = 0;   ///< of all that are no warnings, listed or not
+    std::vector<CageFault> faults; ///< all warnings, and the first `most_listed` other faults
+    std::size_t fault_count = 0;   ///< number of faults that are not warnings, listed or not
 
     void add(CageFaultKind kind, std::size_t a = 0, std::size_t b = 0) {
         const Status fault = status_of(kind);
@@ -128,7 +130,8 @@ struct CageReport {
 
 namespace detail {
 
-/// What `check` is for a cage made with the status `made`: steps(report).
+/// Runs steps(report) for a cage that was constructed with the status `made`, and returns the
+/// report.
 template <class Steps>
 CageReport report_on(Status made, const Steps& steps) {
     CageReport report;

@@ -1,4 +1,4 @@
-// The 3D cage: closed triangle meshes. What they are, where a point lies, whether they are sound.
+// The 3D cage, a closed triangle mesh: its data, point location, and its check.
 #pragma once
 
 #include <cageform/cage/detail/boundary_value.hpp>
@@ -11,7 +11,7 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Faces that can be read by index: `faces[f][k]`, k = 0, 1, 2, is a whole number.
+/// A range of faces that can be read by index: `faces[f][k]`, k = 0, 1, 2, is an integer.
 template <class F>
 concept FaceRange = requires(const F& faces, std::size_t i) {
     { std::size(faces) } -> std::convertible_to<std::size_t>;
@@ -20,7 +20,7 @@ concept FaceRange = requires(const F& faces, std::size_t i) {
 
 namespace detail {
 
-/// A face, with no_vertex for indices below 0 or from `count` on.
+/// Returns a face with no_vertex in place of indices below 0 or from `count` on.
 template <class F>
 MeshFace checked_face(const F& face, std::size_t count) noexcept {
     MeshFace checked;
@@ -36,14 +36,14 @@ bool lacks_vertex(const std::array<std::uint32_t, D>& facet) noexcept {
 } // namespace detail
 
 /// A cage in space: triangles over shared vertices, counter-clockwise seen from outside. Any genus,
-/// several components, cavities. Shells that turn the other way as a whole are handled.
+/// components and cavities are allowed; shells that are oriented inwards as a whole are handled.
 ///
-/// Copies the vertices and faces (a cage is small). Construction never fails; `check` tells whether
-/// the mesh can serve as a cage, and every coordinate type asks it.
+/// Copies the vertices and faces (a cage is small). Construction never fails; `check` reports
+/// whether the mesh can serve as a cage, and every coordinate type calls it.
 ///
 /// Small gaps are closed by faces over the vertices around them, so that coordinates keep their
-/// laws; `check` names their edges in warnings. Small is what adds up to at most a quarter of the
-/// area. Takes O(#F log #F) and, for a gap of n edges, O(n min(n, 256)).
+/// laws; `check` names the edges of these gaps in warnings. Gaps are small if they add up to at
+/// most a quarter of the area. Takes O(#F log #F) and, for a gap of n edges, O(n min(n, 256)).
 template <Scalar T>
 class TriangleMesh {
 public:
@@ -53,8 +53,8 @@ public:
 
     TriangleMesh() = default;
 
-    /// `faces[f][k]`, k = 0, 1, 2, is the vertex at a corner of a face. Indices below 0 or from the
-    /// number of vertices on are remembered and reported by `check`.
+    /// `faces[f][k]`, k = 0, 1, 2, is the vertex at a corner of a face. Indices out of range are
+    /// remembered, and `check` reports them.
     template <PointRange R, FaceRange F>
         requires(range_dimension<R> == 3)
     TriangleMesh(const R& vertices, const F& faces)
@@ -62,13 +62,13 @@ public:
         if (status_ != Status::ok) *this = TriangleMesh(status_);
     }
 
-    /// out_of_memory where there was none for vertices and faces; the mesh is then empty. `check`
-    /// reports it. (A copy throws as one of a std::vector does.)
+    /// Returns out_of_memory if vertices and faces did not fit in memory; the mesh is then empty.
+    /// `check` reports it. (Copying throws, as copying a std::vector does.)
     Status status() const noexcept { return status_; }
     std::size_t size() const noexcept { return vertices_.size(); }
     std::span<const Vec<T, 3>> vertices() const noexcept { return vertices_; }
     const Vec<T, 3>& operator[](std::size_t i) const noexcept { return vertices_[i]; }
-    /// Those given, then those that close gaps.
+    /// Returns the given faces, then those that close gaps.
     std::span<const Face> faces() const noexcept { return faces_; }
     std::size_t given_faces() const noexcept { return given_; }
 
@@ -93,14 +93,14 @@ private:
     std::vector<Vec<T, 3>> vertices_;
     std::vector<Face> faces_;
     std::size_t given_ = 0;
-    Status status_ = Status::ok; // last: what fills the others is its initialiser
+    Status status_ = Status::ok; // declared last: its initialiser fills the other members
 };
 
 /// Deduces the scalar from the points.
 template <PointRange R, FaceRange F>
 TriangleMesh(const R&, const F&) -> TriangleMesh<range_scalar_t<R>>;
 
-/// f(face), as arrays of vertices.
+/// Calls f(face) with arrays of vertices.
 template <Scalar T, class F>
 void for_each_facet(const TriangleMesh<T>& mesh, F&& f) {
     for (const auto& face : mesh.faces()) f(face);
@@ -108,9 +108,9 @@ void for_each_facet(const TriangleMesh<T>& mesh, F&& f) {
 
 // ---- inside -------------------------------------------------------------------------------------
 
-/// The generalised winding number: how often the mesh encloses a point, between whole numbers where
-/// the mesh has gaps (Jacobson, Kavan, Sorkine-Hornung, Robust inside-outside segmentation using
-/// generalized winding numbers, SIGGRAPH 2013, sec. 4). O(#F).
+/// Returns the generalised winding number, which says how often the mesh encloses a point; it lies
+/// between integers if the mesh has gaps (Jacobson, Kavan, Sorkine-Hornung, Robust inside-outside
+/// segmentation using generalized winding numbers, SIGGRAPH 2013, sec. 4). O(#F).
 template <Scalar T>
 double winding_number(const TriangleMesh<T>& mesh, const Vec<T, 3>& p) noexcept {
     double sum = 0;
@@ -119,19 +119,20 @@ double winding_number(const TriangleMesh<T>& mesh, const Vec<T, 3>& p) noexcept 
     return sum / (2 * std::numbers::pi);
 }
 
-/// The connected parts of a closed mesh.
+/// The connected components of a closed mesh.
 struct Shells {
     std::vector<std::uint32_t> of_face;    ///< the shell of every face
     std::vector<std::uint32_t> first_face; ///< of every shell
-    /// Of every shell, six times; positive where it is counter-clockwise seen from outside.
+    /// Six times the volume of every shell; positive if counter-clockwise seen from outside.
     std::vector<double> volume;
-    /// Whether its faces are to be turned round to be counter-clockwise seen from outside the cage.
+    /// Whether a shell's faces must be flipped to be counter-clockwise seen from outside the cage.
     std::vector<bool> turned;
 };
 
 namespace detail {
 
-/// Numbers the shells by their first faces, and fills `of_face` and `first_face`.
+/// Finds the connected components, numbers them by their first faces, and fills `of_face` and
+/// `first_face`.
 template <Scalar T>
 Shells connected_faces(const TriangleMesh<T>& mesh) {
     std::vector<std::uint32_t> root(mesh.size());
@@ -154,7 +155,7 @@ Shells connected_faces(const TriangleMesh<T>& mesh) {
     return shells;
 }
 
-/// How many other shells enclose a shell.
+/// Counts the other shells that enclose a shell.
 template <Scalar T>
 std::size_t shell_depth(const TriangleMesh<T>& mesh, const Shells& shells, std::uint32_t shell) {
     if (shells.first_face.size() == 1) return 0;
@@ -171,7 +172,7 @@ std::size_t shell_depth(const TriangleMesh<T>& mesh, const Shells& shells, std::
 
 } // namespace detail
 
-/// O(#F) for one shell, O(#F · shells) for more.
+/// Finds the shells of a mesh. O(#F) for one shell, O(#F · shells) for more.
 template <Scalar T>
 Shells shells_of(const TriangleMesh<T>& mesh) {
     Shells shells = detail::connected_faces(mesh);
@@ -189,8 +190,8 @@ Shells shells_of(const TriangleMesh<T>& mesh) {
     return shells;
 }
 
-/// The faces, those of turned shells turned round: all counter-clockwise seen from outside the
-/// cage. Cost as `shells_of`.
+/// Returns the faces with those of wrongly oriented shells flipped, so that all are
+/// counter-clockwise seen from outside the cage. Costs as much as `shells_of`.
 template <Scalar T>
 std::vector<typename TriangleMesh<T>::Face> outward_faces(const TriangleMesh<T>& mesh) {
     const auto shells = shells_of(mesh);
@@ -201,8 +202,8 @@ std::vector<typename TriangleMesh<T>::Face> outward_faces(const TriangleMesh<T>&
     return faces;
 }
 
-/// The boundary data at the boundary place nearest to a finite point, and that place: linear on the
-/// faces of a sound mesh. O(#F).
+/// Finds the boundary point nearest to a finite point; returns the boundary data there, which is
+/// linear on the faces, and stores the point in `place`. The mesh must be sound. O(#F).
 template <Scalar T>
 BoundaryValue<3> nearest_boundary_value(const TriangleMesh<T>& mesh, const Vec<T, 3>& p,
                                         Vec<T, 3>& place) noexcept {
@@ -221,8 +222,9 @@ BoundaryValue<3> nearest_boundary_value(const TriangleMesh<T>& mesh, const Vec<T
     return value;
 }
 
-/// Inside where the winding number rounds to an odd one (so a cavity is outside whichever way it
-/// turns); on the boundary when within `tolerance` of a face. O(#F).
+/// Classifies a point. It is inside if the winding number rounds to an odd integer, so a cavity
+/// counts as outside in either orientation; it is on the boundary if it lies within `tolerance` of
+/// a face. O(#F).
 template <Scalar T>
 PointState locate(const TriangleMesh<T>& mesh, const Vec<T, 3>& p, T tolerance) noexcept {
     if (!is_finite(p)) return PointState::not_finite;
@@ -237,7 +239,7 @@ PointState locate(const TriangleMesh<T>& mesh, const Vec<T, 3>& p, T tolerance) 
 
 namespace detail {
 
-/// The steps of `check` after the indices are known to be sound. Each adds to the report.
+/// The steps of `check` after the indices are known to be sound. Each step adds to the report.
 template <Scalar T>
 class MeshCheck {
 public:
@@ -264,7 +266,7 @@ public:
         }
     }
 
-    /// Every edge has two half-edges of opposite directions.
+    /// Checks that every edge has two half-edges of opposite directions.
     void check_edges() {
         const auto half_edges = half_edges_of(mesh_.faces());
         for_each_edge(half_edges, [&](std::span<const HalfEdge> edge) {
@@ -281,7 +283,7 @@ public:
         });
     }
 
-    /// The edges opposite to a vertex make one loop. Asked for when all edges are manifold.
+    /// Checks that the edges opposite to a vertex form one loop. All edges must be manifold.
     void check_fans() {
         using Edge = std::pair<std::uint32_t, std::uint32_t>;
         std::vector<std::vector<Edge>> opposite(mesh_.size());
@@ -306,7 +308,8 @@ public:
         }
     }
 
-    /// About a vertex of many faces, a fan's apex, their pairs are found by directions from it.
+    /// Finds faces that pass through each other. Around a vertex of many faces (the apex of a fan),
+    /// pairs are searched by direction from the apex.
     void check_crossing_faces() {
         const auto apex = apexes();
         FacetPairs<3>(facets_, apex, tolerance_)
@@ -338,8 +341,8 @@ public:
 
 private:
     bool is_given(std::size_t face) const noexcept { return face < mesh_.given_faces(); }
-    /// A fault of a face. Where the face closes a gap, the gap cannot be closed, and one of its
-    /// edges is open.
+    /// Adds a fault of a face. If the face closes a gap, the gap cannot be closed; one of its edges
+    /// is then reported as open.
     void add_at_face(CageFaultKind kind, std::size_t face, std::size_t a, std::size_t b = 0) {
         if (is_given(face)) return report_.add(kind, a, b);
         report_.add(CageFaultKind::open_edge, facets_[face].vertex[1], facets_[face].vertex[2]);
@@ -348,7 +351,7 @@ private:
         return passes(facets_[f], facets_[g]) || passes(facets_[g], facets_[f]);
     }
     void add_crossing(std::size_t f, std::size_t g) { add_at_face(CageFaultKind::faces_cross, g, f, g); }
-    /// Of every face, its vertex of the most faces where those are many.
+    /// Returns for every face its vertex with the most faces, if these are many; else no_apex.
     std::vector<std::uint32_t> apexes() const {
         std::vector<std::uint32_t> faces_at(mesh_.size());
         for (const auto& facet : facets_) {
@@ -365,8 +368,8 @@ private:
         }
         return apex;
     }
-    /// Faces about a vertex cross where their directions from it do: arcs on the unit sphere, in the
-    /// box of their ends widened by the height of the arc.
+    /// Reports faces around an apex that cross. Seen from the apex each face is an arc on the unit
+    /// sphere. An arc's box is that of its ends, widened by the height of the arc.
     void check_fan(std::uint32_t apex, std::span<const std::size_t> fan) {
         constexpr double rounding = 1e-12;
         const auto origin = vec_cast<double>(mesh_[apex]);
@@ -387,7 +390,7 @@ private:
             if (cross_each_other(fan[m], fan[n])) add_crossing(fan[m], fan[n]);
         });
     }
-    /// Whether an edge of `f` passes through `g`. Faces that share a vertex meet there rightly.
+    /// Whether an edge of `f` passes through `g`. Edges that end in a shared vertex are skipped.
     static bool passes(const Facet<3>& f, const Facet<3>& g) noexcept {
         const std::array<bool, 3> shared{g.has(f.vertex[0]), g.has(f.vertex[1]), g.has(f.vertex[2])};
         for (std::size_t k = 0; k < 3; ++k) {
@@ -405,7 +408,7 @@ private:
     Buffer<Facet<3>> facets_;
 };
 
-/// Numbers of vertices and faces, and whether all are there and finite.
+/// Checks the numbers of vertices and faces, that indices are valid and vertices finite.
 template <Scalar T>
 void check_indices(const TriangleMesh<T>& mesh, CageReport& report) {
     if (mesh.size() < 4) report.add(CageFaultKind::too_few_vertices, 0, mesh.size());
@@ -421,11 +424,11 @@ void check_indices(const TriangleMesh<T>& mesh, CageReport& report) {
 
 } // namespace detail
 
-/// Whether a mesh can serve as a cage: indices in range, finite vertices, no two at one place,
-/// faces with an area, every edge between two faces that run along it in opposite directions (those
-/// that close a small gap included), one fan of faces about every vertex, no two faces that pass
-/// through each other. What "at one place" means is coincidence_tolerance. Usually O(#F log #F),
-/// O(#F²) at worst.
+/// Whether a mesh can serve as a cage. Indices must be in range and vertices finite; no two
+/// vertices may coincide (within coincidence_tolerance), and faces must have an area. Every edge
+/// must lie between two faces that run along it in opposite directions (including faces that close
+/// a small gap). The faces around a vertex must form one fan, and no two faces may pass through
+/// each other. Usually O(#F log #F), O(#F²) at worst.
 template <Scalar T>
 CageReport check(const TriangleMesh<T>& mesh) {
     return detail::report_on(mesh.status(), [&](CageReport& report) {

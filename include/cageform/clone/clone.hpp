@@ -1,4 +1,4 @@
-// The clone operator, run every frame: from a pose of the handles to the points of the figure.
+// The clone operator, called every frame: moves the points of a figure with a pose of the handles.
 #pragma once
 
 #include <cageform/clone/detail/block_cloner.hpp>
@@ -9,7 +9,7 @@ namespace cageform::inline CAGEFORM_ABI {
 
 namespace detail {
 
-/// The view of a binding; of a view, itself.
+/// Returns the view of a binding; a view is returned as it is.
 template <class B>
 auto view_of(const B& binding) noexcept {
     if constexpr (requires { binding.view(); }) {
@@ -28,8 +28,8 @@ inline constexpr bool is_binding_view<PackedBindingView<T, D>> = true;
 
 } // namespace detail
 
-/// A bound figure: a BindingView or a PackedBindingView, or anything with a view() that is one, as
-/// Binding and PackedBinding have.
+/// A bound figure: a BindingView, a PackedBindingView, or any type whose view() returns one, such
+/// as Binding and PackedBinding.
 template <class B>
 concept AnyBinding = detail::is_binding_view<decltype(detail::view_of(std::declval<const B&>()))>;
 
@@ -54,7 +54,7 @@ Status check_clone(const View& binding, const Pose& pose, const Out& out,
     return check_pose(binding, pose);
 }
 
-/// For bindings of which each is worked on block by block beside the first.
+/// Checks bindings that are processed together, block by block.
 template <class View, std::size_t K, class Pose, class Out>
 Status check_clone(const std::array<View, K>& views, const Pose& pose, const Out& out) noexcept {
     using Packed = PackedBindingView<typename View::scalar, View::dimension>;
@@ -70,9 +70,9 @@ Status check_clone(const std::array<View, K>& views, const Pose& pose, const Out
 ///
 ///   binding       dense or packed, an owner or a view
 ///   pose          any PointRange of #handles points
-///   out           any MutablePointRange of at least #points places, which may not overlap the
-///                 pose; the rest of it is left alone. It and the mask are indexed as the points
-///                 were when bound, whatever their order in a packed binding
+///   out           any MutablePointRange of at least #points points, which may not overlap the
+///                 pose; points after the first #points are left alone. `out` and the mask are indexed
+///                 as the points were when bound, whatever their order in a packed binding
 ///   options       a mask, and what the displacements are added to
 ///   parallel_for  see core/parallel.hpp; the result does not depend on it
 ///   returns       pose_size_differs, pose_not_finite, output_too_small, mask_too_small (`out` is
@@ -81,9 +81,9 @@ Status check_clone(const std::array<View, K>& views, const Pose& pose, const Out
 ///                 scalars; no allocation
 ///
 /// The pose at rest gives the bound points bit for bit. An affine pose moves every bound point by
-/// the same affine map, to rounding (points kept in place stay, points outside that follow the
-/// nearest boundary point move as it does). What a packed binding makes of other poses is in the
-/// report of `pack`.
+/// the same affine map, to rounding (points kept in place stay, and points outside that follow the
+/// nearest boundary point move as it does). For other poses the report of `pack` says how far
+/// packed bindings differ.
 template <AnyBinding B, PointRangeIn<B::dimension> Pose, MutablePointRangeIn<B::dimension> Out,
           class Parallel = SerialFor>
 Status clone(const B& binding, const Pose& pose, Out&& out,
@@ -99,7 +99,7 @@ Status clone(const B& binding, const Pose& pose, Out&& out,
     return Status::ok;
 }
 
-// Other arguments are taken too, so that the first line that compilers print names the reason.
+// Accepts any further arguments, so that the first line that compilers print names the reason.
 template <AnyBinding B, class Pose, class Out, class... More>
     requires(UnknownPointRange<Pose> || UnknownPointRange<Out>)
 detail::ReasonOr<detail::PointTraitsNotSpecialisedForThesePoints, Status> clone(const B&, const Pose&, Out&&,

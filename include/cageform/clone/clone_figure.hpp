@@ -1,4 +1,4 @@
-// A whole figure, every frame: points, normals and tangents by one call.
+// Moves a whole figure every frame: points, normals and tangents in one call.
 #pragma once
 
 #include <cageform/binding/figure.hpp>
@@ -6,14 +6,13 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Where a figure goes: `FigureOutput{points, normals, tangents}`, the last or the last two left
-/// out where they are not wanted. Refers to what it is given, and keeps views that are given as
-/// temporaries.
+/// The output of a figure's `clone`: `FigureOutput{points, normals, tangents}`. Tangents, or normals
+/// and tangents, can be left out. It refers to lvalue arguments and stores views that are temporaries.
 ///
 ///   points    as for `clone`
-///   normals   any MutablePointRange of at least #points places
-///   tangents  the same; where its points have four numbers, the fourth becomes the handedness of
-///             the texture, 1 or −1, as glTF has it
+///   normals   any MutablePointRange of at least #points points
+///   tangents  likewise; if its points have four numbers, the fourth becomes the handedness of
+///             the texture, 1 or −1, as in glTF
 template <class Points, class Normals = NoVectors, class Tangents = NoVectors>
 struct FigureOutput {
     Points points;
@@ -40,7 +39,7 @@ template <class Out, std::size_t D>
 concept TangentsOut =
     !is_wanted<Out> || (D == 3 && (MutablePointRangeIn<Out, 3> || MutablePointRangeIn<Out, 4>));
 
-/// Tangents of four numbers, the last of which is the handedness; or of three.
+/// Writes tangents of four numbers, the last of which is the handedness, or of three.
 template <class Out>
 struct SignedTangents {
     Out& out;
@@ -56,7 +55,7 @@ struct SignedTangents {
     }
 };
 
-/// Everything that could make a clone of the figure be refused.
+/// Checks everything for which a clone of the figure can be refused.
 template <Scalar T, std::size_t D, class Pose, class Output>
 Status check_figure_clone(const PackedFigureView<T, D>& figure, const Pose& pose,
                           const Output& out) noexcept {
@@ -78,18 +77,18 @@ Status check_figure_clone(const PackedFigureView<T, D>& figure, const Pose& pose
 
 } // namespace detail
 
-/// A bound figure: a PackedFigureView, or anything with a view() that is one, as FigureBinding has.
+/// A bound figure: a PackedFigureView, or any type whose view() returns one, such as FigureBinding.
 template <class F>
 concept AnyFigure = detail::is_figure_view<decltype(detail::view_of(std::declval<const F&>()))>;
 
-/// Moves a figure with a pose of its handles: its points as `clone` of their binding does, its
-/// normals and tangents as `clone_tangent_frames`, to the bit.
+/// Moves a figure with a pose of its handles. Points move as `clone` of their binding moves them,
+/// normals and tangents as `clone_tangent_frames` moves them, to the bit.
 ///
 ///   figure        opened by `open`, or bound by `bind`
 ///   pose          any PointRange of #handles points
 ///   out           see FigureOutput. It is indexed as the points were when bound
 ///   parallel_for  see core/parallel.hpp; the result does not depend on it
-///   returns       vectors_missing, where normals or tangents are wanted that were not bound;
+///   returns       vectors_missing, if normals or tangents are requested that were not bound;
 ///                 bindings_differ; or as `clone`. Nothing is written unless it is ok
 ///   cost          that of a clone by each binding; no allocation
 template <AnyFigure F, PointRangeIn<F::dimension> Pose, class P, class N, class G, class Parallel = SerialFor>
@@ -112,7 +111,7 @@ noexcept {
     return status;
 }
 
-/// The same of points alone.
+/// Moves the points of a figure alone.
 template <AnyFigure F, PointRangeIn<F::dimension> Pose, MutablePointRangeIn<F::dimension> Points,
           class Parallel = SerialFor>
 Status clone(const F& figure, const Pose& pose, Points&& points, const Parallel& parallel_for = {}) noexcept {

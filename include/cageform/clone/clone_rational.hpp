@@ -1,5 +1,5 @@
-// The rational clone: a weight a handle, which may change every frame. A heavier handle draws the
-// figure to it.
+// The rational clone: every handle has a weight that may change every frame. A heavier handle pulls
+// the figure towards it.
 #pragma once
 
 #include <cageform/clone/clone.hpp>
@@ -9,8 +9,7 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// A binding whose weights were found fit for rational clones; owns nothing. Made by
-/// `rational_view`.
+/// A binding whose weights are suitable for rational clones; owns nothing. Made by `rational_view`.
 template <class View>
 class RationalView {
 public:
@@ -25,7 +24,7 @@ public:
     std::size_t handle_count() const noexcept { return binding_.handle_count(); }
     std::size_t point_count() const noexcept { return binding_.point_count(); }
     const View& binding() const noexcept { return binding_; }
-    /// The largest sum of a point's negative weights, without its sign.
+    /// Returns the largest absolute sum of a point's negative weights.
     scalar slack() const noexcept { return slack_; }
 
 private:
@@ -35,7 +34,7 @@ private:
 
 namespace detail {
 
-/// Σ max(−w, 0) of the points of a block, given their weights one handle after the other.
+/// Sums max(−w, 0) for the points of a block, given their weights one handle after the other.
 template <Scalar T>
 struct BlockSlack {
     Simd<T> negative = Simd<T>(T(0)), sum = Simd<T>(T(0));
@@ -45,7 +44,8 @@ struct BlockSlack {
         negative -= (min)(w, Simd<T>(T(0)));
     }
 
-    /// The largest of the first `used` points, or infinity if a weight of theirs is not finite.
+    /// Returns the largest sum of the first `used` points, or infinity if one of their weights is
+    /// not finite.
     T largest(std::size_t used) const noexcept {
         Lanes<T> negatives, sums;
         negative.store(negatives);
@@ -60,7 +60,7 @@ struct BlockSlack {
     }
 };
 
-/// The weights of a block's row, as the format stores them.
+/// Loads a block's row of weights from their storage format.
 template <WeightFormat Format, Scalar T>
 Simd<T> load_row(const std::byte* row) noexcept {
     constexpr std::size_t part_bytes = lane_count<T> * weight_bytes<T>(Format) / Simd<T>::count;
@@ -70,7 +70,7 @@ Simd<T> load_row(const std::byte* row) noexcept {
     return w;
 }
 
-/// The slack of one block, of the weights in effect: what a format lost is in its residual.
+/// Returns the slack of one block, for the weights in effect, which include the residual of the format.
 template <WeightFormat Format, Scalar T, std::size_t D>
 T block_slack(const PackedBindingView<T, D>& binding, std::size_t block) noexcept {
     constexpr std::size_t row_bytes = lane_count<T> * weight_bytes<T>(Format);
@@ -94,7 +94,7 @@ T block_slack(const PackedBindingView<T, D>& binding, std::size_t block) noexcep
     return slack.largest(left < lane_count<T> ? left : lane_count<T>);
 }
 
-/// The largest slack of all points; not finite where a weight is not.
+/// Returns the largest slack of all points; not finite if a weight is not.
 template <Scalar T, std::size_t D>
 T largest_slack(const PackedBindingView<T, D>& binding) noexcept {
     const auto of_block = [&](std::size_t b) {
@@ -122,13 +122,13 @@ inline constexpr bool is_rational_view<RationalView<View>> = true;
 
 } // namespace detail
 
-/// Whether a binding is fit for rational clones, found out once for all frames.
+/// Checks once, for all frames, whether a binding is suitable for rational clones.
 ///
-///   returns  handles_not_points; weight_not_finite; binding_weights_negative, where the negative
-///            weights of a point sum to more than 1/16: what formats of a byte round to is well
-///            below, mean value coordinates in concave cages are above; or ok
-///   cost     reads every stored weight once; no allocation. The memory of the binding may not
-///            change as long as the view is used
+///   returns  the view, or handles_not_points; weight_not_finite; binding_weights_negative, if the
+///            negative weights of a point sum to more than 1/16: rounding to one-byte formats stays
+///            well below this, mean value coordinates in concave cages do not; or ok
+///   cost     reads every stored weight once; no allocation. The memory of the binding must not
+///            change while the view is used
 template <AnyBinding B>
 auto rational_view(const B& binding) noexcept {
     using T = typename B::scalar;
@@ -149,7 +149,7 @@ auto rational_view(const B& binding) noexcept {
     return result;
 }
 
-/// What `clone_rational` takes: a binding, or a view of one that was found fit before.
+/// The input of `clone_rational`: a binding, or a view that was checked before.
 template <class B>
 concept RationalBinding = AnyBinding<B> || detail::is_rational_view<B>;
 
@@ -158,7 +158,7 @@ namespace detail {
 template <class B>
 auto as_rational(const B& binding) noexcept {
     if constexpr (is_rational_view<B>) {
-        return Result<RationalView<std::remove_cvref_t<decltype(binding.binding())>>>{Status::ok, binding};
+        return Result<RationalView<std::remove_cvref_t<decltype(binding.binding())>>>{binding, Status::ok};
     } else {
         return rational_view(binding);
     }
@@ -170,8 +170,8 @@ struct WeightRange {
     T least, most;
 };
 
-/// Judges the weights of handles. Their ratio is bounded, so that 1 + Ω of every point is at least
-/// 1/2, and no product is out of range that the pose itself does not bring there.
+/// Checks the weights of handles. Their ratio is bounded, so that 1 + Ω of every point is at least
+/// 1/2 and no product overflows unless the pose itself is out of range.
 template <Scalar T>
 Status check_weights(std::span<const T> weights, std::size_t handles, T slack,
                      WeightRange<T>& range) noexcept {
@@ -190,7 +190,7 @@ Status check_weights(std::span<const T> weights, std::size_t handles, T slack,
     return Status::ok;
 }
 
-/// The middle of a pose.
+/// Returns the mean of a pose.
 template <Scalar T, std::size_t D, class Pose>
 Vec<T, D> middle_of(const Pose& pose, std::size_t handles) noexcept {
     Vec<T, D> middle{};
@@ -198,8 +198,8 @@ Vec<T, D> middle_of(const Pose& pose, std::size_t handles) noexcept {
     return middle;
 }
 
-/// What a handle adds to the numerator and to the denominator of a rational clone:
-/// d + (ω − 1)(C' − g) and ω − 1, ω relative to the least of all, so that nothing cancels.
+/// Returns the terms of a handle in the numerator and denominator of a rational clone: d + (ω −
+/// 1)(C' − g) and ω − 1. ω is relative to the smallest weight, so nothing cancels.
 template <Scalar T, std::size_t D, class Pose>
 struct RationalDisplacements {
     TakenDisplacements<T, D, Pose> taken;
@@ -216,7 +216,7 @@ struct RationalDisplacements {
     }
 };
 
-/// Where the points of a rational clone go: p + (N − Ω (p − g)) / (1 + Ω).
+/// Writes the points of a rational clone: p + (N − Ω (p − g)) / (1 + Ω).
 template <Scalar T, std::size_t D, class Out>
 struct RationalTarget {
     static constexpr std::size_t columns = D + 1;
@@ -241,28 +241,30 @@ struct RationalTarget {
 ///
 ///     p' = (Σ ω_i w_i C'_i + e) / Σ ω_i w_i,   e = p − Σ w_i C_i,   0 to rounding
 ///
-/// with ω relative to the least, which is computed, g being the middle of the pose, as
+/// With ω relative to the smallest weight and g the mean of the pose, it is computed as
 ///
 ///     p' = p + (N − Ω (p − g)) / (1 + Ω),  N = Σ w_i (d_i + (ω_i − 1)(C'_i − g)),  Ω = Σ w_i (ω_i − 1)
 ///
-/// Only ratios of weights matter. Equal ones give what `clone` does, bit for bit; a handle heavier than others draws points to it though nothing has moved. Where no
-/// weight is negative, a point stays in the convex hull of the handles that it listens to. A point
+/// Only ratios of weights matter. Equal weights give the result of `clone`, bit for bit. A handle
+/// heavier than others pulls points towards it even if nothing has moved. If no weight of a point
+/// is negative, the point stays in the convex hull of the handles that it has weights for. A point
 /// kept in place stays.
 ///
-///   binding       what `rational_view` made, once; or any binding, which is then judged every time,
-///                 at the cost of reading its weights twice
+///   binding       the result of `rational_view`, made once; or any binding, which is then checked
+///                 every time, at the cost of reading its weights twice
 ///   pose          any PointRange of #handles points
 ///   weights       #handles, finite and above 0
-///   out           any MutablePointRange of at least #points places, which may not overlap pose and
+///   out           any MutablePointRange of at least #points points, which may not overlap pose and
 ///                 weights; indexed as the points were when bound
 ///   parallel_for  see core/parallel.hpp; the result does not depend on it
 ///   returns       as `rational_view`; weights_do_not_match, weights_not_positive;
-///                 weights_too_far_apart, where one is 2^60 times another, or so many that what
-///                 rounding left of negative weights in the binding could outweigh others;
+///                 weights_too_far_apart, if one is 2^60 times another, or so many times that small
+///                 negative weights of the binding could outweigh others;
 ///                 pose_size_differs, pose_not_finite, output_too_small. `out` is then untouched
-///   cost          as `clone`, with D + 1 sums in place of D; no allocation
-/// Rational DFFD: Moccozet, Magnenat-Thalmann, Computer Animation '97, sec. 2 and 3.2, where points
-/// are weighted and not displacements: those would leave the figure where it is.
+///   cost          as `clone`, with D + 1 sums instead of D; no allocation
+///
+/// Rational DFFD: Moccozet, Magnenat-Thalmann, Computer Animation '97, sec. 2 and 3.2. As there, points
+/// are weighted and not displacements: weighted displacements would leave an unmoved figure where it is.
 template <RationalBinding B, PointRangeIn<B::dimension> Pose, MutablePointRangeIn<B::dimension> Out,
           class Parallel = SerialFor>
 Status clone_rational(const B& binding, const Pose& pose, std::span<const typename B::scalar> weights,

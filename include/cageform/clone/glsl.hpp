@@ -1,32 +1,32 @@
-// The clone operator on a graphics card: GLSL that reads a blob where it lies, or a skin's joints
-// and weights.
+// The clone operator on the GPU: GLSL code that reads a blob without conversion, or the joints and
+// weights of a skin.
 //
-// Upload once: the bytes of a blob as they are, as one storage buffer. Upload every frame:
-// `write_displacements`, one vec4 a handle. Then either a compute shader writes all points,
-//
+// Upload the bytes of a blob once, as one storage buffer. Upload the result of
+// `write_displacements` every frame, one vec4 a handle. Then a compute shader can write all points:
+//     #version 430                         (or 310 es)
 //     #version 430                         (or 310 es)
 //     #define CAGEFORM_BLOB 0              bindings of the buffers: the blob,
-//     #define CAGEFORM_DISPLACEMENTS 1     what write_displacements wrote,
+//     #define CAGEFORM_DISPLACEMENTS 1     the result of write_displacements,
 //     #define CAGEFORM_OUT 2               numbers of float: the points
-//     #define CAGEFORM_OUT_STRIDE 6        floats from a point to the next; else the dimension
-//     #define CAGEFORM_OUT_OFFSET 0        floats before the first; else 0
-//     #define CAGEFORM_BASE 0u             the word of four bytes at which the blob begins; else 0u
-//     #define CAGEFORM_TANGENTS 1000u      so those of bound tangents and bitangents, behind it,
-//     #define CAGEFORM_BITANGENTS 2000u    if normals are wanted as well,
-//     #define CAGEFORM_NORMAL_OFFSET 3     and the floats before the first of them
+//     #define CAGEFORM_OUT_STRIDE 6        floats from one point to the next; default: the dimension
+//     #define CAGEFORM_OUT_OFFSET 0        floats before the first; default: 0
+//     #define CAGEFORM_BASE 0u             the four-byte word at which the blob begins; default: 0u
+//     #define CAGEFORM_TANGENTS 1000u      the words at which blobs of tangents and bitangents
+//     #define CAGEFORM_BITANGENTS 2000u    begin, if normals are wanted as well,
+//     #define CAGEFORM_NORMAL_OFFSET 3     and the floats before the first normal
 //     glsl::displacements, glsl::blob, glsl::compute     in this order, one thread a point,
 //                                                        64 to a group
 //
-// or any shader calls what `blob` has: cageform_displacement, cageform_rest, cageform_point,
-// cageform_normal, of a place in the blob's order. A vertex shader of a skin
+// Or any shader can call the functions of `blob`: cageform_displacement, cageform_rest,
+// cageform_point, cageform_normal, for a position in the blob's order. A vertex shader of a skin
 // (binding/skin_weights.hpp) needs no blob:
 //
-//     #define CAGEFORM_UNIFORM_HANDLES 112 displacements are a uniform block of so many; else a
-//                                          storage buffer. #version 300 es (WebGL 2) will do
+//     #define CAGEFORM_UNIFORM_HANDLES 112 displacements are a uniform block of this size; default: a
+//                                          storage buffer. Works with #version 300 es (WebGL 2)
 //     glsl::displacements, glsl::skin
 //     … gl_Position = view * vec4(rest + cageform_skin(joints, weights), 1) …
 //
-// The text has no #version and no main but that of `compute`, and its names begin with cageform_.
+// The code has no #version, and no main except in `compute`. Its names begin with cageform_.
 #pragma once
 
 #include <cageform/binding/blob.hpp>
@@ -36,18 +36,18 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Places that `write_displacements` needs.
+/// Returns the number of entries that `write_displacements` writes.
 template <std::size_t D>
 constexpr std::size_t displacement_count(const PackedBindingView<float, D>& binding) noexcept {
     return binding.handle_count() + D + 1;
 }
 
-/// What shaders read every frame: how far the handles have moved from rest, then the best affine
-/// fit to it, each as a vec4 (std140 and std430 alike). It depends on the handles alone, so it
-/// serves all bindings to the same cage.
+/// Writes the data that shaders read every frame: the displacements of the handles from rest, then
+/// their best affine fit, each as a vec4 (std140 and std430 alike). It depends on the handles
+/// alone, so it serves all bindings to the same cage.
 ///
-///   out      at least displacement_count() places; the memory of a mapped buffer will do, it is
-///            only written
+///   out      at least displacement_count() entries; it is only written, so it may be the memory of a
+///            mapped buffer
 ///   returns  pose_size_differs, pose_not_finite, output_too_small (`out` is then untouched), or ok
 ///   cost     O(#handles); no allocation
 template <std::size_t D, PointRangeIn<D> Pose>
@@ -89,14 +89,14 @@ layout(std430, binding = CAGEFORM_DISPLACEMENTS) readonly buffer CageformDisplac
 #endif
 )";
 
-/// Blobs of binding/blob.hpp, of float, at most 16 GiB of them. `base` is the word of four bytes at
-/// which a blob begins in the buffer: several may stand one behind the other. A shader may be
-/// faster that says
+/// Functions that read blobs (binding/blob.hpp) of float, at most 16 GiB of them. `base` is the
+/// four-byte word at which a blob begins in the buffer: a buffer may hold several blobs. A shader
+/// may be faster if it defines
 ///
-///     #define CAGEFORM_FORMAT 0u       as WeightFormat counts
+///     #define CAGEFORM_FORMAT 0u       the number of a WeightFormat
 ///     #define CAGEFORM_DIMENSION 3u
 ///
-/// for all blobs that it reads; else they are asked.
+/// for all blobs that it reads; otherwise they are read from each blob.
 inline constexpr const char* blob = R"(
 layout(std430, binding = CAGEFORM_BLOB) readonly buffer CageformBlob {
     highp uint cageform_blob[];
@@ -194,7 +194,8 @@ highp vec3 cageform_normal(highp uint tangents, highp uint bitangents, highp uin
 }
 )";
 
-/// The points of one blob, and their normals if wanted, a thread each: ⌈#points / 64⌉ work groups.
+/// Writes the points of one blob, and their normals if wanted, one per thread: ⌈#points / 64⌉ work
+/// groups.
 inline constexpr const char* compute = R"(
 layout(local_size_x = 64) in;
 layout(std430, binding = CAGEFORM_OUT) writeonly buffer CageformOut {
@@ -226,7 +227,8 @@ void main() {
 }
 )";
 
-/// How far the pose moves a point with four joints; for eight or more, the sum over their sets.
+/// Returns the displacement of a point with four joints; for eight or more, add the results of
+/// their sets.
 inline constexpr const char* skin = R"(
 highp vec3 cageform_skin(highp uvec4 joints, highp vec4 weights) {
     return weights.x * cageform_displacements[joints.x].xyz + weights.y * cageform_displacements[joints.y].xyz +

@@ -1,4 +1,4 @@
-// Jacobians of a clone, every frame, from the axes that `bind_jacobians` bound.
+// Jacobians of a clone, every frame, from axes that `bind_jacobians` has bound.
 #pragma once
 
 #include <cageform/clone/clone.hpp>
@@ -6,12 +6,12 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// A view over square matrices that lie at regular distances in memory, column after column. Owns
-/// nothing and copies nothing.
+/// A view of square matrices at regular distances in memory, column after column. It owns and
+/// copies nothing.
 ///
-///   matrix_stride  bytes from a matrix to the next
-///   column_stride  bytes from a column to the next of its matrix (16 for float columns padded to
-///                  four, as std430 has them)
+///   matrix_stride  bytes from one matrix to the next
+///   column_stride  bytes from one column to the next of its matrix (16 for float columns padded to
+///                  four, as in std430)
 template <class T, std::size_t D>
 class StridedMatrices {
 public:
@@ -27,7 +27,7 @@ public:
 
     constexpr std::size_t size() const noexcept { return size_; }
 
-    /// One column of all matrices.
+    /// Returns column k of all matrices.
     StridedPoints<T, D> column(std::size_t k) const noexcept {
         auto* const bytes =
             reinterpret_cast<std::byte*>(data_) + static_cast<std::ptrdiff_t>(k) * column_stride_;
@@ -41,11 +41,11 @@ private:
     std::ptrdiff_t column_stride_;
 };
 
-/// The Jacobians of the deformation at all points, for those who deform more than points: a splat
-/// of covariance Σ becomes one of J Σ Jᵀ.
+/// Computes the Jacobians of the deformation at all points, for objects with more than a position:
+/// a splat of covariance Σ becomes one of J Σ Jᵀ.
 ///
 ///   columns    bindings of the D axes (`bind_jacobians`)
-///   jacobians  out, at least #points matrices: column k is where axis k goes
+///   jacobians  out, at least #points matrices: column k is the image of axis k
 ///   returns    bindings_differ, or as `clone`; `jacobians` is then untouched
 ///   cost       that of D clones; no allocation. The unmoved pose gives the identity, to the bit
 template <AnyBinding B, std::size_t D, PointRangeIn<D> Pose, class S, class Parallel = SerialFor>

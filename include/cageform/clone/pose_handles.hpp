@@ -1,7 +1,7 @@
-// Before a clone by handles that are not all points: from a pose of the cage's vertices, or of
-// bones, to one of all handles.
+// Computes a pose of all handles from a pose of the cage's vertices or of bones. It is called
+// before a clone if some handles are vectors.
 //
-//     pose_handles(binding, cage_pose, handles);      // faces' vectors follow their corners
+//     pose_handles(binding, cage_pose, handles);      // the vectors of faces follow their corners
 //     clone(binding, handles, out);
 #pragma once
 
@@ -19,7 +19,8 @@ namespace cageform::inline CAGEFORM_ABI {
 struct PoseReport {
     static constexpr std::size_t none = ~std::size_t{0};
     Status status = Status::ok;
-    std::size_t collapsed_faces = 0;    ///< posed to no area: their direction is unknown, their vector zero
+    /// Faces posed to zero area: their direction is unknown, their vector zero.
+    std::size_t collapsed_faces = 0;
     std::size_t first_collapsed = none; ///< the handle of the first of them
 };
 
@@ -32,8 +33,8 @@ concept HasHandles = requires(const B& binding) {
 
 namespace detail {
 
-/// Whether what is made of coordinates of this size stays finite, in the scalars of a binding and
-/// of an output.
+/// Returns whether results computed from coordinates of this size stay finite, in the scalars of a
+/// binding and of an output.
 template <Scalar T, class Out, std::size_t D>
 bool can_be_posed(const Vec<T, D>& p) noexcept {
     using Narrow = std::conditional_t<std::is_same_v<T, float> || std::is_same_v<range_scalar_t<Out>, float>,
@@ -46,8 +47,8 @@ bool can_be_posed(const Vec<T, D>& p) noexcept {
     return true;
 }
 
-/// The vector of a face whose posed corners stand in `out`. One that has not moved keeps its handle
-/// bit for bit.
+/// Returns the vector of a face whose posed corners are in `out`. A face that has not moved keeps
+/// its handle bit for bit.
 template <Scalar T, std::size_t D, class Out>
 Vec<T, D> posed_vector(const HandleView<T, D>& handles, std::size_t handle, const HandleFace<D>& face,
                        const Out& out) noexcept {
@@ -66,19 +67,19 @@ Vec<T, D> posed_vector(const HandleView<T, D>& handles, std::size_t handle, cons
 
 } // namespace detail
 
-/// From a pose of the cage's vertices to a pose of all handles.
+/// Computes a pose of all handles from a pose of the cage's vertices.
 ///
-///   pose     a place for every handle that is a point, in their order
-///   out      at least #handles places that can be read again; may begin with `pose` itself, whose
+///   pose     a point for every handle that is a point, in their order
+///   out      at least #handles points that can be read again; may begin with `pose` itself, whose
 ///            vertices are then moved to their handles
 ///   returns  pose_size_differs, pose_not_finite, output_too_small, handles_not_faces (vectors that
 ///            belong to no face): `out` is then untouched. Or ok, and the faces without area
-///   cost     O(#handles), no allocation; 80 operations and two roots a face in space, two
-///            operations in the plane
+///   cost     O(#handles), no allocation; 80 operations and two roots a face in 3D, two
+///            operations in 2D
 ///
 /// The pose at rest gives the handles at rest bit for bit, so `clone` gives the bound points. A
-/// similarity takes every vector along, to rounding. A mirrored pose is allowed, but no similarity:
-/// normals point the other way.
+/// similarity transforms every vector as well, to rounding. A mirrored pose is allowed, but does
+/// not act as a similarity: normals point the other way.
 template <HasHandles B, PointRange Pose, class Out>
     requires(B::dimension == 2 || B::dimension == 3)
 &&MutablePointRange<std::remove_reference_t<Out>> PoseReport pose_handles(const B& binding, const Pose& pose,
@@ -97,7 +98,8 @@ template <HasHandles B, PointRange Pose, class Out>
     for (std::size_t n = 0; n < std::size(pose); ++n) {
         if (!detail::can_be_posed<T, Out>(to_vec<T>(pose[n]))) return refuse(Status::pose_not_finite);
     }
-    // From the last on, for `out` may be `pose`: the n-th point is handle n or a later one.
+    // Starts from the last handle, because `out` may be `pose`: the n-th point is handle n or a
+    // later one.
     for (std::size_t i = handles.count, n = std::size(pose); i-- > 0;) {
         if (handles.is_point(i)) store_point(out, i, to_vec<range_scalar_t<Out>>(pose[--n]));
     }
@@ -111,12 +113,12 @@ template <HasHandles B, PointRange Pose, class Out>
     return report;
 }
 
-/// From the moves of bones to a pose of their handles. A bone has D + 1 of them, side by side: a
-/// point, its origin o, and D vectors, its axes. With the weights ω and ω (p − o)_k a clone is
-/// linear blend skinning, Σ ω (A p + b).
+/// Computes a pose of the handles of bones from the bones' transforms. A bone has D + 1 handles,
+/// side by side: a point, its origin o, and D vectors, its axes. With the weights ω and ω (p − o)_k
+/// a clone is linear blend skinning, Σ ω (A p + b).
 ///
 ///   bones    as many as the binding has points among its handles
-///   out      at least #handles places; may not overlap `bones`
+///   out      at least #handles points; may not overlap `bones`
 ///   returns  handles_not_bones (the handles are in another order), pose_size_differs,
 ///            pose_not_finite, output_too_small (`out` is then untouched), or ok
 ///   cost     O(#handles), no allocation

@@ -1,4 +1,4 @@
-// Barycentric coordinates: one simplex, affine, the coordinates all others reduce to on it.
+// Barycentric coordinates in one simplex: affine functions, to which all other coordinates reduce there.
 #pragma once
 
 #include <cageform/coordinates/coordinate.hpp>
@@ -14,7 +14,7 @@ namespace cageform::inline CAGEFORM_ABI {
 
 namespace detail {
 
-/// The edges from one vertex of a simplex to others, a column an edge, a row an axis.
+/// Returns the edges from one vertex of a simplex to others, a column per edge, a row per axis.
 template <std::size_t D>
 OrthonormalRows<D> edges_of_simplex(std::span<const Vec<double, D>> vertices, std::size_t from,
                                     std::span<const std::size_t> to) {
@@ -26,7 +26,7 @@ OrthonormalRows<D> edges_of_simplex(std::span<const Vec<double, D>> vertices, st
     return OrthonormalRows<D>(std::move(rows));
 }
 
-/// The gradients of the barycentric coordinates of a simplex, a vector a vertex. Empty where the
+/// Returns the gradients of the barycentric coordinates of a simplex, one per vertex. Empty if the
 /// simplex has no volume to working precision.
 template <std::size_t D>
 std::vector<Vec<double, D>> simplex_gradients(std::span<const Vec<double, D>> vertices) {
@@ -45,8 +45,8 @@ std::vector<Vec<double, D>> simplex_gradients(std::span<const Vec<double, D>> ve
     return gradients;
 }
 
-/// The barycentric coordinates of the point on the boundary of a simplex that is nearest to `p`:
-/// the least projection of `p` onto the span of a face that lies in the face.
+/// Returns the barycentric coordinates of the point nearest to `p` on the boundary of a simplex. It
+/// projects `p` onto the span of every face and takes the nearest projection that lies in its face.
 template <std::size_t D>
 Vec<double, D + 1> nearest_on_simplex_boundary(std::span<const Vec<double, D>> vertices,
                                                const Vec<double, D>& p) {
@@ -77,7 +77,7 @@ Vec<double, D + 1> nearest_on_simplex_boundary(std::span<const Vec<double, D>> v
         found[corner[0]] = first;
         double distance = 0;
         for (std::size_t axis = 0; axis < D; ++axis) distance = std::hypot(distance, left[axis]);
-        if (least >= 0 && distance >= least) continue; // infinite where p is out of reach
+        if (least >= 0 && distance >= least) continue; // infinite if p is too far away
         least = distance;
         best = found;
     }
@@ -86,7 +86,7 @@ Vec<double, D + 1> nearest_on_simplex_boundary(std::span<const Vec<double, D>> v
 
 } // namespace detail
 
-/// Barycentric coordinates in a simplex of `D` dimensions: a triangle, a tetrahedron, …
+/// Barycentric coordinates in a simplex of `D` dimensions: a triangle, a tetrahedron, ….
 ///
 /// The solution β of [C_0 … C_D; 1 … 1] β = [p; 1] (Möbius 1827; Ceva's masses). The inverse is
 /// computed once, in double.
@@ -119,7 +119,7 @@ public:
     explicit BarycentricCoordinates(const R&, detail::PointTraitsNotSpecialisedForThesePoints = {}) =
         CAGEFORM_DETAIL_DELETE_UNKNOWN_POINTS;
 
-    /// The cage of the two-dimensional types, so that they can be exchanged.
+    /// Takes the cage of the other 2D types, so that types can be exchanged.
     explicit BarycentricCoordinates(const Polygon<T>& cage) requires(D == 2)
         : BarycentricCoordinates(cage.vertices()) {
         if (cage.status() != Status::ok) {
@@ -131,7 +131,7 @@ public:
         }
     }
 
-    /// Loops alone: interior_cells_not_supported where there are cells inside.
+    /// Uses only the boundary of a cell complex: interior_cells_not_supported if there are cells inside.
     template <std::size_t E>
         requires(E == D)
     explicit BarycentricCoordinates(const CellComplex<T, E>& cage)
@@ -152,8 +152,8 @@ public:
                                           });
     }
 
-    /// The gradients of all weights at a batch of points: those of affine functions, the same
-    /// everywhere.
+    /// Computes the gradients of all weights at a batch of points. The weights are affine, so the
+    /// gradients are the same everywhere.
     ///
     ///   points     as for `evaluate`; so are the states on entry and on return
     ///   gradients  out, row axis · #handles + handle: the derivative along the axis, per unit of
@@ -180,7 +180,7 @@ public:
 private:
     using Simd = detail::Simd<T>;
 
-    /// Places as seen from the last vertex, in units of the simplex.
+    /// Returns points relative to the last vertex, in units of the simplex's diagonal.
     Vec<double, D> in_unit(const Vec<T, D>& p) const noexcept {
         return (1 / unit_) * (vec_cast<double>(p) - vec_cast<double>(vertices_.back()));
     }
@@ -201,7 +201,7 @@ private:
         if (!(unit_ > 0)) return report_.add(CageFaultKind::degenerate_simplex);
         const auto gradients = detail::simplex_gradients<D>(in_unit(handles()));
         if (gradients.empty()) return report_.add(CageFaultKind::degenerate_simplex);
-        // The gradient of β_k is one over the height of vertex k above the opposite face.
+        // The gradient of β_k has the length of one over the height of vertex k above the opposite face.
         const double tolerance = coincidence_tolerance(bounds_of(handles())) / unit_;
         for (std::size_t k = 0; k <= D; ++k) {
             for (std::size_t axis = 0; axis < D; ++axis)
@@ -231,7 +231,7 @@ private:
     }
 
     void weigh(const Lanes<T>* position, Lanes<T>* row) const noexcept {
-        // β_k grows from a vertex of the opposite face, so that it is accurate on that face.
+        // β_k is measured from a vertex of the opposite face, so that it is accurate on that face.
         for (std::size_t k = 0; k <= D; ++k) {
             const Vec<T, D>& from = vertices_[k < D ? D : 0];
             Simd beta(T(0));
@@ -267,9 +267,12 @@ private:
     std::array<T, D + 1> on_face_{};
 };
 
-using BarycentricCoordinates2f = BarycentricCoordinates<float, 2>;
-using BarycentricCoordinates2d = BarycentricCoordinates<double, 2>;
-using BarycentricCoordinates3f = BarycentricCoordinates<float, 3>;
-using BarycentricCoordinates3d = BarycentricCoordinates<double, 3>;
+// `BarycentricCoordinates coordinates(cage)` deduces the scalar and the dimension.
+template <PointRange R>
+BarycentricCoordinates(const R&) -> BarycentricCoordinates<range_scalar_t<R>, range_dimension<R>>;
+template <Scalar T>
+BarycentricCoordinates(Polygon<T>) -> BarycentricCoordinates<T, 2>;
+template <Scalar T, std::size_t D>
+BarycentricCoordinates(CellComplex<T, D>) -> BarycentricCoordinates<T, D>;
 
 } // namespace cageform::inline CAGEFORM_ABI

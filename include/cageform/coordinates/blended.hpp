@@ -1,4 +1,4 @@
-// Several cages over one figure, blended where they overlap.
+// Coordinates of several cages over one figure, blended where the cages overlap.
 #pragma once
 
 #include <cageform/cage/detail/depth.hpp>
@@ -7,25 +7,24 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Coordinates with respect to several cages, one for the body, say, and one for the head. The
-/// handles are those of the first cage, then of the second, and so on. Where a point lies inside
-/// several cages,
+/// Coordinates with respect to several cages, for example one for the body and one for the head.
+/// The handles are those of the first cage, then of the second, and so on. If a point lies inside
+/// several cages, its weights are
 ///
 ///     w = Σ_k β_k w^k,   β_k = d_k² / Σ_j d_j²
 ///
-/// d_k being how deep the point lies in cage k (cage/detail/depth.hpp), relative to the diagonal of that
-/// cage. So weights are once continuously differentiable across the boundary of a cage that lies
-/// inside another; sum to 1 and reproduce the point as the parts do, hence are exact at rest and
-/// where all cages make the same affine move; and a point inside one cage alone has the weights of
-/// that cage.
+/// where d_k is the depth of the point in cage k (cage/detail/depth.hpp), relative to the diagonal
+/// of that cage. The weights are C¹ across the boundary of a cage that lies inside another. They sum
+/// to 1 and reproduce the point as the parts' weights do, so the figure is exact at rest and when
+/// all cages make the same affine move. A point inside a single cage has the weights of that cage.
 ///
 ///   range     that of the parts, with linear precision restored
 ///   cost      that of all parts for all points, plus O(edges or faces) a point and cage, and the
 ///             parts' weights once more
 ///   fails     as the first part that fails; too_few_vertices without parts
 ///
-/// Outside all cages they are not defined (no extension). What a solver's weights miss of linear
-/// precision is restored part by part, so that no cage moves a point outside it.
+/// Outside all cages they are not defined (no extension). Linear precision that a solver misses is
+/// restored in each part separately, so no cage moves a point outside it.
 template <CageCoordinates C>
     requires requires(const C& c) {
         Depth<std::decay_t<decltype(c.cage())>>(c.cage());
@@ -48,19 +47,19 @@ public:
     }
 
     std::span<const C> parts() const noexcept { return parts_; }
-    /// The first handle of a part; for the number of parts, that of handles.
+    /// Returns the first handle of a part; for part = #parts the number of all handles.
     std::size_t first_handle(std::size_t part) const noexcept { return first_[part]; }
     std::span<const Vec<scalar, dimension>> handles() const noexcept { return handles_; }
     std::span<const HandleKind> handle_kinds() const noexcept { return kinds_; }
     std::span<const HandleFace<dimension>> handle_faces() const noexcept { return faces_; }
 
-    /// That of the first cage that is refused, which is `refused_part()`; otherwise the warnings of
-    /// all.
+    /// Returns the report of the first refused cage, which is `refused_part()`; if none is, the
+    /// warnings of all.
     const CageReport& cage_report() const noexcept { return report_; }
     static constexpr std::size_t none = ~std::size_t{0};
     std::size_t refused_part() const noexcept { return refused_; }
 
-    /// Of parts that can: solves the functions of all and keeps them.
+    /// Solves and keeps the functions of all parts, for types of parts that can.
     Evaluation solve(const Running& running = {}) requires requires(C c) { c.solve(running); }
     {
         Evaluation result;
@@ -153,7 +152,7 @@ private:
         }
     }
 
-    /// evaluation = f(part, running), one after the other until one fails.
+    /// Calls evaluation = f(part, running) for one part after the other, until one fails.
     template <class F>
     Evaluation for_each_part(const Running& running, const F& f) const {
         Evaluation total;
@@ -175,7 +174,7 @@ private:
         return total;
     }
 
-    /// The weights of part `k`, into its rows.
+    /// Evaluates part `k` and writes its weights to its rows.
     Evaluation evaluate_part(std::size_t k, BlockView<const scalar> points, BlockView<scalar> weights,
                              std::span<PointState> states, const Running& running) const {
         const std::size_t count = first_[k + 1] - first_[k];
@@ -188,7 +187,7 @@ private:
         return evaluation;
     }
 
-    /// Makes one row of weights of those of all parts. `all`: the states by part and point.
+    /// Blends the weights of all parts in block b. `all` holds the states by part and point.
     void blend(std::size_t b, BlockView<const scalar> points, BlockView<scalar> weights,
                std::span<const PointState> all, std::span<PointState> states) const {
         const std::size_t count = states.size(), parts = parts_.size();
@@ -198,7 +197,8 @@ private:
             for (auto& row : share) row[lane] = scalar(0);
             if (i >= count || states[i] == PointState::not_finite) continue;
             const auto of_part = [&](std::size_t k) { return all[k * count + i]; };
-            // Those that have a say: where the point is inside, or if nowhere, on the boundary.
+            // The parts that count: those that the point is inside, or if there are none, on whose
+            // boundary it is.
             states[i] = PointState::outside;
             for (const auto state : {PointState::unreached, PointState::on_boundary, PointState::inside}) {
                 for (std::size_t k = 0; k < parts; ++k) {
@@ -215,7 +215,7 @@ private:
                     const double depth = (equal ? 1 : depths_[k](p)) * scales_[k];
                     sum += say[k] = depth * depth;
                 }
-                if (sum > 0) break; // else too near to all boundaries to tell
+                if (sum > 0) break; // else the point is too close to all boundaries to use depths
             }
             for (std::size_t k = 0; k < parts; ++k) share[k][lane] = static_cast<scalar>(say[k] / sum);
         }
@@ -228,7 +228,8 @@ private:
                 any = any || share[k][lane] != scalar(0);
                 bound[lane] = share[k][lane] != scalar(0) ? scalar(1) : scalar(0);
                 if (bound[lane] != scalar(0)) continue;
-                for (std::size_t h = 0; h < handles; ++h) row[h][lane] = scalar(0); // unspecified so far
+                // Unspecified so far.
+                for (std::size_t h = 0; h < handles; ++h) row[h][lane] = scalar(0);
             }
             if (!any) continue;
             (void)restorers_[k].run(points.block(b), bound, row, true);
@@ -241,7 +242,7 @@ private:
     using Cage = std::decay_t<decltype(std::declval<const C&>().cage())>;
 
     std::vector<C> parts_;
-    std::vector<std::size_t> first_; ///< handle of every part, and the end
+    std::vector<std::size_t> first_; ///< first handle of every part, and the end
     std::vector<Vec<scalar, dimension>> handles_;
     std::vector<HandleKind> kinds_;
     std::vector<HandleFace<dimension>> faces_;

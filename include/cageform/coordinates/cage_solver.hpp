@@ -1,7 +1,7 @@
-// The seam between coordinates that are solved for and their solvers.
+// The interface between solved coordinates and their solvers.
 //
-// HarmonicCoordinates own the cage and the options and know no solver. A solver knows its problem,
-// but no driver and no threads. To add one, write a model of CageSolver and use
+// HarmonicCoordinates own the cage and the options and know no particular solver. A solver knows its
+// problem, but neither the driver nor threads. To add a solver, write a model of CageSolver and use
 //     HarmonicCoordinates<T, D, Cage, OnlySolver<YourSolver>>
 #pragma once
 
@@ -13,7 +13,7 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// What a solver is given: a cage that `check` finds sound, with what else is known of it.
+/// The input of a solver: a cage that `check` accepts, with its options and its boundary data.
 template <class C, class SolverOptions>
 struct CageProblem {
     using Cage = C;
@@ -30,41 +30,40 @@ struct CageProblem {
         if (report.status == Status::ok) data = detail::BoundaryData<Cage>(cage, options);
     }
 
-    /// None, refused with a status.
+    /// An empty problem, refused with a status.
     explicit CageProblem(Status refused)
         : report{refused, {}} {}
 
     Cage cage;
-    CageReport report; ///< status and warnings; no solver sees a problem whose status is not ok
+    CageReport report; ///< status and warnings; solvers only get problems whose status is ok
     Options options;
     scalar tolerance = 0;              ///< coincidence_tolerance of the cage
-    detail::BoundaryData<Cage> data{}; ///< of a sound cage
+    detail::BoundaryData<Cage> data{}; ///< set if the cage is sound
 };
 
-/// What a solver will need, in bytes.
+/// The memory that a solver will need, in bytes.
 struct SolverMemory {
     std::size_t hierarchy = 0; ///< once, for all functions
-    std::size_t block = 0;     ///< for one group of functions: on each thread
+    std::size_t block = 0;     ///< for one group of functions, on each thread
 };
 
-/// A solver of the functions of a cage's handles. A GroupSolver; every handle is in one
-/// group.
+/// Solves for the functions of a cage's handles. It is a GroupSolver, and every handle is in one group.
 ///
 ///   Problem                    the CageProblem it solves
 ///   make(problem, report, made)
 ///                              makes all that does not depend on boundary data (grid, hierarchy)
-///                              and puts into `report` the cells, or refuses by a status. The
-///                              problem outlives what is made
-///   memory()                   what that takes, and a block
+///                              and writes the number of cells to `report`, or returns another status
+///                              than ok. The problem outlives the solver
+///   memory()                   the size of that, and of a block
 ///   Functions, keep(block)     the functions of a solved group
 ///   Samples, samples(batch, first, last)
-///                              what the values of any function at points first … last − 1 are made
-///                              of, and where the points lie (batch.states); points
-///                              beyond batch.points.points have the value 0
+///                              stencils from which the value of any function at points first …
+///                              last − 1 is computed; also sets where the points lie (batch.states).
+///                              Points beyond batch.points.points have the value 0
 ///   sample(samples, group, functions, rows)
-///                              the rows of weights of a group at those points; `functions` is a
-///                              block or what is kept. Different groups are sampled at once
-///   finish(samples, rows)      what is left to do when all groups are sampled
+///                              fills the rows of weights of a group at those points; `functions` is a
+///                              block or kept Functions. Different groups are sampled concurrently
+///   finish(samples, rows)      called once all groups are sampled
 template <class S>
 concept CageSolver = grid::GroupSolver<S> &&
     requires(const S& solver, const typename S::Problem& problem, std::optional<S>& made,
@@ -82,11 +81,11 @@ concept CageSolver = grid::GroupSolver<S> &&
 
 /// A solver whose functions can be differentiated, by differences of samples up to a cell apart.
 ///
-///   spacing(p)                 of its grid about a point, in units of the cage
-///   state_of(p)                where a point lies, as `samples` says
+///   spacing(p)                 the grid spacing at a point, in units of the cage
+///   state_of(p)                where a point lies, as `samples` finds it
 ///   free_distance(p, axis, up, limit)
-///                              from a point inside along an axis, up or down, to the boundary, in
-///                              such spacings; at most `limit`
+///                              the distance from a point inside to the boundary, along an axis, up or
+///                              down, in such spacings; at most `limit`
 template <class S>
 concept DifferentiableSolver = CageSolver<S> &&
     requires(const S& solver, const Vec<typename S::Problem::scalar, S::Problem::dimension>& p,
@@ -101,12 +100,12 @@ template <Scalar T, std::size_t D>
 struct GridCell {
     Vec<T, D> low; ///< its lower corner
     T size;        ///< along each axis
-    bool is_cut;   ///< the cage passes it or comes very near; else the whole cell lies inside
+    bool is_cut;   ///< the cage crosses it or comes very near; else the whole cell lies inside
 };
 
 namespace detail {
 
-/// That of a solver's options; none where they have none.
+/// Returns the memory limit of a solver's options, or the largest number if they have none.
 template <class Options>
 std::size_t memory_limit([[maybe_unused]] const Options& options) noexcept {
     if constexpr (requires { options.memory_limit; }) {
@@ -118,13 +117,13 @@ std::size_t memory_limit([[maybe_unused]] const Options& options) noexcept {
 
 } // namespace detail
 
-/// A solver that can begin with the functions of another cage, of much the same shape.
+/// A solver that can start from the functions of another cage of a similar shape.
 ///
-///   Guess                      made of (solver, the solver before, the functions that it has kept,
-///                              for each handle the number that it had before or none: ~0)
-///   takes_guess()              whether it does for this problem
+///   Guess                      constructed from (solver, the solver before, the functions that it has
+///                              kept, and for each handle its old number or none: ~0)
+///   takes_guess()              whether it can use a guess for this problem
 ///   solve(group, block, work, &guess)
-///                              `solve` of a group from it, to the same tolerance
+///                              `solve` of a group starting from the guess, to the same tolerance
 template <class S>
 concept WarmSolver = CageSolver<S> &&
     std::constructible_from<typename S::Guess, const S&, const S&, std::span<const typename S::Functions>,
@@ -135,7 +134,7 @@ concept WarmSolver = CageSolver<S> &&
     { solver.solve(group, block, work, guess) } -> std::same_as<Status>;
 };
 
-/// A choice that is none: the one solver given.
+/// A choice with one solver only.
 template <CageSolver S>
 struct OnlySolver {
     using Options = typename S::Problem::Options;

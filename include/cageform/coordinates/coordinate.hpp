@@ -1,4 +1,4 @@
-// The one concept that every coordinate type models.
+// The concept that every coordinate type models, and functions for any such type.
 #pragma once
 
 #include <cageform/cage/cell_complex.hpp>
@@ -20,23 +20,22 @@ concept CageCoordinateConstants = requires {
     { C::closed_form } -> std::convertible_to<bool>;
 };
 
-/// Coordinates of points with respect to a cage, one weight per *handle*. For the types here a
-/// handle is a cage vertex; a type may have others (scaled face normals, say), so nobody assumes
-/// weights = vertices.
+/// Coordinates of points with respect to a cage, one weight per *handle*. For most types a handle
+/// is a cage vertex; a type may have others (scaled face normals, for example), so code must not
+/// assume that weights belong to vertices.
 ///
 ///   handles()           the handles at rest; a pose holds as many points, in the same order
-///   handle_kinds()      need not be there: a span of the kinds of the handles (core/handles.hpp);
+///   handle_kinds()      optional: a span of the kinds of the handles (core/handles.hpp); if it is
 ///                       absent or empty, all are points
-///   handle_faces()      need not be there: a span of the faces that vector handles belong to, in
-///                       their order, so that `pose_handles` makes their poses from one of the
-///                       vertices
+///   handle_faces()      optional: a span of the faces that vector handles belong to, in their order,
+///                       so that `pose_handles` can compute their poses from a pose of the vertices
 ///   cage_report()       faults of the cage; unless its status is ok, `evaluate` returns that
 ///                       status
 ///   has_extension       whether weights are defined outside the cage
 ///   closed_form         whether `bind` may evaluate a few points at a time, which keeps them in
 ///                       cache
-///   local               need not be there: whether most weights of a point are exact zeros, which
-///                       `bind` then leaves alone where it restores linear precision
+///   local               optional: whether most weights of a point are exact zeros, which `bind` then
+///                       preserves when it restores linear precision
 ///   evaluate(points, weights, states, running)
 ///                       fills the weights of a whole batch (rows of `weights` are handles) and
 ///                       where each point lies. Points whose state is not_finite on entry are
@@ -57,7 +56,7 @@ concept CageCoordinates = CageCoordinateConstants<C> &&
     { c.nearest_boundary(p, row) } -> std::same_as<Vec<typename C::scalar, C::dimension>>;
 };
 
-/// Whether zeros among the weights of a point are to stay zeros.
+/// Whether zeros among the weights of a point must stay zeros.
 template <class C>
 inline constexpr bool has_local_rows = false;
 template <class C>
@@ -78,7 +77,7 @@ concept GradientCoordinates = CageCoordinates<C> &&
     { c.evaluate_gradients(points, gradients, states, running) } -> std::same_as<Evaluation>;
 };
 
-/// The handles of a coordinate type, with what it says of their kinds.
+/// Returns the handles of a coordinate type, with their kinds and faces.
 template <CageCoordinates C>
 HandleView<typename C::scalar, C::dimension> handle_view(const C& coordinates) noexcept {
     HandleView<typename C::scalar, C::dimension> view(coordinates.handles());
@@ -95,9 +94,9 @@ HandleView<typename C::scalar, C::dimension> handle_view(const C& coordinates) n
     return view;
 }
 
-/// What `nearest_boundary` is for every type whose handles are a cage's vertices and whose weights
-/// on the boundary are the cage's BoundaryData: `row` (#V) gets the weights of the nearest boundary
-/// point, which is returned.
+/// Implements `nearest_boundary` for types whose handles are a cage's vertices and whose weights on
+/// the boundary are the cage's BoundaryData. Returns the nearest boundary point and fills `row`
+/// (#V) with its weights.
 template <class Cage, class Data = detail::BoundaryData<Cage>>
 Vec<typename Cage::scalar, Cage::dimension>
 nearest_boundary_weights(const Cage& cage, const Vec<typename Cage::scalar, Cage::dimension>& p,
@@ -111,14 +110,14 @@ nearest_boundary_weights(const Cage& cage, const Vec<typename Cage::scalar, Cage
         data.for_each_weight(value, add);
         return Status::ok;
     });
-    if (status != Status::ok) // no memory: the data of the place's facet alone
+    if (status != Status::ok) // out of memory: uses the hat functions of the point's facet
         detail::HatData<Cage::dimension>::for_each_weight(value, add);
     return place;
 }
 
 namespace detail {
 
-/// Writes the boundary data of a place as weights: a lane of a block of `handles` rows.
+/// Writes the boundary data at a point as weights, into a lane of a block with `handles` rows.
 template <class T, std::size_t K, class Data = HatData<K>>
 void store_boundary_value(const BoundaryValue<K>& value, std::size_t handles, Lanes<T>* rows,
                           std::size_t lane, const Data& data = {}) {
@@ -127,7 +126,7 @@ void store_boundary_value(const BoundaryValue<K>& value, std::size_t handles, La
         value, [&](std::uint32_t handle, double weight) { rows[handle][lane] += static_cast<T>(weight); });
 }
 
-/// What `evaluate` and `evaluate_gradients` are given.
+/// The arguments of `evaluate` and `evaluate_gradients`.
 template <class T>
 struct Batch {
     BlockView<const T> points;
@@ -135,7 +134,7 @@ struct Batch {
     std::span<PointState> states;
 };
 
-/// What `evaluate` is for closed forms: body(first, last) for pieces of the blocks, when the cage
+/// Implements `evaluate` for closed forms: calls body(first, last) for ranges of blocks if the cage
 /// is sound.
 template <class T, class Body>
 Evaluation evaluate_blocks(const CageReport& cage, [[maybe_unused]] std::size_t rows, const Batch<T>& batch,
@@ -148,11 +147,11 @@ Evaluation evaluate_blocks(const CageReport& cage, [[maybe_unused]] std::size_t 
 
 } // namespace detail
 
-/// Weights of a single point, a convenience on top of `evaluate`.
+/// Computes the weights of a single point; a convenience on top of `evaluate`.
 ///
 ///   weights  out, #handles
-///   returns  where the point lies, unreached where evaluating fails; `weights` is set for inside
-///            and on_boundary, and for outside when the type has an extension, else untouched
+///   returns  where the point lies, unreached if evaluating fails; `weights` is set for inside
+///            and on_boundary, and for outside when the type has an extension, else left as it is
 template <CageCoordinates C, Point P>
 PointState weights_at(const C& coordinates, const P& point, std::span<typename C::scalar> weights) {
     using T = typename C::scalar;

@@ -1,7 +1,7 @@
 // Harmonic coordinates: non-negative, without interior extrema, from a Laplace solve on a grid.
 //
-// The solvers are the multigrids of this library, on an adaptive grid or a uniform one. The papers'
-// own, the baseline they are measured against, is in papers/pyramid_solver.hpp.
+// The solvers are this library's multigrids, on an adaptive grid or on a uniform one. The solver of
+// the papers, the baseline that they are compared with, is in papers/pyramid_solver.hpp.
 #pragma once
 
 #include <cageform/coordinates/detail/face_coordinates.hpp>
@@ -13,14 +13,14 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// The solver for a kind of cage: on the adaptive grid, or the uniform one where
-/// HarmonicOptions::resolution is given. WithAveragingPyramid (papers/pyramid_solver.hpp) has all
-/// that the options can name.
+/// Chooses the solver for a kind of cage: the adaptive grid, or the uniform grid if
+/// HarmonicOptions::resolution is set. To use HarmonicSolver::averaging_pyramid as well, replace
+/// this type by WithAveragingPyramid (papers/pyramid_solver.hpp).
 template <class C>
 struct HarmonicSolverChoice {
     using Options = HarmonicOptions;
 
-    /// use(std::type_identity<the solver>{}), or solver_not_supported.
+    /// Calls use(std::type_identity<Solver>{}), or returns solver_not_supported.
     template <class Use>
     static Status choose(const Options& options, const Use& use) {
         if (options.solver != HarmonicSolver::multigrid) return Status::solver_not_supported;
@@ -29,29 +29,32 @@ struct HarmonicSolverChoice {
     }
 };
 
-/// Harmonic coordinates: ∇²h_i = 0 inside, on the boundary the hat function of vertex i. In the
-/// plane the cage is a Polygon, in space a TriangleMesh, a Box or a PolyhedralMesh
-/// (coordinates/harmonic.hpp: the faces' planes are solved when it is made), in both a
-/// CellComplex.
+/// Harmonic coordinates: h_i solves ∇²h_i = 0 inside the cage and equals the hat function of vertex
+/// i on its boundary. In 2D the cage is a Polygon, in 3D a TriangleMesh, a Box or a PolyhedralMesh,
+/// in both a CellComplex. For the faces of a PolyhedralMesh, harmonic coordinates are first solved
+/// in each face's plane.
 ///
 /// Joshi, Meyer, DeRose, Green, Sanocki, Harmonic Coordinates for Character Articulation (SIGGRAPH
-/// 2007), sec. 3 and 4. On vertices, edges and faces the boundary data itself is taken, so they are
-/// exact there.
+/// 2007), sec. 3 and 4. For points on vertices, edges and faces the boundary data itself is
+/// returned, so weights are exact there.
 ///
-/// The same whatever `T`, but for its rounding:
+/// The functions do not depend on `T` except for its rounding.
+///
 ///   range     [0, 1], sum 1, Σ h_i C_i = p: all to the tolerance, on every grid
-///   accuracy  see HarmonicOptions::accuracy. Where a resolution is given: of order h² in the open and
-///             around corners with one cell of room (two where that holds too few nodes for a fit;
-///             grid/corners/corner_functions.hpp); next to an untreated corner of interior angle ω, or edge
-///             in space, of order h^(π/ω)
+///   accuracy  see HarmonicOptions::accuracy. If a resolution is given: of order h² away from the boundary
+///             and around corners with one cell of room (two if that holds too few nodes for a fit;
+///             grid/corners/corner_functions.hpp); of order h^(π/ω) next to an untreated corner of
+///             interior angle ω, or such an edge in 3D
 ///   cost      `evaluate` solves #V functions, sixteen at a time (unless `solve` has done so
-///             before), and samples them. Running::parallel shares the sixteens out; each thread
-///             needs `solver_memory().block` bytes, every point about 80 bytes in the plane and 150
-///             in space, and next to treated corners #V scalars. The progress is asked before every
-///             cycle on the calling thread, which has to take part in the work
+///             before), and samples them. Running::parallel distributes the groups of sixteen; each
+///             thread needs `solver_memory().block` bytes, every point about 80 bytes in 2D and 150 in
+///             3D, and #V scalars next to treated corners. Progress is reported before every cycle on
+///             the calling thread, which has to take part in the work
 ///   fails     as check(cage); accuracy_not_supported; resolution_not_supported;
 ///             tolerance_not_positive; grid_too_coarse; not_converged; cancelled; out_of_memory;
 ///             solver_not_supported
+///
+/// Outside the cage they are not defined (no extension); every point inside has values.
 ///
 /// Outside the cage they are not defined (no extension); every point inside has values.
 template <Scalar T, std::size_t D, class C = std::conditional_t<D == 2, Polygon<T>, TriangleMesh<T>>,
@@ -69,7 +72,7 @@ public:
     explicit HarmonicCoordinates(Cage cage, const Options& options = {})
         : problem_(make_problem(std::move(cage), options)) {}
 
-    /// A polygon of one loop.
+    /// Makes a polygon of one loop.
     template <PointRange R>
         requires(D == 2 && range_dimension<R> == 2)
     explicit HarmonicCoordinates(const R& vertices, const Options& options = {})
@@ -79,7 +82,7 @@ public:
                                  detail::PointTraitsNotSpecialisedForThesePoints = {}) =
         CAGEFORM_DETAIL_DELETE_UNKNOWN_POINTS;
 
-    /// A mesh, from what a TriangleMesh is made of.
+    /// Makes the mesh from the arguments of a TriangleMesh.
     template <PointRange R, FaceRange F>
         requires(D == 3 && range_dimension<R> == 3 && std::is_same_v<C, TriangleMesh<T>>)
     HarmonicCoordinates(const R& vertices, const F& faces, const Options& options = {})
@@ -89,7 +92,7 @@ public:
                         detail::PointTraitsNotSpecialisedForThesePoints = {}) =
         CAGEFORM_DETAIL_DELETE_UNKNOWN_POINTS;
 
-    // A copy shares the cage and the functions kept. So does what is moved: neither is ever empty.
+    // A copy shares the cage and the solved functions. Moving copies, so no object is ever empty.
     HarmonicCoordinates(const HarmonicCoordinates&) noexcept = default;
     HarmonicCoordinates& operator=(const HarmonicCoordinates&) noexcept = default;
 
@@ -98,8 +101,8 @@ public:
     std::span<const Vec<T, D>> handles() const noexcept { return cage().vertices(); }
     const CageReport& cage_report() const noexcept { return problem_->report; }
 
-    /// Solves all functions and keeps them, for several batches of points to be evaluated; their
-    /// reports repeat this solve's.
+    /// Solves all functions and keeps them, so that several batches of points can be evaluated. The
+    /// reports of those evaluations repeat the report of this solve.
     Evaluation solve(const Running& running = {}) {
         return with_solution([&](const auto& solution, SolverReport& report) {
             if (solution == kept_) return Status::ok;
@@ -109,15 +112,16 @@ public:
         });
     }
 
-    /// `solve` after an edit of the cage: begins with the functions that `before` has kept, and is
-    /// met to the same tolerance, in fewer cycles the less the cage has changed. Where `before` has
-    /// kept none, or by another solver, the same as `solve`; so too on the adaptive grid, where half
-    /// of the time is the grid's and a function is solved only where it is large, and on the uniform one
-    /// in the plane, where corners are treated (MultigridOptions::corner_functions) and solves are quick.
+    /// Solves after an edit of the cage, starting from the functions that `before` has kept. The
+    /// tolerance is the same as for `solve`; the less the cage has changed, the fewer cycles are
+    /// needed. It is the same as `solve` in these cases: `before` has kept no functions, or used
+    /// another solver; the grid is adaptive (half of the time goes into the grid, and functions are
+    /// solved only where they are large); the grid is uniform and in 2D with treated corners
+    /// (MultigridOptions::corner_functions), where solves are quick.
     ///
-    ///   before       coordinates of the cage as it was; resolution and tolerance may differ
-    ///   old_handles  #handles: the number that each had before, or ~0 where it is new. Empty: the
-    ///                same numbers, which asks for as many handles as before
+    ///   before       coordinates of the cage before the edit; resolution and tolerance may differ
+    ///   old_handles  #handles: the number that each handle had before, or ~0 if it is new. Empty: the
+    ///                numbers are the same, which requires as many handles as before
     ///   memory       beside that of `solve`, about 100 bytes a cell inside the cage
     Evaluation solve_from(const HarmonicCoordinates& before, std::span<const std::size_t> old_handles = {},
                           const Running& running = {}) {
@@ -151,16 +155,16 @@ public:
         });
     }
 
-    /// The gradients of all functions at a batch of points, by the multigrid (solver_not_supported
-    /// with the other).
+    /// Computes the gradients of all functions at a batch of points, by the multigrid solvers
+    /// (solver_not_supported with the averaging pyramid).
     ///
     ///   points     as for `evaluate`; so are the states on entry and on return
     ///   gradients  out, row axis · #handles + handle: the derivative along the axis, per unit of
-    ///              length. That of points outside is left as it is
+    ///              length. Those of points outside stay as they are
     ///   accuracy   exact for linear functions: Σ ∇h_i = 0 and Σ C_i ∇h_i = identity to the
-    ///              tolerance over h. Of order h² in the open, h within a cell of the boundary; for
-    ///              a point on it that of a place half a cell inside (unreached where there is
-    ///              none)
+    ///              tolerance over h. The error is of order h², within a cell of the boundary of order h.
+    ///              For a point on the boundary: the gradient at a point half a cell inside (unreached if
+    ///              there is none)
     ///   cost       of evaluating 2D + 1 points for each; unless `solve` has been called, with the
     ///              memory of their weights
     Evaluation evaluate_gradients(BlockView<const T> points, BlockView<T> gradients,
@@ -181,9 +185,10 @@ public:
         return nearest_boundary_weights(cage(), p, row, problem_->data);
     }
 
-    /// What the solver will need; all zero where the cage or the grid is refused, or the hierarchy
-    /// itself finds no room. The cost is that of setting the solver up: a tenth of solving, and the
-    /// hierarchy's memory. After `solve` half a block for each group of sixteen is kept.
+    /// Returns the memory that the solver will need; all zero if the cage or the grid is refused,
+    /// or if there is no room for the hierarchy itself. The call sets the solver up: this takes a
+    /// tenth of the time of solving, and the hierarchy's memory. After `solve` half a block per
+    /// group of sixteen is kept.
     SolverMemory solver_memory() const {
         SolverMemory memory;
         (void)with_solution([&](const auto& solution, SolverReport&) {
@@ -193,9 +198,10 @@ public:
         return memory;
     }
 
-    /// f(GridCell) for every cell of an adaptive grid that is inside or that the cage passes: where a
-    /// cage makes its grid fine. Neighbours come together (along the Morton curve). By the uniform
-    /// grid solver_not_supported, else fails and costs as `solve` before its first cycle.
+    /// Calls f(GridCell) for every cell of an adaptive grid that is inside the cage or crossed by
+    /// it, to show where a cage makes its grid fine. Neighbours are visited together (along the
+    /// Morton curve). With the uniform grid it returns solver_not_supported; otherwise it fails and
+    /// costs as `solve` does before its first cycle.
     template <class F>
     Evaluation for_each_cell(F&& f) const {
         return with_solution([&](const auto& solution, SolverReport&) {
@@ -222,7 +228,7 @@ private:
         return {std::shared_ptr<void>(), &none};
     }
 
-    /// The solution kept, where it is one of that solver; else null.
+    /// Returns the kept functions if they were solved by solver S, else null.
     template <class S>
     std::shared_ptr<const detail::Solution<S>> kept_by() const {
         std::shared_ptr<const detail::Solution<S>> found;
@@ -233,7 +239,8 @@ private:
         return found;
     }
 
-    /// use(solution, report) with the functions kept, or with a solver that has none yet.
+    /// Calls use(solution, report) with the kept functions, or with a new solver that has solved
+    /// none yet.
     template <class Use>
     Evaluation with_solution(const Use& use) const {
         return detail::guarded_evaluation([&](SolverReport& report) {
@@ -255,7 +262,7 @@ private:
     std::shared_ptr<void> kept_; ///< a Solution of the solver that the options name
 };
 
-/// Deduced from the cage: `HarmonicCoordinates coordinates(box)`.
+/// Deduces the type from the cage: `HarmonicCoordinates coordinates(box)`.
 template <Scalar T>
 HarmonicCoordinates(Box<T>, const HarmonicOptions& = {}) -> HarmonicCoordinates<T, 3, Box<T>>;
 template <Scalar T>
@@ -265,14 +272,11 @@ HarmonicCoordinates(Polygon<T>, const HarmonicOptions& = {}) -> HarmonicCoordina
 template <Scalar T, std::size_t D>
 HarmonicCoordinates(CellComplex<T, D>, const HarmonicOptions& = {})
     -> HarmonicCoordinates<T, D, CellComplex<T, D>>;
-template <PointRange R, FaceRange F>
+template <PointRangeIn<2> R>
+HarmonicCoordinates(const R&, const HarmonicOptions& = {}) -> HarmonicCoordinates<range_scalar_t<R>, 2>;
+template <PointRangeIn<3> R, FaceRange F>
 HarmonicCoordinates(const R&, const F&, const HarmonicOptions& = {})
     -> HarmonicCoordinates<range_scalar_t<R>, 3>;
-
-using HarmonicCoordinates2f = HarmonicCoordinates<float, 2>;
-using HarmonicCoordinates2d = HarmonicCoordinates<double, 2>;
-using HarmonicCoordinates3f = HarmonicCoordinates<float, 3>;
-using HarmonicCoordinates3d = HarmonicCoordinates<double, 3>;
 
 namespace grid {
 
@@ -285,9 +289,10 @@ struct GridBoundaryOf<PolyhedralMesh<T>> {
 
 namespace detail {
 
-/// On a face of more than three corners the harmonic coordinates of its polygon (Joshi et al.,
-/// Harmonic Coordinates for Character Articulation, sec. 4), solved when the problem is posed, to a
-/// quarter of the accuracy or on a lattice twice as fine as the cage's; kept.
+/// The boundary data of a polyhedral mesh. On a face with more than three corners it is the
+/// harmonic coordinates of the face's polygon (Joshi et al., Harmonic Coordinates for Character
+/// Articulation, sec. 4). They are solved once, when the problem is posed: to a quarter of the
+/// accuracy, or on a lattice twice as fine as the cage's.
 template <Scalar T>
 class BoundaryData<PolyhedralMesh<T>> {
     using Plane = HarmonicCoordinates<double, 2>;
@@ -299,7 +304,7 @@ public:
     template <class Options>
     BoundaryData(const PolyhedralMesh<T>& mesh, const Options& options) {
         status_ = guard_memory([&] {
-            Status solved = Status::ok; // the first that is not
+            Status solved = Status::ok; // the first failure
             const auto extent = bounds_of(mesh.vertices()).upper - bounds_of(mesh.vertices()).lower;
             const double longest = double(std::fmax(extent[0], std::fmax(extent[1], extent[2])));
             const auto make = [&](const Polygon<double>& polygon, double size) {
@@ -332,7 +337,7 @@ public:
         faces_.for_each_handle(value, f);
     }
 
-    /// Weights one after the other, of place after place.
+    /// Stores the weights at many boundary points, point after point.
     class Table {
     public:
         Table() = default;
@@ -366,7 +371,7 @@ private:
 
 } // namespace detail
 
-/// Deduced from the cage: `HarmonicCoordinates coordinates(mesh)`.
+/// Deduces the type from the cage: `HarmonicCoordinates coordinates(mesh)`.
 template <Scalar T>
 HarmonicCoordinates(PolyhedralMesh<T>, const HarmonicOptions& = {})
     -> HarmonicCoordinates<T, 3, PolyhedralMesh<T>>;

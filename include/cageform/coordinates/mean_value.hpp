@@ -1,4 +1,4 @@
-// Mean value coordinates: a closed form for the whole plane and the whole space, smooth, negative in places.
+// Mean value coordinates: a closed form, smooth, defined in all of 2D or 3D space, negative in places.
 #pragma once
 
 #include <cageform/coordinates/mean_value/evaluation.hpp>
@@ -8,32 +8,33 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// The cage is a Polygon in the plane, a TriangleMesh or a PolyhedralMesh in space.
+/// The cage is a Polygon in 2D, a TriangleMesh or a PolyhedralMesh in 3D.
 template <Scalar T, std::size_t D, class Cage = std::conditional_t<D == 2, Polygon<T>, TriangleMesh<T>>>
 class MeanValueCoordinates;
 
-/// Mean value coordinates in the plane, for any set of simple loops, holes included.
+/// Mean value coordinates in 2D, for any set of simple loops, holes included.
 ///
 ///   w_i = (tan(α_{i−1}/2) + tan(α_i/2)) / |C_i − p|,  m_i = w_i / Σ w,
 ///   α_i the signed angle C_i p C_{i+1}
 ///
-/// Floater, Mean value coordinates (CAGD 20, 2003), eq. (2.1); several loops and the plane outside:
+/// Floater, Mean value coordinates (CAGD 20, 2003), eq. (2.1). Several loops and points outside:
 /// Hormann & Floater, Mean value coordinates for arbitrary planar polygons (ACM TOG 25, 2006), sec.
-/// 3 and 4. On vertices and edges the limits are taken (the unit row; linear along the edge).
-/// The formula in code: `weigh` in mean_value/plane.hpp.
+/// 3 and 4. On vertices and edges the limits are used (the unit row; linear along the edge). The
+/// formula in code: `weigh` in mean_value/plane.hpp.
 ///
 ///   range      sum to 1; may be negative where the cage is not convex, and outside
-///   accuracy   a few roundings inside and near the cage; far away the true weights grow like the
+///   accuracy   a few roundings inside and near the cage. Far away the true weights grow like the
 ///              distance and cancel, so points farther than some hundred diagonals are computed one
 ///              precision higher, where the platform has one (float always; double where long
 ///              double is wider)
 ///   cost       O(#V) a point; one division and one square root per vertex and eight (sixteen)
 ///              points
-///   gradients  double: 1e-11 of the largest, or of one over the diagonal (3e-12 measured); float:
-///              that of rounding them. Σ ∇w_i = 0 and Σ C_i ∇w_i = identity likewise. Nearer to a
-///              vertex than 1e-6 diagonals they turn with the direction, on it they are those of
-///              one. They take three to four times as long as double weights; tens of times for a point on
-///              the boundary, nearer to it than 1e-5 diagonals (double), or some diagonals away
+///   gradients  double: errors up to 1e-11 of the largest, or of one over the diagonal (3e-12
+///              measured); float: the rounding to float. Σ ∇w_i = 0 and Σ C_i ∇w_i = identity hold as
+///              exactly. Closer to a vertex than 1e-6 diagonals they depend on the direction; at the
+///              vertex those of one direction are returned. They take three to four times as long as
+///              double weights; tens of times for a point on the boundary, closer to it than 1e-5
+///              diagonals (double), or some diagonals away
 template <Scalar T>
 class MeanValueCoordinates<T, 2> : public detail::MeanValueEvaluation<Polygon<T>> {
     using Base = detail::MeanValueEvaluation<Polygon<T>>;
@@ -50,30 +51,27 @@ public:
     explicit MeanValueCoordinates(const R&, detail::PointTraitsNotSpecialisedForThesePoints = {}) =
         CAGEFORM_DETAIL_DELETE_UNKNOWN_POINTS;
 
-    /// Loops alone: interior_cells_not_supported where there are cells inside.
+    /// Uses only the loops of a cell complex: interior_cells_not_supported if there are cells inside.
     explicit MeanValueCoordinates(const CellComplex<T, 2>& cage)
         : Base(cage) {}
 };
 
-using MeanValueCoordinates2f = MeanValueCoordinates<float, 2>;
-using MeanValueCoordinates2d = MeanValueCoordinates<double, 2>;
-
-/// Mean value coordinates in space, for closed triangle meshes of any shape.
+/// Mean value coordinates in 3D, for closed triangle meshes of any shape.
 ///
 /// Ju, Schaefer, Warren, Mean value coordinates for closed triangular meshes (SIGGRAPH 2005), sec.
-/// 3: a face gives its corners the weights w_k with Σ w_k (C_k − p) = m, m the integral of the unit
-/// vectors from p over the face's shadow on the unit sphere; m = ½ Σ θ_e N_e over its edges, θ_e
-/// the angle an edge is seen under, N_e the unit normal of the plane through p and it. Here m is
-/// taken in the face's own frame. With H the height of the face's plane above p, ρ_k the distance
-/// of p's foot point to the edge opposite to corner k (positive inside), R_e the distance of p to
-/// the edge's line, g_e = θ_e/R_e, h_k the altitude of corner k and ν_k the outward normal of the
-/// edge opposite to it, in the plane:
+/// 3: a face gives its corners weights w_k with Σ w_k (C_k − p) = m. Here m is the integral of the
+/// unit vectors from p over the face's projection to the unit sphere, m = ½ Σ θ_e N_e over its
+/// edges, with θ_e the angle that the edge subtends at p and N_e the unit normal of the plane
+/// through p and the edge. This implementation computes m in the face's own frame. Let H be the
+/// height of the face's plane above p, ρ_k the distance of p's foot point to the edge opposite to
+/// corner k (positive inside), R_e the distance of p to the edge's line, g_e = θ_e/R_e, h_k the
+/// altitude of corner k, and ν_k the outward normal, in the plane, of the edge opposite to it:
 ///
 ///   S = ½ Σ g_k ρ_k / H,   w_k = (S ρ_k + ½ H Σ_l g_l ν_k·ν_l) / h_k
 ///
-/// which needs g only once an edge, and holds no difference of nearly equal numbers but S next to
-/// the plane of a face that p is not over; there the sum is taken by the angles' differences
-/// (`sum_beside_face`). On vertices, edges and faces the limits are taken: barycentric weights. The
+/// This needs g once per edge. The only difference of nearly equal numbers is S, next to the plane
+/// of a face that p is not over; there S is computed from differences of angles
+/// (`sum_beside_face`). On vertices, edges and faces the limits are used: barycentric weights. The
 /// formula in code: `weigh` and `face_weights` in mean_value/space.hpp.
 ///
 ///   range      sum to 1; may be negative where the cage is not convex, and outside
@@ -81,12 +79,13 @@ using MeanValueCoordinates2d = MeanValueCoordinates<double, 2>;
 ///              than some diagonals are computed one precision higher, where the platform has one
 ///   cost       O(#E + #F) a point: a square root and an angle an edge, a division a face, eight
 ///              (sixteen) points together
-///   gradients  double: 1e-9 of one over the diagonal in and next to the cage (2e-10 measured);
-///              float: that of rounding them. Σ ∇w_i = 0 and Σ C_i ∇w_i = identity likewise; less
-///              far away. Nearer to an edge or vertex than 1e-6 diagonals they turn with the
-///              direction, on it they are those of one. They take twice as long as weights (float:
-///              five times, as they are computed in double); hundreds of times for a point on the
-///              boundary, nearer to it than 1e-5 diagonals (double), or some diagonals away
+///   gradients  double: errors up to 1e-9 of one over the diagonal in and next to the cage (2e-10
+///              measured); float: the rounding to float. Σ ∇w_i = 0 and Σ C_i ∇w_i = identity hold as
+///              exactly; less so far away. Closer to an edge or vertex than 1e-6 diagonals they depend
+///              on the direction; on it those of one direction are returned. They take twice as long as
+///              weights (float: five times, as they are computed in double); hundreds of times for a
+///              point on the boundary, closer to it than 1e-5 diagonals (double), or some diagonals
+///              away
 template <Scalar T>
 class MeanValueCoordinates<T, 3> : public detail::MeanValueEvaluation<TriangleMesh<T>> {
     using Base = detail::MeanValueEvaluation<TriangleMesh<T>>;
@@ -95,7 +94,7 @@ public:
     explicit MeanValueCoordinates(TriangleMesh<T> cage)
         : Base(std::move(cage)) {}
 
-    /// From what a TriangleMesh is made of.
+    /// Makes the mesh from the arguments of a TriangleMesh.
     template <PointRange R, FaceRange F>
         requires(range_dimension<R> == 3)
     MeanValueCoordinates(const R& vertices, const F& faces)
@@ -104,13 +103,10 @@ public:
     MeanValueCoordinates(const R&, const F&, detail::PointTraitsNotSpecialisedForThesePoints = {}) =
         CAGEFORM_DETAIL_DELETE_UNKNOWN_POINTS;
 
-    /// Shells alone: interior_cells_not_supported where there are cells inside.
+    /// Uses only the shells of a cell complex: interior_cells_not_supported if there are cells inside.
     explicit MeanValueCoordinates(const CellComplex<T, 3>& cage)
         : Base(cage) {}
 };
-
-using MeanValueCoordinates3f = MeanValueCoordinates<float, 3>;
-using MeanValueCoordinates3d = MeanValueCoordinates<double, 3>;
 
 namespace detail {
 
@@ -132,13 +128,14 @@ struct MeanValueForm<PolyhedralMesh<T>> {
 
 } // namespace detail
 
-/// As MeanValueCoordinates<T, 3>, whose weights it has where all faces are triangles. A face of more
-/// corners shares what its triangles have together among them by its mean value coordinates in its
-/// plane, so that the weights do not depend on how it is cut, and on the face are those in the plane:
-/// `share_out` in mean_value/polygons.hpp.
+/// Mean value coordinates for polyhedral meshes. If all faces are triangles the weights are those
+/// of MeanValueCoordinates<T, 3>. A face with more corners distributes the sum of its triangles'
+/// weights over its corners, by mean value coordinates in its plane (`share_out` in
+/// mean_value/polygons.hpp). The weights therefore do not depend on the triangulation of a face,
+/// and on the face they are the 2D weights.
 ///
-///   accuracy   as there; about faces that are not convex there are places, inside or outside, where
-///              the weights have a kink (mean value coordinates in the plane have one on edges)
+///   accuracy   as there. Around faces that are not convex there are points, inside or outside, where
+///              the weights have a kink (2D mean value coordinates have one on edges)
 ///   cost       that of the triangles, and O(#corners) for all faces of more than three corners
 template <Scalar T>
 class MeanValueCoordinates<T, 3, PolyhedralMesh<T>> : public detail::MeanValueEvaluation<PolyhedralMesh<T>> {
@@ -148,11 +145,25 @@ public:
     explicit MeanValueCoordinates(PolyhedralMesh<T> cage)
         : Base(std::move(cage)) {}
 
-    /// From what a PolyhedralMesh is made of.
+    /// Makes the mesh from the arguments of a PolyhedralMesh.
     template <PointRange R, LoopRange F>
         requires(range_dimension<R> == 3)
     MeanValueCoordinates(const R& vertices, const F& faces, T off_plane = 0)
         : Base(PolyhedralMesh<T>(vertices, faces, off_plane)) {}
 };
+
+// `MeanValueCoordinates coordinates(cage)` deduces the scalar and the dimension.
+template <Scalar T>
+MeanValueCoordinates(Polygon<T>) -> MeanValueCoordinates<T, 2>;
+template <Scalar T>
+MeanValueCoordinates(TriangleMesh<T>) -> MeanValueCoordinates<T, 3>;
+template <Scalar T>
+MeanValueCoordinates(PolyhedralMesh<T>) -> MeanValueCoordinates<T, 3, PolyhedralMesh<T>>;
+template <Scalar T, std::size_t D>
+MeanValueCoordinates(CellComplex<T, D>) -> MeanValueCoordinates<T, D>;
+template <PointRangeIn<2> R>
+MeanValueCoordinates(const R&) -> MeanValueCoordinates<range_scalar_t<R>, 2>;
+template <PointRangeIn<3> R, FaceRange F>
+MeanValueCoordinates(const R&, const F&) -> MeanValueCoordinates<range_scalar_t<R>, 3>;
 
 } // namespace cageform::inline CAGEFORM_ABI

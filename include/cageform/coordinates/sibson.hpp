@@ -1,4 +1,4 @@
-// Natural neighbour coordinates: a closed form for control points without a cage.
+// Natural neighbour coordinates (Sibson): a closed form for control points without a cage.
 #pragma once
 
 #include <cageform/cage/point_set.hpp>
@@ -8,41 +8,48 @@
 namespace cageform::inline CAGEFORM_ABI {
 
 struct SibsonOptions {
-    /// 1: Sibson's coordinates, never negative, with a crease at every site. 3: Farin's interpolant,
-    /// smooth there too. Others are refused.
+    /// 1: Sibson's coordinates, never negative, with a crease at every site. 3: Farin's
+    /// interpolant, which is smooth at the sites too. Other degrees are refused.
     int degree = 1;
-    /// Degree 3: how gradients at sites follow from where the sites move.
+    /// Degree 3: how the gradient at a site is estimated from the positions of posed sites.
     SiteGradients gradients = SiteGradients::facets;
-    /// Degree 3: gradients are in the user's hand instead. To the n sites D n handles are added, the
-    /// tips of frames: those of site i at n + D i + axis, half the distance of its nearest site away
-    /// along the axis. SibsonCoordinates::pose_of poses them.
+    /// Degree 3: the user controls the gradients instead. Every site i gets a frame of D extra
+    /// handles, at indices n + D i + axis of n sites. At rest the handle lies along the axis from
+    /// the site, at half the distance of the nearest other site. SibsonCoordinates::pose_of
+    /// computes the poses of these handles.
     bool tips = false;
 };
 
-/// Natural neighbour coordinates of sites in the plane or in space (Sibson, A vector identity for
-/// the Dirichlet tessellation, 1980): of the Voronoi cell that a point would have among the sites,
-/// the part taken from the cell of each.
+/// Natural neighbour coordinates of sites in 2D or 3D (Sibson, A vector identity for the Dirichlet
+/// tessellation, 1980). Inserting a point p into the Voronoi diagram of the sites would give it a
+/// cell V_p, cut out of the present cells V_i. The weight of site i is the fraction of V_p that
+/// comes from V_i:
 ///
 ///   u_i = |V_p ∩ V_i| / |V_p|
 ///
-/// Degree 3 makes of them Farin's interpolant (Surfaces over Dirichlet tessellations, CAGD 7, 1990):
-/// with s = Σu², q = Σ u_j² P_j and estimated gradients g_i = Σ_l G_il z_l
+/// Degree 3 turns them into Farin's interpolant (Surfaces over Dirichlet tessellations, CAGD 7,
+/// 1990). With s = Σu², q = Σ u_j² P_j and estimated gradients g_i = Σ_l G_il z_l of values z the
+/// weights are
 ///
 ///   w_l = Z_l + Σ_i V_i·G_il,  Z_i = u_i (1 + u_i − s),  V_i = ½ u_i ((1 + u_i)(p − P_i) − (q − s P_i))
 ///
-/// On the hull, where cells are unbounded, the limits are taken: linear along edges, barycentric on
-/// triangles, the C² coordinates of Hiyoshi & Sugihara on flat facets of more sites. Ties (lattices,
-/// rings) change nothing.
+/// On the hull cells are unbounded, so the limits of the weights are used: linear along edges,
+/// barycentric on triangles, and the C² coordinates of Hiyoshi & Sugihara on flat facets with more
+/// sites. Sites on a common circle or sphere (lattices, rings) have several triangulations; the
+/// weights are the same for all of them.
 ///
-///   range      degree 1: in [0, 1], zero but for the natural neighbours: about six in the plane,
-///              fifteen in space. Degree 3: negative in places; neighbours' neighbours take part.
-///              Σ|w| grows where sites are close together (BindReport::amplification)
+/// The computation is in coordinates/sibson/: natural_neighbours.hpp (read it first), new_cell.hpp,
+/// stolen.hpp; site_gradients.hpp holds the gradients of degree 3.
+///
+///   range      degree 1: in [0, 1], zero but for the natural neighbours: about six in 2D, fifteen in
+///              3D. Degree 3: can be negative; neighbours of neighbours have weights too. Σ|w| grows
+///              where sites are close together (BindReport::amplification)
 ///   defined    in the convex hull of the sites, has_extension = false
-///   smooth     C¹ within the hull, degree 1 without the sites
+///   smooth     C¹ inside the hull; degree 1 not at the sites
 ///   accuracy   a few roundings: weights that double cannot give are computed from integers
-///   cost       O(n log n) to make; a point a walk and its neighbours, then n zeros
-///   gradients  at sites of degree 1 and on the hull, where they are one-sided, those of a place
-///              1e-6 of the way to the middle of a simplex
+///   cost       O(n log n) to make. Per point: a walk, one term per neighbour, and clearing n weights
+///   gradients  degree 1 has none at sites, and on the hull they are one-sided: there they are taken at
+///              a point 1e-6 of the way to the centroid of a simplex
 ///   faults     too_few_vertices, vertex_not_finite, duplicate_vertices, sites_in_a_plane
 template <Scalar T, std::size_t D>
 class SibsonCoordinates {
@@ -68,18 +75,18 @@ public:
     explicit SibsonCoordinates(const R& sites, const SibsonOptions& options = {})
         : SibsonCoordinates(PointSet<T, D>(sites), options) {}
 
-    /// The sites; then the tips, if asked for.
+    /// Returns the sites, followed by the frame handles if SibsonOptions::tips is set.
     std::span<const Vec<T, D>> handles() const noexcept { return handles_; }
     std::size_t sites() const noexcept { return site_count_; }
     const CageReport& cage_report() const noexcept { return report_; }
     const SibsonOptions& options() const noexcept { return options_; }
 
-    /// As CageCoordinates says.
+    /// See CageCoordinates.
     Evaluation evaluate(BlockView<const T> points, BlockView<T> weights, std::span<PointState> states,
                         const Running& running = {}) const {
         return evaluate_rows<false>({points, weights, states}, running);
     }
-    /// As GradientCoordinates says.
+    /// See GradientCoordinates.
     Evaluation evaluate_gradients(BlockView<const T> points, BlockView<T> gradients,
                                   std::span<PointState> states, const Running& running = {}) const {
         return evaluate_rows<true>({points, gradients, states}, running);
@@ -92,14 +99,16 @@ public:
         return vec_cast<T>(place);
     }
 
-    /// The pose of sites and tips. A frame turns and stretches what is about its site: tip `axis`
-    /// goes as far from the posed site as its column, times the distance at rest. With frames that
-    /// are the identity the sites alone are moved; those of one affine map move the figure by it.
+    /// Computes the pose of all handles from posed sites and a frame per site. A frame rotates and
+    /// stretches the neighbourhood of its site: the handle of an axis goes to the posed site plus
+    /// the frame's column times the handle's distance at rest. Identity frames move the sites
+    /// alone. If all frames are those of one affine map that also moves the sites, the whole figure
+    /// moves by this map.
     ///
-    ///   sites   where the sites go, #sites
-    ///   frames  #sites; columns[axis] is where the map takes the unit vector of an axis
+    ///   sites   posed sites, #sites
+    ///   frames  #sites; columns[axis] is the image of the unit vector of the axis
     ///   pose    out: #handles
-    ///   fails   sibson_degree_not_supported (there are no tips); pose_size_differs;
+    ///   fails   sibson_degree_not_supported (options().tips is not set); pose_size_differs;
     ///           pose_not_finite; output_too_small. Nothing is written then
     template <PointRangeIn<D> R>
     Status pose_of(const R& sites, std::span<const std::array<Vec<T, D>, D>> frames,
@@ -124,9 +133,9 @@ public:
 
 private:
     using Neighbours = detail::NaturalNeighbours<D>;
-    using Matrix = std::array<Vec<double, D>, D>; ///< rows, of derivatives along the axes
+    using Matrix = std::array<Vec<double, D>, D>; ///< row k: derivatives along axis k
 
-    /// A row in the making: of weights, or of their derivatives along every axis.
+    /// A row under construction, of weights or of their derivatives along every axis.
     struct Work {
         typename Neighbours::Scratch scratch;
         std::vector<double> row;
@@ -241,7 +250,7 @@ private:
             add_slope(n.site, (0.5 * n.weight) * ((s - 1 - n.weight) * n.away - m), 0, work);
         }
     }
-    /// What the gradient at a site contributes to the rows from `offset` on: its product with `v`.
+    /// Adds the product of the gradient at a site with `v`, to the rows from `offset` on.
     void add_slope(std::uint32_t site, const Vec<double, D>& v, std::size_t offset, Work& work) const {
         if (options_.tips) {
             for (std::size_t k = 0; k < D; ++k) {
@@ -257,7 +266,7 @@ private:
 
     // ---- gradients ------------------------------------------------------------------------------
 
-    /// Those at a place somewhat inside, where there are none here.
+    /// Moves slightly inside and finds the neighbours there, if the gradients do not exist at `p`.
     void find_gradients(const Vec<double, D>& p, PointState state, Work& work) const {
         auto& scratch = work.scratch;
         if (state == PointState::inside && !scratch.at_site) return;
@@ -278,7 +287,7 @@ private:
         }
         double s = 0;
         Vec<double, D> m{}, ds{};
-        Matrix dm{}; // without the part of the place itself
+        Matrix dm{}; // without the term of the point itself
         for (const auto& n : found) {
             const double u = n.weight;
             s += u * u;
@@ -307,9 +316,11 @@ private:
     detail::SiteGradientRows<D> gradients_;
 };
 
-using SibsonCoordinates2f = SibsonCoordinates<float, 2>;
-using SibsonCoordinates2d = SibsonCoordinates<double, 2>;
-using SibsonCoordinates3f = SibsonCoordinates<float, 3>;
-using SibsonCoordinates3d = SibsonCoordinates<double, 3>;
+// `SibsonCoordinates coordinates(sites)` deduces the scalar and the dimension.
+template <Scalar T, std::size_t D>
+SibsonCoordinates(PointSet<T, D>, const SibsonOptions& = {}) -> SibsonCoordinates<T, D>;
+template <PointRange R>
+SibsonCoordinates(const R&, const SibsonOptions& = {})
+    -> SibsonCoordinates<range_scalar_t<R>, range_dimension<R>>;
 
 } // namespace cageform::inline CAGEFORM_ABI

@@ -1,5 +1,5 @@
-// Three-point coordinates in the plane: a family of closed forms for convex polygons, Wachspress and
-// discrete harmonic among them.
+// Three-point coordinates in 2D: a family of closed forms for convex polygons that includes
+// Wachspress and discrete harmonic coordinates.
 #pragma once
 
 #include <cageform/cage/polygon.hpp>
@@ -33,40 +33,40 @@ template <class F>
     requires(bool(F::homogeneous))
 inline constexpr bool is_homogeneous<F> = true;
 
-/// Coordinates in a convex polygon by a function f of the distance r_i = |C_i − p|:
+/// Coordinates in a convex polygon, given by a function f of the distances r_i = |C_i − p|:
 ///
 ///   w_i = (c_{i+1} A_{i−1} − c_i B_i + c_{i−1} A_i) / (A_{i−1} A_i),  c_i = f(r_i),  λ_i = w_i / Σ w,
 ///   A_i and B_i the signed areas of p C_i C_{i+1} and p C_{i−1} C_{i+1}
 ///
 /// Floater, Hormann & Kós, A general construction of barycentric coordinates over convex polygons
-/// (Adv. Comput. Math. 24, 2006); Floater, Acta Numerica 24 (2015), sec. 6. f = 1 is Wachspress, f = r
-/// mean value (`MeanValueCoordinates`, which takes any polygon), f = r² discrete harmonic; the last
-/// and the first are one where all vertices lie on a circle. For f = 1 and f = r² nothing but
-/// products and a division an edge is computed. (f of arcs about p in place of distances reproduces
-/// p for linear f alone, which is mean value again.) The formula in code: `weigh_three_points` in
-/// detail/three_point_formula.hpp.
+/// (Adv. Comput. Math. 24, 2006); Floater, Acta Numerica 24 (2015), sec. 6. f = 1 gives Wachspress
+/// coordinates, f = r mean value coordinates (see `MeanValueCoordinates`, for any polygon), f = r²
+/// discrete harmonic coordinates. The first and the last are equal if all vertices lie on a circle.
+/// For f = 1 and f = r² only products and one division per edge are computed. (Functions of other
+/// distances, such as arcs about p, reproduce p for linear f alone, which is mean value again.) The
+/// formula in code: `weigh_three_points` in three_point/formula.hpp.
 ///
 ///   F        f as a function of r², a template of its number X: called with scalars, registers of
 ///            them, and both with a gradient. For √(1 + r²): `using std::sqrt;
-///            return sqrt(X(1) + rr);`. F::homogeneous, which need not be there, says that f(μr)
-///            is a multiple of f(r)
+///            return sqrt(X(1) + rr);`. The optional F::homogeneous says that f(μr) is a multiple of
+///            f(r)
 ///   cage     one strictly convex loop, of either orientation. Vertices on the line of their
 ///            neighbours are refused: Wachspress would give them no weight
 ///   range    sum to 1; ≥ 0 in every cage if and only if f ≥ 0, f' ≥ 0, f'' ≥ 0 and f ≥ r f': so
 ///            for 1, r and √(1 + r²), not for r² and √r
 ///   outside  not defined: there are poles on the lines of the edges
 ///   limits   on vertices the unit row, on edges linear, whatever f; on_boundary
-///   accuracy a few roundings; beside a vertex whose outer angle is θ, a few over θ.
-///            For other f than 1 and r² differences f(r_{i+1}) − f(r_i) are rounded as f is: a few
-///            over the length of the shortest edge, in diagonals
-///   units    unless F is homogeneous, r² is in the user's unit and has to be a number of T.
-///            Where Σ w is zero or no number, the point is unreached
+///   accuracy a few roundings; next to a vertex whose outer angle is θ, a few over θ. For f other
+///            than 1 and r² the differences f(r_{i+1}) − f(r_i) have the rounding of f: a few over the
+///            length of the shortest edge, in diagonals
+///   units    unless F is homogeneous, r² is in the user's unit and must be in the range of T. If Σ w
+///            is zero or not a number, the point is unreached
 ///   cost     O(#V) a point: a division a vertex and eight (sixteen) points, and f
-///   gradients  in double whatever the scalar; those of points on the boundary are of a place 1e-6
-///              diagonals inside. double: 1e-11 of one over the diagonal, nearer to the boundary than
-///              1e-8 diagonals 1e-19 over the distance, where long double is wider than double.
-///              Σ ∇λ_i = 0 and Σ C_i ∇λ_i = identity likewise
-///   faults   as `check` says, vertex_not_convex, interior_cells_not_supported
+///   gradients  in double whatever the scalar; those of points on the boundary are taken at a point
+///              1e-6 diagonals inside. double: 1e-11 of one over the diagonal; closer to the boundary
+///              than 1e-8 diagonals 1e-19 over the distance, where long double is wider than double.
+///              Σ ∇λ_i = 0 and Σ C_i ∇λ_i = identity hold as exactly
+///   faults   those of `check`, vertex_not_convex, interior_cells_not_supported
 template <Scalar T, class F>
 class ThreePointCoordinates {
 public:
@@ -89,7 +89,7 @@ public:
     explicit ThreePointCoordinates(const R&, F = {}, detail::PointTraitsNotSpecialisedForThesePoints = {}) =
         CAGEFORM_DETAIL_DELETE_UNKNOWN_POINTS;
 
-    /// Loops alone: interior_cells_not_supported where there are cells inside.
+    /// Uses only the loops of a cell complex: interior_cells_not_supported if there are cells inside.
     explicit ThreePointCoordinates(const CellComplex<T, 2>& cage, F f = {})
         : f_(std::move(f)) {
         report_.status = detail::guard_memory([&] {
@@ -105,12 +105,12 @@ public:
     std::span<const Vec<T, 2>> handles() const noexcept { return cage_.vertices(); }
     const CageReport& cage_report() const noexcept { return report_; }
 
-    /// As CageCoordinates says.
+    /// See CageCoordinates.
     Evaluation evaluate(BlockView<const T> points, BlockView<T> weights, std::span<PointState> states,
                         const Running& running = {}) const {
         return evaluate_numbers<detail::Simd<T>>({points, weights, states}, running);
     }
-    /// As GradientCoordinates says.
+    /// See GradientCoordinates.
     Evaluation evaluate_gradients(BlockView<const T> points, BlockView<T> gradients,
                                   std::span<PointState> states, const Running& running = {}) const {
         return evaluate_numbers<detail::Dual<detail::Simd<double>, 2>>({points, gradients, states}, running);
@@ -144,7 +144,7 @@ private:
         frame_ = frame_about<T>(Vec<double, 2>{}, 1 / scale_);
         gradient_frame_ = frame_about<double>(Vec<double, 2>{}, 1 / scale_);
     }
-    /// Farther from the line of its neighbours than the tolerance, on the outer side.
+    /// Returns whether vertex i lies outside the line of its neighbours by more than the tolerance.
     bool is_convex(std::size_t i) const noexcept {
         const std::size_t last = cage_.size() - 1;
         const auto at = vec_cast<double>(cage_[i]);
@@ -153,7 +153,7 @@ private:
         return (left_ ? 1 : -1) * cross(to, from) > tolerance_ * detail::length(to - from);
     }
 
-    /// The cage seen from a place, in lengths of `unit`.
+    /// Returns the cage relative to a point, in units of `unit`.
     template <class S, class Number>
     detail::ThreePointFrame<S> frame_about(const Vec<Number, 2>& origin, Number unit) const {
         Buffer<Vec<Number, 2>> at;
@@ -185,8 +185,8 @@ private:
             });
     }
 
-    /// The lanes of block `b` from `first` on, as many as N has. Where a point lies next to the line
-    /// of an edge the registers do not tell: these follow one by one.
+    /// Evaluates the lanes of block `b` from `first` on, as many as N has. Points next to the line
+    /// of an edge are not decided in registers and follow one by one.
     template <class N>
     void evaluate_lanes(const detail::Batch<T>& batch, std::size_t b, std::size_t first,
                         std::vector<N>& memory) const {
@@ -227,15 +227,15 @@ private:
         else
             return frame_;
     }
-    /// How far from the line of an edge registers suffice, in units of the frame: gradients of double
-    /// next to the boundary lose what the distance is smaller than one.
+    /// Returns the distance from the line of an edge above which registers suffice, in units of the
+    /// frame. Next to the boundary gradients in double lose accuracy in proportion to 1/distance.
     template <class N, class S = detail::ScalarOf<detail::ValueOf<N>>>
     S near_distance() const noexcept {
         const double edge = scale_ * tolerance_;
         return static_cast<S>(detail::has_gradient<N> && sizeof(T) == 8 ? std::fmax(edge, 1e-5) : edge);
     }
 
-    /// One point, in a wider scalar; on the boundary the limit.
+    /// Evaluates one point in a wider scalar; on the boundary it returns the limit.
     template <class N>
     PointState evaluate_point(const Vec<T, 2>& p, Lanes<T>* rows, std::size_t lane) const {
         Vec<T, 2> place;
@@ -267,8 +267,7 @@ private:
         return on_boundary ? PointState::on_boundary : PointState::inside;
     }
 
-    /// From a place on the boundary 1e-6 diagonals towards the middle of the vertices, at most half
-    /// of the way.
+    /// Moves a boundary point 1e-6 diagonals towards the mean of the vertices, at most half of the way.
     Vec<Wide, 2> step_inside(const Vec<Wide, 2>& p) const noexcept {
         Vec<Wide, 2> way{};
         for (const auto& v : cage_.vertices())
@@ -288,12 +287,16 @@ private:
 
 template <Scalar T>
 using WachspressCoordinates = ThreePointCoordinates<T, Wachspress>;
-using WachspressCoordinates2f = WachspressCoordinates<float>;
-using WachspressCoordinates2d = WachspressCoordinates<double>;
 
 template <Scalar T>
 using DiscreteHarmonicCoordinates = ThreePointCoordinates<T, DiscreteHarmonic>;
-using DiscreteHarmonicCoordinates2f = DiscreteHarmonicCoordinates<float>;
-using DiscreteHarmonicCoordinates2d = DiscreteHarmonicCoordinates<double>;
+
+// `ThreePointCoordinates coordinates(cage, Wachspress{})` deduces the scalar.
+template <Scalar T, class F>
+ThreePointCoordinates(Polygon<T>, F) -> ThreePointCoordinates<T, F>;
+template <Scalar T, class F>
+ThreePointCoordinates(CellComplex<T, 2>, F) -> ThreePointCoordinates<T, F>;
+template <PointRangeIn<2> R, class F>
+ThreePointCoordinates(const R&, F) -> ThreePointCoordinates<range_scalar_t<R>, F>;
 
 } // namespace cageform::inline CAGEFORM_ABI

@@ -1,5 +1,5 @@
-// The handles of a cage, by which a figure is moved: points, and vectors such as scaled face
-// normals or the axes of a bone.
+// The handles of a cage, which move a figure: points, and vectors such as scaled face normals or
+// the axes of a bone.
 #pragma once
 
 #include <cageform/core/vec.hpp>
@@ -8,19 +8,19 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// What an affine move x ↦ A x + b makes of a handle.
+/// How an affine map x ↦ A x + b acts on a handle.
 enum class HandleKind : std::uint8_t {
     point,  ///< H' = A H + b
     vector, ///< H' = A H
 };
 
-/// x ↦ A x + b: a move, or a frame of axes A and origin b.
+/// An affine map x ↦ A x + b: a motion, or a frame with axes A and origin b.
 template <Scalar T, std::size_t D>
 struct Transform {
     std::array<Vec<T, D>, D> columns; ///< of A
     Vec<T, D> translation;            ///< b
 
-    /// A v.
+    /// Returns A v.
     Vec<T, D> turn(const Vec<T, D>& v) const noexcept {
         Vec<T, D> sum = v[0] * columns[0];
         for (std::size_t k = 1; k < D; ++k) sum = sum + v[k] * columns[k];
@@ -28,22 +28,22 @@ struct Transform {
     }
 };
 
-/// The corners of a face, by the numbers of their handles.
+/// The corners of a face as handle indices.
 template <std::size_t D>
 using HandleFace = std::array<std::uint32_t, D>;
 
-/// The handles of a cage at rest; owns nothing. Weights of a point p restore it by
+/// A non-owning view of a cage's handles at rest. Weights of a point p reproduce it by
 ///
 ///     Σ w_i κ_i = 1,   Σ w_i H_i = p,   κ = 1 for points and 0 for vectors
 ///
-/// and all handles are of one unit: the vector of a face has the length of its edge in
-/// the plane, the root of its area in space (core/detail/face_handles.hpp).
+/// All handles have the same unit: the vector of a face has the length of its edge in 2D, the
+/// square root of its area in 3D (core/detail/face_handles.hpp).
 template <Scalar T, std::size_t D>
 struct HandleView {
     const Vec<T, D>* rest = nullptr; ///< #handles
     std::size_t count = 0;
-    const HandleKind* kinds = nullptr;    ///< #handles; null: all are points
-    const HandleFace<D>* faces = nullptr; ///< of the vectors, in their order; null: they belong to no faces
+    const HandleKind* kinds = nullptr;    ///< #handles; null if all are points
+    const HandleFace<D>* faces = nullptr; ///< one per vector, in order; null if vectors belong to no faces
 
     HandleView() = default;
     HandleView(const Vec<T, D>* handles, std::size_t size, const HandleKind* kinds_of,
@@ -52,13 +52,12 @@ struct HandleView {
         , count(size)
         , kinds(kinds_of)
         , faces(faces_of) {}
-    /// Points, of a vector or span.
+    /// Views points in a vector or span.
     template <class Points>
         requires requires(const Points& points) {
             { std::data(points) } -> std::convertible_to<const Vec<T, D>*>;
         }
-    HandleView(
-        const Points& points) noexcept // NOLINT(google-explicit-constructor): every range of points is one
+    HandleView(const Points& points) noexcept // NOLINT(google-explicit-constructor): a range of points is one
         : rest(std::data(points))
         , count(std::size(points)) {}
 

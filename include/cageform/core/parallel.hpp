@@ -1,14 +1,14 @@
-// Where the library may use several threads it asks the caller for a loop:
+// How the library uses several threads: the caller passes it a loop
 //
-//     parallel_for(count, grain, body)   calls body(begin, end) for ranges that cover [0, count)
-//                                        once
+//     parallel_for(count, grain, body)   calls body(begin, end) for ranges that together cover
+//                                        [0, count) once
 //
-// The ranges may run on any threads in any order; `grain` is the least worthwhile length. Every
+// The ranges may run on any threads in any order; `grain` is the shortest worthwhile range. Every
 // user of such a loop writes disjoint output per index, so results do not depend on the threads.
 //
-// What runs every frame (clone/) takes such a loop as its last argument. What may take long
-// (binding/ and left of it) takes a Running there, which adds progress and cancel: core/running.hpp
-// includes <functional>, which is too heavy for run time.
+// Functions that run every frame (clone/) take such a loop as their last argument. Functions that
+// may run long (binding/ and the folders it builds on) take a Running instead, which adds progress
+// and cancellation: core/running.hpp includes <functional>, which is too heavy for run time.
 #pragma once
 
 #include <cageform/config.hpp>
@@ -17,7 +17,7 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// The default: one call on the calling thread.
+/// The default loop: one call on the calling thread.
 struct SerialFor {
     template <class Body>
     void operator()(std::size_t count, std::size_t /*grain*/, Body&& body) const {

@@ -1,4 +1,4 @@
-// Any point type, read and written through one trait at the edge of the library.
+// Reads and writes any point type through one trait, PointTraits.
 //
 // A user's type needs five lines:
 //
@@ -9,7 +9,7 @@
 //         static constexpr void set(my::vec3& p, std::size_t k, scalar x) noexcept { p[k] = x; }
 //     };
 //
-// `set` is needed only where the type is written to (the output of `clone`).
+// `set` is needed only for types that are written to (the output of `clone`).
 #pragma once
 
 #include <cageform/core/vec.hpp>
@@ -19,7 +19,7 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Left undefined on purpose: a type without a specialisation is simply not a Point.
+/// Left undefined on purpose: a type without a specialisation is not a Point.
 template <class P>
 struct PointTraits;
 
@@ -32,7 +32,7 @@ concept Point = requires(const P& p, std::size_t axis) {
     { PointTraits<P>::get(p, axis) } -> std::same_as<typename PointTraits<P>::scalar>;
 };
 
-/// A Point whose components can be set, to numbers that are not whole.
+/// A Point whose components can be set and are floating-point numbers.
 template <class P>
 concept MutablePoint = Point<P> && std::floating_point<typename PointTraits<P>::scalar> &&
     requires(P& p, std::size_t axis) {
@@ -58,7 +58,7 @@ struct PointTraits<std::array<T, D>> : detail::IndexedPointTraits<std::array<T, 
 template <class T, std::size_t D>
 struct PointTraits<T[D]> : detail::IndexedPointTraits<T[D], T, D> {};
 
-/// Reads a user's point into the library's vector, with conversion to the scalar `T`.
+/// Converts a user's point to the library's vector with scalar `T`.
 template <class T, Point P>
 constexpr Vec<T, PointTraits<P>::dimension> to_vec(const P& p) noexcept {
     Vec<T, PointTraits<P>::dimension> r{};

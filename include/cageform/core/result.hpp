@@ -1,4 +1,4 @@
-// What every function returns that makes something.
+// The return type of every function that makes something: a value and a report.
 #pragma once
 
 #include <cageform/core/status.hpp>
@@ -7,12 +7,13 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// What was made, and the report of how it went:
+/// A value, and a report on how making it went:
 ///
 ///     const auto [binding, report] = bind(coordinates, points);
 ///     if (const auto packed = pack(binding)) write(packed.value.bytes());
 ///
-/// A report is a Status, or has one as its member `status`. The value is empty unless that is ok.
+/// A report is a Status, or has one as its member `status`. The value is empty unless that status
+/// is ok.
 template <class Value, class Report = Status>
 struct [[nodiscard]] Result {
     Value value{};

@@ -1,5 +1,5 @@
-// What every computation that may take long is told, always as its last argument: threads,
-// progress, cancel. And what all of them do with it.
+// Threads, progress and cancellation of long computations, which take a Running as their last
+// argument, and the helpers that implement them.
 #pragma once
 
 #include <cageform/core/detail/guard_memory.hpp>
@@ -11,8 +11,8 @@
 #include <cstddef>
 #include <ctime>
 #include <functional>
-// POSIX's clock, where it is: <chrono> costs every file a quarter of a second to compile. On Windows
-// mingw-w64 has that clock in a library of its own, which not every program links.
+// Uses POSIX's clock where available: <chrono> costs every file a quarter of a second to compile.
+// On Windows, mingw-w64 has that clock in a separate library, which not every program links.
 #if defined(CLOCK_MONOTONIC) && !defined(_WIN32)
 #define CAGEFORM_DETAIL_POSIX_CLOCK
 #else
@@ -21,28 +21,30 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// body(begin, end); see core/parallel.hpp.
+/// The type of body(begin, end); see core/parallel.hpp.
 using RangeBody = std::function<void(std::size_t, std::size_t)>;
-/// parallel_for(count, grain, body); see core/parallel.hpp.
+/// The type of parallel_for(count, grain, body); see core/parallel.hpp.
 using ParallelFor = std::function<void(std::size_t, std::size_t, const RangeBody&)>;
-/// Called on the calling thread with the fraction done, in [0, 1] and never falling; false cancels. What ends
-/// with Status::ok has told 1.
+/// Called on the calling thread with the fraction done, in [0, 1] and never decreasing; returning
+/// false cancels. A computation that ends with Status::ok has reported 1.
 using Progress = std::function<bool(double)>;
 
-/// How a computation runs. Its result does not depend on it, unless the progress cancels.
+/// How a computation runs. Its result does not depend on this, unless the progress callback
+/// cancels.
 struct Running {
     ParallelFor parallel = SerialFor{};
     Progress progress{};
 
-    /// For a part of the work: its progress from 0 to 1 is that of the whole `from` … `to`. Points
-    /// to this, which has to outlive it.
+    /// Returns a Running for a subtask: its progress from 0 to 1 is reported as `from` … `to`.
+    /// Keeps a pointer to this object, which must outlive it.
     Running part(double from, double to) const {
         if (!progress) return {parallel, {}};
         return {parallel, [this, from, to](double done) { return progress(std::lerp(from, to, done)); }};
     }
-    /// Tells the progress; false when to stop.
+    /// Reports progress; returns false if the computation should stop.
     bool keep_going(double done) const { return !progress || progress(done); }
-    /// The status of a computation at its end: where it is ok the progress is told 1, and may still cancel.
+    /// Returns the final status of a computation. If it is ok, reports progress 1, which may still
+    /// cancel.
     Status end(Status status) const {
         return status == Status::ok && !keep_going(1) ? Status::cancelled : status;
     }
@@ -50,7 +52,7 @@ struct Running {
 
 namespace detail {
 
-/// The caller's parallel_for; one left empty is the serial one.
+/// Calls the caller's parallel_for, or the serial loop if none was given.
 template <class Body>
 void in_parallel(const Running& running, std::size_t count, std::size_t grain, const Body& body) {
     if (running.parallel) {
@@ -60,8 +62,9 @@ void in_parallel(const Running& running, std::size_t count, std::size_t grain, c
     }
 }
 
-/// Runs body(first, last) over `blocks` (or pieces) in parallel, in at most fifty steps between
-/// which the caller's progress is told. Returns Status::cancelled when it says so.
+/// Runs body(first, last) over `blocks` (or pieces) in parallel. With a progress callback it takes
+/// at most about fifty steps and reports after each. Returns Status::cancelled if the callback
+/// cancels.
 template <class Body>
 Status for_each_block(std::size_t blocks, const Running& running, const Body& body) {
     constexpr std::size_t grain = 16;
@@ -75,8 +78,8 @@ Status for_each_block(std::size_t blocks, const Running& running, const Body& bo
     return Status::ok;
 }
 
-/// Wall time, not processor time, in seconds from an origin that stays while the program runs: of a clock
-/// that nobody sets.
+/// Returns wall time in seconds, from a monotonic clock whose origin stays fixed while the program
+/// runs.
 inline double seconds_now() noexcept {
 #if defined(CAGEFORM_DETAIL_POSIX_CLOCK)
     ::timespec now{};
@@ -87,7 +90,8 @@ inline double seconds_now() noexcept {
 #endif
 }
 
-/// Runs `f`, which returns a Status, under the memory guard and a stopwatch; both go into `report`.
+/// Runs `f`, which returns a Status, under the memory guard and a stopwatch; stores both results in
+/// `report`.
 template <class Report, class F>
 void run_into(Report& report, const F& f) {
     const double start = seconds_now();

@@ -1,4 +1,4 @@
-// The outcome of evaluating coordinates, and what a solver tells of its work.
+// The report of a solver: how much work it did, how accurate the result is, and why it refused.
 #pragma once
 
 #include <cageform/core/running.hpp>
@@ -9,25 +9,27 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// A corner in the plane or an edge in space that a grid may be too coarse for.
+/// The estimated error at a corner in the plane or an edge in space for which a grid may be too
+/// coarse.
 struct CornerError {
-    static constexpr double notable = 0.01; ///< an error worth a warning
+    static constexpr double notable = 0.01; ///< from this error on it is worth a warning
 
-    std::array<std::size_t, 2> handles{}; ///< the edge's ends; in the plane both are the corner
-    double error = 0;                     ///< that it makes of a weight at most, by an estimate; in [0, 1]
-    std::size_t resolution = 0; ///< if that is notable, one at which it is not; 0: no grid is so fine
+    std::array<std::size_t, 2> handles{}; ///< the ends of the edge; in the plane both are the corner
+    double error = 0;                     ///< the largest error of a weight there, an estimate; in [0, 1]
+    /// If the error is notable: a resolution at which it is not; 0: no grid is fine enough.
+    std::size_t resolution = 0;
 };
 
-/// Why an adaptive grid is as fine as it is somewhere.
+/// Why the cells of an adaptive grid are as small as they are at some point.
 enum class SizeReason : std::uint8_t {
-    largest,         ///< the largest cells allowed
-    thickness,       ///< of the cage, cells across it
-    facet,           ///< the least altitude of a face, in the plane the length of an edge
-    singular_edge,   ///< in space: a reflex edge or the rim of a wall
-    singular_vertex, ///< a corner, the end of a wall, in space the end of a reflex edge
-    bone,            ///< the radius of a bone, or what is near it
+    largest,         ///< the largest allowed cell size
+    thickness,       ///< the thickness of the cage: several cells must fit across it
+    facet,           ///< the size of a face: its least altitude, in the plane the length of an edge
+    singular_edge,   ///< a reflex edge or the rim of a wall, in space
+    singular_vertex, ///< a corner or the end of a wall; in space also the end of a reflex edge
+    bone,            ///< the radius of a bone, or its distance to other parts
 };
-/// In words, of an enumerator.
+/// Returns a reason in words.
 constexpr const char* to_string(SizeReason reason) noexcept {
     switch (reason) {
     case SizeReason::largest: return "the largest cells allowed";
@@ -40,57 +42,66 @@ constexpr const char* to_string(SizeReason reason) noexcept {
     return "unknown";
 }
 
-/// What a solver did. All zero for closed forms.
+/// The report of a solver. The first group is filled by every solver, each other group by one kind of
+/// solver; groups that do not apply keep their initial values, as all do with closed forms.
 struct SolverReport {
     static constexpr std::size_t none = ~std::size_t{0};
 
-    // Of every solver.
-    std::size_t cells = 0;       ///< unknowns of one function
-    std::size_t solves = 0;      ///< functions solved
-    std::size_t unconverged = 0; ///< functions whose tolerance a solve that failed has not met
-    std::size_t bytes = 0;       ///< of what all functions share and of one group of functions
-    double seconds = 0;          ///< wall-clock time of solving, and of sampling what is not kept
+    // ---- every solver ---------------------------------------------------------------------------
+    std::size_t cells = 0;  ///< the number of unknowns of one function
+    std::size_t solves = 0; ///< the number of functions solved
+    /// The number of functions that a failed solve left above the tolerance.
+    std::size_t unconverged = 0;
+    /// Memory of the data that all functions share, plus that of one group of functions.
+    std::size_t bytes = 0;
+    double seconds = 0; ///< wall-clock time of solving, including sampling if samples are not kept
 
-    // Of the multigrid, the worst over all functions (grid/multigrid.hpp).
+    // ---- multigrid (grid/multigrid.hpp): the worst over all functions ---------------------------
+    /// The number of multigrid cycles.
     std::size_t cycles = 0;
-    double convergence_factor = 0; ///< error after a cycle over that before, above the tolerance
-    double error_estimate = 0;     ///< of the discrete solution: what the cycles stop on
-    double error_bound = 0;        ///< the same by the maximum principle alone, far above it
+    double convergence_factor = 0; ///< error after a cycle / error before it, while above the tolerance
+    /// The error of the discrete solution, an estimate; it decides when the cycles stop.
+    double error_estimate = 0;
+    double error_bound = 0; ///< an upper bound of that error, by the maximum principle; far above it
 
-    /// Every edge in space, in the plane the corners with fewer than ten cells of room (without
-    /// MultigridOptions::corner_functions all); of a Box none. The largest estimate is meant to be
-    /// above all errors and less than fifteen times the largest (grid/corners/corner_errors.hpp).
+    /// Error estimates at all edges in space, and in the plane at the corners with fewer than ten
+    /// cells of room (at all corners without MultigridOptions::corner_functions). A Box has none.
+    /// The largest estimate is designed to be above all errors and less than fifteen times the
+    /// largest (grid/corners/corner_errors.hpp).
     std::vector<CornerError> corners;
 
-    // Of an adaptive grid (coordinates/harmonic/tree_solver.hpp).
-    /// At up to a thousand places spread over its cells, by an estimate, how far the largest error of a
-    /// weight is that the grid leaves. In cells that facets pass they are largest.
+    // ---- adaptive grid (coordinates/harmonic/tree_solver.hpp) -----------------------------------
+    /// Estimates of the largest error that the grid causes in any weight, at up to a thousand
+    /// points spread over its cells. They are largest in cells that facets pass.
     std::vector<float> grid_errors;
-    double finest_size = 0;                         ///< of its cells, in units of the cage; 0: none
-    std::array<double, 3> finest_place{};           ///< in one of them or beside it
+    /// The size of the smallest cells, in units of the cage; 0: no grid was made.
+    double finest_size = 0;
+    std::array<double, 3> finest_place{};           ///< a point in one of the smallest cells, or next to it
     SizeReason finest_reason = SizeReason::largest; ///< why they are so small
 
-    // Of the averaging pyramid (papers/averaging_pyramid.hpp).
-    std::size_t sweeps = 0;         ///< on the finest grid, over all functions
-    double largest_mean_change = 0; ///< of the last sweep, over all functions
-    std::size_t crowded_cells = 0;  ///< cells that hold edges or faces without a common vertex
+    // ---- averaging pyramid (papers/averaging_pyramid.hpp) ---------------------------------------
+    std::size_t sweeps = 0;         ///< sweeps over the finest grid, summed over all functions
+    double largest_mean_change = 0; ///< the largest change in the last sweep, over all functions
+    std::size_t crowded_cells = 0;  ///< cells that contain edges or faces without a common vertex
 
-    // Of what is refused.
-    std::size_t unseen_handle = none; ///< grid_too_coarse: the first handle whose data meets no link
-    /// A resolution that would do, where grid_too_coarse or out_of_memory say that the given one does
-    /// not; 0: none is offered. With out_of_memory `bytes` is what was asked for, if known; of an
-    /// adaptive grid by an estimate, a factor of two off at most on the cages measured.
+    // ---- refused problems: the culprit, and what would work -------------------------------------
+    /// For grid_too_coarse: the first handle whose data reaches no link of the grid.
+    std::size_t unseen_handle = none;
+    /// For grid_too_coarse and out_of_memory: a resolution that would work; 0: none is known. With
+    /// out_of_memory `bytes` holds the memory that was needed, if known. For an adaptive grid that
+    /// number is an estimate, off by at most a factor of two on the cages measured.
     std::size_t sufficient_resolution = 0;
-    /// On an adaptive grid in space: an accuracy that would do, where out_of_memory says that the given
-    /// one does not, by an estimate; 0: none is offered.
+    /// For out_of_memory on an adaptive grid in space: an accuracy that would work, by an estimate;
+    /// 0: none is known.
     double sufficient_accuracy = 0;
-    /// The place in what is refused: a cell or value (fields/dirichlet.hpp), a node or link
-    /// (fields/graph.hpp), a stroke (fields/strokes.hpp).
+    /// The index of the input that is refused: a cell or value (fields/dirichlet.hpp), a node or
+    /// link (fields/graph.hpp), a stroke (fields/strokes.hpp).
     std::size_t culprit = none;
-    std::size_t unreached_cells = 0; ///< cells_unreached: in all parts without a given value
+    /// For cells_unreached: the number of cells in all components without a given value.
+    std::size_t unreached_cells = 0;
 
-    /// What grid_errors do not exceed at a part of their places, in [0, 1]. Of all of them it has been
-    /// measured between half and four times the largest error anywhere.
+    /// Returns a quantile of grid_errors, in [0, 1]: the fraction `part` of them does not exceed
+    /// it. For part = 1 it was measured between half and four times the largest error anywhere.
     double grid_error(double part = 1) const {
         if (grid_errors.empty()) return 0;
         auto sorted = grid_errors;
@@ -98,8 +109,8 @@ struct SolverReport {
         return double(sorted[std::size_t(part * double(sorted.size() - 1))]);
     }
 
-    /// Where the largest error is to be feared, of error 0 where nowhere; with a resolution at which
-    /// no corner's is notable.
+    /// Returns the corner with the largest estimate, or one with error 0 if there is none. Its
+    /// resolution is one at which no corner has a notable error.
     CornerError worst_corner() const noexcept {
         CornerError worst;
         std::size_t resolution = 0;
@@ -115,8 +126,8 @@ struct SolverReport {
         return worst;
     }
 
-    /// Adds what was done for other functions: counts and times add up, of the rest the worst is
-    /// kept. What is refused stays as it is.
+    /// Merges the report of other functions. Counts and times are added; other fields keep the
+    /// worst. The group of refused problems stays unchanged.
     void add(const SolverReport& part) {
         cells += part.cells;
         solves += part.solves;
@@ -140,7 +151,8 @@ struct SolverReport {
     }
 
 private:
-    /// Of other functions on the same grid, or of another grid.
+    /// Merges the estimates of other functions. On the same grid it keeps the larger at each point;
+    /// those of another grid it appends.
     void add_grid_errors(const std::vector<float>& more) {
         if (grid_errors.size() != more.size()) {
             grid_errors.insert(grid_errors.end(), more.begin(), more.end());
@@ -148,7 +160,8 @@ private:
         }
         for (std::size_t n = 0; n < more.size(); ++n) grid_errors[n] = (std::max)(grid_errors[n], more[n]);
     }
-    /// The list of other functions of the same cage, whose corners are the same, or of another cage.
+    /// Merges the corners of other functions. For the same cage it keeps the larger error at each
+    /// corner; those of another cage it appends.
     void add_corners(const std::vector<CornerError>& more) {
         const auto same = [](const CornerError& a, const CornerError& b) { return a.handles == b.handles; };
         if (!std::equal(corners.begin(), corners.end(), more.begin(), more.end(), same)) {
@@ -161,7 +174,7 @@ private:
     }
 };
 
-/// Outcome of evaluating a coordinate type for a batch of points.
+/// The outcome of evaluating a coordinate type for a batch of points.
 struct Evaluation {
     Status status = Status::ok;
     SolverReport solver;

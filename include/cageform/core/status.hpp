@@ -1,4 +1,4 @@
-// What went wrong, as values: nothing in the library throws or prints.
+// The status codes of all functions: nothing in the library throws or prints.
 #pragma once
 
 #include <cageform/config.hpp>
@@ -7,8 +7,8 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Outcome of a call. A bad *input* is a Status; a broken *promise* of the caller is
-/// CAGEFORM_ASSERT. By layer, each with what `to_string` says of it.
+/// The outcome of a call. Bad *input* gives a Status; a broken *precondition* fails
+/// CAGEFORM_ASSERT. Grouped by folder, each with its text for `to_string`.
 // clang-format off
 #define CAGEFORM_DETAIL_STATUSES(X)                                                               \
     /* Every layer */                                                                             \
@@ -31,7 +31,7 @@ namespace cageform::inline CAGEFORM_ABI {
     X(cage_not_closed, "the cage is not closed: an edge belongs to one face only")                \
     X(cage_not_manifold, "the cage is not a manifold at an edge or a vertex")                     \
     X(cage_faces_cross, "two faces of the cage pass through each other")                          \
-    X(cage_faces_flipped, "neighbouring faces of the cage turn different ways")                   \
+    X(cage_faces_flipped, "neighbouring faces of the cage have opposite orientations")                   \
     X(radius_not_positive, "the radius of an interior cell is not a positive number")             \
     X(interior_cell_outside, "an interior cell lies outside the cage")                            \
     X(interior_cells_touch, "an interior cell touches another one or the boundary")               \
@@ -43,21 +43,22 @@ namespace cageform::inline CAGEFORM_ABI {
     X(margin_not_positive, "the margin of a cage is not a positive number")                       \
     X(margin_too_small, "the margin is too small for the grid in memory")                         \
     X(too_few_cage_vertices, "a cage of so few vertices cannot be made")                          \
-    X(mirror_not_supported, "the mirror's axis is not one of the space, or its place not finite")  \
+    X(mirror_not_supported, "the mirror's axis does not exist, or its position is not finite")  \
     X(cage_not_found, "no cage around the figure was found")                                      \
     /* coordinates/: what a type cannot do with a sound cage */                                   \
-    X(interior_cells_not_supported, "this coordinate type cannot honour interior cells")          \
+    X(interior_cells_not_supported, "this coordinate type does not support interior cells")          \
     X(cage_not_convex, "these coordinates need one strictly convex loop")                         \
     X(coordinates_empty, "the coordinates have no handles: they were moved from")                 \
     X(not_a_simplex, "barycentric coordinates need a simplex: dimension + 1 vertices")            \
     X(degenerate_simplex, "the simplex has no volume relative to its size")                       \
     X(sibson_degree_not_supported, "Sibson coordinates are of degree 1 or 3")                     \
-    X(solver_not_supported, "the solver is not there for these coordinates")                       \
+    X(gradients_not_supported, "these coordinates have no gradients, which normals need")         \
+    X(solver_not_supported, "this solver does not exist for these coordinates")                       \
     /* grid/: solvers; SolverReport names the culprit */                                          \
     X(resolution_not_supported, "the grid resolution is out of range")                            \
-    X(accuracy_not_supported, "the accuracy asked for is out of range")                           \
+    X(accuracy_not_supported, "the requested accuracy is out of range")                           \
     X(tolerance_not_positive, "the solver's tolerance is not a positive number")                  \
-    X(grid_too_coarse, "the grid is too coarse to see a part of the cage")                        \
+    X(grid_too_coarse, "the grid is too coarse for a part of the cage")                        \
     X(rim_not_given, "an unknown cell lies on the rim of the grid")                               \
     X(cells_unreached, "some unknown cells touch no given value")                                 \
     X(value_not_finite, "a given value is not a finite number, or too large")                     \
@@ -75,7 +76,7 @@ namespace cageform::inline CAGEFORM_ABI {
     X(too_many_conditions, "too many conditions for the number of pieces")                        \
     X(too_many_trials, "the search for knots would take too many trials")                         \
     X(tolerance_not_met, "the tolerance cannot be met with so many pieces")                       \
-    X(input_malformed, "the text or the arrays are not as their format asks for")                 \
+    X(input_malformed, "the text or the arrays do not follow their format")                 \
     X(handle_not_allowed, "a handle lies where the format allows none")                           \
     /* binding/: bind, pack, rebind, skins */                                                     \
     X(too_many_handles, "more handles than can be counted or kept")                               \
@@ -88,7 +89,7 @@ namespace cageform::inline CAGEFORM_ABI {
     X(format_too_coarse, "weights of this format cannot keep the tolerance")                      \
     X(weight_not_finite, "a weight of the binding is not a finite number")                        \
     X(binding_not_dense, "weights of the packed binding were dropped or rounded")                 \
-    X(binding_empty, "the binding has no points to go by")                                        \
+    X(binding_empty, "the binding has no points")                                        \
     X(vectors_do_not_match, "there is not one normal or tangent for every point")                 \
     X(labels_do_not_match, "there is not one label for every handle")                             \
     X(tag_taken, "two parts of a figure have one tag, or one has a tag of the library's own")     \
@@ -110,7 +111,7 @@ namespace cageform::inline CAGEFORM_ABI {
     X(bindings_differ, "the bindings are of different points or handles, or in different orders") \
     X(pose_size_differs, "the pose has another number of points than the cage")                   \
     X(pose_not_finite, "the pose holds a number that is not finite")                              \
-    X(output_too_small, "the output has fewer places than there are points")                      \
+    X(output_too_small, "the output has fewer elements than there are points")                      \
     X(mask_too_small, "the mask has fewer numbers than there are points")                         \
     X(weights_do_not_match, "there is not one weight for every handle")                           \
     X(weights_too_far_apart, "one weight of a handle is too many times another")                  \
@@ -125,7 +126,7 @@ enum class [[nodiscard]] Status : std::uint8_t{
 #undef CAGEFORM_DETAIL_NAME
 };
 
-/// A short English sentence without a full stop, for messages. Never null.
+/// Returns a short English sentence without a full stop, for messages. Never null.
 constexpr const char* to_string(Status status) noexcept {
     switch (status) {
 #define CAGEFORM_DETAIL_CASE(name, text)                                                                     \
@@ -137,13 +138,13 @@ constexpr const char* to_string(Status status) noexcept {
 }
 #undef CAGEFORM_DETAIL_STATUSES
 
-/// Where a point lies with respect to its cage.
+/// The position of a point relative to its cage.
 enum class PointState : std::uint8_t {
     inside,
     on_boundary, ///< within rounding of a vertex, edge or face
     outside,
     not_finite, ///< NaN or infinite; never bound
-    unreached,  ///< no weights can be had: a grid too coarse for the place, a distance too large to resolve
+    unreached,  ///< no weights exist: the grid is too coarse there, or a distance too large to resolve
 };
 
 constexpr const char* to_string(PointState state) noexcept {

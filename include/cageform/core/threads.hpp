@@ -1,5 +1,5 @@
-// A parallel_for on std::jthread for programs without a job system of their own. It needs a standard
-// library with threads: of the two of mingw-w64, the one whose thread model is posix.
+// A parallel_for based on std::jthread, for programs without a job system of their own. It needs a
+// standard library with threads; for mingw-w64 that is the variant with the posix thread model.
 #pragma once
 
 #include <cageform/core/parallel.hpp>
@@ -12,10 +12,10 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Starts its threads anew for each loop (some 20 µs each): meant for binding and for large
-/// figures. It allocates, so a clone with it does too. Where the system refuses a thread the loop
-/// runs on those it has; an exception of the body ends the loop and is thrown again on the calling
-/// thread.
+/// Starts new threads for each loop (some 20 µs each), so it is meant for binding and for large
+/// figures. It allocates, and so does a clone that uses it. If the system refuses a thread, the
+/// loop runs on the threads it has. An exception of the body ends the loop and is rethrown on the
+/// calling thread.
 struct ThreadedFor {
     unsigned threads = 0; ///< 0: as many as the machine has
 
@@ -52,7 +52,7 @@ struct ThreadedFor {
             std::vector<std::jthread> pool;
             try {
                 for (std::size_t i = 1; i < workers; ++i) pool.emplace_back(guarded);
-            } catch (const std::exception&) { // too few threads or too little memory for more
+            } catch (const std::exception&) { // the system is out of threads or memory
             }
             guarded();
         }

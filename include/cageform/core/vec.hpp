@@ -1,4 +1,5 @@
-// The vector the library computes in. Users' own point types stay at the edge (core/point.hpp).
+// The vector type the library computes in. Users' own point types are converted at the interface
+// (core/point.hpp).
 #pragma once
 
 #include <cageform/config.hpp>
@@ -46,7 +47,7 @@ constexpr T dot(const Vec<T, D>& a, const Vec<T, D>& b) noexcept {
     return sum;
 }
 
-/// The signed area of the parallelogram (a, b); positive when b is to the left of a.
+/// Returns the signed area of the parallelogram (a, b), positive if b is to the left of a.
 template <class T>
 constexpr T cross(const Vec<T, 2>& a, const Vec<T, 2>& b) noexcept {
     return a.v[0] * b.v[1] - a.v[1] * b.v[0];
@@ -64,14 +65,15 @@ constexpr Vec<To, D> vec_cast(const Vec<T, D>& a) noexcept {
     return r;
 }
 
-/// Neither NaN nor infinite, under -ffast-math too: the exponent's bits are looked at.
+/// Whether `x` is neither NaN nor infinite. Tests the exponent's bits, so it works under
+/// -ffast-math too.
 template <Scalar T>
 constexpr bool is_finite(T x) noexcept {
     using Bits = std::conditional_t<sizeof(T) == 4, std::uint32_t, std::uint64_t>;
     constexpr Bits exponent = sizeof(T) == 4 ? Bits(0x7f800000) : Bits(0x7ff0000000000000);
     auto bits = std::bit_cast<Bits>(x);
 #if defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__
-    // clang 19 sees through the bits to a sum promised finite; it does not look into this.
+    // clang 19 traces the bits back to a sum it may assume finite; this hides them.
     if (!std::is_constant_evaluated()) __asm__("" : "+r"(bits));
 #endif
     return (bits & exponent) != exponent;
@@ -85,7 +87,8 @@ constexpr bool is_finite(const Vec<T, D>& a) noexcept {
     return true;
 }
 
-/// The distance from 1 to the next number, 2.2e-16 for double; tolerances are stated in it.
+/// The distance from 1 to the next larger number, 2.2e-16 for double; tolerances are multiples of
+/// it.
 template <Scalar T>
 inline constexpr T epsilon = std::numeric_limits<T>::epsilon();
 

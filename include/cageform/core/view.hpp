@@ -1,4 +1,4 @@
-// Ranges of points: anything with size() and [i], and strided views over raw memory.
+// Ranges of points: anything with size() and [i], and strided views of raw memory.
 #pragma once
 
 #include <cageform/core/point.hpp>
@@ -8,7 +8,7 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// A view over points whose components lie at regular distances in memory: interleaved vertex
+/// A view of points whose components lie at regular distances in memory: interleaved vertex
 /// buffers, separate x and y arrays, rows or columns of a matrix. Owns nothing and copies nothing.
 ///
 ///   T             float or double, `const` for a read-only view
@@ -20,7 +20,7 @@ public:
     using scalar = std::remove_const_t<T>;
     using value_type = Vec<scalar, D>;
 
-    /// Components of a point side by side, points `point_stride` bytes apart.
+    /// Views `size` points; by default all components are contiguous.
     constexpr StridedPoints(T* data, std::size_t size, std::ptrdiff_t point_stride = D * sizeof(T),
                             std::ptrdiff_t axis_stride = sizeof(T)) noexcept
         : data_(data)
@@ -39,18 +39,18 @@ public:
     void store(std::size_t i, const value_type& p) const noexcept requires(!std::is_const_v<T>) {
         for (std::size_t k = 0; k < D; ++k) *at(i, k) = p[k];
     }
-    /// Where one component of the points lies side by side in memory, point 0's; null where they
-    /// lie apart.
+    /// Returns the address of point 0's component along `axis` if this component is contiguous over
+    /// all points; else null.
     T* plain_axis(std::size_t axis) const noexcept {
         return point_stride_ == sizeof(T) ? at(0, axis) : nullptr;
     }
-    /// Where all numbers lie one after the other, x y z x y z …; else null.
+    /// Returns the address of the numbers if they are contiguous (x y z x y z …); else null.
     constexpr T* plain_numbers() const noexcept {
         return axis_stride_ == sizeof(T) && point_stride_ == D * sizeof(T) ? data_ : nullptr;
     }
 
-    /// `count` points from point `first` on: where one of several figures stands in a common
-    /// buffer.
+    /// Returns a view of `count` points from point `first` on, e.g. of one of several figures in a
+    /// common buffer.
     StridedPoints subview(std::size_t first, std::size_t count) const noexcept {
         return {at(first, 0), count, point_stride_, axis_stride_};
     }
@@ -70,7 +70,7 @@ private:
     std::ptrdiff_t axis_stride_;
 };
 
-/// The point type of a range: what `range[i]` is.
+/// The point type of a range, that of `range[i]`.
 template <class R>
 using range_point_t = std::remove_cvref_t<decltype(std::declval<R&>()[std::size_t{}])>;
 
@@ -79,12 +79,13 @@ template <class R>
 concept PointRange = requires(const std::remove_reference_t<R>& r, std::size_t i) {
     { std::size(r) } -> std::convertible_to<std::size_t>;
     r[i];
-    // Compilers print this line where a point type is unknown, and so the files that say what to do.
+    // Compilers print this line for an unknown point type, and with it the files that explain what
+    // to do.
     requires Point<std::remove_cvref_t<decltype(r[i])>>; // PointTraits: core/point.hpp, adapt/*.hpp
 };
 
-/// Ranges of something that is no Point. Functions that would take points are deleted for them, so that
-/// compilers name the reason in their first line.
+/// Ranges whose elements are no Point. Functions that would take points are deleted for them, so
+/// that compilers name the reason in their first line.
 template <class R>
 concept UnknownPointRange = !PointRange<R> && requires(const std::remove_reference_t<R>& r, std::size_t i) {
     std::size(r);
@@ -92,7 +93,7 @@ concept UnknownPointRange = !PointRange<R> && requires(const std::remove_referen
 };
 
 #if defined(__cpp_deleted_function)
-#if defined(__clang__) // which warns that earlier versions of C++ do not know it
+#if defined(__clang__) // clang warns that earlier versions of C++ do not have it
 #define CAGEFORM_DETAIL_DELETE(reason)                                                                       \
     _Pragma("clang diagnostic push") _Pragma("clang diagnostic ignored \"-Wc++26-extensions\"") delete (     \
         reason)_Pragma("clang diagnostic pop")
@@ -111,7 +112,8 @@ concept UnknownPointRange = !PointRange<R> && requires(const std::remove_referen
 
 namespace detail {
 
-/// Reasons in the signatures of deleted functions, for compilers that print no other.
+/// Name the reasons in the signatures of deleted functions, for compilers that do not print
+/// `delete("…")`.
 struct PointTraitsNotSpecialisedForThesePoints {};
 struct PointsOfAnotherDimensionThanTheCage {};
 struct PointsThatCannotBeWritten {};
@@ -139,7 +141,7 @@ concept ReferenceRange = PointRange<R> && requires(R& r, std::size_t i) {
 template <class R>
 concept MutablePointRange = PointRange<R> &&(StoringRange<R> || ReferenceRange<R>);
 
-/// Dimension and scalar of the points of a range.
+/// The dimension and scalar of the points of a range.
 template <class R>
 inline constexpr std::size_t range_dimension = PointTraits<range_point_t<R>>::dimension;
 template <class R>
@@ -153,7 +155,7 @@ template <class R, std::size_t D>
 concept MutablePointRangeIn = MutablePointRange<R> && range_dimension<R>
 == D;
 
-/// Writes point `i` of a range, with conversion to the range's scalar.
+/// Writes point `i` of a range, converted to the range's scalar.
 template <MutablePointRange R, class T>
 constexpr void store_point(R& range, std::size_t i, const Vec<T, range_dimension<R>>& p) noexcept {
     using S = range_scalar_t<R>;

@@ -1,8 +1,13 @@
-// A cage for a figure in the plane: a few vertices about all that is drawn. Of the figure nothing is asked but finite
-// coordinates: strokes, open paths, outlines that cross themselves and scattered parts will do.
+// Makes a cage for a figure in the plane: loops of few vertices around everything that is drawn. The figure
+// needs only finite coordinates: strokes, open paths, self-crossing outlines, scattered parts are fine.
 //
-// The order of reading: distance_lattice.hpp, join_parts.hpp, contour.hpp, cage_loop.hpp, reduce_loop.hpp,
-// relax_loop.hpp, this. In space: make_cage_3d.hpp.
+// The steps (make_cage_3d.hpp does this in space):
+//   1  detail/distance_lattice.hpp  samples f = distance from the figure − margin; the cage encloses f < 0
+//   2  detail/join_parts.hpp        joins separate parts by bridges and closes narrow slits
+//   3  plane/contour.hpp            traces the border of the outside: a tight cage of very many vertices
+//   4  plane/reduce_loop.hpp        merges neighbouring vertices so that the loop only grows
+//   5  plane/relax_loop.hpp         moves, inserts, removes vertices to lower the energy of cage_loop.hpp
+//   6  make_cage_into, below        measures the exact clearance; if too small, tries again farther off
 #pragma once
 
 #include <cageform/cage/polygon.hpp>
@@ -15,7 +20,7 @@ namespace cageform::inline CAGEFORM_ABI {
 
 namespace detail {
 
-/// The steps for one figure and one distance to keep from it.
+/// Runs steps 1 to 5 for one figure.
 class PlaneCageMaker {
 public:
     using Point = Vec<double, 2>;
@@ -26,8 +31,9 @@ public:
         , areas_(areas)
         , options_(options) {}
 
-    /// Loops of the cage in local coordinates, outer ones counter-clockwise, that keep `level` off the figure as far as
-    /// the lattice can tell. `report` gets parts, bridges and the tightest area the first time.
+    /// Makes the loops, in local coordinates and outer ones counter-clockwise. They keep the distance
+    /// `level` from the figure, up to the lattice's resolution. Reports parts, bridges and, the first time,
+    /// the tightest area.
     Status make(double level, const Running& running, MakeCageReport& report, std::vector<Loop>& cage) {
         if (options_.shape == CageShape::box) {
             const auto box = bounds().widened(level);
@@ -62,7 +68,7 @@ public:
 private:
     bool is_mirrored() const noexcept { return options_.mirror.has_value(); }
 
-    /// The bounds of what is drawn, mirrored where the cage is.
+    /// The bounds of everything drawn; in a mirrored cage, of the figure and its mirror image.
     Bounds<double, 2> bounds() const noexcept {
         Bounds<double, 2> all = bounds_of(std::span<const Point>());
         for (const auto& s : figure_) {
@@ -78,12 +84,12 @@ private:
         return all;
     }
 
-    /// f about the figure, to 4 margins or 12 nodes. 256 nodes along the longer side, three to a small margin; the
-    /// rim of 8 margins is room for vertices.
+    /// Samples f near the figure, up to 4 margins or 12 nodes away. The longer side has 256 nodes or more,
+    /// a margin at least three. Around the figure lie 8 margins of free space for vertices.
     Status fill_lattice(double level) {
         const auto box = bounds();
         const auto size = box.upper - box.lower;
-        // Of few digits, so that places of nodes are exact and an axis is met.
+        // Single precision, so that node positions are exact and a column lies on the mirror axis.
         const double h = double(
             static_cast<float>((std::min)(((std::max)(size[0], size[1]) + 2 * level) / 256, level / 3)));
         Point low{};
@@ -91,7 +97,7 @@ private:
         double nodes = 1;
         for (std::size_t k = 0; k < 2; ++k) {
             const double from = box.lower[k] - 8 * level, to = box.upper[k] + 8 * level;
-            // Symmetric about an axis: a column of nodes lies on it.
+            // A mirrored lattice is symmetric: a column of nodes lies on the axis.
             const bool centred = k == 0 && is_mirrored();
             const double side = centred ? 2 * std::ceil(to / h) : std::ceil((to - from) / h);
             low[k] = centred ? -h * std::ceil(to / h) : from;
@@ -111,7 +117,7 @@ private:
         if (is_mirrored()) lattice_.mirror();
         return Status::ok;
     }
-    /// How far the figure reaches along a direction, mirrored where the cage is.
+    /// How far the figure, and in a mirrored cage also its image, extends in a direction.
     double reach(const Point& direction) const noexcept {
         double most = std::numeric_limits<double>::lowest();
         for (const auto& s : figure_) {
@@ -123,7 +129,7 @@ private:
         return most;
     }
 
-    /// What the outside does not reach is inside: pockets, and inner parts; large ones are holes where holes are wanted.
+    /// Fills all that the outside does not reach (pockets, enclosed parts), except holes if wanted.
     void find_contours(double level) {
         auto outside = lattice_.outside(0);
         if (options_.holes) add_holes(outside, 16 * level * level);
@@ -157,9 +163,9 @@ private:
         }
     }
 
-    /// Of a loop of the symmetric lattice: a loop that does not meet the axis whole if it lies to the right, else
-    /// nothing; of one that meets it the chain on the right. A loop meets the axis twice, and in vertices: a symmetric
-    /// area without holes has one piece of the axis, and a line of nodes lies there.
+    /// Returns the part of a loop with x >= 0: the whole loop, nothing, or a chain if it crosses the axis.
+    /// It crosses twice, at vertices: a symmetric region without holes covers one interval of the axis,
+    /// where nodes lie.
     static CageLoop right_half(const Loop& loop) {
         const std::size_t n = loop.size();
         for (std::size_t i = 0; i < n; ++i) {
@@ -174,11 +180,11 @@ private:
         return loop[0][0] > 0 ? CageLoop{loop, false} : CageLoop{};
     }
 
-    /// 2 for a loop whose mirror image is another one.
+    /// How many loops of the cage this one stands for: 2 if its mirror image is a separate loop.
     int copies_of(const CageLoop& loop) const noexcept { return is_mirrored() && !loop.half ? 2 : 1; }
 
-    /// Vertices for each loop, by the roots of their areas: points of chains for halves. At least four, of a single loop
-    /// three.
+    /// Shares out the vertices among the loops in proportion to the square roots of their areas, at least
+    /// four each (three for a single loop). For a half, the result counts the points of its chain.
     std::vector<std::size_t> share_vertices() const {
         double sum = 0;
         const auto weight = [](const CageLoop& loop) {
@@ -193,7 +199,7 @@ private:
         const double wanted = double(options_.vertices);
         const double least = contours_.size() == 1 ? 3 : 4;
         double given = 0, share = 0;
-        for (const std::size_t k : order) { // what is rounded off or lent goes to the next larger ones
+        for (const std::size_t k : order) { // rounding errors carry over to the next larger loops
             const auto& loop = contours_[k];
             share += wanted * copies_of(loop) * weight(loop) / sum;
             const double whole = (std::max)(std::round((share - given) / copies_of(loop)), least);
@@ -214,12 +220,12 @@ private:
             if (other != k) obstacles.add(contours_[other]);
         }
         obstacles.add_inside(contours_[k]);
-        if (copies_of(contours_[k]) > 1) obstacles.add({0, -4}, {0, 4}); // the axis: beyond it is the image
+        if (copies_of(contours_[k]) > 1) obstacles.add({0, -4}, {0, 4}); // the axis: the image lies beyond
         return obstacles;
     }
 
-    /// A contour with `vertices` points: from four states of the reduction, with some vertices left to be put in where
-    /// the energy asks for them, the best one.
+    /// Reduces contour k to `vertices` points. It tries four stages of the reduction, the last ones with
+    /// fewer vertices, inserts the missing vertices during relaxation, and keeps the result of least energy.
     CageLoop reduced(std::size_t k, std::size_t vertices, double level) const {
         const auto& contour = contours_[k];
         const LoopEnergy energy(contour, vertices, std::fmax(options_.regular, 0.0));
@@ -244,7 +250,7 @@ private:
         return best;
     }
 
-    /// Adds a loop, completed by the image of its half or followed by its image.
+    /// Adds a loop: completes a half by its image; adds the image of another loop if that is separate.
     void add_whole(const CageLoop& loop, std::vector<Loop>& cage) const {
         Loop whole = loop.points, image;
         for (auto p = loop.points.rbegin(); p != loop.points.rend(); ++p)
@@ -258,10 +264,10 @@ private:
     std::span<const PaintedArea> areas_;
     const MakeCageOptions& options_;
     DistanceLattice<2> lattice_;
-    std::vector<CageLoop> contours_; ///< from first to last replaced by what they are reduced to
+    std::vector<CageLoop> contours_; ///< replaced one by one by the reduced loops
 };
 
-/// The least distance between the edges of a cage and what is drawn; negative where something is not inside.
+/// The least distance between the edges of a cage and the figure; negative if some segment is not inside.
 template <Scalar T>
 double exact_clearance(const Polygon<T>& cage, std::span<const DrawnSegment<double>> figure) {
     Buffer<Facet<2>> edges;
@@ -297,7 +303,7 @@ double least_angle(const Polygon<T>& cage) {
     return least * 180 / std::numbers::pi;
 }
 
-/// What is wrong with the figure or what is asked for; `report` gets the culprit.
+/// Checks the figure, the areas and the options; `report.culprit` gets the index of the first bad item.
 template <Scalar T>
 Status check_figure(std::span<const DrawnSegment<T>> figure, std::span<const PaintedArea> areas,
                     const MakeCageOptions& options, MakeCageReport& report) {
@@ -319,31 +325,6 @@ Status check_figure(std::span<const DrawnSegment<T>> figure, std::span<const Pai
     report.culprit = 0;
     return check_options<2>(options);
 }
-
-} // namespace detail
-
-/// A cage of few vertices about all that is drawn.
-///
-///   figure   what is drawn; radii not negative
-///   areas    which segments are outlines of painted areas; only options.holes asks for them
-///   returns  a loop of options.vertices vertices, counter-clockwise; with several loops each gets a share by the
-///            root of its area, but four at least: report.vertices tells. It passes `check`, contains the figure exactly, and
-///            report.clearance is at least 0.9 of the margin
-///   parts    are joined by bridges 2.6 margins wide, along a shortest tree; slits narrower than 1.2 margins are closed
-///   mirror   vertices of a cage come in pairs, but for those on the axis; the figure need not be symmetric
-///   cost     some 50 ms for a drawing of a thousand segments; up to 70 bytes for each of at most 2^24 nodes of
-///            a lattice, whose spacing is a 256th of the figure's longer side, and at most a third of the margin
-///   errors   figure_empty; figure_not_finite, by segment; figure_has_no_size; margin_not_positive; margin_too_small;
-///            too_few_cage_vertices; mirror_not_supported; index_out_of_range, by area; cancelled; out_of_memory;
-///            cage_not_found, with the clearance of the last one tried
-///
-/// The same input gives the same cage; moved, or scaled by a power of two, it gives the cage moved and scaled, as
-/// far as coordinates are not rounded.
-template <Scalar T>
-MadeCage<Polygon<T>> make_cage(std::span<const DrawnSegment<T>> figure, const MakeCageOptions& options = {},
-                               std::span<const PaintedArea> areas = {});
-
-namespace detail {
 
 /// The frame of a figure, and the figure there.
 struct FramedFigure {
@@ -376,11 +357,11 @@ Status frame_figure(std::span<const DrawnSegment<T>> figure, const std::optional
     return Status::ok;
 }
 
-/// Makes the cage, verifies it against the figure itself, and tries again from farther off where it is too
-/// near.
+/// Makes the cage and measures its exact clearance. If it is too near, tries again farther off.
 template <Scalar T>
 Status make_cage_into(std::span<const DrawnSegment<T>> figure, std::span<const PaintedArea> areas,
-                      const MakeCageOptions& options, MadeCage<Polygon<T>>& made) {
+                      const MakeCageOptions& options, const Running& running,
+                      Result<Polygon<T>, MakeCageReport>& made) {
     auto& report = made.report;
     Status status = check_figure(figure, areas, options, report);
     if (status != Status::ok) return status;
@@ -401,8 +382,8 @@ Status make_cage_into(std::span<const DrawnSegment<T>> figure, std::span<const P
     for (std::size_t round = 0; round < tries; ++round) {
         std::vector<Loop> loops;
         const std::array<double, 4> done{0, 0.9, 0.95, 1}; // few figures need a second try
-        const Running running = options.running.part(done[round], done[round + 1]);
-        status = maker.make(level, running, report, loops);
+        const Running part = running.part(done[round], done[round + 1]);
+        status = maker.make(level, part, report, loops);
         if (status != Status::ok) return status;
         std::vector<Vec<T, 2>> vertices;
         std::vector<std::size_t> sizes;
@@ -412,30 +393,56 @@ Status make_cage_into(std::span<const DrawnSegment<T>> figure, std::span<const P
                 std::reverse(vertices.end() - std::ptrdiff_t(loop.size()), vertices.end());
             sizes.push_back(loop.size());
         }
-        made.cage = Polygon<T>(vertices, sizes);
-        report.cage = check(made.cage);
-        report.clearance = exact_clearance(made.cage, std::span<const DrawnSegment<double>>(exact));
+        made.value = Polygon<T>(vertices, sizes);
+        report.cage = check(made.value);
+        report.clearance = exact_clearance(made.value, std::span<const DrawnSegment<double>>(exact));
         if (holds_figure(report)) break;
         level += (std::max)(margin - report.clearance * framed.frame.scale, 0.1 * margin);
     }
-    if (!options.running.keep_going(1)) return Status::cancelled;
-    report.vertices = made.cage.size();
-    report.least_angle = least_angle(made.cage);
+    if (!running.keep_going(1)) return Status::cancelled;
+    report.vertices = made.value.size();
+    report.least_angle = least_angle(made.value);
     report.area = 0;
-    for (const auto& loop : made.cage.loops()) report.area += signed_area(made.cage, loop);
+    for (const auto& loop : made.value.loops()) report.area += signed_area(made.value, loop);
     report.tightest_area /= framed.frame.scale * framed.frame.scale;
     return holds_figure(report) ? Status::ok : Status::cage_not_found;
 }
 
 } // namespace detail
 
+/// Makes a cage of few vertices around everything that is drawn.
+///
+///   figure   a range of DrawnSegment, radii not negative; or a Drawing, which also says which segments are
+///            outlines of painted areas. Only options.holes uses these
+///   returns  a loop of options.vertices vertices, counter-clockwise. Several loops share them by the roots
+///            of their areas, at least four each, so report.vertices can be larger. The cage passes `check`
+///            and contains the figure exactly; report.clearance is at least 0.9 of the margin
+///   parts    are joined by bridges 2.6 margins wide, a shortest tree; slits below 1.2 margins are closed
+///   mirror   vertices come in pairs, except for those on the axis; the figure need not be symmetric
+///   cost     some 50 ms for a drawing of a thousand segments; up to 70 bytes for each of at most 2^24 nodes
+///            of a lattice, whose spacing is at most 1/256 of the figure's longer side, and margin / 3
+///   errors   figure_empty; figure_not_finite, by segment; figure_has_no_size; margin_not_positive;
+///            margin_too_small; too_few_cage_vertices; mirror_not_supported; index_out_of_range, by area;
+///            cancelled; out_of_memory; cage_not_found, with the clearance of the last cage tried
+///
+/// Equal input gives equal cages. Moving the figure, or scaling it by a power of two, moves and scales the
+/// cage, as far as coordinates are not rounded.
 template <Scalar T>
-MadeCage<Polygon<T>> make_cage(std::span<const DrawnSegment<T>> figure, const MakeCageOptions& options,
-                               std::span<const PaintedArea> areas) {
-    MadeCage<Polygon<T>> made;
-    detail::run_into(made.report, [&] { return detail::make_cage_into(figure, areas, options, made); });
-    if (!made) made.cage = {};
+Result<Polygon<T>, MakeCageReport> make_cage(const Drawing<T>& drawing, const MakeCageOptions& options = {},
+                                             const Running& running = {}) {
+    Result<Polygon<T>, MakeCageReport> made;
+    detail::run_into(made.report, [&] {
+        return detail::make_cage_into(drawing.segments, drawing.areas, options, running, made);
+    });
+    if (!made) made.value = {};
     return made;
+}
+
+/// Encloses a range of DrawnSegment without painted areas.
+template <std::ranges::contiguous_range R>
+auto make_cage(const R& figure, const MakeCageOptions& options = {}, const Running& running = {})
+    -> decltype(make_cage(Drawing(figure), options, running)) {
+    return make_cage(Drawing(figure), options, running);
 }
 
 } // namespace cageform::inline CAGEFORM_ABI

@@ -1,8 +1,15 @@
-// A cage for a figure in space: a closed mesh of few vertices about all faces. Of the figure nothing is asked but
-// finite coordinates: holes, torn vertices, faces that cross and scattered parts will do.
+// Makes a cage for a figure in space: a closed triangle mesh of few vertices around all faces. The figure
+// only needs finite coordinates: holes, torn vertices, faces that cross and scattered parts are fine.
 //
-// The order of reading: distance_lattice.hpp, space_distance.hpp, join_parts.hpp, shell.hpp, surface_nets.hpp,
-// reduce_shell.hpp, relax_shell.hpp, this. In the plane: make_cage.hpp.
+// The steps (make_cage.hpp does this in the plane):
+//   1  space/space_distance.hpp  samples f = distance from the figure − margin on a lattice
+//                                (detail/distance_lattice.hpp); the cage encloses f < 0
+//   2  detail/join_parts.hpp     joins separate parts by bridges and closes narrow slits
+//   3  space/surface_nets.hpp    makes the border of the outside: a tight mesh (shell.hpp) of very
+//                                many vertices
+//   4  space/reduce_shell.hpp    collapses edges; the mesh stays clear of the figure and of itself
+//   5  space/relax_shell.hpp     moves vertices and flips edges to lower an energy: volume, bad shapes
+//   6  make_cage_into, below     measures the exact clearance; if too small, tries again farther off
 #pragma once
 
 #include <cageform/cage/triangle_mesh.hpp>
@@ -16,7 +23,7 @@ namespace cageform::inline CAGEFORM_ABI {
 
 namespace detail {
 
-/// The steps for one figure and one distance to keep from it.
+/// Runs steps 1 to 5 for one figure.
 class SpaceCageMaker {
 public:
     using Point = Vec<double, 3>;
@@ -40,15 +47,15 @@ public:
         longest_ = (std::max)({size[0], size[1], size[2]});
     }
 
-    /// A shell in local coordinates that keeps `level` off the figure as far as the lattice can tell. `report` gets parts,
-    /// bridges and the tightest volume the first time.
+    /// Makes a shell in local coordinates that keeps the distance `level` from the figure, up to
+    /// the lattice's resolution. Reports parts, bridges and, the first time, the tightest volume.
     Status make(double level, const Running& running, MakeCageReport& report, Shell& shell) {
         if (options_.shape == CageShape::box) {
             shell = box_shell(level);
             report.tightest_area = shell.six_volumes() / 6;
             return Status::ok;
         }
-        const double lifted = 1.12 * level; // flat faces over a lattice come nearer than its nodes tell
+        const double lifted = 1.12 * level; // interpolated f lets flat faces come nearer
         if (const Status status = make_lattice(lifted); status != Status::ok) return status;
         SpaceDistance(lattice_, figure_).fill(lifted, 5 * lifted);
         if (options_.shape == CageShape::hull)
@@ -89,17 +96,17 @@ private:
             shell.points.push_back(p);
             shell.on_rim.push_back(false);
         }
+        // Each side as a corner and its two neighbours; the fourth corner is their sum minus the first.
         for (const Shell::Face& quad :
              {Shell::Face{0, 2, 1}, {4, 5, 6}, {0, 1, 4}, {2, 6, 3}, {0, 4, 2}, {1, 3, 5}}) {
-            shell.faces.push_back(
-                quad); // a corner and its neighbours on a side, and the corner opposite to it
+            shell.faces.push_back(quad);
             shell.faces.push_back({quad[1], quad[1] + quad[2] - quad[0], quad[2]});
         }
         shell.link();
         return shell;
     }
 
-    /// How far the figure reaches along a direction, mirrored where the cage is.
+    /// How far the figure, and in a mirrored cage also its image, extends in a direction.
     double reach(const Point& direction) const noexcept {
         double most = std::numeric_limits<double>::lowest();
         for (const auto& corner : figure_) {
@@ -111,15 +118,16 @@ private:
         return most;
     }
 
-    /// A little more than two spacings to a margin, but at most 220 along the longest side.
+    /// The lattice has 2.2 spacings per margin, or fewer if the longest side would need more than
+    /// 220 spacings.
     Status make_lattice(double level) {
         const double wanted = (std::max)(level / 2.2, (longest_ + 2 * level) / 220);
-        const double h = double(static_cast<float>(wanted)); // of few digits: places are exact
+        const double h = double(static_cast<float>(wanted)); // makes node positions exact
         if (h > 0.8 * level) return Status::margin_too_small;
         lattice_ = lattice_about(h, 5 * level + 4 * h, 5 * level);
         return Status::ok;
     }
-    /// Mirrored, the plane lies midway between nodes.
+    /// Makes a lattice around the figure. In a mirrored cage, the plane lies midway between nodes.
     DistanceLattice<3> lattice_about(double h, double padding, double farthest) const {
         Point low{};
         DistanceLattice<3>::Count count{};
@@ -133,7 +141,7 @@ private:
         return {low, h, count, farthest};
     }
 
-    /// The border of what the outside reaches, as a manifold.
+    /// The border of the outside as a manifold mesh. Pockets that the outside does not reach become inside.
     Shell contour() {
         auto outside = lattice_.outside(0);
         for (std::size_t node = 0; node < lattice_.size(); ++node) {
@@ -155,7 +163,8 @@ private:
         return SurfaceNets(lattice_, outside, is_mirrored()).shell();
     }
 
-    /// Closings by larger and larger balls, each on a lattice of its own with room about it, until no tunnel is left.
+    /// Closes the figure by larger and larger balls until no tunnel is left. Each round uses a
+    /// lattice of its own with enough room around the figure.
     void fill_tunnels(double level, Shell& shell) {
         for (double radius = 2 * level; radius < longest_ && euler_number(shell) < 2 * shell_count(shell);
              radius *= 2) {
@@ -184,7 +193,7 @@ private:
     DistanceLattice<3> lattice_;
 };
 
-/// The distance between two triangles; 0 where they meet.
+/// The distance between two triangles; 0 if they meet.
 inline double facet_distance(const Corners<3>& a, const Corners<3>& b) noexcept {
     double least = std::numeric_limits<double>::infinity();
     for (std::size_t k = 0; k < 3 && least > 0; ++k) {
@@ -194,7 +203,7 @@ inline double facet_distance(const Corners<3>& a, const Corners<3>& b) noexcept 
     return least;
 }
 
-/// The least distance between the faces of a cage and those of a figure, at most `reach`.
+/// The least distance between the faces of a cage and those of a figure; at most `reach` is returned.
 template <Scalar T>
 double exact_clearance(const TriangleMesh<T>& cage, std::span<const Corners<3>> figure, double reach) {
     std::vector<Facet<3>> facets;
@@ -220,7 +229,8 @@ double exact_clearance(const TriangleMesh<T>& cage, std::span<const Corners<3>> 
     return least;
 }
 
-/// One corner of every connected part of a figure, of at most a few thousand, spread over the figure.
+/// One vertex of each connected part of a figure; if there are more than 4,096, of parts spread
+/// over the list.
 template <class F>
 std::vector<std::size_t> part_corners(const F& faces, std::size_t vertices) {
     std::vector<std::size_t> root(vertices);
@@ -263,7 +273,7 @@ double least_angle(const TriangleMesh<T>& cage) {
     return least * 180 / std::numbers::pi;
 }
 
-/// A shell, or the whole of a half, as a cage in the figure's coordinates.
+/// The cage in the figure's coordinates; a half is completed by its image.
 template <Scalar T>
 TriangleMesh<T> cage_of(const Shell& shell, const CageFrame<3>& frame) {
     std::vector<Vec<T, 3>> vertices;
@@ -278,7 +288,7 @@ TriangleMesh<T> cage_of(const Shell& shell, const CageFrame<3>& frame) {
             auto p = shell.points[v];
             if (image) p[0] = -p[0];
             const auto place = vec_cast<T>(frame.from_local(p));
-            if (shell.half && shell.on_rim[v]) { // the first vertices are the rim's, of both sides
+            if (shell.half && shell.on_rim[v]) { // rim vertices come first; the image shares them
                 if (!image) vertices.insert(vertices.begin() + next_on_rim, place);
                 number[v] = next_on_rim++;
             }
@@ -301,7 +311,7 @@ TriangleMesh<T> cage_of(const Shell& shell, const CageFrame<3>& frame) {
     return {vertices, faces};
 }
 
-/// The figure's faces as corners, or what is wrong with it.
+/// Reads the corners of the figure's faces; reports the first invalid one.
 template <PointRange R, FaceRange F>
 Status read_figure(const R& vertices, const F& faces, std::vector<Corners<3>>& figure,
                    MakeCageReport& report) {
@@ -328,10 +338,10 @@ Status read_figure(const R& vertices, const F& faces, std::vector<Corners<3>>& f
     return Status::ok;
 }
 
-/// Makes the cage, verifies it against the figure itself, and tries again from farther off where it is too near.
+/// Makes the cage and measures its exact clearance. If it is too near, tries again farther off.
 template <PointRange R, FaceRange F>
 Status make_cage_into(const R& vertices, const F& faces, const MakeCageOptions& options,
-                      MadeCage<TriangleMesh<range_scalar_t<R>>>& made) {
+                      const Running& running, Result<TriangleMesh<range_scalar_t<R>>, MakeCageReport>& made) {
     using T = range_scalar_t<R>;
     auto& report = made.report;
     std::vector<Corners<3>> figure;
@@ -362,58 +372,61 @@ Status make_cage_into(const R& vertices, const F& faces, const MakeCageOptions& 
     constexpr std::size_t tries = 3;
     for (std::size_t round = 0; round < tries; ++round) {
         const std::array<double, 4> done{0, 0.9, 0.95, 1}; // few figures need a second try
-        const Running running = options.running.part(done[round], done[round + 1]);
+        const Running part = running.part(done[round], done[round + 1]);
         Shell shell;
-        if (const Status status = maker.make(level, running, report, shell); status != Status::ok)
-            return status;
-        made.cage = cage_of<T>(shell, frame);
-        report.cage = check(made.cage);
-        report.clearance = exact_clearance(made.cage, std::span<const Corners<3>>(figure), 2 * report.margin);
+        if (const Status status = maker.make(level, part, report, shell); status != Status::ok) return status;
+        made.value = cage_of<T>(shell, frame);
+        report.cage = check(made.value);
+        report.clearance =
+            exact_clearance(made.value, std::span<const Corners<3>>(figure), 2 * report.margin);
         const bool all_inside = std::all_of(starts.begin(), starts.end(), [&](std::size_t v) {
-            return is_enclosed(winding_number(made.cage, to_vec<T>(vertices[v])));
+            return is_enclosed(winding_number(made.value, to_vec<T>(vertices[v])));
         });
         if (!all_inside) report.clearance = -report.clearance;
         if (holds_figure(report)) break;
         level += (std::max)((report.margin - report.clearance) * frame.scale, 0.1 * level);
     }
-    if (!options.running.keep_going(1)) return Status::cancelled;
-    const auto shells = shells_of(made.cage);
-    report.vertices = made.cage.size();
-    report.least_angle = least_angle(made.cage);
+    if (!running.keep_going(1)) return Status::cancelled;
+    const auto shells = shells_of(made.value);
+    report.vertices = made.value.size();
+    report.least_angle = least_angle(made.value);
     report.area = 0;
     for (const double six : shells.volume) report.area += std::fabs(six) / 6;
     report.tightest_area /= frame.scale * frame.scale * frame.scale;
     // Euler's formula: V - E + F = 2 (shells - tunnels), and 2 E = 3 F.
-    report.tunnels = (2 * shells.first_face.size() + made.cage.faces().size() / 2 - made.cage.size()) / 2;
+    report.tunnels = (2 * shells.first_face.size() + made.value.faces().size() / 2 - made.value.size()) / 2;
     return holds_figure(report) ? Status::ok : Status::cage_not_found;
 }
 
 } // namespace detail
 
-/// A cage of few vertices about all faces of a figure.
+/// Makes a cage of few vertices around all faces of a figure.
 ///
 ///   vertices, faces   any triangles; vertices without a face do not count
-///   returns  a closed mesh of options.vertices vertices, counter-clockwise seen from outside. It passes `check`; no
-///            face of it meets one of the figure, and report.clearance, exact, is at least 0.9 of the margin. A corner of
-///            each connected part of the figure (of 4,096, where there are more) is inside
-///   parts    are joined by bridges 2.6 margins wide, along a shortest tree; else options.vertices are shared out among
-///            the shells; what is narrower than 1.2 margins is closed
+///   returns  a closed mesh of options.vertices vertices, counter-clockwise seen from outside. It passes
+///            `check`; no face meets one of the figure, and report.clearance, exact, is at least 0.9 of the
+///            margin. A corner of each connected part of the figure (of 4,096, if there are more) is inside
+///   parts    are joined by bridges 2.6 margins wide, along a shortest tree; without one_cage, the
+///            shells share options.vertices. Slits narrower than 1.2 margins are closed
 ///   tunnels  stay, unless options.fill_tunnels; report.tunnels counts them
-///   mirror   vertices come in pairs but for those on the plane; the number asked for is met up to one
-///   cost     some seconds, and some 40 bytes for each of at most 250^3 nodes of a lattice. Of small margins it has
-///            fewer than two nodes to a margin, and below 0.6 % of the longest side none is made
+///   mirror   vertices come in pairs, except for those on the plane; the number requested is met up to one
+///   cost     some seconds, and some 40 bytes for each of at most 250^3 nodes of a lattice. With
+///            small margins it has fewer than two nodes per margin; below 0.6 % of the longest
+///            side, make_cage fails
 ///   errors   figure_empty; index_out_of_range, by face; figure_not_finite, by vertex; figure_has_no_size;
-///            margin_not_positive; margin_too_small; too_few_cage_vertices; mirror_not_supported; cancelled;
-///            out_of_memory; cage_not_found, with the clearance of the last one tried
+///            margin_not_positive; margin_too_small; too_few_cage_vertices; mirror_not_supported;
+///            cancelled; out_of_memory; cage_not_found, with the clearance of the last cage tried
 ///
-/// The same input gives the same cage.
+/// Equal input gives equal cages.
 template <PointRange R, FaceRange F>
     requires(range_dimension<R> == 3)
-MadeCage<TriangleMesh<range_scalar_t<R>>> make_cage(const R& vertices, const F& faces,
-                                                    const MakeCageOptions& options = {}) {
-    MadeCage<TriangleMesh<range_scalar_t<R>>> made;
-    detail::run_into(made.report, [&] { return detail::make_cage_into(vertices, faces, options, made); });
-    if (!made) made.cage = {};
+Result<TriangleMesh<range_scalar_t<R>>, MakeCageReport> make_cage(const R& vertices, const F& faces,
+                                                                  const MakeCageOptions& options = {},
+                                                                  const Running& running = {}) {
+    Result<TriangleMesh<range_scalar_t<R>>, MakeCageReport> made;
+    detail::run_into(made.report,
+                     [&] { return detail::make_cage_into(vertices, faces, options, running, made); });
+    if (!made) made.value = {};
     return made;
 }
 

@@ -1,4 +1,4 @@
-// Keyframes of Blender's F-curves.
+// Imports and exports keyframes of Blender's F-curves.
 #pragma once
 
 #include <cageform/exchange/detail/easing.hpp>
@@ -7,33 +7,32 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// A bpy.types.Keyframe: places (frame, value), which Blender stores in single precision.
-/// `interpolation` says how the next keyframe is reached; CONSTANT is hold.
+/// A bpy.types.Keyframe: points (frame, value), which Blender stores in single precision.
+/// `interpolation` applies between this keyframe and the next; CONSTANT is hold.
 struct BlenderKey {
     Vec<double, 2> co{}, handle_left{}, handle_right{};
     KeyKind interpolation = KeyKind::bezier;
 };
 
-/// What Blender does to long handles when it evaluates a curve; the stored ones stay as they are.
+/// How Blender shortens long handles when it evaluates a curve; the stored handles do not change.
 enum class BlenderLimit : std::uint8_t {
-    /// A handle that spans more time than the interval is shortened, in its direction, to the
-    /// interval's length; the other stays. Blender 3.4.1, where it was measured.
+    /// A handle that spans more time than the interval is shortened to the interval's length,
+    /// keeping its direction; the other handle stays. Measured in Blender 3.4.1.
     each_handle,
     /// Two handles that together span more time than the interval are both scaled by the interval's
-    /// length over their sum. Blender before that.
+    /// length over their sum. Earlier versions of Blender do this.
     both_together,
 };
 
 namespace detail {
 
-/// A handle at `factor` times its distance from its key; the same where the factor is 1, without
-/// rounding.
+/// Returns a handle scaled by `factor` about its key. A factor of 1 returns it without rounding.
 inline Vec<double, 2> shortened(const Vec<double, 2>& key, const Vec<double, 2>& handle,
                                 double factor) noexcept {
     return factor == 1 ? handle : key + factor * (handle - key);
 }
 
-/// The curve as Blender evaluates it.
+/// Returns the curve as Blender evaluates it.
 inline BezierCurve limited_by_blender(const BezierCurve& curve, BlenderLimit limit) noexcept {
     const auto& [p0, p1, p2, p3] = curve.points;
     const double length = p3[0] - p0[0];
@@ -46,14 +45,14 @@ inline BezierCurve limited_by_blender(const BezierCurve& curve, BlenderLimit lim
 
 } // namespace detail
 
-/// The curve from a keyframe to the next, as Blender evaluates it: long handles are shortened.
+/// Imports the curve from a keyframe to the next, as Blender evaluates it: long handles are shortened.
 ///
-///   fails  value_not_finite; interval_empty; curve_turns_back where a handle points away from the
+///   fails  value_not_finite; interval_empty; curve_turns_back if a handle points away from the
 ///          interval
 /// The easing interpolations (SINE, BOUNCE, …) are no Bézier curves. Blender manual, Graph Editor,
-/// F-Curves, "Handles" and "Interpolation"; the limits from what fcurve.evaluate() gives.
-inline ImportedCurve from_blender(const BlenderKey& first, const BlenderKey& second,
-                                  BlenderLimit limit = BlenderLimit::each_handle) noexcept {
+/// F-Curves, "Handles" and "Interpolation"; the limits come from measuring fcurve.evaluate().
+inline Result<KeyInterval> from_blender(const BlenderKey& first, const BlenderKey& second,
+                                        BlenderLimit limit = BlenderLimit::each_handle) noexcept {
     if (first.interpolation == KeyKind::hold) return detail::held(first.co, second.co[0]);
     if (first.interpolation == KeyKind::linear)
         return detail::imported(KeyKind::linear, detail::straight(first.co, second.co));
@@ -65,12 +64,12 @@ inline ImportedCurve from_blender(const BlenderKey& first, const BlenderKey& sec
     return detail::imported(KeyKind::bezier, detail::limited_by_blender(stored, limit));
 }
 
-/// Writes what a curve says of two keyframes: places, the handles between them, how the second is
-/// reached. The outer handles are the neighbours'. Both handle types must be FREE (or ALIGNED), or
-/// Blender places the handles anew.
+/// Exports a curve to two keyframes: writes their points, the handles between them, and the
+/// interpolation. The outer handles belong to the neighbouring curves. Both handle types must be
+/// FREE (or ALIGNED), or Blender recomputes the handles.
 ///
 ///   hold   the second key's value is left alone
-///   fails  as `check`; handle_not_allowed where Blender would shorten a handle; nothing is written
+///   fails  as `check`; handle_not_allowed if Blender would shorten a handle; nothing is written
 ///          then
 inline Status to_blender(const BezierCurve& curve, BlenderKey& first, BlenderKey& second,
                          KeyKind kind = KeyKind::bezier,
@@ -92,10 +91,11 @@ inline Status to_blender(const BezierCurve& curve, BlenderKey& first, BlenderKey
     return Status::ok;
 }
 
-/// All keyframes of an F-curve as keys to be compiled, in frames: the curves between are those of
-/// `from_blender`. Fails as it does, for the first interval that is refused.
-inline ImportedKeys keys_from_blender(std::span<const BlenderKey> keyframes,
-                                      BlenderLimit limit = BlenderLimit::each_handle) noexcept {
+/// Imports all keyframes of an F-curve as keys to be compiled, in frames; `from_blender` makes the
+/// curves between them. Fails as it does, for the first interval that is refused.
+inline Result<std::vector<Key>, ExchangeReport>
+keys_from_blender(std::span<const BlenderKey> keyframes,
+                  BlenderLimit limit = BlenderLimit::each_handle) noexcept {
     return detail::import_keys(
         keyframes.size(), [&](std::size_t n) { return from_blender(keyframes[n], keyframes[n + 1], limit); },
         [&](std::size_t n) { return keyframes[n].co; });

@@ -1,4 +1,4 @@
-// CSS easing functions, read and written: W3C, CSS Easing Functions Level 1.
+// Parses and writes CSS easing functions (W3C, CSS Easing Functions Level 1).
 #pragma once
 
 #include <cageform/exchange/detail/easing.hpp>
@@ -12,16 +12,13 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// A curve from (0, 0) to (1, 1). `status` is
-///   input_malformed      the text is no easing function of those below
+/// How `parse_css_easing` went. The status is
+///   input_malformed      the text is none of the supported easing functions
 ///   handle_not_allowed   x1 or x2 lies outside [0, 1]
 ///   value_not_finite     y1 or y2 is too large for a double
-/// `curve` is then all zeros, and `error_at` where in the text the fault lies, in bytes; its size
-/// where it ends too early.
-struct CssEasing {
+struct CssReport {
     Status status = Status::ok;
-    BezierCurve curve{};
-    std::size_t error_at = 0;
+    std::size_t error_at = 0; ///< position of the fault in the text, in bytes; its size if it ends too early
 };
 
 namespace detail {
@@ -35,7 +32,7 @@ public:
     std::size_t at() const noexcept { return at_; }
     bool ended() const noexcept { return at_ == text_.size(); }
 
-    /// Whitespace and closed comments.
+    /// Skips whitespace and closed comments.
     void skip_space() noexcept {
         while (!ended()) {
             const char c = text_[at_];
@@ -57,21 +54,21 @@ public:
         return true;
     }
 
-    /// Letters, digits, hyphens and underscores; empty where there are none.
+    /// Reads letters, digits, hyphens and underscores; returns an empty name if there are none.
     std::string_view name() noexcept {
         const std::size_t begin = at_;
         while (is_name(peek(at_))) ++at_;
         return text_.substr(begin, at_ - begin);
     }
 
-    /// A number-token (sec. 4.3.12): no unit or percent sign behind it, digits behind a point.
-    /// Infinite where it is too large for a double, zero where too small; on failure, false, and
-    /// `at` is where it went wrong.
+    /// Reads a number-token (sec. 4.3.12). A point must be followed by digits, and no unit or
+    /// percent sign may follow the number. Gives infinity if the number is too large for a double,
+    /// zero if it is too small. Returns false on failure; `at` is then where it went wrong.
     bool number(double& value) noexcept {
         const bool negative = peek(at_) == '-';
         if (negative || peek(at_) == '+') ++at_;
         const std::size_t begin = at_;
-        std::size_t first = skip_digits(at_); // digits, then perhaps a point and digits
+        std::size_t first = skip_digits(at_); // digits, then optionally a point and digits
         if (peek(first) == '.' && is_digit(peek(first + 1))) first = skip_digits(first + 1);
         if (first == at_) return false;
         at_ = first;
@@ -97,8 +94,8 @@ private:
         return at;
     }
 
-    /// Of a number that is no double: whether it is too large, not too small, by the power of ten
-    /// of its first digit.
+    /// For a number that fits no double: whether it is too large rather than too small, judged by
+    /// the power of ten of its first digit.
     static bool is_large(std::string_view token) noexcept {
         constexpr std::int64_t most = std::int64_t{1} << 56; // longer than any text
         const std::size_t e = (std::min)(token.find_first_of("eE"), token.size());
@@ -116,7 +113,7 @@ private:
     std::size_t at_ = 0;
 };
 
-/// `lower` is in lower case.
+/// Compares ignoring case; `lower` must be in lower case.
 inline bool equal_in_any_case(std::string_view text, std::string_view lower) noexcept {
     return std::equal(text.begin(), text.end(), lower.begin(), lower.end(), [](char a, char b) {
         return (a >= 'A' && a <= 'Z' ? static_cast<char>(a - 'A' + 'a') : a) == b;
@@ -129,16 +126,16 @@ inline BezierCurve unit_curve(double x1, double y1, double x2, double y2) noexce
 
 } // namespace detail
 
-/// Reads `cubic-bezier(x1, y1, x2, y2)`, or one of `linear`, `ease`, `ease-in`, `ease-out` and
+/// Parses `cubic-bezier(x1, y1, x2, y2)`, or one of `linear`, `ease`, `ease-in`, `ease-out` and
 /// `ease-in-out`.
 ///
-///   text    one easing function: in any case, with whitespace and comments where CSS has them; the
-///           decimal point is a point in every locale. Not understood: steps(), linear(), calc(),
-///           escapes in names, a missing last bracket.
-///   curve   `linear` has its handles on its keys, as cubic-bezier(0, 0, 1, 1)
+///   text    one easing function, case-insensitive, with whitespace and comments where CSS allows
+///           them; the decimal separator is a point in every locale. Not supported: steps(),
+///           linear(), calc(), escapes in names, a missing closing bracket.
+///   returns a curve from (0, 0) to (1, 1); `linear` has its handles on its keys, as cubic-bezier(0, 0, 1, 1)
 ///   cost    one pass, no allocation
 /// CSS Easing Functions Level 1, sec. 2.1 and 2.2; CSS Syntax Module Level 3, sec. 4.3.
-inline CssEasing parse_css_easing(std::string_view text) noexcept {
+inline Result<BezierCurve, CssReport> parse_css_easing(std::string_view text) noexcept {
     struct Keyword {
         std::string_view name;
         double x1, y1, x2, y2;
@@ -148,12 +145,14 @@ inline CssEasing parse_css_easing(std::string_view text) noexcept {
                                                       {"ease-in", 0.42, 0, 1, 1},
                                                       {"ease-out", 0, 0, 0.58, 1},
                                                       {"ease-in-out", 0.42, 0, 0.58, 1}}};
-    const auto failed = [](Status status, std::size_t at) { return CssEasing{status, {}, at}; };
+    const auto failed = [](Status status, std::size_t at) {
+        return Result<BezierCurve, CssReport>{{}, {status, at}};
+    };
     detail::CssReader reader(text);
     reader.skip_space();
     const std::size_t begin = reader.at();
     const std::string_view name = reader.name();
-    CssEasing result{Status::input_malformed, {}, begin};
+    Result<BezierCurve, CssReport> result = failed(Status::input_malformed, begin);
     if (detail::equal_in_any_case(name, "cubic-bezier")) {
         if (!reader.take('(')) return failed(Status::input_malformed, reader.at());
         std::array<double, 4> value{};
@@ -170,40 +169,31 @@ inline CssEasing parse_css_easing(std::string_view text) noexcept {
                 return failed(Status::handle_not_allowed, place[i]);
             if (!is_finite(value[i])) return failed(Status::value_not_finite, place[i]);
         }
-        result = {Status::ok, detail::unit_curve(value[0], value[1], value[2], value[3]), 0};
+        result = {detail::unit_curve(value[0], value[1], value[2], value[3]), {}};
     } else {
         for (const Keyword& k : keywords) {
             if (detail::equal_in_any_case(name, k.name))
-                result = {Status::ok, detail::unit_curve(k.x1, k.y1, k.x2, k.y2), 0};
+                result = {detail::unit_curve(k.x1, k.y1, k.x2, k.y2), {}};
         }
-        if (result.status != Status::ok) return result;
+        if (!result) return result;
     }
     reader.skip_space();
     if (!reader.ended()) return failed(Status::input_malformed, reader.at());
     return result;
 }
 
-/// `text` is empty where `status` is not ok.
-struct CssText {
-    Status status = Status::ok;
-    std::string text;
-};
-
-/// `cubic-bezier(x1, y1, x2, y2)` of the curve moved and scaled to keys at (0, 0) and (1, 1). The
-/// digits are the fewest that are read as the same numbers, so that of a curve with such keys the
-/// text gives back every bit.
+/// Writes a curve, moved and scaled to keys at (0, 0) and (1, 1), as `cubic-bezier(x1, y1, x2, y2)`. The
+/// digits are the fewest that are read as the same numbers: a curve with such keys comes back to the bit.
 ///
-///   level   a curve of one value is what any easing between equal values is; its y1 and y2 become
-///           0 and 1
-///   fails   as `check`; handle_not_allowed where a handle's time leaves the interval, which CSS
-///           forbids, or where the keys have one value and a handle another; value_not_finite;
+///   level   a constant curve equals any easing between equal values; its y1 and y2 become 0 and 1
+///   fails   as `check`; handle_not_allowed if a handle's time leaves the interval, which CSS
+///           forbids, or if the keys have one value and a handle another; value_not_finite;
 ///           out_of_memory
 /// CSS Easing Functions Level 1, sec. 2.2.
-inline CssText to_css(const BezierCurve& curve) noexcept {
-    CssText result;
-    const auto unit = detail::unit_handles(curve);
-    result.status = unit.status;
-    if (result.status != Status::ok) return result;
+inline Result<std::string> to_css(const BezierCurve& curve) noexcept {
+    Result<std::string> result;
+    const auto [unit, status] = detail::unit_handles(curve);
+    if (status != Status::ok) return {{}, status};
     std::array<char, 160> buffer{}; // at most 4 numbers of 24 characters and 21 more are used
     char* end = buffer.data();
     const auto append = [&](std::string_view s) { end = std::copy(s.begin(), s.end(), end); };
@@ -214,32 +204,33 @@ inline CssText to_css(const BezierCurve& curve) noexcept {
         before = ", ";
     }
     append(")");
-    result.status = detail::guard_memory([&] {
-        result.text.assign(buffer.data(), end);
+    result.report = detail::guard_memory([&] {
+        result.value.assign(buffer.data(), end);
         return Status::ok;
     });
     return result;
 }
 
-/// A keyframe of one number, with the easing function to the next.
+/// A keyframe of one number, with the easing function to the next keyframe.
 struct CssKey {
     double time = 0, value = 0;
-    std::string_view easing = "linear"; ///< as `parse_css_easing` takes it
+    std::string_view easing = "linear"; ///< in the syntax of `parse_css_easing`
 };
 
-/// All keyframes of an animation of one number as keys to be compiled, in the units of their times.
+/// Imports all keyframes of an animation of one number as keys to be compiled, in the units of
+/// their times.
 ///
 ///   fails  as `parse_css_easing`; interval_empty; value_not_finite
 /// CSS Easing Functions Level 1, sec. 2; CSS Animations Level 1, sec. 3.
-inline ImportedKeys keys_from_css(std::span<const CssKey> keyframes) noexcept {
+inline Result<std::vector<Key>, ExchangeReport> keys_from_css(std::span<const CssKey> keyframes) noexcept {
     const auto place = [&](std::size_t n) { return Vec<double, 2>{keyframes[n].time, keyframes[n].value}; };
     return detail::import_keys(
         keyframes.size(),
         [&](std::size_t n) {
-            const CssEasing easing = parse_css_easing(keyframes[n].easing);
-            if (easing.status != Status::ok) return detail::refused(easing.status);
+            const auto easing = parse_css_easing(keyframes[n].easing);
+            if (!easing) return detail::refused(easing.status());
             const auto first = place(n), second = place(n + 1);
-            const auto& unit = easing.curve.points;
+            const auto& unit = easing.value.points;
             const auto scaled = [&](const Vec<double, 2>& p) {
                 return Vec<double, 2>{std::lerp(first[0], second[0], p[0]),
                                       std::lerp(first[1], second[1], p[1])};

@@ -1,4 +1,5 @@
-// Samplers of glTF 2.0 animations: keys of all interpolations, and the curves of CUBICSPLINE both ways.
+// Imports samplers of glTF 2.0 animations with any interpolation, and exports curves as
+// CUBICSPLINE.
 #pragma once
 
 #include <cageform/exchange/detail/easing.hpp>
@@ -9,34 +10,18 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// The curves of a track, `curves[interval * components + component]`. Where `status` is not ok
-/// there are none, and `culprit` is the index of the key it was found at.
-struct GltfCurves {
-    Status status = Status::ok;
-    std::size_t culprit = 0;
-    std::vector<BezierCurve> curves;
-};
-
-/// The arrays of a sampler. Where `status` is not ok they are empty, and `culprit` is the index of
-/// the curve it was found at.
+/// The arrays of a sampler.
 struct GltfTrack {
-    Status status = Status::ok;
-    std::size_t culprit = 0;
     std::vector<float> times;  ///< the sampler's input, in seconds
-    std::vector<float> values; ///< its output: of each key in-tangents, values, out-tangents
+    std::vector<float> values; ///< its output: in-tangents, values and out-tangents of each key
 };
 
 namespace detail {
 
-struct GltfCheck {
-    Status status = Status::ok;
-    std::size_t culprit = 0;
-};
-
-/// Whether the arrays of a sampler are as many as its keys ask for, `rows` values of each component
-/// for a key, finite, and ascending in time.
-inline GltfCheck check_gltf(std::span<const float> times, std::span<const float> values,
-                            std::size_t components, std::size_t rows) noexcept {
+/// Checks the arrays of a sampler: each key has `rows` values of each component, all numbers are finite, and
+/// times ascend.
+inline ExchangeReport check_gltf(std::span<const float> times, std::span<const float> values,
+                                 std::size_t components, std::size_t rows) noexcept {
     const std::size_t keys = times.size();
     if (keys == 0 || components == 0 || values.size() % (rows * keys) != 0 ||
         values.size() / (rows * keys) != components)
@@ -52,34 +37,35 @@ inline GltfCheck check_gltf(std::span<const float> times, std::span<const float>
 
 } // namespace detail
 
-/// A Bézier curve for every interval and component: handles at thirds of the interval, on the
-/// tangents, which are in units by second. Nothing is lost; a rotation's four components are still
-/// to be normalised where they are evaluated.
+/// Imports a Bézier curve for every interval and component. Handles lie at thirds of the interval, on
+/// the tangents, which are in units per second. The conversion is lossless. A rotation's four
+/// components must still be normalised after evaluation.
 ///
 ///   times       #K, in seconds, ascending
-///   values      3 · #K · components: of each key in-tangents, values and out-tangents
+///   values      3 · #K · components: in-tangents, values and out-tangents of each key
 ///   components  3 for translation and scale, 4 for rotation, the number of targets for weights
-///   fails       input_malformed where the sizes do not match, for fewer than two keys and for no
-///               components; value_not_finite, also of the first in- and the last out-tangent,
-///               which mean nothing; keys_not_ascending where times do not ascend; out_of_memory
+///   fails       input_malformed if the sizes do not match, for fewer than two keys or no components;
+///               value_not_finite, even for the first in- and the last out-tangent, which are unused;
+///               keys_not_ascending if times do not ascend; out_of_memory
 /// glTF 2.0, sec. 3.11 and appendix C, "Cubic Spline Interpolation".
-inline GltfCurves from_gltf_cubicspline(std::span<const float> times, std::span<const float> values,
-                                        std::size_t components) noexcept {
+inline Result<std::vector<BezierCurve>, ExchangeReport>
+from_gltf_cubicspline(std::span<const float> times, std::span<const float> values,
+                      std::size_t components) noexcept {
     const std::size_t keys = times.size();
-    if (keys < 2) return {Status::input_malformed, 0, {}};
+    if (keys < 2) return {{}, {Status::input_malformed, 0}};
     if (const auto sound = detail::check_gltf(times, values, components, 3); sound.status != Status::ok)
-        return {sound.status, sound.culprit, {}};
-    GltfCurves result;
-    result.status = detail::guard_memory([&] {
-        result.curves.resize((keys - 1) * components);
+        return {{}, sound};
+    Result<std::vector<BezierCurve>, ExchangeReport> result;
+    result.report.status = detail::guard_memory([&] {
+        result.value.resize((keys - 1) * components);
         return Status::ok;
     });
-    for (std::size_t index = 0; index < result.curves.size(); ++index) {
+    for (std::size_t index = 0; index < result.value.size(); ++index) {
         const std::size_t k = index / components, c = index % components;
         const double begin = times[k], end = times[k + 1], third = (end - begin) / 3;
         const auto of_key = [&](std::size_t n) { return double(values[(3 * k + n) * components + c]); };
         const double v0 = of_key(1), out = of_key(2), in = of_key(3), v1 = of_key(4);
-        result.curves[index] = {
+        result.value[index] = {
             {{{begin, v0}, {begin + third, v0 + third * out}, {end - third, v1 - third * in}, {end, v1}}}};
     }
     return result;
@@ -88,40 +74,33 @@ inline GltfCurves from_gltf_cubicspline(std::span<const float> times, std::span<
 /// A sampler's `interpolation`.
 enum class GltfInterpolation : std::uint8_t { linear, step, cubicspline };
 
-/// The keys of a track, one curve for each component. Where `status` is not ok there are none, and
-/// `culprit` is the index of the key it was found at.
-struct GltfKeys {
-    Status status = Status::ok;
-    std::size_t culprit = 0;
-    std::vector<std::vector<Key>> curves; ///< #components
-};
-
-/// The arrays of a sampler as keys to be compiled: of CUBICSPLINE the curves are those of
-/// `from_gltf_cubicspline`, of LINEAR straight lines, of STEP held values.
+/// Reads the arrays of a sampler as keys to be compiled, one curve for each component. The curves of
+/// CUBICSPLINE are those of `from_gltf_cubicspline`, LINEAR gives straight lines, STEP held values.
 ///
 ///   times, components  as for `from_gltf_cubicspline`; a single key is allowed
-///   values             #K · components, of CUBICSPLINE 3 · #K · components, where tangents are by second.
-///                      The components of a rotation are to be normalised where they are evaluated, which
-///                      of LINEAR is not the slerp that glTF asks for
-///   fails              as `from_gltf_cubicspline`, but that a single key is allowed
+///   values             #K · components; for CUBICSPLINE 3 · #K · components, with tangents per
+///                      second. The components of a rotation must be normalised after evaluation;
+///                      for LINEAR this is not the slerp that glTF prescribes
+///   fails              as `from_gltf_cubicspline`, except that a single key is allowed
 /// glTF 2.0, sec. 3.11 and appendix C.
-inline GltfKeys keys_from_gltf(std::span<const float> times, std::span<const float> values,
-                               std::size_t components, GltfInterpolation interpolation) noexcept {
+inline Result<std::vector<std::vector<Key>>, ExchangeReport>
+keys_from_gltf(std::span<const float> times, std::span<const float> values, std::size_t components,
+               GltfInterpolation interpolation) noexcept {
     const bool cubic = interpolation == GltfInterpolation::cubicspline;
     const std::size_t keys = times.size(), rows = cubic ? 3 : 1;
     if (const auto sound = detail::check_gltf(times, values, components, rows); sound.status != Status::ok)
-        return {sound.status, sound.culprit, {}};
-    GltfKeys result;
-    result.status = detail::guard_memory([&] {
-        result.curves.assign(components, std::vector<Key>(keys));
+        return {{}, sound};
+    Result<std::vector<std::vector<Key>>, ExchangeReport> result;
+    result.report.status = detail::guard_memory([&] {
+        result.value.assign(components, std::vector<Key>(keys));
         return Status::ok;
     });
-    for (std::size_t index = 0; index < result.curves.size() * keys; ++index) {
+    for (std::size_t index = 0; index < result.value.size() * keys; ++index) {
         const std::size_t k = index / components, c = index % components;
         const auto of_key = [&](std::size_t row) {
             return double(values[(rows * k + row) * components + c]);
         };
-        Key& key = result.curves[c][k];
+        Key& key = result.value[c][k];
         key.time = times[k];
         key.value = of_key(cubic ? 1 : 0);
         key.kind = cubic                                      ? KeyKind::hermite
@@ -136,7 +115,7 @@ inline GltfKeys keys_from_gltf(std::span<const float> times, std::span<const flo
 
 namespace detail {
 
-/// The interval of a sampler that a curve is, in single precision.
+/// The interval of a curve in a sampler, in single precision.
 struct GltfInterval {
     Status status = Status::ok;
     float begin = 0, end = 0;
@@ -153,7 +132,7 @@ inline GltfInterval gltf_interval(const BezierCurve& curve) noexcept {
     for (const auto& point : p) {
         if (!fits_float(point[0]) || !fits_float(point[1])) return refused(Status::value_not_finite);
     }
-    // What the thirds of far away times lose by rounding is no fault.
+    // Far from time zero the thirds lose digits to rounding, which is allowed for.
     const double length = p[3][0] - p[0][0], third = length / 3;
     const double rounding = 4 * epsilon<double> * (std::max)(std::fabs(p[0][0]), std::fabs(p[3][0]));
     const double off =
@@ -166,8 +145,8 @@ inline GltfInterval gltf_interval(const BezierCurve& curve) noexcept {
     return result;
 }
 
-/// Whether a curve begins at the value where the one before ends, in single precision of their
-/// largest value.
+/// Whether a curve starts at the value where the previous one ends, within single precision
+/// relative to their largest value.
 inline bool values_meet(const BezierCurve& before, const BezierCurve& curve) noexcept {
     double size = 0;
     for (const auto* one : {&before, &curve}) {
@@ -178,53 +157,58 @@ inline bool values_meet(const BezierCurve& before, const BezierCurve& curve) noe
 
 } // namespace detail
 
-/// The sampler of a track. Curves of this library's fits and of `from_gltf_cubicspline` come
-/// through; other curves, whose time is not linear in their parameter, are to be fitted first.
+/// Exports curves as the sampler of a track. Works for curves fitted by this library and curves of
+/// `from_gltf_cubicspline`. Other curves, in which time is not linear in the parameter, must be
+/// fitted first.
 ///
-///   curves      #I · components, at least one interval, as in GltfCurves; the intervals follow
+///   curves      #I · components, at least one interval, curves[interval * components + component]; the intervals follow
 ///               each other in time, the same for all components, and a curve's last value is the
 ///               next one's first
 ///   components  at least 1
-///   tangents    scaled by the length that an interval has in single precision, so that handles
-///               keep their values; the first in- and the last out-tangent are 0
-///   fails       as `check`; input_malformed where the sizes, or the intervals or values of
-///               neighbours, do not match, or time begins before 0; interval_empty where single
-///               precision cannot tell times apart; handle_not_allowed where a handle is not at a
-///               third, by 1e-7 of the interval; value_not_finite and slope_unbounded where a value
-///               or tangent is too large for single precision; out_of_memory
+///   tangents    scaled by the interval's length in single precision, so that handles keep their
+///               values; the first in- and the last out-tangent are 0
+///   fails       as `check`; input_malformed if the sizes, or the intervals or values of
+///               neighbours, do not match, or time begins before 0; interval_empty if times
+///               coincide in single precision; handle_not_allowed if a handle is off its third by
+///               more than 1e-7 of the interval; value_not_finite and slope_unbounded if a value or
+///               tangent is too large for single precision; out_of_memory
 /// glTF 2.0, sec. 3.11 and appendix C, "Cubic Spline Interpolation".
-inline GltfTrack to_gltf_cubicspline(std::span<const BezierCurve> curves, std::size_t components) noexcept {
+inline Result<GltfTrack, ExchangeReport> to_gltf_cubicspline(std::span<const BezierCurve> curves,
+                                                             std::size_t components) noexcept {
+    const auto refused = [](Status status, std::size_t index) {
+        return Result<GltfTrack, ExchangeReport>{{}, {status, index}};
+    };
     if (components == 0 || curves.empty() || curves.size() % components != 0)
-        return {Status::input_malformed, 0, {}, {}};
+        return refused(Status::input_malformed, 0);
     const std::size_t intervals = curves.size() / components;
-    GltfTrack result;
-    result.status = detail::guard_memory([&] {
-        result.times.resize(intervals + 1);
-        result.values.resize(3 * (intervals + 1) * components);
+    GltfTrack track;
+    const Status status = detail::guard_memory([&] {
+        track.times.resize(intervals + 1);
+        track.values.resize(3 * (intervals + 1) * components);
         return Status::ok;
     });
-    if (result.status != Status::ok) return {result.status, 0, {}, {}};
+    if (status != Status::ok) return refused(status, 0);
     for (std::size_t index = 0; index < curves.size(); ++index) {
         const std::size_t k = index / components, c = index % components;
         const auto interval = detail::gltf_interval(curves[index]);
-        if (interval.status != Status::ok) return {interval.status, index, {}, {}};
-        if (index == 0) result.times[0] = interval.begin;
-        if (c == 0) result.times[k + 1] = interval.end;
-        const bool same_time = interval.begin == result.times[k] && interval.end == result.times[k + 1];
+        if (interval.status != Status::ok) return refused(interval.status, index);
+        if (index == 0) track.times[0] = interval.begin;
+        if (c == 0) track.times[k + 1] = interval.end;
+        const bool same_time = interval.begin == track.times[k] && interval.end == track.times[k + 1];
         if (!same_time || (k > 0 && !detail::values_meet(curves[index - components], curves[index])))
-            return {Status::input_malformed, index, {}, {}};
+            return refused(Status::input_malformed, index);
         const auto& p = curves[index].points;
         const double third = (double(interval.end) - double(interval.begin)) / 3;
         const double out = (p[1][1] - p[0][1]) / third, in = (p[3][1] - p[2][1]) / third;
         if (!detail::fits_float(out) || !detail::fits_float(in))
-            return {Status::slope_unbounded, index, {}, {}};
-        float* const values = result.values.data() + 3 * k * components + c;
+            return refused(Status::slope_unbounded, index);
+        float* const values = track.values.data() + 3 * k * components + c;
         values[components] = static_cast<float>(p[0][1]);
         values[2 * components] = static_cast<float>(out);
         values[3 * components] = static_cast<float>(in);
         values[4 * components] = static_cast<float>(p[3][1]);
     }
-    return result;
+    return {std::move(track), {}};
 }
 
 } // namespace cageform::inline CAGEFORM_ABI

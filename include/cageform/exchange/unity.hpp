@@ -1,4 +1,4 @@
-// Keyframes of Unity's AnimationCurve.
+// Imports and exports keyframes of Unity's AnimationCurve.
 #pragma once
 
 #include <cageform/exchange/detail/easing.hpp>
@@ -7,9 +7,9 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// A UnityEngine.Keyframe: tangents are slopes (value by time), weights parts of the interval on
-/// their side, in [0, 1]. Unity stores all in single precision. Numbers read and written again
-/// round to the same ones, unless a handle is shorter than 1e-7 of its key's coordinates.
+/// A UnityEngine.Keyframe. Tangents are slopes (value per time). Weights are fractions of the
+/// interval on their side, in [0, 1]. Unity stores all in single precision. A round trip gives the
+/// same rounded numbers, unless a handle is shorter than 1e-7 of its key's coordinates.
 struct UnityKey {
     double time = 0, value = 0;
     double in_tangent = 0, out_tangent = 0;
@@ -17,15 +17,15 @@ struct UnityKey {
     WeightedHandles weighted = WeightedHandles::none; ///< weightedMode
 };
 
-/// The curve from a keyframe to the next: a handle lies at its weight of the interval, a third
-/// where it is not weighted, on the tangent. An infinite tangent on either side of the interval
-/// holds the first value.
+/// Imports the curve from a keyframe to the next. A handle lies on the tangent, at its weight's
+/// fraction of the interval, or at a third if it is not weighted. An infinite tangent on either side
+/// of the interval holds the first value.
 ///
-///   reads  of `first` the out, of `second` the in tangent and weight; a weight only where
-///          `weighted` says so
-///   fails  value_not_finite; interval_empty; handle_not_allowed where a weight leaves [0, 1]
+///   reads  the out tangent and weight of `first`, the in tangent and weight of `second`; a weight
+///          only if `weighted` says so
+///   fails  value_not_finite; interval_empty; handle_not_allowed if a weight leaves [0, 1]
 /// Unity Scripting API, Keyframe ("Hermite Segment", "Bezier Segment") and WeightedMode.
-inline ImportedCurve from_unity(const UnityKey& first, const UnityKey& second) noexcept {
+inline Result<KeyInterval> from_unity(const UnityKey& first, const UnityKey& second) noexcept {
     if (detail::is_infinite(first.out_tangent) || detail::is_infinite(second.in_tangent))
         return detail::held({first.time, first.value}, second.time);
     constexpr double third = 1.0 / 3;
@@ -44,13 +44,14 @@ inline ImportedCurve from_unity(const UnityKey& first, const UnityKey& second) n
            {second.time, second.value}}}});
 }
 
-/// Writes what a curve says of two keyframes: times, values, and the tangents, weights and weighted
-/// sides between them. A handle at a third goes unweighted. The outer tangents are the neighbours'.
+/// Exports a curve to two keyframes: writes times, values, and the tangents, weights and weighted
+/// sides between them. A handle at a third is written unweighted. The outer tangents belong to the
+/// neighbouring curves.
 ///
 ///   hold    an infinite tangent; the second key's value is left alone
 ///   linear  the straight line between the keys, whatever the handles
-///   fails   as `check`; handle_not_allowed where a handle's time leaves the interval;
-///           slope_unbounded where a handle is vertical or too steep for single precision; nothing
+///   fails   as `check`; handle_not_allowed if a handle's time leaves the interval;
+///           slope_unbounded if a handle is vertical or too steep for single precision; nothing
 ///           is written then
 inline Status to_unity(const BezierCurve& curve, UnityKey& first, UnityKey& second,
                        KeyKind kind = KeyKind::bezier) noexcept {
@@ -85,9 +86,10 @@ inline Status to_unity(const BezierCurve& curve, UnityKey& first, UnityKey& seco
     return Status::ok;
 }
 
-/// All keyframes of an AnimationCurve as keys to be compiled, in seconds: the curves between are
-/// those of `from_unity`. Fails as it does, for the first interval that is refused.
-inline ImportedKeys keys_from_unity(std::span<const UnityKey> keyframes) noexcept {
+/// Imports all keyframes of an AnimationCurve as keys to be compiled, in seconds; `from_unity`
+/// makes the curves between them. Fails as it does, for the first interval that is refused.
+inline Result<std::vector<Key>, ExchangeReport>
+keys_from_unity(std::span<const UnityKey> keyframes) noexcept {
     return detail::import_keys(
         keyframes.size(), [&](std::size_t n) { return from_unity(keyframes[n], keyframes[n + 1]); },
         [&](std::size_t n) {

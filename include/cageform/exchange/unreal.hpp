@@ -1,4 +1,4 @@
-// Keys of Unreal's rich curves.
+// Imports and exports keys of Unreal's rich curves.
 #pragma once
 
 #include <cageform/exchange/detail/easing.hpp>
@@ -7,10 +7,10 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// An FRichCurveKey: tangents are slopes (value by second), weights the lengths of the handles in
-/// the plane of time and value, seconds and units of the value taken alike. Unreal stores all in
-/// single precision. Numbers read and written again round to the same ones, unless a handle is
-/// shorter than 1e-7 of its key's coordinates. `interpolation` says how the next key is reached:
+/// An FRichCurveKey. Tangents are slopes (value per second). Weights are the lengths of the handles
+/// in the time–value plane, with seconds and units of the value on equal scales. Unreal stores all
+/// in single precision. A round trip gives the same rounded numbers, unless a handle is shorter
+/// than 1e-7 of its key's coordinates. `interpolation` applies between this key and the next:
 /// RCIM_Constant is hold, RCIM_Cubic bezier.
 struct UnrealKey {
     double time = 0, value = 0;
@@ -22,8 +22,8 @@ struct UnrealKey {
 
 namespace detail {
 
-/// From the key to the end of its handle, towards the interval: of the given length along the slope
-/// where weighted, else as far as a third of the interval.
+/// Returns the vector from a key to the end of its handle, towards the interval. A weighted handle
+/// has the given length along the slope; any other spans a third of the interval.
 inline Vec<double, 2> unreal_handle(double slope, double weight, bool weighted, double length) noexcept {
     const double time = weighted ? weight / std::hypot(1.0, slope) : length / 3;
     return {time, time * slope};
@@ -31,14 +31,13 @@ inline Vec<double, 2> unreal_handle(double slope, double weight, bool weighted, 
 
 } // namespace detail
 
-/// The curve from a key to the next.
+/// Imports the curve from a key to the next.
 ///
-///   reads  of `first` the leave, of `second` the arrive tangent and weight; a weight only where
-///          `weighted` says so
-///   fails  value_not_finite; interval_empty; curve_turns_back where weights are negative or too
-///          long
+///   reads  the leave tangent and weight of `first`, the arrive tangent and weight of `second`; a
+///          weight only if `weighted` says so
+///   fails  value_not_finite; interval_empty; curve_turns_back if weights are negative or too long
 /// Unreal Engine C++ API, FRichCurveKey, ERichCurveInterpMode and ERichCurveTangentWeightMode.
-inline ImportedCurve from_unreal(const UnrealKey& first, const UnrealKey& second) noexcept {
+inline Result<KeyInterval> from_unreal(const UnrealKey& first, const UnrealKey& second) noexcept {
     const Vec<double, 2> begin{first.time, first.value}, end{second.time, second.value};
     if (first.interpolation == KeyKind::hold) return detail::held(begin, second.time);
     if (first.interpolation == KeyKind::linear)
@@ -51,14 +50,14 @@ inline ImportedCurve from_unreal(const UnrealKey& first, const UnrealKey& second
     return detail::imported(KeyKind::bezier, {{begin, begin + leave, end - arrive, end}});
 }
 
-/// Writes what a curve says of two keys: times, values, tangents, weights and weighted sides
-/// between them, how the second is reached. A handle at a third goes unweighted. The outer tangents
-/// are the neighbours'. The tangent mode must be RCTM_User or RCTM_Break, or Unreal computes the
-/// tangents anew.
+/// Exports a curve to two keys: writes times, values, the tangents, weights and weighted sides
+/// between the keys, and the interpolation. A handle at a third is written unweighted. The outer
+/// tangents belong to the neighbouring curves. The tangent mode must be RCTM_User or RCTM_Break, or
+/// Unreal recomputes the tangents.
 ///
 ///   hold   the second key's value is left alone
-///   fails  as `check`; slope_unbounded where a handle is vertical or too steep for single
-///          precision; nothing is written then
+///   fails  as `check`; slope_unbounded if a handle is vertical or too steep for single precision;
+///          nothing is written then
 inline Status to_unreal(const BezierCurve& curve, UnrealKey& first, UnrealKey& second,
                         KeyKind kind = KeyKind::bezier) noexcept {
     Status status = detail::sound(curve);
@@ -89,9 +88,10 @@ inline Status to_unreal(const BezierCurve& curve, UnrealKey& first, UnrealKey& s
     return Status::ok;
 }
 
-/// All keys of a rich curve as keys to be compiled, in seconds: the curves between are those of
-/// `from_unreal`. Fails as it does, for the first interval that is refused.
-inline ImportedKeys keys_from_unreal(std::span<const UnrealKey> rich_curve) noexcept {
+/// Imports all keys of a rich curve as keys to be compiled, in seconds; `from_unreal` makes the
+/// curves between them. Fails as it does, for the first interval that is refused.
+inline Result<std::vector<Key>, ExchangeReport>
+keys_from_unreal(std::span<const UnrealKey> rich_curve) noexcept {
     return detail::import_keys(
         rich_curve.size(), [&](std::size_t n) { return from_unreal(rich_curve[n], rich_curve[n + 1]); },
         [&](std::size_t n) {

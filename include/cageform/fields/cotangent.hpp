@@ -1,49 +1,54 @@
-// Cotangent weights of triangle meshes: the links of fields/graph.hpp that make a function on the
-// vertices harmonic. Not part of cageform.hpp.
+// Cotangent weights of triangle meshes: the links for fields/graph.hpp that make functions on the
+// vertices harmonic. Not included by cageform.hpp.
 #pragma once
 
+#include <cageform/core/result.hpp>
 #include <cageform/fields/detail/intrinsic_mesh.hpp>
 #include <cageform/fields/graph.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Which triangles the angles are taken from.
+/// The triangles that the angles are measured in.
 enum class MeshWeights : std::uint8_t {
-    /// Those that are left when edges are flipped, by lengths alone, until the mesh is Delaunay. The
-    /// surface and the vertices stay what they are. No weight within the mesh is negative.
+    /// The triangles after intrinsic edge flips (by lengths alone) have made the mesh Delaunay. The
+    /// surface and the vertices do not change. No weight of an edge with two faces is negative.
     intrinsic_delaunay,
-    own, ///< the mesh's own; an edge that two angles of more than π together face is negative
+    own, ///< the mesh's own triangles; an edge whose two opposite angles exceed π in sum has a negative
+         ///< weight
 };
 
-/// What the weights of a mesh are, and what is wrong with it.
+/// A report on the weights of a mesh and on faults of the mesh.
 struct SurfaceReport {
     Status status = Status::ok;
-    /// The faults by index, and in warnings the unused vertices. Of CageFaultKind those are
-    /// vertex_not_finite, face_without_vertex, face_without_area, edge_not_manifold, vertex_unused.
+    /// The faults with indices, and warnings for unused vertices. Possible kinds are
+    /// vertex_not_finite, face_without_vertex, face_without_area, edge_not_manifold and
+    /// vertex_unused.
     CageReport mesh;
-    std::size_t rim_edges = 0; ///< of one face only
+    std::size_t rim_edges = 0; ///< edges with only one face
     std::size_t flips = 0;
-    /// Where there are any, values may leave the range of those given: edges on a rim that an
-    /// obtuse angle faces, and with MeshWeights::own those within.
+    /// The number of negative weights. If positive, values may leave the range of those given. They
+    /// occur on rim edges opposite to an obtuse angle, and with MeshWeights::own on other edges
+    /// too.
     std::size_t negative_weights = 0;
     double seconds = 0; ///< wall-clock time
 };
 
-/// What `cotangent_weights` makes; empty but for the report unless that is ok.
+/// The links of a mesh that make a function on its vertices harmonic, made by `cotangent_weights`.
 struct CotangentWeights {
     std::size_t vertices = 0;
     std::vector<GraphLink> links;     ///< w_ij; those that are zero within rounding are left out
     std::vector<double> areas;        ///< of every vertex, a third of the given faces around it
     std::vector<std::uint8_t> unused; ///< of every vertex, 1 where no face has it
     double unit = 1;                  ///< the areas are in its square: a power of two
-    SurfaceReport report;
+    bool has_negative = false;        ///< whether SurfaceReport::negative_weights is positive
 
     Graph graph() const noexcept { return {vertices, links}; }
 };
 
 namespace detail {
 
-/// The places of vertices; those of a plane mesh in the plane of the first two axes.
+/// Returns the positions of vertices in space; a plane mesh lies in the plane of the first two
+/// axes.
 template <class R>
 std::vector<Vec<double, 3>> places_in_space(const R& vertices) {
     std::vector<Vec<double, 3>> places(std::size(vertices));
@@ -54,7 +59,7 @@ std::vector<Vec<double, 3>> places_in_space(const R& vertices) {
     return places;
 }
 
-/// A power of two that makes the largest coordinate at most 1; 1 where all are zero.
+/// Returns a power of two; dividing by it makes the largest coordinate at most 1.
 template <Scalar T>
 double surface_unit(std::span<const Vec<T, 3>> vertices) noexcept {
     double largest = 0;
@@ -66,16 +71,17 @@ double surface_unit(std::span<const Vec<T, 3>> vertices) noexcept {
     return std::ldexp(1.0, (std::min)(exponent, 1023));
 }
 
-/// The corners of a face lie on one line: their cotangents would be infinite.
+/// Whether the corners of a face lie on one line, so that their cotangents would be infinite.
 inline bool has_no_area(const Corners<3>& corner) noexcept {
-    constexpr double relative = 1e-12; // to the longest side
+    constexpr double relative = 1e-12; // relative to the longest side
     const auto& [a, b, c] = corner;
     return is_flat(corner, relative * (std::max)({length(b - a), length(c - b), length(a - c)}));
 }
 
-/// Adds the faults of faces and edges of finite vertices, and the vertices that no face has.
+/// Reports the faults of faces and edges, and unused vertices. All vertices must be finite.
 inline void check_surface(std::span<const Vec<double, 3>> vertices, std::span<const MeshFace> faces,
-                          std::span<const HalfEdge> half_edges, CotangentWeights& result) {
+                          std::span<const HalfEdge> half_edges,
+                          Result<CotangentWeights, SurfaceReport>& result) {
     CageReport& report = result.report.mesh;
     for (std::size_t f = 0; f < faces.size(); ++f) {
         if (has_no_area(Facet<3>(faces[f], vertices).corner)) report.add(CageFaultKind::face_without_area, f);
@@ -85,35 +91,35 @@ inline void check_surface(std::span<const Vec<double, 3>> vertices, std::span<co
         if (edge.size() > 2) report.add(CageFaultKind::edge_not_manifold, low, high);
         if (edge.size() == 1) ++result.report.rim_edges;
     });
-    for (std::size_t i = 0; i < result.unused.size(); ++i) {
-        if (result.unused[i] != 0) report.add(CageFaultKind::vertex_unused, i);
+    for (std::size_t i = 0; i < result.value.unused.size(); ++i) {
+        if (result.value.unused[i] != 0) report.add(CageFaultKind::vertex_unused, i);
     }
 }
 
-/// The links of a mesh, each edge once.
-inline void add_links(const IntrinsicMesh& mesh, CotangentWeights& result) {
-    result.links.reserve(mesh.sides() / 2 + 1);
+/// Adds the links of a mesh, one for each edge.
+inline void add_links(const IntrinsicMesh& mesh, Result<CotangentWeights, SurfaceReport>& result) {
+    result.value.links.reserve(mesh.sides() / 2 + 1);
     for (std::uint32_t side = 0; side < mesh.sides(); ++side) {
         if (mesh.twin(side) != IntrinsicMesh::rim && mesh.twin(side) < side) continue;
         const auto [value, rounding] = mesh.cotangents(side);
         const auto [a, b] = mesh.ends(side);
-        // Flips may make an edge from a vertex to itself, across which nothing flows.
+        // Flips may create an edge from a vertex to itself; it has no effect.
         if (a == b || std::fabs(value) <= rounding) continue;
-        result.links.push_back({a, b, 0.5 * value});
+        result.value.links.push_back({a, b, 0.5 * value});
         if (value < 0) ++result.report.negative_weights;
     }
 }
 
 inline Status make_weights(std::span<const Vec<double, 3>> vertices, std::span<const MeshFace> faces,
-                           MeshWeights weights, CotangentWeights& result) {
+                           MeshWeights weights, Result<CotangentWeights, SurfaceReport>& result) {
     CageReport& report = result.report.mesh;
-    result.unused.assign(vertices.size(), 1);
+    result.value.unused.assign(vertices.size(), 1);
     for (std::size_t f = 0; f < faces.size(); ++f) {
         if (lacks_vertex(faces[f])) {
             report.add(CageFaultKind::face_without_vertex, f);
             continue;
         }
-        for (const std::uint32_t i : faces[f]) result.unused[i] = 0;
+        for (const std::uint32_t i : faces[f]) result.value.unused[i] = 0;
     }
     for (std::size_t i = 0; i < vertices.size(); ++i) {
         if (!is_finite(vertices[i])) report.add(CageFaultKind::vertex_not_finite, i);
@@ -122,58 +128,52 @@ inline Status make_weights(std::span<const Vec<double, 3>> vertices, std::span<c
     const auto half_edges = half_edges_of(faces);
     check_surface(vertices, faces, half_edges, result);
     if (report.status != Status::ok) return report.status;
-    result.areas.assign(vertices.size(), 0.0);
+    result.value.areas.assign(vertices.size(), 0.0);
     for (const auto& face : faces) {
         const double third = TriangleShape::of(Facet<3>(face, vertices).corner).area2 / 6;
-        for (const std::uint32_t i : face) result.areas[i] += third;
+        for (const std::uint32_t i : face) result.value.areas[i] += third;
     }
     IntrinsicMesh mesh(vertices, faces, half_edges);
     if (weights == MeshWeights::intrinsic_delaunay) result.report.flips = mesh.make_delaunay();
     add_links(mesh, result);
+    result.value.has_negative = result.report.negative_weights > 0;
     return Status::ok;
 }
 
 } // namespace detail
 
-/// The weights w_ij = ½ (cot α_ij + cot β_ij) over the one or two angles that face edge ij, so that
-/// Σ ½ w_ij (u_i − u_j)² is Dirichlet's integral of the function that is u at the vertices and linear
-/// on the faces (Pinkall, Polthier, Computing discrete minimal surfaces and their conjugates, Exper.
-/// Math. 2 (1993), sec. 2). A rim is free: nothing flows across it.
+/// Returns the weights w_ij = ½ (cot α_ij + cot β_ij) over the one or two angles opposite to edge
+/// ij. Then Σ ½ w_ij (u_i − u_j)² is the Dirichlet energy of the function that is u at the vertices
+/// and linear on the faces (Pinkall, Polthier, Computing discrete minimal surfaces and their
+/// conjugates, Exper. Math. 2 (1993), sec. 2). A rim is free: nothing flows across it.
 ///
 ///   vertices  of a surface in space, or of a mesh in the plane
-///   faces     in any direction each; open or closed, in several parts, of any genus, orientable or
-///             not. Each edge has one face or two
-///   cost      O(#F log #F); flips come on top, O(#F) as a rule
+///   faces     each in either orientation; the mesh may be open or closed, of several components, of
+///             any genus, orientable or not. Each edge has one face or two
+///   cost      O(#F log #F) plus the flips, usually O(#F)
 ///   fails     as SurfaceReport::mesh says: vertex_not_finite, face_without_vertex,
 ///             face_without_area (twice the area at most 1e-12 of the longest side's square),
 ///             cage_not_manifold (an edge of three faces); out_of_memory
 template <PointRange R, FaceRange F>
     requires(range_dimension<R> == 2 || range_dimension<R> == 3)
-CotangentWeights cotangent_weights(const R& vertices, const F& faces,
-                                   MeshWeights weights = MeshWeights::intrinsic_delaunay) {
-    CotangentWeights result;
-    SurfaceReport report;
-    detail::run_into(report, [&] {
+Result<CotangentWeights, SurfaceReport>
+cotangent_weights(const R& vertices, const F& faces, MeshWeights weights = MeshWeights::intrinsic_delaunay) {
+    Result<CotangentWeights, SurfaceReport> result;
+    detail::run_into(result.report, [&] {
         const std::size_t count = std::size(vertices);
         auto places = detail::places_in_space(vertices);
-        result.unit = detail::surface_unit(std::span<const Vec<double, 3>>(places));
+        result.value.unit = detail::surface_unit(std::span<const Vec<double, 3>>(places));
         for (auto& place : places) {
-            for (std::size_t k = 0; k < 3; ++k) place[k] /= result.unit;
+            for (std::size_t k = 0; k < 3; ++k) place[k] /= result.value.unit;
         }
         std::vector<detail::MeshFace> checked;
         checked.reserve(std::size(faces));
         for (std::size_t f = 0; f < std::size(faces); ++f)
             checked.push_back(detail::checked_face(faces[f], count));
-        result.vertices = count;
+        result.value.vertices = count;
         return detail::make_weights(places, checked, weights, result);
     });
-    result.report.status = report.status;
-    result.report.seconds = report.seconds;
-    if (report.status != Status::ok) {
-        CotangentWeights failed;
-        failed.report = std::move(result.report);
-        return failed;
-    }
+    if (!result) result.value = {};
     return result;
 }
 

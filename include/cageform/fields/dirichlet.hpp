@@ -1,7 +1,7 @@
-// The discrete Dirichlet problem on the cells of a grid, in one, two or three dimensions: some
-// values are given, each of the others is the mean of its neighbours. What harmonic coordinates are
-// made with, for any use: images filled in from a few known pixels, heat that has come to rest,
-// crosswords of numbers.
+// The discrete Dirichlet problem on the cells of a grid in one, two or three dimensions: some
+// values are given, and each of the others is the mean of its neighbours. This is the solver behind
+// harmonic coordinates, for general use: images filled in from a few known pixels, steady heat,
+// number puzzles.
 #pragma once
 
 #include <cageform/core/detail/buffer.hpp>
@@ -10,29 +10,29 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// What a cell of a grid is to a problem.
+/// The role of a grid cell in the problem.
 enum class Cell : std::uint8_t {
     unknown, ///< the mean of its neighbours
     given,   ///< keeps its value
-    outside, ///< no part of the problem: nobody's neighbour
+    outside, ///< not part of the problem, and nobody's neighbour
 };
 
-/// What lies at the end of the grid.
+/// The boundary condition at the end of the grid.
 enum class Rim : std::uint8_t {
-    given,    ///< cells there may not be unknown
-    mirrored, ///< nothing: no neighbour, so that nothing flows through the rim
+    given,    ///< cells there must not be unknown
+    mirrored, ///< no neighbours beyond, so that nothing flows through the rim
 };
 
 struct DirichletOptions {
     double tolerance =
-        1e-6; ///< of the error, by its estimate, relative to the range of a field's given values
-    std::size_t max_cycles = 60; ///< not_converged when they do not suffice
+        1e-6; ///< bound for the estimated error, relative to the range of a field's given values
+    std::size_t max_cycles = 60; ///< not_converged if they do not suffice
     Rim rim = Rim::given;
 };
 
 namespace detail {
 
-/// The connected parts of nodes, by their runs: trees of which each run knows its parent.
+/// The connected components of nodes, as a union-find forest over their runs.
 template <std::size_t D>
 class NodeParts {
 public:
@@ -42,7 +42,7 @@ public:
             for (auto run = nodes.row_runs(row); run != nodes.row_runs_end(row); ++run)
                 parents_.push_back(parents_.size());
         }
-        std::size_t step = 1; // in rows, to the next along an axis
+        std::size_t step = 1; // in rows, to the neighbour along the axis
         for (std::size_t axis = 1; axis < D; ++axis) {
             for (std::size_t row = 0; row + step < nodes.rows(); ++row) {
                 if (nodes.row_index(row)[axis] + 1 < nodes.size()[axis]) join(nodes, row, row + step);
@@ -52,7 +52,7 @@ public:
     }
 
     std::size_t runs() const noexcept { return parents_.size(); }
-    /// The first run of the part that a run is of.
+    /// Returns the first run of a run's component.
     std::size_t part(std::size_t run) noexcept {
         while (parents_[run] != run) run = parents_[run] = parents_[parents_[run]];
         return run;
@@ -78,14 +78,15 @@ private:
     std::vector<std::size_t> parents_;
 };
 
-/// The unknown cells of a grid as nodes, and their links to given cells, or to nothing.
+/// The unknown cells of a grid as nodes, with their links to given cells or to nothing.
 template <std::size_t D>
 struct UnknownCells {
     std::size_t grid_size;
     grid::NodeRuns<D> nodes;
     std::vector<std::size_t> cells; ///< of the nodes
-    Buffer<grid::CutLink> cuts;     ///< of weight 0 where they lead nowhere
-    std::vector<std::size_t> given; ///< the cell at the end of each cut link; of those, the node's own
+    Buffer<grid::CutLink> cuts;     ///< weight 0 if the link leads nowhere
+    std::vector<std::size_t> given; ///< the cell at the end of each cut link; the node's own cell if it
+                                    ///< leads nowhere
     std::size_t without_rim = SolverReport::none; ///< the first unknown cell at the end of the grid
 
     UnknownCells(const CellBox<D>& grid, std::span<const Cell> kinds, Rim rim)
@@ -120,7 +121,7 @@ struct UnknownCells {
         });
     }
 
-    /// Parts without a given cell: how many cells they have, and the first of these.
+    /// Finds components without a given cell: counts their cells and reports the first of these.
     void find_unreached(SolverReport& report) const {
         NodeParts<D> parts(nodes);
         std::vector<bool> reached(parts.runs(), false);
@@ -136,7 +137,8 @@ struct UnknownCells {
 
 private:
     static std::size_t run_of(const NodeParts<D>& parts, std::uint32_t node) noexcept {
-        std::size_t low = 0, high = parts.runs(); // the last run that begins at the node or before
+        std::size_t low = 0, high = parts.runs(); // binary search for the last run that begins at or
+                                                  // before the node
         while (high - low > 1) {
             const std::size_t middle = (low + high) / 2;
             (parts[middle].first <= node ? low : high) = middle;
@@ -145,8 +147,7 @@ private:
     }
 };
 
-/// The range of the values of a field that unknown cells are linked to, which is solved for as [−1,
-/// 1].
+/// The range of a field's given values next to unknown cells. It is mapped to [−1, 1] for solving.
 struct FieldRange {
     double middle, half;
 
@@ -163,7 +164,7 @@ struct FieldRange {
     }
 };
 
-/// Solves for the unknown cells of all fields; `values` is written when all is solved.
+/// Solves for the unknown cells of all fields; writes to `values` only after all are solved.
 template <std::size_t D, Scalar T>
 Status solve_fields(const UnknownCells<D>& unknown, std::span<T> values, const DirichletOptions& options,
                     SolverReport& report, const Running& running) {
@@ -196,7 +197,7 @@ Status solve_fields(const UnknownCells<D>& unknown, std::span<T> values, const D
                     static_cast<T>(ranges[first + k].middle + ranges[first + k].half * value[k]);
         }
     };
-    // Errors are of values in [−1, 1], whose range is 2.
+    // Errors refer to values in [−1, 1], whose range is 2.
     const grid::CycleGoal goal{fields, 2 * options.tolerance, options.max_cycles};
     const Status status =
         grid::solve_groups(grid::MultigridGroups{multigrid, goal, fill}, report, take, running);
@@ -212,24 +213,24 @@ Status solve_fields(const UnknownCells<D>& unknown, std::span<T> values, const D
 
 } // namespace detail
 
-/// Fills in the unknown cells of any number of fields.
+/// Solves for the unknown cells of any number of fields.
 ///
-///   cells    of the grid, numbered along the first axis first
+///   cells    of the grid, numbered with the first axis fastest
 ///   kinds    #cells. With Rim::given every unknown cell must have all its 2·D neighbours in the
-///            grid; links to cells outside are mirrored there too
-///   values   fields of #cells each, one after the other; values given are read, unknown ones are
-///            written when the status is ok, and not before. They lie between the least and the
-///            largest that their part is given
+///            grid; links to cells outside are mirrored in any case
+///   values   fields of #cells each, one after the other; given values are read, unknown ones
+///            written, only when the status is ok. They lie between the least and the largest value
+///            given to their component
 ///   cost     O(#unknown cells) a field, sixteen together; memory: Multigrid::bytes() once,
 ///            block_bytes() a thread, the unknown values once more, and 8 bytes an unknown cell.
-///            The progress is asked before every cycle. 9 to 13 cycles are the rule; in mazes of
-///            cells outside more, which max_cycles may have to allow. SolverReport::error_bound
-///            holds where nothing is mirrored
-///   fails    rim_not_given and value_not_finite (SolverReport::culprit is the cell, or the place
-///            in `values`); cells_unreached, where a connected part of unknown cells touches no
-///            given one (its first cell, and how many in all such parts); input_malformed (a mark
-///            that is no Cell, at `culprit`); tolerance_not_positive; not_converged; cancelled;
-///            out_of_memory (also for 2³¹ cells and more)
+///            Progress is reported before every cycle. Usually 9 to 13 cycles; mazes of outside
+///            cells need more, and max_cycles may have to be raised. SolverReport::error_bound holds
+///            if nothing is mirrored
+///   fails    rim_not_given and value_not_finite (SolverReport::culprit is the cell, or the index
+///            in `values`); cells_unreached, if a connected component of unknown cells touches no
+///            given one (its first cell, and the number of cells in all such components);
+///            input_malformed (a mark that is no Cell, at `culprit`); tolerance_not_positive;
+///            not_converged; cancelled; out_of_memory (also for 2³¹ cells and more)
 template <std::size_t D, Scalar T>
 Evaluation solve_dirichlet(const CellBox<D>& cells, std::span<const Cell> kinds, std::span<T> values,
                            const DirichletOptions& options = {}, const Running& running = {}) {
@@ -261,7 +262,7 @@ Evaluation solve_dirichlet(const CellBox<D>& cells, std::span<const Cell> kinds,
         return detail::solve_fields(unknown, values, options, report, running);
     });
 }
-/// The same of grids all cells of which take part.
+/// Solves the problem on grids without outside cells.
 ///
 ///   given    #cells; 0 where the value is unknown
 template <std::size_t D, Scalar T>

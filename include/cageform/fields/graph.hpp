@@ -1,6 +1,6 @@
-// Discrete harmonic functions on graphs, by a sparse factorisation: puzzles of numbers, each the
-// mean of its neighbours; networks of resistors; random walks. For large grids see
-// fields/dirichlet.hpp. Not part of cageform.hpp.
+// Discrete harmonic functions on graphs, by sparse factorisation. Uses: number puzzles in which
+// each number is the mean of its neighbours; networks of resistors; random walks. For large grids
+// see fields/dirichlet.hpp. Not included by cageform.hpp.
 #pragma once
 
 #include <cageform/core/solver_report.hpp>
@@ -20,24 +20,25 @@ struct GraphLink {
     double conductance;
 };
 
-/// Links may be given more than once; their conductances add up.
+/// A graph. Links may be given more than once; their conductances add up.
 struct Graph {
     std::size_t nodes;
     std::span<const GraphLink> links;
 };
 
 struct GraphOptions {
-    /// Values may then leave the range of those given, and a unique solution may not exist.
+    /// Allows negative conductances. Values may then leave the range of those given, and a unique
+    /// solution may not exist.
     bool allow_negative = false;
 };
 
-/// The neighbours of a cell of a grid.
+/// The neighbours of a grid cell.
 enum class Stencil : std::uint8_t {
-    face, ///< those that share a face: 2, 4, 6
-    all,  ///< those that share a corner, too: 2, 8, 26
+    face, ///< cells that share a face: 2, 4, 6
+    all,  ///< also cells that share a corner: 2, 8, 26
 };
 
-/// Links of conductance 1 between the neighbours of a grid of fewer than 2³² cells.
+/// Returns links of conductance 1 between neighbouring cells of a grid with fewer than 2³² cells.
 template <std::size_t D>
 std::vector<GraphLink> grid_links(const CellBox<D>& cells, Stencil stencil) {
     std::size_t offsets = 1;
@@ -45,7 +46,7 @@ std::vector<GraphLink> grid_links(const CellBox<D>& cells, Stencil stencil) {
     std::vector<GraphLink> links;
     for (std::size_t cell = 0; cell < cells.size(); ++cell) {
         const auto index = cells.index(cell);
-        // The offsets after the middle one, which is no offset: each pair of cells once.
+        // Visits the offsets after the central (zero) one, and so each pair of cells once.
         for (std::size_t code = offsets / 2 + 1; code < offsets; ++code) {
             auto other = index;
             std::size_t moved = 0, rest = code;
@@ -66,7 +67,7 @@ std::vector<GraphLink> grid_links(const CellBox<D>& cells, Stencil stencil) {
 namespace detail {
 
 inline Status check_graph(const Graph& graph, bool allow_negative, SolverReport& report) {
-    // The ordering counts links both ways and room for what it adds in 32 bits.
+    // The ordering stores links in both directions, and its own additions, with 32-bit indices.
     if (4 * (graph.nodes + graph.links.size()) > std::size_t((std::numeric_limits<std::int32_t>::max)()))
         return Status::out_of_memory;
     for (std::size_t n = 0; n < graph.links.size(); ++n) {
@@ -81,7 +82,8 @@ inline Status check_graph(const Graph& graph, bool allow_negative, SolverReport&
     return Status::ok;
 }
 
-/// The equations of the unknown nodes of a checked graph, and their factors. Fields lie side by side.
+/// The equations of the unknown nodes of a checked graph, and their factors. The values of all
+/// fields at a node are contiguous.
 class GraphEquations {
 public:
     static constexpr std::int32_t given_node = -1;
@@ -100,7 +102,8 @@ public:
     std::int32_t row(std::size_t node) const noexcept { return rows_[node]; }
     std::size_t bytes() const noexcept { return factors_.bytes(); }
 
-    /// f(row of an unknown node, given node, conductance) for the links between such.
+    /// Calls f(row of the unknown node, given node, conductance) for links between unknown and
+    /// given nodes.
     template <class F>
     void for_each_given_link(const F& f) const {
         for (const GraphLink& link : graph_.links) {
@@ -111,7 +114,7 @@ public:
         }
     }
 
-    /// The first of the nodes that no path leads from to a given one, or `none`.
+    /// Returns the first node that no path connects to a given one, or `none`.
     std::size_t unreached() const {
         std::vector<std::uint32_t> parent(rows_.size());
         for (std::size_t node = 0; node < parent.size(); ++node) parent[node] = std::uint32_t(node);
@@ -132,7 +135,7 @@ public:
         return SolverReport::none;
     }
 
-    /// not_converged for a matrix that is singular.
+    /// Factorises the equations. Returns not_converged if the matrix is singular.
     Status factorise() {
         excess_.assign(nodes_.size(), {});
         for_each_given_link([&](std::size_t row, std::uint32_t, double k) {
@@ -160,13 +163,14 @@ public:
         return factors_.factorise(links_, excess_) ? Status::ok : Status::not_converged;
     }
 
-    /// Solves for the fields whose sources stand in `values`. With negative conductances pivots are
-    /// differences: then once more for what rounding has left, and not_converged where that is much.
+    /// Solves for the fields whose sources are in `values`. With negative conductances pivots
+    /// involve cancellation; then one step of iterative refinement follows, and a large correction
+    /// means not_converged.
     Status solve(std::vector<double>& values, std::size_t fields) const {
         const std::vector<double> sources = negative_ ? values : std::vector<double>();
         factors_.solve(values, fields);
         if (negative_) {
-            constexpr double most = 1e-6; // of the largest value
+            constexpr double most = 1e-6; // relative to the largest value
             std::vector<double> change = left(sources, values, fields);
             factors_.solve(change, fields);
             std::vector<double> size(fields), moved(fields);
@@ -185,7 +189,7 @@ public:
     }
 
 private:
-    /// Sources less what values account for.
+    /// Returns the residual: the sources minus the equations' left-hand side at `values`.
     std::vector<double> left(std::vector<double> sources, std::span<const double> values,
                              std::size_t fields) const {
         for (std::size_t row = 0; row < nodes_.size(); ++row) {
@@ -204,12 +208,12 @@ private:
     std::vector<std::int32_t> rows_;
     std::vector<std::size_t> nodes_;
     Adjacency links_;                          // between unknown nodes
-    std::vector<GraphFactors::Excess> excess_; // of the links to given ones
+    std::vector<GraphFactors::Excess> excess_; // of the links to given nodes
     bool negative_ = false;
     GraphFactors factors_;
 };
 
-/// Checks and factorises; ok also where nothing is unknown.
+/// Checks and factorises the equations; returns ok also if nothing is unknown.
 inline Status prepare(GraphEquations& equations, SolverReport& report) {
     report.cells = equations.nodes().size();
     report.culprit = equations.unreached();
@@ -222,17 +226,18 @@ inline Status prepare(GraphEquations& equations, SolverReport& report) {
 
 } // namespace detail
 
-/// Fills in the unknown nodes c of any number of fields: Σ k_cd (u_c − u_d) = 0 over the links of c.
+/// Solves for the unknown nodes c of any number of fields: Σ k_cd (u_c − u_d) = 0 over the links of
+/// c.
 ///
 ///   given    #nodes; 0 where the value is unknown
-///   values   fields of #nodes each, one after the other; given values are read, unknown ones are
-///            written when the status is ok, and not before
-///   returns  values right to some roundings of the largest given one, however far conductances
-///            differ; with negative ones as well as doubles can, and to 1e-6 of the largest
+///   values   fields of #nodes each, one after the other; given values are read, unknown ones
+///            written, only when the status is ok
+///   returns  values accurate to a few roundings of the largest given one, however far conductances
+///            differ; with negative ones as accurate as double permits, within 1e-6 of the largest
 ///   cost     one factorisation, O(n^1.5) for planar graphs of n unknown nodes; 16 fields cost one
-///            pass over the factors. The progress is asked before each
+///            pass over the factors. Progress is reported before each
 ///   fails    index_out_of_range, input_malformed (a link from a node to itself) and
-///            weights_not_positive (SolverReport::culprit is the link); value_not_finite (the place
+///            weights_not_positive (SolverReport::culprit is the link); value_not_finite (the index
 ///            in `values`); cells_unreached (the first unknown node without a path to a given one);
 ///            not_converged (a singular matrix, or values beyond T); cancelled; out_of_memory
 template <Scalar T>
@@ -257,7 +262,7 @@ Evaluation solve_graph(const Graph& graph, std::span<const std::uint8_t> given, 
         const auto nodes = equations.nodes();
         if (nodes.empty()) return running.end(Status::ok);
         std::vector<T> solved(values.size() / size * nodes.size());
-        constexpr std::size_t most = 16; // fields at a time: the factors are read once for all
+        constexpr std::size_t most = 16; // fields at a time: one pass over the factors serves all
         for (std::size_t begin = 0; begin < values.size(); begin += most * size) {
             if (!running.keep_going(double(begin) / double(values.size()))) return Status::cancelled;
             const std::size_t fields = (std::min)(most, (values.size() - begin) / size);
@@ -286,11 +291,11 @@ Evaluation solve_graph(const Graph& graph, std::span<const std::uint8_t> given, 
     });
 }
 
-/// The expected number of steps of a random walk from each node until it is at a given one, where a
-/// step takes a link with a probability proportional to its conductance.
+/// Finds the expected number of steps of a random walk from each node until it reaches a given one.
+/// A step follows a link with probability proportional to its conductance.
 ///
-///   steps    #nodes, 0 at given ones; written when the status is ok, and not before
-///   fails    as solve_graph; conductances are positive
+///   steps    #nodes, 0 at given ones; written only when the status is ok
+///   fails    as solve_graph; conductances must be positive
 template <Scalar T>
 Evaluation expected_steps(const Graph& graph, std::span<const std::uint8_t> given, std::span<T> steps) {
     CAGEFORM_ASSERT(given.size() == graph.nodes && steps.size() == graph.nodes, "one of each a node");
@@ -300,7 +305,7 @@ Evaluation expected_steps(const Graph& graph, std::span<const std::uint8_t> give
         detail::GraphEquations equations(graph, given);
         status = detail::prepare(equations, report);
         if (status != Status::ok) return status;
-        std::vector<double> solved(equations.nodes().size()); // what a step leads to, added up
+        std::vector<double> solved(equations.nodes().size()); // the source: sum of conductances at each node
         for (const GraphLink& link : graph.links) {
             for (const std::uint32_t end : {link.a, link.b}) {
                 if (equations.row(end) >= 0) solved[std::size_t(equations.row(end))] += link.conductance;
@@ -318,10 +323,11 @@ Evaluation expected_steps(const Graph& graph, std::span<const std::uint8_t> give
     });
 }
 
-/// The probability with which a random walk from node `from` meets each given node first. They sum
-/// to one. One solve, since the matrix is symmetric: what flows out where a unit flows in.
+/// Finds the probability that a random walk from node `from` reaches each given node first. The
+/// probabilities sum to one. Because the matrix is symmetric, one solve suffices: they are the
+/// currents that leave through the given nodes if a unit current enters at `from`.
 ///
-///   probabilities  #nodes, 0 at unknown ones; written when the status is ok, and not before
+///   probabilities  #nodes, 0 at unknown ones; written only when the status is ok
 ///   fails          as expected_steps; index_out_of_range also for `from`
 template <Scalar T>
 Evaluation hit_first(const Graph& graph, std::span<const std::uint8_t> given, std::size_t from,

@@ -1,5 +1,5 @@
-// Weights of bones at the vertices of a triangle mesh: harmonic, and by bone heat. Not part of
-// cageform.hpp. `bind_bones` and `skin_weights` take them as they are.
+// Computes the weights of bones at the vertices of a triangle mesh: harmonic weights, and bone
+// heat. Not included by cageform.hpp. `bind_bones` and `skin_weights` accept them directly.
 #pragma once
 
 #include <cageform/fields/detail/face_tree.hpp>
@@ -7,26 +7,26 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Where a bone lies at rest; a point where both ends are one. A mesh in the plane lies where the
-/// third coordinate is 0.
+/// A bone at rest; a point if both ends coincide. A mesh in the plane lies where the third
+/// coordinate is 0.
 struct BoneSegment {
     Vec<double, 3> head, tail;
 };
 
-/// What SurfaceSkinOptions::groups has for a vertex of no bone.
+/// Marks vertices without a bone in SurfaceSkinOptions::groups.
 inline constexpr std::uint32_t no_bone = ~std::uint32_t{0};
 
 enum class BoneVisibility : std::uint8_t {
-    inside,  ///< a bone heats a vertex where the segment to its nearest place stays inside the mesh
-    ignored, ///< it heats the vertices it is nearest to; for meshes that are not closed or in the plane
+    inside,  ///< a bone heats a vertex if the segment to the bone's nearest point stays inside the mesh
+    ignored, ///< a bone heats the vertices it is nearest to; for open meshes and meshes in the plane
 };
 
 struct SurfaceSkinOptions {
-    /// Of bone heat: c > 0, how much the heat of bones counts beside that of neighbours. It has no unit.
+    /// For bone heat: c > 0, the influence of bones relative to that of neighbours. Dimensionless.
     double heat = 1;
-    BoneVisibility visibility = BoneVisibility::inside; ///< of bone heat
-    /// Of `harmonic_skin`: of every vertex the bone whose weight is 1 there, or no_bone. Empty: that
-    /// of the vertices whose nearest place on all bones is in the middle third of this one.
+    BoneVisibility visibility = BoneVisibility::inside; ///< for bone heat
+    /// For `harmonic_skin`: for every vertex, the bone whose weight is 1 there, or no_bone. If
+    /// empty, a bone gets the vertices whose nearest point on all bones lies in its middle third.
     std::span<const std::uint32_t> groups{};
 };
 
@@ -34,28 +34,22 @@ struct SurfaceSkinReport {
     Status status = Status::ok;
     SurfaceReport mesh;                  ///< faults of the mesh, flips, negative weights
     SolverReport solver;                 ///< culprit: a vertex (cells_unreached), else a bone or a label
-    std::vector<std::size_t> idle_bones; ///< nearest to no vertex that sees them: their weights are zero
-    std::size_t hidden = 0;              ///< vertices that do not see their nearest bones
+    std::vector<std::size_t> idle_bones; ///< bones nearest to no vertex that sees them; their weights are
+                                         ///< zero
+    std::size_t hidden = 0;              ///< number of vertices that do not see their nearest bones
     double seconds = 0;                  ///< wall-clock time
-};
-
-/// Empty unless the report's status is ok.
-template <Scalar T>
-struct SurfaceSkin {
-    std::vector<T> weights; ///< #vertices · #bones: a vertex's lie side by side; of one without a face zeros
-    SurfaceSkinReport report;
 };
 
 namespace detail {
 
-/// The bones nearest to a place.
+/// The bones nearest to a point.
 struct NearestBones {
     double distance = std::numeric_limits<double>::infinity();
-    std::vector<std::uint32_t> bones; ///< as near but for rounding, ascending
+    std::vector<std::uint32_t> bones; ///< all bones at this distance up to rounding, ascending
 };
 
-/// c / d² of distances. Where even the nearest bone heats so little or so much that the mesh's own
-/// weights are nothing beside, or all, no more and no less says the same and stays a number.
+/// Computes c / d² for distances d. The largest value is clamped where bones heat so little or so
+/// much that further change has no effect beside the mesh's own weights; this keeps numbers finite.
 class HeatScale {
 public:
     HeatScale(double heat, std::span<const NearestBones> nearest) noexcept {
@@ -68,14 +62,14 @@ public:
     }
 
 private:
-    /// On a bone the weight is that bone's, as it is to rounding at this distance.
+    /// Closer than this, the weight is the bone's alone up to rounding.
     static double at_least(double distance) noexcept { return std::fmax(distance, 1e-6); }
 
     double least_ = std::numeric_limits<double>::infinity();
     double most_ = 0;
 };
 
-/// The making of weights in a unit in which the mesh is of the size of one.
+/// Computes the weights, in a unit of length in which the mesh has size one.
 class SurfaceSkinner {
 public:
     SurfaceSkinner(std::span<const BoneSegment> bones, const SurfaceSkinOptions& options,
@@ -86,14 +80,15 @@ public:
 
     template <class R, class F>
     Status load(const R& points, const F& faces) {
-        mesh_ = cotangent_weights(points, faces);
-        report_.mesh = mesh_.report;
-        if (mesh_.report.status != Status::ok) return mesh_.report.status;
+        auto weights = cotangent_weights(points, faces);
+        report_.mesh = std::move(weights.report);
+        if (report_.mesh.status != Status::ok) return report_.mesh.status;
+        mesh_ = std::move(weights.value);
         if (bones_.empty()) return Status::bone_weights_do_not_match;
         for (std::size_t b = 0; b < bones_.size(); ++b) {
             for (auto* end : {&bones_[b].head, &bones_[b].tail}) {
                 *end = scaled(*end);
-                constexpr double most = 1e200; // far below where the squares of distances overflow
+                constexpr double most = 1e200; // keeps the squares of distances far from overflow
                 if (dot(*end, *end) <= most) continue;
                 report_.solver.culprit = b;
                 return Status::value_not_finite;
@@ -106,7 +101,7 @@ public:
         return Status::ok;
     }
 
-    /// Weights 1 and 0 in the groups, harmonic between.
+    /// Solves for weights that are 1 and 0 in the groups and harmonic in between.
     Status solve_harmonic(const Running& running) {
         const std::size_t size = places_.size();
         std::vector<std::uint32_t> groups(options_.groups.begin(), options_.groups.end());
@@ -130,7 +125,8 @@ public:
         return evaluation.status;
     }
 
-    /// (L + M H) w = M H p: to the mesh's links come those of vertices with their bones, a node each.
+    /// Solves (L + M H) w = M H p: adds a node for each bone, and links from vertices to their
+    /// bones.
     Status solve_heat(const Running& running) {
         if (!is_finite(options_.heat) || !(options_.heat > 0)) return Status::weights_not_positive;
         std::vector<NearestBones> nearest(places_.size());
@@ -154,7 +150,7 @@ public:
         given.insert(given.end(), bones_.size(), 1);
         std::vector<double> all(nodes * bones_.size(), 0.0);
         for (std::size_t b = 0; b < bones_.size(); ++b) all[b * nodes + size + b] = 1;
-        const GraphOptions graph{.allow_negative = mesh_.report.negative_weights > 0};
+        const GraphOptions graph{.allow_negative = mesh_.has_negative};
         const auto evaluation =
             solve_graph(Graph{nodes, links}, given, std::span(all), graph, running.part(0.5, 1));
         report_.solver = evaluation.solver;
@@ -166,7 +162,8 @@ public:
         return Status::ok;
     }
 
-    /// A vertex's side by side. Negative cotangents may leave sums that are 1e-6 off 1.
+    /// Returns the weights, contiguous for each vertex. They are normalised, because with negative
+    /// cotangents the sums may be off by 1e-6.
     template <Scalar T>
     std::vector<T> weights() const {
         const std::size_t size = places_.size(), bones = bones_.size();
@@ -191,7 +188,7 @@ private:
     }
 
     NearestBones nearest_to(const Vec<double, 3>& p) const {
-        constexpr double rounding = 1e-9; // two as near to this share
+        constexpr double rounding = 1e-9; // bones at equal distance within this share the vertex
         NearestBones nearest;
         const auto is_near = [&](double distance) {
             return distance <= nearest.distance + rounding * (std::max)(nearest.distance, 1e-6);
@@ -218,10 +215,10 @@ private:
         return groups;
     }
 
-    /// The nearest bones of every vertex, without those that it does not see.
+    /// Finds the nearest bones of every vertex and removes those that the vertex does not see.
     Status find_bones(const Running& running, std::vector<NearestBones>& nearest) {
         const bool looks = options_.visibility == BoneVisibility::inside;
-        if (looks && mesh_.report.rim_edges > 0) {
+        if (looks && report_.mesh.rim_edges > 0) {
             const auto half_edges = half_edges_of(faces_);
             for_each_edge(half_edges, [&](std::span<const HalfEdge> edge) {
                 const auto [low, high] = edge[0].edge();
@@ -256,19 +253,19 @@ private:
     CotangentWeights mesh_;
     std::vector<Vec<double, 3>> places_;
     std::vector<MeshFace> faces_;
-    std::vector<double> values_; // a bone's side by side
+    std::vector<double> values_; // contiguous for each bone
 };
 
 template <class R, class F, class Solve>
-SurfaceSkin<range_scalar_t<R>> surface_skin(const R& points, const F& faces,
-                                            std::span<const BoneSegment> bones,
-                                            const SurfaceSkinOptions& options, const Solve& solve) {
-    SurfaceSkin<range_scalar_t<R>> skin;
+Result<std::vector<range_scalar_t<R>>, SurfaceSkinReport>
+surface_skin(const R& points, const F& faces, std::span<const BoneSegment> bones,
+             const SurfaceSkinOptions& options, const Solve& solve) {
+    Result<std::vector<range_scalar_t<R>>, SurfaceSkinReport> skin;
     run_into(skin.report, [&] {
         SurfaceSkinner skinner(bones, options, skin.report);
         Status status = skinner.load(points, faces);
         if (status == Status::ok) status = solve(skinner);
-        if (status == Status::ok) skin.weights = skinner.template weights<range_scalar_t<R>>();
+        if (status == Status::ok) skin.value = skinner.template weights<range_scalar_t<R>>();
         return status;
     });
     return skin;
@@ -276,42 +273,44 @@ SurfaceSkin<range_scalar_t<R>> surface_skin(const R& points, const F& faces,
 
 } // namespace detail
 
-/// Harmonic weights: 1 at the vertices that belong to a bone and 0 at those of the others
-/// (SurfaceSkinOptions::groups), harmonic between (fields/surface.hpp).
+/// Computes harmonic weights: 1 at the vertices that belong to a bone, 0 at those of other bones
+/// (SurfaceSkinOptions::groups), and harmonic in between (fields/surface.hpp).
 ///
-///   returns  weights that sum to 1, in [0, 1] but for rounding, unless SurfaceReport::negative_weights
-///            says otherwise. The mesh may be open
+///   returns  #vertices · #bones weights, those of a vertex side by side, zeros if it has no face. They
+///            sum to 1 and are in [0, 1] up to rounding, unless SurfaceReport::negative_weights is
+///            positive. The mesh may be open
 ///   cost     one factorisation for all bones; a search of O(#vertices · #bones) for the groups
 ///   fails    as cotangent_weights; bone_weights_do_not_match (no bones), value_not_finite (a bone,
-///            or one 1e100 times as far off as the mesh is large), labels_do_not_match and
-///            index_out_of_range (the groups), cells_unreached (a part of the mesh that belongs to no
-///            bone), not_converged (only with negative weights); cancelled; out_of_memory
+///            or one farther away than 1e100 times the mesh's size), labels_do_not_match and
+///            index_out_of_range (the groups), cells_unreached (a component of the mesh that belongs
+///            to no bone), not_converged (only with negative weights); cancelled; out_of_memory
 template <PointRange R, FaceRange F>
     requires(range_dimension<R> == 2 || range_dimension<R> == 3)
-SurfaceSkin<range_scalar_t<R>> harmonic_skin(const R& points, const F& faces,
-                                             std::span<const BoneSegment> bones,
-                                             const SurfaceSkinOptions& options = {},
-                                             const Running& running = {}) {
+Result<std::vector<range_scalar_t<R>>, SurfaceSkinReport>
+harmonic_skin(const R& points, const F& faces, std::span<const BoneSegment> bones,
+              const SurfaceSkinOptions& options = {}, const Running& running = {}) {
     return detail::surface_skin(points, faces, bones, options,
                                 [&](auto& skinner) { return skinner.solve_harmonic(running); });
 }
 
-/// Weights by bone heat (Baran, Popović, Automatic rigging and animation of 3D characters, SIGGRAPH
-/// 2007, sec. 4): the equilibrium where heat flows along the mesh and from the nearest bone,
-/// (L + M H) w = M H p. M is a third of the given faces around a vertex, H = c / d² with d the distance
-/// to the nearest bone where the vertex sees it, else 0; bones as near within 1e-9 share. A vertex
-/// nearer to a bone than 1e-6 of the mesh's size counts as that far. Weights do not depend on the unit.
+/// Computes weights by bone heat (Baran, Popović, Automatic rigging and animation of 3D characters,
+/// SIGGRAPH 2007, sec. 4): the equilibrium of heat that flows along the mesh and from the nearest
+/// bone, (L + M H) w = M H p. M is a third of the area of a vertex's faces. H = c / d², where d is
+/// the distance to the nearest bone, if the vertex sees it, else 0; bones at equal distance within
+/// 1e-9 share. Distances below 1e-6 of the mesh's size are raised to that. Weights do not depend on
+/// the unit.
 ///
 ///   returns  weights that sum to 1, in [0, 1] as those of harmonic_skin
-///   cost     as harmonic_skin; O(log #F) as a rule for what a vertex sees
-///   fails    as harmonic_skin; cage_not_closed where visibility is asked for and an edge has one face
-///            (SurfaceReport::mesh); weights_not_positive (the heat); cells_unreached: a part of the
-///            mesh that sees no bone
+///   cost     as harmonic_skin; visibility usually O(log #F) per test
+///   fails    as harmonic_skin; cage_not_closed if visibility is tested and an edge has only one
+///            face (SurfaceReport::mesh); weights_not_positive (the heat); cells_unreached: a
+///            component of the mesh that sees no bone
 template <PointRange R, FaceRange F>
     requires(range_dimension<R> == 2 || range_dimension<R> == 3)
-SurfaceSkin<range_scalar_t<R>> bone_heat(const R& points, const F& faces, std::span<const BoneSegment> bones,
-                                         const SurfaceSkinOptions& options = {},
-                                         const Running& running = {}) {
+Result<std::vector<range_scalar_t<R>>, SurfaceSkinReport> bone_heat(const R& points, const F& faces,
+                                                                    std::span<const BoneSegment> bones,
+                                                                    const SurfaceSkinOptions& options = {},
+                                                                    const Running& running = {}) {
     return detail::surface_skin(points, faces, bones, options,
                                 [&](auto& skinner) { return skinner.solve_heat(running); });
 }

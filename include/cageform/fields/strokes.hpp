@@ -1,9 +1,9 @@
-// Diffusion of the values of strokes: a harmonic field, or several together, with values given along
-// lines drawn on a canvas. The canvas' rim is a mirror: nothing flows through it.
+// Diffuses the values of strokes: harmonic fields with values given along lines drawn on a canvas.
+// The rim of the canvas is a mirror: nothing flows through it.
 //
-// The strokes are used where they are and not as cells of a grid: data enters the equations where
-// they cross the lattice lines, as for cages. A stroke may have other values on its right than on
-// its left (diffusion curves: Orzan et al., ACM Trans. Graph. 27(3) (2008), sec. 3). In space the
+// Strokes keep their exact position instead of being rasterised: data enters the equations where
+// they cross the lattice lines, as for cages. A stroke may have different values on its right and
+// left (diffusion curves: Orzan et al., ACM Trans. Graph. 27(3) (2008), sec. 3). In space the
 // strokes are walls of triangles.
 #pragma once
 
@@ -15,15 +15,17 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// A line with values, linear from each of its points to the next. It is closed where the last point
-/// equals the first. Left is where y points up: with y downwards, as on a screen, it is the right.
+/// A line with values, linear from each of its points to the next. It is closed if the last point
+/// equals the first. Left and right hold for y pointing up; with y down, as on a screen, they are
+/// swapped.
 template <Scalar T>
 struct Stroke {
     std::vector<Vec<T, 2>> points;
     std::vector<T> left;  ///< of point i, channel c at [i · channels + c]
-    std::vector<T> right; ///< the same for the right side as the line runs; empty: as on the left
-    /// All within it has the value of the line's nearest place. A single point needs one: without
-    /// it has no capacity, and no harmonic function takes notice of its value. 0: a line.
+    std::vector<T> right; ///< likewise for the right side of the line; empty: as on the left
+    /// Points within the radius have the value of the line's nearest point. A single point needs a
+    /// radius: without one it has no capacity, and a harmonic function ignores its value. 0: a
+    /// line.
     T radius = 0;
 };
 
@@ -32,13 +34,13 @@ template <Scalar T>
 struct Wall {
     std::vector<Vec<T, 3>> points;
     std::vector<std::array<std::uint32_t, 3>> faces;
-    std::vector<T> front; ///< of point i, channel c at [i · channels + c]; where normals point to
+    std::vector<T> front; ///< of point i, channel c at [i · channels + c]; on the side that normals point to
     std::vector<T> back;  ///< empty: as in front
 };
 
 struct DiffusionOptions {
     double tolerance = 1e-6;     ///< of the discrete solution, relative to the range of a channel's data
-    std::size_t max_cycles = 60; ///< not_converged when they do not suffice
+    std::size_t max_cycles = 60; ///< not_converged if they do not suffice
 };
 
 /// The fields of a drawing.
@@ -48,10 +50,11 @@ struct DiffusionOptions {
 ///     if (field.solve().status != Status::ok) …
 ///     field.sample(pixels, colours);
 ///
-/// Each value is a mean of the given ones: it lies between the least and the largest of its channel.
-/// Away from the ends of strokes the error falls with h², h the spacing; at an end, where the field
-/// rises like the square root of the distance, with h. Where strokes cross, the values meet as they
-/// may: of two strokes between neighbouring nodes the nearest counts for each.
+/// Each value is a weighted mean of the given ones, so it lies between the least and the largest of
+/// its channel. Away from the ends of strokes the error falls with h², where h is the spacing. At
+/// an end, where the field rises like the square root of the distance, it falls with h. Where
+/// strokes cross there is no special treatment: if two strokes pass between neighbouring nodes,
+/// each node uses the nearer one.
 template <Scalar T, std::size_t D = 2>
 class Diffusion {
     static_assert(D == 2 || D == 3, "strokes in the plane, walls in space");
@@ -60,7 +63,7 @@ public:
     static constexpr std::size_t dimension = D;
     static constexpr std::size_t least_resolution = 2, most_resolution = D == 2 ? 16384 : 1024;
 
-    /// canvas      what is drawn on; a last row that is not whole is filled up to a whole one
+    /// canvas      the drawing area; an incomplete last row of cells is completed
     /// resolution  cells along its longest side, least_resolution … most_resolution
     /// channels    fields solved together; sixteen cost as much as one
     Diffusion(const Bounds<T, D>& canvas, std::size_t resolution, std::size_t channels)
@@ -68,13 +71,12 @@ public:
         , resolution_(resolution)
         , channels_(channels) {}
 
-    /// O(#points); all or nothing is added.
+    /// Adds a stroke completely or not at all. O(#points).
     ///
-    ///   fails  too_few_vertices (no point, or a line that is one place); radius_not_positive (a
-    ///          single point without one, or a radius that is negative or not finite);
-    ///          vertex_not_finite; interior_cell_outside (a point off the canvas); value_not_finite;
-    ///          input_malformed (not #channels values a point, or two sides with a radius);
-    ///          out_of_memory
+    ///   fails  too_few_vertices (no point, or all points coincide); radius_not_positive (a single point
+    ///          without one, or a radius that is negative or not finite); vertex_not_finite;
+    ///          interior_cell_outside (a point off the canvas); value_not_finite; input_malformed (not
+    ///          #channels values a point, or two sides with a radius); out_of_memory
     Status add(const Stroke<T>& stroke) requires(D == 2) {
         return detail::guard_memory([&] {
             const auto count = std::uint32_t(stroke.points.size());
@@ -97,7 +99,8 @@ public:
         });
     }
 
-    /// O(#points + #faces). Edges may be open and walls may meet and cross.
+    /// Adds a wall completely or not at all. Its edges may be open, and walls may meet and cross.
+    /// O(#points + #faces).
     ///
     ///   fails  as for strokes, and face_without_vertex, face_without_area
     Status add(const Wall<T>& wall) requires(D == 3) {
@@ -120,8 +123,8 @@ public:
         });
     }
 
-    /// Solves all channels, O(#nodes) for sixteen; 9 to 13 cycles are the rule. The fields are those
-    /// of the last solve that was ok.
+    /// Solves all channels, in O(#nodes) for sixteen; usually in 9 to 13 cycles. If it fails, the
+    /// fields of the last successful solve remain.
     ///
     ///   fails  resolution_not_supported (also for a canvas that is empty or not finite);
     ///          tolerance_not_positive; cells_unreached (nothing is drawn); grid_too_coarse
@@ -142,13 +145,13 @@ public:
         });
     }
 
-    /// The nodes of the last solve: the field's values lie at their cells' centres.
+    /// Returns the lattice of the last solve; the field's values lie at the centres of its cells.
     Lattice<double, D> lattice() const noexcept {
         return solution_ ? solution_->cells() : Lattice<double, D>{};
     }
     std::size_t channels() const noexcept { return channels_; }
-    /// Of the nodes, numbered along the first axis first; on a stroke with two sides that of either.
-    /// Empty before the first solve.
+    /// Returns the values at the nodes, numbered with the first axis fastest. A node on a stroke
+    /// with two sides has the value of either side. Empty before the first solve.
     std::span<const T> field(std::size_t channel) const noexcept {
         CAGEFORM_ASSERT(channel < channels_, "one of the channels");
         if (!solution_) return {};
@@ -156,13 +159,13 @@ public:
         return std::span(solution_->fields).subspan(channel * size, size);
     }
 
-    /// The values at any places, right up to the strokes: multilinear between nodes, linear up to a
-    /// stroke between them. Off the canvas that of its nearest place.
+    /// Evaluates the fields at any points, accurately up to the strokes: multilinear between nodes,
+    /// and linear between a node and a stroke. Off the canvas it uses the canvas's nearest point.
     ///
-    ///   values  out: #channels a point, one point after the other
+    ///   values  out: #channels per point, one point after the other
     ///   cost    O(#channels + strokes that pass the cell) a point
-    ///   fails   value_not_finite (a point is not), cells_unreached (before the first solve): nothing
-    ///           is written; output_too_small
+    ///   fails   value_not_finite (a point), cells_unreached (before the first solve), output_too_small;
+    ///           nothing is written then
     template <PointRange R>
         requires(range_dimension<R> == D)
     Status sample(const R& points, std::span<T> values)
@@ -181,7 +184,7 @@ public:
 
 private:
     struct Solution {
-        Lattice<double, D> nodes_at; ///< begins at the first node
+        Lattice<double, D> nodes_at; ///< the origin is the first node
         detail::CanvasBoundary<D> boundary;
         grid::NodeRuns<D> nodes;
         std::uint32_t points;  ///< of all strokes; the handles of right sides follow them
@@ -213,7 +216,7 @@ private:
         return Status::ok;
     }
 
-    /// All memory is there before anything changes.
+    /// Appends a stroke. Reserves all memory before it changes anything.
     void append(const std::vector<Vec<T, D>>& points, const InteriorCells<D>& cells,
                 const std::vector<T>& front, const std::vector<T>& back) {
         const auto make_room = [](auto& list, std::size_t more) {
@@ -254,7 +257,7 @@ private:
         return lattice;
     }
 
-    /// `points` those there are in the handles' numbering.
+    /// Returns the value at a boundary point; handles from `points` on belong to right sides.
     double value(const BoundaryValue<D>& place, std::size_t points, std::size_t channel) const noexcept {
         double sum = 0;
         for (std::size_t n = 0; n < BoundaryValue<D>::most; ++n) {
@@ -269,13 +272,13 @@ private:
     static bool is_rim(const BoundaryValue<D>& place) noexcept {
         return std::all_of(place.weight.begin(), place.weight.end(), [](double w) { return w == 0; });
     }
-    /// The stroke or wall of a handle.
+    /// Returns the stroke or wall of a handle.
     std::size_t stroke_of(std::uint32_t handle) const noexcept {
         const auto point = std::uint32_t(handle % drawing_.points.size());
         return std::size_t(std::upper_bound(strokes_.begin(), strokes_.end(), point) - strokes_.begin()) - 1;
     }
 
-    /// The first stroke without a crossing, if any.
+    /// Returns the first stroke that is too thin or that no lattice line crosses, if any.
     std::optional<std::size_t> first_unseen(const grid::Crossings<D>& crossings,
                                             const detail::CanvasBoundary<D>& boundary) const {
         if (const auto thin = boundary.too_thin_bone()) return stroke_of(*thin);
@@ -290,7 +293,7 @@ private:
         return std::size_t(unseen - seen.begin());
     }
 
-    /// Links that more than one stroke cuts.
+    /// Counts the links that more than one stroke cuts.
     std::size_t crowded_links(const grid::Crossings<D>& crossings) const noexcept {
         std::size_t crowded = 0;
         for (const auto& along : crossings) {
@@ -315,7 +318,7 @@ private:
         report.crowded_cells = crowded_links(crossings);
         auto problem = grid::embed(solution.boundary, crossings);
         for (std::size_t c = 0; c < problem.cuts.size(); ++c) {
-            if (is_rim(problem.values[c])) problem.cuts[c].weight = 0; // nothing flows
+            if (is_rim(problem.values[c])) problem.cuts[c].weight = 0; // nothing flows through the rim
         }
         report.cells = problem.nodes.count();
         solution.boundary.index_cells(1e-6);
@@ -329,7 +332,7 @@ private:
         return Status::ok;
     }
 
-    /// The nodes' values, channel after channel.
+    /// Solves for the nodes' values, channel after channel.
     Status solve_nodes(const grid::EmbeddedProblem<D>& problem, const DiffusionOptions& options,
                        std::vector<T>& solved, SolverReport& report, const Running& running) const {
         const std::uint32_t count = problem.nodes.count();
@@ -362,7 +365,7 @@ private:
         const grid::CycleGoal goal{channels_, 2 * options.tolerance, options.max_cycles};
         const Status status =
             grid::solve_groups(grid::MultigridGroups{multigrid, goal, fill}, report, take, running);
-        report.error_estimate *= 0.5; // of values in [−1, 1], whose range is 2
+        report.error_estimate *= 0.5; // refers to values in [−1, 1], whose range is 2
         report.error_bound *= 0.5;
         return status;
     }
@@ -370,7 +373,7 @@ private:
     struct Range {
         double middle, half;
     };
-    /// Those of the data, which are solved for as [−1, 1].
+    /// Returns the ranges of the data, which are mapped to [−1, 1] for solving.
     std::vector<Range> channel_ranges() const {
         std::vector<Range> ranges;
         for (std::size_t channel = 0; channel < channels_; ++channel) {
@@ -401,7 +404,7 @@ private:
         }
     }
 
-    /// The channels at a place in units of nodes, `stride` apart.
+    /// Writes the channels at a point, given in units of nodes, `stride` apart.
     void write(const Solution& solution, Vec<double, D> p, T* values, std::size_t stride) const noexcept {
         for (std::size_t k = 0; k < D; ++k)
             p[k] = std::clamp(p[k], -0.5, double(solution.nodes_at.cells[k]) - 0.5);
@@ -420,9 +423,9 @@ private:
     Bounds<T, D> canvas_;
     std::size_t resolution_, channels_;
     detail::OpenCells<D> drawing_;
-    std::vector<std::uint32_t> strokes_; ///< the first point of each
-    std::vector<T> front_, back_;        ///< values of the points, on each side
-    std::optional<Solution> solution_;   ///< the last
+    std::vector<std::uint32_t> strokes_; ///< the first point of each stroke
+    std::vector<T> front_, back_;        ///< values of the points, on either side
+    std::optional<Solution> solution_;   ///< the last successful one
 };
 
 } // namespace cageform::inline CAGEFORM_ABI

@@ -1,32 +1,32 @@
-// Harmonic functions on triangle meshes: values at some vertices, smooth between.
+// Harmonic functions on triangle meshes, interpolating values given at some vertices.
 #pragma once
 
 #include <cageform/fields/cotangent.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Fills in the unknown vertices i of any number of fields: Σ w_ij (u_i − u_j) = 0.
+/// Solves for the unknown vertices i of any number of fields: Σ w_ij (u_i − u_j) = 0.
 ///
-///   weights  of `cotangent_weights`
+///   weights  made by `cotangent_weights`
 ///   given    #vertices; 0 where the value is unknown
 ///   values   fields of #vertices each, one after the other; given values are read, unknown ones
-///            written when the status is ok, and not before; those of vertices without a face are
-///            neither. Between the least and the largest given value, unless
-///            SurfaceReport::negative_weights says otherwise. Linear functions on flat parts come back
+///            written, only when the status is ok. Vertices without a face are skipped. Results lie
+///            between the least and the largest given value, unless SurfaceReport::negative_weights
+///            is positive. Linear functions on flat regions are reproduced
 ///   cost     as solve_graph: one factorisation for all fields
-///   fails    with the status of the weights; value_not_finite (SolverReport::culprit is the place in
-///            `values`); cells_unreached (the first vertex of a part without a given one);
+///   fails    input_malformed (not one mark for each vertex, or incomplete fields: also if
+///            `cotangent_weights` failed); value_not_finite (SolverReport::culprit is the index in
+///            `values`); cells_unreached (the first vertex of a component without a given one);
 ///            not_converged; cancelled; out_of_memory
 template <Scalar T>
 Evaluation solve_surface(const CotangentWeights& weights, std::span<const std::uint8_t> given,
                          std::span<T> values, const Running& running = {}) {
-    if (weights.report.status != Status::ok) return {weights.report.status, {}};
     const std::size_t size = weights.vertices;
-    CAGEFORM_ASSERT(given.size() == size && (size == 0 ? values.empty() : values.size() % size == 0),
-                    "a mark for each vertex, and whole fields");
-    const GraphOptions options{.allow_negative = weights.report.negative_weights > 0};
+    if (given.size() != size || (size == 0 ? !values.empty() : values.size() % size != 0))
+        return {Status::input_malformed, {}};
+    const GraphOptions options{.allow_negative = weights.has_negative};
     return detail::guarded_evaluation([&](SolverReport& report) {
-        // A vertex without a face is to the graph one that is given, of any value.
+        // To the graph, a vertex without a face counts as given, with an arbitrary value.
         std::vector<std::uint8_t> marks(given.begin(), given.end());
         std::vector<T> solved(values.begin(), values.end());
         for (std::size_t i = 0; i < size; ++i) {

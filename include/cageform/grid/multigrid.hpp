@@ -1,18 +1,45 @@
-// The Laplace equation on the nodes of a lattice, for sixteen right-hand sides at once: Dendy's
-// black box multigrid (J. Comput. Phys. 48 (1982)), one code for two and three dimensions.
+// Solves the Laplace equation on the nodes of a lattice by multigrid, sixteen right-hand sides at
+// once.
 //
-//   finest level   Shortley–Weller equations at cut links               detail/equations.hpp
-//   coarse levels  interpolation from the equations, Galerkin operator  detail/coarsen.hpp
-//   relaxation     Gauss–Seidel, red-black on the finest level          detail/relax.hpp
-//   transfer       restriction Pᵀ, prolongation P                       detail/transfer.hpp
-//   coarsest       Cholesky's factors                                   detail/dense_solver.hpp
-//   stopping       error estimate and error bound                       detail/error_estimate.hpp
-//   one dimension  no levels but elimination                            detail/tridiagonal.hpp
+// The method is Dendy's black box multigrid (J. Comput. Phys. 48 (1982)); one code serves two and
+// three dimensions. To learn it read this page, and then multigrid/relax.hpp (one pass over a
+// level), multigrid/transfer.hpp (prolongation P and restriction Pᵀ at work) and
+// multigrid/coarsen.hpp (how P and the coarse equations are made).
 //
-// Cycles work in float, a row of sixteen functions a cache line. Every second cycle begins with
-// iterative refinement (Wilkinson, Rounding Errors in Algebraic Processes (1963), ch. 3): the
-// solution is added to a sum of high and low part, and its residual, computed in double, becomes
-// the right-hand side. The sum is right to the digits of double. Denormals are taken as zero.
+// The idea: a few sweeps of relaxation remove the rough part of the error. The remaining error e is
+// smooth and satisfies A e = r, where r = b − A u is the residual. So r is restricted to a lattice
+// of every second node, e is found there in the same way, and prolonged back as a correction of u.
+// On the coarsest level the equations are solved directly.
+//
+// One cycle (`cycle`), with level 0 the finest:
+//
+//   1. The residual of level 0 has been restricted at the end of the cycle before.
+//   2. `w_cycle` solves level 1 for the correction, from zero: relax, restrict the residual,
+//      w_cycle of the next level, prolong, relax, and all of that once more.
+//   3. `finish` prolongs the correction to level 0, relaxes five (plane) or seven (space) sweeps,
+//      restricts the new residual, and estimates the error from it.
+//
+// The first solution (`start`) is full multigrid: it restricts the right-hand side down to the
+// coarsest level, solves there, and on the way up prolongs the solution and runs half a cycle on
+// each level.
+//
+// The pieces, in multigrid/:
+//
+//   equations        the finest equations, of Shortley and Weller at cut links
+//   coarsen          P from the equations, and the coarse equations Pᵀ A P
+//   level            a level in the layout that the cycles read
+//   relax            Gauss–Seidel, red-black on the finest level, and the pass that fuses all steps
+//   transfer         restriction and prolongation
+//   dense_solver     Cholesky factors for the coarsest level
+//   error_estimate   the error estimate and error bound that stop the cycles
+//   high_low         the solution to twice float's digits
+//   tridiagonal      elimination in one dimension, where no levels are needed
+//
+// Cycles work in float; a row of sixteen functions fills a cache line. Every second cycle begins
+// with iterative refinement (Wilkinson, Rounding Errors in Algebraic Processes (1963), ch. 3): u is
+// added to a solution that is kept as a high and a low float, and its residual, computed in double,
+// becomes the new right-hand side. The sum reaches the accuracy of double. Denormal numbers are
+// flushed to zero.
 #pragma once
 
 #include <cageform/core/detail/buffer.hpp>
@@ -25,19 +52,20 @@
 namespace cageform::inline CAGEFORM_ABI {
 namespace grid {
 
-/// The hierarchy for one set of unknowns; serves any number of right-hand sides and threads.
+/// The levels for one set of unknowns. They serve any number of right-hand sides and threads.
 template <std::size_t D>
 class Multigrid {
 public:
-    static constexpr std::size_t width = detail::functions_together; ///< right-hand sides at once
-    using Values = detail::NodeValues;                               ///< one number for each of them
+    /// Right-hand sides solved at once.
+    static constexpr std::size_t width = detail::functions_together;
+    using Values = detail::NodeValues; ///< one number for each right-hand side
     using Error = detail::SolveError;
     using Row = detail::NodeRow;
 
-    /// What one block of right-hand sides needs. `source` is the caller's to write, between cycles
-    /// too.
+    /// The solution of sixteen right-hand sides and the memory to compute it. The caller writes
+    /// `source`, also between cycles.
     struct Block {
-        /// The solution at a node.
+        /// Returns the solution at a node.
         Values value(std::uint32_t node) const noexcept {
             if constexpr (D == 1) return exact_[node];
             Values v;
@@ -47,8 +75,8 @@ public:
         }
         bool empty() const noexcept { return fields_.empty() && exact_.empty(); }
 
-        /// Whether residuals have been computed in double. Until then, the second cycle, the bound
-        /// leaves out what float rounds.
+        /// Tells whether residuals have been computed in double. Before that, until the second
+        /// cycle, the error bound ignores the rounding of float.
         bool is_refined() const noexcept { return refined_; }
         std::size_t bytes() const noexcept {
             std::size_t rows = irregular_b_.capacity();
@@ -60,31 +88,34 @@ public:
     private:
         friend class Multigrid;
         detail::ErrorEstimator error_;
-        std::vector<detail::Fields> fields_; ///< of each level
+        std::vector<detail::Fields> fields_; ///< one for each level
         Buffer<Row> irregular_b_;            ///< b at the irregular nodes of the finest level
         detail::HighLow refined_part_;       ///< the solution is this + u of the finest level
         Buffer<Values> refined_source_;      ///< A · refined_part_, parallel to `source`
-        Buffer<Values> exact_;               ///< in one dimension all there is
+        Buffer<Values> exact_;               ///< the solution, in one dimension
         std::size_t cycles_ = 0;
-        detail::WorkShare share_; ///< of the call at hand
+        detail::WorkShare share_; ///< of the current call
 
     public:
-        Buffer<Values> source; ///< of the nodes that may have one (`source_node`)
+        Buffer<Values> source; ///< right-hand sides of the nodes that may have one (`source_node`)
 
     private:
-        bool guessed_ = false;  ///< u of the finest level is a guess
-        bool refined_ = false;  ///< b of the finest level is set at every node
-        bool u_is_zero_ = true; ///< on the finest level, whatever the memory holds
+        bool guessed_ = false; ///< whether u of the finest level is a guess
+        bool refined_ = false; ///< whether b of the finest level is set at every node
+        /// Whether u of the finest level counts as zero, whatever the memory holds.
+        bool u_is_zero_ = true;
     };
 
-    /// cuts     every link of an unknown that does not end on an unknown
-    /// sources  further nodes that take a right-hand side of their own
-    /// running  its parallel_for makes the levels
+    /// Makes the levels.
+    ///
+    ///   cuts     every link of an unknown that does not end on an unknown
+    ///   sources  further nodes that have a right-hand side of their own
+    ///   running  its parallel_for makes the levels
     Multigrid(const NodeRuns<D>& nodes, std::span<const CutLink> cuts, std::span<const std::uint32_t> sources,
               const Running& running = {})
         : unknowns_(nodes.count()) {
-        // −∇²(R² − |x|²)/2D = 1: over a ball of radius R about the nodes, an error is at most R²/2D
-        // times the largest residual.
+        // −∇²(R² − |x|²)/2D = 1. So in a ball of radius R about the nodes, an error is at most
+        // R²/2D times the largest residual.
         double squares = 0;
         for (const auto n : nodes.size()) squares += 0.25 * (double(n) + 1) * (double(n) + 1);
         reach_ = squares / (2.0 * double(D));
@@ -103,18 +134,18 @@ public:
 
     std::uint32_t unknowns() const noexcept { return unknowns_; }
 
-    /// Nodes that may have a right-hand side, those with cut links first: parallel to
+    /// The nodes that may have a right-hand side, those with cut links first. Parallel to
     /// `Block::source`.
     std::size_t source_count() const noexcept { return source_nodes_.size(); }
     std::uint32_t source_node(std::size_t slot) const noexcept { return source_nodes_[slot]; }
 
-    /// How many threads more can share the work of a block, see `start`.
+    /// Returns how many additional threads can share the work of a block; see `start`.
     std::size_t helpers() const noexcept {
-        constexpr std::uint32_t a_millisecond = 20000; // of work in a pass
+        constexpr std::uint32_t a_millisecond = 20000; // nodes that take a millisecond in a pass
         return D == 1 || unknowns_ < a_millisecond ? 0 : 3;
     }
 
-    /// The slot in `Block::source` of every node; 0 where a node may have no right-hand side.
+    /// Returns for every node its slot in `Block::source`, or 0 if it has no right-hand side.
     std::vector<std::uint32_t> source_slots() const {
         std::vector<std::uint32_t> slots(unknowns_);
         for (std::size_t s = 0; s < source_count(); ++s) slots[source_nodes_[s]] = std::uint32_t(s);
@@ -138,8 +169,9 @@ public:
         return block;
     }
 
-    /// What the next `start` begins with, and `Block::value` is until then: the values of a solution
-    /// near this one, value(node) a Row for every node.
+    /// Sets the solution that the next `start` begins with; until then `Block::value` returns it.
+    ///
+    ///   value  value(node): a Row of values near the solution
     template <class Value>
     void guess(Block& block, const Value& value) const {
         if constexpr (D == 1) return;
@@ -149,10 +181,11 @@ public:
         block.guessed_ = true;
     }
 
-    /// A first solution of a block whose `source` is set: full multigrid, from the coarsest level
-    /// up; of a guess, what it misses.
+    /// Computes a first solution by full multigrid, for the `source` of the block. Given a guess,
+    /// it solves for the difference from it.
     ///
-    ///   share  threads that take a part of the work; not a bit depends on them
+    ///   share  threads that take part in the work; the result does not depend on them by a single
+    ///          bit
     Error start(Block& block, const detail::WorkShare& share = {}) const {
         const detail::FlushDenormals flush;
         if constexpr (D == 1) return solve_in_one_dimension(block);
@@ -166,8 +199,8 @@ public:
         return finish(block);
     }
 
-    /// One cycle more. The pass over the finest level that ends a cycle has restricted the
-    /// residual, so that this one begins on the next level.
+    /// Runs one more cycle. The pass that ended the last cycle has restricted the residual already,
+    /// so this one begins on level 1.
     Error cycle(Block& block, const detail::WorkShare& share = {}) const {
         const detail::FlushDenormals flush;
         if constexpr (D == 1) return solve_in_one_dimension(block);
@@ -178,11 +211,11 @@ public:
         return finish(block);
     }
 
-    /// To be told when `source` has been changed between cycles: by how much at most, per
-    /// right-hand side.
+    /// Call this after changing `source` between cycles, with the largest change of each right-hand
+    /// side.
     static void disturb(Block& block, const Values& change) noexcept { block.error_.disturb(change); }
 
-    /// Bytes of the hierarchy, and of every block beside it.
+    /// Returns the bytes of the levels, without blocks.
     std::size_t bytes() const noexcept {
         std::size_t n = coarsest_solver_.bytes() + tridiagonal_.bytes() +
                         source_nodes_.size() * sizeof(std::uint32_t) +
@@ -190,7 +223,8 @@ public:
         for (const auto& level : levels_) n += level.bytes();
         return n;
     }
-    /// At most: with fewer than four cycles the low part is not allocated, a row less an unknown.
+    /// Returns the most bytes of a block. With fewer than four cycles the low part is not
+    /// allocated, which saves one row for each unknown.
     std::size_t block_bytes() const noexcept {
         if constexpr (D == 1) return (unknowns_ + source_count()) * sizeof(Values);
         std::size_t rows = levels_[0].irregular.size() + 2 * std::size_t(unknowns_);
@@ -214,7 +248,7 @@ private:
         levels_.push_back(detail::LevelMaker<D>(equations, nullptr, levels_.empty()).take());
         if (equations.nodes.count() <= dense_unknowns) coarsest_solver_ = detail::DenseSolver(equations);
     }
-    /// Nodes without cut links that may have a right-hand side, and their neighbours.
+    /// Finds the nodes without cut links that may have a right-hand side, and their neighbours.
     void find_inner_sources(const NodeRuns<D>& nodes, std::span<const std::uint32_t> sources) {
         if (sources.empty()) return;
         std::vector<bool> wanted(nodes.count());
@@ -237,10 +271,11 @@ private:
 
     // ---- cycles ---------------------------------------------------------------------------------
 
-    /// A W-cycle for the equations of a coarse level, from zero: pre-relax, residual, restrict,
-    /// recurse, prolong, post-relax, and all of it once more; the post-relaxation of the first half
-    /// and the pre-relaxation of the second are one pass of two sweeps. A V-cycle would do less,
-    /// but these levels are small, and thin parts of the domain need them solved well.
+    /// Runs a W-cycle on a coarse level, from zero: pre-relax, compute the residual, restrict,
+    /// recurse, prolong, post-relax, and all of it a second time. The post-relaxation of the first
+    /// half and the pre-relaxation of the second are one pass of two sweeps. A V-cycle would do
+    /// less work, but these levels are small, and thin features of the domain need them solved
+    /// well.
     void w_cycle(Block& block, std::size_t l) const noexcept {
         if (l == coarsest()) return solve_coarsest(block);
         pre_relax_and_restrict(block, l);
@@ -253,12 +288,12 @@ private:
         prolong_and_post_relax(block, l);
     }
 
-    // Each of these is one pass over the level, which fuses the steps (detail/relax.hpp).
+    // Each of these is one pass over the level that fuses the steps (multigrid/relax.hpp).
     void pre_relax_and_restrict(Block& block, std::size_t l) const noexcept {
         detail::set_zero(block.fields_[l].u, block.share_);
         pass(block, l, {.sweeps = 1, .restrict_residual = true});
     }
-    /// Post-relaxation of one half of a cycle, and pre-relaxation of the next.
+    /// Joins the post-relaxation of one half of a cycle and the pre-relaxation of the next.
     void prolong_relax_and_restrict(Block& block, std::size_t l) const noexcept {
         pass(block, l, {.prolong = Prolong::add, .sweeps = 2, .restrict_residual = true});
     }
@@ -270,8 +305,8 @@ private:
         const std::size_t l = coarsest();
         auto& [u, b] = block.fields_[l];
         if (coarsest_solver_.empty()) {
-            // Large, but too thin for a coarser level. So data is near everywhere and relaxation is
-            // quick.
+            // The level is large but too thin for a coarser one. Then data is near every node, and
+            // relaxation converges quickly.
             detail::set_zero(u, block.share_);
             pass(block, l, {.sweeps = 8});
             return;
@@ -281,7 +316,7 @@ private:
         coarsest_solver_.solve(b, u);
     }
 
-    /// The finest level's part of a cycle, and what its residual says of the error.
+    /// Does the finest level's share of a cycle, and judges the error by its residual.
     Error finish(Block& block) const {
         if (coarsest() == 0) return block.error_.judge(residual(block), reach_);
         block.error_.learn(block.fields_[1].u);
@@ -307,7 +342,7 @@ private:
         auto* const coarser = l < coarsest() ? &block.fields_[l + 1] : nullptr;
         return {levels_[l], u.data(), b.data(), block.irregular_b_.data(), coarser};
     }
-    /// Whether regular nodes of the finest level have a right-hand side.
+    /// Tells whether regular nodes of the finest level have a right-hand side.
     bool has_source(const Block& block) const noexcept {
         return block.refined_ || !inner_neighbours_.empty();
     }
@@ -324,8 +359,8 @@ private:
         if (coarsest() == 0 || !inner_neighbours_.empty()) detail::set_zero(block.fields_[0].b, block.share_);
         set_right_hand_side(block);
     }
-    /// The residual of u = 0 on the finest level; relaxed first, where not only irregular nodes
-    /// have one.
+    /// Restricts the residual of u = 0 on the finest level. If regular nodes have a right-hand side
+    /// too, relaxes first.
     void restrict_source(Block& block) const noexcept {
         if (coarsest() == 0) return;
         if (has_source(block)) {
@@ -338,7 +373,7 @@ private:
         for (std::size_t j = 0; j < block.irregular_b_.size(); ++j)
             finest.restrict_irregular(j, detail::Simd<float>::load(block.irregular_b_[j]));
     }
-    /// b = source − A · refined part, at the nodes that may have a source.
+    /// Sets b = source − A · refined part, at the nodes that may have a source.
     void set_right_hand_side(Block& block) const noexcept {
         const std::size_t irregular = block.irregular_b_.size();
         block.share_.for_ranges(block.source.size(), few_nodes, [&](std::size_t begin, std::size_t end) {
@@ -349,7 +384,8 @@ private:
             }
         });
     }
-    /// Adds u to the refined part. Its residual, computed in double, becomes the right-hand side.
+    /// Adds u to the refined part. The residual of the refined part, computed in double, becomes
+    /// the right-hand side.
     void refine(Block& block) const {
         const auto& level = levels_[0];
         auto& part = block.refined_part_;
@@ -366,7 +402,7 @@ private:
         set_right_hand_side(block);
     }
 
-    /// sum = A · the refined part, at a node that may have a source.
+    /// Sets sum = A · refined part, at a node that may have a source.
     void apply_a(const detail::HighLow& part, std::size_t j, Values& sum) const noexcept {
         const auto& level = levels_[0];
         sum.fill(0.0);
@@ -388,20 +424,24 @@ private:
         return {Values{}, Values{}};
     }
 
-    static constexpr std::uint32_t dense_unknowns = 160; ///< at most, to solve a level at once
-    /// With five sweeps or seven, eight figures of the plane at 256², 512² and 1024² took the same
-    /// number of cycles, but for one more in three of these cases and one less in one.
+    /// A level of at most this many unknowns is solved directly.
+    static constexpr std::uint32_t dense_unknowns = 160;
+    /// Sweeps on the finest level. With five sweeps or seven, eight figures of the plane at 256²,
+    /// 512² and 1024² took the same number of cycles, except for one more in three of these cases
+    /// and one less in one.
     static constexpr std::size_t finest_sweeps = D == 2 ? 5 : 7;
-    static constexpr std::size_t few_nodes = 2048, few_runs = 64; ///< no less is worth another thread
-    static constexpr std::size_t refine_every = 2; ///< before cycles 2, 4, …: float gains no more between
+    /// Fewer are not worth another thread.
+    static constexpr std::size_t few_nodes = 2048, few_runs = 64;
+    /// Refine before cycles 2, 4, …: float gains no more in between.
+    static constexpr std::size_t refine_every = 2;
 
     std::uint32_t unknowns_;
-    double reach_ = 1;                      ///< error of an interior node per residual at most
-    std::vector<detail::Level<D>> levels_;  ///< the finest first; none in one dimension
-    detail::DenseSolver coarsest_solver_;   ///< empty where that level is large
+    double reach_ = 1;                      ///< the largest error of an interior node for a residual of 1
+    std::vector<detail::Level<D>> levels_;  ///< the finest first; empty in one dimension
+    detail::DenseSolver coarsest_solver_;   ///< empty if the coarsest level is large
     detail::TridiagonalSolver tridiagonal_; ///< in one dimension
     std::vector<std::uint32_t> source_nodes_;
-    Buffer<Nearest> inner_neighbours_; ///< of the last source nodes: those without cut links
+    Buffer<Nearest> inner_neighbours_; ///< parallel to the last source nodes, those without cut links
 };
 
 } // namespace grid

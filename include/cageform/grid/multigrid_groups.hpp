@@ -1,4 +1,5 @@
-// Functions solved by the multigrid, sixteen at a time: cycles until their errors are small enough.
+// Solves functions by multigrid, sixteen at a time, with cycles until the error of each is small
+// enough.
 #pragma once
 
 #include <cageform/grid/multigrid.hpp>
@@ -9,19 +10,20 @@
 namespace cageform::inline CAGEFORM_ABI {
 namespace grid {
 
-/// When the cycles of some functions end.
+/// Tells when the cycles end.
 struct CycleGoal {
+    /// The number of functions.
     std::size_t functions;
-    double tolerance; ///< of the error of each, by its estimate
+    double tolerance; ///< the allowed error of each function, by its estimate
     std::size_t max_cycles;
 };
 
 /// Solves a block whose source is set.
 ///
-///   goal     of the block's first functions; the others are not looked at
+///   goal     for the first functions of the block; others are ignored
 ///   between  between() is called before every cycle and after the last. It may change the source,
-///            and returns by how much that moves the solution; the goal is met only when that is
-///            within the tolerance as well
+///            and returns how much that changes the solution. The goal is met only if this change
+///            is within the tolerance too
 ///   fails    not_converged, cancelled
 template <std::size_t D>
 Status run_cycles(const Multigrid<D>& multigrid, typename Multigrid<D>::Block& block, const CycleGoal& goal,
@@ -39,7 +41,7 @@ Status run_cycles(const Multigrid<D>& multigrid, typename Multigrid<D>::Block& b
         if (report.cycles > 1 && before > goal.tolerance)
             report.convergence_factor = (std::max)(report.convergence_factor, report.error_estimate / before);
         const double change = between();
-        // Before the first cycle nothing is known of what a residual means.
+        // Before the first cycle it is not known how much error a residual means.
         if (report.cycles > 0 && block.is_refined() &&
             (std::max)(report.error_estimate, change) <= goal.tolerance)
             return Status::ok;
@@ -54,11 +56,11 @@ Status run_cycles(const Multigrid<D>& multigrid, typename Multigrid<D>::Block& b
     }
 }
 
-/// Functions given by their right-hand sides, as solve_groups takes them.
+/// A solver for solve_groups, of functions given by their right-hand sides.
 ///
-///   goal   of all functions
-///   fill   fill(first, count, source) adds the right-hand sides of functions first … first + count
-///          − 1 to the block's source, which is zero
+///   goal  for all functions
+///   fill  fill(first, count, source) adds the right-hand sides of functions first … first + count
+///         − 1 to the block's source, which is zero
 template <std::size_t D, class Fill>
 struct MultigridGroups {
     using Block = typename Multigrid<D>::Block;

@@ -1,5 +1,5 @@
-// The one driver of solves: functions in groups, on the caller's threads, with progress, cancel and
-// a report.
+// Drives all solvers: solves functions in groups, on the caller's threads, with progress,
+// cancellation and a report.
 #pragma once
 
 #include <cageform/core/solver_report.hpp>
@@ -17,9 +17,9 @@ namespace detail {
 #if defined(__STDCPP_THREADS__) && (!defined(__GLIBCXX__) || defined(_GLIBCXX_HAS_GTHREADS))
 using Mutex = std::mutex;
 #else
-/// For standard libraries without std::mutex: WebAssembly's without threads, and mingw-w64's of the thread
-/// model win32, where a job system may still have threads. A thread that waits asks again and again: what
-/// is guarded takes well below a microsecond.
+/// A spin lock for standard libraries without std::mutex: WebAssembly without threads, and
+/// mingw-w64 with the win32 thread model, where a job system may still have threads. The guarded
+/// code takes well below a microsecond.
 class Mutex {
 public:
     void lock() noexcept {
@@ -32,14 +32,14 @@ private:
 };
 #endif
 
-/// Another for every thread.
+/// Returns an address that differs for every thread.
 inline const void* this_thread() noexcept {
     static thread_local char place;
     return &place;
 }
 
-/// Progress of groups that are solved on several threads. Made on the calling thread, which alone
-/// asks the caller.
+/// The progress of groups that are solved on several threads. Construct it on the calling thread;
+/// only that thread calls the caller's progress function.
 class GroupProgress {
 public:
     GroupProgress(const Progress& progress, std::size_t groups)
@@ -47,9 +47,9 @@ public:
         , groups_(groups) {}
 
     bool stopped() const noexcept { return stopped_; }
-    void stop() noexcept { stopped_ = true; } ///< on every thread
+    void stop() noexcept { stopped_ = true; } ///< stops every thread
 
-    /// `part` of the group at hand is done; false when to stop.
+    /// Reports that the fraction `part` of the current group is done. Returns false to stop.
     bool keep_going(double part) {
         if (this_thread() == caller_ && progress_ && !stopped_) {
             told_ = (std::max)(told_, (double(done_) + part) / double(groups_));
@@ -71,7 +71,7 @@ private:
     double told_ = 0;
 };
 
-/// Stops the other threads when one leaves before it is done.
+/// Stops the other threads if this one leaves by an exception.
 struct StopUnlessDone {
     explicit StopUnlessDone(GroupProgress& all) noexcept
         : progress(all) {}
@@ -84,6 +84,7 @@ struct StopUnlessDone {
     bool done = false;
 };
 
+/// Returns solver.helpers(), or 0 if the solver has no such function.
 template <class S>
 std::size_t helpers_of(const S& solver) noexcept {
     if constexpr (requires { solver.helpers(); }) return solver.helpers();
@@ -93,25 +94,25 @@ std::size_t helpers_of(const S& solver) noexcept {
 } // namespace detail
 namespace grid {
 
-/// What a solver is handed with each group of functions.
+/// Passed to a solver with each group of functions.
 struct GroupWork {
     detail::GroupProgress& progress;
-    detail::WorkShare share{}; ///< to share the work within the group by
-    SolverReport report{};     ///< out: what was done for this group
+    detail::WorkShare share{}; ///< divides the work within the group among threads
+    SolverReport report{};     ///< out: the work done for this group
 
-    /// `part` of the group is done, in [0, 1]; false when to stop.
+    /// Reports that the fraction `part` of the group, in [0, 1], is done. Returns false to stop.
     bool keep_going(double part) const { return progress.keep_going(part); }
 };
 
-/// What solve_groups drives: functions that are solved in groups, no group knowing of another.
+/// A solver that solve_groups can drive. It solves functions in groups that are independent of each
+/// other.
 ///
-///   Block                      the memory that a group is solved in; made once a thread, used for
-///                              one group after another
-///   make_block()               such memory
+///   Block                      the memory that a group is solved in; made once a thread and reused
+///   make_block()               makes such memory
 ///   groups()                   the number of groups
-///   solve(group, block, work)  solves the functions of a group; ok, not_converged, or cancelled
-///                              when work.keep_going(), asked now and then, says so
-///   helpers()                  optional: how many threads more can be of use to a group
+///   solve(group, block, work)  solves the functions of a group. Calls work.keep_going() now and
+///                              then. Returns ok, not_converged, or cancelled if keep_going says so
+///   helpers()                  optional: how many additional threads are useful for one group
 template <class S>
 concept GroupSolver = requires(const S& solver, typename S::Block& block, std::size_t group,
                                GroupWork& work) {
@@ -120,21 +121,21 @@ concept GroupSolver = requires(const S& solver, typename S::Block& block, std::s
     { solver.solve(group, block, work) } -> std::same_as<Status>;
 };
 
-/// Solves all groups and hands each to take(group, block), on the thread that solved it.
+/// Solves all groups and passes each to take(group, block), on the thread that solved it.
 ///
-///   report    out: what was done for each group is added
-///   running   its progress is asked on the calling thread, which has to take part in the work; its
-///             parallel_for shares out the groups; what threads it has more help with these. No
-///             group's result depends on that
-///   fails     cancelled, or as the first group that fails, which ends the solve
+///   report   out: the work done for each group is added
+///   running  its progress is called on the calling thread, which must take part in the work. Its
+///            parallel_for distributes the groups; threads left over help within groups. No result
+///            depends on the threads
+///   fails    cancelled, or the failure of the first group that fails, which ends the solve
 template <GroupSolver S, class Take>
 Status solve_groups(const S& solver, SolverReport& report, const Take& take, const Running& running = {}) {
     using Block = typename S::Block;
     const double start = detail::seconds_now();
     detail::GroupProgress progress(running.progress, solver.groups());
     Status status = Status::ok;
-    std::vector<Block> spare; // as many as threads at work together
-    detail::Mutex access;     // to both, and to the report
+    std::vector<Block> spare; // at most as many as threads that run at the same time
+    detail::Mutex access;     // guards `status`, `spare` and the report
     const auto borrow_block = [&]() -> Block {
         {
             const std::lock_guard lock(access);
@@ -167,7 +168,7 @@ Status solve_groups(const S& solver, SolverReport& report, const Take& take, con
                                 const detail::HelpingThreads::Owner owner(threads);
                                 std::size_t group = progress.stopped() ? solver.groups() : next++;
                                 if (group < solver.groups()) {
-                                    detail::StopUnlessDone stop(progress); // where a solve throws
+                                    detail::StopUnlessDone stop(progress); // in case a solve throws
                                     Block block = borrow_block();
                                     for (; group < solver.groups() && !progress.stopped(); group = next++)
                                         solve_group(group, block, owner.share());

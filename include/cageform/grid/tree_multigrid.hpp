@@ -1,4 +1,15 @@
-// Multigrid on a tree of cells for sixteen functions at a time.
+// Multigrid on a tree of cells, for sixteen functions at a time.
+//
+// `start` is a full multigrid start: it solves the coarsest level and goes up level by level, each
+// time interpolating the solution and running one cycle. After that the caller repeats `cycle`
+// until the change is small. One V-cycle (`descend`) relaxes twice by Gauss-Seidel, restricts the
+// residual to the next coarser level, solves there for a correction in the same way, adds the
+// interpolated correction, and relaxes once more. The rows, the prolongation and its transpose come
+// from grid/tree/hierarchy.hpp.
+//
+// Most boundary functions are nearly zero in most of the domain. With a cutoff the cycles therefore
+// visit only the active nodes: those where some function exceeds the cutoff, those with boundary
+// data, and a ring of neighbours. The set grows when a function exceeds the cutoff at its rim.
 #pragma once
 
 #include <cageform/core/detail/flush_denormals.hpp>
@@ -9,8 +20,9 @@
 namespace cageform::inline CAGEFORM_ABI {
 namespace grid {
 
-/// The equations of a tree's nodes and their levels. The cycles work in float; `refine` takes what
-/// they have found into double, so that any tolerance can be met. Denormals are taken as zero.
+/// The equations of a tree's nodes on all levels, and the cycles that solve them. The cycles work
+/// in float. `refine` moves the solution found so far to double and leaves the residual as the new
+/// right-hand side, so any tolerance can be met. Denormal numbers are flushed to zero.
 template <std::size_t D>
 class TreeMultigrid {
 public:
@@ -18,7 +30,7 @@ public:
     using Values = detail::NodeValues;
     using Row = detail::NodeRow;
 
-    /// The memory of one group of functions.
+    /// The solution of one group of functions and the memory to compute it.
     class Block {
     public:
         Values value(std::uint32_t node) const noexcept {
@@ -27,22 +39,24 @@ public:
             for (std::size_t k = 0; k < width; ++k) values[k] += double(levels_[0].u[node][k]);
             return values;
         }
-        /// The number of nodes that are solved for.
+        /// The number of active nodes of the finest level.
         std::size_t active() const noexcept { return levels_[0].list.size(); }
-        /// Those whose values may be other than zero, in no order.
+        /// The nodes whose values may differ from zero, in no order.
         std::span<const std::uint32_t> valued() const noexcept {
             return {levels_[0].touched.data(), levels_[0].touched.size()};
         }
 
     private:
         friend TreeMultigrid;
-        static constexpr std::uint8_t once = 2; ///< a flag that stays
+        static constexpr std::uint8_t once = 2; ///< a flag that stays set: the node has had some flag
         struct Level : detail::Fields {
-            Buffer<std::uint8_t> flags;      ///< by node
-            Buffer<std::uint32_t> touched{}; ///< with any flag, now or before: all that is not zero
-            std::size_t with_data = 0;       ///< so many first of them have data
-            Buffer<std::uint32_t> list{};    ///< the active nodes, ascending
-            Buffer<std::uint32_t> rim{};     ///< those of them that others may lie beside
+            Buffer<std::uint8_t> flags; ///< by node
+            /// Nodes that have or had a flag; all other values are zero.
+            Buffer<std::uint32_t> touched{};
+            /// The number of nodes with boundary data, which come first in `touched`.
+            std::size_t with_data = 0;
+            Buffer<std::uint32_t> list{}; ///< the active nodes, in ascending order
+            Buffer<std::uint32_t> rim{};  ///< active nodes that may have neighbours which are not active
 
             void mark(std::uint32_t n, std::uint8_t flag) {
                 if (flags[n] == 0) touched.push_back(n);
@@ -50,7 +64,7 @@ public:
             }
         };
         std::vector<Level> levels_;
-        Buffer<Values> refined_; ///< empty until it is needed
+        Buffer<Values> refined_; ///< the values that `refine` has moved to double; empty before
         std::span<const TreeData> data_;
         std::size_t first_ = 0;
         double cutoff_ = 0;
@@ -71,7 +85,7 @@ public:
         for (const auto& level : levels_) sum += level.bytes();
         return sum;
     }
-    /// Of a block, refined or not.
+    /// Returns the memory of a block, refined or not.
     std::size_t block_bytes(bool refined) const noexcept {
         std::size_t rows = 0;
         for (const auto& level : levels_) rows += level.nodes();
@@ -91,14 +105,14 @@ public:
         return block;
     }
 
-    /// Begins with functions first … first + width − 1: from the coarsest level up a cycle on each
-    /// but the finest, for which `cycle` is to be called.
+    /// Starts a group with functions first … first + width − 1: one cycle on each coarse level
+    /// from the coarsest up. The finest level then holds the interpolated solution; call `cycle`.
     ///
-    ///   cutoff  the functions are solved for where any is larger. Elsewhere they are as the next
-    ///           level has left them, on which they are solved for where they are larger than a
-    ///           quarter of that, and so on; below a thousandth of it zero. What is left unsolved
-    ///           has errors of its own size times those of the next level: a quarter of the cutoff
-    ///           at most was measured. 0: everywhere
+    ///   cutoff  the functions are solved at nodes where any of them is larger. Other nodes keep
+    ///           the values interpolated from the next level, where the cutoff is a quarter as
+    ///           large, and so on down the levels; values below a thousandth of the cutoff become
+    ///           zero. An unsolved value has the relative error of the next level; at most a
+    ///           quarter of the cutoff was measured. 0: solve everywhere
     void start(Block& block, std::size_t first, double cutoff = 0) const {
         const detail::FlushDenormals flush;
         block.first_ = first;
@@ -117,8 +131,8 @@ public:
         }
     }
 
-    /// One V(2,1) cycle; returns the largest change it made to any of the first `functions`. With a
-    /// cutoff the nodes that are solved for may become more.
+    /// Runs one V(2,1) cycle. Returns the largest change of any of the first `functions`. With a
+    /// cutoff, nodes may become active.
     double cycle(Block& block, std::size_t functions) const {
         const detail::FlushDenormals flush;
         const Simd largest = descend(block, 0);
@@ -130,7 +144,7 @@ public:
         return change;
     }
 
-    /// Takes the functions into double; what remains of the equations becomes their right-hand side.
+    /// Moves the functions to double. The residual becomes the right-hand side of the next cycles.
     void refine(Block& block) const {
         const detail::FlushDenormals flush;
         auto& u = block.levels_[0].u;
@@ -146,7 +160,8 @@ public:
                 for (std::size_t k = 0; k < width; ++k) sum[k] += double(weight) * block.refined_[column][k];
             }
         };
-        // Data is sorted by handle: first all that is sparse, in double.
+        // Boundary data is sorted by handle. Its nodes are collected first, since they are few, and
+        // summed in double.
         Buffer<Values> rows;
         Buffer<std::uint32_t> places;
         for (const TreeData& part : block.data_) places.push_back(part.node);
@@ -168,7 +183,7 @@ public:
 
 private:
     using Simd = detail::Simd<float>;
-    static constexpr std::uint8_t active = 1; ///< a flag
+    static constexpr std::uint8_t active = 1; ///< a flag: the node is solved for
     static constexpr std::size_t coarsest_sweeps = 15, data_sweeps = 2;
 
     // ---- which nodes are solved for -------------------------------------------------------------------
@@ -183,7 +198,8 @@ private:
         level.list.clear();
         level.rim.clear();
     }
-    /// The right-hand sides of all levels.
+    /// Sets the right-hand sides of all levels: the data of the finest level, restricted to the
+    /// others.
     void set_data(Block& block) const {
         const auto by_handle = [](const TreeData& a, std::size_t handle) { return a.handle < handle; };
         const auto from = std::lower_bound(data_.begin(), data_.end(), block.first_, by_handle);
@@ -213,11 +229,13 @@ private:
         for (std::size_t k = 0; k < width; ++k) any |= std::fabs(row[k]) > limit;
         return any;
     }
-    /// Of a level: a coarser one's functions are less exact by four.
+    /// Returns the cutoff of a level. Each coarser level is less exact by a factor of four, so its
+    /// cutoff is smaller by four.
     static float cutoff_of(const Block& block, std::size_t l) noexcept {
         return float(std::ldexp(block.cutoff_, -2 * int(l)));
     }
-    /// Lists the active nodes of a level, and of the coarser ones those of them that stay.
+    /// Lists the active nodes of a level. On the coarser levels it activates the same nodes where
+    /// they remain.
     void list_active(Block& block, std::size_t l) const {
         auto& level = block.levels_[l];
         level.list.clear();
@@ -236,8 +254,9 @@ private:
             }
         }
     }
-    /// Takes the functions of the next level over and leaves zero there, where corrections will be.
-    /// Those that are larger than the cutoff are active, and those with data.
+    /// Interpolates the functions from the next coarser level and sets them to zero there, where
+    /// corrections will be stored. Activates nodes with data and nodes where a function exceeds the
+    /// cutoff.
     void take_over(Block& block, std::size_t l) const {
         auto& level = block.levels_[l];
         auto& coarse = block.levels_[l + 1];
@@ -256,7 +275,7 @@ private:
                 sum.store(row);
                 any = any_larger(row, least);
                 if (any) level.mark(n, any_larger(row, cutoff) ? active : std::uint8_t{0});
-                // What is left unsolved is not negative, as functions are.
+                // A value that stays unsolved is made non-negative, since the functions are.
                 if ((level.flags[n] & active) == 0) sum = (detail::max)(sum, Simd(0.0f));
                 if (level.flags[n] != 0) sum.store(level.u[n]);
             }
@@ -270,7 +289,7 @@ private:
         add_ring(block, l);
         list_active(block, l);
     }
-    /// Makes the neighbours of the rim active: the new rim.
+    /// Activates the neighbours of the rim. They form the new rim.
     void add_ring(Block& block, std::size_t l) const {
         auto& level = block.levels_[l];
         Buffer<std::uint32_t> rim;
@@ -283,7 +302,7 @@ private:
         }
         level.rim = std::move(rim);
     }
-    /// Goes on where functions larger than the cutoff end at nodes that are not active.
+    /// Activates more nodes where a function exceeds the cutoff on the rim.
     void grow(Block& block, std::size_t l) const {
         auto& level = block.levels_[l];
         Buffer<std::uint32_t> large, rest;
@@ -298,7 +317,7 @@ private:
 
     // ---- cycles, on the active nodes ------------------------------------------------------------------
 
-    /// b + (neighbours) u at a node.
+    /// Returns b + neighbours · u at a node.
     CAGEFORM_DETAIL_INLINE Simd sum_about(const typename Block::Level& at, std::size_t l,
                                           std::uint32_t n) const noexcept {
         const auto row = levels_[l].neighbours.of(n);
@@ -311,9 +330,9 @@ private:
         if (k < row.size()) even = multiply_add(Simd(row[k].weight), Simd::load(at.u[row[k].column]), even);
         return even + odd;
     }
-    /// Gauss and Seidel along the Morton curve.
+    /// One Gauss-Seidel sweep over the active nodes, along the Morton curve.
     ///
-    ///   largest  the largest change, if asked for
+    ///   largest  out: the largest change, if keeps_largest
     template <bool keeps_largest = false>
     void relax(Block& block, std::size_t l, [[maybe_unused]] Simd* largest = nullptr) const noexcept {
         auto& at = block.levels_[l];
@@ -323,7 +342,8 @@ private:
             u.store(at.u[n]);
         }
     }
-    /// The same of the nodes with data, next to the boundary, whose values the next level knows least.
+    /// Relaxes only the nodes next to the boundary, which have data; the coarse level approximates
+    /// them worst.
     void relax_data(Block& block, std::size_t l) const noexcept {
         auto& at = block.levels_[l];
         for (std::size_t sweep = 0; sweep < data_sweeps; ++sweep) {
@@ -333,6 +353,7 @@ private:
             }
         }
     }
+    /// Makes the residual of a level, restricted by Pᵀ, the right-hand side of the next.
     void restrict_residual(Block& block, std::size_t l) const noexcept {
         const auto& at = block.levels_[l];
         auto& coarse = block.levels_[l + 1];
@@ -346,7 +367,7 @@ private:
             }
         }
     }
-    /// Adds the next level's functions; keeps the largest change.
+    /// Adds the correction interpolated from the next level. Updates the largest change.
     void interpolate(Block& block, std::size_t l, Simd& largest) const noexcept {
         auto& at = block.levels_[l];
         const auto& coarse = block.levels_[l + 1].u;
@@ -358,6 +379,7 @@ private:
             (Simd::load(at.u[n]) + sum).store(at.u[n]);
         }
     }
+    /// Runs one V-cycle from a level down. Returns the largest change.
     Simd descend(Block& block, std::size_t l) const noexcept {
         Simd largest(0.0f);
         relax<true>(block, l, &largest);

@@ -1,9 +1,9 @@
 // The papers' solver of the Laplace equation on a grid: averaging sweeps, from coarse grids to fine
 // ones.
 //
-// Kept for good as the historical baseline, with its known weakness: it stops when values change
-// little, which is not when they are right (on large grids errors of 1e-2 remain at the published
-// tolerance).
+// It is kept as the historical baseline, with its known weakness: it stops when values change
+// little, which does not mean that they are accurate (on large grids errors of 1e-2 remain at the
+// published tolerance).
 #pragma once
 
 #include <cageform/coordinates/harmonic/options.hpp>
@@ -20,23 +20,24 @@ namespace grid {
 
 struct AveragingOutcome {
     std::size_t sweeps = 0; ///< on the finest level
-    double mean_change = 0; ///< of the last of them
+    double mean_change = 0; ///< in the last sweep
     bool converged = false;
     bool cancelled = false;
 };
 
 /// Solves for the interior cells of a grid of any dimension, given the values of the boundary
-/// cells, which may lie anywhere (a border, strokes, single cells). Neighbours that are exterior or
-/// beyond the grid do not count in the mean; with face neighbours that is as if the grid were
-/// mirrored there.
+/// cells. These may lie anywhere (a border, strokes, single cells). Neighbours that are exterior or
+/// beyond the grid are left out of the mean; with face neighbours this equals mirroring the grid
+/// there.
 ///
 /// Joshi, Meyer, DeRose, Green, Sanocki, Harmonic Coordinates for Character Articulation (SIGGRAPH
-/// 2007), sec. 4 and 4.2. Where a side is odd the last coarse cell has one child along it; the
-/// paper's grids are 2^s a side. Sweeps are in place (Gauss-Seidel), in the order of the cells.
+/// 2007), sec. 4 and 4.2. If a side has an odd number of cells, the last coarse cell has only one
+/// child along it; the paper's grids have 2^s cells per side. Sweeps are in place (Gauss-Seidel),
+/// in the order of the cells.
 ///
-/// Construction O(#cells); a solve O(#interior · sweeps). One function at a time, as published. A
-/// cell takes a tag and a scalar on each level, so float with the field itself about 10 bytes (the
-/// paper's: 12).
+/// Construction O(#cells); a solve O(#interior · sweeps). Solves one function at a time, as
+/// published. A cell takes a tag and a scalar on each level; in float, including the field itself,
+/// about 10 bytes (the paper's: 12).
 template <Scalar T, std::size_t D>
 class AveragingPyramid {
 public:
@@ -56,10 +57,10 @@ public:
 
     std::size_t unknowns() const noexcept { return levels_[0].unknowns; }
 
-    /// Fills the interior cells of `values` (#cells), of which the boundary cells are read (with
-    /// first_guess interior ones too: finite) and the others ignored. `keep_going()` is asked now
-    /// and then and cancels by returning false. Scratch is kept inside, so one pyramid serves one
-    /// thread.
+    /// Fills the interior cells of `values` (#cells). Reads the boundary cells (with first_guess
+    /// also the interior ones, which must be finite) and ignores the others. Calls `keep_going()`
+    /// now and then; returning false cancels. The object holds scratch memory, so use one pyramid
+    /// per thread.
     template <class KeepGoing>
     AveragingOutcome solve(std::span<T> values, const KeepGoing& keep_going) {
         CAGEFORM_ASSERT(values.size() == levels_[0].box.size(), "one value per cell");
@@ -90,7 +91,7 @@ private:
         CellBox<D> box;
         std::vector<CellTag> tags;
         std::vector<T> values;
-        std::vector<Run> regular;       // interior cells all of whose neighbours count
+        std::vector<Run> regular;       // interior cells whose neighbours all count
         std::vector<std::uint32_t> rim; // the other interior cells
         std::vector<std::ptrdiff_t> offsets;
         std::size_t unknowns = 0;
@@ -170,14 +171,15 @@ private:
         }
     };
 
-    /// The coarse cell that a cell is a child of.
+    /// Returns the coarse cell that contains a cell.
     static std::size_t parent(const Level& fine, const CellBox<D>& coarse, std::size_t cell) noexcept {
         auto index = fine.box.index(cell);
         for (std::size_t& i : index) i /= 2;
         return coarse.number(index);
     }
 
-    /// A coarse cell is boundary if any child is, exterior if all are, else interior (sec. 4.2).
+    /// Makes the next coarser level. A coarse cell is boundary if any child is, exterior if all
+    /// children are, else interior (sec. 4.2).
     static Level coarsen(const Level& fine, Stencil stencil) {
         CellBox<D> box;
         for (std::size_t k = 0; k < D; ++k) box.cells[k] = (fine.box.cells[k] + 1) / 2;
@@ -192,7 +194,7 @@ private:
         return Level(box, std::move(tags), stencil);
     }
 
-    /// A coarse boundary cell takes the mean of its boundary children.
+    /// Restricts the data: a coarse boundary cell gets the mean of its boundary children.
     static void restrict_data(const Level& fine, Level& coarse) {
         coarse.values.assign(coarse.tags.size(), T(0));
         std::vector<T> children(coarse.tags.size(), T(0));
@@ -207,7 +209,7 @@ private:
         }
     }
 
-    /// An interior cell begins with the value of its parent.
+    /// Prolongs the solution: an interior cell starts with the value of its parent.
     static void push(const Level& coarse, Level& fine) {
         for (const auto& [begin, end] : fine.regular) {
             const std::size_t x = begin % fine.box.cells[0], first = parent(fine, coarse.box, begin) - x / 2;
@@ -235,7 +237,7 @@ private:
         return outcome;
     }
 
-    /// The sum of a regular cell's neighbours, but for the one before it.
+    /// Returns the sum of a regular cell's neighbours, except for the previous cell.
     static T others(const Level& level, const T* cell) noexcept {
         const auto all = level.offsets.size();
         if constexpr (D == 1) return cell[1];
@@ -250,7 +252,7 @@ private:
         return sum;
     }
 
-    /// Makes every unknown the mean of its neighbours; by how much that changes them in all.
+    /// Sets every unknown to the mean of its neighbours; returns the sum of the absolute changes.
     double sweep(Level& level) const {
         double change = 0;
         T* const u = level.values.data();
@@ -260,7 +262,7 @@ private:
         };
         const T share = T(1) / static_cast<T>(level.offsets.size());
         for (const auto& [begin, end] : level.regular) {
-            // What the sweep has just set comes last: nothing else waits for it.
+            // The value just set is added last, so that only this addition waits for it.
             for (std::size_t c = begin; c < end; ++c) set(c, (others(level, u + c) + u[c - 1]) * share);
         }
         for (const std::size_t c : level.rim) {

@@ -1,5 +1,5 @@
-// Harmonic functions of a polygon, a mesh or a box by the papers' averaging sweeps, on cells: the
-// baseline that others are measured against.
+// Computes harmonic coordinates by the averaging sweeps of the original papers, on grid cells. This
+// is the baseline for measuring other solvers.
 #pragma once
 
 #include <cageform/coordinates/harmonic.hpp>
@@ -9,22 +9,21 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// A CageSolver of a Polygon, TriangleMesh or Box; groups are of HarmonicOptions::handles_at_once
-/// functions, one solved after the other.
+/// A CageSolver for a Polygon, TriangleMesh or Box. A group is HarmonicOptions::handles_at_once
+/// functions, solved one after another.
 ///
 ///   range     [0, 1] to rounding (a mean of values in [0, 1]), before `bind` restores linear
-///             precision; sum to 1 as far as the solver got: its tolerance is on the change of a
-///             sweep, not on the error
-///   accuracy  cells on the boundary are a staircase, which leaves a residual Σwc − p of about half
-///             a cell; `bind` restores linear precision, the report says by how much. The papers
+///             precision; sum to 1 as far as the solver converged: its tolerance is on the change
+///             per sweep, not on the error
+///   accuracy  boundary cells form a staircase, which leaves a residual Σwc − p of about half a
+///             cell; `bind` restores linear precision, the report says by how much. The papers
 ///             sweep to AveragingOptions::tolerance 1e-5 and look up Interpolation::nearest_cell,
-///             which is at most a cell's diagonal off
-///   cost      on each thread handles_at_once scalars a cell, and another scalar and a tag for each
+///             which is off by at most a cell's diagonal
+///   cost      per thread handles_at_once scalars a cell, and another scalar and a tag for each
 ///             cell of the pyramid; after `solve` #V scalars a cell. With one handle at once in
-///             float that is 12 bytes a cell in space, as published
-///   fails     as HarmonicCoordinates, but for grid_too_coarse. A point inside none of whose
-///             surrounding cells has a value is unreached; there are no gradients
-///             (solver_not_supported)
+///             float that is 12 bytes a cell in 3D, as published
+///   fails     as HarmonicCoordinates, except for grid_too_coarse. A point with no valued cell
+///             around it is unreached; there are no gradients (solver_not_supported)
 template <class C>
 class PyramidSolver {
     using T = typename C::scalar;
@@ -59,7 +58,7 @@ public:
         , domain_(grid::rasterise(problem.cage, grid::lattice_about(bounds_of(problem.cage.vertices()),
                                                                     problem.options.resolution))) {}
 
-    /// But for the pyramid's runs of cells: some bytes a row.
+    /// Excludes the pyramid's runs of cells, which take some bytes per row.
     SolverMemory memory() const noexcept {
         const std::size_t cells = domain_.tags.size();
         return {cells + domain_.data.size() * sizeof(grid::CellData<T>),
@@ -69,7 +68,7 @@ public:
     // ---- groups
     // ------------------------------------------------------------------------------------
 
-    using Functions = std::vector<std::vector<T>>; ///< the cells of each
+    using Functions = std::vector<std::vector<T>>; ///< one vector of cell values per function
     struct Block {
         grid::AveragingPyramid<T, D> pyramid;
         Functions functions;
@@ -107,7 +106,7 @@ public:
     // -----------------------------------------------------------------------------------
 
     struct Sample {
-        grid::SampleStencil<T, D> stencil;  ///< of a point inside
+        grid::SampleStencil<T, D> stencil;  ///< for a point inside
         std::optional<BoundaryValue<D>> on; ///< for a point on the boundary
     };
     struct Samples {
@@ -154,8 +153,8 @@ private:
         return std::clamp<std::size_t>(problem.options.handles_at_once, 1, problem.cage.size());
     }
     std::size_t width() const noexcept { return width(problem_); }
-    /// In a block. A level of the pyramid has a quarter of the cells of the one below it, in space
-    /// an eighth.
+    /// Returns the bytes per cell of a block. Each level of the pyramid has a quarter of the cells
+    /// of the level below (in 3D, an eighth).
     static double bytes_of_cell(std::size_t functions) noexcept {
         constexpr double levels = D == 2 ? 4.0 / 3 : 8.0 / 7;
         return double(functions * sizeof(T)) + levels * double(sizeof(T) + sizeof(grid::CellTag));
@@ -165,7 +164,7 @@ private:
     grid::GridDomain<T, D> domain_;
 };
 
-/// All solvers for a kind of cage, of which HarmonicOptions name one:
+/// Chooses among all solvers for a kind of cage by HarmonicOptions::solver:
 ///     HarmonicCoordinates<T, 2, Polygon<T>, WithAveragingPyramid<Polygon<T>>>
 ///     HarmonicCoordinates<T, 3, TriangleMesh<T>, WithAveragingPyramid<TriangleMesh<T>>>
 template <class C>

@@ -1,4 +1,4 @@
-// Times outside of a curve's range. Run time, as piecewise_cubic.hpp.
+// Extrapolates curves to times outside their range; for run time, like piecewise_cubic.hpp.
 #pragma once
 
 #include <cageform/core/detail/simd.hpp>
@@ -8,30 +8,30 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// What the values of a curve are beyond its keys.
+/// The values of a curve before its first key and after its last.
 enum class Extrapolation : std::uint8_t {
     constant,          ///< the nearest value
-    linear,            ///< a straight line with the slope there
-    cycle,             ///< from the beginning
-    cycle_with_offset, ///< from the beginning, but where it ended
+    linear,            ///< a straight line with the slope at the nearest key
+    cycle,             ///< repeats from the beginning
+    cycle_with_offset, ///< repeats, each time shifted to continue from the end
     ping_pong,         ///< back and forth
 };
 
-/// A time taken into the range of a curve by its extrapolation.
+/// A time mapped into the range of a curve by its extrapolation.
 template <Scalar T>
 struct FoldedTime {
     T time = 0;   ///< in the range
-    T turns = 0;  ///< of cycle_with_offset: how often the curve has been played before
-    T beyond = 0; ///< of linear: how far beyond the range, negative before it
+    T turns = 0;  ///< for cycle_with_offset: the number of complete repetitions
+    T beyond = 0; ///< for linear: the distance beyond the range, negative before it
 
-    /// The extrapolated value: from that at `time`, the slope at the end that is next, and the rise
+    /// The extrapolated value, from the value at `time`, the slope at the nearest end, and the rise
     /// of the curve from its begin to its end.
     T extend(T value, T slope, T rise) const noexcept {
         return detail::multiply_add(beyond, slope, detail::multiply_add(turns, rise, value));
     }
 };
 
-/// A time in the range begin … end, which it leaves as it is, or outside. O(1).
+/// Maps a time into the range begin … end; a time in the range stays as it is. O(1).
 template <Scalar T>
 FoldedTime<T> fold_time(T x, T begin, T end, Extrapolation before, Extrapolation after) noexcept {
     if (x >= begin && x <= end) return {x, 0, 0};

@@ -1,4 +1,4 @@
-// A piecewise cubic in 16 bits a coefficient. Run time, as piecewise_cubic.hpp.
+// A piecewise cubic with 16-bit coefficients; for run time, like piecewise_cubic.hpp.
 #pragma once
 
 #include <cageform/animate/piecewise_cubic.hpp>
@@ -9,11 +9,10 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// A curve in 16 bits a coefficient: the Bernstein coefficients of every piece, as steps from the
-/// least to the largest of all. At most half the size of float pieces.
+/// A curve with 16-bit coefficients: the Bernstein coefficients of every piece, as steps between
+/// the least and the largest of all. At most half the size of float pieces.
 ///
-///   error   at most half a step more than that of the curve, `error_bound()`: the range over
-///           131070
+///   error   adds at most half a step, `error_bound()`: the range of the coefficients over 131070
 template <Scalar T>
 class QuantisedCubic {
 public:
@@ -49,16 +48,16 @@ public:
     }
 
     std::size_t size() const noexcept { return pieces_.size(); }
-    T error_bound() const noexcept { return step_ / 2; } ///< apart from roundings of T
+    T error_bound() const noexcept { return step_ / 2; } ///< without rounding in T
     std::size_t bytes() const noexcept { return pieces_.size() * sizeof(Piece) + 4 * sizeof(T); }
-    /// The coefficients of a piece: n stands for low + n · step.
+    /// The coefficients of a piece; n stands for low + n · step.
     const std::array<std::uint16_t, 4>& coefficients(std::size_t piece) const noexcept {
         return pieces_[piece].b;
     }
     T low() const noexcept { return low_; }
     T step() const noexcept { return step_; }
 
-    /// Of a curve that is not empty.
+    /// The value at a time; the curve must not be empty.
     T operator()(T x) const noexcept {
         if (x >= end_) return end_value_;
         const T inside = x < pieces_.front().begin ? pieces_.front().begin : x;

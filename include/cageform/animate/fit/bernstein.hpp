@@ -1,4 +1,4 @@
-// Polynomials on [0, 1] in Bernstein form: stable products, splits and extremes.
+// Polynomials on [0, 1] in Bernstein form: products, subdivision and extremes without loss of accuracy.
 #pragma once
 
 #include <cageform/core/vec.hpp>
@@ -21,7 +21,7 @@ inline constexpr auto binomials = [] {
     return table;
 }();
 
-/// Σ c_i B_i of a degree of at most 15: that of polynomials of degree 5 composed with cubics.
+/// Σ c_i B_i of degree at most 15, enough for polynomials of degree 5 composed with cubics.
 struct Bernstein {
     static constexpr std::size_t most = 15;
     std::size_t degree = 0;
@@ -41,7 +41,7 @@ struct Bernstein {
         for (std::size_t i = 0; i < degree; ++i) d.c[i] = double(degree) * (c[i + 1] - c[i]);
         return d;
     }
-    /// The same on [0, u] and on [u, 1].
+    /// The parts on [0, u] and on [u, 1], each as a polynomial on [0, 1] (de Casteljau).
     std::pair<Bernstein, Bernstein> split(double u) const noexcept {
         Bernstein low{degree, {}}, high{degree, c};
         for (std::size_t n = 0; n <= degree; ++n) {
@@ -65,13 +65,13 @@ struct Bernstein {
         for (std::size_t k = 0; k <= p.degree; ++k) p.c[k] /= binomials[p.degree][k];
         return p;
     }
-    friend Bernstein operator+(Bernstein a, const Bernstein& b) noexcept { // of one degree
+    friend Bernstein operator+(Bernstein a, const Bernstein& b) noexcept { // equal degrees only
         for (std::size_t i = 0; i <= a.degree; ++i) a.c[i] += b.c[i];
         return a;
     }
 };
 
-/// The same polynomial with one degree more each.
+/// Raises the degree of a polynomial without changing it.
 inline Bernstein elevated(Bernstein p, std::size_t degree) noexcept {
     while (p.degree < degree) {
         const std::size_t n = p.degree + 1;
@@ -85,9 +85,9 @@ inline Bernstein elevated(Bernstein p, std::size_t degree) noexcept {
     return p;
 }
 
-/// The largest |p| on [0, 1] and where it is. Exact to rounding: derivatives are split until their
-/// coefficients change sign once at most, which is where a single extreme lies. Infinite where a
-/// coefficient is not finite.
+/// The largest |p| on [0, 1] and its position, exact up to rounding. Subdivides until the
+/// coefficients of the derivative change sign at most once, so that there is at most one extreme.
+/// Infinite if a coefficient is not finite.
 struct LargestValue {
     double value = 0, at = 0;
 };
@@ -104,10 +104,11 @@ inline LargestValue largest_absolute(const Bernstein& p) {
         Bernstein p;
         double begin, length;
     };
-    std::array<Part, 64> stack; // a part is replaced by two of half its length
+    std::array<Part, 64> stack; // a part is replaced by its two halves
     std::size_t count = 0;
     stack[count++] = {p, 0, 1};
-    // Of splitting again and again; with less a constant that is rounded is split without end.
+    // Bounds the rounding of repeated subdivision. With a smaller bound, rounded constants
+    // subdivide endlessly.
     const double rounding = 64 * epsilon<double> * p.largest_coefficient();
     while (count > 0) {
         const Part part = stack[--count];
@@ -120,7 +121,7 @@ inline LargestValue largest_absolute(const Bernstein& p) {
             if (before != 0 && (slope.c[i] > 0) != (before > 0)) ++changes;
             before = slope.c[i];
         }
-        if (changes == 0) continue; // largest at an end, which has been met
+        if (changes == 0) continue; // the maximum is at an end, already seen
         if (changes == 1) {
             double low = 0, high = 1, u = 0.5;
             const bool falls = before < 0;
@@ -139,7 +140,7 @@ inline LargestValue largest_absolute(const Bernstein& p) {
             meet(part.p(u), part.begin + u * part.length);
             continue;
         }
-        if (part.length < 1e-12 || count + 2 > stack.size()) { // a double extreme: flat to rounding
+        if (part.length < 1e-12 || count + 2 > stack.size()) { // a double extreme: flat up to rounding
             meet(part.p(0.5), part.begin + 0.5 * part.length);
             continue;
         }

@@ -1,8 +1,9 @@
-// What a fit of a Bézier curve results in: polynomials in time and their errors.
+// The result of fitting a Bézier curve: polynomials in time and their errors.
 #pragma once
 
 #include <cageform/animate/bezier.hpp>
 #include <cageform/animate/fit/bernstein.hpp>
+#include <cageform/core/result.hpp>
 
 #include <algorithm>
 #include <span>
@@ -10,33 +11,38 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Polynomials in time, one after the other.
-struct BezierFit {
+/// Consecutive polynomials in time, fitted to a curve C. Together they are the function f.
+struct FitReport {
     /// ok; as check(curve), value_not_finite also where values differ by more than 1e306 from the
     /// first key's, or a coefficient overflows; and
     ///   degree_not_supported      not 3, 4 or 5
     ///   weights_not_positive      value_weight is not positive or slope_weight negative
     ///   norm_not_supported        the sup norm with conditions that tie pieces together
-    ///   knots_not_ascending       knots do not ascend from 0 to 1, or two are one by rounding
-    ///   slope_unbounded           a condition asks for a derivative where there is none
+    ///   knots_not_ascending       knots do not ascend from 0 to 1, or two coincide by rounding
+    ///   slope_unbounded           a condition needs a derivative where there is none
     ///   too_many_conditions       more conditions than coefficients, or repeated ones
-    ///   tolerance_not_positive    of `fit`
-    ///   tolerance_not_met         of `fit`, with as many pieces as it may take
-    ///   cancelled                 of `fit`
+    ///   tolerance_not_positive    from `fit`
+    ///   tolerance_not_met         from `fit`, with the largest number of pieces
+    ///   cancelled                 from `fit`
     Status status = Status::ok;
+    double l2_error = 0;    ///< (∫ (C − f)² dx)^½, in the units of the curve
+    double slope_error = 0; ///< (∫ (C' − f')² dx)^½; infinite at a vertical tangent
+    double sup_error = 0;   ///< max |C − f|, exact to rounding
+    double sup_at = 0;      ///< a time at which it occurs
+
+    double w12_error() const noexcept { return std::hypot(l2_error, slope_error); }
+};
+
+/// Polynomials in time, one after the other.
+struct BezierFit {
     std::size_t degree = 3;
     std::vector<double> knots;      ///< #pieces + 1 times
-    std::vector<double> parameters; ///< of the curve at the knots, from 0 to 1
-    /// #pieces · (degree + 1) coefficients, each piece's on [0, 1] of its own interval.
+    std::vector<double> parameters; ///< the curve's parameters at the knots, from 0 to 1
+    /// #pieces · (degree + 1) Bernstein coefficients, for each piece on [0, 1] of its own interval.
     std::vector<double> bernstein;
-    std::size_t free_coefficients = 0; ///< less the conditions
-    double l2_error = 0;               ///< (∫ (C − f)² dx)^½, in the units of the curve
-    double slope_error = 0;            ///< (∫ (C' − f')² dx)^½; infinite at a vertical tangent
-    double sup_error = 0;              ///< max |C − f|, exact to rounding
-    double sup_at = 0;                 ///< a time where it occurs
+    std::size_t free_coefficients = 0; ///< coefficients minus conditions
 
     std::size_t pieces() const noexcept { return knots.empty() ? 0 : knots.size() - 1; }
-    double w12_error() const noexcept { return std::hypot(l2_error, slope_error); }
     std::span<const double> coefficients(std::size_t piece) const noexcept {
         return std::span(bernstein).subspan(piece * (degree + 1), degree + 1);
     }
@@ -47,7 +53,7 @@ struct BezierFit {
         std::ranges::copy(coefficients(i), p.c.begin());
         return p((x - knots[i]) / (knots[i + 1] - knots[i]));
     }
-    /// A piece of degree 3 as a Bézier curve; its handles are at thirds of its interval.
+    /// A piece of degree 3 as a Bézier curve, with handles at thirds of its interval.
     BezierCurve as_bezier(std::size_t piece) const noexcept {
         BezierCurve curve;
         const double begin = knots[piece], third = (knots[piece + 1] - begin) / 3;

@@ -1,4 +1,4 @@
-// What a fit of a Bézier curve makes small, and under which conditions.
+// The options of a fit of a Bézier curve: the norm that is minimised, and conditions on the pieces.
 #pragma once
 
 #include <cageform/config.hpp>
@@ -9,12 +9,13 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// What the pieces f_i are held to besides being near to the curve C (the columns of the source's
-/// Table 6.1). Values are flags: `FitCondition::end_value | FitCondition::knot_c0`.
+/// Conditions that the pieces f_i meet exactly, besides being close to the curve C (the columns of
+/// Table 6.1 in Izdebski 2019, see sobolev_fit.hpp). Values are flags: `FitCondition::end_value |
+/// FitCondition::knot_c0`.
 enum class FitCondition : std::uint16_t {
     none = 0,
     end_value = 1,  ///< f = C at both keys
-    knot_c0 = 2,    ///< neighbours agree at inner knots
+    knot_c0 = 2,    ///< the values of neighbours agree at inner knots
     knot_value = 4, ///< both are C there
     end_d1 = 8,     ///< f' = C' at both keys
     knot_c1 = 16,   ///< slopes of neighbours agree at inner knots
@@ -27,20 +28,20 @@ constexpr FitCondition operator|(FitCondition a, FitCondition b) noexcept {
     // NOLINTNEXTLINE(clang-analyzer-optin.core.EnumCastOutOfRange): flags, any sum of them is one
     return FitCondition(unsigned(a) | unsigned(b));
 }
-/// Whether a set holds any flag of another.
+/// Whether two sets have a flag in common.
 constexpr bool contains(FitCondition set, FitCondition one) noexcept {
     return (unsigned(set) & unsigned(one)) != 0;
 }
 
 namespace detail {
 
-/// The conditions by the order of the derivative that they are about.
+/// The conditions, sorted by the order of the derivative.
 inline constexpr std::array at_keys{FitCondition::end_value, FitCondition::end_d1, FitCondition::end_d2};
 inline constexpr std::array neighbours_agree{FitCondition::knot_c0, FitCondition::knot_c1,
                                              FitCondition::knot_c2};
 inline constexpr std::array at_knots{FitCondition::knot_value, FitCondition::knot_d1, FitCondition::knot_d2};
 
-/// Whether every piece is determined by its own interval.
+/// Whether pieces are independent: each is determined by its own interval.
 constexpr bool decoupled(FitCondition set) noexcept {
     using enum FitCondition;
     return contains(set, end_value) && contains(set, knot_value) &&
@@ -48,7 +49,7 @@ constexpr bool decoupled(FitCondition set) noexcept {
            (contains(set, knot_d1) || !contains(set, knot_d2));
 }
 
-/// The equations that the conditions are for a number of pieces.
+/// The number of equations in the conditions, for a number of pieces.
 constexpr std::size_t condition_count(FitCondition set, std::size_t pieces) noexcept {
     std::size_t at_ends = 0, at_each_knot = 0;
     for (std::size_t order = 0; order < 3; ++order) {
@@ -61,11 +62,11 @@ constexpr std::size_t condition_count(FitCondition set, std::size_t pieces) noex
 
 } // namespace detail
 
-/// What a fit makes small.
+/// The norm of the error C − f that a fit minimises.
 enum class FitNorm : std::uint8_t {
     sobolev, ///< value_weight ∫ (C − f)² + slope_weight ∫ (C' − f')²
-    /// max |C − f|, from the Sobolev fit on; for pieces that are determined by their own interval.
-    /// Knots are searched as for sobolev.
+    /// max |C − f|, starting from the Sobolev fit; for independent pieces only. Knots are searched
+    /// as for sobolev.
     sup,
 };
 
@@ -75,9 +76,10 @@ struct FitOptions {
     FitCondition conditions = FitCondition::end_value | FitCondition::knot_value;
     double value_weight = 1; ///< of ∫ (C − f)²
     double slope_weight = 1; ///< of ∫ (C' − f')²; 0 is the L² norm
-    /// Weights count where the interval is one unit of time long, so that the unit does not matter;
-    /// or in the curve's units.
+    /// The weights apply after scaling the interval to one unit of time, so that the unit does not
+    /// matter. Otherwise they apply in the curve's units.
     bool scale_free = true;
+    std::size_t max_pieces = 64; ///< of `fit`: the most pieces that may be used to meet the tolerance
 };
 
 } // namespace cageform::inline CAGEFORM_ABI

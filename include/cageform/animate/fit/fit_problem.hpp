@@ -1,4 +1,5 @@
-// A fit in units of its own: time from 0 to 1, values from the first key's on and of at most 1.
+// The problem of a fit in normalised units: time runs from 0 to 1, and values are relative to the
+// first key's and at most 1.
 #pragma once
 
 #include <cageform/animate/bezier.hpp>
@@ -10,7 +11,7 @@ namespace cageform::inline CAGEFORM_ABI::detail {
 /// One polynomial on its own interval.
 struct FitPiece {
     double begin = 0, end = 1;     ///< parameters of the curve
-    double x_begin = 0, x_end = 1; ///< parts of the interval of time
+    double x_begin = 0, x_end = 1; ///< the same interval in normalised time
     Bernstein polynomial;
     bool solved = false;
 
@@ -21,8 +22,8 @@ struct FitPiece {
 inline constexpr std::size_t most_coefficients = 6;
 using Coefficients = std::array<double, most_coefficients>;
 
-/// The power of two above the largest difference of the curve's values from its first key's, so
-/// that squares of them neither overflow nor vanish. A division by it does not round.
+/// The power of two just above the largest difference of the curve's values from its first key's.
+/// In this unit, squares neither overflow nor vanish, and dividing by it is exact.
 inline double value_unit(const BezierCurve& curve) noexcept {
     double largest = 0;
     for (const auto& p : curve.points) largest = std::fmax(largest, std::fabs(p[1] - curve.points[0][1]));
@@ -37,11 +38,11 @@ inline BezierCurve in_value_unit(BezierCurve curve) noexcept {
     return curve;
 }
 
-/// The curve and what is asked of its fit. Of a sound curve.
+/// The curve, which must pass `check`, and the options of its fit, in normalised units.
 struct FitProblem {
-    double unit; ///< of the values
+    double unit; ///< the unit of the values
     BezierFunction function;
-    FitOptions options; ///< the weights in the units of the fit
+    FitOptions options; ///< with the weights in normalised units
     bool vertical;      ///< the curve has a vertical tangent somewhere
 
     FitProblem(const BezierCurve& curve, const FitOptions& given) noexcept
@@ -61,19 +62,18 @@ struct FitProblem {
         return {begin, end, begin == 0 ? 0 : time(begin), end == 1 ? 1 : time(end), {}, false};
     }
 
-    /// Value, slope and curvature: how many of them a piece takes from the curve, at a key or an
-    /// inner knot.
+    /// How many of value, slope and curvature a piece takes over from the curve, at a key or an inner knot.
     std::size_t prescribed(bool at_key) const noexcept {
         const auto& conditions = at_key ? at_keys : at_knots;
         return 1 + std::size_t(has(conditions[1])) + std::size_t(has(conditions[2]));
     }
 
-    /// The first `count` of C, C' and C'' by time at a parameter; false where one is unbounded.
+    /// The first `count` of C, C' and C'' by time at a parameter; returns false if one is unbounded.
     bool derivatives(double t, std::size_t count, std::array<double, 3>& c) const noexcept {
         const double length = function.length();
         c = {t == 1 ? function.curve().points[3][1] - function.curve().points[0][1] : function.value()(t), 0,
              0};
-        // A vertical tangent inside the interval is met to rounding: some thousand of it.
+        // The derivative of time at an inner vertical tangent is 0 only up to some thousand rounding errors.
         constexpr double none = 1e-12;
         const double rise = std::fabs(function.value().slope(t));
         if (vertical && count > 1 && function.time().slope(t) <= none && rise > none * largest_value())
@@ -83,7 +83,7 @@ struct FitProblem {
         return is_finite(c[1]) && is_finite(c[2]);
     }
 
-    /// Of the control points, from the first key on.
+    /// The largest absolute value of the control points, relative to the first key.
     double largest_value() const noexcept {
         double largest = 0;
         for (const auto& p : function.curve().points)

@@ -9,14 +9,14 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Nodes in (0, 1) and weights that sum to 1; exact for polynomials of degree 2N − 1.
+/// Nodes in (0, 1) and weights with sum 1; exact for polynomials of degree 2N − 1.
 template <std::size_t N>
 struct Gauss {
     std::array<double, N> node{}, weight{};
 
     Gauss() noexcept {
         for (std::size_t i = 0; i < N; ++i) {
-            // Newton's method on the Legendre polynomial, from Tricomi's estimate.
+            // Newton's method on the Legendre polynomial, starting from Tricomi's estimate.
             double x = std::cos(3.141592653589793 * (double(i) + 0.75) / (double(N) + 0.5)), slope = 0;
             for (int step = 0; step < 8; ++step) {
                 double p = 1, before = 0;

@@ -1,4 +1,4 @@
-// Where the pieces of a fit meet: uniform, searched on a grid, or optimal.
+// Chooses the knots, where the pieces of a fit meet: uniform, searched on a grid, or optimal.
 #pragma once
 
 #include <cageform/animate/fit/line_minimum.hpp>
@@ -7,7 +7,7 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Parameters of a sound curve where its interval is divided into equal times.
+/// Parameters of a checked curve that divide its interval into equal times.
 inline std::vector<double> uniform_in_time(const BezierCurve& curve, std::size_t pieces) {
     const BezierFunction function(curve);
     std::vector<double> parameters;
@@ -15,7 +15,7 @@ inline std::vector<double> uniform_in_time(const BezierCurve& curve, std::size_t
         parameters.push_back(function.parameter_at_part(double(i) / double(pieces)));
     return parameters;
 }
-/// Equal steps of the parameter: what the source calls equal arcs (its figures show that).
+/// Equal steps of the parameter; Izdebski 2019 calls this equal arcs, as its figures show.
 inline std::vector<double> uniform_in_parameter(std::size_t pieces) {
     std::vector<double> parameters;
     for (std::size_t i = 0; i <= pieces; ++i) parameters.push_back(double(i) / double(pieces));
@@ -24,27 +24,33 @@ inline std::vector<double> uniform_in_parameter(std::size_t pieces) {
 
 struct KnotOptions {
     FitOptions fit{};
-    std::size_t max_trials = 1000000; ///< of search_knots: then it fails with too_many_trials
-    std::size_t steps = 40;           ///< of optimal_knots' grid in the parameter; two a piece at least
-    /// Of optimal_knots: in each, every knot is moved once. 20 at most of more than 64 pieces.
+    std::size_t max_trials = 1000000; ///< search_knots then fails with too_many_trials
+    std::size_t steps = 40;           ///< the grid of optimal_knots in the parameter; at least two per piece
+    /// The rounds of optimal_knots: each moves every knot once. At most 20 for more than 64 pieces.
     int rounds = 100;
 };
 
-/// Knots and what they cost.
-struct KnotSearch {
-    /// As of a fit; too_many_trials; knots_not_ascending for fewer candidates than pieces;
+/// The knots that a search found.
+struct BestKnots {
+    std::vector<double> parameters;   ///< #pieces + 1, from 0 to 1
+    std::vector<std::size_t> indices; ///< their indices among the candidates, for a grid
+};
+
+/// How a search for knots went.
+struct KnotReport {
+    /// As for a fit; too_many_trials; knots_not_ascending for fewer candidates than pieces;
     /// cancelled.
     Status status = Status::ok;
-    std::vector<double> parameters;   ///< #pieces + 1, from 0 to 1
-    std::vector<std::size_t> indices; ///< of them among the candidates, where they are from a grid
-    double objective = std::numeric_limits<double>::infinity(); ///< weighted squares of the errors
-    std::size_t trials = 0;
+    double objective = std::numeric_limits<double>::infinity(); ///< weighted squared errors
+    std::size_t trials = 0;                                     ///< fits that were tried
 };
 
 namespace detail {
 
-/// The knots of least cost among candidates when pieces are determined by their own interval, by
-/// dynamic programming: least(n, k) = min_j least(n − 1, j) + cost(j, k).
+using KnotSearch = Result<BestKnots, KnotReport>;
+
+/// Finds the knots of least cost among candidates for independent pieces, by dynamic programming:
+/// least(n, k) = min_j least(n − 1, j) + cost(j, k).
 inline KnotSearch cheapest_path(const SobolevFitter& fitter, std::span<const double> candidates,
                                 std::size_t pieces, const Running& running) {
     const std::size_t last = candidates.size() - 1;
@@ -52,15 +58,15 @@ inline KnotSearch cheapest_path(const SobolevFitter& fitter, std::span<const dou
     KnotSearch search;
     const auto cancelled = [&](double done) {
         if (running.keep_going(done)) return false;
-        search.status = Status::cancelled;
+        search.report.status = Status::cancelled;
         return true;
     };
-    std::vector<double> cost((last + 1) * (last + 1), infinity); // from j to k, those to one k in a row
+    std::vector<double> cost((last + 1) * (last + 1), infinity); // from j to k, in row k
     for (std::size_t j = 0; j < last; ++j) {
         if (cancelled(0.8 * double(j) / double(last))) return search;
         for (std::size_t k = j + 1; k <= last; ++k) {
             const auto piece = fitter.fit_piece(candidates[j], candidates[k]);
-            ++search.trials;
+            ++search.report.trials;
             if (piece.solved) cost[k * (last + 1) + j] = fitter.cost(piece);
         }
     }
@@ -78,20 +84,20 @@ inline KnotSearch cheapest_path(const SobolevFitter& fitter, std::span<const dou
             }
         }
     }
-    search.objective = least[pieces][last];
-    if (!(search.objective < infinity)) {
-        search.status = fitter.fit(uniform_in_parameter(pieces)).status;
-        if (search.status == Status::ok) search.status = Status::too_many_conditions;
+    search.report.objective = least[pieces][last];
+    if (!(search.report.objective < infinity)) {
+        search.report.status = fitter.fit(uniform_in_parameter(pieces)).status();
+        if (search) search.report.status = Status::too_many_conditions;
         return search;
     }
-    search.indices.resize(pieces + 1, last);
-    for (std::size_t n = pieces; n > 0; --n) search.indices[n - 1] = from[n][search.indices[n]];
-    for (const std::size_t i : search.indices) search.parameters.push_back(candidates[i]);
+    search.value.indices.resize(pieces + 1, last);
+    for (std::size_t n = pieces; n > 0; --n) search.value.indices[n - 1] = from[n][search.value.indices[n]];
+    for (const std::size_t i : search.value.indices) search.value.parameters.push_back(candidates[i]);
     return search;
 }
 
-/// The next choice of ascending indices from 0 to `last`, the last but one fastest; false after
-/// all.
+/// Advances to the next choice of ascending indices from 0 to `last`, the last inner one fastest;
+/// returns false after all.
 inline bool next_choice(std::vector<std::size_t>& indices) noexcept {
     const std::size_t pieces = indices.size() - 1, last = indices[pieces];
     std::size_t i = pieces - 1;
@@ -102,7 +108,7 @@ inline bool next_choice(std::vector<std::size_t>& indices) noexcept {
     return true;
 }
 
-/// The knots of least cost among candidates, by all choices (the source's brute force).
+/// Finds the knots of least cost among candidates by trying all choices (brute force, as in Izdebski 2019).
 inline KnotSearch try_all(const SobolevFitter& fitter, std::span<const double> candidates, std::size_t pieces,
                           std::size_t max_trials, const Running& running) {
     KnotSearch search;
@@ -111,31 +117,31 @@ inline KnotSearch try_all(const SobolevFitter& fitter, std::span<const double> c
     indices[pieces] = candidates.size() - 1;
     std::vector<double> parameters(pieces + 1);
     do {
-        if (search.trials++ == max_trials) {
-            search.status = Status::too_many_trials;
+        if (search.report.trials++ == max_trials) {
+            search.report.status = Status::too_many_trials;
             return search;
         }
-        // The first inner knot tells how far the choices are.
+        // The first inner knot measures the progress.
         const double done = pieces > 1 ? double(indices[1] - 1) / double(indices[pieces]) : 0;
-        if (search.trials % 1000 == 0 && !running.keep_going(done)) {
-            search.status = Status::cancelled;
+        if (search.report.trials % 1000 == 0 && !running.keep_going(done)) {
+            search.report.status = Status::cancelled;
             return search;
         }
         for (std::size_t i = 0; i <= pieces; ++i) parameters[i] = candidates[indices[i]];
         const double objective = fitter.cost(parameters);
-        if (objective < search.objective) {
-            search.objective = objective;
-            search.parameters = parameters;
-            search.indices = indices;
+        if (objective < search.report.objective) {
+            search.report.objective = objective;
+            search.value.parameters = parameters;
+            search.value.indices = indices;
         }
     } while (next_choice(indices));
-    if (search.parameters.empty()) search.status = Status::too_many_conditions;
+    if (search.value.parameters.empty()) search.report.status = Status::too_many_conditions;
     return search;
 }
 
-/// Options whose pieces are determined by their own interval and have practically the same best
-/// knots: values taken at knots in place of neighbours that agree. The same options where there are
-/// none, and where slopes hardly count, which makes a difference.
+/// Options with independent pieces and practically the same best knots: the curve's value at knots
+/// replaces the agreement of neighbours. Returns the given options if there are none, or if slopes
+/// hardly count, since the best knots then differ.
 inline FitOptions apart(FitOptions options) noexcept {
     using enum FitCondition;
     if (options.conditions == (end_value | knot_c0) && options.slope_weight >= 1e-3 * options.value_weight)
@@ -143,7 +149,7 @@ inline FitOptions apart(FitOptions options) noexcept {
     return options;
 }
 
-/// As dense as given knots, but another number of pieces.
+/// Knots as dense as the given ones, for another number of pieces.
 inline std::vector<double> divided_anew(std::span<const double> knots, std::size_t pieces) {
     if (knots.empty()) return {};
     std::vector<double> result;
@@ -157,13 +163,13 @@ inline std::vector<double> divided_anew(std::span<const double> knots, std::size
     return result;
 }
 
-/// Moves every inner knot once to where it costs least; the largest move.
+/// Moves every inner knot once to its position of least cost; returns the largest move.
 inline double polish(const SobolevFitter& fitter, KnotSearch& search) {
-    auto& t = search.parameters;
+    auto& t = search.value.parameters;
     double moved = 0;
     for (std::size_t i = 1; i + 1 < t.size(); ++i) {
         const auto objective = [&](double x) {
-            ++search.trials;
+            ++search.report.trials;
             if (!fitter.decoupled()) {
                 auto others = t;
                 others[i] = x;
@@ -183,67 +189,69 @@ inline double polish(const SobolevFitter& fitter, KnotSearch& search) {
 
 } // namespace detail
 
-/// The best of all choices of inner knots among candidates, which ascend from 0 to 1. Where pieces
-/// are determined by their own interval it is found without trying all; so with `end_value |
-/// knot_c0`, by the knots of `end_value | knot_value`.
-inline KnotSearch search_knots(const BezierCurve& curve, std::span<const double> candidates,
-                               std::size_t pieces, const KnotOptions& options = {},
-                               const Running& running = {}) {
+/// Finds the best of all choices of inner knots among candidates, which ascend from 0 to 1. For
+/// independent pieces this does not try all choices; for `end_value | knot_c0` neither, since it
+/// uses the knots of `end_value | knot_value`.
+inline Result<BestKnots, KnotReport> search_knots(const BezierCurve& curve,
+                                                  std::span<const double> candidates, std::size_t pieces,
+                                                  const KnotOptions& options = {},
+                                                  const Running& running = {}) {
     const SobolevFitter fitter(curve, detail::apart(options.fit));
-    KnotSearch search;
-    search.status = fitter.status();
-    if (search.status != Status::ok) return search;
+    detail::KnotSearch search;
+    search.report.status = fitter.status();
+    if (!search) return search;
     if (pieces == 0 || candidates.size() < pieces + 1) {
-        search.status = Status::knots_not_ascending;
+        search.report.status = Status::knots_not_ascending;
         return search;
     }
     search = fitter.decoupled() ? detail::cheapest_path(fitter, candidates, pieces, running)
                                 : detail::try_all(fitter, candidates, pieces, options.max_trials, running);
-    search.objective = fitter.in_units(search.objective);
-    search.status = running.end(search.status);
+    search.report.objective = fitter.in_units(search.report.objective);
+    search.report.status = running.end(search.report.status);
     return search;
 }
 
-/// The best knots: those on a grid of equal steps of the parameter, then polished, one knot after
-/// the other, until none moves. Of more than 64 pieces the first are those of half as many, divided
-/// anew. Of more than 24 pieces that are tied, the knots are those of `end_value | knot_value`,
-/// which cost some hundredths more.
+/// Finds the best knots: the best ones on a grid of equal steps of the parameter, then polished one
+/// after the other until none moves. With more than 64 pieces, the search starts from the knots of
+/// half as many pieces, subdivided. With more than 24 tied pieces, the knots are those of
+/// `end_value | knot_value`, whose cost is a few per cent higher.
 ///
-///   cost  O(steps² + pieces · rounds) fits of a piece, of all pieces where they are tied: some
+///   cost  O(steps² + pieces · rounds) fits of a piece, or of all pieces if they are tied: some
 ///         milliseconds for 8 pieces, seconds for 1000
-inline KnotSearch optimal_knots(const BezierCurve& curve, std::size_t pieces, const KnotOptions& options = {},
-                                const Running& running = {}) {
+inline Result<BestKnots, KnotReport> optimal_knots(const BezierCurve& curve, std::size_t pieces,
+                                                   const KnotOptions& options = {},
+                                                   const Running& running = {}) {
     constexpr std::size_t most_on_grid = 64, most_tied = 24;
     const bool many = pieces > most_on_grid;
     FitOptions polished = detail::apart(options.fit);
-    // On the grid pieces are apart whatever the conditions, or there would be too many choices.
+    // On the grid, pieces are independent whatever the conditions; otherwise there would be too many choices.
     KnotOptions on_grid = options;
     using enum FitCondition;
     if (!detail::decoupled(polished.conditions)) {
         on_grid.fit.conditions = end_value | knot_value;
         if (pieces > most_tied) polished.conditions = end_value | knot_value;
     }
-    KnotSearch search;
+    detail::KnotSearch search;
     if (many) {
         search = optimal_knots(curve, (pieces + 1) / 2, on_grid, running.part(0, 0.5));
-        search.parameters = detail::divided_anew(search.parameters, pieces);
+        search.value.parameters = detail::divided_anew(search.value.parameters, pieces);
     } else {
         const auto candidates = uniform_in_parameter((std::max)(options.steps, 2 * pieces));
         search = search_knots(curve, candidates, pieces, on_grid, running.part(0, 0.5));
     }
-    if (search.status != Status::ok) return search;
-    search.indices.clear();
+    if (!search) return search;
+    search.value.indices.clear();
     const SobolevFitter fitter(curve, polished);
     const int rounds = many ? (std::min)(options.rounds, 20) : options.rounds;
     for (int round = 0; round < rounds; ++round) {
         if (!running.keep_going(0.5 + 0.5 * round / rounds)) {
-            search.status = Status::cancelled;
+            search.report.status = Status::cancelled;
             return search;
         }
         if (detail::polish(fitter, search) < 1e-8) break;
     }
-    search.objective = SobolevFitter(curve, options.fit).objective(search.parameters);
-    search.status = running.end(Status::ok);
+    search.report.objective = SobolevFitter(curve, options.fit).objective(search.value.parameters);
+    search.report.status = running.end(Status::ok);
     return search;
 }
 

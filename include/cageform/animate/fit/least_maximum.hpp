@@ -1,4 +1,4 @@
-// The sup norm of a fit, by reweighted least squares.
+// Fits in the sup norm by iteratively reweighted least squares.
 #pragma once
 
 #include <cageform/animate/fit/fit_errors.hpp>
@@ -6,9 +6,9 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Moves `count` coefficients of a piece, from `first` on, towards the least largest error: least
-/// squares again and again, each sample weighted by the errors it has had (Lawson 1961). Keeps the
-/// best piece met.
+/// Changes `count` coefficients of a piece, from index `first` on, to make its largest error small.
+/// Repeats a least-squares fit in which each sample is weighted by its errors so far (Lawson 1961),
+/// and keeps the best piece found.
 class LeastMaximum {
 public:
     LeastMaximum(const FitProblem& problem, const FitPiece& piece, std::size_t first, std::size_t count)
@@ -35,7 +35,7 @@ public:
                 largest = std::fmax(largest, error[k]);
             }
             if (!(largest > 0)) return;
-            // The small number keeps a sample without error from being left out for good.
+            // The small constant keeps the weight of a sample without error above 0.
             for (std::size_t k = 0; k < samples; ++k) weight_[k] *= error[k] / largest + 1e-12;
             if (largest >= least) continue;
             FitPiece moved = piece;
@@ -48,7 +48,7 @@ public:
     }
 
 private:
-    /// The free basis polynomials at a part of the piece, and the curve less the given ones.
+    /// Computes the free basis polynomials at a sample, and the curve minus the fixed terms.
     void sample(const FitPiece& piece, double part, std::size_t k) {
         const std::size_t d = problem_.options.degree;
         const double t = piece.begin + part * (piece.end - piece.begin);

@@ -1,4 +1,4 @@
-// Minima of functions of one variable.
+// Minimises functions of one variable.
 #pragma once
 
 #include <cageform/config.hpp>
@@ -7,8 +7,8 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Minimises f on (low, high) around `at`: by parabolas where they serve, otherwise by golden
-/// sections (Brent 1973, ch. 5).
+/// Minimises f on (low, high), starting at `at`, by parabolic interpolation if it converges,
+/// otherwise by golden sections (Brent 1973, ch. 5).
 template <class F>
 double line_minimum(double low, double at, double high, double tolerance, const F& f) {
     constexpr double golden = 0.3819660112501051; // (3 − √5) / 2

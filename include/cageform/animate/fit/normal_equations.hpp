@@ -1,5 +1,5 @@
-// The normal equations of a fitted piece: G b = l in its Bernstein coefficients b, with the Gram
-// matrix G of the basis and the load l of the curve.
+// The normal equations of a fitted piece: G b = l for its Bernstein coefficients b, with the Gram
+// matrix G of the basis and the load vector l of the curve.
 #pragma once
 
 #include <cageform/animate/fit/gauss.hpp>
@@ -21,7 +21,7 @@ inline FitMatrix gram_matrix(const FitProblem& problem, double h) noexcept {
     FitMatrix gram{};
     for (std::size_t i = 0; i <= d; ++i) {
         for (std::size_t j = 0; j <= d; ++j) {
-            // B_i' = d (B_(i−1) − B_i) of one degree less. Index −1 wraps to one out of range.
+            // B_i' = d (B_(i−1) − B_i), of degree d − 1. Index −1 wraps to one out of range.
             const double slopes = bernstein_product(d - 1, i - 1, j - 1) -
                                   bernstein_product(d - 1, i - 1, j) - bernstein_product(d - 1, i, j - 1) +
                                   bernstein_product(d - 1, i, j);
@@ -31,7 +31,7 @@ inline FitMatrix gram_matrix(const FitProblem& problem, double h) noexcept {
     return gram;
 }
 
-/// All Bernstein polynomials of degree d at u, and those of degree d − 1.
+/// All Bernstein polynomials of degree d at u, and all of degree d − 1.
 struct BernsteinBasis {
     Coefficients values{}, lower{};
 
@@ -43,14 +43,14 @@ struct BernsteinBasis {
     }
 
 private:
-    /// From degree n − 1 to n.
+    /// Raises the degree from n − 1 to n.
     static void raise(Coefficients& b, std::size_t n, double u) noexcept {
         for (std::size_t i = n; i > 0; --i) b[i] = (1 - u) * b[i] + u * b[i - 1];
         b[0] *= 1 - u;
     }
 };
 
-/// l_j = w0 ∫ C B_j dx + w1 ∫ C' B_j' dx: polynomials, with the curve's parameter substituted.
+/// l_j = w0 ∫ C B_j dx + w1 ∫ C' B_j' dx. With the curve's parameter as variable, integrands are polynomials.
 template <std::size_t Nodes>
 Coefficients load_by_rule(const FitProblem& problem, const FitPiece& piece) {
     const auto& rule = Gauss<Nodes>::rule();
@@ -72,12 +72,12 @@ Coefficients load_by_rule(const FitProblem& problem, const FitPiece& piece) {
     return load;
 }
 
-/// Exactly: the integrands are of degree 3 d + 5, a rule of N nodes is exact to 2 N − 1.
+/// The exact load: integrands have degree 3 d + 5, and a rule of N nodes is exact to degree 2 N − 1.
 inline Coefficients load(const FitProblem& problem, const FitPiece& piece) {
     return problem.options.degree == 3 ? load_by_rule<8>(problem, piece) : load_by_rule<11>(problem, piece);
 }
 
-/// Solves for `count` coefficients of a piece, from `first` on. The others are given.
+/// Solves for `count` coefficients of a piece, from index `first` on. The others are given.
 inline void solve_normal_equations(const FitProblem& problem, FitPiece& piece, std::size_t first,
                                    std::size_t count) {
     const FitMatrix gram = gram_matrix(problem, piece.length());

@@ -1,10 +1,9 @@
-// A Bézier key interval replaced by a few polynomials in time: the best ones in a Sobolev norm,
-// under conditions.
+// Replaces the Bézier curve between two keys by a few polynomials in time: the best ones in a
+// Sobolev norm, under conditions.
 //
-// Izdebski, Interpolacja trajektorii w animacji (Trajectory interpolation in animation), PhD
-// thesis, Warsaw University of Technology (2019), ch. 4. Misprints are corrected, integrals exact.
-// Bind time: allocates. The normal equations are in detail/normal_equations.hpp,
-// conditions in detail/tied_pieces.hpp.
+// Izdebski, Interpolacja trajektorii w animacji (Trajectory interpolation in animation), PhD thesis, Warsaw
+// University of Technology (2019), ch. 4. Misprints are corrected, integrals exact. Bind time: allocates.
+// Independent pieces are solved by normal_equations.hpp, pieces tied by conditions by tied_pieces.hpp.
 #pragma once
 
 #include <cageform/animate/fit/bezier_fit.hpp>
@@ -13,11 +12,12 @@
 #include <cageform/animate/fit/least_maximum.hpp>
 #include <cageform/animate/fit/normal_equations.hpp>
 #include <cageform/animate/fit/tied_pieces.hpp>
+#include <cageform/core/running.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Fits pieces to one curve; the search for knots asks it many times. Inside, time runs from 0
-/// to 1, and values are differences from the first key's in a unit that makes the largest about 1.
+/// Fits pieces to one curve; the search for knots calls it many times. Works in the normalised
+/// units of fit_problem.hpp.
 class SobolevFitter {
 public:
     using Piece = detail::FitPiece;
@@ -30,11 +30,11 @@ public:
     Status status() const noexcept { return status_; }
     const BezierCurve& curve() const noexcept { return curve_; }
 
-    /// Whether every piece is determined by its own interval.
+    /// Whether pieces are independent: each is determined by its own interval.
     bool decoupled() const noexcept { return detail::decoupled(problem_.options.conditions); }
 
-    /// The best piece between two parameters that has the values (and slopes) of the curve at its
-    /// ends. Not solved where there are more conditions than coefficients, or a slope is unbounded.
+    /// The best piece between two parameters that has the curve's values (and slopes) at its ends.
+    /// It is not solved if there are more conditions than coefficients, or a slope is unbounded.
     Piece fit_piece(double begin, double end) const {
         Piece piece = problem_.interval(begin, end);
         if (!(piece.length() > 0)) return piece;
@@ -52,9 +52,8 @@ public:
         return piece;
     }
 
-    /// What knots are searched by: the weighted squares of a piece's errors, in the unit of the
-    /// fitter. Where the curve's slope is unbounded, less a constant that is infinite but the same
-    /// for all knots.
+    /// The objective of the knot search: the weighted squared errors of a piece, in the fitter's units.
+    /// If the curve's slope is unbounded, an infinite constant, the same for all knots, is left out.
     double cost(const Piece& piece) const {
         const FitOptions& options = problem_.options;
         if (!problem_.vertical || options.slope_weight == 0) {
@@ -75,77 +74,76 @@ public:
         return sum;
     }
 
-    /// The largest |C − f| on a piece; exact, since the difference is a polynomial of the curve's
-    /// parameter.
+    /// The largest |C − f| on a piece. It is exact, since the difference is a polynomial in the
+    /// curve's parameter.
     double largest_error(const Piece& piece) const {
         return problem_.unit * detail::largest_error(problem_, piece);
     }
-    /// What samples find of it: never more, seldom less by more than a twentieth. Much faster.
+    /// The largest error at a few samples: never more, seldom less by more than 5 %, and much faster.
     double sampled_error(const Piece& piece) const noexcept {
         return problem_.unit * detail::sampled_error(problem_, piece);
     }
 
-    /// All pieces between parameters that ascend from 0 to 1.
-    BezierFit fit(std::span<const double> parameters) const {
-        BezierFit result;
-        result.degree = problem_.options.degree;
-        result.status = status_;
-        if (status_ != Status::ok) return result;
+    /// Fits all pieces between parameters that ascend from 0 to 1.
+    Result<BezierFit, FitReport> fit(std::span<const double> parameters, const Running& running = {}) const {
+        if (status_ != Status::ok) return {{}, {status_}};
         std::vector<Piece> pieces;
-        result.status = solve(parameters, pieces);
-        return result.status == Status::ok ? gather(pieces) : result;
+        const Status status = solve(parameters, pieces, running);
+        if (status != Status::ok) return {{}, {status}};
+        return gather(pieces);
     }
 
-    /// The sum of the costs of the pieces between parameters; infinite where there is no fit.
+    /// The sum of the costs of the pieces between parameters; infinite if there is no fit.
     double cost(std::span<const double> parameters) const {
         std::vector<Piece> pieces;
-        if (solve(parameters, pieces) != Status::ok) return std::numeric_limits<double>::infinity();
+        if (solve(parameters, pieces, {}) != Status::ok) return std::numeric_limits<double>::infinity();
         double sum = 0;
         for (const Piece& piece : pieces) sum += cost(piece);
         return sum;
     }
 
-    /// The same in the units of the curve.
+    /// The cost in the units of the curve.
     double objective(std::span<const double> parameters) const { return in_units(cost(parameters)); }
     double in_units(double cost) const noexcept { return cost * problem_.unit * problem_.unit; }
 
-    /// The result made of solved pieces.
-    BezierFit gather(std::span<const Piece> pieces) const {
+    /// Assembles the result from solved pieces.
+    Result<BezierFit, FitReport> gather(std::span<const Piece> pieces) const {
         const FitOptions& options = problem_.options;
         const double length = problem_.function.length(), begin = curve_.begin(), unit = problem_.unit;
-        BezierFit result;
-        result.degree = options.degree;
-        result.free_coefficients =
+        Result<BezierFit, FitReport> result;
+        auto& [fitted, report] = result;
+        fitted.degree = options.degree;
+        fitted.free_coefficients =
             (options.degree + 1) * pieces.size() - detail::condition_count(options.conditions, pieces.size());
-        result.parameters = {0};
-        result.knots = {begin};
+        fitted.parameters = {0};
+        fitted.knots = {begin};
         double l2 = 0, slope = 0;
         for (const Piece& piece : pieces) {
             const auto error = detail::residual(problem_, piece);
-            result.parameters.push_back(piece.end);
-            result.knots.push_back(piece.end == 1 ? curve_.end() : begin + length * piece.x_end);
+            fitted.parameters.push_back(piece.end);
+            fitted.knots.push_back(piece.end == 1 ? curve_.end() : begin + length * piece.x_end);
             for (std::size_t k = 0; k <= options.degree; ++k) {
-                result.bernstein.push_back(curve_.points[0][1] + unit * piece.polynomial.c[k]);
-                if (!is_finite(result.bernstein.back())) result.status = Status::value_not_finite;
+                fitted.bernstein.push_back(curve_.points[0][1] + unit * piece.polynomial.c[k]);
+                if (!is_finite(fitted.bernstein.back())) report.status = Status::value_not_finite;
             }
             l2 += detail::l2_square(problem_, piece, error);
             slope += detail::slope_square(problem_, piece, error);
             const auto largest = detail::largest_absolute(error);
-            if (unit * largest.value <= result.sup_error && &piece != pieces.data()) continue;
-            result.sup_error = unit * largest.value;
-            result.sup_at = begin + length * problem_.function.time()(piece.begin +
+            if (unit * largest.value <= report.sup_error && &piece != pieces.data()) continue;
+            report.sup_error = unit * largest.value;
+            report.sup_at = begin + length * problem_.function.time()(piece.begin +
                                                                       largest.at * (piece.end - piece.begin));
         }
-        result.l2_error = unit * (std::sqrt(l2) * std::sqrt(length));
-        result.slope_error = unit * (std::sqrt(slope) / std::sqrt(length));
+        report.l2_error = unit * (std::sqrt(l2) * std::sqrt(length));
+        report.slope_error = unit * (std::sqrt(slope) / std::sqrt(length));
         return result;
     }
 
 private:
     Status check_all() const noexcept {
-        const FitOptions& options = problem_.options; // with the weights that count
+        const FitOptions& options = problem_.options; // with weights in normalised units
         if (const Status status = check(curve_).status; status != Status::ok) return status;
-        constexpr double room = 128; // for sums of differences, as in derivatives
+        constexpr double room = 128; // headroom for sums of differences, as in derivatives
         for (const auto& p : curve_.points) {
             if (!is_finite(room * (p[1] - curve_.points[0][1]))) return Status::value_not_finite;
         }
@@ -161,8 +159,8 @@ private:
         return Status::ok;
     }
 
-    /// Sets the first or the last `count` coefficients of a piece from the curve; false where a
-    /// derivative is unbounded.
+    /// Sets the first or the last `count` coefficients of a piece from the curve; returns false if
+    /// a derivative is unbounded.
     bool prescribe(Piece& piece, std::size_t count, bool at_end) const noexcept {
         std::array<double, 3> c{};
         if (!problem_.derivatives(at_end ? piece.end : piece.begin, count, c)) return false;
@@ -176,7 +174,8 @@ private:
     }
 
     /// Makes and solves the pieces between parameters.
-    Status solve(std::span<const double> parameters, std::vector<Piece>& pieces) const {
+    Status solve(std::span<const double> parameters, std::vector<Piece>& pieces,
+                 const Running& running) const {
         bool ascending = parameters.size() >= 2 && parameters.front() == 0 && parameters.back() == 1;
         for (std::size_t i = 0; i + 1 < parameters.size() && ascending; ++i) {
             pieces.push_back(problem_.interval(parameters[i], parameters[i + 1]));
@@ -185,6 +184,7 @@ private:
         if (!ascending) return Status::knots_not_ascending;
         if (!decoupled()) return detail::TiedPieces(problem_, pieces).solve();
         for (Piece& piece : pieces) {
+            if (!running.keep_going(piece.begin)) return Status::cancelled;
             std::array<double, 3> c{};
             for (const double t : {piece.begin, piece.end}) {
                 if (!problem_.derivatives(t, problem_.prescribed(t == 0 || t == 1), c))
@@ -201,11 +201,13 @@ private:
     Status status_;
 };
 
-/// The best pieces between given parameters of the curve, ascending from 0 to 1: exact integrals
-/// and a small linear system for each piece; one for all where conditions tie them together.
-inline BezierFit fit_pieces(const BezierCurve& curve, std::span<const double> parameters,
-                            const FitOptions& options = {}) {
-    return SobolevFitter(curve, options).fit(parameters);
+/// Fits the best pieces between given parameters of the curve, ascending from 0 to 1, by exact integrals.
+/// Solves a small linear system for each piece, or one system for all if conditions tie them together.
+inline Result<BezierFit, FitReport> fit_pieces(const BezierCurve& curve, std::span<const double> parameters,
+                                               const FitOptions& options = {}, const Running& running = {}) {
+    auto result = SobolevFitter(curve, options).fit(parameters, running);
+    result.report.status = running.end(result.report.status);
+    return result;
 }
 
 } // namespace cageform::inline CAGEFORM_ABI

@@ -1,4 +1,4 @@
-// Pieces that conditions tie together: one linear system for all.
+// Fits pieces that conditions tie together, by one linear system for all.
 #pragma once
 
 #include <cageform/animate/fit/normal_equations.hpp>
@@ -6,10 +6,10 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The Lagrange system [G Aᵀ; A 0] of the source's (4.59): the normal equations G of all pieces,
-/// and a row of A for each condition. Unknowns are the pieces' Bernstein coefficients and the
-/// multipliers, from key to key: the conditions of a knot stand between its pieces, so that the
-/// system is banded.
+/// The Lagrange system [G Aᵀ; A 0] of Izdebski 2019, (4.59), see sobolev_fit.hpp: G has the normal
+/// equations of all pieces, and A has a row for each condition. Unknowns are the Bernstein
+/// coefficients of the pieces and the Lagrange multipliers. They are ordered by time, with the
+/// conditions of a knot between its two pieces, so that the system is banded.
 class TiedPieces {
 public:
     TiedPieces(const FitProblem& problem, std::span<FitPiece> pieces)
@@ -24,7 +24,7 @@ public:
             return Status::too_many_conditions;
         if (!make_conditions()) return Status::slope_unbounded;
         if (!independent()) return Status::too_many_conditions;
-        std::size_t most = 0; // conditions of a knot
+        std::size_t most = 0; // conditions at one knot
         for (std::size_t knot = 0; knot <= pieces_.size(); ++knot)
             most = (std::max)(most, first_[knot + 1] - first_[knot]);
         BandedMatrix system(unknowns + conditions_.size(), most + coefficients_ - 1);
@@ -41,19 +41,20 @@ public:
     }
 
 private:
-    /// A row of A, of length 1: a sum over the coefficients of the pieces before and after a knot.
+    /// A row of A, normalised: a linear combination of the coefficients of the pieces before and
+    /// after a knot.
     struct Condition {
         std::size_t knot;
         Coefficients before{}, after{};
         double right = 0;
     };
 
-    /// Of a piece's coefficients among the unknowns.
+    /// The index of a piece's first coefficient among the unknowns.
     std::size_t place_of(std::size_t piece) const noexcept {
         return piece * coefficients_ + first_[piece + 1];
     }
 
-    /// The conditions of all knots, the keys' included; false where the curve lacks a derivative.
+    /// Collects the conditions at all knots and keys; returns false if the curve has no derivative somewhere.
     bool make_conditions() {
         bool bounded = true;
         for (std::size_t knot = 0; knot <= pieces_.size(); ++knot) {
@@ -75,7 +76,7 @@ private:
         return bounded;
     }
 
-    /// A condition: the derivative of the piece before or after a knot is the curve's.
+    /// Adds the condition that a derivative of the piece before or after a knot equals the curve's.
     bool take_from_curve(std::size_t knot, std::size_t order, bool before) {
         const double t = before ? pieces_[knot - 1].end : pieces_[knot].begin;
         std::array<double, 3> c{};
@@ -87,15 +88,15 @@ private:
         return bounded;
     }
 
-    /// Adds `sign` times a derivative of the piece before or after the row's knot, over its size on
-    /// the unit interval, so that all rows are of one magnitude.
+    /// Adds `sign` times a derivative of the piece before or after the row's knot. Constant factors
+    /// of the degree are left out, so that all rows have similar size.
     void add_derivative(Condition& row, std::size_t order, bool before, double sign) const {
         static constexpr std::array<std::array<double, 3>, 3> differences{
             {{1, 0, 0}, {-1, 1, 0}, {1, -2, 1}}};
         const FitPiece& piece = pieces_[before ? row.knot - 1 : row.knot];
         const double scale = std::pow(piece.length(), -double(order));
         for (std::size_t k = 0; k <= order; ++k) {
-            // From the end the same differences backwards, with the sign of the order.
+            // At the end of a piece, the same differences run backwards; the sign changes for odd orders.
             double& entry = before ? row.before[problem_.options.degree - k] : row.after[k];
             const double turned = before && order == 1 ? -1 : 1;
             entry += sign * turned * differences[order][k] * scale;
@@ -114,11 +115,11 @@ private:
         row.right /= length;
     }
 
-    /// Whether no condition follows from those before it: what is left of each, orthogonal to them,
-    /// is 1e-10 at least. Only conditions of one knot and the next have a piece in common.
+    /// Whether the conditions are linearly independent, by Gram-Schmidt: after projection, 1e-10 or
+    /// more must be left of each. Only conditions of neighbouring knots have a piece in common.
     bool independent() const {
-        std::vector<std::vector<double>> kept; // orthonormal, of this knot and the one before
-        std::size_t of_knot_before = 0;        // of them
+        std::vector<std::vector<double>> kept; // orthonormal, for this knot and the one before
+        std::size_t of_knot_before = 0;        // how many belong to the knot before
         for (std::size_t knot = 0; knot <= pieces_.size(); ++knot) {
             for (std::size_t r = first_[knot]; r < first_[knot + 1]; ++r) {
                 std::vector<double> left((knot + 1) * coefficients_, 0.0);
@@ -126,7 +127,7 @@ private:
                     if (knot > 0) left[(knot - 1) * coefficients_ + k] = conditions_[r].before[k];
                     left[knot * coefficients_ + k] = conditions_[r].after[k];
                 }
-                for (int twice = 0; twice < 2; ++twice) { // once leaves rounding
+                for (int twice = 0; twice < 2; ++twice) { // the second pass removes rounding
                     for (const auto& unit : kept) subtract_projection(left, unit);
                 }
                 const double length = std::sqrt(dot_product(left, left));
@@ -139,7 +140,7 @@ private:
         }
         return true;
     }
-    /// Of vectors that are 0 beyond their end.
+    /// The dot product; the shorter vector continues with zeros.
     static double dot_product(std::span<const double> a, std::span<const double> b) noexcept {
         double sum = 0;
         for (std::size_t i = 0; i < (std::min)(a.size(), b.size()); ++i) sum += a[i] * b[i];
@@ -178,9 +179,9 @@ private:
 
     const FitProblem& problem_;
     std::span<FitPiece> pieces_;
-    std::size_t coefficients_; ///< of a piece
+    std::size_t coefficients_; ///< per piece
     std::vector<Condition> conditions_;
-    std::vector<std::size_t> first_; ///< #knots + 1, of each knot's conditions among all
+    std::vector<std::size_t> first_; ///< #knots + 1: the index of each knot's first condition
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

@@ -1,4 +1,4 @@
-// What errors of an animated value cannot be seen.
+// Tolerances for animated values: errors below them are invisible.
 #pragma once
 
 #include <cageform/config.hpp>
@@ -9,14 +9,14 @@
 namespace cageform::inline CAGEFORM_ABI {
 
 /// @name Tolerances Errors that cannot be seen (Izdebski 2019, sec. 5.2), in the units of the
-/// values animated. Angles are in radians.
+/// animated values. Angles are in radians.
 /// @{
 
-/// One step of a colour channel of `bits` bits, of a range of 1.
+/// One step of a colour channel with `bits` bits and a range of 1.
 inline double colour_tolerance(unsigned bits) noexcept {
     return std::ldexp(1.0, -int(bits));
 }
-/// One pixel under an orthographic camera that sees `width` units on `pixels` pixels.
+/// One pixel under an orthographic camera that shows `width` units on `pixels` pixels.
 inline double orthographic_tolerance(double width, double pixels) noexcept {
     return width / pixels;
 }
@@ -29,16 +29,16 @@ inline double perspective_tolerance(double angle, double depth, double pixels) n
 inline double rotation_tolerance(double distance, double radius) noexcept {
     return distance / radius;
 }
-/// What an eye can tell apart at a distance: an arc minute.
+/// The resolution of the eye at a distance: one arc minute.
 inline double eye_tolerance(double distance) noexcept {
     return 2 * std::tan(std::numbers::pi / 180 / 120) * distance;
 }
-/// The pitch of a screen's pixels, in millimetres, from its size in pixels and its diagonal in
-/// inches.
+/// The distance between the pixels of a screen, in millimetres, from its size in pixels and its
+/// diagonal in inches.
 inline double pixel_pitch(double width, double height, double diagonal) noexcept {
     return 25.4 * diagonal / std::hypot(width, height);
 }
-/// The default: a pixel of a path that crosses a screen of 1920.
+/// The default: one pixel, if the animation crosses a screen 1920 pixels wide.
 inline constexpr double screen_tolerance = 1.0 / 1920;
 /// @}
 

@@ -1,5 +1,5 @@
-// Coordinates and points of whatever types, as binding sees them: what works on them is compiled
-// for a scalar and a dimension only.
+// Type-erased coordinates and points for binding, so that most code is compiled once per scalar and
+// dimension.
 #pragma once
 
 #include <cageform/coordinates/coordinate.hpp>
@@ -12,15 +12,15 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Points that are read a block at a time.
+/// Reads points a block at a time.
 template <Scalar T>
 struct PointReader {
     std::size_t size = 0;
-    /// Rows of a block; copies of the last point fill the last one.
+    /// Reads the rows of a block; copies of the last point fill the last block.
     std::function<void(std::size_t block, Lanes<T>* rows)> read;
 };
 
-/// Reads any range, which has to outlive the reader.
+/// Reads any range, which must outlive the reader.
 template <Scalar T, PointRange R>
 PointReader<T> read_points(const R& points) {
     return {std::size(points), [&points](std::size_t block, Lanes<T>* rows) {
@@ -32,7 +32,7 @@ PointReader<T> read_points(const R& points) {
             }};
 }
 
-/// The same vector for every point; it has to outlive the reader.
+/// Returns the same vector for every point; it must outlive the reader.
 template <Scalar T, std::size_t D>
 PointReader<T> repeat_vector(std::size_t size, const Vec<T, D>& vector) {
     return {size, [&vector](std::size_t, Lanes<T>* rows) {
@@ -41,13 +41,13 @@ PointReader<T> repeat_vector(std::size_t size, const Vec<T, D>& vector) {
             }};
 }
 
-/// What is bound, and by what; owns nothing.
+/// The points and the coordinates of a bind; owns nothing.
 template <Scalar T, std::size_t D>
 struct BindInput {
     const CageReport& cage;
     std::function<HandleView<T, D>()> handles; ///< of a sound cage
     bool has_extension = false, closed_form = false, local = false;
-    /// The rows are weights; of vectors gradients.
+    /// Fills rows of weights; for vectors, of gradients.
     std::function<Evaluation(const Batch<T>&, const Running&)> evaluate;
     std::function<Vec<T, D>(const Vec<T, D>&, std::span<T>)> nearest_boundary;
     PointReader<T> points;

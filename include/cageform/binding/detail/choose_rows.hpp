@@ -1,4 +1,4 @@
-// Which handles a block of a packed binding keeps rows for.
+// Chooses the handles for which a block of a packed binding keeps rows.
 #pragma once
 
 #include <cageform/binding/detail/packed_block.hpp>
@@ -8,21 +8,23 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Handles that lie nearly in one plane could restore what is missing across it by huge changes
-/// only: the least mean square of the affine rows, which is 1 of all handles.
+/// Returns whether chosen handles are spread enough in all directions. If they lay nearly in one
+/// plane, only huge changes of weights could restore row sums across it. Measured by the least mean
+/// square of the affine rows, which is 1 for all handles together.
 template <std::size_t D, class Chosen>
 bool are_spread(const Moments<D>& moments, const Chosen& chosen) {
     constexpr double enough = 0.05;
     return principal_axes(moments.sum_of_squares(chosen)).least() >= enough;
 }
 
-/// The rows that a block is asked for by number or size of weights.
+/// The rows that a block needs because of the number or size of weights.
 struct RowsBySize {
     std::vector<std::uint32_t> handles; ///< ascending
-    std::size_t added = 0;              ///< because those asked for would lie too nearly in one plane
+    std::size_t added = 0;              ///< because the others would lie too nearly in one plane
 };
 
-/// The handles that any point of a block wants, and more where those would not do.
+/// Returns the handles whose weights are kept for any point of a block, and more if those are not
+/// spread.
 template <Scalar T, std::size_t D>
 RowsBySize rows_by_size(const BindingView<T, D>& binding, const Moments<D>& moments,
                         const BlockPoints<T>& points, const PackOptions& options) {
@@ -65,7 +67,7 @@ RowsBySize rows_by_size(const BindingView<T, D>& binding, const Moments<D>& mome
     return result;
 }
 
-/// How many rows of a block a format needs, in the order in which a pursuit added them.
+/// How many rows a block needs in one format, in the order in which the pursuit added them.
 struct RowTrial {
     static constexpr std::size_t none = ~std::size_t{0};
 
@@ -73,23 +75,23 @@ struct RowTrial {
         : format(stored_as) {}
 
     WeightFormat format;
-    std::size_t too_few = 0;  ///< the largest number of rows known not to do
-    std::size_t count = none; ///< that keep the tolerance
-    std::size_t suspect = 0;  ///< the pose that decided
-    Extreme distance;         ///< the least that was met by too few
+    std::size_t too_few = 0;  ///< the largest number of rows known to be too few
+    std::size_t count = none; ///< the number of rows that keeps the tolerance
+    std::size_t suspect = 0;  ///< the pose that decided last; tested first next time
+    Extreme distance;         ///< the smallest distance found with too few rows
     bool asked_all = false, given_up = false;
 
     bool is_met() const { return count != none; }
     bool is_open() const { return !is_met() && !given_up; }
 };
 
-/// The rows of one block that keep a tolerance.
+/// Finds the rows of one block that keep a tolerance.
 template <Scalar T, std::size_t D>
 class RowChooser {
 public:
     static constexpr std::size_t lanes = lane_count<T>;
 
-    /// `asked_for` come first.
+    /// The rows of `asked_for` come first.
     RowChooser(const BlockPacker<T, D>& packer, const SquareLoss<D>& loss, const BlockPoints<T>& points,
                std::span<const std::uint32_t> asked_for)
         : packer_(packer)
@@ -100,11 +102,11 @@ public:
         for (const std::uint32_t h : asked_for) pursuit_.add(h);
     }
 
-    /// Fills `trials`, whose formats are given, with the fewest rows that are found to keep
-    /// `tolerance`. Their number grows by eighths, which is then bisected. Formats that round are
-    /// not asked before scalars would do.
+    /// Fills `trials`, whose formats are set, with the smallest number of rows found to keep
+    /// `tolerance`. The number grows by an eighth at a time and is then bisected. Rounded formats
+    /// are tested only once scalar weights keep the tolerance.
     void run(std::span<RowTrial> trials, double tolerance) {
-        // Sums are taken in another order here than at the end.
+        // The final measurement sums in another order, so the limit is slightly lower here.
         const double limit = tolerance * (1 - 1e-9);
         const std::size_t candidates = pursuit_.candidates(), asked_for = pursuit_.order().size();
         RowTrial scalar(WeightFormat::scalar);
@@ -127,7 +129,7 @@ public:
     }
 
     std::span<const std::uint32_t> order() const { return pursuit_.order(); }
-    /// The first `count` rows; the pursuit has gone as far.
+    /// Returns the first `count` rows; the pursuit must have added as many.
     PackedRows rows(std::size_t count) const {
         const auto solution = pursuit_.solution(count);
         std::vector<std::size_t> sorted(count);
@@ -150,7 +152,7 @@ private:
         return packer.rows_of(points, std::move(handles));
     }
 
-    /// Whether the first `count` rows keep a distance in the format of a trial.
+    /// Returns whether the first `count` rows keep the limit in the format of a trial.
     bool keeps(RowTrial& trial, std::size_t count, double limit) const {
         PackedRows kept = rows(count);
         const auto has_row = [&](std::size_t h) {
@@ -171,8 +173,10 @@ private:
         return kept;
     }
 
-    /// What a coarse format loses by rounding, no further rows give back: once that is the most of
-    /// it, all rows are asked. When depends on no limit, so what is said to be reachable is.
+    /// Decides whether a format is too coarse. More rows cannot undo its rounding. Once rounding is
+    /// most of the distance, the format is tested with all rows, and given up if even these exceed
+    /// the limit. When this test is made does not depend on the limit, so the distance reported as
+    /// reachable does not either.
     void give_up(RowTrial& trial, std::size_t count, double limit) const {
         PackedRows kept = rows(count);
         packer_.restore(points_, kept);
@@ -187,7 +191,7 @@ private:
         trial.given_up = all.value > limit;
     }
 
-    /// Lessens the number of rows; returns the largest that is known not to do.
+    /// Reduces the number of rows by bisection; returns the largest number known to be too few.
     std::size_t bisect(RowTrial& trial, std::size_t too_few, double limit) const {
         too_few = (std::max)(too_few, trial.too_few);
         while (trial.count > too_few + 1) {

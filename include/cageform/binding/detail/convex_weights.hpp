@@ -1,4 +1,4 @@
-// Weights of a point that are not negative, few, and nearest to given ones.
+// Finds non-negative weights of a point, on few handles, closest to given weights.
 #pragma once
 
 #include <cageform/binding/detail/symmetric_matrix.hpp>
@@ -13,20 +13,21 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The weights of one point nearest to given ones, in the sense of least squares, among those that
-/// are not negative, belong to some handles, sum to 1 and reproduce a place q.
+/// Finds the weights of one point that are closest to given ones, in the least-squares sense, among
+/// the non-negative weights on chosen handles that sum to 1 and reproduce a point q.
 ///
-/// With the affine rows a_i of the handles in a frame at q they are w_i = max(0, w0_i + a_i·y) for
-/// the y of D + 1 numbers that makes Σ w_i a_i = (1, 0): Newton's method for the dual problem,
-/// which is smooth, convex and quadratic in pieces. Its penalty (the proximal term E) keeps
-/// equations solvable where q cannot be reproduced, and y then tells the nearest place that can;
-/// repeated about the last y it fades away where q can.
+/// Let a_i be the affine rows of the handles in a frame at q. The solution is w_i = max(0, w0_i +
+/// a_i·y), where y has D + 1 numbers and makes Σ w_i a_i = (1, 0). It is found by Newton's method
+/// for the dual problem, which is smooth, convex and piecewise quadratic. A proximal term E keeps
+/// the equations solvable if q cannot be reproduced; y then gives the closest point that can. The
+/// term is re-centred at each y, so it vanishes if q can be reproduced.
 template <std::size_t D>
 class ConvexWeights {
 public:
-    static constexpr double reproduced = 1e-7; ///< of the size: what weights in single precision resolve
+    /// Relative to the size; what weights in single precision resolve.
+    static constexpr double reproduced = 1e-7;
 
-    /// Takes up a point: its weights, and the handles in a frame at q.
+    /// Loads a point: its weights, and the handles in a frame at q.
     template <Scalar T, class Weight>
     void load(const HandleView<T, D>& handles, const AffineFrame<double, D>& frame, const Weight& weight) {
         columns_.resize(handles.count);
@@ -42,11 +43,11 @@ public:
         }
     }
 
-    /// The weights of at most `most` handles, in `weight(i)`; false where q is not reproduced.
-    /// Handles are left out from the least weight on, at most half of the surplus at once, where
-    /// the others can do without: a good choice, not the best of all. (Exchanging handles for
-    /// weights still nearer to the given ones was tried: motions came out twice as far off, for
-    /// handles that are far away move differently.)
+    /// Computes weights on at most `most` handles; `weight(i)` returns them. Returns false if q is
+    /// not reproduced. Handles are dropped from the smallest weight on, at most half of the surplus
+    /// at a time, if the others can reproduce q: this is a good choice, not the best of all.
+    /// (Exchanging handles for weights even closer to the given ones was tried. Motions were then
+    /// twice as far off, because handles that are far away move differently.)
     bool reduce(std::size_t most, double threshold) {
         bool exact = start();
         std::size_t at_once = support_.size();
@@ -69,12 +70,12 @@ public:
                 } else if (at_once > 1) {
                     at_once /= 2;
                 } else {
-                    needed_[*least] = 1; // and ever will be: the hull of fewer handles is no larger
+                    needed_[*least] = 1; // and stays needed: the hull of fewer handles is no larger
                     break;
                 }
             }
             if (dropped || !too_many || !all_needed()) continue;
-            // Too few for q: the nearest that some of them can do.
+            // Too few handles for q: uses the closest point that some of them can reproduce.
             exact = false;
             trial_.assign(support_.begin(), support_.end() - 1);
             solve(trial_, false);
@@ -83,7 +84,7 @@ public:
     }
 
     double weight(std::size_t i) const noexcept { return weights_[i]; }
-    /// The handles of weights other than 0, in the order of falling weights.
+    /// Returns the handles with weights other than 0, in the order of falling weights.
     std::span<const std::size_t> support() const noexcept { return support_; }
 
 private:
@@ -91,8 +92,7 @@ private:
     using Row = Eigen::Matrix<double, N, 1>;
     using Square = Eigen::Matrix<double, N, N>;
 
-    /// All handles. Where these cannot reproduce q either, the nearest place that they can takes
-    /// its stead.
+    /// Solves with all handles. If these cannot reproduce q, the closest point that they can replaces q.
     bool start() {
         bool sound = true;
         Row sum = Row::Zero();
@@ -128,8 +128,8 @@ private:
     bool all_needed() const {
         return std::all_of(support_.begin(), support_.end(), [this](std::size_t i) { return needed_[i]; });
     }
-    /// Tries the support without its `count` least handles that are not needed; the first of them,
-    /// or nothing where there are none.
+    /// Fills trial_ with the support without its `count` smallest handles that are not needed.
+    /// Returns the smallest of them, or nothing if there are none.
     std::optional<std::size_t> without_least(std::size_t count) {
         std::optional<std::size_t> least;
         trial_.clear();
@@ -144,7 +144,7 @@ private:
         }
         return least;
     }
-    /// Takes the weights found over.
+    /// Takes over the solution on the handles `over`.
     void accept(std::span<const std::size_t> over) {
         std::vector<std::size_t>& kept = spare_;
         kept.clear();
@@ -156,13 +156,13 @@ private:
         support_.swap(kept);
     }
 
-    /// Weights over some handles, into `found_`. Exact ones, or false; or those of the nearest
-    /// place.
+    /// Computes weights on some handles, into `found_`. With `exact` they must reproduce q, else it
+    /// returns false; without, they are those of the closest point.
     bool solve(std::span<const std::size_t> over, bool exact) {
         found_.assign(given_.size(), 0.0);
         if (over.empty()) return false;
-        // E: small beside the equations, and large enough for y to keep digits where they have no
-        // solution.
+        // E is small compared to the equations, and large enough for y to keep its digits if they
+        // have no solution.
         Row penalty = Row::Constant(exact ? 1e-10 : 1e-6);
         if (!exact) penalty[0] = 1e-9;
         Row y = Row::Zero(), centre = Row::Zero();
@@ -193,7 +193,7 @@ private:
         return missed <= reproduced;
     }
 
-    /// Σ w a − (1, 0).
+    /// Returns Σ w a − (1, 0).
     Row sum(std::span<const std::size_t> over, const Row& y) const {
         Row total = Row::Zero();
         total[0] = -1;
@@ -201,7 +201,7 @@ private:
             total += (std::max)(0.0, given_[i] + columns_[i].dot(y)) * columns_[i];
         return total;
     }
-    /// What the dual problem minimises: Σ w²/2 − y_0 + (y − centre)·E (y − centre)/2.
+    /// Returns the objective of the dual problem: Σ w²/2 − y_0 + (y − centre)·E (y − centre)/2.
     double objective(std::span<const std::size_t> over, const Row& penalty, const Row& centre,
                      const Row& y) const {
         double squares = 0;
@@ -237,7 +237,7 @@ private:
                     value = there;
                     break;
                 }
-                if (length < 1e-14) { // nothing but rounding is left to gain
+                if (length < 1e-14) { // only rounding is left to gain
                     const Row whole = y + direction;
                     if (objective(over, penalty, centre, whole) <= value) y = whole;
                     return;
@@ -249,7 +249,7 @@ private:
     std::vector<Row> columns_;
     std::vector<double> given_, weights_, found_;
     std::vector<std::size_t> support_, trial_, spare_;
-    std::vector<char> needed_; // no other handles would do
+    std::vector<char> needed_; // handles that no others can replace
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

@@ -1,4 +1,4 @@
-// Binds the points, normals and tangents of a figure; coordinates that solve do so once.
+// Binds the points, normals and tangents of a figure; coordinates with a solver solve only once.
 #pragma once
 
 #include <cageform/binding/detail/vector_binder.hpp>
@@ -8,17 +8,17 @@ namespace cageform::inline CAGEFORM_ABI {
 
 namespace detail {
 
-/// A figure as it is bound, read where it lies.
+/// A figure to be bound, read from the caller's memory.
 template <Scalar T, std::size_t D>
 struct FigureInput {
     PointReader<T> points;
-    std::array<PointReader<T>, D - 1> tangents; ///< of no points where there are no normals
-    std::vector<std::int8_t> handedness;        ///< of tangents of the figure's own
+    std::array<PointReader<T>, D - 1> tangents; ///< empty without normals
+    std::vector<std::int8_t> handedness;        ///< of the figure's own tangents
 
     bool has_normals() const noexcept { return bool(tangents[0].read); }
 };
 
-/// Tangents of three numbers, from those with a handedness.
+/// Splits tangents of four numbers into tangents of three and their handedness.
 template <class Tangents>
 auto without_sign(const Tangents& tangents, std::vector<std::int8_t>& handedness) {
     using S = range_scalar_t<Tangents>;
@@ -32,7 +32,7 @@ auto without_sign(const Tangents& tangents, std::vector<std::int8_t>& handedness
     return result;
 }
 
-/// What is left of a bind when the coordinates have solved, where they do.
+/// Binds points and vectors with coordinates that have solved already, if they have a solver.
 template <class C>
 Status bind_parts(const C& coordinates, FigureInput<typename C::scalar, C::dimension>& input,
                   const BindOptions& options, const Running& running,
@@ -57,7 +57,7 @@ Status bind_parts(const C& coordinates, FigureInput<typename C::scalar, C::dimen
     return Status::ok;
 }
 
-/// Coordinates that solve do so once, for weights and gradients.
+/// Binds a figure; coordinates with a solver solve once for weights and gradients.
 template <class C>
 Status bind_read_figure(const C& coordinates, FigureInput<typename C::scalar, C::dimension>& input,
                         const BindOptions& options, const Running& running,
@@ -71,7 +71,8 @@ Status bind_read_figure(const C& coordinates, FigureInput<typename C::scalar, C:
             report.points = input.points.size;
             report.solver = solution.solver;
             report.status = solution.status;
-            if (report.status == Status::out_of_memory) // of functions kept; there may be enough for a group
+            // Memory for all functions is missing; there may be enough for one group.
+            if (report.status == Status::out_of_memory)
                 return bind_parts(coordinates, input, options, running, result);
             if (report.status != Status::ok) return report.status;
             return bind_parts(solved, input, options, running.part(0.7, 1), result);
@@ -80,7 +81,7 @@ Status bind_read_figure(const C& coordinates, FigureInput<typename C::scalar, C:
     return bind_parts(coordinates, input, options, running, result);
 }
 
-/// The normals of a figure as tangents, and what is read of them: read(tangents, handedness).
+/// Converts the normals of a figure to tangents and calls read(tangents, handedness).
 template <Scalar T, class Figure, class Read>
 Status read_tangents(const Figure& figure, const Read& read) {
     std::vector<std::int8_t> handedness;
@@ -96,14 +97,36 @@ Status read_tangents(const Figure& figure, const Read& read) {
     }
 }
 
-// What a figure may have, apart: compilers name the one that is not met.
+/// Reads a figure and calls bind(input), which returns a Status; the input lives as long as the call.
+template <Scalar T, std::size_t D, class Figure, class BindFigure>
+Status read_figure(const Figure& figure, const BindFigure& bind) {
+    FigureInput<T, D> input{read_points<T>(figure.points), {}, {}};
+    if constexpr (is_wanted<decltype(figure.normals)>) {
+        return read_tangents<T>(figure, [&](const auto& tangents, auto&& handedness) {
+            for (std::size_t k = 0; k < tangents.size(); ++k) input.tangents[k] = read_points<T>(tangents[k]);
+            input.handedness = std::move(handedness);
+            return bind(input);
+        });
+    } else {
+        return bind(input);
+    }
+}
+
+// One concept per argument, so that compilers name the one that is not met.
 template <class P, class C>
 concept PointsFor = PointRangeIn<P, C::dimension> &&(C::dimension == 2 || C::dimension == 3);
 template <class N, class C>
 concept NormalsFor = !is_wanted<N> || (GradientCoordinates<C> && PointRangeIn<N, C::dimension>);
-template <class G, class N, class C>
-concept TangentsFor =
-    !is_wanted<G> || (is_wanted<N> && C::dimension == 3 && (PointRangeIn<G, 3> || PointRangeIn<G, 4>));
+template <class N, std::size_t D>
+concept NormalsIn = !is_wanted<N> || PointRangeIn<N, D>;
+template <class G, class N, std::size_t D>
+concept TangentsIn = !is_wanted<G> || (is_wanted<N> && D == 3 && (PointRangeIn<G, 3> || PointRangeIn<G, 4>));
+
+/// Coordinates that bind by a member function; see AnyCoordinates.
+template <class C, class Figure>
+concept BindsByMember = !CageCoordinates<C> && requires(const C& c, const Figure& figure) {
+    c.bind(figure);
+};
 
 } // namespace detail
 

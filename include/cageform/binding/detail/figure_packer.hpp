@@ -22,7 +22,7 @@ Status check_tags(std::span<const FigurePartData> parts, FigureTag& culprit) noe
     return Status::ok;
 }
 
-/// Whether what a figure has besides bindings goes with them.
+/// Checks that handedness and labels fit the figure's bindings.
 template <Scalar T, std::size_t D>
 Status check_tables(const FigureBinding<T, D>& figure, FigureTag& culprit) noexcept {
     culprit = FigureTags::handedness;
@@ -34,7 +34,7 @@ Status check_tables(const FigureBinding<T, D>& figure, FigureTag& culprit) noexc
     return Status::ok;
 }
 
-/// Whether the clips and levels of a figure are of its cage.
+/// Checks that the clips and levels of a figure belong to its cage.
 template <Scalar T, std::size_t D>
 Status check_motion(const HandleView<T, D>& handles, const FigurePackOptions& options,
                     FigurePackReport& report) noexcept {
@@ -53,14 +53,14 @@ Status check_motion(const HandleView<T, D>& handles, const FigurePackOptions& op
     for (std::size_t n = 0; n < options.levels.size(); ++n) {
         report.culprit = FigureTags::level(n + 1);
         const auto level = open_figure_within<T, D>(options.levels[n], {}, false);
-        if (level.status != Status::ok) return level.status;
+        if (!level) return level.status();
         if (!same_handles(level.value.handle_view(), handles)) return Status::blob_of_another_cage;
     }
     report.culprit = {};
     return Status::ok;
 }
 
-/// The part of a figure that its clips are.
+/// Returns the part of a figure that holds its clips.
 inline std::vector<Lanes<double>> packed_clips(std::span<const FigureClipData> clips) {
     const auto whole = [](std::size_t bytes) { return (bytes + 63) / 64 * 64; };
     const std::uint64_t count = clips.size();
@@ -102,7 +102,7 @@ Status pack_parts(const FigureBinding<T, D>& figure, const FigurePackOptions& op
         return running.part(double(n) / double(vectors + 1), double(n + 1) / double(vectors + 1));
     };
     const bool own_tolerance = vectors > 0 && options.tangent_tolerance != 0;
-    if (own_tolerance && how.tolerance == 0) // sparse, for an order that tangents can take over
+    if (own_tolerance && how.tolerance == 0) // makes it sparse, so that tangents can use its order
         how.threshold = (std::max)(how.threshold, (std::numeric_limits<double>::min)());
     auto points = pack_binding(figure.points.view(), how, part(0));
     how.threshold = options.weights.threshold;

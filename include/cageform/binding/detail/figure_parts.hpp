@@ -1,4 +1,4 @@
-// The table of a packed figure (binding/figure.hpp): its header, and what its parts are found by.
+// The table of a packed figure (binding/figure.hpp): its header, and the tags of its parts.
 #pragma once
 
 #include <cageform/binding/blob.hpp>
@@ -8,7 +8,7 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// A part of a figure is found by a tag of four characters.
+/// The name of a part of a figure: four characters.
 struct FigureTag {
     std::uint32_t number = 0;
 
@@ -30,7 +30,7 @@ struct FigureTags {
                                labels = "LABL", clips = "CLPS";
     static constexpr std::size_t most_levels = 9;
 
-    /// The tag of a level of less detail, from 1 on.
+    /// Returns the tag of a level of less detail; levels count from 1.
     static constexpr FigureTag level(std::size_t n) noexcept {
         FigureTag tag = "LVL0";
         tag.number += static_cast<std::uint32_t>(n) << 24;
@@ -61,12 +61,12 @@ struct FigureHeader {
 };
 static_assert(sizeof(FigureHeader) == 64);
 
-/// A line of the table.
+/// An entry of the table.
 struct FigurePart {
     FigureTag tag;
     std::uint32_t reserved = 0;
     std::uint64_t offset = 0; ///< from the beginning of the figure, a multiple of 64
-    std::uint64_t bytes = 0;  ///< without what fills the last 64
+    std::uint64_t bytes = 0;  ///< without the padding to a multiple of 64
 };
 static_assert(sizeof(FigurePart) == 24);
 
@@ -83,7 +83,7 @@ struct FigureClip {
 };
 static_assert(sizeof(FigureClip) == 24);
 
-/// A packed clip to be shipped with a figure, and the name that it is found by.
+/// A packed clip to be stored in a figure, and its name.
 struct FigureClipData {
     std::string_view name;
     std::span<const std::byte> bytes; ///< PackedClip::bytes

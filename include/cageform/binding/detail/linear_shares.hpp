@@ -1,4 +1,4 @@
-// Interpolation between scattered places.
+// Interpolates linearly between scattered points.
 #pragma once
 
 #include <cageform/binding/detail/symmetric_matrix.hpp>
@@ -10,28 +10,28 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Shares s of some places q in the value at the origin: Σs = 1, Σsq = 0 where the places allow.
+/// The shares s of some points q in the value at the origin: Σs = 1, and Σsq = 0 if the points allow it.
 ///
-/// Moving least squares with weights that are singular at the places, φ = (R − |q|)² / |q|²: the
-/// linear function nearest to given values, at the origin. About the weighted mean m and with the
-/// principal axes v of the places, σ their extents,
+/// They come from moving least squares with weights that are singular at the points, φ = (R − |q|)²
+/// / |q|²: the linear function that fits given values best, evaluated at the origin. With the
+/// weighted mean m, the principal axes v of the points and their extents σ,
 ///
 ///     s_j = φ_j / Σφ · (1 − Σ_v (m·v / σ) ((q_j − m)·v / σ)).
 ///
-/// m·v / σ is held in ±12. Half a spacing off the places it is less; farther, and off a sheet of
-/// places, which say little about slopes across it, these would be noise times a distance.
-/// Lancaster, Salkauskas, Math. Comp. 37 (1981), 141: interpolating moving least squares.
+/// m·v / σ is limited to ±12. Up to half a spacing from the points it is smaller. Farther away, and
+/// off a sheet of points, which says little about slopes across it, such terms would be noise times a
+/// distance. Lancaster, Salkauskas, Math. Comp. 37 (1981), 141: interpolating moving least squares.
 template <std::size_t D>
 class LinearShares {
 public:
-    /// `radius`: no place is farther. `rounding`: an extent of no more is none.
+    /// `radius`: no point is farther than this. `rounding`: an extent up to this counts as zero.
     void compute(std::span<const Vec<double, D>> places, double radius, double rounding) {
         shares_.resize(places.size());
         double sum = 0;
         Vec<double, D> mean{};
         for (std::size_t j = 0; j < places.size(); ++j) {
-            // Nearer than this a place has all the share in double precision. What lies on the rim
-            // has a little, for there may be no others.
+            // A point closer than this has all the share in double precision. Points on the rim
+            // keep a small share, because there may be no others.
             const double distance = (std::max)(std::sqrt(dot(places[j], places[j])) / radius, 1e-8);
             const double open = 1.05 - (std::min)(distance, 1.0);
             shares_[j] = open * open / (distance * distance);
@@ -45,7 +45,7 @@ public:
             shares_[j] /= sum;
             add_outer_product(square, shares_[j] * d, d);
         }
-        // Of the squares only half the digits are left in extents.
+        // Extents are roots of squares, so only half of the digits are left.
         const PrincipalAxes<D> axes = principal_axes(square);
         const double least = (std::max)(rounding, 1e-6 * std::sqrt((std::max)(axes.largest(), 0.0)));
         Vec<double, D> slope{};

@@ -1,5 +1,4 @@
-// Affine rows whose mean square is the identity: what packing measures and restores Σ wκ and Σ wH
-// with.
+// Affine rows of the handles, normalised, by which packing measures and restores Σ wκ and Σ wH.
 #pragma once
 
 #include <cageform/binding/detail/symmetric_matrix.hpp>
@@ -9,8 +8,8 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The affine rows of the handles, centred at the mean of the points and scaled so that their mean
-/// square is the identity: what Σ wκ and Σ wH are taken with.
+/// The affine rows (κ, H) of the handles, centred at the mean of the points and scaled so that their
+/// mean square is the identity. The row sum Σ w a of a point's weights contains both Σ wκ and Σ wH.
 template <std::size_t D>
 class Moments {
 public:
@@ -20,7 +19,7 @@ public:
     template <Scalar T>
     explicit Moments(const HandleView<T, D>& handles)
         : columns_(handles.count) {
-        AffineFrame<double, D> frame; // at the mean of the points
+        AffineFrame<double, D> frame; // centred at the mean of the points
         const double points = double(handles.count - handles.vector_count());
         for (std::size_t i = 0; i < handles.count; ++i) {
             for (std::size_t k = 0; k < D && handles.is_point(i); ++k)
@@ -39,7 +38,8 @@ public:
 
     std::size_t size() const { return columns_.size(); }
     const Column& operator[](std::size_t handle) const { return columns_[handle]; }
-    /// The best affine fit to values at all handles is Σ_i fit(i) · value_i, against these columns.
+    /// Returns a coefficient of the best affine fit: the fit to values at all handles is Σ_i fit(i)
+    /// · value_i, against these columns.
     Column fit(std::size_t handle) const { return product(inverse_of_all_, columns_[handle]); }
 
     template <class Chosen>
@@ -50,7 +50,7 @@ public:
         }
         return sum;
     }
-    /// Of a symmetric matrix; directions without extent are left out.
+    /// Returns a power of a symmetric matrix; directions without extent are left out.
     static Matrix power(const Matrix& m, double exponent) {
         const PrincipalAxes<D + 1> axes = principal_axes(m);
         Matrix result{};

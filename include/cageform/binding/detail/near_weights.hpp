@@ -1,4 +1,4 @@
-// Weights of a point that reproduce its place and are near to given ones.
+// Finds weights that reproduce a point and are close to given ones.
 #pragma once
 
 #include <cageform/binding/detail/symmetric_matrix.hpp>
@@ -18,18 +18,20 @@ struct HandleWeight {
     friend bool operator==(const HandleWeight&, const HandleWeight&) = default;
 };
 
-/// The order of weights: the larger first, of equal ones the lesser handle.
+/// Sorts weights: the larger first, of equal ones the lower handle first.
 constexpr bool is_heavier(const HandleWeight& a, const HandleWeight& b) noexcept {
     return a.weight != b.weight ? a.weight > b.weight : a.handle < b.handle;
 }
 
-/// The weights of one point that reproduce its place by the least relative change of given ones: w = m · max(0, 1 + a·y)
-/// for the affine rows a of the handles and the y of D + 1 numbers that makes Σ w a = (1, 0). Newton's method, as for
-/// ConvexWeights. Where m is 0 so is w, and where m fades out so does w.
+/// Finds the weights of one point that reproduce it by the least relative change of given weights
+/// m: w = m · max(0, 1 + a·y), where a are the affine rows of the handles and y has D + 1 numbers
+/// that make Σ w a = (1, 0). It uses Newton's method, as ConvexWeights does. If m is 0 so is w, and
+/// as m fades out so does w.
 template <std::size_t D>
 class NearWeights {
 public:
-    static constexpr double reproduced = 1e-7; ///< of the size: what weights in single precision resolve
+    /// Relative to the size; what weights in single precision resolve.
+    static constexpr double reproduced = 1e-7;
 
     template <Scalar T>
     void load(std::span<const HandleWeight> row, const HandleView<T, D>& handles,
@@ -46,8 +48,8 @@ public:
         }
     }
 
-    /// Without the weights below the threshold, where the others reproduce the place; false where none do, and the given
-    /// weights stay.
+    /// Drops the weights below the threshold if the others reproduce the point. Returns false if no
+    /// weights reproduce it; the given weights are then kept.
     bool reproduce(double threshold) {
         const bool is_exact = solve(given_.size());
         const auto least = std::find_if(found_.begin(), found_.end(),
@@ -79,10 +81,11 @@ private:
     using Row = Eigen::Matrix<double, N, 1>;
     using Square = Eigen::Matrix<double, N, N>;
 
-    /// The first `count` of the given ones, into `found_`; false, and these as they are, where they cannot.
+    /// Solves for the first `count` of the given weights, into `found_`. Returns false, with these
+    /// weights unchanged, if they cannot reproduce the point.
     bool solve(std::size_t count) {
         found_.assign(given_.begin(), given_.begin() + std::ptrdiff_t(count));
-        constexpr double penalty = 1e-12; // keeps equations solvable where handles lie in a plane
+        constexpr double penalty = 1e-12; // keeps the equations solvable if handles lie in a plane
         Row y = Row::Zero();
         double value = objective(count, y);
         for (int step = 0; step < 60; ++step) {

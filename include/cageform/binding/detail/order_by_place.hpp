@@ -1,4 +1,4 @@
-// An order of points in which those of a block lie near each other.
+// Sorts points spatially, so that the points of a block are close to each other.
 #pragma once
 
 #include <cageform/core/detail/blocks.hpp>
@@ -10,16 +10,16 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Puts points that lie near each other into the same block: the index of the point at each place.
-/// The whole is halved along its longest side, at a multiple of a block, again and again. O(n log
-/// n).
+/// Returns an order in which points that are close to each other share a block: the index of the
+/// point at each position. The points are halved along the longest side of their bounds, at a
+/// multiple of a block, recursively. O(n log n).
 template <Scalar T, std::size_t D>
 std::vector<std::uint32_t> order_by_place(const BlockView<const T>& points) {
     std::vector<std::uint32_t> order(points.points);
     std::iota(order.begin(), order.end(), 0u);
     const auto coordinate = [&points](std::uint32_t i, std::size_t axis) {
         const T x = points(i, axis);
-        return is_finite(x) ? x : T(0); // such a point is kept in place, wherever it lies
+        return is_finite(x) ? x : T(0); // such a point is kept, its position does not matter
     };
     std::vector<std::array<std::size_t, 2>> parts{{0, order.size()}};
     while (!parts.empty()) {
@@ -51,7 +51,7 @@ std::vector<std::uint32_t> order_by_place(const BlockView<const T>& points) {
     return order;
 }
 
-/// Whether an order names each of `count` points once.
+/// Returns whether an order names each of `count` points once.
 inline bool is_permutation(const std::vector<std::uint32_t>& order, std::size_t count) {
     std::vector<char> there(count, 0);
     for (const std::uint32_t i : order) {

@@ -1,11 +1,10 @@
-// A binding as it is shipped: sparse, quantised, in an order of its own, in one relocatable piece
-// of memory.
+// The layout of a packed binding: sparse, quantised, reordered, in one relocatable piece of memory.
 //
-// Points lie in blocks as in core/detail/blocks.hpp. A block has a row of weights for every handle that
-// any of its points listens to (compressed rows), or for every handle (dense). What a format loses
-// of Σ w and Σ w c is kept per point, as D + 1 numbers; the best affine fit to the handles'
-// displacements, taken once a frame, makes up for it. So rest and affine poses stay exact whatever
-// is dropped or rounded:
+// Points lie in blocks as in core/detail/blocks.hpp. A block has a row of weights for every handle
+// of which any of its points has a weight (compressed rows), or for every handle (dense). The error
+// that a format leaves in Σ w and Σ w c is stored per point, as D + 1 numbers. They are multiplied
+// by the best affine fit to the handles' displacements, which is computed once a frame. So rest and
+// affine poses stay exact whatever is dropped or rounded:
 //
 //     p' = p + s Σ q_i d_i + Σ_r e_r a_r,   d_i = C'_i − C_i,   a = Σ_i F_i d_i
 #pragma once
@@ -21,7 +20,7 @@ namespace cageform::inline CAGEFORM_ABI {
 enum class WeightFormat : std::uint8_t {
     scalar, ///< as the binding's scalar
     half,   ///< IEEE 754 binary16, times a scale per block
-    int16,  ///< a signed whole number, times a scale per block
+    int16,  ///< a signed integer, times a scale per block
     int8,
 };
 
@@ -30,8 +29,7 @@ constexpr std::size_t weight_bytes(WeightFormat format) noexcept {
     return format == WeightFormat::scalar ? sizeof(T) : format == WeightFormat::int8 ? 1 : 2;
 }
 
-/// What `clone` reads of a packed binding; owns nothing. Pointers to what a binding does without
-/// are null.
+/// The input of `clone`: a view of a packed binding. Pointers to absent parts are null.
 template <Scalar T, std::size_t D>
 struct PackedBindingView {
     using scalar = T;
@@ -39,21 +37,23 @@ struct PackedBindingView {
 
     WeightFormat format = WeightFormat::scalar;
     std::size_t handles = 0, points = 0;
-    const std::byte* weights = nullptr;        ///< a row: the weights of a block's points for one handle
-    const std::uint32_t* row_begin = nullptr;  ///< #blocks + 1: rows of a block; null: a row for every handle
+    const std::byte* weights = nullptr; ///< a row: the weights of a block's points for one handle
+    /// #blocks + 1: rows of a block; null: a row for every handle.
+    const std::uint32_t* row_begin = nullptr;
     const std::uint16_t* row_handle = nullptr; ///< #rows: ascending in a block; null with `row_begin`
-    const std::uint32_t* order = nullptr; ///< #points: which point lies at a place; null: they are in order
-    const T* scale = nullptr;             ///< #blocks: s; null for scalar weights
-    const Lanes<T>* residual = nullptr;   ///< D + 1 rows a block: e; null for scalar weights
+    /// #points: the point stored at each position; null: in order.
+    const std::uint32_t* order = nullptr;
+    const T* scale = nullptr;                  ///< #blocks: s; null for scalar weights
+    const Lanes<T>* residual = nullptr;        ///< D + 1 rows a block: e; null for scalar weights
     const Vec<T, D + 1>* affine_fit = nullptr; ///< #handles: F; null for scalar weights
     const Lanes<T>* rest = nullptr;            ///< D rows a block
     const Vec<T, D>* rest_handles = nullptr;   ///< #handles
     const HandleKind* handle_kinds = nullptr;  ///< #handles; null: all are points
-    const HandleFace<D>* handle_faces =
-        nullptr; ///< of the vectors, in their order; null: they belong to none
+    /// The faces of the vectors, in their order; null: they belong to none.
+    const HandleFace<D>* handle_faces = nullptr;
 
     PackedBindingView() = default;
-    /// Any binding is a packed one from which nothing was dropped.
+    /// Any binding can be read as a packed one from which nothing was dropped.
     PackedBindingView(const BindingView<T, D>& dense) noexcept // NOLINT(google-explicit-constructor)
         : handles(dense.handle_count())
         , points(dense.point_count())
@@ -63,20 +63,20 @@ struct PackedBindingView {
         , handle_kinds(dense.handle_kinds)
         , handle_faces(dense.handle_faces) {}
 
-    /// The same for a figure whose points were put into the order of the binding, once and for all:
-    /// then nothing is scattered, which a third of the time of sparse clones goes into. Point n of
-    /// the output is point `order[n]` as bound.
+    /// Returns a view for a figure whose points have been sorted once into the order of the
+    /// binding. Point n of the output is then the bound point `order[n]`, and nothing has to be
+    /// scattered, which takes a third of the time of sparse clones.
     PackedBindingView in_order() const noexcept {
         auto view = *this;
         view.order = nullptr;
         return view;
     }
 
-    /// Whether nothing was dropped or rounded: every point has the weights that it was bound with.
+    /// Returns whether nothing was dropped or rounded, so every point has the weights it was bound with.
     bool is_dense() const noexcept {
         return format == WeightFormat::scalar && row_begin == nullptr && order == nullptr;
     }
-    /// A dense one as it was bound.
+    /// Returns a dense binding as it was bound.
     BindingView<T, D> dense() const noexcept {
         CAGEFORM_ASSERT(is_dense(), "a dense binding");
         return {{reinterpret_cast<const Lanes<T>*>(weights), handles, points},
@@ -101,8 +101,8 @@ struct PackedBindingView {
     }
 };
 
-/// Whether two bindings are of as many handles, and of as many points in the same order: whether
-/// what one makes of a block belongs to what the other makes of it.
+/// Returns whether two bindings have the same number of handles and the same points in the same
+/// order, so that their blocks correspond.
 template <Scalar T, std::size_t D>
 bool bindings_match(const PackedBindingView<T, D>& a, const PackedBindingView<T, D>& b) noexcept {
     if (a.points != b.points || a.handles != b.handles) return false;

@@ -1,4 +1,4 @@
-// A block of a packed binding: its points, the weights of its rows, and what they leave.
+// One block of a packed binding: its points, its rows of weights, and the error that they leave.
 #pragma once
 
 #include <cageform/binding/detail/moments.hpp>
@@ -18,13 +18,13 @@ struct BlockPoints {
     std::size_t count = 0;
 };
 
-/// Some handles, and a row of weights for each: of point after point of a block.
+/// Some handles, and for each a row with its weight for every point of a block.
 struct PackedRows {
     std::vector<std::uint32_t> handles; ///< ascending
     std::vector<double> weights;        ///< #handles rows of lanes
 };
 
-/// What a packing does with the rows of one block after the other.
+/// Reads, restores and measures the rows of a block.
 template <Scalar T, std::size_t D>
 class BlockPacker {
 public:
@@ -37,7 +37,7 @@ public:
         , moments_(moments)
         , loss_(loss) {}
 
-    /// The binding's weights of the points, a row for each of `handles`; those of lanes without a
+    /// Returns the binding's weights of the points, a row for each of `handles`. Lanes without a
     /// point are 0.
     PackedRows rows_of(const BlockPoints<T>& points, std::vector<std::uint32_t> handles) const {
         PackedRows rows{std::move(handles), {}};
@@ -50,8 +50,8 @@ public:
         return rows;
     }
 
-    /// Changes weights the least that restores the row sums of their points. Returns the largest
-    /// change.
+    /// Restores the row sums of the points by the least change of their weights. Returns the
+    /// largest change.
     Extreme restore(const BlockPoints<T>& points, PackedRows& rows) const {
         Extreme largest;
         const auto has_row = [&](std::size_t h) {
@@ -72,7 +72,7 @@ public:
         return largest;
     }
 
-    /// What rows leave of a point's row sums in the binding: Σ w a − Σ w' a.
+    /// Returns the error of a point's row sums: Σ w a in the binding minus Σ w' a over `rows`.
     Column residual(std::size_t point, std::size_t lane, const PackedRows& rows) const {
         Column sum{};
         for (std::size_t h = 0; h < moments_.size(); ++h)
@@ -82,8 +82,8 @@ public:
         return sum;
     }
 
-    /// w' − w of all handles, #handles rows of lanes: `stored` are the weights as they are stored,
-    /// `residuals` what is kept of the points' row sums beside them, in formats that do.
+    /// Returns w' − w for all handles, as #handles rows of lanes. `stored` are the weights as
+    /// stored; `residuals` are the errors of the row sums that some formats store beside them.
     std::vector<double> change(const BlockPoints<T>& points, const PackedRows& stored,
                                std::span<const Column> residuals) const {
         std::vector<double> change(moments_.size() * lanes, 0.0);
@@ -100,7 +100,7 @@ public:
         return change;
     }
 
-    /// The row sums that a format keeps beside the weights of all points; none of scalars.
+    /// Returns the errors of the row sums that a format stores for the points; none for scalars.
     std::vector<Column> residuals(WeightFormat format, const BlockPoints<T>& points,
                                   const PackedRows& stored) const {
         std::vector<Column> residuals;
@@ -109,13 +109,14 @@ public:
         return residuals;
     }
 
-    /// The largest distance of the points when `rows` are stored in a format, or one above `limit`.
+    /// Returns the largest distance of the points if `rows` are stored in a format, or one above
+    /// `limit`.
     double distance(WeightFormat format, const BlockPoints<T>& points, const PackedRows& rows, double limit,
                     std::size_t& suspect) const {
         return loss_.template largest<lanes>(stored_change(format, points, rows), limit, suspect);
     }
 
-    /// The same, of which point.
+    /// Returns the largest distance and its point.
     Extreme farthest(WeightFormat format, const BlockPoints<T>& points, const PackedRows& rows) const {
         const auto distances = loss_.template distances<lanes>(stored_change(format, points, rows));
         Extreme farthest;

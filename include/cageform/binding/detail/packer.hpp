@@ -1,4 +1,4 @@
-// Packs one binding: chooses rows, rounds weights, and measures what is lost.
+// Packs one binding block by block: chooses rows of weights, rounds them, and measures the loss.
 #pragma once
 
 #include <cageform/binding/blob.hpp>
@@ -13,6 +13,16 @@ namespace cageform::inline CAGEFORM_ABI {
 
 namespace detail {
 
+/// Packs one binding, in these steps:
+///
+///   1. `choose_all_rows` sorts the points spatially and chooses for each block the handles that get a row:
+///      by number and size of weights (`rows_by_size`), then by distance (`RowChooser`), which finds how
+///      many rows each storage format needs.
+///   2. `choose_format` takes the format with the fewest bytes of those that keep the tolerance.
+///   3. `fill_block` fits the weights of the chosen rows, restores row sums, rounds and stores, and measures
+///      the error and distance of every point.
+///
+/// Without limits there is no order and no row list: every block has a row for every handle.
 template <Scalar T, std::size_t D>
 class Packer {
 public:
@@ -62,8 +72,8 @@ private:
     using Column = typename Moments<D>::Column;
 
     struct Piece {
-        std::vector<std::uint32_t> handles; ///< of the rows; ascending but where a distance is kept
-        std::vector<RowTrial> trials;       ///< where a distance is kept
+        std::vector<std::uint32_t> handles; ///< of the rows; ascending unless a distance is kept
+        std::vector<RowTrial> trials;       ///< if a distance is kept: how many rows each format needs
         std::size_t added = 0;
         Extreme change, distance;
         std::size_t pose = Extreme::none;
@@ -86,7 +96,7 @@ private:
         return loss_.load(binding_.handle_view(), options_, report.culprit);
     }
 
-    /// The order of the points, and the rows of every block.
+    /// Chooses the order of the points, and the rows of every block.
     Status choose_all_rows(PackReport& report) {
         order_ = options_.order.empty() ? order_by_place<T, D>(binding_.rest)
                                         : std::vector(options_.order.begin(), options_.order.end());
@@ -119,7 +129,8 @@ private:
         piece.handles.assign(chooser.order().begin(), chooser.order().end());
     }
 
-    /// The format that takes the fewest bytes of those in which every block keeps the tolerance.
+    /// Chooses the format: of those in which every block keeps the tolerance, the one with the
+    /// fewest bytes.
     Status choose_format(PackReport& report) {
         std::optional<std::size_t> best;
         std::size_t least_bytes = 0;
@@ -146,7 +157,7 @@ private:
         return Status::ok;
     }
 
-    /// Of the parts of a blob that depend on its format and rows.
+    /// Returns the size of the parts of a blob that depend on its format and rows.
     std::size_t bytes_of(WeightFormat format, std::size_t rows) const {
         BlobHeader header;
         header.format = std::uint32_t(format);
@@ -219,7 +230,7 @@ private:
         report.dense_bytes = blocks_ * (handles_ + D) * sizeof(Lanes<T>) + handles_ * sizeof(Vec<T, D>);
     }
 
-    /// The diagonal of the box around the finite points at rest.
+    /// Returns the diagonal of the box around the finite points at rest.
     double size_of_points() const {
         std::vector<Vec<double, D>> at_rest;
         for (std::size_t i = 0; i < points_; ++i) {
@@ -240,8 +251,8 @@ private:
         return points;
     }
 
-    /// Puts blocks with the same number of rows beside each other, or a processor would guess wrong
-    /// at the end of each. A last block that is not full stays last.
+    /// Sorts blocks by their number of rows. Otherwise a processor mispredicts the end of the row
+    /// loop in each block. A last block that is not full stays last.
     void sort_blocks() {
         std::vector<std::uint32_t> sequence(points_ / lanes);
         std::iota(sequence.begin(), sequence.end(), 0u);
@@ -285,7 +296,7 @@ private:
         }
     }
 
-    /// The rows of a block, with weights that restore the row sums of its points.
+    /// Returns the rows of a block, with weights that restore the row sums of its points.
     PackedRows rows_of(std::size_t block, const BlockPoints<T>& points) {
         Piece& piece = pieces_[block];
         if (!has_order()) {
@@ -294,7 +305,7 @@ private:
             return packer_.rows_of(points, std::move(all));
         }
         PackedRows rows;
-        if (keeps_distance()) { // as they were tried
+        if (keeps_distance()) { // as they were tested
             rows = RowChooser<T, D>(packer_, *square_loss_, points, piece.handles).rows(piece.handles.size());
         } else {
             rows = packer_.rows_of(points, piece.handles);
@@ -324,7 +335,7 @@ private:
         measure(pieces_[block], points, packer_.change(points, rows, residuals), report);
     }
 
-    /// Tells what a change of the weights of a block's points does to them.
+    /// Measures the effect of a change of the weights on each point of a block.
     void measure(Piece& piece, const BlockPoints<T>& points, std::span<const double> change,
                  PackReport& report) const {
         const auto distances = loss_.template distances<lanes>(change);
@@ -344,11 +355,11 @@ private:
     const PackOptions& options_;
     const Running& running_;
     std::size_t handles_, points_, blocks_;
-    bool sparse_; ///< by number or size of weights
+    bool sparse_; ///< weights are limited by number or size
     Moments<D> moments_;
     WeightLoss<D> loss_;
     BlockPacker<T, D> packer_{binding_, moments_, loss_};
-    std::unique_ptr<const SquareLoss<D>> square_loss_; ///< where a distance is kept
+    std::unique_ptr<const SquareLoss<D>> square_loss_; ///< if a distance is kept
     WeightFormat format_;
     std::vector<std::uint32_t> order_, row_begin_;
     std::uint64_t rows_ = 0;
@@ -356,14 +367,13 @@ private:
 };
 
 template <Scalar T, std::size_t D>
-Result<PackedBinding<T, D>, PackReport> pack_binding(const BindingView<T, D>& binding, const PackOptions& options,
-                                                     const Running& running) {
+Result<PackedBinding<T, D>, PackReport> pack_binding(const BindingView<T, D>& binding,
+                                                     const PackOptions& options, const Running& running) {
     Result<PackedBinding<T, D>, PackReport> result;
     result.report.points = binding.point_count();
     result.report.handles = binding.handle_count();
-    run_into(result.report, [&] {
-        return Packer<T, D>(binding, options, running).run(result.value, result.report);
-    });
+    run_into(result.report,
+             [&] { return Packer<T, D>(binding, options, running).run(result.value, result.report); });
     return result;
 }
 

@@ -1,4 +1,4 @@
-// The measures of the points of a piece, taken for all lanes at once, and put together in the report.
+// Measures the weights of a range of points, all lanes at once, and adds the results to the report.
 #pragma once
 
 #include <cageform/binding/bind_options.hpp>
@@ -7,7 +7,7 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// What a piece of the points finds out: its status, and measures.
+/// The results for a range of points: its status, and its measures.
 struct BindPiece {
     Status status = Status::ok;
     Extreme partition, reproduction, change, before, least, amplification;
@@ -22,13 +22,13 @@ struct BindPiece {
     }
 };
 
-/// The largest of some values in each lane, and in which block it was met first.
+/// The largest value in each lane, and the block that it was found in first.
 template <Scalar T>
 class LaneExtreme {
     using Number = Simd<T>;
 
 public:
-    /// What is no value of a lane.
+    /// Marks a lane without a value.
     static constexpr T none = std::numeric_limits<T>::lowest();
 
     CAGEFORM_DETAIL_INLINE void raise(const Number& value, const Number& block) noexcept {
@@ -36,7 +36,8 @@ public:
         value_ = select<T>(larger, value, value_);
         block_ = select<T>(larger, block, block_);
     }
-    /// Of all lanes the largest, of equal ones that of the first point; blocks count from `first`.
+    /// Returns the largest value of all lanes, of equal ones the first point's; blocks count from
+    /// `first`.
     Extreme of_points_from(std::size_t first) const noexcept {
         Lanes<T> values, blocks;
         value_.store(values);
@@ -56,7 +57,7 @@ private:
     Number value_{none}, block_{T(0)};
 };
 
-/// The measures of the points of a piece, whose blocks come one after the other.
+/// Collects the measures of a range of points, block by block.
 template <Scalar T>
 class PieceMeasures {
     using Number = Simd<T>;
@@ -65,7 +66,7 @@ public:
     explicit PieceMeasures(std::size_t first_point) noexcept
         : first_(first_point) {}
 
-    /// Takes those of the lanes where `bound` is one.
+    /// Adds the measures of the lanes where `bound` is one.
     template <class Outcome>
     void note(const Outcome& outcome, const Lanes<T>& bound, std::size_t block) noexcept {
         const std::size_t blocks_before = block - first_ / lane_count<T>;

@@ -1,4 +1,4 @@
-// Evaluates the weights of points in pieces, restores linear precision, and measures.
+// Binds points: evaluates weights, restores linear precision, and measures the result.
 #pragma once
 
 #include <cageform/binding/binding.hpp>
@@ -12,9 +12,9 @@ namespace cageform::inline CAGEFORM_ABI {
 
 namespace detail {
 
-/// What binding points and binding vectors share; one or more bindings are made of the same points.
-/// Blocks are worked on in pieces that stay in cache. What a piece finds out is kept apart and put
-/// together in the end, so that nothing depends on the threads.
+/// The common part of binding points and vectors; several bindings can share the same points.
+/// Blocks are processed in pieces that stay in cache. The results of each piece are stored
+/// separately and combined at the end, so nothing depends on the threads.
 template <Scalar T, std::size_t D>
 class Binder {
 protected:
@@ -31,7 +31,7 @@ protected:
         , missed_(count_)
         , pieces_((block_count<T>(count_) + piece_blocks - 1) / piece_blocks) {}
 
-    /// Makes the bindings in the memory of those given; fill() sets weights, rest and states.
+    /// Makes the bindings, reusing their memory; fill() sets weights, rest and states.
     template <class Fill>
     Status run(std::span<Binding<T, D>> bindings, BindReport& report, const Fill& fill) {
         const std::size_t blocks = block_count<T>(count_);
@@ -60,14 +60,14 @@ protected:
         });
     }
 
-    /// The first point of a piece, and the states of all.
+    /// Returns the first point of a piece; `states_of` returns the states of its points.
     std::size_t first_of(std::size_t piece) const noexcept { return piece * piece_blocks_ * lanes; }
     std::span<PointState> states_of(std::size_t piece) noexcept {
         const std::size_t first = first_of(piece);
         return std::span(states_).subspan(first, (std::min)(piece_blocks_ * lanes, count_ - first));
     }
 
-    /// Whether a point of this state gets weights.
+    /// Returns whether a point with this state gets weights.
     bool is_bound(PointState state) const noexcept {
         if (state == PointState::inside || state == PointState::on_boundary) return true;
         return state == PointState::outside &&
@@ -76,8 +76,8 @@ protected:
     }
     bool restores() const noexcept { return options_.linear_precision == LinearPrecision::restore; }
 
-    /// Takes the measures of a block. A point so far away that the scalar does not hold its
-    /// weights, or what they make, becomes unreached. Returns whether there was one.
+    /// Records the measures of a block. A point becomes unreached if it is so far away that its
+    /// weights, or their sums, overflow the scalar. Returns whether there was one.
     template <class Outcome>
     bool take(const Outcome& outcome, const Lanes<T>& bound, std::size_t block,
               PieceMeasures<T>& measures) noexcept {
@@ -100,8 +100,8 @@ protected:
         measures.note(outcome, reached, block);
         return unreached;
     }
-    /// No weights for points that `take` has found unreached, nor for those beside them without any:
-    /// where lengths overflow, the restorer's zero changes are none.
+    /// Clears the weights of points that `take` has found unreached and of lanes without weights:
+    /// where lengths overflow, the restorer does not leave them at zero.
     void clear_unreached(const Lanes<T>& bound, std::size_t block, Lanes<T>* row) const noexcept {
         for (std::size_t lane = 0; lane < lanes; ++lane) {
             if (bound[lane] == T(0) || states_[block * lanes + lane] == PointState::unreached)
@@ -112,7 +112,7 @@ protected:
         for (std::size_t h = 0; h < handles_.count; ++h) row[h][lane] = T(0);
     }
 
-    /// Puts the pieces together, in their order, and lists the points.
+    /// Combines the pieces, in their order, and lists the points.
     Status report_into(BindReport& report) const {
         for (const BindPiece& piece : pieces_) {
             if (piece.status != Status::ok) return piece.status;
@@ -143,7 +143,7 @@ protected:
     std::vector<BindPiece> pieces_;
 };
 
-/// One bind of points.
+/// Binds points once.
 template <Scalar T, std::size_t D>
 class PointBinder : Binder<T, D> {
     using Base = Binder<T, D>;
@@ -172,7 +172,7 @@ private:
         });
     }
 
-    /// All points together, so that a solver solves once.
+    /// Evaluates all points together, so that a solver solves once.
     Status at_once(const Running& running, BindReport& report) {
         const Status status =
             this->for_each_piece(running.part(0, 0.1), [this](std::size_t piece) { load(piece); });
@@ -199,7 +199,7 @@ private:
         }
     }
 
-    /// Treats the points that are not simply inside, restores linear precision, takes the measures.
+    /// Handles points that are not simply inside, restores linear precision, and measures.
     void finish(std::size_t piece) {
         const auto weights = part(this->weights_[0], piece);
         const std::size_t first = this->first_of(piece) / lanes;
@@ -216,8 +216,8 @@ private:
         measures.put_into(this->pieces_[piece]);
     }
 
-    /// Whether a point gets weights. One outside may get those of the nearest boundary point, which
-    /// goes into `target`; one without weights gets zeros, and any finite target.
+    /// Returns whether a point gets weights. A point outside may get those of the nearest boundary
+    /// point, which is written to `target`. A point without weights gets zeros and some finite target.
     bool settle(std::size_t i, Lanes<T> (&target)[D]) {
         const PointState state = i < count_ ? states_[i] : PointState::not_finite;
         const bool as_nearest =
@@ -238,7 +238,7 @@ private:
     }
 };
 
-/// Checks the cage, and runs make(report) if it is sound.
+/// Checks the cage, and calls make(report) if it is sound.
 template <Scalar T, std::size_t D, class Make>
 BindReport report_bind(const BindInput<T, D>& input, const Make& make) {
     BindReport report;
@@ -253,7 +253,7 @@ BindReport report_bind(const BindInput<T, D>& input, const Make& make) {
 
 template <Scalar T, std::size_t D>
 Result<Binding<T, D>, BindReport> bind_points(const BindInput<T, D>& input, const BindOptions& options,
-                             Binding<T, D>&& recycled, const Running& running) {
+                                              Binding<T, D>&& recycled, const Running& running) {
     Result<Binding<T, D>, BindReport> result;
     result.report = report_bind(input, [&](BindReport& report) {
         PointBinder<T, D> binder(input, options);

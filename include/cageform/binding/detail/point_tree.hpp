@@ -1,4 +1,4 @@
-// Points to be searched for those nearest to a place.
+// A kd-tree that finds the points nearest to a given one.
 #pragma once
 
 #include <cageform/core/vec.hpp>
@@ -10,9 +10,9 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// A kd-tree: halved at the median along the longest side, again and again. Squares of distances
-/// are taken, so coordinates should be of the order of one. Built in O(n log n); a search takes
-/// O(log n + count) as a rule.
+/// A kd-tree: points are halved at the median along the longest side, recursively. It compares
+/// squared distances, so coordinates should be of order one. Built in O(n log n); a search usually
+/// takes O(log n + count).
 template <std::size_t D>
 class PointTree {
 public:
@@ -26,7 +26,7 @@ public:
     };
 
     PointTree() = default;
-    /// All finite.
+    /// All points must be finite.
     explicit PointTree(const std::vector<Vec<double, D>>& points)
         : axes_(points.size())
         , order_(points.size()) {
@@ -35,8 +35,8 @@ public:
         for (const std::size_t i : order_) places_.push_back(points[i]);
     }
 
-    /// The `count` points nearest to `p` of those wanted(point), the nearest first, the lesser
-    /// index of two as near; fewer where there are not so many.
+    /// Finds the `count` points nearest to `p` for which wanted(point) holds, the nearest first, of
+    /// equally near ones the lower index; fewer if there are not enough.
     template <class Wanted>
     void nearest(const Vec<double, D>& p, std::size_t count, const Wanted& wanted,
                  std::vector<Neighbour>& found) const {
@@ -46,7 +46,7 @@ public:
     }
 
 private:
-    static constexpr std::size_t leaf = 8; ///< points that are looked at one after the other
+    static constexpr std::size_t leaf = 8; ///< points of a leaf, searched one by one
 
     void divide(const std::vector<Vec<double, D>>& points, std::size_t begin, std::size_t end) {
         if (end - begin <= leaf) return;
@@ -74,7 +74,7 @@ private:
         divide(points, middle + 1, end);
     }
 
-    /// What is looked for: a heap of the nearest found so far, the farthest of them first.
+    /// A search: a heap of the nearest points found so far, the farthest of them first.
     template <class Wanted>
     struct Search {
         const Vec<double, D>& p;
@@ -116,8 +116,8 @@ private:
     }
 
     std::vector<Vec<double, D>> places_; // in the order of the tree
-    std::vector<unsigned char> axes_;    // of the point in the middle of a part
-    std::vector<std::size_t> order_;     // whose number they are
+    std::vector<unsigned char> axes_;    // the splitting axis at the middle of each range
+    std::vector<std::size_t> order_;     // the number of each point in this order
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

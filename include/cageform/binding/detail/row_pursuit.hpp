@@ -1,4 +1,4 @@
-// Which weights of a block to keep, and what they become, so that its points move as they did.
+// Decides which weights of a block to keep, and changes them so that its points move as before.
 #pragma once
 
 #include <cageform/binding/detail/moments.hpp>
@@ -11,13 +11,14 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The mean square of what a change δ of a point's weights moves it by: δᵀ K δ, where
+/// The mean squared displacement of a point caused by a change δ of its weights: δᵀ K δ, where
 ///
 ///     K = mean over poses of m mᵀ + ν² I + α A Aᵀ
 ///
-/// m are the handles' displacements in a pose less their best affine fit, A the affine rows. The
-/// second term is for moves of single handles, of a size ν that is a share of the mean one: without
-/// it weights would be fitted to the poses alone. The third is for affine moves, of the mean size.
+/// The vector m holds the handles' displacements in a pose minus their best affine fit; A holds the
+/// affine rows. The second term stands for movements of single handles, with a size ν that is a
+/// share of the mean displacement: without it weights would be fitted to the given poses alone. The
+/// third term stands for affine movements, of the mean size.
 template <std::size_t D>
 class SquareLoss {
 public:
@@ -32,9 +33,9 @@ public:
         }
         const double mean = trace / double(loss.poses()) / double(handles_);
         for (double& x : poses_) x /= double(loss.poses());
-        // A tenth of the mean move (bench_clone's figures): a third as much saves up to a third of
-        // the bytes and doubles the distances in poses of another kind, three times as much takes up
-        // to two thirds more. Moves below a millionth of the cage are rounding.
+        // A tenth of the mean displacement, chosen on bench_clone's figures. A third of this saves up to
+        // a third of the bytes but doubles the distances in other kinds of poses; three times as much
+        // needs up to two thirds more bytes. Displacements below a millionth of the cage are rounding.
         constexpr double share = 0.1, least = 1e-6;
         noise_ = (std::max)(share * share * mean, least * least);
         affine_ = (std::max)(mean, least * least);
@@ -43,14 +44,15 @@ public:
     std::size_t handles() const { return handles_; }
     const Moments<D>& moments() const { return moments_; }
 
-    /// K's column of a handle.
+    /// Writes K's column of a handle.
     void column(std::size_t handle, std::span<double> out) const {
         for (std::size_t h = 0; h < handles_; ++h)
             out[h] = affine_ * dot(moments_[h], moments_[handle]) +
                      (poses_.empty() ? 0 : poses_[handle * handles_ + h]);
         out[handle] += noise_;
     }
-    double least_pivot() const { return noise_; } ///< of any Schur complement
+    /// A lower bound for the pivots of any Schur complement.
+    double least_pivot() const { return noise_; }
     double diagonal(std::size_t handle) const {
         return affine_ * dot(moments_[handle], moments_[handle]) + noise_ +
                (poses_.empty() ? 0 : poses_[handle * handles_ + handle]);
@@ -79,10 +81,10 @@ private:
     double noise_ = 1, affine_ = 1;
 };
 
-/// Handles of a block in the order in which they are worth a row, with the weights that are best
-/// when the first of them are kept: those that lose the least square and restore Σ wκ and Σ wH.
-/// Orthogonal least squares (Chen, Billings, Luo, Int. J. Control 50 (1989)), on a Cholesky
-/// factorisation of K that gains a row with every handle.
+/// Orders the handles of a block by how much a row for each of them is worth. If the first of them
+/// are kept, `solution` returns the best weights: those that restore Σ wκ and Σ wH and lose the
+/// least square. The method is orthogonal least squares (Chen, Billings, Luo, Int. J. Control 50
+/// (1989)), on a Cholesky factorisation of K that grows by a row with every handle.
 ///
 ///   L     points of the block
 ///   cost  O(#handles · (count + L)) for the next handle, and for a solution O(count² · L)
@@ -92,7 +94,7 @@ public:
     using Column = typename Moments<D>::Column;
     using Row = std::array<double, L>;
 
-    /// Begins anew: `weights` are #handles rows of L numbers.
+    /// Starts with no handles. `weights` are #handles rows of L numbers.
     RowPursuit(const SquareLoss<D>& loss, std::span<const double> weights)
         : loss_(loss)
         , weights_(weights)
@@ -125,7 +127,7 @@ public:
     std::size_t candidates() const { return candidates_; } ///< handles with a weight that is not 0
     std::span<const std::uint32_t> order() const { return order_; }
 
-    /// The handle that lowers the loss the most, points weighed by what they have lost.
+    /// Returns the handle that lowers the loss most. Points count by what they have lost so far.
     std::uint32_t best() const {
         double most = -1;
         std::uint32_t best = 0;
@@ -143,7 +145,7 @@ public:
         return best;
     }
 
-    /// Frees the weights of a candidate that was not added before.
+    /// Adds a row for a candidate that has not been added before.
     void add(std::uint32_t handle) {
         const std::size_t handles = loss_.handles(), count = order_.size();
         factor_.resize((count + 1) * handles);
@@ -174,7 +176,7 @@ public:
         is_candidate_[handle] = 0;
     }
 
-    /// The weights of the first `count` handles that were added.
+    /// Returns the weights of the first `count` handles that were added.
     std::vector<Row> solution(std::size_t count) const {
         std::vector<Row> x(count);
         if (count == candidates_) { // nothing is dropped
@@ -213,11 +215,11 @@ private:
     std::span<const double> weights_;
     std::vector<char> is_candidate_;
     std::vector<double> pivots_;  // the diagonal of K's Schur complement
-    std::vector<Row> gradients_;  // of the loss, half and with the sign of the weights
+    std::vector<Row> gradients_;  // half the gradient of the loss, with the sign of the weights
     std::vector<double> scratch_; // #handles
     std::size_t candidates_ = 0;
     std::array<Column, L> sums_{};
-    Row lost_{}; // the square loss of every point
+    Row lost_{}; // the squared loss of every point
     std::vector<std::uint32_t> order_;
     std::vector<double> factor_; // columns of #handles numbers
     std::vector<Row> steps_;     // L⁻¹ K w of the handles added

@@ -1,4 +1,4 @@
-// Weights of all vertices of a mesh at once: few handles a vertex, chosen so that what is lost is smooth.
+// Chooses few handles for every vertex of a mesh, all vertices together, so that the loss is smooth.
 #pragma once
 
 #include <cageform/binding/detail/near_weights.hpp>
@@ -15,14 +15,15 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Minimises, over rows w of at most K weights that are not negative and sum to 1,
+/// Minimises over rows w, each with at most K non-negative weights that sum to 1,
 ///
 ///     Σ_edges e_ij |r_i − r_j|² + α Σ_i |r_i|² + β Σ_i |w_i c − q_i|²,   r_i = (w_i − w0_i) B,
 ///
-/// where B Bᵀ is the covariance of the handles' moves: what is lost is measured as it is seen, so that a handle may
-/// stand for one beside it. By projected gradients with Nesterov's momentum (Beck and Teboulle, SIAM J. Imaging Sci. 2,
-/// 2009), each row with a step of its own. Handles are left out in rounds between which the others take over; neighbours
-/// agree on them by weights that are smoothed over the mesh.
+/// where B Bᵀ is the covariance of the handles' displacements. The loss is thus measured as it is
+/// visible, so a handle may replace one close to it. The method is projected gradients with
+/// Nesterov's momentum (Beck and Teboulle, SIAM J. Imaging Sci. 2, 2009), with a step per row.
+/// Handles are dropped in rounds, and the remaining weights adapt in between. Neighbours agree on
+/// the handles to drop because the choice uses weights that are smoothed over the mesh.
 template <std::size_t D>
 class SmoothWeights {
 public:
@@ -43,9 +44,9 @@ public:
         }
     }
 
-    /// A vertex, in order.
+    /// Adds the next vertex.
     ///
-    ///   place    that its weights reproduce
+    ///   place    the point that its weights must reproduce
     ///   weight   w0 of a handle
     template <class Weight>
     void add_node(const Vec<double, D>& place, const Weight& weight) {
@@ -85,18 +86,22 @@ public:
         return running.end(Status::ok);
     }
 
-    /// The weights of a node, some of them 0; and those of the round in which it had 2K.
+    /// Returns the weights of a node, some of them 0; `wide_row` returns those of the round with 2K
+    /// handles.
     std::span<const HandleWeight> row(std::size_t node) const { return narrow_.row(node); }
     std::span<const HandleWeight> wide_row(std::size_t node) const { return wide_.row(node); }
 
 private:
-    static constexpr double alpha = 0.02, beta = 100; // the best of some that were tried on a head and a lamp
-    static constexpr double together = 0.2;           // of the cage's diagonal: handles nearer move alike
-    static constexpr std::array<double, 10> rounds{4, 3, 2.5, 2, 1.75, 1.5, 1.375, 1.25, 1.125, 1}; // times K
+    // The best of several tried on a head and a lamp.
+    static constexpr double alpha = 0.02, beta = 100;
+    // of the cage's diagonal: handles closer than this move alike
+    static constexpr double together = 0.2;
+    // Times K.
+    static constexpr std::array<double, 10> rounds{4, 3, 2.5, 2, 1.75, 1.5, 1.375, 1.25, 1.125, 1};
 
     struct Entry {
         std::uint32_t handle = 0;
-        double weight = 0, ahead = 0; // at the end of a pass, and where the next one begins
+        double weight = 0, ahead = 0; // at the end of a pass, and at the start of the next one
     };
     struct Neighbour {
         std::size_t node;
@@ -122,8 +127,8 @@ private:
         return (std::min)(handle_count_, std::size_t(std::lround(factor * double(most_))));
     }
 
-    /// Columns B of the covariance exp(−|c − c'|² / 2σ²), by Cholesky's factorisation with the largest pivots, until a
-    /// thousandth is left.
+    /// Computes the columns B of the covariance exp(−|c − c'|² / 2σ²), by a Cholesky factorisation
+    /// with the largest pivots, until a thousandth is left.
     void factorise(const std::vector<Vec<double, D>>& handles) {
         constexpr std::size_t most_columns = 64;
         const auto covariance = [&](std::size_t a, std::size_t b) {
@@ -151,14 +156,16 @@ private:
         width_ = rank_ + D;
         columns_.assign(handle_count_ * width_, 0.0);
         for (std::size_t h = 0; h < handle_count_; ++h) {
-            double sum = 0; // of a row of the covariance: the largest is no less than its largest eigenvalue
+            // Sum of a covariance row; the largest sum is at least the largest eigenvalue.
+            double sum = 0;
             for (std::size_t r = 0; r < rank_; ++r) columns_[h * width_ + r] = found[r][h];
             for (std::size_t other = 0; other < handle_count_; ++other) sum += covariance(h, other);
             of_moves_ = (std::max)(of_moves_, sum);
         }
     }
 
-    /// The neighbours of every node; an edge counts by the inverse square of its length, as angles do.
+    /// Builds the neighbours of every node. An edge's weight is the inverse square of its length,
+    /// because angles matter.
     void connect() {
         std::sort(edges_.begin(), edges_.end());
         edges_.erase(std::unique(edges_.begin(), edges_.end()), edges_.end());
@@ -195,7 +202,8 @@ private:
         });
     }
 
-    /// Keeps the handles of a round: those of the largest smoothed weights, among those that are there still.
+    /// Chooses the handles of a round: of those still present, the ones with the largest smoothed
+    /// weights.
     bool choose(std::size_t round, const Running& running) {
         const std::size_t before = kept_;
         kept_ = handle_count_of(rounds[round]);
@@ -244,7 +252,8 @@ private:
             project(std::span(kept).subspan(n * kept_, kept_));
             double stiffness = 2 * alpha;
             for (const Neighbour& neighbour : neighbours_of(n)) stiffness += 2 * neighbour.weight;
-            // No less than the largest eigenvalues; places are seen from the node, as sums of weights are 1.
+            // Upper bounds of the largest eigenvalues. Positions are relative to the node, as
+            // weights sum to 1.
             double of_places = 0;
             for (std::size_t k = 0; k < kept_; ++k) {
                 for (std::size_t r = rank_; r < width_; ++r) {
@@ -259,9 +268,10 @@ private:
         return true;
     }
 
-    /// The nearest weights to `ahead` that are not negative and sum to 1, in both fields.
+    /// Projects `ahead` to the nearest weights that are non-negative and sum to 1, in both fields.
     static void project(std::span<Entry> row) {
-        // Michelot, J. Optim. Theory Appl. 50 (1986): the mean surplus of those that stay above it.
+        // Michelot, J. Optim. Theory Appl. 50 (1986): subtracts the mean surplus of those that stay
+        // above it.
         double sum = -1, shift = -std::numeric_limits<double>::infinity();
         for (const Entry& entry : row) sum += entry.ahead;
         for (std::size_t count = row.size(), before = 0; count != before;) {
@@ -278,7 +288,7 @@ private:
         for (Entry& entry : row) entry.weight = entry.ahead = (std::max)(entry.ahead - shift, 0.0);
     }
 
-    /// One pass over all rows.
+    /// Makes one pass over all rows.
     void improve(const Running& running) {
         for_each_node(running, [&](std::size_t n) {
             double* const loss = &loss_[n * width_];
@@ -322,7 +332,7 @@ private:
     std::size_t handle_count_, most_, kept_ = 0, rank_ = 0, width_ = D;
     double size_ = 1, of_moves_ = 0, momentum_ = 1;
     Vec<double, D> middle_{};
-    std::vector<double> columns_;              // #handles · width: B, then places
+    std::vector<double> columns_;              // #handles · width: B, then positions
     std::vector<Vec<double, D>> places_;       // #nodes
     std::vector<double> target_, loss_, step_; // #nodes · width twice, #nodes
     std::vector<float> smoothed_;              // #nodes · #handles

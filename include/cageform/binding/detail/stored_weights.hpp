@@ -1,4 +1,4 @@
-// Numbers as a packed binding stores them.
+// Converts weights to the formats of a packed binding.
 #pragma once
 
 #include <cageform/binding/detail/packed_binding.hpp>
@@ -11,7 +11,8 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The nearest number of binary16, ties to even, subnormal ones flushed to zero; |x| below 65504.
+/// Returns the nearest binary16 number, ties to even, subnormals flushed to zero; |x| must be below
+/// 65504.
 inline std::uint16_t to_half(double x) noexcept {
     const auto bits = std::bit_cast<std::uint32_t>(static_cast<float>(x));
     const std::uint32_t sign = (bits >> 16) & 0x8000u, magnitude = bits & 0x7FFFFFFFu;
@@ -24,8 +25,8 @@ inline double from_half(std::uint16_t half) noexcept {
     return double(std::bit_cast<float>(bits)) * 0x1p112;
 }
 
-/// Writes the weights of a block from `place` on, and puts into `weights` what they have become.
-/// Returns the scale that they are stored divided by.
+/// Writes the weights of a block to `place`, and replaces `weights` by the stored values. Returns
+/// the scale by which they were divided.
 template <Scalar T>
 T store_weights(WeightFormat format, std::span<double> weights, std::byte* place) {
     const auto write = [&place](auto x) {
@@ -39,8 +40,7 @@ T store_weights(WeightFormat format, std::span<double> weights, std::byte* place
     }
     double largest = 0;
     for (const double w : weights) largest = (std::max)(largest, std::fabs(w));
-    // Halves are kept well away from the subnormal ones, which not every processor takes as they
-    // are.
+    // Halves are kept well above the subnormal range, which some processors flush to zero.
     const double reach = format == WeightFormat::int16  ? 32767.0
                          : format == WeightFormat::int8 ? 127.0
                                                         : 32768.0;

@@ -8,7 +8,8 @@ namespace cageform::inline CAGEFORM_ABI {
 
 namespace detail {
 
-/// Points in batches of whole blocks, in the order that packing puts them into.
+/// Binds and packs the points in the order of the packed binding, one batch of whole blocks after
+/// the other.
 template <Scalar T, std::size_t D>
 class PackedBinder {
     static constexpr std::size_t lanes = lane_count<T>;
@@ -27,9 +28,10 @@ public:
     }
     std::size_t batches() const noexcept { return (points_.size() + together_ - 1) / together_; }
 
-    /// One batch, of functions that need not be kept.
+    /// Binds and packs everything as one batch; solved functions need not be kept.
     template <class C>
-    Status run_at_once(const C& coordinates, const Running& running, Result<PackedBinding<T, D>, StreamedPackReport>& result) const {
+    Status run_at_once(const C& coordinates, const Running& running,
+                       Result<PackedBinding<T, D>, StreamedPackReport>& result) const {
         auto bound = bind(coordinates, points_, options_.bind, running.part(0, 0.5));
         result.report.bound = std::move(bound.report);
         if (result.report.bound.status != Status::ok) return result.report.bound.status;
@@ -39,13 +41,14 @@ public:
         return result.report.packed.status;
     }
 
-    /// One batch after the other; the first report that is not ok ends it.
+    /// Binds and packs one batch after the other; stops at the first failure.
     template <class C>
-    Status run(const C& coordinates, const Running& running, Result<PackedBinding<T, D>, StreamedPackReport>& result) {
+    Status run(const C& coordinates, const Running& running,
+               Result<PackedBinding<T, D>, StreamedPackReport>& result) {
         Status status = result.report.packed.status = set_order();
         if (status != Status::ok) return status;
         {
-            C solved = coordinates; // freed before the parts are joined
+            C solved = coordinates; // freed before the batches are joined
             double from = 0;
             if constexpr (requires { solved.solve(running); }) {
                 from = 0.5;
@@ -65,7 +68,8 @@ public:
 
 private:
     template <class C>
-    Status run_batches(const C& coordinates, const Running& running, Result<PackedBinding<T, D>, StreamedPackReport>& result) {
+    Status run_batches(const C& coordinates, const Running& running,
+                       Result<PackedBinding<T, D>, StreamedPackReport>& result) {
         result.report.packed.errors.resize(points_.size());
         result.report.packed.distances.resize(points_.size());
         auto pack = pack_options();
@@ -97,7 +101,7 @@ private:
         return pack;
     }
 
-    /// The parts as one, which frees them; as `pack` leaves it.
+    /// Joins the packed batches into one blob, in the order that `pack` uses, and frees them.
     void join(std::uint64_t rows, Result<PackedBinding<T, D>, StreamedPackReport>& result) {
         place_blocks();
         BlobHeader header = header_of(parts_[0]);
@@ -131,7 +135,8 @@ private:
 
     // ---- reports ------------------------------------------------------------------------------------
 
-    /// That of a batch with the points' numbers among all.
+    /// Converts the point's number in a batch, counted from its `first` position, to its number
+    /// among all.
     Extreme whole(Extreme extreme, std::size_t first) const noexcept {
         if (extreme.point != Extreme::none) extreme.point = order_[first + extreme.point];
         return extreme;
@@ -172,7 +177,8 @@ private:
             batch.status == Status::weight_not_finite || batch.status == Status::format_too_coarse;
         all.culprit = names_point ? order_[first + batch.culprit] : batch.culprit;
     }
-    void summarise(const PackedBinding<T, D>& blob, Result<PackedBinding<T, D>, StreamedPackReport>& result) const {
+    void summarise(const PackedBinding<T, D>& blob,
+                   Result<PackedBinding<T, D>, StreamedPackReport>& result) const {
         BindReport& bound = result.report.bound;
         for (auto* list :
              {&bound.on_boundary, &bound.outside, &bound.not_finite, &bound.unreached, &bound.not_restored})
@@ -198,7 +204,7 @@ private:
 
     struct Place {
         std::size_t part, block;
-        std::size_t first; ///< of its points in order_
+        std::size_t first; ///< position of its points in order_
     };
     static BlobHeader header_of(const PackedBinding<T, D>& part) noexcept {
         BlobHeader header;
@@ -209,7 +215,7 @@ private:
         const auto view = parts_[place.part].view();
         return view.first_row(place.block + 1) - view.first_row(place.block);
     }
-    /// In the order that `pack` puts blocks into: those of as many rows beside each other.
+    /// Lists the blocks of all batches in the order that `pack` uses: sorted by their number of rows.
     void place_blocks() {
         for (std::size_t part = 0; part < parts_.size(); ++part) {
             for (std::size_t b = 0; b < parts_[part].view().block_count(); ++b)
@@ -230,7 +236,7 @@ private:
         copy(from.handle_kinds, to.handle_kinds, from.handles);
         copy(from.handle_faces, to.handle_faces, from.handle_view().vector_count());
     }
-    /// Copies a block to place `b`, its rows from `row` on; returns where they end.
+    /// Copies a block to position `b`, with its rows from `row` on. Returns where its rows end.
     std::size_t copy_block(const Place& place, std::size_t b, std::size_t row,
                            PackedBinding<T, D>& whole) const {
         const auto from = parts_[place.part].view(), to = whole.view();
@@ -259,7 +265,7 @@ private:
     std::size_t together_; ///< points in a batch
     std::vector<std::uint32_t> order_;
     std::vector<PackedBinding<T, D>> parts_;
-    std::vector<Place> sequence_; ///< of the blocks in the end
+    std::vector<Place> sequence_; ///< of the blocks in the result
 };
 
 } // namespace detail

@@ -1,4 +1,4 @@
-// Symmetric matrices of a few rows: sums of outer products, their axes and their equations.
+// Small symmetric matrices: sums of outer products, and their eigenvalues and eigenvectors.
 #pragma once
 
 #include <cageform/core/vec.hpp>
@@ -8,17 +8,17 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Row by row.
+/// Stored row by row.
 template <std::size_t N>
 using SquareMatrix = Vec<Vec<double, N>, N>;
 
-/// m += a bᵀ.
+/// Adds a bᵀ to m.
 template <std::size_t N>
 void add_outer_product(SquareMatrix<N>& m, const Vec<double, N>& a, const Vec<double, N>& b) noexcept {
     for (std::size_t r = 0; r < N; ++r) m[r] = m[r] + a[r] * b;
 }
 
-/// m a.
+/// Returns m a.
 template <std::size_t N>
 Vec<double, N> product(const SquareMatrix<N>& m, const Vec<double, N>& a) noexcept {
     Vec<double, N> result{};
@@ -27,7 +27,7 @@ Vec<double, N> product(const SquareMatrix<N>& m, const Vec<double, N>& a) noexce
 }
 
 /// Eigen's matrix of N rows: one type for all N up to eight, so that its decompositions are
-/// compiled once, and nothing is allocated.
+/// compiled once; it allocates nothing.
 template <std::size_t N>
 using SmallMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, int(N < 8 ? 8 : N),
                                   int(N < 8 ? 8 : N)>;

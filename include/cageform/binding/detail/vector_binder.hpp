@@ -7,12 +7,13 @@ namespace cageform::inline CAGEFORM_ABI {
 
 namespace detail {
 
-/// One bind of vectors, one or more a point. What the input evaluates are gradients.
+/// Binds vectors once, one or more per point. Here the input evaluates gradients.
 template <Scalar T, std::size_t D>
 class VectorBinder : Binder<T, D> {
     using Base = Binder<T, D>;
     using Base::input_, Base::count_, Base::handles_, Base::lanes, Base::states_;
-    static constexpr std::size_t piece_blocks = 4; // the gradients of a hundred handles fill the second cache
+    // The gradients of a hundred handles fill the second-level cache.
+    static constexpr std::size_t piece_blocks = 4;
 
 public:
     VectorBinder(const BindInput<T, D>& input, std::span<const PointReader<T>> vectors,
@@ -39,7 +40,7 @@ private:
             , rows{slopes.data(), D * handles, most} {}
     };
 
-    /// A few points at a time, whose gradients stay in cache.
+    /// Evaluates a few points at a time, so that their gradients stay in cache.
     Status in_pieces(const Running& running) {
         return for_each_block(this->pieces_.size(), running, [&](std::size_t begin, std::size_t end) {
             Gradients gradients(piece_blocks * lanes, handles_.count);
@@ -52,11 +53,11 @@ private:
         });
     }
 
-    /// All points together, so that a solver solves once.
+    /// Evaluates all points together, so that a solver solves once.
     Status at_once(const Running& running, BindReport& report) {
         Gradients gradients(count_, handles_.count);
         for (auto& row : gradients.slopes)
-            Simd<T>(T(0)).store(row); // where there are none nothing is written
+            Simd<T>(T(0)).store(row); // points without gradients are not written
         const Evaluation evaluation = evaluate(gradients, running.part(0, 0.9));
         report.solver = evaluation.solver;
         if (evaluation.status != Status::ok) return evaluation.status;
@@ -64,7 +65,8 @@ private:
                                     [&](std::size_t piece) { finish(gradients, piece); });
     }
 
-    /// The gradients at the points; for those that follow the boundary, at the nearest place of it.
+    /// Computes the gradients at the points; for points that follow the boundary, at their nearest
+    /// boundary point.
     Evaluation evaluate(Gradients& gradients, const Running& running) {
         load(gradients);
         const auto states = std::span(states_).subspan(gradients.first, gradients.points.points);
@@ -110,7 +112,7 @@ private:
         }
     }
 
-    /// From gradients to weights; restores linear precision, takes the measures.
+    /// Converts gradients to weights, restores linear precision, and measures.
     void finish(const Gradients& gradients, std::size_t piece) {
         const std::size_t first = this->first_of(piece) / lanes;
         PieceMeasures<T> measures(this->first_of(piece));
@@ -129,7 +131,7 @@ private:
         measures.put_into(this->pieces_[piece]);
     }
 
-    /// The weights of vector n in a block: w_i = t·∇w_i.
+    /// Computes the weights of vector n in a block: w_i = t·∇w_i.
     void bind_block(std::size_t b, std::size_t n, const Lanes<T>* slopes, const Lanes<T>& bound,
                     PieceMeasures<T>& measures) {
         Lanes<T>* const row = this->weights_[n].block(b);

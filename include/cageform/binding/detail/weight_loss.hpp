@@ -1,4 +1,4 @@
-// How far points are moved by a change of their weights.
+// Measures how far points move when their weights change.
 #pragma once
 
 #include <cageform/binding/pack_options.hpp>
@@ -12,7 +12,7 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The size of a cage: the diagonal of the box around those of its handles that are points.
+/// Returns the size of a cage: the diagonal of the box around those of its handles that are points.
 template <Scalar T, std::size_t D>
 double size_of_handles(const HandleView<T, D>& handles) {
     std::vector<Vec<double, D>> points;
@@ -22,8 +22,8 @@ double size_of_handles(const HandleView<T, D>& handles) {
     return points.empty() ? 0 : bounds_of(std::span<const Vec<double, D>>(points)).diagonal();
 }
 
-/// The distance that changes of weights, w' − w, move points by: max |Σ (w' − w) d| over the
-/// displacements d of given poses, or Σ |w' − w| · reach.
+/// The distance that a change of weights, w' − w, moves a point: max |Σ (w' − w) d| over the
+/// displacements d of given poses, or Σ |w' − w| · reach without poses.
 template <std::size_t D>
 class WeightLoss {
 public:
@@ -32,8 +32,7 @@ public:
         std::size_t pose = Extreme::none;
     };
 
-    /// Returns pose_size_differs, pose_not_finite (and which one, in `culprit`), value_not_finite,
-    /// or ok.
+    /// Returns pose_size_differs, pose_not_finite (with the pose in `culprit`), value_not_finite, or ok.
     template <Scalar T>
     Status load(const HandleView<T, D>& handles, const PackOptions& options, std::size_t& culprit) {
         handles_ = handles.count;
@@ -51,7 +50,7 @@ public:
         for (std::size_t p = 0; p < poses_; ++p) {
             for (std::size_t h = 0; h < handles_; ++h) {
                 for (std::size_t k = 0; k < D; ++k) {
-                    // As `clone` has it, in its scalar.
+                    // Computed in the scalar of `clone`.
                     const T d =
                         static_cast<T>(options.poses[(p * handles_ + h) * D + k]) - handles.rest[h][k];
                     culprit = p;
@@ -66,12 +65,12 @@ public:
 
     std::size_t poses() const { return poses_; }
     double reach() const { return reach_; }
-    /// Of the handles along an axis in a pose, in units of the cage's size.
+    /// Returns the handles' displacements along an axis in a pose, in units of the cage's size.
     std::span<const double> displacements(std::size_t pose, std::size_t axis) const {
         return {displacements_.data() + (pose * D + axis) * handles_, handles_};
     }
 
-    /// The largest distances of `L` points over all poses, and where.
+    /// Returns the largest distances of `L` points over all poses, and the poses.
     ///
     ///   change  #handles rows of L numbers
     template <std::size_t L>
@@ -94,8 +93,8 @@ public:
         return result;
     }
 
-    /// The largest of them, or the first found to be above `limit`. `suspect` is looked at first;
-    /// it becomes the pose that decided.
+    /// Returns the largest distance, or the first one found above `limit`. The pose `suspect` is
+    /// tested first; it becomes the pose that decided.
     template <std::size_t L>
     double largest(std::span<const double> change, double limit, std::size_t& suspect) const {
         double worst = 0;
@@ -117,7 +116,7 @@ public:
     }
 
 private:
-    /// |Σ (w' − w) d|² of a pose, in units of the cage's size.
+    /// Returns |Σ (w' − w) d|² in a pose, in units of the cage's size.
     template <std::size_t L>
     std::array<double, L> squared_in(std::size_t pose, std::span<const double> change) const {
         std::array<double, L> squared{};

@@ -1,4 +1,4 @@
-// What bones say about the places in and about them.
+// The boundary values that bones give to points inside and near them.
 #pragma once
 
 #include <cageform/cage/detail/boundary_value.hpp>
@@ -7,7 +7,7 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// A bone where it lies.
+/// A bone with the positions of its ends.
 template <std::size_t D>
 struct PlacedBone {
     std::uint32_t i, j; ///< handles
@@ -15,13 +15,13 @@ struct PlacedBone {
     double radius;
 
     bool has(std::uint32_t handle) const noexcept { return handle == i || handle == j; }
-    /// The distance of a place from the surface, negative within.
+    /// Returns the distance of a point from the bone's surface, negative inside.
     double distance(const Vec<double, D>& p) const noexcept {
         return detail::distance_to_segment(p, a, b) - radius;
     }
 };
 
-/// What a bone says at a place: the value of its nearest place.
+/// Returns the value that a bone gives to a point: that of the bone's nearest point.
 template <std::size_t D>
 BoundaryValue<D> bone_value(const PlacedBone<D>& bone, const Vec<double, D>& p) noexcept {
     const double s = detail::part_of_segment(p, bone.a, bone.b);
@@ -33,10 +33,10 @@ BoundaryValue<D> bone_value(const PlacedBone<D>& bone, const Vec<double, D>& p) 
     return value;
 }
 
-/// What bones say at a place.
+/// The value that bones give to a point, and how far the point is from them.
 template <std::size_t D>
 struct BoneHit {
-    double distance = 0; ///< from the surface of the nearest, negative within
+    double distance = 0; ///< from the surface of the nearest bone, negative inside
     BoundaryValue<D> value;
 };
 
@@ -44,12 +44,13 @@ namespace detail {
 
 template <std::size_t D>
 struct DeepBone {
-    double depth = 0; ///< of a place below the surface
+    double depth = 0; ///< of a point below the surface
     PlacedBone<D> bone{};
 };
 
-/// The mean of what up to three bones say at a place, by the depths. Nullopt where they have more
-/// handles together than a value can hold: where they share no joint, which `check` refuses.
+/// Returns the mean of the values of up to three bones, weighted by the point's depths in them.
+/// Returns nullopt if the bones have more handles together than a value can hold, which happens
+/// only if they share no joint; `check` refuses that.
 template <std::size_t D>
 std::optional<BoundaryValue<D>> mean_value_of(const std::array<DeepBone<D>, 3>& deepest,
                                               const Vec<double, D>& p) noexcept {
@@ -74,10 +75,10 @@ std::optional<BoundaryValue<D>> mean_value_of(const std::array<DeepBone<D>, 3>& 
 
 } // namespace detail
 
-/// What bones bone(0) … bone(count − 1) say at a place no farther than `reach` from the surface of
-/// one. Where several overlap, as bones do at joints, the mean of what they say, by how deep the
-/// place lies in each, so that it is continuous. (Of more than three bones at a joint, that of the
-/// deepest three.)
+/// Returns the value that the bones bone(0) … bone(count − 1) give to a point, if its distance from
+/// the surface of one of them is at most `reach`. Where bones overlap, as at joints, the result is
+/// the mean of their values weighted by the point's depth in each, so that it is continuous. (If
+/// more than three bones overlap, only the deepest three count.)
 template <std::size_t D, class Bones>
 std::optional<BoneHit<D>> nearest_bone(std::size_t count, const Bones& bone, const Vec<double, D>& p,
                                        double reach) noexcept {

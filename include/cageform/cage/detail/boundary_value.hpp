@@ -1,12 +1,12 @@
-// Boundary data at a place of a cage.
+// Boundary data at a point of a cage's boundary: handles and their hat function values.
 #pragma once
 
 #include <cageform/cage/detail/primitives.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// The boundary data at a place: the handles whose hat functions do not vanish there, and their
-/// values, which sum to 1.
+/// The boundary data at a point: the handles whose hat functions do not vanish there, and the
+/// values of these functions, which sum to 1.
 template <std::size_t D>
 struct BoundaryValue {
     static constexpr std::size_t most = D <= 2 ? D : 4; ///< a vertex, an edge, a triangle or quadrilateral
@@ -14,12 +14,12 @@ struct BoundaryValue {
     std::array<double, most> weight{};
 };
 
-/// That at the place of a facet with these weights of its vertices.
+/// Returns the boundary data at the point of a facet with these barycentric weights.
 template <std::size_t D>
 BoundaryValue<D> value_on_facet(const std::array<std::uint32_t, D>& vertex,
                                 const std::array<double, D>& weight) noexcept {
     BoundaryValue<D> value;
-    value.handle.fill(vertex[0]); // where there are more handles than vertices, with a weight of 0
+    value.handle.fill(vertex[0]); // unused entries keep a valid handle with weight 0
     std::copy(vertex.begin(), vertex.end(), value.handle.begin());
     std::copy(weight.begin(), weight.end(), value.weight.begin());
     return value;
@@ -27,7 +27,7 @@ BoundaryValue<D> value_on_facet(const std::array<std::uint32_t, D>& vertex,
 
 namespace detail {
 
-/// Hat functions of the vertices: a place's BoundaryValue is all there is to say.
+/// Boundary data made of the vertices' hat functions: a point's BoundaryValue is its whole data.
 template <std::size_t D>
 class HatData {
 public:

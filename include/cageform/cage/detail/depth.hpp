@@ -1,4 +1,4 @@
-// How deep inside a cage a point lies, smoothly.
+// A smooth measure of how deep inside a cage a point lies.
 #pragma once
 
 #include <cageform/cage/box.hpp>
@@ -6,11 +6,12 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Proportional to the distance from the boundary next to it, smooth everywhere inside: one over
-/// the integral of 1/ρ over all directions, ρ the distance of the boundary in that direction
-/// (beyond it with alternating signs), which is what mean value weights are normalised by (Dyken &
-/// Floater, Transfinite mean value interpolation, CAGD 26 (2009), sec. 3). Made for a sound cage;
-/// asked for points inside. O(edges or faces).
+/// A function that is proportional to the distance from the boundary close to it and smooth
+/// everywhere inside. It is one over the integral of 1/ρ over all directions, where ρ is the
+/// distance of the boundary in that direction (further crossings count with alternating signs).
+/// Mean value weights are normalised by this integral (Dyken & Floater, Transfinite mean value
+/// interpolation, CAGD 26 (2009), sec. 3). The cage must be sound, and points must lie inside.
+/// O(edges or faces).
 template <class Cage>
 class Depth;
 
@@ -26,7 +27,7 @@ public:
             });
         }
     }
-    /// In the units of the cage; 0 where rounding leaves no answer.
+    /// Returns the depth in the units of the cage; 0 where rounding leaves no answer.
     double operator()(const Vec<T, 2>& p) const noexcept {
         double sum = 0;
         for (const auto& [from, to] : edges_) {
@@ -34,7 +35,7 @@ public:
             const double r = detail::length(a), s = detail::length(b);
             const double over = cross(a, b), along = dot(a, b);
             const double tangent =
-                along > 0 ? over / (r * s + along) : (r * s - along) / over; // of half the angle
+                along > 0 ? over / (r * s + along) : (r * s - along) / over; // tan(angle / 2)
             sum += tangent * (1 / r + 1 / s);
         }
         return sum > 0 ? 1 / sum : 0;
@@ -64,8 +65,8 @@ public:
                 largest = (std::max)(largest, detail::length(c[k]));
             }
             const double height = dot(face.normal, c[0]);
-            // The normal's part of the spherical triangle's vector area: half of what its sides
-            // contribute, by their angles.
+            // The spherical triangle's vector area along the normal: half the sum over its sides of
+            // the side's angle times its unit normal.
             double part = 0;
             for (std::size_t k = 0; k < 3; ++k) {
                 const auto over = cross(c[k], c[(k + 1) % 3]);
@@ -73,8 +74,8 @@ public:
                 if (size > 0)
                     part += 0.5 * std::atan2(size, dot(c[k], c[(k + 1) % 3])) / size * dot(face.normal, over);
             }
-            // Seen edge-on from beside the face: nothing, but for rounding. From over it the part
-            // is about π.
+            // A face seen edge-on from beside contributes only rounding. From right above the face
+            // `part` is about π.
             if (std::fabs(height) < 1e-7 * largest && std::fabs(part) < 1) continue;
             sum += part / height;
         }
@@ -89,7 +90,7 @@ private:
     std::vector<Face> faces_;
 };
 
-/// Of a box, the harmonic mean of the distances from its faces does as well.
+/// For a box, the harmonic mean of the distances from its faces is good enough.
 template <Scalar T>
 class Depth<Box<T>> {
 public:
@@ -107,7 +108,7 @@ private:
     Vec<double, 3> lower_, upper_;
 };
 
-/// Cells inside a cage do not matter.
+/// The depth in a cell complex ignores the cells inside.
 template <Scalar T, std::size_t D>
 class Depth<CellComplex<T, D>> : public Depth<typename CellComplex<T, D>::Boundary> {
 public:

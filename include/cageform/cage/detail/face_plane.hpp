@@ -1,21 +1,22 @@
-// The plane of a face of any number of corners, and the face cut into triangles.
+// The plane of a face with any number of corners, and the triangulation of the face.
 #pragma once
 
 #include <cageform/cage/detail/primitives.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// A frame of the plane that a face lies in: `normal` outward where the corners go counter-clockwise
-/// seen from outside, `u` along the longest edge, so that a rectangle's sides lie along the axes.
+/// An orthonormal frame of the plane that a face lies in. `normal` points outward if the corners
+/// are counter-clockwise seen from outside; `u` runs along the longest edge, so that a rectangle's
+/// sides are parallel to the axes.
 struct FacePlane {
     Vec<double, 3> origin{}, u{1, 0, 0}, v{0, 1, 0}, normal{0, 0, 1};
-    bool has_area = false; ///< whether the corners have a normal; if not, the axes are those of space
+    bool has_area = false; ///< whether the corners define a normal; if not, the axes are those of space
 
     FacePlane() = default;
-    /// The plane through the middle of the corners, across the sum of the cross products of
-    /// neighbours (Newell's normal).
+    /// Makes the plane through the corners' centroid whose normal is the sum of the cross products
+    /// of neighbouring corners (Newell's normal).
     explicit FacePlane(std::span<const Vec<double, 3>> corners) noexcept {
-        const auto scale = unit_scale(bounds_of(corners)); // products stay in range
+        const auto scale = unit_scale(bounds_of(corners)); // keeps products in range
         for (const auto& c : corners) origin = origin + (1.0 / double(corners.size())) * c;
         Vec<double, 3> sum{}, longest{};
         for (std::size_t k = 0; k < corners.size(); ++k) {
@@ -40,10 +41,10 @@ struct FacePlane {
     double height(const Vec<double, 3>& p) const noexcept { return dot(p - origin, normal); }
 };
 
-/// Cuts one simple polygon, counter-clockwise, into triangles: ear by ear (Meisters, Polygons have
-/// ears, Amer. Math. Monthly 82, 1975), whose diagonals are then flipped until they are locally
-/// Delaunay (Lawson, Software for C1 surface interpolation, 1977). Vertices on the line of their
-/// neighbours leave no triangle without an area then.
+/// Triangulates one simple polygon, counter-clockwise. Clips ears (Meisters, Polygons have ears,
+/// Amer. Math. Monthly 82, 1975), then flips diagonals until they are locally Delaunay (Lawson,
+/// Software for C1 surface interpolation, 1977). After the flips a vertex on the line of its
+/// neighbours leaves no triangle without area.
 class PolygonCutter {
 public:
     using Triangle = std::array<std::uint32_t, 3>;
@@ -55,8 +56,8 @@ public:
         flip_diagonals();
     }
 
-    /// n − 2 triangles, in numbers of the polygon's vertices; of any n ≥ 3 vertices, also where they
-    /// are no simple polygon. O(n²) as a rule, O(n³) at worst.
+    /// Returns n − 2 triangles as indices of the polygon's vertices. Works for any n ≥ 3 vertices,
+    /// even if the polygon is not simple. O(n²) as a rule, O(n³) at worst.
     const Buffer<Triangle>& triangles() const noexcept { return triangles_; }
 
 private:
@@ -73,7 +74,7 @@ private:
     bool is_ear(const Buffer<Corner>& corners, std::uint32_t tip) const noexcept {
         if (!(turn(corners, tip) > 0)) return false;
         const auto [a, c] = corners[tip];
-        // Where anything lies in an ear, a corner that is not convex does.
+        // If any vertex lies in an ear, a non-convex one does.
         for (auto p = corners[c].after; p != a; p = corners[p].after) {
             const bool in_ear = area(a, tip, p) >= 0 && area(tip, c, p) >= 0 && area(c, a, p) >= 0;
             if (in_ear && turn(corners, p) <= 0) return false;
@@ -92,11 +93,11 @@ private:
             triangles_.push_back({before, tip, after});
             corners[before].after = after;
             corners[after].before = before;
-            tip = corners[after].after; // ears that take turns are no fan
+            tip = corners[after].after; // alternate ears, so that the triangles do not form one fan
         }
     }
 
-    /// Of each triangle the ones across its edges, edge k opposite to corner k.
+    /// Finds the neighbours of every triangle; edge k is opposite to corner k.
     void find_neighbours() {
         struct HalfEdge {
             std::uint32_t low, high, triangle, edge;
@@ -121,7 +122,7 @@ private:
     }
 
     void flip_diagonals() {
-        std::size_t flips = 64 + triangles_.size() * triangles_.size(); // more than there are to make
+        std::size_t flips = 64 + triangles_.size() * triangles_.size(); // more than are ever needed
         for (bool flipped = true; flipped && flips > 0;) {
             flipped = false;
             for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
@@ -133,7 +134,7 @@ private:
             }
         }
     }
-    /// Flips the edge of a triangle where the angles opposite to it add up to more than half a turn.
+    /// Flips an edge of a triangle if the two angles opposite to it add up to more than 180°.
     bool flip(std::uint32_t t, std::uint32_t k) {
         const std::uint32_t other = neighbours_[t][k];
         if (other == none) return false;

@@ -1,4 +1,4 @@
-// Triangles in a flat index buffer, as engines keep them.
+// A view of triangles stored in a flat index buffer, as engines keep them.
 #pragma once
 
 #include <cageform/core/vec.hpp>
@@ -16,7 +16,8 @@ namespace cageform::inline CAGEFORM_ABI {
 /// Stands for the index of a vertex that does not exist.
 inline constexpr std::uint32_t no_vertex = ~std::uint32_t{0};
 
-/// A view of triangles over a flat index buffer, three indices a face. Owns nothing and copies nothing.
+/// A view of triangles over a flat index buffer with three indices per face. Owns nothing and
+/// copies nothing.
 template <std::integral I>
     requires(sizeof(I) <= sizeof(std::uint32_t))
 class FlatFaces {
@@ -27,8 +28,8 @@ public:
 
     constexpr std::size_t size() const noexcept { return (count_ + 2) / 3; }
 
-    /// Negative indices are far beyond every vertex; so are those that the last face lacks where there
-    /// is no multiple of three.
+    /// Returns the vertices of a face. Negative indices convert to numbers beyond every vertex, and
+    /// so do the missing indices of an incomplete last face.
     constexpr std::array<std::uint32_t, 3> operator[](std::size_t face) const noexcept {
         std::array<std::uint32_t, 3> corners{no_vertex, no_vertex, no_vertex};
         for (std::size_t k = 0; k < 3 && 3 * face + k < count_; ++k)
@@ -41,11 +42,12 @@ private:
     std::size_t count_;
 };
 
-/// The triangles of a flat index buffer, for all that takes faces: `TriangleMesh(points, faces_of(indices))`.
+/// Views a flat index buffer as triangles, for everything that takes faces: `TriangleMesh(points,
+/// faces_of(indices))`.
 ///
-///   indices  whole numbers of 32 bits at most that lie side by side, three a face; they have to outlive
-///            the view. A count that is no multiple of three gives a last face that lacks a vertex, which
-///            `check` and all that takes meshes refuse by its number, as they do an index that no vertex has
+///   indices  integers of at most 32 bits, contiguous, three per face; they must outlive the view.
+///            If their count is not a multiple of three, the last face lacks a vertex. `check` and
+///            all that takes meshes refuse it by its number, as they do an index out of range
 template <class R>
     requires std::integral<std::remove_cvref_t<decltype(*std::data(std::declval<const R&>()))>>
 constexpr auto faces_of(const R& indices) noexcept {

@@ -1,4 +1,4 @@
-// Pairs of facets that may meet, in a box that is halved until few are left.
+// Finds the pairs of facets that meet, by recursive bisection of a box around them.
 #pragma once
 
 #include <cageform/cage/detail/primitives.hpp>
@@ -8,12 +8,12 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The bounds of the part of a facet that lies in a box; nothing where none does (Sutherland,
-/// Hodgman 1974: the facet is clipped by one side of the box after the other).
+/// Returns the bounds of a facet clipped to a box, or nothing if the facet lies outside
+/// (Sutherland, Hodgman 1974: the facet is clipped against one side of the box after the other).
 template <std::size_t D>
 std::optional<Bounds<double, D>> clipped_bounds(const Corners<D>& corner,
                                                 const Bounds<double, D>& box) noexcept {
-    // Each of the 2 D sides adds one corner at most, but for rounding.
+    // Each of the 2 D sides adds at most one corner, apart from rounding.
     std::array<Vec<double, D>, 4 * D> from{}, to{};
     std::size_t count = D;
     std::copy(corner.begin(), corner.end(), from.begin());
@@ -41,14 +41,14 @@ std::optional<Bounds<double, D>> clipped_bounds(const Corners<D>& corner,
 
 /// Finds the pairs of facets that meet.
 ///
-/// A box about all facets is halved, along the axis that leaves the fewest pairs, until a part has
-/// few pairs or halving no longer helps. Facets are clipped to their parts: slivers whose bounds
-/// overlap are told apart. Usually O(n log n), O(n²) at worst.
+/// Halves a box around all facets, along the axis that leaves the fewest pairs, until a cell has
+/// few pairs or halving no longer helps. Facets are clipped to their cells, which separates slivers
+/// whose bounds overlap. Usually O(n log n), O(n²) at worst.
 template <std::size_t D>
 class FacetPairs {
 public:
-    /// Facets of one group, other than no_group, are not paired. Those that are `margin` apart may
-    /// count as meeting.
+    /// Takes facets and their groups: facets of the same group, other than no_group, are not
+    /// paired. Facets up to `margin` apart may count as meeting.
     FacetPairs(std::span<const Facet<D>> facets, std::span<const std::uint32_t> groups, double margin)
         : facets_(facets)
         , groups_(groups)
@@ -57,14 +57,14 @@ public:
 
     static constexpr std::uint32_t no_group = ~std::uint32_t{0};
 
-    /// found(m, n), m < n, once for every pair with meet(m, n); in no particular order, the same in
-    /// every call. `meet` may be asked several times.
+    /// Calls found(m, n), m < n, once for every pair with meet(m, n). The order is arbitrary but
+    /// the same in every call. `meet` may be called several times for a pair.
     template <class Meet, class Found>
     void for_each(const Meet& meet, const Found& found) {
         std::vector<Item> items;
         items.reserve(facets_.size());
         for (std::uint32_t n = 0; n < facets_.size(); ++n) items.push_back({n, facets_[n].bounds()});
-        // Groups side by side: what is taken out of the list later keeps them so.
+        // Keep groups contiguous; later steps only remove items, which preserves this.
         std::sort(items.begin(), items.end(), [&](const Item& a, const Item& b) {
             return group(a) != group(b) ? group(a) < group(b) : a.facet < b.facet;
         });
@@ -74,7 +74,7 @@ public:
 private:
     struct Item {
         std::uint32_t facet;
-        Bounds<double, D> bounds; ///< of its part in the box
+        Bounds<double, D> bounds; ///< of the clipped facet
     };
     using Items = std::vector<Item>;
     struct InPart {
@@ -86,7 +86,7 @@ private:
         return groups_.empty() ? no_group : groups_[item.facet];
     }
 
-    /// Counts the pairs of items that come one by one, groups side by side.
+    /// Counts the pairs among items that are added one by one, group by group.
     struct PairCount {
         double items = 0, pairs = 0, in_group = 0;
         std::uint32_t last = no_group;
@@ -101,7 +101,7 @@ private:
     struct Split {
         std::size_t axis = 0;
         double at = 0;
-        double pairs = std::numeric_limits<double>::infinity(); ///< of both halves together
+        double pairs = std::numeric_limits<double>::infinity(); ///< in both halves together
     };
     Split split_at(const Items& items, std::size_t axis, double at) const noexcept {
         PairCount lower, upper;
@@ -111,8 +111,9 @@ private:
         }
         return {axis, at, lower.pairs + upper.pairs};
     }
-    /// At the median of the items' middles or in the middle of their range, along the best axis: the
-    /// one parts what is scattered over many scales, the other two heaps.
+    /// Chooses the best split over all axes, at the median of the items' middles or at the middle
+    /// of their range. The median suits items scattered over many scales, the middle suits two
+    /// clusters.
     Split best_split(const Items& items) const {
         Split best;
         std::vector<double> middles(items.size());
@@ -132,7 +133,8 @@ private:
         return best;
     }
 
-    /// The items that reach into a box, clipped to it: all, or those of one group while others stay.
+    /// Returns the items that reach into a box, clipped to it. With a group `only`, clips the items
+    /// of that group and keeps the others as they are.
     Items clipped(const Items& items, const Bounds<double, D>& box, std::uint32_t only) const {
         Items inside;
         for (const Item& item : items) {
@@ -146,7 +148,7 @@ private:
                 part.upper[k] = std::fmin(part.upper[k], box.upper[k]);
             }
             part = part.widened(margin_);
-            if (!part.overlaps(part)) continue; // empty
+            if (!part.overlaps(part)) continue;
             if (part.covers(item.bounds)) {
                 inside.push_back(item);
             } else if (const auto bounds = clipped_bounds(facets_[item.facet].corner, part)) {
@@ -165,8 +167,9 @@ private:
         return box;
     }
 
-    /// Clips a group that has more than half of the items to the bounds of the others, with which
-    /// alone it is paired: halving does not tell slivers about an apex from what is beside it.
+    /// If one group has more than half of the items, clips it to the bounds of the others, since it
+    /// is only paired with those. Halving alone does not separate slivers at an apex from their
+    /// surroundings.
     Items cropped(Items items) const {
         std::size_t begin = 0, end = end_of_group(items, 0);
         while (2 * (end - begin) <= items.size() && end < items.size()) {
@@ -187,8 +190,9 @@ private:
 
     template <class Meet, class Found>
     void divide(Items items, const Meet& meet, const Found& found) {
-        constexpr double few = 8;      // pairs an item: as many as halving would take
-        constexpr double helps = 0.95; // all halvings take a few times as long as all pairs at most
+        constexpr double few = 8;      // pairs per item: testing them costs about as much as halving
+        constexpr double helps = 0.95; // limits all halvings together to a few times the cost of testing
+                                       // all pairs
         PairCount count;
         for (const Item& item : items) count.add(group(item));
         if (count.pairs == 0) return;
@@ -229,7 +233,7 @@ private:
             ++end;
         return end;
     }
-    /// Whether an earlier part had both near to each other.
+    /// Whether an earlier cell contained both facets close to each other.
     bool found_before(std::size_t m, std::size_t n) const noexcept {
         const auto &a = parts_of_[m], &b = parts_of_[n];
         for (std::size_t i = 0, j = 0; i < a.size() && j < b.size();) {
@@ -242,7 +246,7 @@ private:
     std::span<const Facet<D>> facets_;
     std::span<const std::uint32_t> groups_;
     double margin_;
-    std::vector<std::vector<InPart>> parts_of_; ///< of every facet, ascending
+    std::vector<std::vector<InPart>> parts_of_; ///< for every facet, ascending
     std::uint32_t parts_ = 0;
 };
 

@@ -1,4 +1,4 @@
-// The half-edges of triangles, and what closes small gaps between them.
+// The half-edges of a triangle mesh, and the faces that close small gaps in it.
 #pragma once
 
 #include <cageform/cage/detail/primitives.hpp>
@@ -8,20 +8,20 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// An edge as one of its faces runs along it.
+/// An edge in the direction in which one of its faces runs along it.
 struct HalfEdge {
     std::uint32_t from, to, face;
 
-    /// The edge, whichever way it is run along.
+    /// Returns the edge regardless of direction.
     auto edge() const noexcept { return std::pair((std::min)(from, to), (std::max)(from, to)); }
 };
 
-/// The half-edges of all faces, those of an edge in a row, by the edges' lesser vertices. O(#F + #V)
-/// where vertices have few faces.
+/// Returns the half-edges of all faces, grouped by edge and sorted by the edges' smaller vertices.
+/// O(#F + #V) if vertices have few faces.
 inline std::vector<HalfEdge> half_edges_of(std::span<const std::array<std::uint32_t, 3>> faces) {
     std::size_t size = 0;
     for (const auto& [a, b, c] : faces) size = std::max<std::size_t>(size, (std::max)({a, b, c}));
-    std::vector<std::size_t> end(size + 2); // of the half-edges of a lesser vertex, once they are placed
+    std::vector<std::size_t> end(size + 2); // end of the half-edges of each smaller vertex, after placement
     const auto for_each = [&](const auto& f) {
         for (std::size_t n = 0; n < 3 * faces.size(); ++n) {
             const auto& face = faces[n / 3];
@@ -41,7 +41,8 @@ inline std::vector<HalfEdge> half_edges_of(std::span<const std::array<std::uint3
     return all;
 }
 
-/// f(half-edges) for every edge: two of opposite directions where the mesh is a closed manifold.
+/// Calls f(half-edges) for every edge. In a closed manifold an edge has two, of opposite
+/// directions.
 template <class F>
 void for_each_edge(std::span<const HalfEdge> half_edges, F&& f) {
     for (std::size_t begin = 0, end = 0; begin < half_edges.size(); begin = end) {
@@ -53,9 +54,9 @@ void for_each_edge(std::span<const HalfEdge> half_edges, F&& f) {
 namespace detail {
 
 using MeshFace = std::array<std::uint32_t, 3>;
-using MeshLoop = std::vector<std::uint32_t>; ///< vertices one after the other, the first after the last
+using MeshLoop = std::vector<std::uint32_t>; ///< vertices in order; the first follows the last
 
-/// The loops that directed edges make, each edge in one; nullopt where they do not close.
+/// Splits directed edges into loops that use each edge once. Returns nullopt if they do not close.
 inline std::optional<std::vector<MeshLoop>>
 loops_of(std::vector<std::pair<std::uint32_t, std::uint32_t>> edges) {
     std::sort(edges.begin(), edges.end());
@@ -74,7 +75,7 @@ loops_of(std::vector<std::pair<std::uint32_t, std::uint32_t>> edges) {
             continue;
         }
         loops.emplace_back(met, walk.end());
-        // Where another loop touches this one, the walk goes on from their common vertex.
+        // Where another loop touches this one, continue from their common vertex.
         walk.erase(met == walk.begin() ? met : met + 1, walk.end());
     }
     return loops;
@@ -89,8 +90,8 @@ public:
         , faces_(faces)
         , half_edges_(half_edges_of(faces)) {}
 
-    /// None where a gap can not be closed, or where all of them are more than a quarter of the area
-    /// of the faces.
+    /// Returns no faces if some gap cannot be closed, or if the gaps add up to more than a quarter
+    /// of the area of the faces.
     std::vector<MeshFace> closing_faces() const {
         const auto gaps = loops_of(open_edges());
         if (!gaps) return {};
@@ -106,7 +107,7 @@ public:
     }
 
 private:
-    /// The edges of one face only, in the direction of the face that is missing there.
+    /// Returns the edges that have only one face, in the direction of the missing face.
     std::vector<std::pair<std::uint32_t, std::uint32_t>> open_edges() const {
         std::vector<std::pair<std::uint32_t, std::uint32_t>> open;
         for_each_edge(half_edges_, [&](std::span<const HalfEdge> edge) {
@@ -120,14 +121,15 @@ private:
                                          [](const HalfEdge& a, const auto& b) { return a.edge() < b; });
         return at != half_edges_.end() && at->edge() == edge;
     }
-    /// Whether a gap of three edges is the rim of a single face, which no second one makes a cage.
+    /// Whether a gap of three edges is the rim of a single isolated face; a second face would not
+    /// make it a cage.
     bool is_stray(const MeshLoop& gap) const noexcept {
         return gap.size() == 3 && std::any_of(faces_.begin(), faces_.end(), [&](const MeshFace& face) {
                    return std::is_permutation(face.begin(), face.end(), gap.begin());
                });
     }
-    /// The fan of least area from one vertex to all others, of those that have no edge of the mesh
-    /// inside. Of a long gap not every vertex is tried.
+    /// Returns the fan of least area from one vertex to all others, among fans whose inner edges
+    /// are not edges of the mesh yet. For a long gap not every apex is tried.
     std::vector<MeshFace> smallest_fan(const MeshLoop& gap) const {
         std::vector<MeshFace> best;
         double least = std::numeric_limits<double>::infinity();

@@ -1,4 +1,4 @@
-// On which side of a line or plane a point lies, and whether segments meet: decided exactly.
+// Exact predicates: on which side of a line or plane a point lies, and whether segments meet.
 #pragma once
 
 #include <cageform/core/vec.hpp>
@@ -10,10 +10,11 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// A sum of products, without rounding: products and sums are split into a rounded part and its
-/// error (Shewchuk, Adaptive precision floating-point arithmetic and fast robust geometric
-/// predicates, Discrete Comput. Geom. 18 (1997), sec. 2: Two-Sum, Two-Product, Grow-Expansion). For
-/// up to `terms` factors at most 1 that are zero or not below 1e-120, of three 1e-90.
+/// A sum of products without rounding. Splits products and sums into a rounded part and its error
+/// (Shewchuk, Adaptive precision floating-point arithmetic and fast robust geometric predicates,
+/// Discrete Comput. Geom. 18 (1997), sec. 2: Two-Sum, Two-Product, Grow-Expansion). The factors
+/// must be at most 1 and either zero or at least 1e-120; for products of three factors, at least
+/// 1e-90.
 template <std::size_t terms>
 class ExactSum {
 public:
@@ -47,7 +48,7 @@ private:
     std::size_t count_ = 0;
 };
 
-/// A power of two that makes the largest of the coordinates at most 1.
+/// Returns a power of two that scales the largest coordinate to at most 1.
 template <std::size_t D>
 double unit_scale(std::initializer_list<const Vec<double, D>*> points) noexcept {
     double largest = 0;
@@ -59,11 +60,11 @@ double unit_scale(std::initializer_list<const Vec<double, D>*> points) noexcept 
     return std::ldexp(1.0, -(std::max)(exponent, -1022));
 }
 
-/// 1 where `c` lies to the left of the line from `a` to `b`, −1 to the right, 0 on it. Exact for
-/// finite points whose coordinates, other than zero, differ by less than a factor of 1e120.
+/// Returns 1 if `c` lies to the left of the line from `a` to `b`, −1 if to the right, 0 if on it.
+/// Exact for finite points whose non-zero coordinates differ by less than a factor of 1e120.
 inline int orientation(const Vec<double, 2>& a, const Vec<double, 2>& b, const Vec<double, 2>& c) noexcept {
     const double left = (b[0] - a[0]) * (c[1] - a[1]), right = (b[1] - a[1]) * (c[0] - a[0]);
-    // Shewchuk, sec. 4.3: what rounding may be. Products below 1e-290 lose more.
+    // The error bound of Shewchuk, sec. 4.3. Products below 1e-290 lose more.
     const double bound = 4 * epsilon<double> * (std::fabs(left) + std::fabs(right));
     if (bound > 1e-290 && std::fabs(left - right) > bound && is_finite(bound)) return left > right ? 1 : -1;
     const double scale = unit_scale<2>({&a, &b, &c});
@@ -78,9 +79,9 @@ inline int orientation(const Vec<double, 2>& a, const Vec<double, 2>& b, const V
     return sum.sign();
 }
 
-/// 1 where `d` lies on the side of the plane through `a`, `b` and `c` from which these are seen
-/// counter-clockwise, −1 on the other, 0 in it. Exact for finite points whose coordinates, other
-/// than zero, differ by less than a factor of 1e90.
+/// Returns 1 if `d` lies on the side of the plane through `a`, `b` and `c` from which these are
+/// counter-clockwise, −1 on the other side, 0 in the plane. Exact for finite points whose non-zero
+/// coordinates differ by less than a factor of 1e90.
 inline int orientation(const Vec<double, 3>& a, const Vec<double, 3>& b, const Vec<double, 3>& c,
                        const Vec<double, 3>& d) noexcept {
     const auto u = b - a, v = c - a, w = d - a;
@@ -95,7 +96,7 @@ inline int orientation(const Vec<double, 3>& a, const Vec<double, 3>& b, const V
     if (bound > 1e-290 && std::fabs(volume) > bound && is_finite(bound)) return volume > 0 ? 1 : -1;
     const double scale = unit_scale<3>({&a, &b, &c, &d});
     const std::array<Vec<double, 3>, 4> p{scale * a, scale * b, scale * c, scale * d};
-    ExactSum<96> sum; // of the determinants of three points each
+    ExactSum<96> sum; // over the determinants of three points each
     for (std::size_t n = 0; n < 4; ++n) {
         const auto &x = p[n == 0 ? 1 : 0], &y = p[n <= 1 ? 2 : 1], &z = p[n <= 2 ? 3 : 2];
         for (std::size_t k = 0; k < 3; ++k) {
@@ -108,7 +109,7 @@ inline int orientation(const Vec<double, 3>& a, const Vec<double, 3>& b, const V
     return sum.sign();
 }
 
-/// Whether the segments ab and cd have a place in common, ends included. Exact as `orientation` is.
+/// Whether the segments ab and cd have a point in common, ends included. Exact as `orientation` is.
 inline bool segments_touch(const Vec<double, 2>& a, const Vec<double, 2>& b, const Vec<double, 2>& c,
                            const Vec<double, 2>& d) noexcept {
     for (std::size_t k = 0; k < 2; ++k) {

@@ -1,4 +1,4 @@
-// Segments and triangles: what all cages are made of, and the rules which side is inside.
+// Segments and triangles, of which all cages are made, and the rules for which side is inside.
 #pragma once
 
 #include <cageform/cage/detail/orientation.hpp>
@@ -18,7 +18,7 @@ namespace cageform::inline CAGEFORM_ABI {
 
 namespace detail {
 
-/// The two axes across an axis of space, in order.
+/// For each axis of space, the other two in order.
 inline constexpr std::array<std::array<std::size_t, 2>, 3> other_axes{{{1, 2}, {0, 2}, {0, 1}}};
 
 template <std::size_t D>
@@ -28,25 +28,25 @@ double length(const Vec<double, D>& v) noexcept {
 
 // ---- which side is inside -----------------------------------------------------------------------
 
-/// The rule of the plane, even-odd: a point is inside where the ray from it to the right crosses an
-/// odd number of edges. An edge owns its lower end and not its upper one, so that a ray through a
-/// vertex counts the edges there rightly.
+/// The even-odd rule in the plane: a point is inside if the ray from it to the right crosses an odd
+/// number of edges. An edge includes its lower end but not its upper one, so that a ray through a
+/// vertex counts correctly.
 inline bool crosses_ray(const Vec<double, 2>& q, const Vec<double, 2>& a, const Vec<double, 2>& b) noexcept {
     return (a[1] > q[1]) != (b[1] > q[1]) && (cross(b - a, q - a) > 0) == (b[1] > a[1]);
 }
 
-/// The rule of space: a point is inside where the winding number rounds to an odd one.
+/// The rule in space: a point is inside if the winding number rounds to an odd integer.
 inline bool is_enclosed(double winding_number) noexcept {
     return std::fmod(std::fabs(std::round(winding_number)), 2.0) == 1;
 }
 
 // ---- facets: edges in the plane, triangles in space ---------------------------------------------
 
-/// The corners of a facet.
+/// The positions of a facet's corners.
 template <std::size_t D>
 using Corners = std::array<Vec<double, D>, D>;
 
-/// A facet by its vertices, and where they lie.
+/// A facet: its vertices and their positions.
 template <std::size_t D>
 struct Facet {
     std::array<std::uint32_t, D> vertex;
@@ -58,15 +58,15 @@ struct Facet {
         for (std::size_t k = 0; k < D; ++k) corner[k] = vec_cast<double>(vertices[of[k]]);
     }
     bool has(std::uint32_t i) const noexcept {
-        bool found = false; // without branches: asked for all pairs of a fan
+        bool found = false; // branch-free: called for all pairs of a fan
         for (const std::uint32_t v : vertex) found |= v == i;
         return found;
     }
     Bounds<double, D> bounds() const noexcept { return bounds_of(std::span<const Vec<double, D>>(corner)); }
 };
 
-/// Where on the segment from `a` to `b` the place nearest to `p` lies: 0 at a, 1 at b; 0 where both
-/// are one.
+/// Returns the parameter of the point on segment ab nearest to `p`: 0 at a, 1 at b; 0 if a equals
+/// b.
 template <std::size_t D>
 double part_of_segment(const Vec<double, D>& p, const Vec<double, D>& a, const Vec<double, D>& b) noexcept {
     const auto e = b - a;
@@ -74,7 +74,7 @@ double part_of_segment(const Vec<double, D>& p, const Vec<double, D>& a, const V
     return length2 > 0 ? std::fmin(std::fmax(dot(p - a, e) / length2, 0.0), 1.0) : 0.0;
 }
 
-/// The place of that segment nearest to `p`.
+/// Returns the point on segment ab nearest to `p`.
 template <std::size_t D>
 Vec<double, D> nearest_on_segment(const Vec<double, D>& p, const Vec<double, D>& a,
                                   const Vec<double, D>& b) noexcept {
@@ -86,7 +86,7 @@ double distance_to_segment(const Vec<double, D>& p, const Vec<double, D>& a,
     return length(nearest_on_segment(p, a, b) - p);
 }
 
-/// The distance of two segments; in the plane 0 where they meet, exactly.
+/// Returns the distance of two segments; in the plane it is exactly 0 if they meet.
 template <std::size_t D>
 double segment_distance(const Vec<double, D>& a, const Vec<double, D>& b, const Vec<double, D>& c,
                         const Vec<double, D>& d) noexcept {
@@ -95,7 +95,8 @@ double segment_distance(const Vec<double, D>& a, const Vec<double, D>& b, const 
     if constexpr (D == 2) {
         return segments_touch(a, b, c, d) ? 0.0 : least;
     } else {
-        // Nearer than at the ends only where the common perpendicular meets both.
+        // The interior can only be closer than the ends if the common perpendicular meets both
+        // segments.
         const auto e = b - a, f = d - c, g = a - c;
         const double ee = dot(e, e), ff = dot(f, f), ef = dot(e, f), determinant = ee * ff - ef * ef;
         if (!(determinant > 0)) return least;
@@ -106,13 +107,13 @@ double segment_distance(const Vec<double, D>& a, const Vec<double, D>& b, const 
     }
 }
 
-/// The place of an edge nearest to `p`, as weights of its corners.
+/// Returns the point of an edge nearest to `p`, as barycentric weights.
 inline std::array<double, 2> nearest_on_facet(const Vec<double, 2>& p, const Corners<2>& edge) noexcept {
     const double s = part_of_segment(p, edge[0], edge[1]);
     return {1 - s, s};
 }
-/// That of a triangle (Ericson, Real-Time Collision Detection (2005), sec. 5.1.5: the regions of
-/// vertices, edges and the face).
+/// Returns the point of a triangle nearest to `p`, as barycentric weights (Ericson, Real-Time
+/// Collision Detection (2005), sec. 5.1.5: the regions of vertices, edges and the face).
 inline std::array<double, 3> nearest_on_facet(const Vec<double, 3>& p, const Corners<3>& triangle) noexcept {
     const auto& [a, b, c] = triangle;
     const auto n = cross(b - a, c - a);
@@ -136,7 +137,7 @@ inline std::array<double, 3> nearest_on_facet(const Vec<double, 3>& p, const Cor
     return best;
 }
 
-/// The place with these weights of a facet's corners.
+/// Returns the point with these barycentric weights on a facet.
 template <std::size_t D>
 Vec<double, D> place_on_facet(const std::array<double, D>& weights, const Corners<D>& corner) noexcept {
     Vec<double, D> x{};
@@ -148,23 +149,23 @@ double distance_to_facet(const Vec<double, D>& p, const Corners<D>& corner) noex
     return length(place_on_facet(nearest_on_facet(p, corner), corner) - p);
 }
 
-/// Whether the corners of a triangle lie on one line within `tolerance`.
+/// Whether the corners of a triangle lie on one line, within `tolerance`.
 inline bool is_flat(const Corners<3>& corner, double tolerance) noexcept {
     const auto& [a, b, c] = corner;
     const double longest = (std::max)({length(b - a), length(c - b), length(a - c)});
     return !(length(cross(b - a, c - a)) > tolerance * longest);
 }
 
-/// Half the solid angle that a triangle is seen under from `q`, positive where it is seen clockwise
-/// (van Oosterom & Strackee 1983).
+/// Returns half the solid angle that a triangle subtends at `q`, positive if it is clockwise seen
+/// from `q` (van Oosterom & Strackee 1983).
 inline double half_solid_angle(const Vec<double, 3>& q, const Corners<3>& corner) noexcept {
     const auto a = corner[0] - q, b = corner[1] - q, c = corner[2] - q;
     const double x = length(a), y = length(b), z = length(c);
     return std::atan2(dot(a, cross(b, c)), x * y * z + dot(a, b) * z + dot(b, c) * x + dot(c, a) * y);
 }
 
-/// Whether a line through `s` and `t` that is not in the plane of a triangle passes through it,
-/// touching its rim included. Exact: no line passes between triangles that share an edge.
+/// Whether a line through `s` and `t`, not in the triangle's plane, passes through the triangle or
+/// touches its rim. Exact: no line slips between triangles that share an edge.
 inline bool line_meets(const Vec<double, 3>& s, const Vec<double, 3>& t, const Corners<3>& corner) noexcept {
     const auto& [a, b, c] = corner;
     const int first = orientation(s, t, a, b), second = orientation(s, t, b, c);
@@ -172,15 +173,15 @@ inline bool line_meets(const Vec<double, 3>& s, const Vec<double, 3>& t, const C
     const int third = orientation(s, t, c, a);
     return first * third >= 0 && second * third >= 0;
 }
-/// Whether the segment from `s` to `t`, its ends included, passes through or touches a triangle
-/// whose plane it is not in. Exact.
+/// Whether the segment from `s` to `t`, ends included, passes through or touches a triangle. The
+/// segment must not lie in the triangle's plane. Exact.
 inline bool pierces(const Vec<double, 3>& s, const Vec<double, 3>& t, const Corners<3>& corner) noexcept {
     const auto& [a, b, c] = corner;
     const int from = orientation(a, b, c, s), to = orientation(a, b, c, t);
     return from * to <= 0 && from != to && line_meets(s, t, corner);
 }
 
-/// The distance of the segment from `a` to `b` from a facet.
+/// Returns the distance of the segment from `a` to `b` to a facet.
 template <std::size_t D>
 double segment_to_facet(const Vec<double, D>& a, const Vec<double, D>& b, const Corners<D>& corner) noexcept {
     if constexpr (D == 2) {
@@ -194,14 +195,13 @@ double segment_to_facet(const Vec<double, D>& a, const Vec<double, D>& b, const 
     }
 }
 
-/// Whether two edges meet elsewhere than in a vertex they share, or nearer to each other than
-/// `tolerance`.
+/// Whether two edges come within `tolerance` of each other, apart from a vertex they share.
 inline bool facets_touch(const Facet<2>& a, const Facet<2>& b, double tolerance) noexcept {
     for (std::size_t k = 0; k < 2; ++k) {
         for (std::size_t l = 0; l < 2; ++l) {
             if (a.vertex[k] != b.vertex[l]) continue;
             if (a.vertex[1 - k] == b.vertex[1 - l]) return true; // the same edge twice
-            // Neighbours may not fold back onto each other.
+            // Neighbours must not fold back onto each other.
             const auto u = a.corner[1 - k] - a.corner[k], v = b.corner[1 - l] - b.corner[l];
             return dot(u, v) > 0 &&
                    std::fabs(cross(u, v)) <= tolerance * std::sqrt((std::max)(dot(u, u), dot(v, v)));
@@ -209,20 +209,20 @@ inline bool facets_touch(const Facet<2>& a, const Facet<2>& b, double tolerance)
     }
     return segment_distance(a.corner[0], a.corner[1], b.corner[0], b.corner[1]) <= tolerance;
 }
-/// Whether two triangles meet elsewhere than in the vertices they share.
+/// Whether two triangles meet anywhere except in the vertices they share.
 inline bool facets_touch(const Facet<3>& a, const Facet<3>& b, double tolerance) noexcept {
     const auto shared =
         std::count_if(a.vertex.begin(), a.vertex.end(), [&](std::uint32_t i) { return b.has(i); });
     if (shared == 3) return true;
-    // Edges without a shared end come through or next to the other triangle. Those with one can
-    // not, unless they lie in it.
+    // An edge without a shared end may pass through or near the other triangle. An edge with one
+    // cannot, unless it lies in the triangle's plane.
     const auto comes_near = [&](const Facet<3>& f, const Facet<3>& g) {
         for (std::size_t k = 0; k < 3; ++k) {
             const std::size_t l = (k + 1) % 3;
             if (g.has(f.vertex[k])) continue;
             if (!g.has(f.vertex[l]) && segment_to_facet(f.corner[k], f.corner[l], g.corner) <= tolerance)
                 return true;
-            // With a shared edge: folded flat onto each other?
+            // Triangles that share an edge must not fold flat onto each other.
             if (shared == 2 && distance_to_facet(f.corner[k], g.corner) <= tolerance) return true;
         }
         return false;
@@ -230,8 +230,9 @@ inline bool facets_touch(const Facet<3>& a, const Facet<3>& b, double tolerance)
     return comes_near(a, b) || comes_near(b, a);
 }
 
-/// The axis along which boxes are the shortest on average, in units of the standard deviation of
-/// their middles: few that lie far off do not make all others look short.
+/// Returns the axis along which boxes are shortest on average, relative to the standard deviation
+/// of their centres. Scaling by the deviation keeps a few far outliers from making all other boxes
+/// look short.
 template <std::size_t D>
 std::size_t sweep_axis(const Buffer<Bounds<double, D>>& boxes) noexcept {
     std::size_t axis = 0;
@@ -253,8 +254,8 @@ std::size_t sweep_axis(const Buffer<Bounds<double, D>>& boxes) noexcept {
     return axis;
 }
 
-/// f(m, n), m < n, for all pairs of boxes that overlap, swept along one axis. Usually O(n log n),
-/// O(n²) at worst.
+/// Calls f(m, n), m < n, for all pairs of boxes that overlap, sweeping along one axis. Usually O(n
+/// log n), O(n²) at worst.
 template <std::size_t D, class F>
 void for_each_overlap(const Buffer<Bounds<double, D>>& boxes, F&& f) {
     const std::size_t axis = sweep_axis(boxes);
@@ -262,7 +263,7 @@ void for_each_overlap(const Buffer<Bounds<double, D>>& boxes, F&& f) {
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::sort(order.begin(), order.end(),
               [&](std::size_t m, std::size_t n) { return boxes[m].lower[axis] < boxes[n].lower[axis]; });
-    Buffer<Bounds<double, D>> sorted; // read front to back
+    Buffer<Bounds<double, D>> sorted; // contiguous for the sweep
     sorted.reserve(boxes.size());
     for (const std::size_t m : order) sorted.push_back(boxes[m]);
     for (std::size_t m = 0; m < sorted.size(); ++m) {

@@ -7,26 +7,25 @@ namespace cageform::inline CAGEFORM_ABI {
 
 /// A Delaunay triangulation, with a *ghost* simplex beyond every facet of the convex hull.
 ///
-/// Bowyer (1981) and Watson (1981), with exact signs: sites are rounded to a lattice of 2^-60 of
-/// their extent, determinants whose sign is not certain in double are taken of integers. Places on a
-/// sphere count as not inside, so no simplex is ever flat. Sites are numbered anew, in an order that
-/// follows from their places alone: so do the triangulation and the order of its simplices, whatever
-/// the order of the sites.
+/// Inserts site by site (Bowyer 1981, Watson 1981) with exact predicates: sites are rounded to a
+/// lattice of 2^-60 of their extent, and determinants of uncertain sign in double use integers.
+/// Points on a sphere count as outside, so no simplex is flat. Sites are renumbered in an order
+/// that depends only on their positions; so do the triangulation and the order of its simplices.
 ///
 ///   cost    O(n log n) for usual sites, O(n²) at worst in space
-///   memory  6 triangles or some 7 tetrahedra of 64 bytes a site
+///   memory  6 triangles or about 7 tetrahedra of 64 bytes per site
 template <std::size_t D>
 class Delaunay {
     static_assert(D == 2 || D == 3);
 
 public:
     static constexpr std::uint32_t none = ~std::uint32_t{0};
-    /// The vertex at infinity, which only ghosts have: their last.
+    /// The vertex at infinity, the last vertex of every ghost.
     static constexpr std::uint32_t infinite = none;
 
-    /// Vertices in ascending order but for the first two, which may be swapped: positively oriented
-    /// (`detail::orientation`). A ghost is where its last vertex is replaced by a place beyond the
-    /// facet. Neighbour k lies across the facet without vertex k.
+    /// Vertices are ascending, except that the first two may be swapped to make the simplex
+    /// positively oriented (`detail::orientation`). A ghost is so with its last vertex moved to a
+    /// point beyond its facet. Neighbour k lies across the facet opposite to vertex k.
     struct Simplex {
         std::array<std::uint32_t, D + 1> vertex;
         std::array<std::uint32_t, D + 1> neighbour;
@@ -43,12 +42,12 @@ public:
         }
     };
 
-    /// What a search needs, one for every thread.
+    /// The working memory of a search; every thread needs its own.
     class Search {
         friend class Delaunay;
 
     public:
-        /// The simplices whose open balls hold the place, in ascending order: the *cavity*.
+        /// The simplices whose open balls contain the point, in ascending order: the *cavity*.
         std::span<const std::uint32_t> cavity() const noexcept { return cavity_; }
         bool holds(std::uint32_t simplex) const noexcept { return stamps_[simplex] == stamp_; }
 
@@ -56,7 +55,7 @@ public:
         void begin(std::size_t simplices) {
             cavity_.clear();
             if (stamps_.size() < simplices) stamps_.resize(simplices, 0);
-            stamp_ += 2; // odd: looked at, even: in the cavity
+            stamp_ += 2; // odd: visited, even: in the cavity
             if (stamp_ != 0) return;
             std::fill(stamps_.begin(), stamps_.end(), 0u);
             stamp_ = 2;
@@ -64,13 +63,13 @@ public:
 
         std::vector<std::uint32_t> cavity_, stamps_;
         std::uint32_t stamp_ = 0;
-        std::uint32_t last_ = 0; ///< where the next walk begins
+        std::uint32_t last_ = 0; ///< the start of the next walk
     };
 
     Delaunay() = default;
 
-    /// Of places on a lattice; of those that are equal all but one are left out. Empty where they
-    /// lie in a plane (on a line).
+    /// Triangulates points on a lattice; duplicates are left out. The result is empty if all points
+    /// lie in one plane (in 2D, on one line).
     explicit Delaunay(std::vector<detail::Place<D>> places)
         : site_(places.size())
         , place_(std::move(places)) {
@@ -86,10 +85,10 @@ public:
     bool empty() const noexcept { return simplices_.empty(); }
     std::size_t size() const noexcept { return place_.size(); }
     std::span<const Simplex> simplices() const noexcept { return simplices_; }
-    /// The number that the caller has given to a vertex.
+    /// Returns the number that the caller gave to a vertex.
     std::uint32_t site(std::uint32_t vertex) const noexcept { return site_[vertex]; }
     const detail::Place<D>& place(std::uint32_t vertex) const noexcept { return place_[vertex]; }
-    /// The circumcentre of a simplex that is no ghost, seen from its first vertex.
+    /// Returns the circumcentre of a simplex that is no ghost, relative to its first vertex.
     const detail::Centre<D>& centre(std::uint32_t simplex) const noexcept { return centres_[simplex]; }
 
     std::array<detail::Place<D>, D + 1> corners(const Simplex& simplex) const noexcept {
@@ -98,14 +97,14 @@ public:
         return a;
     }
 
-    /// The simplex that `p` lies in, or one of them; a ghost beyond whose facet it lies. A walk from
-    /// near the place.
+    /// Returns a simplex that contains `p`, or a ghost if p lies beyond the ghost's facet. Walks
+    /// there from a start near p.
     std::uint32_t locate(const detail::Place<D>& p, Search& search) const noexcept {
         return walk(p, search, [](std::uint32_t) { return false; });
     }
 
-    /// Fills the cavity of `p`: empty where p is a site; beyond the hull some of it, with a ghost. The
-    /// walk ends at the first ball that holds p; returns a simplex of the cavity, or one with corner p.
+    /// Fills the cavity of `p`: empty if p is a site; partial, with a ghost, beyond the hull. Walks
+    /// to the first ball containing p; returns a simplex of the cavity or one with corner p.
     std::uint32_t find_cavity(const detail::Place<D>& p, Search& search) const {
         const auto holds = [&](std::uint32_t s) { return certainly_inside(s, p) > 0; };
         const std::uint32_t from = walk(p, search, holds);
@@ -119,8 +118,8 @@ private:
 
     // ---- the order of insertion -----------------------------------------------------------------
 
-    /// Which of two places comes first on Morton's curve: by the axis in which they differ in the
-    /// highest bit (Chan 2002).
+    /// Whether `a` precedes `b` on the Morton curve: compares along the axis whose coordinates
+    /// differ in the highest bit (Chan 2002).
     static bool before_on_curve(const Place& a, const Place& b) noexcept {
         std::size_t axis = 0;
         std::uint64_t most = 0;
@@ -133,8 +132,8 @@ private:
         }
         return a[axis] < b[axis];
     }
-    /// Rounds of random halves, each along the curve (Amenta, Choi, Rote 2003). What is random
-    /// follows from the place.
+    /// Returns the insertion round of a site: rounds are random halves, each sorted along the curve
+    /// (Amenta, Choi, Rote 2003). The random bits are a hash of the position.
     static int round_of(const Place& a) noexcept {
         std::uint64_t z = 0;
         for (const std::int64_t x : a) {
@@ -166,8 +165,8 @@ private:
         place_ = std::move(sorted);
     }
 
-    /// The first simplex: of the first site and of the next that do not lie in its line, plane, ….
-    /// They take the first places of the order.
+    /// Makes the first simplex, from the first D + 1 affinely independent sites in order, and moves
+    /// these sites to the front.
     bool begin() {
         std::size_t count = 0;
         for (std::size_t i = 0; i < place_.size() && count <= D; ++i) {
@@ -185,7 +184,7 @@ private:
         for (std::uint32_t k = 0; k <= D; ++k) first.neighbour[k] = k + 1;
         simplices_.push_back(first);
         for (std::size_t k = 0; k <= D; ++k) {
-            // Beyond facet k the orientation is the other one: two vertices are swapped.
+            // Beyond facet k the orientation is reversed, so two vertices are swapped.
             Simplex ghost = first;
             ghost.vertex[k] = infinite;
             ghost.neighbour[k] = 0;
@@ -204,7 +203,7 @@ private:
             return detail::orientation<D>(a) != 0;
         }
         if (count == 1) return p != place_[0];
-        // In space, not on the line through the first two: some minor does not vanish.
+        // In space, p is off the line through the first two points if some minor does not vanish.
         using detail::WideInt;
         const Place d = detail::difference<D>(place_[1], place_[0]), e = detail::difference<D>(p, place_[0]);
         for (std::size_t k = 0; k < D; ++k) {
@@ -223,14 +222,14 @@ private:
         return found;
     }
 
-    /// From near `p` towards it, to where it lies or `found(simplex)` says so.
+    /// Walks towards `p` to the simplex containing it, or the first with `found(simplex)`.
     template <class Found>
     std::uint32_t walk(const Place& p, Search& search, const Found& found) const noexcept {
         std::uint32_t at = starts_.empty() ? search.last_ : starts_[cell_of(p)];
         if (at >= simplices_.size()) at = 0;
         if (has_infinite(at)) at = simplices_[at].neighbour[simplices_[at].index_of(infinite)];
         std::uint32_t from = none;
-        // Among simplices with a common sphere a walk may go in circles: then all are asked.
+        // Among cospherical simplices a walk may cycle. The loop below then searches all simplices.
         for (std::size_t step = 0; step <= 2 * simplices_.size() && !is_free(at); ++step) {
             if (found(at)) return search.last_ = at;
             const std::uint32_t next = step_towards(p, at, from, step);
@@ -245,7 +244,7 @@ private:
         }
         return search.last_ = (std::min)(at, std::uint32_t(simplices_.size() - 1));
     }
-    /// The same from a simplex in which p lies, or whose ball holds it.
+    /// Fills the cavity of p, starting from a simplex that contains p or whose ball does.
     void find_cavity(const detail::Place<D>& p, std::uint32_t from, Search& search) const {
         search.begin(simplices_.size());
         if (!in_conflict(from, p)) return;
@@ -263,8 +262,8 @@ private:
         }
         std::sort(search.cavity_.begin(), search.cavity_.end());
     }
-    /// The neighbour across a facet that `p` lies strictly beyond; none where there is none. Facets
-    /// are tried from another one on every time, but for that to the simplex the walk comes from.
+    /// Returns the neighbour across a facet that `p` lies strictly beyond, or none. The first facet
+    /// tried rotates with `turn`; the simplex that the walk came from is skipped.
     std::uint32_t step_towards(const Place& p, std::uint32_t at, std::uint32_t from,
                                std::size_t turn) const noexcept {
         const Simplex& simplex = simplices_[at];
@@ -276,13 +275,13 @@ private:
         return none;
     }
 
-    /// Whether the ball of a simplex that is no ghost holds `p` strictly, by its centre: 1 or -1; 0
-    /// where that is not certain.
+    /// Tests with the circumcentre whether the ball of a simplex that is no ghost strictly contains
+    /// `p`: 1 or -1; 0 if uncertain.
     int certainly_inside(std::uint32_t s, const Place& p) const noexcept {
         return detail::certain_in_sphere<D>(place_[simplices_[s].vertex[0]], centres_[s], p);
     }
-    /// Whether `p` lies strictly inside the ball of a simplex; for a ghost strictly beyond its
-    /// facet, or in its plane and inside the ball of the simplex behind.
+    /// Whether `p` lies strictly inside the ball of a simplex. For a ghost: whether p lies strictly
+    /// beyond its facet, or in its plane and inside the ball of the adjacent simplex.
     bool in_conflict(std::uint32_t s, const Place& p) const noexcept {
         const Simplex& simplex = simplices_[s];
         if (!centres_.empty() && !simplex.is_ghost()) {
@@ -299,9 +298,9 @@ private:
 
     // ---- insertion ------------------------------------------------------------------------------
 
-    /// A facet of a new simplex that holds the new site, to be met by the same one of another.
+    /// A facet of a new simplex that contains the new site; paired with that of another one.
     struct OpenFacet {
-        std::array<std::uint32_t, D - 1> ridge; ///< its other vertices, ascending
+        std::array<std::uint32_t, D - 1> ridge; ///< the other vertices, ascending
         std::uint32_t simplex;
         std::uint32_t index;
     };
@@ -309,7 +308,7 @@ private:
     void insert(std::uint32_t v, Search& search) {
         const std::uint32_t from = locate(place_[v], search);
         find_cavity(place_[v], from, search);
-        if (search.cavity_.empty()) return; // it is a site already
+        if (search.cavity_.empty()) return; // a duplicate
         open_.clear();
         added_.clear();
         for (const std::uint32_t s : search.cavity_) {
@@ -330,7 +329,7 @@ private:
         }
         search.last_ = added_.front();
     }
-    /// Of `v` and the facet of `s` without vertex `k`.
+    /// Adds the simplex of `v` and the facet of `s` opposite to vertex `k`.
     void add_simplex(std::uint32_t v, std::uint32_t s, std::size_t k) {
         Simplex fresh = simplices_[s];
         const std::uint32_t beyond = fresh.neighbour[k];
@@ -360,7 +359,7 @@ private:
 
     // ---- the final order ------------------------------------------------------------------------
 
-    /// Sorts the vertices of all simplices, and the simplices by them.
+    /// Sorts the vertices within each simplex, then the simplices.
     void finish() {
         std::vector<std::uint32_t> order;
         for (std::uint32_t s = 0; s < simplices_.size(); ++s) {
@@ -395,7 +394,7 @@ private:
                                                   : detail::circumcentre<D>(corners(simplex)));
         }
     }
-    /// A grid of some cells fewer than sites, with a simplex for walks to begin at in each.
+    /// Makes a grid of fewer cells than sites; each stores a simplex where walks start.
     void lay_grid() {
         if (size() < 64) return;
         int bits = 0;
@@ -441,8 +440,8 @@ private:
     std::vector<Place> place_;
     std::vector<Simplex> simplices_;
     std::vector<detail::Centre<D>> centres_;
-    std::vector<std::uint32_t> starts_; ///< of walks, by cell of a grid
-    int grid_bits_ = 0;                 ///< the logarithm of its cells along an axis
+    std::vector<std::uint32_t> starts_; ///< of walks, per grid cell
+    int grid_bits_ = 0;                 ///< log2 of the number of cells along an axis
     std::vector<std::uint32_t> free_, added_;
     std::vector<OpenFacet> open_;
 };

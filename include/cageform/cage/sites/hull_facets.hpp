@@ -1,11 +1,11 @@
-// The facets of the convex hull of sites, those in one plane taken together.
+// The facets of the convex hull of sites, with coplanar facets merged.
 #pragma once
 
 #include <cageform/cage/sites/delaunay.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// A plane of the hull (in the plane a line) and the sites within tolerance of it. In extents.
+/// A plane of the hull (a line in 2D) and the sites within tolerance of it. Lengths are in extents.
 template <std::size_t D>
 struct HullFacet {
     Vec<double, D> normal; ///< outwards, of length 1
@@ -15,21 +15,23 @@ struct HullFacet {
     double distance(const Vec<double, D>& p) const noexcept { return dot(normal, p) - offset; }
 };
 
-/// A facet of the exact hull, and the one of `HullFacets::facets` that it belongs to.
+/// A facet of the exact hull, and the index in `HullFacets::facets` of the merged facet it belongs
+/// to.
 template <std::size_t D>
 struct HullPart {
     Corners<D> corner;
     std::uint32_t facet;
 };
 
-/// Finds the facets of a hull. A rotated lattice is flat to rounding only: its exact hull has facets
-/// turned by anything, or hides sites beneath. So facets are taken from the largest down, each with
-/// all sites within tolerance of its plane that it is connected with by facets of simplices in that
-/// plane. What is left over is flatter than the tolerance; it belongs to the facet beside it.
+/// Merges the facets of a hull. A rotated lattice is flat only up to rounding: its exact hull has
+/// slivers of arbitrary direction, or hides sites just below the surface. Therefore facets are
+/// processed from the largest down. Each collects all sites within tolerance of its plane that are
+/// connected to it through facets of simplices in that plane. The rest is flatter than the
+/// tolerance and joins a neighbouring facet.
 template <std::size_t D>
 class HullFacets {
 public:
-    /// `at`: the vertices in extents.
+    /// Takes the triangulation and its vertices `at` in extents.
     HullFacets(const Delaunay<D>& sites, std::span<const Vec<double, D>> at, double tolerance)
         : sites_(sites)
         , at_(at)
@@ -63,7 +65,7 @@ private:
 
     const auto& simplex(std::uint32_t s) const noexcept { return sites_.simplices()[s]; }
 
-    /// A normal as long as the facet, or twice its area.
+    /// Returns an outward normal whose length is the edge's length, or twice the triangle's area.
     Vec<double, D> outward(std::uint32_t ghost) const noexcept {
         const auto& v = simplex(ghost).vertex;
         const auto e = at_[v[1]] - at_[v[0]];
@@ -74,7 +76,7 @@ private:
         }
     }
     double longest_edge(std::uint32_t ghost) const noexcept {
-        if constexpr (D == 2) return 1; // a length is compared with a length
+        if constexpr (D == 2) return 1; // in 2D both sides of the comparison are lengths
         double longest = 0;
         const auto& v = simplex(ghost).vertex;
         for (std::size_t k = 0; k < D; ++k)
@@ -82,7 +84,7 @@ private:
         return longest;
     }
 
-    /// From the ghosts of facets to those beside them that have none yet.
+    /// Spreads facets from the ghosts that have one to neighbouring ghosts that have none yet.
     void find_parts() {
         std::vector<std::uint32_t> ghosts;
         for (std::uint32_t s = 0; s < facet_of_.size(); ++s) {
@@ -133,7 +135,7 @@ private:
         in_facet_[v] = stamp_;
         facet.vertex.push_back(v);
     }
-    /// Whether all sites of the facet without vertex `k` lie in the plane.
+    /// Whether the facet of simplex `s` opposite to vertex `k` lies in the plane.
     bool connects(std::uint32_t s, std::size_t k) const noexcept {
         for (std::size_t i = 0; i <= D; ++i) {
             const std::uint32_t v = simplex(s).vertex[i];
@@ -150,15 +152,15 @@ private:
     std::uint32_t stamp_ = 0;
 };
 
-/// Finds the place of a hull nearest to another: a tree of bounds, each halved along its longest
-/// side. O(n log n) to make, O(log n) usually to ask.
+/// Finds the point of a hull nearest to a query point. A tree of bounding boxes; each box is halved
+/// along its longest side. O(n log n) to build, usually O(log n) per query.
 template <std::size_t D>
 class HullTree {
 public:
     struct Nearest {
         std::uint32_t facet;
         Vec<double, D> place;
-        double distance2; ///< its square
+        double distance2; ///< squared distance to the query point
     };
 
     HullTree() = default;
@@ -167,14 +169,14 @@ public:
         divide(0, std::uint32_t(parts_.size()));
     }
 
-    /// Replaces `best` where a place of the hull is nearer to `q`.
+    /// Replaces `best` if some point of the hull is nearer to `q`.
     void find(const Vec<double, D>& q, Nearest& best) const noexcept { find(0, q, best); }
 
 private:
     struct Node {
         Bounds<double, D> bounds;
         std::uint32_t begin, end; ///< of parts
-        std::uint32_t second;     ///< half; the first is the next node. 0: not halved
+        std::uint32_t second;     ///< the second child; the first is the next node. 0 for a leaf
     };
     static constexpr std::uint32_t leaf = 4;
 

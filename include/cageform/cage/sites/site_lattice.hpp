@@ -1,4 +1,4 @@
-// Places as integers, and the signs of the determinants that a Delaunay triangulation goes by.
+// Points with integer coordinates, and the exact predicates of a Delaunay triangulation.
 #pragma once
 
 #include <cageform/cage/detail/primitives.hpp>
@@ -6,11 +6,11 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// A place on the lattice of 2^-60 of the sites' extent: differences take 61 bits and a sign.
+/// A point on the lattice of 2^-60 of the sites' extent. Differences need 61 bits and a sign.
 template <std::size_t D>
 using Place = std::array<std::int64_t, D>;
 
-/// A place as a vector; what is rounded is below 2^-53 of it.
+/// Converts a point to double, with a relative rounding error below 2^-53.
 template <std::size_t D>
 Vec<double, D> to_double(const Place<D>& a) noexcept {
     Vec<double, D> r{};
@@ -23,8 +23,8 @@ Place<D> difference(Place<D> a, const Place<D>& b) noexcept {
     return a;
 }
 
-/// Turns places of the user into places on the lattice and back. Of a double within the bounds only
-/// what is below 2^-60 of their extent is rounded, however far from the origin they lie.
+/// Converts points of the user to lattice points and back. Rounds a double within the bounds only
+/// below 2^-60 of their extent, however far from the origin they lie.
 template <std::size_t D>
 class SiteLattice {
 public:
@@ -34,7 +34,7 @@ public:
         int largest = (std::numeric_limits<int>::min)();
         for (std::size_t k = 0; k < D; ++k) {
             int exponent = 0;
-            // Halved, so that no difference is infinite.
+            // Halved so that no difference overflows.
             std::frexp(bounds.upper[k] / 2 - bounds.lower[k] / 2, &exponent);
             if (bounds.upper[k] > bounds.lower[k]) largest = (std::max)(largest, exponent + 1);
         }
@@ -42,17 +42,18 @@ public:
         for (std::size_t k = 0; k < D; ++k) origin_[k] = fixed(lower_[k]);
     }
 
-    /// `p` lies within the bounds, or not farther outside than they are long.
+    /// Returns the lattice point of `p`, which must lie within the bounds, or outside by at most
+    /// their length.
     Place<D> place(const Vec<double, D>& p) const noexcept {
         Place<D> result;
         for (std::size_t k = 0; k < D; ++k) result[k] = std::int64_t(fixed(p[k]) - origin_[k]);
         return result;
     }
-    /// A length in extents: between a half and one for the longest side of the bounds.
+    /// Converts a length to extents; the longest side of the bounds is between 1/2 and 1 extents.
     double extents(double length) const noexcept { return std::ldexp(length, exponent_ - 60); }
     double units(double extents) const noexcept { return std::ldexp(extents, 60 - exponent_); }
-    /// Seen from the lower bounds, in extents. Places beyond 2^400 extents are drawn nearer along
-    /// their axes.
+    /// Returns a point relative to the lower bounds, in extents. Coordinates beyond 2^400 extents
+    /// are clamped to that.
     Vec<double, D> seen(const Vec<double, D>& p) const noexcept {
         Vec<double, D> r{};
         for (std::size_t k = 0; k < D; ++k) {
@@ -64,7 +65,7 @@ public:
         return r;
     }
     Vec<double, D> seen(const Place<D>& p) const noexcept { return 0x1p-60 * to_double<D>(p); }
-    /// Back to the units of the user.
+    /// Converts a point in extents back to the units of the user.
     Vec<double, D> unseen(const Vec<double, D>& q) const noexcept {
         Vec<double, D> r{};
         for (std::size_t k = 0; k < D; ++k) r[k] = lower_[k] + units(q[k]);
@@ -72,8 +73,8 @@ public:
     }
 
 private:
-    /// The lowest 64 bits of x 2^exponent, rounded. The bounds' differences fit into them, so more
-    /// bits are of no use.
+    /// Returns the lowest 64 bits of x 2^exponent, rounded. Higher bits are not needed: differences
+    /// within the bounds fit into 64 bits.
     std::uint64_t fixed(double x) const noexcept {
         const auto bits = std::bit_cast<std::uint64_t>(x);
         const auto raw = int((bits >> 52) & 0x7ff);
@@ -99,7 +100,8 @@ private:
 template <class X, std::size_t N>
 using Square = std::array<std::array<X, N>, N>;
 
-/// By cofactors of the last column: sums of products of elements, and of their sizes alone.
+/// Returns the determinant by cofactor expansion along the last column. `permanent` sums the
+/// absolute values of the same terms.
 template <class X>
 X determinant(const Square<X, 2>& m) noexcept {
     return m[0][0] * m[1][1] - m[0][1] * m[1][0];
@@ -131,12 +133,13 @@ double permanent(const Square<double, N>& m) noexcept {
     return sum;
 }
 
-/// What rounding may be of a determinant in double, relative to the sum of the sizes of its terms:
-/// a term has at most five factors of which each is rounded, three sums of squares, and 24 terms.
-/// Whatever order -ffast-math adds them in, far less than 2^6 roundings of 2^-53.
+/// Bounds the rounding error of a determinant in double, relative to the sum of its terms' absolute
+/// values. A term has at most five factors, each of them rounded, three sums of squares, and there
+/// are 24 terms. In any order of summation that -ffast-math may choose, this is far less than 2^6
+/// roundings of 2^-53.
 inline constexpr double determinant_error = 0x1p-47;
 
-/// The sign where it is certain in double; 2 where not.
+/// Returns the sign of the determinant if it is certain in double, else 2.
 template <std::size_t N>
 int certain_sign(const Square<double, N>& m) noexcept {
     const double value = determinant(m);
@@ -146,7 +149,7 @@ int certain_sign(const Square<double, N>& m) noexcept {
     return 2;
 }
 
-/// Rows a_1 − a_0, …, a_D − a_0.
+/// Returns the rows a_1 − a_0, …, a_D − a_0.
 template <class X, std::size_t D>
 Square<X, D> edge_rows(const std::array<Place<D>, D + 1>& a) noexcept {
     Square<X, D> rows;
@@ -155,7 +158,7 @@ Square<X, D> edge_rows(const std::array<Place<D>, D + 1>& a) noexcept {
     }
     return rows;
 }
-/// Rows (a_i − q, |a_i − q|²).
+/// Returns the rows (a_i − q, |a_i − q|²).
 template <class X, std::size_t D>
 Square<X, D + 1> lifted_rows(const std::array<Place<D>, D + 1>& a, const Place<D>& q) noexcept {
     Square<X, D + 1> rows;
@@ -169,14 +172,14 @@ Square<X, D + 1> lifted_rows(const std::array<Place<D>, D + 1>& a, const Place<D
     return rows;
 }
 
-/// The sign of det(a_1 − a_0, …): in the plane positive for counter-clockwise triangles. Exact.
+/// Returns the sign of det(a_1 − a_0, …), in 2D positive for counter-clockwise triangles. Exact.
 template <std::size_t D>
 int orientation(const std::array<Place<D>, D + 1>& a) noexcept {
     const int sign = certain_sign<D>(edge_rows<double, D>(a));
     return sign != 2 ? sign : determinant(edge_rows<WideInt, D>(a)).sign();
 }
 
-/// A simplex with its corners seen from a place, to ask for the side of many facets.
+/// A simplex with its corners relative to a point, to test the sides of several facets.
 template <std::size_t D>
 class CornersSeen {
 public:
@@ -187,7 +190,7 @@ public:
             for (std::size_t k = 0; k < D; ++k) seen_[i][k] = double(corners[i][k] - p[k]);
         }
     }
-    /// The orientation with the place instead of corner k. Exact.
+    /// Returns the orientation of the simplex with corner k replaced by the point. Exact.
     int side(std::size_t k) const noexcept {
         Square<double, D> rows;
         for (std::size_t n = 0; n < D; ++n) rows[n] = seen_[n < k ? n : n + 1];
@@ -204,8 +207,8 @@ private:
     std::array<std::array<double, D>, D + 1> seen_;
 };
 
-/// Positive where `q` lies strictly inside the ball through the corners of a positively oriented
-/// simplex, zero on its sphere. Exact.
+/// Returns a positive number if `q` lies strictly inside the circumscribed ball of a positively
+/// oriented simplex, zero if on its sphere. Exact.
 template <std::size_t D>
 int in_sphere(const std::array<Place<D>, D + 1>& a, const Place<D>& q) noexcept {
     int sign = certain_sign<D + 1>(lifted_rows<double, D>(a, q));
@@ -215,14 +218,14 @@ int in_sphere(const std::array<Place<D>, D + 1>& a, const Place<D>& q) noexcept 
 
 // ---- circumcentres ------------------------------------------------------------------------------
 
-/// A circumcentre seen from the first corner: numerator / (2 determinant).
+/// A circumcentre relative to the first corner: numerator / (2 determinant).
 template <class X, std::size_t D>
 struct CentreQuotient {
     std::array<X, D> numerator;
     X determinant;
 };
 
-/// Cramer's rule for 2 e_i·c = |e_i|².
+/// Solves 2 e_i·c = |e_i|² by Cramer's rule.
 template <class X, std::size_t D>
 CentreQuotient<X, D> centre_quotient(const Square<X, D>& edges) noexcept {
     CentreQuotient<X, D> q;
@@ -239,7 +242,8 @@ CentreQuotient<X, D> centre_quotient(const Square<X, D>& edges) noexcept {
     return q;
 }
 
-/// The same in double by the cofactors of the edges, and the sums of the sizes of all terms.
+/// A CentreQuotient in double, computed with the edges' cofactors, with the sums of the absolute
+/// values of all terms.
 template <std::size_t D>
 struct SizedCentreQuotient : CentreQuotient<double, D> {
     std::array<double, D> numerator_size{};
@@ -264,7 +268,7 @@ struct SizedCentreQuotient : CentreQuotient<double, D> {
     }
 
 private:
-    /// Of element k of edge i: a difference.
+    /// Returns the cofactor of element k of edge i as the two numbers whose difference it is.
     static std::array<double, 2> cofactor(const Square<double, D>& e, std::size_t i, std::size_t k) noexcept {
         if constexpr (D == 2) {
             const double x = e[1 - i][1 - k];
@@ -277,15 +281,15 @@ private:
     }
 };
 
-/// A circumcentre, and a bound of the error of its largest component.
+/// A circumcentre with an error bound for its largest component.
 template <std::size_t D>
 struct Centre {
     Vec<double, D> at;
     double error;
 };
 
-/// `in_sphere` of a simplex from its first corner and circumcentre, by |q|² − 2 q·c with that corner
-/// as origin; 0 where that is not certain.
+/// Evaluates `in_sphere` with the first corner as origin and the circumcentre c, as the sign of 2
+/// q·c − |q|²; 0 if uncertain.
 template <std::size_t D>
 int certain_in_sphere(const Place<D>& first, const Centre<D>& centre, const Place<D>& p) noexcept {
     double value = 0, size = 0, reach = 0;
@@ -299,7 +303,8 @@ int certain_in_sphere(const Place<D>& first, const Centre<D>& centre, const Plac
     return value > error ? 1 : value < -error ? -1 : 0;
 }
 
-/// Seen from the first corner, to 2^-50 from integers.
+/// Returns the circumcentre relative to the first corner, computed in integers, with a relative
+/// error of 2^-50.
 template <std::size_t D>
 Centre<D> exact_centre(const std::array<Place<D>, D + 1>& a) noexcept {
     const auto q = centre_quotient<WideInt, D>(edge_rows<WideInt, D>(a));
@@ -311,7 +316,8 @@ Centre<D> exact_centre(const std::array<Place<D>, D + 1>& a) noexcept {
     }
     return c;
 }
-/// The same of edges in double; false where it is not certain to 2^-42 of the largest component.
+/// Finds the circumcentre from edges in double; returns false if its error may exceed 2^-42 of its
+/// largest component.
 template <std::size_t D>
 bool find_centre(const Square<double, D>& edges, Centre<D>& c) noexcept {
     const SizedCentreQuotient<D> q(edges);

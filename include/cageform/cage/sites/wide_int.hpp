@@ -1,4 +1,5 @@
-// Arithmetic that is exact, or exact to 120 bits, whatever the compiler's floating-point flags are.
+// Wide integers (exact) and wide floating-point numbers (120 bits), whatever the compiler's
+// floating-point flags are.
 #pragma once
 
 #include <cageform/config.hpp>
@@ -10,7 +11,7 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The upper and the lower half of a product of two 64-bit numbers.
+/// The upper and lower halves of the product of two 64-bit numbers.
 struct Product64 {
     std::uint64_t high, low;
 };
@@ -22,7 +23,7 @@ inline Product64 multiply(std::uint64_t a, std::uint64_t b) noexcept {
     return {(a >> 32) * (b >> 32) + (lh >> 32) + (hl >> 32) + (middle >> 32), (middle << 32) | (ll & half)};
 }
 
-/// The place of the highest bit set, from 0; `x` is not zero.
+/// Returns the index of the highest bit set, counted from 0; `x` must not be zero.
 inline int highest_bit(std::uint64_t x) noexcept {
     int bit = 0;
     for (int step = 32; step > 0; step /= 2) {
@@ -34,8 +35,8 @@ inline int highest_bit(std::uint64_t x) noexcept {
     return bit;
 }
 
-/// An integer of 320 bits, in two's complement. in_sphere in space takes 312 bits of coordinates of
-/// 61 bits with sign, a circumcentre 250. What is larger wraps around.
+/// A 320-bit integer in two's complement. For coordinates of 61 bits and a sign, in_sphere in space
+/// needs 312 bits, a circumcentre 250. Larger results wrap around.
 class WideInt {
 public:
     static constexpr std::size_t limbs = 10;
@@ -101,8 +102,9 @@ private:
     std::uint32_t limb_[limbs]{};
 };
 
-/// A floating-point number of 128 bits, ± (high 2^64 + low) 2^exponent with the top bit of `high`
-/// set, or 0. Sums, products and quotients are right to 2^-120 of the largest operand or result.
+/// A 128-bit floating-point number: ± (high 2^64 + low) 2^exponent with the top bit of `high` set,
+/// or 0. Sums, products and quotients have an error of at most 2^-120 of the largest operand or
+/// result.
 class WideFloat {
 public:
     WideFloat() noexcept = default;
@@ -180,7 +182,8 @@ public:
         result.normalise();
         return result;
     }
-    /// 1 / a by Newton's iteration, which doubles the digits of the quotient in double.
+    /// Returns 1 / a. Newton's iteration starts from the quotient in double and doubles its digits
+    /// in each round.
     friend WideFloat inverse(const WideFloat& a) noexcept {
         WideFloat scaled = a;
         scaled.exponent_ = -127; // in [1, 2)

@@ -1,4 +1,4 @@
-// The blocks of a clone: weighted sums of displacements, added to the points at rest.
+// Clones blocks: computes weighted sums of displacements and adds them to the points at rest.
 #pragma once
 
 #include <cageform/binding/detail/packed_binding.hpp>
@@ -7,7 +7,7 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The best affine fit to the displacements: a_r = Σ_i F_ir d_i, of `K` numbers each.
+/// The best affine fit to the displacements: a_r = Σ_i F_ir d_i, with `K` numbers each.
 template <Scalar T, std::size_t D, std::size_t K = D>
 struct AffineFit {
     Vec<T, K> part[D + 1]{};
@@ -26,24 +26,25 @@ struct AffineFit {
         }
     }
 
-    /// s Σ q d + Σ e a for a block.
+    /// Completes the sums of a block to s Σ q d + Σ e a.
     void complete(const PackedBindingView<T, D>& binding, std::size_t block, Lanes<T>* sums) const noexcept {
         if (binding.scale == nullptr) return;
         const Lanes<T>* const residual = binding.residual + block * (D + 1);
         CAGEFORM_DETAIL_UNROLL
         for (std::size_t k = 0; k < K; ++k) {
             Simd<T> sum = Simd<T>(binding.scale[block]) * Simd<T>::load(sums[k]);
-            for (std::size_t r = 0; r <= D; ++r) // unrolled, GNU would fuse another product with its sum
+            // If unrolled, GNU would fuse another product with its sum.
+            for (std::size_t r = 0; r <= D; ++r)
                 sum = multiply_add<T>(Simd<T>::load(residual[r]), Simd<T>(part[r][k]), sum);
             sum.store(sums[k]);
         }
     }
 };
 
-inline constexpr std::size_t clone_grain = 256; ///< blocks that are worth a thread
+inline constexpr std::size_t clone_grain = 256; ///< the number of blocks that justify a thread
 
-/// The blocks of a clone: the sums of their rows, completed and given to a target, as many numbers a
-/// point as it asks for.
+/// Sums the rows of blocks, completes the sums and passes them to a target, which chooses how many
+/// numbers a point has.
 template <Scalar T, std::size_t D, class Target>
 class DisplacedBlocks {
 public:
@@ -51,8 +52,8 @@ public:
         : binding_(binding)
         , target_(target) {}
 
-    /// Writes blocks [begin, end). `View` is what the caller had: a dense binding is a packed one from
-    /// which nothing was dropped, and has but one format.
+    /// Writes blocks [begin, end). `View` is the type of the caller's binding: a dense binding is a
+    /// packed one from which nothing was dropped, but it has a single format.
     template <class View, class Taken>
     void write(const Taken& taken, std::size_t begin, std::size_t end) const noexcept {
         const Displacements<Taken> displacements(taken, binding_.handles);
@@ -75,7 +76,7 @@ private:
     static constexpr std::size_t K = Target::columns;
     using Fit = AffineFit<T, D, K>;
 
-    /// For blocks that have rows for all handles or for some.
+    /// Adds blocks with rows for all handles or for some.
     template <WeightFormat Format, class Displacement>
     void add(const Displacement& displacement, const Fit& fit, std::size_t begin,
              std::size_t end) const noexcept {
@@ -90,19 +91,20 @@ private:
         }
     }
 
-    /// For blocks that have a row for every handle.
+    /// Adds blocks with a row for every handle.
     template <WeightFormat Format, class Displacement>
     void add_dense(const Displacement& displacement, const Fit& fit, std::size_t begin,
                    std::size_t end) const noexcept {
-        // From caches, blocks beside each other take a third less time, for they save loads; from
-        // memory a third more, for one stream is fetched ahead better than several that break off
-        // at every block.
+        // If weights are in the caches, processing adjacent blocks together takes a third less
+        // time, because it saves loads. From memory it takes a third longer: prefetching works
+        // better with one stream than with several that break off at every block.
         constexpr std::size_t cached = std::size_t{16} << 20;
         constexpr std::size_t together = blocks_together<K>;
         const std::size_t handles = binding_.handles, block_bytes = handles * row_bytes<Format>;
         std::size_t b = begin;
         if (binding_.block_count() * block_bytes < cached) {
-            // One by one at the end, in the same order of additions: ranges may be cut anywhere.
+            // The last blocks are processed one by one, with the same order of additions, so ranges
+            // may be cut anywhere.
             const auto sum = [&](auto count, std::size_t block) {
                 Lanes<T> sums[count][K];
                 sum_rows<count, 1, WeightsIn::caches, Format, T, K>(binding_.weights + block * block_bytes,
@@ -134,14 +136,14 @@ private:
     Target target_;
 };
 
-/// One clone: `View` by `pose` into `out`, any of its blocks at a time.
+/// One clone: moves `View` by `pose` into `out`, any of its blocks at a time.
 template <class View, class Pose, class Out>
 class BlockCloner {
 public:
     using T = typename View::scalar;
     static constexpr std::size_t D = View::dimension;
 
-    /// Refers to all its arguments but the view.
+    /// Refers to all its arguments except the view.
     BlockCloner(const View& binding, const Pose& pose, Out& out, const CloneOptions<T>& options) noexcept
         : blocks_(binding, {binding, options, out})
         , displacements_{binding.rest_handles, pose} {}

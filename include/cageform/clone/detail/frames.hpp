@@ -1,5 +1,5 @@
-// Normals and tangents of unit length from moved tangents, and what stands in where a pose leaves
-// none.
+// Computes unit normals and tangents from moved tangents, with a fallback if a pose makes them
+// degenerate.
 #pragma once
 
 #include <cageform/clone/detail/vector_tile.hpp>
@@ -9,13 +9,14 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The direction of a vector that a pose made of one of the size of `rest`: it holds roundings of
-/// that size, and what is smaller has no direction.
+/// The direction of a vector that a pose made from a vector of the size of `rest`. The moved vector
+/// has rounding errors of that size; if it is smaller than them, it has no direction.
 template <Scalar T, std::size_t D>
 struct Direction {
     static constexpr T some_roundings = 64 * epsilon<T>;
 
-    Vec<T, D> along{}; ///< its largest component ±1, so that squares neither vanish nor overflow
+    /// Its largest component is ±1, so that squares neither vanish nor overflow.
+    Vec<T, D> along{};
     T uncertainty = 1; ///< the size of errors of `along`
 
     Direction(const Vec<T, D>& v, const Vec<T, D>& rest) noexcept {
@@ -43,7 +44,7 @@ struct Frame {
     Vec<T, D> normal{}, tangent{};
 };
 
-/// Sets the frame of one tangent in the plane; false where it has no direction.
+/// Sets the frame of one tangent in 2D; returns false if it has no direction.
 template <Scalar T>
 bool set_frame(Frame<T, 2>& frame, const Direction<T, 2>& t) noexcept {
     if (!t.exists()) return false;
@@ -52,7 +53,7 @@ bool set_frame(Frame<T, 2>& frame, const Direction<T, 2>& t) noexcept {
     return true;
 }
 
-/// Sets the frame of two tangents in space; false where they are parallel to rounding.
+/// Sets the frame of two tangents in 3D; returns false if they are parallel to rounding.
 template <Scalar T>
 bool set_frame(Frame<T, 3>& frame, const Direction<T, 3>& t, const Direction<T, 3>& b) noexcept {
     if (!t.exists() || !b.exists()) return false;
@@ -68,7 +69,7 @@ bool set_frame(Frame<T, 3>& frame, const Direction<T, 3>& t, const Direction<T, 
 template <Scalar T, std::size_t D>
 using TangentBlocks = std::array<VectorBlock<T, D>, D - 1>;
 
-/// The frame of a lane as the pose moves it; where it has none, that at rest; else zero.
+/// Returns the frame of a lane as the pose moves it; if there is none, the frame at rest; else zero.
 template <Scalar T, std::size_t D>
 Frame<T, D> frame_of_lane(const TangentBlocks<T, D>& tangents, std::size_t lane) noexcept {
     const auto set = [&](Frame<T, D>& frame, auto rows) {
@@ -86,11 +87,11 @@ Frame<T, D> frame_of_lane(const TangentBlocks<T, D>& tangents, std::size_t lane)
     return frame;
 }
 
-/// The frames of a block, a row an axis.
+/// The frames of a block, one row per axis.
 template <Scalar T>
 struct FrameRows {
     Lanes<T> normal[3], tangent[3];
-    Lanes<T> certain; ///< 0 where the frame has to be taken from `frame_of_lane`
+    Lanes<T> certain; ///< 0 if the frame must be computed by `frame_of_lane`
 };
 
 template <Scalar T>
@@ -107,8 +108,8 @@ FrameRows<T> frame_rows(const TangentBlocks<T, 3>& tangents) noexcept {
     const P n[3] = {t[1] * b[2] - t[2] * b[1], t[2] * b[0] - t[0] * b[2], t[0] * b[1] - t[1] * b[0]};
     const auto square = [](const P* v) { return v[0] * v[0] + v[1] * v[1] + v[2] * v[2]; };
     const P nn = square(n), tt = square(t), bb = square(b);
-    // Certain: no less than a hundredth of what they were, no less than half a degree from
-    // parallel, and all squares so far within range that products of them are numbers too.
+    // Certain means: no shorter than a hundredth of the vector at rest, at least half a degree from
+    // parallel, and all squares in a range where their products neither overflow nor vanish.
     const P some(T(1e-4)), least((std::numeric_limits<T>::min)() * T(1e12)),
         most((std::numeric_limits<T>::max)() * T(1e-12));
     const auto certain = (some * square(t_rest) <= tt) & (some * square(b_rest) <= bb) &
@@ -129,7 +130,7 @@ FrameRows<T> frame_rows(const TangentBlocks<T, 3>& tangents) noexcept {
     return frames;
 }
 
-/// Runs body(lane, frame) for the first `used` lanes of a block.
+/// Calls body(lane, frame) for the first `used` lanes of a block.
 template <Scalar T, std::size_t D, class Body>
 void for_frames_of_block(const TangentBlocks<T, D>& tangents, std::size_t used, const Body& body) noexcept {
     if constexpr (D == 2) {
@@ -152,7 +153,7 @@ void for_frames_of_block(const TangentBlocks<T, D>& tangents, std::size_t used, 
     }
 }
 
-/// Runs body(i, frame) for all points i.
+/// Calls body(i, frame) for all points i.
 template <class View, std::size_t K, class Pose, class Parallel, class Body>
 void for_moved_frames(const std::array<View, K>& tangents, const Pose& pose, const Parallel& parallel_for,
                       const Body& body) noexcept {

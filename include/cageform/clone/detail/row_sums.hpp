@@ -1,4 +1,4 @@
-// The inner loops of a clone: sums of handles' displacements, weighted by the rows of a block.
+// The inner loops of a clone: sums of the handles' displacements, weighted by the rows of a block.
 #pragma once
 
 #include <cageform/clone/detail/weight_rows.hpp>
@@ -10,7 +10,7 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The displacement of a handle, from a table of them.
+/// Returns the displacement of a handle from a table.
 template <class Displacement>
 struct TabledDisplacements {
     const Displacement* table;
@@ -18,7 +18,7 @@ struct TabledDisplacements {
     const Displacement& operator()(std::size_t i) const noexcept { return table[i]; }
 };
 
-/// The displacement of a handle, taken from the pose.
+/// Computes the displacement of a handle from the pose.
 template <Scalar T, std::size_t D, class Pose>
 struct TakenDisplacements {
     const Vec<T, D>* rest;
@@ -27,7 +27,7 @@ struct TakenDisplacements {
     Vec<T, D> operator()(std::size_t i) const noexcept { return to_vec<T>(pose[i]) - rest[i]; }
 };
 
-/// The displacement that a row of weights belongs to, where rows name their handles.
+/// Returns the displacement of a row's handle, in bindings whose rows store their handles.
 template <class Source>
 struct DisplacementsOfRows {
     Source source;
@@ -36,8 +36,8 @@ struct DisplacementsOfRows {
     decltype(auto) operator()(std::size_t row) const noexcept { return source(handle[row]); }
 };
 
-/// The displacements of handles as `taken` has them. Up to 16 kB of them are put into a table on the
-/// stack, more are taken again for each use: nothing is allocated whatever their number.
+/// The displacements of the handles. Up to 16 kB of them are stored in a table on the stack; if
+/// there are more, each is computed again when used. So nothing is allocated, whatever their number.
 template <class Taken>
 class Displacements {
 public:
@@ -48,7 +48,7 @@ public:
         for (std::size_t i = 0; i < handles; ++i) table_[i] = taken_(i);
     }
 
-    /// f(displacement), where displacement(i) is that of handle i.
+    /// Calls f(displacement), where displacement(i) is that of handle i.
     template <class F>
     void with(const F& f) const noexcept {
         if (tabled_) {
@@ -67,7 +67,7 @@ private:
     Displacement table_[capacity];
 };
 
-/// f(0), f(1), … f(N − 1), each index a constant: arrays indexed by it are kept in registers.
+/// Calls f(0), f(1), … f(N − 1), with constant indices: arrays indexed by them stay in registers.
 template <std::size_t N, class F>
 CAGEFORM_DETAIL_INLINE inline void unroll(const F& f) noexcept {
     [&]<std::size_t... I>(std::index_sequence<I...>) CAGEFORM_DETAIL_INLINE {
@@ -79,7 +79,7 @@ CAGEFORM_DETAIL_INLINE inline void unroll(const F& f) noexcept {
 template <Scalar T, std::size_t Blocks, std::size_t D>
 using BlockSums = typename Simd<T>::Register[Blocks][D];
 
-/// Adds w d of one row to the sums of blocks `block_bytes` apart.
+/// Adds w d of one row to the sums of blocks that are `block_bytes` apart.
 template <WeightFormat Format, Scalar T, std::size_t Blocks, std::size_t D>
 CAGEFORM_DETAIL_INLINE inline void add_row(const std::byte* row, std::size_t block_bytes, const Vec<T, D>& d,
                                            BlockSums<T, Blocks, D>& sum) noexcept {
@@ -88,7 +88,7 @@ CAGEFORM_DETAIL_INLINE inline void add_row(const std::byte* row, std::size_t blo
     unroll<D>([&](auto k) CAGEFORM_DETAIL_INLINE { factor[k] = d[k] - Register{}; });
     unroll<Blocks>([&](auto b) CAGEFORM_DETAIL_INLINE {
         Register w = load_weights<Format, T>(row + b * block_bytes);
-        conceal(w); // GNU would load it anew for every product
+        conceal(w); // otherwise GNU would load it again for every product
         unroll<D>([&](auto k) CAGEFORM_DETAIL_INLINE { sum[b][k] = multiply_add(w, factor[k], sum[b][k]); });
     });
 }
@@ -101,8 +101,8 @@ CAGEFORM_DETAIL_INLINE inline void add_sums(BlockSums<T, Blocks, D>& sum,
 }
 
 #if defined(__GNUC__) && !defined(__OPTIMIZE__)
-/// Adds w d of some rows beside each other to the sums of a block. GNU optimises this one function;
-/// clang cannot be told to.
+/// Adds w d of some adjacent rows to the sums of a block. GNU compilers optimise this one function
+/// even in builds without optimisation; clang has no such attribute.
 template <WeightFormat Format, Scalar T, std::size_t D, std::size_t... R>
 #if !defined(__clang__)
 __attribute__((optimize("O2")))
@@ -126,9 +126,9 @@ void add_rows_plainly(const std::byte* rows, const Vec<T, D> (&d)[sizeof...(R)],
     }
 }
 
-/// Σ w_r d_r of a block in builds without optimisation. There each lambda and each function of a row
-/// is a call: what `sum_rows` does below would take sixty times as long as with it, this takes ten
-/// with clang and a few with GNU.
+/// Returns Σ w_r d_r of a block in builds without optimisation. There each lambda and each function
+/// of a row is a call: `sum_rows` below would take sixty times as long as with optimisation, this
+/// function takes ten times with clang and a few times with GNU.
 template <WeightFormat Format, Scalar T, std::size_t D, class Displacement>
 void sum_rows_plainly(const std::byte* weights, std::size_t rows, const Displacement& displacement,
                       Lanes<T>* sums) noexcept {
@@ -152,12 +152,12 @@ void sum_rows_plainly(const std::byte* weights, std::size_t rows, const Displace
 }
 #endif
 
-/// Where weights lie.
+/// Where the weights are.
 enum class WeightsIn : std::uint8_t { caches, memory };
 
-/// How far ahead weights are fetched from memory, in bytes. Server cores of Intel stop fetching ahead by themselves
-/// at the end of each page: there a clone takes 5 ms for 8. Zen cores go on, and lose a tenth by being told;
-/// all processors with narrow registers lose more.
+/// How far ahead weights are prefetched from memory, in bytes. The hardware prefetcher of Intel's server
+/// cores stops at the end of each page: with this a clone takes 5 ms instead of 8. The prefetcher of Zen
+/// cores continues, and they lose a tenth by it; all processors with narrow registers lose more.
 #if CAGEFORM_REGISTER_BYTES == 64 && !defined(__znver1__) && !defined(__znver2__) && !defined(__znver3__) && \
     !defined(__znver4__) && !defined(__znver5__)
 inline constexpr std::size_t weights_ahead = 8192;
@@ -165,8 +165,8 @@ inline constexpr std::size_t weights_ahead = 8192;
 inline constexpr std::size_t weights_ahead = 0;
 #endif
 
-/// Σ w_r d_r of `Blocks` blocks beside each other, `stride` rows apart, and for each in `Chains`
-/// sums that need not wait for each other. `displacement(row)` is d of the rows [0, rows).
+/// Computes Σ w_r d_r of `Blocks` adjacent blocks, `stride` rows apart, each in `Chains`
+/// independent sums. `displacement(row)` returns d for the rows [0, rows).
 template <std::size_t Blocks, std::size_t Chains, WeightsIn Where, WeightFormat Format, Scalar T,
           std::size_t D, class Displacement>
 void sum_rows(const std::byte* weights, std::size_t stride, std::size_t rows,
@@ -177,7 +177,8 @@ void sum_rows(const std::byte* weights, std::size_t stride, std::size_t rows,
         sum_rows_plainly<Format, T, D>(weights + b * stride * row_bytes, rows, displacement, sums[b]);
     return;
 #endif
-    // A register's width of the block at a time; the rows stay in the first cache level meanwhile.
+    // Processes one register's width of the block at a time; the rows stay in the first-level cache
+    // meanwhile.
     for (std::size_t part = 0; part < Simd<T>::count; ++part) {
         const std::byte* const begin = weights + part * (row_bytes / Simd<T>::count);
         BlockSums<T, Blocks, D> sum[Chains] = {};
@@ -200,7 +201,7 @@ void sum_rows(const std::byte* weights, std::size_t stride, std::size_t rows,
     }
 }
 
-/// Sums that fit into the registers beside what is multiplied.
+/// The number of sums that fit into registers beside the operands.
 template <std::size_t D>
 inline constexpr std::size_t sums_in_registers = (CAGEFORM_REGISTER_BYTES >= 32 ? 12 : 9) / D;
 #if defined(CAGEFORM_DETERMINISTIC)
@@ -209,12 +210,13 @@ inline constexpr std::size_t most_chains = 1; // the same order of additions wha
 inline constexpr std::size_t most_chains = 4;
 #endif
 
-/// Blocks summed beside each other. Where results keep more digits than their type has, as x87's do,
-/// only the same instructions give the same bits: then all blocks are summed alone, as the last are.
+/// The number of blocks summed together. If results keep more digits than their type (x87), only
+/// identical instructions give identical bits; then all blocks are summed alone, as the last ones
+/// always are.
 template <std::size_t D>
 inline constexpr std::size_t blocks_together = FLT_EVAL_METHOD == 0 ? sums_in_registers<D> : 1;
 
-/// The sums of one block, read as one stream from its first row on.
+/// Sums one block, read as one stream from its first row on.
 template <WeightsIn Where, WeightFormat Format, Scalar T, std::size_t D, class Displacement>
 void sum_block(const std::byte* weights, std::size_t rows, const Displacement& displacement,
                Lanes<T>* sums) noexcept {

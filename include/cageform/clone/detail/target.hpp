@@ -1,5 +1,4 @@
-// Where the points of a clone go, a block at a time: to any range, at once where its numbers lie
-// one after the other.
+// Writes the points of a clone, a block at a time, to any range; fast if its numbers are contiguous.
 #pragma once
 
 #include <cageform/binding/detail/packed_binding.hpp>
@@ -10,16 +9,17 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// What a clone adds its displacements to.
+/// The points to which a clone adds its displacements.
 enum class CloneOnto : std::uint8_t {
-    rest,   ///< the bound points
-    output, ///< what stands in the output: clones by several bindings of the same points add up
+    rest, ///< the bound points
+    /// The points in the output, so that clones by several bindings of the same points add up.
+    output,
 };
 
 template <Scalar T>
 struct CloneOptions {
-    /// A number a point, by which its displacement is multiplied; none where empty. May lie in a
-    /// vertex buffer.
+    /// A number per point, which multiplies its displacement; empty: no mask. May lie in a vertex
+    /// buffer.
     StridedPoints<const T, 1> mask{nullptr, 0};
     CloneOnto onto = CloneOnto::rest;
 };
@@ -27,14 +27,14 @@ struct CloneOptions {
 namespace detail {
 
 #if CAGEFORM_REGISTER_BYTES != 0
-/// Registers whose lanes are shuffled: those of 32 bytes shuffle within their halves only, so
-/// halves it is.
+/// Registers whose lanes are shuffled. Registers of 32 bytes shuffle only within their halves, so
+/// halves are used.
 template <class T>
 struct ShuffledOf {
     typedef T type __attribute__((vector_size(register_bytes == 64 ? 64 : 16)));
 };
 
-/// Register `O` of D · N numbers x y z x y z …, taken from D registers of N numbers, one an axis.
+/// Returns register `O` of D · N numbers x y z x y z …, from D registers of N numbers, one per axis.
 template <std::size_t D, std::size_t N, std::size_t O, class Register, std::size_t... L>
 Register interleaved_register(const Register* axis, std::index_sequence<L...>) noexcept {
     // Number O·N + L belongs to point (O·N + L) / D and axis (O·N + L) % D.
@@ -49,7 +49,7 @@ Register interleaved_register(const Register* axis, std::index_sequence<L...>) n
 }
 #endif
 
-/// A block's points, x y z x y z …, from its D rows.
+/// Writes a block's points as x y z x y z …, from its D rows.
 template <Scalar T, std::size_t D>
 void interleave(const Simd<T>* rows, T* points) noexcept {
 #if CAGEFORM_REGISTER_BYTES != 0
@@ -93,8 +93,8 @@ template <class P, class T, std::size_t D>
 inline constexpr bool is_plain_point =
     std::is_same_v<P, Vec<T, D>> || std::is_same_v<P, std::array<T, D>> || std::is_same_v<P, T[D]>;
 
-/// A range as a clone writes to it. Those of numbers one after the other are views of them,
-/// whatever they were, and share their code.
+/// Returns a range as a clone writes to it. Contiguous numbers are viewed as StridedPoints,
+/// whatever their type, so that they share code.
 template <Scalar T, std::size_t D, class Out>
 decltype(auto) as_target(Out& out) noexcept {
     if constexpr (requires {
@@ -108,11 +108,11 @@ decltype(auto) as_target(Out& out) noexcept {
     }
 }
 
-/// Where the points of a clone go.
+/// Writes the points of a clone.
 template <Scalar T, std::size_t D, class Out>
 class CloneTarget {
 public:
-    static constexpr std::size_t columns = D; ///< numbers a point that it is given
+    static constexpr std::size_t columns = D; ///< numbers per point that `write` receives
 
     CloneTarget(const PackedBindingView<T, D>& binding, const CloneOptions<T>& options, Out& out) noexcept
         : rest_(binding.rest)
@@ -140,7 +140,7 @@ private:
     static constexpr std::size_t lanes = lane_count<T>;
     static constexpr bool is_strided = std::is_same_v<Out, StridedPoints<T, D>>;
 
-    /// `used` is a constant for full blocks, whose loops unroll.
+    /// `used` is a constant for full blocks, so that their loops are unrolled.
     template <class Count>
     void write(std::size_t block, Count used, Lanes<T>* sums) const noexcept {
         const std::size_t first = block * lanes;
@@ -162,13 +162,13 @@ private:
         CAGEFORM_DETAIL_UNROLL
         for (std::size_t k = 0; k < D; ++k) {
             const Simd<T> from = Simd<T>::load(onto[k]), to = from + Simd<T>::load(sums[k]);
-            // An unmoved point keeps its bits: −0 plus nothing would be +0.
+            // An unmoved point keeps its bits: −0 + 0 would be +0.
             moved[k] = select<T>((to <= from) & (from <= to), from, to);
         }
         store(first, used, moved);
     }
 
-    /// The `used` points of a block that stand in the output, and the first in place of others.
+    /// Loads the `used` points of a block from the output; other lanes get the first point.
     template <class Count>
     void load(std::size_t first, Count used, Lanes<T>* rows) const noexcept {
         const auto take = [&](const auto& point_at) {
@@ -202,7 +202,7 @@ private:
             return interleave<T, D>(moved, numbers_ + first * D);
         alignas(64) T numbers[lanes * D];
         interleave<T, D>(moved, numbers);
-        // Copied, for what is written could be this object, as far as a compiler knows.
+        // A copy, because a compiler must assume that the output overlaps this object.
         const Places place = place_;
         if (T* const to = numbers_; to != nullptr) {
             for (std::size_t lane = 0; lane < used; ++lane)
@@ -217,7 +217,7 @@ private:
         }
     }
 
-    /// Where a point of the binding stands in the output.
+    /// Maps a position in the binding to an index of the output.
     struct Places {
         const std::uint32_t* order; ///< null: in order
 
@@ -229,8 +229,8 @@ private:
     std::size_t points_;
     const CloneOptions<T>& options_;
     Out& out_;
-    T* numbers_ = nullptr; ///< where all numbers of the output lie one after the other
-    bool by_axes_ = false; ///< where those of an axis do, in order
+    T* numbers_ = nullptr; ///< set if all numbers of the output are contiguous
+    bool by_axes_ = false; ///< set if the numbers of each axis are contiguous and in order
 };
 
 } // namespace detail

@@ -1,4 +1,4 @@
-// Bound vectors as a pose moves them, a few blocks at a time.
+// Moves bound vectors with a pose, a few blocks at a time.
 #pragma once
 
 #include <cageform/clone/detail/block_cloner.hpp>
@@ -7,13 +7,13 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// A block of bound vectors, a row an axis: as a pose moves them, and as they are at rest.
+/// A block of bound vectors, one row per axis, moved by a pose and at rest.
 template <Scalar T, std::size_t D>
 struct VectorBlock {
     std::array<const Lanes<T>*, D> moved;
     std::array<const Lanes<T>*, D> rest;
 
-    /// The vectors of one lane.
+    /// Returns the vectors of one lane.
     static Vec<T, D> at(const std::array<const Lanes<T>*, D>& rows, std::size_t lane) noexcept {
         Vec<T, D> v{};
         for (std::size_t k = 0; k < D; ++k) v[k] = (*rows[k])[lane];
@@ -21,7 +21,7 @@ struct VectorBlock {
     }
 };
 
-/// The vectors of a few blocks, cloned into memory of its own, in the order of their places.
+/// Clones the vectors of a few blocks into its own memory, in the order of the binding.
 template <Scalar T, std::size_t D>
 class VectorTile {
 public:
@@ -30,7 +30,7 @@ public:
     template <class View, class Pose>
     void load(View view, const Pose& pose, std::size_t begin, std::size_t end) noexcept {
         if constexpr (requires { view.order; }) view.order = nullptr;
-        // An axis after the other, from where point 0 would be, were it in the tile.
+        // Written axis by axis. The view begins where point 0 would be if it were in the tile.
         StridedPoints<T, D> tile(moved_[0][0].v - begin * lane_count<T>, view.point_count(), sizeof(T),
                                  sizeof(moved_[0]));
         BlockCloner(view, pose, tile, {}).run(begin, end);

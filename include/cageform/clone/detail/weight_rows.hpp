@@ -1,4 +1,4 @@
-// Rows of weights in their formats, as registers of numbers.
+// Loads rows of weights from their storage formats into registers.
 #pragma once
 
 #include <cageform/binding/detail/packed_binding.hpp>
@@ -7,7 +7,7 @@
 namespace cageform::inline CAGEFORM_ABI::detail {
 
 #if CAGEFORM_REGISTER_BYTES != 0
-/// Vectors of whole numbers with as many lanes as a register of T has.
+/// Integer vectors with as many lanes as a register of T.
 template <class Whole, class T>
 struct WholeOf {
     typedef Whole type __attribute__((vector_size(register_bytes / sizeof(T) * sizeof(Whole))));
@@ -29,7 +29,7 @@ CAGEFORM_DETAIL_INLINE inline To convert_lanes(From from) noexcept {
 template <class Whole, class T>
 using Wholes = typename WholeOf<Whole, T>::type;
 
-/// One register of numbers from the bytes of a format.
+/// Loads one register of numbers from the bytes of a format.
 template <WeightFormat Format, Scalar T>
 CAGEFORM_DETAIL_INLINE inline typename Simd<T>::Register load_weights(const std::byte* bytes) noexcept {
     using Register = typename Simd<T>::Register;
@@ -41,10 +41,10 @@ CAGEFORM_DETAIL_INLINE inline typename Simd<T>::Register load_weights(const std:
     } else if constexpr (Format == WeightFormat::int8) {
         const auto q = load_bytes<Wholes<std::int8_t, T>>(bytes);
         const auto wider =
-            convert_lanes<Wholes<std::int16_t, T>>(q); // in two steps: GNU has instructions for those
+            convert_lanes<Wholes<std::int16_t, T>>(q); // in two steps, for which GNU has instructions
         return convert_lanes<Register>(convert_lanes<Wholes<std::int32_t, T>>(wider));
     } else {
-        // The exponent moves to its place in a float; what its bias differs by is multiplied in.
+        // The exponent is shifted to its position in a float; a factor corrects the different bias.
         const auto h = load_bytes<Wholes<std::uint16_t, T>>(bytes);
         const auto wide = convert_lanes<Wholes<std::uint32_t, T>>(h);
         const Wholes<std::uint32_t, T> bits = ((wide & 0x7FFFu) << 13) | ((wide & 0x8000u) << 16);

@@ -1,4 +1,4 @@
-// The values that the functions of handles have on the boundary, by the kind of cage.
+// The boundary values of the handles' functions, for each kind of cage.
 #pragma once
 
 #include <cageform/cage/detail/boundary_value.hpp>
@@ -8,16 +8,16 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The data of harmonic functions; of most cages hat functions. A cage with others has a
-/// specialisation.
+/// The boundary data of harmonic functions. For most cages these are hat functions; a cage with
+/// other data specialises this template.
 ///
 ///   status()           ok, or why there is no data
 ///   for_each_weight(value, f)
-///                      f(handle, weight) for the handles whose value at the place is not zero
+///                      calls f(handle, weight) for the handles with a non-zero value at the point
 ///   for_each_handle(value, f)
-///                      f(handle) for them
+///                      calls f(handle) for them
 ///   Table(data, values)
-///                      the same for many places, made once; `values` outlive it
+///                      stores the weights at many points; `values` must outlive it
 template <class Cage>
 class BoundaryData : public HatData<Cage::dimension> {
 public:

@@ -1,4 +1,4 @@
-// Coordinates in the planes of a polyhedral mesh's faces: the data on its boundary.
+// Boundary data of a polyhedral mesh: coordinates in the plane of each face.
 #pragma once
 
 #include <cageform/cage/polyhedral_mesh.hpp>
@@ -6,17 +6,18 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The values of handles at places of a PolyhedralMesh: on a face of more than three corners its
-/// coordinates `Plane`, a type of CageCoordinates in the plane in double; on triangles, edges and
-/// vertices linear. Places are given by the triangle that they lie on.
+/// The values of the handles at surface points of a PolyhedralMesh. On a face with more than three
+/// corners they are the face's coordinates `Plane`, a 2D type of CageCoordinates in double. On
+/// triangles, edges and vertices they are linear. A point is given by the triangle it lies on and
+/// its weights there.
 template <class Plane>
 class FaceCoordinates {
 public:
     using Value = BoundaryValue<3>;
 
     FaceCoordinates() = default;
-    /// Of a sound mesh. make(polygon, size) makes the coordinates of a face in its plane, `size` its
-    /// longer side along the axes there.
+    /// `mesh` must be sound. make(polygon, size) returns the coordinates of a face in its plane,
+    /// where `size` is the longer side of its bounding box there.
     template <Scalar T, class Make>
     FaceCoordinates(const PolyhedralMesh<T>& mesh, const Make& make) {
         for (std::size_t f = 0; f < mesh.face_count(); ++f) {
@@ -36,7 +37,7 @@ public:
         for (const auto& v : mesh.vertices()) vertices_.push_back(vec_cast<double>(v));
     }
 
-    /// f(handle, weight) for the handles whose value at a place is not zero. Throws bad_alloc.
+    /// Calls f(handle, weight) for the handles with a non-zero value at a point. Throws bad_alloc.
     template <class F>
     void for_each_weight(const Value& value, F&& f) const {
         const Face* const face = face_of(value);
@@ -51,7 +52,7 @@ public:
         }
     }
 
-    /// f(handle) for them, or for all corners of the place's face.
+    /// Calls f(handle) for those handles, or for all corners of the point's face.
     template <class F>
     void for_each_handle(const Value& value, F&& f) const {
         const Face* const face = face_of(value);
@@ -65,7 +66,7 @@ private:
         std::vector<std::uint32_t> corners;
         Plane coordinates;
     };
-    /// A triangle or, with no_vertex last, a diagonal of a face; vertices in ascending order.
+    /// A triangle or a diagonal of a face; vertices ascend, and a diagonal has no_vertex last.
     struct Part {
         std::array<std::uint32_t, 3> vertex;
         std::uint32_t face;
@@ -84,7 +85,8 @@ private:
             if (!is_edge) parts_.push_back({{(std::min)(a, b), (std::max)(a, b), no_vertex}, face});
         }
     }
-    /// The face of more than three corners that a place lies in; null on others, edges, vertices.
+    /// Returns the face with more than three corners that a point lies in; null on other faces,
+    /// edges and vertices.
     const Face* face_of(const Value& value) const noexcept {
         std::array<std::uint32_t, 3> vertex{no_vertex, no_vertex, no_vertex};
         std::size_t count = 0;

@@ -1,5 +1,5 @@
-// The evaluation of Green coordinates in the plane and in space: everything about the formula but
-// the formula.
+// Evaluates Green coordinates in 2D and 3D: everything around the formula itself, which is in
+// plane.hpp and space.hpp.
 #pragma once
 
 #include <cageform/cage/cell_complex.hpp>
@@ -11,8 +11,9 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The linear function that is `weight` at the corners of a facet and constant across it, and the
-/// height above the facet in units of its handle's length: α_k and β/size of
+/// The analytic continuation across a facet. It expresses p by the facet's corners and its vector
+/// handle: α_k are linear functions, one at corner k, zero at the other corners and constant across
+/// the facet; β is the height above the facet, in units of the handle's length `size`.
 ///
 ///     Σ α_k C_k + (β/size) size n = p,   Σ α_k = 1
 template <std::size_t D>
@@ -36,7 +37,7 @@ struct FacetContinuation {
             across = (1 / std::sqrt(length(n) / 2)) * across;
         }
     }
-    /// α and β/size, from the nearest corner on.
+    /// Returns α and β/size at p, computed relative to the nearest corner.
     std::array<double, D + 1> at(const Vec<double, D>& p) const noexcept {
         std::size_t nearest = 0;
         for (std::size_t k = 1; k < D; ++k) {
@@ -51,7 +52,7 @@ struct FacetContinuation {
     }
 };
 
-/// The formula as one piece of code, which keeps numbers in registers.
+/// Calls the formula with everything inlined, which keeps numbers in registers.
 template <bool gradients, class S, std::size_t D>
 CAGEFORM_DETAIL_FLATTEN GreenSum<S> integrate_registers(const GreenFrame<S, D>& frame, S near_distance,
                                                         const Vec<Simd<S>, D>& p, GreenRows<S, D>& memory,
@@ -59,8 +60,9 @@ CAGEFORM_DETAIL_FLATTEN GreenSum<S> integrate_registers(const GreenFrame<S, D>& 
     return integrate<gradients>(frame, near_distance, p, memory, rows);
 }
 
-/// What GreenCoordinates are in both dimensions. Points are evaluated a register at a time. Those
-/// outside and on the boundary get what is missing of the full angle afterwards, one by one.
+/// The base of GreenCoordinates in both dimensions. Points are evaluated a SIMD register at a time.
+/// Inside, the facets cover the full angle around a point. For points outside and on the boundary the
+/// missing part of the angle is added afterwards, one by one, by the continuation across a facet.
 template <class Cage>
 class GreenEvaluation {
 public:
@@ -75,18 +77,20 @@ public:
     std::span<const HandleFace<dimension>> handle_faces() const noexcept { return topology_.facets; }
     const CageReport& cage_report() const noexcept { return report_; }
 
-    /// As CageCoordinates says.
+    /// See CageCoordinates.
     Evaluation evaluate(BlockView<const scalar> points, BlockView<scalar> weights,
                         std::span<PointState> states, const Running& running = {}) const {
         return evaluate_rows<false>({points, weights, states}, running);
     }
-    /// As GradientCoordinates says. On the boundary the limits from inside; on vertices, and on
-    /// edges in space, where they grow like a logarithm, those of a place 1e-6 diagonals inside.
+    /// See GradientCoordinates. On the boundary the limits from inside are returned. On vertices,
+    /// and on edges in 3D, gradients grow like a logarithm; there the gradient at a point 1e-6
+    /// diagonals inside is returned.
     Evaluation evaluate_gradients(BlockView<const scalar> points, BlockView<scalar> gradients,
                                   std::span<PointState> states, const Running& running = {}) const {
         return evaluate_rows<true>({points, gradients, states}, running);
     }
-    /// The weights are the limits from inside. May throw std::bad_alloc.
+    /// Returns the nearest boundary point, with the limits from inside as weights. May throw
+    /// std::bad_alloc.
     Vec<scalar, dimension> nearest_boundary(const Vec<scalar, dimension>& p, std::span<scalar> row) const {
         Vec<T, D> place = p;
         (void)nearest_boundary_value(cage_, p, place);
@@ -94,7 +98,7 @@ public:
         for (std::size_t k = 0; k < D; ++k) std::fill_n(position[k].v, lane_count<T>, place[k]);
         PointState state = PointState::unreached;
         GreenRows<T, D> memory(frame_);
-        // Rounded, the place may be a rounding off the boundary.
+        // The rounded point may lie off the boundary by a rounding error.
         evaluate_block<false>({{position.data(), D, 1}, {rows.data(), rows.size(), 1}, {&state, 1}}, 0,
                               4 * tolerance_, memory);
         for (std::size_t h = 0; h < row.size(); ++h) row[h] = rows[h][0];
@@ -106,7 +110,7 @@ protected:
         : cage_(std::move(cage)) {
         prepare();
     }
-    /// Its boundary alone.
+    /// Uses only the boundary of a cell complex.
     explicit GreenEvaluation(const CellComplex<scalar, dimension>& complex) {
         report_.status = guard_memory([&] {
             cage_ = complex.boundary();
@@ -131,7 +135,7 @@ private:
             return report_.status;
         });
     }
-    /// Coordinates so large that an edge or face has no finite vector.
+    /// Refuses a cage with coordinates so large that the vector of an edge or face overflows.
     void refuse_overflow() {
         for (std::size_t h = cage_.vertices().size(); h < handles_.size(); ++h) {
             if (is_finite(handles_[h])) continue;
@@ -185,8 +189,8 @@ private:
         using X = Simd<T>;
         Lanes<T>* const rows = batch.rows.block(b);
         for (std::size_t row = 0; row < batch.rows.rows; ++row) X(T(0)).store(rows[row]);
-        // Farther away the integrals change by less than a rounding of the continuation, which
-        // restores p from any of them.
+        // Farther away the integrals change by less than a rounding error of the continuation,
+        // which restores p from any of them.
         constexpr double farthest = sizeof(T) == 8 ? 0x1p24 : 0x1p12;
         Vec<X, D> p;
         for (std::size_t k = 0; k < D; ++k) {
@@ -231,8 +235,8 @@ private:
         return corner;
     }
 
-    /// Adds the continuation across a facet at q, or its derivatives, times `share`. Returns whether
-    /// what was added is finite.
+    /// Adds `share` times the continuation across a facet at q, or its derivatives. Returns whether
+    /// the result is finite.
     template <bool gradients>
     bool add_facet(const Lane& to, std::size_t facet, const Vec<double, D>& q, double share) const noexcept {
         const FacetContinuation<D> of(corners_of(facet));
@@ -257,8 +261,8 @@ private:
         return finite;
     }
 
-    /// Across the nearest facet; of facets equally near, across the one whose plane q is farthest
-    /// beyond, then the first.
+    /// Adds the continuation across the nearest facet. Among equally near facets it uses the one whose
+    /// plane q lies farthest beyond, then the first.
     template <bool gradients>
     bool add_nearest(const Lane& to, const Vec<double, D>& q, double share) const noexcept {
         const std::size_t facets = topology_.facets.size();
@@ -267,7 +271,7 @@ private:
         for (std::size_t f = 0; f < facets; ++f) {
             const auto corner = corners_of(f);
             const double distance = distance_to_facet(q, corner);
-            // Distances to a vertex or edge that facets share differ by rounding.
+            // Distances to a common vertex or edge of several facets differ by rounding.
             const double rounding = 64 * epsilon<double> * (1 + largest(middle_) + distance);
             if (!(distance <= least + rounding)) continue;
             const double beyond = dot(outward_normal(corner), q - corner[0]);
@@ -280,12 +284,13 @@ private:
         return nearest < facets && add_facet<gradients>(to, nearest, q, share);
     }
 
-    /// What the facets that q lies on are seen under, divided equally: how much each has depends on
-    /// the direction that q is reached from, what they give to the vertices they share does not.
+    /// Distributes the missing angle equally over the facets that q lies on. The true share of each
+    /// facet depends on the direction from which q is reached, but the weights of their common
+    /// vertices do not.
     template <bool gradients>
     void add_on_boundary(const Lane& to, const Vec<double, D>& q, double near_distance,
                          double share) const noexcept {
-        // A rounding of the scalar farther than the formula has it.
+        // Wider than the formula's limit by a rounding error of the scalar.
         const auto holds = [&](std::size_t f) {
             return distance_to_facet(q, corners_of(f)) <= 1.25 * near_distance;
         };
@@ -310,7 +315,7 @@ private:
     MeanValueTopology<D> topology_; ///< its facets belong to the vector handles
     Buffer<Vec<double, D>> at_;     ///< the vertices, in units of 1/scale
     GreenFrame<T, D> frame_;
-    double tolerance_ = 0, scale_ = 1; ///< the tolerance in these units
+    double tolerance_ = 0, scale_ = 1; ///< the tolerance is in units of 1/scale
     Vec<double, D> middle_{};
 };
 

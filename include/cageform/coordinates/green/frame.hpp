@@ -1,4 +1,4 @@
-// What the formulas of Green coordinates in the plane and in space are given, and what they return.
+// Inputs and outputs of the formulas of Green coordinates in 2D and 3D.
 #pragma once
 
 #include <cageform/coordinates/mean_value/frame.hpp>
@@ -8,23 +8,24 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// A cage in the numbers that the formula takes.
+/// A cage as the formula needs it.
 template <class S, std::size_t D>
 struct GreenFrame;
 
-/// Memory for the formula.
+/// Working memory of the formula.
 template <class S, std::size_t D>
 struct GreenRows;
 
-/// How much of the full angle the cage is seen under, 1 inside and 0 outside, the facets that the
-/// point lies on left out; and one in the lanes of points that lie on a facet, zero in the others.
+/// `winding` is the fraction of the full angle that the cage subtends at the point, 1 inside and 0
+/// outside, without the facets that the point lies on. `touched` is one in the lanes of points on a
+/// facet, else zero.
 template <class S>
 struct GreenSum {
     Simd<S> winding, touched;
 };
 
-/// What arguments of logarithms are kept above. The logarithm of a length goes with a length, so
-/// its limit is zero.
+/// The lower limit of arguments of logarithms. Every logarithm of a length is multiplied by that
+/// length, so the limit of the product is zero.
 template <class S>
 inline constexpr S least_square = (std::numeric_limits<S>::min)() * S(1e6);
 

@@ -1,4 +1,4 @@
-// The formula of Green coordinates in the plane, for registers of points.
+// The formula of Green coordinates in 2D, for registers of points.
 #pragma once
 
 #include <cageform/coordinates/green/frame.hpp>
@@ -9,13 +9,13 @@ namespace cageform::inline CAGEFORM_ABI::detail {
 template <class S>
 struct GreenFrame<S, 2> {
     struct Edge {
-        std::uint32_t from, to; ///< the inside to the left
+        std::uint32_t from, to; ///< the inside is on the left
         Vec<S, 2> along;        ///< t, of unit length
         S length, inverse;      ///< L, 1/L
     };
     Buffer<Vec<S, 2>> vertices;
     Buffer<Edge> edges;
-    S gauge = 0; ///< 1 + ln R: R, the unit of the logarithms' lengths
+    S gauge = 0; ///< 1 + ln R, where R is the unit of length in the logarithms
 
     GreenFrame() = default;
     GreenFrame(const MeanValueTopology<2>& topology, const Buffer<Vec<double, 2>>& at, double diagonal)
@@ -29,7 +29,7 @@ struct GreenFrame<S, 2> {
     }
 };
 
-/// Of a vertex, seen from the points.
+/// The vertices relative to the points.
 template <class S>
 struct GreenRows<S, 2> {
     struct Corner {
@@ -42,8 +42,8 @@ struct GreenRows<S, 2> {
         : corners(frame.vertices.size()) {}
 };
 
-/// What an edge from A to B, as seen from the points, adds to their coordinates:
-/// s₁ = A·t, s₂ = B·t, d = A·n, θ the angle it is seen under, zero where a point lies on it.
+/// The integrals of an edge from A to B, relative to the points: s₁ = A·t, s₂ = B·t, d = A·n, and
+/// θ, the angle that the edge subtends, zero if a point lies on it.
 template <class S>
 struct EdgeIntegrals {
     Simd<S> s1, s2, d, theta, touched;
@@ -54,7 +54,7 @@ struct EdgeIntegrals {
         const X zero(S(0)), one(S(1)), reach(near_distance), tx(edge.along[0]), ty(edge.along[1]);
         s1 = a.u[0] * tx + a.u[1] * ty;
         s2 = b.u[0] * tx + b.u[1] * ty;
-        // From the nearer end: next to an end the edge's two angles cancel only then.
+        // Computed from the nearer end. Next to a vertex the angles of its two edges cancel only then.
         const auto from_a = a.rr <= b.rr;
         const X x = select(from_a, a.u[0], b.u[0]), y = select(from_a, a.u[1], b.u[1]);
         d = x * ty - y * tx;
@@ -67,18 +67,18 @@ struct EdgeIntegrals {
     }
 };
 
-/// Lipman, Levin, Cohen-Or: Green Coordinates (ACM Trans. Graph. 27, 2008), sec. 4, from ∫ over the
-/// edges, in the plane:
+/// Computes the coordinates of Lipman, Levin, Cohen-Or: Green Coordinates (ACM Trans. Graph. 27,
+/// 2008), sec. 4, from integrals over the edges:
 ///
 ///   2πL φ_a += s₂ θ − d ℓ,   2πL φ_b += d ℓ − s₁ θ,   ℓ = ln(|B|/|A|)
 ///   2π ψ = −(s₂ ln|B| − s₁ ln|A| − L + d θ)
 ///
-/// Of the derivatives of s₂ θ − d ℓ what is not linear in θ and ℓ is L/|A|² times A turned, which the
-/// edge before takes away again, so that it is left out in both:
+/// The derivative of s₂ θ − d ℓ also has a term that is not linear in θ and ℓ, L/|A|² times A
+/// rotated. The previous edge has the same term with the opposite sign, so both are left out:
 ///
 ///   2πL ∇φ_b = −2πL ∇φ_a = θ t − ℓ n,   2π ∇ψ = ℓ t + θ n
 ///
-/// ψ is divided by the length of the handle, L. `rows` are zero on entry.
+/// ψ is divided by L, the length of the handle. `rows` must be zero on entry.
 template <bool gradients, class S>
 GreenSum<S> integrate(const GreenFrame<S, 2>& cage, S near_distance, const Vec<Simd<S>, 2>& p,
                       GreenRows<S, 2>& seen, Lanes<S>* rows) noexcept {

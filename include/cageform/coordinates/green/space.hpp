@@ -1,4 +1,4 @@
-// The formula of Green coordinates in space, for registers of points.
+// The formula of Green coordinates in 3D, for registers of points.
 #pragma once
 
 #include <cageform/coordinates/green/frame.hpp>
@@ -17,7 +17,7 @@ struct GreenFrame<S, 3> {
     Buffer<Vec<S, 3>> vertices;
     Buffer<Edge> edges;
     Buffer<Face> faces;
-    Buffer<S> inverse_size; ///< of each face, 1/√area
+    Buffer<S> inverse_size; ///< per face, 1/√area
 
     GreenFrame() = default;
     GreenFrame(const MeanValueTopology<3>& topology, const Buffer<Vec<double, 3>>& at, double) {
@@ -46,8 +46,8 @@ struct GreenRows<S, 3> {
         Vec<X, 3> u; ///< C − p
         X r;         ///< |u|
     };
-    /// An edge from A to B, as seen from the points: its line's nearest place q, s₁ = A·τ and s₂ = B·τ,
-    /// f the integral of 1/r along it, and one in the lanes of points that lie on it.
+    /// An edge from A to B relative to the points: the nearest point q of its line, s₁ = A·τ and s₂
+    /// = B·τ, f = the integral of 1/r along it, and one in the lanes of points that lie on it.
     struct Edge {
         Vec<X, 3> q;
         X qq, begin, end, f, touched;
@@ -66,9 +66,9 @@ Simd<S> product(const Vec<Simd<S>, 3>& a, const Vec<S, 3>& b) noexcept {
     return a[0] * X(b[0]) + (a[1] * X(b[1]) + a[2] * X(b[2]));
 }
 
-/// Both faces of an edge take their distances from the one q: the angles that they are seen under
-/// next to the edge are sensitive apart, though not together. It is seen from the nearer end, and
-/// projected twice, so that it is right to a rounding of its own length.
+/// Computes the data of an edge once for both its faces, with the same q. Next to the edge the angle
+/// that each face subtends is sensitive to rounding, but their sum is not if q is the same. q is
+/// computed from the nearer end and projected twice, so that its error is a rounding of its own length.
 template <bool gradients, class S>
 void look_at_edge(const typename GreenFrame<S, 3>::Edge& edge, S near_distance, GreenRows<S, 3>& seen,
                   typename GreenRows<S, 3>::Edge& out) noexcept {
@@ -88,8 +88,8 @@ void look_at_edge(const typename GreenFrame<S, 3>::Edge& edge, S near_distance, 
     const auto on_line = both(out.qq <= reach * reach, both(out.begin <= zero, zero <= out.end));
     const auto on_edge = on_line | ((min)(a.r, b.r) <= reach);
     out.touched = select(on_edge, one, zero);
-    // f → ∞ next to the edge, where values have it times a distance; derivatives are those of a
-    // place 1e-6 diagonals away.
+    // Next to the edge f → ∞; the weights have it times a distance. Derivatives use the value at a
+    // point 1e-6 diagonals away.
     const auto at_least = [&](const X& x, S step) {
         return (max)(x, gradients ? select(on_edge, X(step), least) : least);
     };
@@ -101,13 +101,15 @@ void look_at_edge(const typename GreenFrame<S, 3>::Edge& edge, S near_distance, 
     out.f = log(over / under);
 }
 
-/// The angle that an edge of a face is seen under from the foot of p on the face, less that angle
-/// seen from p through the plane: what the edge adds to the solid angle of the face, by the sign of
-/// ρ. |H| is `height`; A and B are the distances to the ends.
+/// Returns the contribution of an edge to the solid angle of a face, with the sign of ρ. It is the
+/// angle that the edge subtends at the foot of p on the face's plane, from atan(s₁/ρ) to atan(s₂/ρ),
+/// minus that from atan(|H| s₁/(ρ A)) to atan(|H| s₂/(ρ B)). `height` is |H|; A and B are the distances
+/// of the ends from p. At each end the difference is one arctangent:
 ///
 ///   atan2(ρ s₂, D + |H| B) − atan2(ρ s₁, D + |H| A),   D = ρ² + H²
 ///
-/// as one angle. s₂ A − s₁ B, where both s have one sign, is D L (s₁ + s₂)/(s₂ A + s₁ B).
+/// Both terms are combined into one angle. If s₁ and s₂ have the same sign, s₂ A − s₁ B is computed
+/// as D L (s₁ + s₂)/(s₂ A + s₁ B).
 template <class S>
 Simd<S> edge_angle(const typename GreenFrame<S, 3>::Edge& edge, const GreenRows<S, 3>& seen,
                    const typename GreenRows<S, 3>::Edge& line, const Simd<S>& height,
@@ -124,9 +126,9 @@ Simd<S> edge_angle(const typename GreenFrame<S, 3>::Edge& edge, const GreenRows<
     return select(rho < zero, zero - size, size);
 }
 
-/// What a face adds to the coordinates of points: H, the height of its plane above them, ρ_k, the
-/// distances of their feet to its edges, inside positive, f_k of its edges, and Ω, the solid angle
-/// it is seen under, zero where a point lies on it.
+/// The integrals of a face: H, the height of its plane above the points; ρ_k, the distances of the
+/// points' feet to its edges, positive inside; f_k of its edges; and Ω, the solid angle that it
+/// subtends, zero if a point lies on it.
 template <class S>
 struct FaceIntegrals {
     using X = Simd<S>;
@@ -159,17 +161,18 @@ struct FaceIntegrals {
     }
 };
 
-/// Lipman, Levin, Cohen-Or: Green Coordinates (ACM Trans. Graph. 27, 2008), from ∫ over the faces, in
-/// a face's own frame, ν_k the outward normal of edge k in its plane, h_k the altitude of corner k:
+/// Computes the coordinates of Lipman, Levin, Cohen-Or: Green Coordinates (ACM Trans. Graph. 27,
+/// 2008), from integrals over the faces in each face's own frame. ν_k is the outward normal of edge
+/// k in the face's plane, h_k the altitude of corner k:
 ///
 ///   4π h_k φ_k += ρ_k Ω + H Σ_l (ν_k·ν_l) f_l,   4π ψ = Σ_k ρ_k f_k − H Ω
 ///
-/// The derivatives of Ω and f themselves cancel between the faces of an edge, so that they are left
+/// The derivatives of Ω and f themselves cancel between the two faces of an edge, so they are left
 /// out (n × ν_k/h_k is the vortex sheet of the hat function; Biot and Savart):
 ///
 ///   4π h_k ∇φ_k += −(Ω ν_k + n Σ_l (ν_k·ν_l) f_l),   4π ∇ψ = Ω n − Σ_l f_l ν_l
 ///
-/// ψ is divided by the length of the handle, √area. `rows` are zero on entry.
+/// ψ is divided by √area, the length of the handle. `rows` must be zero on entry.
 template <bool gradients, class S>
 GreenSum<S> integrate(const GreenFrame<S, 3>& cage, S near_distance, const Vec<Simd<S>, 3>& p,
                       GreenRows<S, 3>& seen, Lanes<S>* rows) noexcept {
@@ -190,7 +193,7 @@ GreenSum<S> integrate(const GreenFrame<S, 3>& cage, S near_distance, const Vec<S
         angles += of.angle;
         touched = (max)(touched, of.touched);
         const X size(cage.inverse_size[j] / full);
-        X normal = of.height * of.angle; // of ψ
+        X normal = of.height * of.angle; // for ψ
         Vec<X, 3> slope;
         for (std::size_t axis = 0; axis < 3; ++axis) slope[axis] = of.angle * X(face.normal[axis]);
         for (std::size_t k = 0; k < 3; ++k) {

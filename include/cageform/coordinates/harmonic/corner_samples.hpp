@@ -1,4 +1,4 @@
-// What interpolation misses next to treated corners, of many functions at many points.
+// Corrects interpolated weights next to treated corners, for many functions at many points.
 #pragma once
 
 #include <cageform/core/detail/blocks.hpp>
@@ -7,24 +7,24 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The corrections of the weights of some points, which are added when those of all functions are
-/// known.
+/// The corrections of the weights of some points. They are added once the weights of all functions
+/// are known.
 template <Scalar T>
 class CornerSamples {
 public:
-    /// Of point `i`, at `p` in units of the lattice, that `stencil` is of.
+    /// Adds point `i`, at `p` in lattice units, with its interpolation stencil.
     void add(const grid::CornerFunctions& corners, std::size_t i, const Vec<double, 2>& p,
              const grid::CutStencil<2>& stencil) {
         const auto correction = corners.correction(p, stencil);
         if (correction.first != grid::CornerFunctions::Correction::none) points_.push_back({i, correction});
     }
-    /// Makes place for the corrections of all functions.
+    /// Allocates memory for the corrections of all functions.
     void reserve(std::size_t handles) {
         handles_ = handles;
         parts_.resize(points_.size() * handles);
     }
 
-    /// Those of functions `first` … first + count − 1.
+    /// Computes the corrections of functions `first` … first + count − 1.
     void sample(const grid::CornerFunctions::Coefficients& coefficients, std::size_t first,
                 std::size_t count) noexcept {
         for (std::size_t n = 0; n < points_.size(); ++n) {
@@ -35,11 +35,11 @@ public:
         }
     }
 
-    /// Adds as much of a corner's part as keeps all weights of the point in [0, 1]: all of it,
-    /// unless the grid is too coarse for the corner. The part sums to 0 and moves no point, so any
-    /// share of it may be taken.
+    /// Adds to each point the largest share of its correction, at most all, that keeps its weights
+    /// in [0, 1]. All of it is added unless the grid is too coarse for the corner. The corrections
+    /// of a point sum to 0 and move no point, so any share may be used.
     ///
-    ///   tolerance  the solver's; what the clamp may take away
+    ///   tolerance  the solver's; clamping may remove this much
     void finish(double tolerance, BlockView<T> rows) const noexcept {
         const T allowed = static_cast<T>(tolerance);
         for (std::size_t n = 0; n < points_.size(); ++n) {
@@ -63,7 +63,7 @@ private:
     };
     std::size_t handles_ = 0;
     Buffer<Corrected> points_;
-    std::vector<T> parts_; ///< #handles for each of the points
+    std::vector<T> parts_; ///< #handles per point
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

@@ -1,5 +1,5 @@
-// Values of many functions at many points: stencils worked out once, read for one group of
-// functions after another.
+// Samples many functions at many points: stencils are computed once and used for every group of
+// functions.
 #pragma once
 
 #include <cageform/coordinates/harmonic/stencil_table.hpp>
@@ -9,24 +9,24 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The stencils of points `first`, first + 1, …, one after the other.
+/// The stencils of points `first`, first + 1, ….
 template <std::size_t D>
 class CutSamples {
 public:
     explicit CutSamples(std::size_t first = 0)
         : first_(first) {}
 
-    /// `data` is the cage's BoundaryData.
+    /// Adds the stencil of the next point. `data` is the cage's BoundaryData.
     template <class Data>
     void add(const grid::CutStencil<D>& stencil, const Data& data) {
         stencils_.add(stencil, data);
     }
 
-    /// Writes rows first_handle … of the points, `count` of them.
+    /// Writes the rows of handles first_handle … first_handle + count − 1, for all points.
     ///
-    ///   functions  functions.value(node): an array of at least `count` values; where there is
-    ///              functions.has(node), zero where it is false
-    ///   row_of     row_of(handle): where a handle's row is, if not at its number
+    ///   functions  functions.value(node): an array of at least `count` values. If there is
+    ///              functions.has(node), nodes for which it is false count as zero
+    ///   row_of     row_of(handle): the row of a handle, if it is not the handle's number
     template <class Functions, Scalar T, class RowOf = std::identity>
     void sample(const Functions& functions, std::size_t first_handle, std::size_t count, BlockView<T> rows,
                 const RowOf& row_of = {}) const noexcept {
@@ -43,7 +43,7 @@ public:
                 const std::size_t k = handle - first_handle;
                 if (k < count) value[k] += share;
             }
-            // A mean of boundary data is in [0, 1]; the solver's error may not leave it.
+            // A mean of boundary data is in [0, 1]; solver errors must not leave this range.
             const std::size_t i = first_ + n;
             auto* const row = rows.block(i / lane_count<T>);
             for (std::size_t k = 0; k < count; ++k)

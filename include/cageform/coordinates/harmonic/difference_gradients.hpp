@@ -1,4 +1,4 @@
-// Gradients of functions that can be sampled: differences of values a cell apart.
+// Computes gradients of sampled functions by finite differences.
 #pragma once
 
 #include <cageform/coordinates/harmonic/solution.hpp>
@@ -6,20 +6,20 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The places that the derivatives at some blocks of points are differences between: a point and
-/// its neighbours below and above along each axis. Neighbours are a cell apart, as values then have
-/// the same part of their cells' error, so that it drops out; they are nearer only where the
-/// boundary is.
+/// The sample points for the derivatives at some blocks of points: each point and its neighbours
+/// below and above along each axis. Neighbours are one cell apart: values at this distance have the
+/// same share of their cells' error, so it cancels. Only the boundary makes the distance smaller.
 template <DifferentiableSolver S>
 class DifferencePlaces {
     using T = typename S::Problem::scalar;
     using Simd = detail::Simd<T>;
     static constexpr std::size_t D = S::Problem::dimension, lanes = lane_count<T>;
-    static constexpr std::size_t places = 2 * D + 1; ///< the point, then below and above along each axis
+    /// The point, then below and above along each axis.
+    static constexpr std::size_t places = 2 * D + 1;
     using Point = Vec<T, D>;
 
 public:
-    /// For up to `blocks` blocks at a time.
+    /// Allocates memory for up to `blocks` blocks at a time.
     DifferencePlaces(const S& solver, const Batch<T>& batch, std::size_t blocks)
         : solver_(solver)
         , batch_(batch)
@@ -29,8 +29,8 @@ public:
         , factors_(blocks * 2 * D)
         , states_(blocks * places * lanes) {}
 
-    /// Block `b` of the points has its places in block `at`, and its states told: unreached where
-    /// both neighbours along an axis fall onto the point.
+    /// Sets the sample points of block `b` of the batch in slot `at`, and the states of the batch's
+    /// points. A point is unreached if along some axis both neighbours coincide with it.
     void set(std::size_t b, std::size_t at) noexcept {
         const std::size_t first = b * lanes;
         for (std::size_t lane = 0; lane < lanes; ++lane) {
@@ -46,7 +46,7 @@ public:
         }
     }
 
-    /// The first `blocks` blocks of places, for their values to be sampled.
+    /// Returns the sample points of the first `blocks` slots as a batch to be evaluated.
     Batch<T> batch(std::size_t blocks) noexcept {
         const std::size_t count = blocks * places * lanes;
         return {BlockView<T>{positions_.data(), D, count},
@@ -54,9 +54,9 @@ public:
                 std::span(states_).first(count)};
     }
 
-    /// From the values sampled in block `at` to the gradients in block `b`: row axis · #handles +
-    /// handle gets the derivative of the handle's function along the axis. Nothing for points that
-    /// are neither inside nor on the boundary.
+    /// Computes the gradients of block `b` from the values sampled in slot `at`: row axis ·
+    /// #handles + handle gets the derivative of the handle's function along the axis. Points that
+    /// are neither inside nor on the boundary are left alone.
     void differentiate(std::size_t at, std::size_t b) const noexcept {
         Lanes<T> bound;
         for (std::size_t lane = 0; lane < lanes; ++lane) {
@@ -85,7 +85,7 @@ private:
         return state == PointState::inside || state == PointState::on_boundary;
     }
 
-    /// Sets a point's places; returns where it lies.
+    /// Sets the sample points of one point; returns where the point lies.
     PointState set_point(std::size_t at, std::size_t lane, Point p) noexcept {
         const PointState state = solver_.state_of(p);
         if (state == PointState::on_boundary && !step_inside(p)) return PointState::unreached;
@@ -98,7 +98,8 @@ private:
             const Point below = neighbour(p, axis, false), above = neighbour(p, axis, true);
             put(2 * axis + 1, below);
             put(2 * axis + 2, above);
-            const double to_below = std::fabs(double(p[axis]) - double(below[axis])); // as rounded
+            // With the rounding of the stored positions.
+            const double to_below = std::fabs(double(p[axis]) - double(below[axis]));
             const double to_above = std::fabs(double(above[axis]) - double(p[axis]));
             if (!(to_below + to_above > 0)) return PointState::unreached;
             const auto factors = difference_factors(to_below, to_above);
@@ -107,23 +108,24 @@ private:
         }
         return state;
     }
-    /// The place a cell from `p`, or as far as the inside goes.
+    /// Returns the sample point one cell from `p`, or as far as the inside of the cage reaches.
     Point neighbour(const Point& p, std::size_t axis, bool up) const noexcept {
         const double cells = solver_.free_distance(p, axis, up, 1.0);
         Point q = p;
         q[axis] = static_cast<T>(double(p[axis]) + (up ? cells : -cells) * solver_.spacing(p));
         return q;
     }
-    /// Of the value here less that below, and of that above less that here, for the derivative:
-    /// exact for parabolas; for lines where one distance is below a tenth of the other, since errors
-    /// of the values count by the reciprocal of it.
+    /// Returns the factors of two differences in the derivative: (value at p − value below) and
+    /// (value above − value at p). They are exact for parabolas. If one distance is less than a
+    /// tenth of the other they are exact only for linear functions, because errors of values are
+    /// divided by the distance.
     static std::array<double, 2> difference_factors(double below, double above) noexcept {
         if (below < 0.1 * above) return {0, 1 / above};
         if (above < 0.1 * below) return {1 / below, 0};
         return {above / (below * (below + above)), below / (above * (below + above))};
     }
-    /// From the boundary half a cell inwards, along the diagonal that is farthest from the
-    /// boundary; false where none is inside.
+    /// Moves a boundary point half a cell inwards, along the diagonal whose end is farthest from
+    /// the boundary. Returns false if no diagonal ends inside.
     bool step_inside(Point& p) const noexcept {
         const double step = 0.5 * solver_.spacing(p) / std::sqrt(double(D));
         double most = 0;
@@ -147,17 +149,17 @@ private:
     const S& solver_;
     Batch<T> batch_;
     std::size_t handles_;
-    std::vector<Lanes<T>> positions_, rows_; ///< by block, place, and axis or handle
-    std::vector<Lanes<T>> factors_;          ///< by block and axis: of the differences below and above
+    std::vector<Lanes<T>> positions_, rows_; ///< by slot, sample point, and axis or handle
+    std::vector<Lanes<T>> factors_;          ///< by slot and axis: for the differences below and above
     std::vector<PointState> states_;
 };
 
-/// The gradients at a batch of points, by a solver's places and samples. From functions kept a few
-/// points at a time, whose values stay in cache.
+/// Computes the gradients at a batch of points. If functions have been kept, a few blocks are
+/// handled at a time so that their values stay in cache.
 template <DifferentiableSolver S>
 Status sample_gradients(const Solution<S>& solution, const Batch<typename S::Problem::scalar>& batch,
                         SolverReport& report, const Running& running) {
-    constexpr std::size_t together = 4; // the values of a hundred handles fill the second cache
+    constexpr std::size_t together = 4; // the values of a hundred handles fill the second-level cache
     // NOLINTNEXTLINE(bugprone-unchecked-optional-access): a solution is used once it is made
     const S& solver = *solution.solver;
     const std::size_t blocks = batch.points.blocks();

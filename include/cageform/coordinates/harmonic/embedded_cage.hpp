@@ -1,5 +1,5 @@
-// A cage laid into a lattice: the nodes inside, their links to the boundary, where points lie, what
-// they are a mean of.
+// Embeds a cage in a uniform lattice: finds the nodes inside and their links to the boundary,
+// locates points and returns their interpolation stencils.
 #pragma once
 
 #include <cageform/coordinates/cage_solver.hpp>
@@ -9,9 +9,9 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The lattice of `resolution` spacings along the longest side. Centred on the cage's box, so that
-/// a symmetric cage has symmetric functions; sides of an axis-aligned cage whose extents divide
-/// evenly lie on lattice lines.
+/// Returns the lattice with `resolution` spacings along the longest side. It is centred on the
+/// cage's bounding box, so a symmetric cage has symmetric functions. Sides of an axis-aligned cage
+/// lie on lattice lines if its extents are multiples of the spacing.
 template <Scalar T, std::size_t D>
 Lattice<double, D> lattice_on(const Bounds<T, D>& bounds, std::size_t resolution) noexcept {
     const auto lower = vec_cast<double>(bounds.lower), extent = vec_cast<double>(bounds.upper) - lower;
@@ -27,7 +27,7 @@ Lattice<double, D> lattice_on(const Bounds<T, D>& bounds, std::size_t resolution
     return lattice;
 }
 
-/// Of a cage that outlives it.
+/// A cage embedded in a uniform lattice. The cage must outlive it.
 template <class C>
 class EmbeddedCage {
     using T = typename C::scalar;
@@ -37,10 +37,10 @@ class EmbeddedCage {
 public:
     static constexpr std::size_t least_resolution = 8, most_resolution = D == 2 ? 16384 : 1024;
 
-    /// Lays the cage of a problem whose options have a `resolution` into a lattice of that.
+    /// Embeds the cage of a problem in a lattice of its options' `resolution`.
     ///
-    ///   fails  resolution_not_supported; out_of_memory, with what it takes and a resolution that
-    ///          would do in `report`; grid_too_coarse, with the handle and such a resolution
+    ///   fails  resolution_not_supported; out_of_memory, with the memory needed and a sufficient
+    ///          resolution in `report`; grid_too_coarse, with the handle and a sufficient resolution
     template <class Problem>
     static Status make(const Problem& problem, SolverReport& report, std::optional<EmbeddedCage>& made) {
         if (problem.data.status() != Status::ok) return problem.data.status();
@@ -51,7 +51,7 @@ public:
         const auto lattice = lattice_on(bounds, resolution);
         const double rounding = double(epsilon<T>) * double(bounds.magnitude());
         if (!(lattice.spacing > 4 * rounding) ||
-            lattice.spacing < 1e-290) // squares of it are to be normal numbers
+            lattice.spacing < 1e-290) // its square must be a normal number
             return Status::resolution_not_supported;
         const GridMemory memory(problem.cage, bounds);
         const std::size_t limit = memory_limit(problem.options);
@@ -86,20 +86,21 @@ public:
 
     EmbeddedCage(EmbeddedCage&&) noexcept = default;
     EmbeddedCage& operator=(EmbeddedCage&&) noexcept = default;
-    EmbeddedCage(const EmbeddedCage&) = delete; // at_cuts_ looks at the values of this
+    EmbeddedCage(const EmbeddedCage&) = delete; // at_cuts_ refers to problem_.values
     EmbeddedCage& operator=(const EmbeddedCage&) = delete;
     ~EmbeddedCage() = default;
 
     const C& cage() const noexcept { return *cage_; }
     const BoundaryData<C>& data() const noexcept { return *data_; }
     const Lattice<double, D>& lattice() const noexcept { return boundary_.lattice(); }
-    /// Cells along the longest side.
+    /// Returns the number of cells along the longest side.
     std::size_t resolution() const noexcept {
         return *std::max_element(lattice().cells.begin(), lattice().cells.end()) - 1;
     }
     const grid::EmbeddedProblem<D>& problem() const noexcept { return problem_; }
 
-    /// Adds the data of `count` functions from `first` on to `source`, at slots[node] of each node.
+    /// Adds the boundary data of `count` functions from `first` on to `source`, at slots[node] of
+    /// each node.
     template <class Values>
     void add_data(std::size_t first, std::size_t count, std::span<const std::uint32_t> slots,
                   std::span<Values> source) const noexcept {
@@ -112,7 +113,8 @@ public:
         }
     }
 
-    /// Where a point lies, as `locate` says; asked of what is in its cell where that tells.
+    /// Returns where a point lies, as `locate` does; uses the contents of the point's cell if they
+    /// decide it.
     PointState state_of(const Vec<T, D>& p) const noexcept { return located(p).state; }
     double free_distance(const Vec<T, D>& p, std::size_t axis, bool up, double limit) const noexcept {
         return boundary_.free_distance(in_cells(p), axis, up, limit);
@@ -121,8 +123,8 @@ public:
         return lattice().in_cells(vec_cast<double>(p));
     }
 
-    /// What the value at point `i` of a batch is a mean of, and where it lies; nothing for points
-    /// outside and beyond the batch.
+    /// Returns the interpolation stencil of point `i` of a batch and sets its state. The stencil is
+    /// empty for points outside and beyond the batch.
     grid::CutStencil<D> stencil(const Batch<T>& batch, std::size_t i) const noexcept {
         grid::CutStencil<D> stencil;
         if (i >= batch.points.points || batch.states[i] == PointState::not_finite) return stencil;
@@ -134,7 +136,8 @@ public:
         return stencil;
     }
 
-    /// What the value at any place is a mean of; outside, that at the nearest place of the boundary.
+    /// Returns the interpolation stencil of any point; outside it is the stencil of the nearest
+    /// boundary point.
     grid::CutStencil<D> stencil_near(const Vec<T, D>& p) const noexcept {
         const auto [state, value] = located(p);
         if (state == PointState::inside) return boundary_.sample(in_cells(p), problem_.nodes);
@@ -160,7 +163,8 @@ private:
         return found;
     }
 
-    /// What hierarchy and block take at any resolution, by the cage's volume and surface.
+    /// Estimates the memory of hierarchy and block at any resolution, from the cage's volume and
+    /// surface.
     class GridMemory {
     public:
         GridMemory(const C& cage, const Bounds<T, D>& bounds)
@@ -171,7 +175,7 @@ private:
                 crossings[0], [this](const auto& a, const auto& b) { volume_ += b.position - a.position; });
         }
         double bytes(std::size_t resolution) const noexcept {
-            // Of an unknown, a crossing, a treated corner: as measured (g++ 12, 64 bits).
+            // Bytes per unknown, per crossing and per treated corner, measured (g++ 12, 64 bits).
             constexpr double of_unknown = 300, of_crossing = D == 2 ? 1500 : 800, of_corner = 130e3;
             const double finer = double(resolution) / double(counted_at);
             const double surface = D == 2 ? finer : finer * finer, unknowns = volume_ * surface * finer;
@@ -182,7 +186,8 @@ private:
     private:
         static constexpr std::size_t counted_at = 64;
         std::size_t vertices_;
-        double volume_ = 0, crossings_ = 0; ///< on a lattice of that resolution
+        /// On a lattice of resolution `counted_at`.
+        double volume_ = 0, crossings_ = 0;
     };
     static Status refuse_memory(const GridMemory& memory, std::size_t resolution, std::size_t limit,
                                 SolverReport& report) noexcept {
@@ -194,7 +199,7 @@ private:
         return Status::out_of_memory;
     }
 
-    /// The first handle that no node feels.
+    /// Returns the first handle whose boundary data reaches no node.
     template <class Problem>
     static std::size_t first_unseen(const Problem& problem, const Boundary& boundary,
                                     const grid::Crossings<D>& crossings) {

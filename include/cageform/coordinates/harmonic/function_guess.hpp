@@ -1,4 +1,4 @@
-// The functions of a cage before it was edited, as guesses of those of the edited one.
+// Samples the functions of a cage before an edit, as start values for the edited cage.
 #pragma once
 
 #include <cageform/coordinates/harmonic/embedded_cage.hpp>
@@ -7,8 +7,8 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Values at the nodes of a new grid, sampled from functions that a solver S of an old grid has
-/// kept; both outlive it.
+/// Values at the nodes of a new grid, interpolated from functions that a solver S has kept on an
+/// old grid. Both solvers must live as long as the guess.
 template <class S>
 class FunctionGuess {
     static constexpr std::size_t D = S::Problem::dimension;
@@ -17,7 +17,7 @@ class FunctionGuess {
 public:
     static constexpr std::size_t none = ~std::size_t{0};
 
-    /// old_handles   #handles of the new cage: the number of each in the old one, or none
+    /// old_handles   #handles of the new cage: the number that each had in the old one, or none
     FunctionGuess(const S& solver, const S& before, std::span<const typename S::Functions> functions,
                   std::span<const std::size_t> old_handles)
         : functions_(functions)
@@ -31,8 +31,8 @@ public:
                                   lattice.cells == old_lattice.cells;
         stencils_.reserve(nodes.count());
         nodes.for_each([&](const auto& index, std::uint32_t) {
-            const std::uint32_t same =
-                same_lattice ? old_nodes.find(index) : grid::NodeRuns<D>::none; // most are, after an edit
+            // Most nodes are the same after an edit.
+            const std::uint32_t same = same_lattice ? old_nodes.find(index) : grid::NodeRuns<D>::none;
             if (same != grid::NodeRuns<D>::none) {
                 stencils_.add_node(same);
             } else {
@@ -42,9 +42,9 @@ public:
         });
     }
 
-    /// The values of functions `first` … first + 15 at a node.
+    /// Returns the values of functions `first` … first + 15 at a node.
     NodeRow values(std::uint32_t node, std::size_t first) const {
-        NodeRow row; // not set by itself
+        NodeRow row; // the constructor leaves it unset
         for (float& value : row.v) value = 0;
         for (std::size_t k = 0; k < width && first + k < old_handles_.size(); ++k) {
             const std::size_t handle = old_handles_[first + k];
@@ -64,7 +64,7 @@ private:
     static constexpr std::size_t width = functions_together;
     std::span<const typename S::Functions> functions_;
     std::span<const std::size_t> old_handles_;
-    StencilTable<D> stencils_; ///< of each node
+    StencilTable<D> stencils_; ///< one per node
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

@@ -1,5 +1,5 @@
-// Errors that a tree of cells leaves, by an estimate: values in cells against values in cells of twice
-// the size.
+// Estimates the discretisation error of an adaptive grid: compares values interpolated in leaves
+// with values interpolated in cells of twice the size.
 #pragma once
 
 #include <cageform/coordinates/harmonic/stencil_table.hpp>
@@ -8,17 +8,16 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// At places spread over the leaves of a tree, two means of the same functions: in the leaf there, and in
-/// the cell of twice its size that holds it. Where functions are smooth these differ by three times the
-/// error of the first, next to their kinks by once or twice; and what is wrong with the values at nodes
-/// is of the size of that error. Measured against finer grids, the largest difference is between half
-/// and four times the largest error anywhere. In the plane instead two harmonic means,
-/// exact for four powers and for two.
+/// Two means of the same functions at points spread over the leaves: one in the leaf, one in its
+/// parent cell. Where functions are smooth the means differ by three times the error of the first,
+/// next to kinks by once or twice that error. The errors of node values are of the same size.
+/// Measured against finer grids, the largest difference is between half and four times the largest
+/// error anywhere. In 2D two harmonic means are compared instead, exact for four powers and for two.
 template <std::size_t D>
 class GridErrors {
 public:
     GridErrors() = default;
-    /// `data` is what the cage calls its boundary data.
+    /// `data` is the cage's BoundaryData.
     template <class Data>
     GridErrors(const grid::CutTree<D>& tree, const grid::TreeNodes<D>& nodes, const Data& data) {
         constexpr std::uint32_t most = 1000;
@@ -51,7 +50,7 @@ public:
         });
     }
 
-    /// Of functions first … first + count − 1 at each of the places the largest difference.
+    /// Returns per point the largest difference over functions first … first + count − 1.
     ///
     ///   functions  functions.value(node): an array of at least `count` values
     template <class Functions>

@@ -1,5 +1,5 @@
-// Harmonic functions of a cage by the multigrid, on a lattice that the cage is laid into where it
-// is.
+// Solves harmonic functions of a cage by multigrid on a uniform lattice. The equations use the
+// exact distances from nodes to the boundary.
 #pragma once
 
 #include <cageform/coordinates/harmonic/corner_samples.hpp>
@@ -13,8 +13,8 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// A CageSolver for every cage that GridBoundaryOf knows; groups are of sixteen functions. The
-/// singularities at a polygon's corners are treated apart (grid/corners/corner_functions.hpp).
+/// A CageSolver for every cage with a GridBoundaryOf; groups have sixteen functions. Singularities
+/// at a polygon's corners are treated separately (grid/corners/corner_functions.hpp).
 template <class C>
 class MultigridSolver {
     using T = typename C::scalar;
@@ -48,8 +48,7 @@ public:
 
     SolverMemory memory() const noexcept { return {multigrid_.bytes(), multigrid_.block_bytes()}; }
 
-    // ---- groups
-    // ------------------------------------------------------------------------------------
+    // ---- groups ------------------------------------------------------------------------------------
 
     struct Block {
         typename grid::Multigrid<D>::Block cycled;
@@ -66,10 +65,10 @@ public:
     Status solve(std::size_t group, Block& block, grid::GroupWork& work) const {
         return solve(group, block, work, nullptr);
     }
-    /// Not where corners are treated: what is fitted to a guess there is farther off than what the
-    /// cycles begin with, and takes more of them.
+    /// Returns false if corners are treated: corner coefficients fitted to a guess are a worse
+    /// start than zero, and more cycles are needed.
     bool takes_guess() const noexcept { return corners_.empty(); }
-    /// The same from functions of another cage; null: from nothing.
+    /// Solves a group starting from functions of another cage, or from zero if `guess` is null.
     Status solve(std::size_t group, Block& block, grid::GroupWork& work, const Guess* guess) const {
         const std::size_t first = handles_of(group).first, count = handles_of(group).second;
         auto& source = block.cycled.source;
@@ -80,7 +79,8 @@ public:
             multigrid_.guess(block.cycled, [&](std::uint32_t node) { return guess->values(node, first); });
         const grid::CycleGoal goal{count, options_.tolerance, options_.max_cycles};
         const Status status = grid::run_cycles(multigrid_, block.cycled, goal, work, [&] {
-            // The corners' coefficients follow the solution and the solution them.
+            // The corner coefficients and the solution depend on each other, so they are updated in
+            // turn.
             const auto fitted = corners_.fit(first, block, block.at_corners);
             const double change = corners_.difference(fitted, block.at_corners);
             grid::Multigrid<D>::disturb(block.cycled, corners_.replace(block.at_corners, fitted, source));
@@ -112,8 +112,7 @@ public:
         return functions;
     }
 
-    // ---- samples
-    // -----------------------------------------------------------------------------------
+    // ---- samples -----------------------------------------------------------------------------------
 
     struct Samples {
         detail::CutSamples<D> cut;
@@ -133,7 +132,7 @@ public:
         samples.at_corners.reserve(grid_.cage().size());
         return samples;
     }
-    template <class Solved> // a block or what is kept
+    template <class Solved> // a block or kept functions
     void sample(Samples& samples, std::size_t group, const Solved& solved, BlockView<T> rows) const noexcept {
         const auto [first, count] = handles_of(group);
         samples.cut.sample(solved, first, count, rows);
@@ -150,7 +149,7 @@ public:
     }
 
 private:
-    /// Of polygons alone.
+    /// Makes the corner functions of a polygon; in 3D there are none.
     static grid::CornerFunctions corners_of([[maybe_unused]] const detail::EmbeddedCage<C>& grid,
                                             [[maybe_unused]] const MultigridOptions& options) {
         if constexpr (D == 2) {
@@ -169,7 +168,7 @@ private:
             return {};
         }
     }
-    /// The first handle of a group, and how many it has.
+    /// Returns the first handle of a group and the number of its handles.
     std::pair<std::size_t, std::size_t> handles_of(std::size_t group) const noexcept {
         return {group * width, (std::min)(width, grid_.cage().size() - group * width)};
     }
@@ -179,7 +178,7 @@ private:
     grid::CornerFunctions corners_;
     grid::CornerErrors<D> errors_;
     grid::Multigrid<D> multigrid_;
-    std::vector<std::uint32_t> slots_; ///< of each node in Block::source
+    std::vector<std::uint32_t> slots_; ///< per node: its index in Block::source
 };
 
 } // namespace cageform::inline CAGEFORM_ABI

@@ -1,4 +1,4 @@
-// How harmonic functions are made.
+// Options of harmonic coordinates.
 #pragma once
 
 #include <cageform/config.hpp>
@@ -10,62 +10,68 @@ namespace cageform::inline CAGEFORM_ABI {
 
 namespace grid {
 
-/// Which neighbours a cell is the mean of.
+/// The neighbours whose mean a cell's value is.
 enum class Stencil : std::uint8_t {
-    face_neighbours, ///< 2, 4 or 6 (in 1D, 2D, 3D): the usual discrete Laplace equation
-    all_neighbours,  ///< 2, 8 or 26, diagonals included, all alike: "harmonic crosswords"
+    /// 2, 4 or 6 (in 1D, 2D, 3D): the usual discrete Laplace equation.
+    face_neighbours,
+    all_neighbours, ///< 2, 8 or 26, including diagonals, with equal weights: "harmonic crosswords"
 };
 
 struct AveragingOptions {
     Stencil stencil = Stencil::face_neighbours;
-    std::size_t coarsest = 16; ///< the pyramid ends at this many cells a side; ≥ the grid's: one level
-    double tolerance = 1e-5;   ///< τ: sweeps end when the mean change of a cell is below it; 0: never
+    /// The pyramid ends at this many cells a side; if it is not below the grid's own size, there is
+    /// one level.
+    std::size_t coarsest = 16;
+    double tolerance = 1e-5;         ///< τ: sweeps end when the mean change of a cell is below it; 0: never
     std::size_t max_sweeps = 100000; ///< on each level
-    bool first_guess = false;        ///< sweeps begin with the values that interior cells have, not with 0;
-                                     ///< there is one level then, whatever `coarsest`
+    /// Sweeps start with the given values of interior cells instead of 0. There is then one level,
+    /// whatever `coarsest` is.
+    bool first_guess = false;
 };
 
 enum class Interpolation : std::uint8_t {
-    nearest_cell, ///< the papers' look-up: constant within a cell
+    nearest_cell, ///< the look-up of the papers: constant within a cell
     multilinear,  ///< between the 2^D nearest centres, leaving out exterior ones
 };
 
 } // namespace grid
 
-/// Which solver makes the functions.
+/// The solver that computes the functions.
 enum class HarmonicSolver : std::uint8_t {
-    multigrid,         ///< sixteen functions at a time, boundary where it is
-    averaging_pyramid, ///< the papers' own, the historical baseline: of coordinates with
-                       ///< WithAveragingPyramid alone (papers/pyramid_solver.hpp)
+    multigrid, ///< sixteen functions at a time, with the exact boundary position
+    /// The solver of the papers, as a historical baseline; coordinates need WithAveragingPyramid
+    /// (papers/pyramid_solver.hpp) to use it.
+    averaging_pyramid,
 };
 
 struct MultigridOptions {
-    /// Of the discrete solution, SolverReport::error_estimate, on the uniform grid; on the adaptive one
-    /// the accuracy says how far to solve.
+    /// The error at which the cycles stop on the uniform grid (SolverReport::error_estimate). On
+    /// the adaptive grid HarmonicOptions::accuracy decides instead.
     double tolerance = 1e-6;
-    std::size_t max_cycles = 60; ///< not_converged when they do not suffice
-    bool corner_functions =
-        true; ///< on the uniform grid: treat corners apart (grid/corners/corner_functions.hpp)
+    std::size_t max_cycles = 60; ///< not_converged if more are needed
+    /// On the uniform grid: treats corners separately (grid/corners/corner_functions.hpp).
+    bool corner_functions = true;
 };
 
 struct HarmonicOptions {
     HarmonicSolver solver = HarmonicSolver::multigrid;
-    /// The largest error wanted of a weight, 1e-5 … 0.1, which an adaptive grid is made for
-    /// (coordinates/harmonic/tree_solver.hpp). In the plane it is met. In space it is met where faces are large,
-    /// up to edges and corners, within 1.5 times next to reflex edges; and in thin parts and deep below
-    /// small faces, where three times that was measured. Less deep than a small face is wide it is not,
-    /// as its hat falls off within a cell or two: by up to a tenth of a weight, as
-    /// SolverReport::grid_error says.
+    /// The largest error of a weight, 1e-5 … 0.1, for which an adaptive grid is made
+    /// (coordinates/harmonic/tree_solver.hpp). In 2D the error stays within it. In 3D it stays
+    /// within it near large faces, up to their edges and corners, and within 1.5 times next to
+    /// reflex edges. In thin parts and deep below small faces three times the accuracy was
+    /// measured. Closer to a small face than the face is wide the error can reach a tenth, because
+    /// the hat function falls off within a cell or two; SolverReport::grid_error shows it.
     double accuracy = 1e-3;
-    /// Other than 0: a uniform grid of so many cells along the cage's longest side instead, 8 … 16384,
-    /// in space 8 … 1024; `accuracy` is not looked at.
+    /// If not 0: a uniform grid with this many cells along the cage's longest side, 8 … 16384, in
+    /// 3D 8 … 1024. `accuracy` is then ignored.
     std::size_t resolution = 0;
-    /// In bytes. What takes more on one thread (hierarchy and block, with `solve` the functions kept)
-    /// is refused before it is tried. The default is 8 GiB, 1 GiB where addresses have 32 bits.
+    /// In bytes. A solve that needs more on one thread (hierarchy and block, with `solve` also the kept
+    /// functions) is refused before it starts. The default is 8 GiB, 1 GiB where addresses have 32 bits.
     std::size_t memory_limit = std::size_t{1} << (sizeof(std::size_t) > 4 ? 33 : 30);
     MultigridOptions multigrid{};
 
-    // Of the averaging pyramid alone, which needs a resolution; that counts a margin of four cells.
+    // For the averaging pyramid only, which needs a resolution and adds a margin of four cells
+    // within it.
     grid::AveragingOptions averaging{.tolerance = 1e-6};
     grid::Interpolation interpolation = grid::Interpolation::multilinear;
     std::size_t handles_at_once = 16; ///< functions solved and sampled together

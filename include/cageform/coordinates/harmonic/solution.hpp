@@ -1,4 +1,5 @@
-// The functions of a cage by any solver: solved and kept, or solved and sampled group by group.
+// Solves the functions of a cage with any solver and keeps them, or samples and discards them group
+// by group.
 #pragma once
 
 #include <cageform/coordinates/cage_solver.hpp>
@@ -7,15 +8,15 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// A solver made for a problem and, once they are solved and kept, the functions.
+/// A solver made for a problem, with its functions once they have been solved and kept.
 template <CageSolver S>
 struct Solution {
     using Solver = S;
 
     std::shared_ptr<const typename S::Problem> problem;
     std::optional<S> solver;
-    std::vector<typename S::Functions> functions; ///< by group, or none
-    SolverReport report;                          ///< of the functions kept
+    std::vector<typename S::Functions> functions; ///< by group; empty until `solve`
+    SolverReport report;                          ///< of the solve whose functions are kept
 
     Status make(std::shared_ptr<const typename S::Problem> given, SolverReport& into) {
         problem = std::move(given);
@@ -30,7 +31,7 @@ struct Solution {
     /// Solves all functions and keeps them.
     Status solve(SolverReport& into, const Running& running) { return solve_by(*solver, into, running); }
 
-    /// The same, beginning with the functions that a solution for another cage has kept.
+    /// Solves all functions, starting from the functions that a solution for another cage has kept.
     Status solve_from(const Solution& before, std::span<const std::size_t> old_handles, SolverReport& into,
                       const Running& running) {
         if constexpr (WarmSolver<S>) {
@@ -42,7 +43,7 @@ struct Solution {
     }
 
 private:
-    /// A GroupSolver.
+    /// Adapts a solver with a guess to the GroupSolver concept.
     template <class Guess>
     struct FromGuess {
         using Block = typename S::Block;
@@ -77,8 +78,8 @@ private:
     }
 };
 
-/// The weights of a batch of points by the functions kept, or by functions that are solved now,
-/// sampled and freed.
+/// Computes the weights of a batch of points, from kept functions if there are any. Otherwise it
+/// solves the functions group by group and frees each group after sampling it.
 template <CageSolver S>
 Status sample_solution(const Solution<S>& solution, const Batch<typename S::Problem::scalar>& batch,
                        SolverReport& report, const Running& running) {

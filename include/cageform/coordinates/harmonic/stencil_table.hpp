@@ -1,4 +1,4 @@
-// Stencils of many places, in nodes and handles.
+// Stores the interpolation stencils of many points, as weights of nodes and of handles.
 #pragma once
 
 #include <cageform/core/detail/buffer.hpp>
@@ -8,7 +8,7 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// One stencil after the other. What a stencil takes from the boundary is kept as shares of handles.
+/// A list of stencils. Weights on boundary points are converted to weights of handles.
 template <std::size_t D>
 class StencilTable {
 public:
@@ -25,7 +25,7 @@ public:
         nodes_.push_back({node, 1.0});
         end_stencil();
     }
-    /// `data` is the cage's BoundaryData.
+    /// Appends a stencil. `data` is the cage's BoundaryData.
     template <class Data>
     void add(const grid::CutStencil<D>& stencil, const Data& data) {
         nodes_.append(stencil.nodes.data(), stencil.nodes.data() + stencil.node_count);
@@ -55,7 +55,7 @@ private:
 
     Buffer<Node> nodes_;
     Buffer<Handle> handles_;
-    Buffer<Ends> ends_; ///< of each stencil's nodes and handles
+    Buffer<Ends> ends_; ///< where each stencil's nodes and handles end
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

@@ -1,5 +1,5 @@
-// A cage laid into a tree of cells: how fine for which accuracy, where points lie, what they are a mean
-// of.
+// Embeds a cage in an adaptive grid: chooses cell sizes for an accuracy, locates points and returns
+// their interpolation stencils.
 #pragma once
 
 #include <cageform/coordinates/cage_solver.hpp>
@@ -10,19 +10,21 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// A cage laid into a tree. The cage outlives it; it is not moved, as its parts point to each other.
+/// A cage embedded in a tree of cells. The cage must outlive it. It cannot be moved, because its
+/// members point to each other.
 template <class C>
 class TreeCage {
     using T = typename C::scalar;
     static constexpr std::size_t D = C::dimension;
 
 public:
-    /// Cells of a side of the smallest cube about the cage, at most, as a power of two.
+    /// The largest depth of the tree: its smallest cells are 2^-depth of the cube around the cage.
     static constexpr unsigned most_depth = D == 2 ? 20 : 16, least_depth = 8;
-    /// The same of a cage that has thin bones.
+    /// The largest depth for a cage with thin bones.
     static constexpr unsigned most_depth_at_bones = grid::CellTree<D>::most_depth;
-    /// The same, so that no cell is much smaller than the tolerance: so near to the cage no function is
-    /// asked for, and cells would be lost in the rounding of coordinates.
+    /// Returns the largest depth for this cage. It is limited so that no cell is much smaller than
+    /// the tolerance: points that close to the cage count as boundary points, and such cells would
+    /// be lost in the rounding of coordinates.
     static unsigned depth_of(const C& cage, T tolerance) noexcept {
         const auto bounds = bounds_of(cage.vertices());
         double longest = 0;
@@ -37,7 +39,7 @@ public:
         return depth;
     }
 
-    /// What a tree will be like.
+    /// Predicts the size of a tree before it is built.
     class Plan {
     public:
         Plan(const C& cage, T tolerance) {
@@ -45,7 +47,7 @@ public:
         }
         double scale(double accuracy) const noexcept { return plan(accuracy).scale; }
         double leaves(double accuracy) const noexcept { return plan(accuracy).leaves; }
-        /// A coarser accuracy for which no more are needed; 0: none.
+        /// Returns a coarser accuracy that needs at most `most` leaves, or 0 if there is none.
         double sufficient_accuracy(double accuracy, double most) const noexcept {
             do {
                 accuracy *= 1.25;
@@ -71,9 +73,10 @@ public:
     TreeCage& operator=(const TreeCage&) = delete;
     ~TreeCage() = default;
 
-    /// Errors fall with the square of the cells' sizes, in the plane with their fourth power. The factors
-    /// are measured: so that in the plane on the oracles and on random cages all, and in space on the
-    /// reference points of tests/data/fingers and the oracles most are what is asked for.
+    /// Returns the cell sizes for an accuracy. Errors fall with the square of the cell size in 3D,
+    /// with its fourth power in 2D. The factors are measured. In 2D all errors on the oracles and
+    /// on random cages stay within the accuracy; in 3D most do, on the oracles and the reference
+    /// points of tests/data/fingers.
     static auto sizing(double accuracy) noexcept {
         if constexpr (D == 2) {
             const double finer = std::sqrt(std::sqrt(1e-2 / accuracy));
@@ -81,7 +84,8 @@ public:
                                        .per_facet = (std::max)(1.0, 0.75 * finer),
                                        .singular_levels = 0.8 * std::log2(1 / accuracy) - 1.4,
                                        .layers = unsigned(std::lround(0.5 + 1.3 * finer)),
-                                       // Half as large for a tenth, as sizes are powers of two.
+                                       // Sizes are powers of two, so the cells halve for a tenth of
+                                       // the accuracy.
                                        .largest = 0.0626 * std::pow(100 * accuracy, 0.301)};
         } else {
             const double finer = std::sqrt(2e-3 / accuracy), levels = (std::max)(0.0, 1 + std::log2(finer));
@@ -89,19 +93,20 @@ public:
                                            .per_facet = 0.89 * finer,
                                            .edge_levels = levels,
                                            .reflex_levels = levels,
-                                           .at_vertex = 7 * accuracy, // errors there are of first order
+                                           // Errors there are of first order.
+                                           .at_vertex = 7 * accuracy,
                                            .per_radius = 10 * finer,
                                            .largest = (std::min)(0.08, 0.0253 / finer)};
         }
     }
 
-    /// False where more leaves than the most allowed are needed; `leaves` then says how many, by an
-    /// estimate.
+    /// Refines the tree. Returns false if more than `most` leaves are needed; `leaves` is then an
+    /// estimate of how many.
     bool refine(double accuracy, double most, double& leaves) {
         const auto options = sizing(accuracy);
         bool whole = true;
         if constexpr (D == 2) {
-            constexpr double samples_of_leaf = 5; // as measured
+            constexpr double samples_of_leaf = 5; // measured
             const auto samples =
                 grid::size_samples(boundary_, options, std::size_t(4 * samples_of_leaf * most));
             leaves = samples.count / samples_of_leaf;
@@ -119,7 +124,7 @@ public:
         return whole;
     }
 
-    /// Puts its finest cells into the report.
+    /// Writes the smallest cells to the report.
     void report_finest(SolverReport& report) const noexcept {
         std::int32_t smallest = tree_.cells().size();
         tree_.cells().for_each_leaf([&](const Cell& leaf) {
@@ -132,7 +137,7 @@ public:
     }
 
     const C& cage() const noexcept { return cage_; }
-    /// A handle of a bone thinner than the smallest cells that there are.
+    /// Returns a handle of a bone that is thinner than the smallest possible cells, if there is one.
     std::optional<std::uint32_t> too_thin() const noexcept { return boundary_.bones().too_thin(); }
     const grid::CutTree<D>& tree() const noexcept { return tree_; }
     const grid::TreeNodes<D>& nodes() const noexcept { return nodes_; }
@@ -147,7 +152,7 @@ public:
         });
     }
 
-    /// The size of the leaf at a place, in units of the cage.
+    /// Returns the size of the leaf at a point, in units of the cage.
     double spacing(const Vec<T, D>& p) const noexcept {
         return boundary_.unit() * tree_.leaf_at(placed(p)).size;
     }
@@ -155,16 +160,16 @@ public:
         const auto at = placed(p);
         return located(p, at, tree_.leaf_at(at)).state;
     }
-    /// From a place inside along an axis, up or down, to the boundary, in sizes of the leaf there; at
-    /// most `limit`.
+    /// Returns the distance from a point inside to the boundary, along an axis, up or down, in
+    /// sizes of the point's leaf; at most `limit`.
     double free_distance(const Vec<T, D>& p, std::size_t axis, bool up, double limit) const noexcept {
         const auto at = placed(p);
         const double size = tree_.leaf_at(at).size;
         return std::fmin(limit, boundary_.free_distance({at, axis, up, limit * size}) / size);
     }
 
-    /// What the value at point `i` of a batch is a mean of, and where it lies; nothing for points
-    /// outside and beyond the batch.
+    /// Returns the interpolation stencil of point `i` of a batch and sets its state. The stencil is
+    /// empty for points outside and beyond the batch.
     grid::CutStencil<D> stencil(const Batch<T>& batch, std::size_t i) const {
         grid::CutStencil<D> stencil;
         if (i >= batch.points.points || batch.states[i] == PointState::not_finite) return stencil;
@@ -190,13 +195,14 @@ private:
     Vec<double, D> placed(const Vec<T, D>& p) const noexcept {
         return boundary_.in_units(vec_cast<double>(p));
     }
-    /// Next to the boundary the facets of the tree are rounded, and a leaf does not see all that shapes the
-    /// function. There a value is linear between the nearest place of the boundary, as it is, and a place
-    /// farther inside: with the distance it tends to the data.
+    /// Sets the stencil of a point inside. Close to the boundary the tree's facets are rounded, and
+    /// a leaf does not see all facets that shape the function. There the value is interpolated
+    /// linearly between the nearest point of the unrounded boundary and a point farther inside, so
+    /// it tends to the boundary data.
     void set_stencil(const Vec<double, D>& p, const Cell& leaf, grid::CutStencil<D>& stencil) const {
         double layer = layer_share * leaf.size;
         const auto nearest = boundary_.nearest(tree_.facets(leaf.number), p, false);
-        if (nearest.distance < layer) { // the place farther inside stays out of bones
+        if (nearest.distance < layer) { // the point farther inside must not lie in a bone
             if (const auto bone = boundary_.bones().nearest(p, layer)) layer = bone->distance;
         }
         if (!(nearest.distance < layer)) return set_stencil_inside(p, leaf, stencil);
@@ -234,7 +240,7 @@ private:
         const auto state = tree_.state(leaf.number);
         if (in_cube && state != grid::CellState::cut)
             return {state == grid::CellState::in ? PointState::inside : PointState::outside, {}};
-        // Where the tolerance or what the tree has rounded might decide.
+        // Only within this distance can the tolerance or the rounding of the tree change the result.
         const double undecided =
             1e-4 + std::ldexp(2.0, -boundary_.fraction()) + 2 * double(tolerance_) / boundary_.unit();
         if (in_cube && boundary_.nearest(tree_.facets(leaf.number), at).distance > undecided) {
@@ -249,9 +255,9 @@ private:
         return found;
     }
 
-    /// How far from the boundary values are linear, as a share of the leaf. In the plane, where they are of
-    /// order four beyond it, so near that what is not linear is below every accuracy; in space where that is
-    /// the better of the two.
+    /// Width of the linear layer at the boundary, as a share of the leaf. In 2D, where
+    /// interpolation beyond it is of fourth order, the layer is so thin that its error is below
+    /// every accuracy. In 3D it is where linear interpolation is the better of the two.
     static constexpr double layer_share = D == 2 ? 0.01 : 0.3;
 
     const C& cage_;

@@ -1,5 +1,5 @@
-// Harmonic functions of a cage on an adaptive grid: bound by accuracy, not by resolution. Cells are
-// as fine as the cage is thin, its facets small and its edges sharp (grid/tree/).
+// Solves harmonic functions of a cage by multigrid on an adaptive grid, to a given accuracy. Cells
+// are small where the cage is thin, its facets are small or its edges are sharp (grid/tree/).
 #pragma once
 
 #include <cageform/coordinates/cage_solver.hpp>
@@ -16,12 +16,12 @@ namespace cageform::inline CAGEFORM_ABI {
 
 namespace detail {
 
-/// Handles in an order in which neighbours come together: functions of a group are then large in the
-/// same places.
+/// An order of the handles in which neighbours come together. The functions of a group of sixteen
+/// are then large in the same region, and the solver skips the rest.
 class HandleOrder {
 public:
     HandleOrder() = default;
-    /// Halved across the longest side of their bounds, down to groups of `width`.
+    /// Halves the handles across the longest side of their bounds, down to groups of `width`.
     template <Scalar T, std::size_t D>
     HandleOrder(std::span<const Vec<T, D>> places, std::size_t width)
         : handle_(places.size())
@@ -61,8 +61,8 @@ private:
     Buffer<std::uint32_t> handle_, rank_;
 };
 
-/// The boundary data of a tree's facets, triangles whatever the cage's faces are, by the ranks of the
-/// handles.
+/// The boundary data of a tree's facets, with handles numbered by HandleOrder::rank. Facets are
+/// always triangles, whatever the cage's faces are.
 template <class C>
 class RankedData {
 public:
@@ -97,9 +97,9 @@ private:
 
 } // namespace detail
 
-/// A CageSolver for every kind of cage; groups are of sixteen functions.
-/// HarmonicOptions::accuracy says how fine the grid is, and how far it is solved. Bones thinner than half
-/// the finest cell, some millionths of the cage, are refused (grid_too_coarse).
+/// A CageSolver for every kind of cage; groups have sixteen functions. HarmonicOptions::accuracy
+/// decides how fine the grid is and when the cycles stop. Bones thinner than half the finest cell,
+/// some millionths of the cage, are refused (grid_too_coarse).
 template <class C>
 class TreeSolver {
     using T = typename C::scalar;
@@ -107,8 +107,8 @@ class TreeSolver {
     using Cage = detail::TreeCage<C>;
     using Multigrid = grid::TreeMultigrid<D>;
     static constexpr std::size_t width = Multigrid::width;
-    /// How far functions are solved. In the plane farther: it takes little, and about corners, where
-    /// cells are tiny, gradients are differences of values near each other.
+    /// The cycles stop at this fraction of the accuracy. It is smaller in 2D: cycles are cheap there,
+    /// and around corners, where cells are tiny, gradients are differences of nearly equal values.
     static constexpr double of_accuracy = D == 2 ? 0.01 : 0.1;
 
 public:
@@ -116,7 +116,7 @@ public:
     using Block = typename Multigrid::Block;
 
     static Status make(const Problem& problem, SolverReport& report, std::optional<TreeSolver>& made) {
-        constexpr double bytes_of_leaf = 340; // tree, hierarchy and a block, as measured
+        constexpr double bytes_of_leaf = 340; // tree, hierarchy and a block, measured
         const double accuracy = problem.options.accuracy;
         if (!(accuracy >= Cage::least_accuracy && accuracy <= Cage::most_accuracy))
             return Status::accuracy_not_supported;
@@ -128,7 +128,7 @@ public:
         const double most = (std::min)(double(problem.options.memory_limit) / bytes_of_leaf,
                                        0.125 * double(std::uint32_t(-1)));
         std::unique_ptr<Cage> cage;
-        constexpr double few = 2e5; // soon made, and fewer than the plan says
+        constexpr double few = 2e5; // quick to make, and the plan overestimates such small trees
         if (leaves < (std::max)(1.5 * most, few))
             cage = std::make_unique<Cage>(problem.cage, problem.tolerance, plan.scale(accuracy));
         if (const auto handle = cage ? cage->too_thin() : std::nullopt) {
@@ -170,8 +170,7 @@ public:
         cage_->for_each_cell(f);
     }
 
-    // ---- groups
-    // ------------------------------------------------------------------------------------
+    // ---- groups ------------------------------------------------------------------------------------
 
     std::size_t groups() const noexcept { return (cage_->cage().size() + width - 1) / width; }
     Block make_block() const { return multigrid_.make_block(); }
@@ -182,12 +181,12 @@ public:
         report.solves = count;
         multigrid_.start(block, group * width, cutoff());
         double before = 0;
-        for (bool refined = !is_refined();;) { // changes in float can be small before errors are
+        for (bool refined = !is_refined();;) { // float changes can be small while errors are not
             if (!work.keep_going(double(report.cycles) / double(report.cycles + 4))) return Status::cancelled;
             const double change = multigrid_.cycle(block, count);
             ++report.cycles;
-            // A cycle's change is the error before it, but for what is left. The first ones gain more
-            // than those that follow.
+            // The change of a cycle is the error before it, minus the error that remains. The first
+            // cycles gain more than later ones.
             const double gained = before > 0 ? change / before : 0.5;
             if (before > tolerance_)
                 report.convergence_factor = (std::max)(report.convergence_factor, gained);
@@ -208,8 +207,8 @@ public:
         return Status::ok;
     }
 
-    /// Of the nodes where any is larger than a five hundredth of the accuracy. In float, as the cycles leave
-    /// them: what is rounded off is far below any accuracy asked for.
+    /// The values of a group at the nodes at which some function exceeds accuracy / 500. They are
+    /// stored in float, as the cycles compute them; the rounding is far below any allowed accuracy.
     class Functions {
     public:
         Functions() = default;
@@ -236,7 +235,7 @@ public:
             }
         }
 
-        /// Elsewhere they are zero.
+        /// Returns whether values are stored for a node; elsewhere they are zero.
         bool has(std::uint32_t node) const noexcept {
             return ((words_[node / 64].nodes >> (node % 64)) & 1u) != 0;
         }
@@ -248,9 +247,9 @@ public:
         }
 
     private:
-        struct Word { ///< of 64 nodes
+        struct Word { ///< 64 nodes
             std::uint64_t nodes = 0;
-            std::uint32_t before = 0; ///< rows
+            std::uint32_t before = 0; ///< rows of earlier words
         };
         std::size_t row(std::uint32_t node) const noexcept {
             const Word& word = words_[node / 64];
@@ -265,8 +264,7 @@ public:
         return Functions(block, multigrid_.unknowns(), 0.002 * tolerance_ / of_accuracy);
     }
 
-    // ---- samples
-    // -----------------------------------------------------------------------------------
+    // ---- samples -----------------------------------------------------------------------------------
 
     using Samples = detail::CutSamples<D>;
 
@@ -276,7 +274,7 @@ public:
         for (std::size_t i = first; i < last; ++i) samples.add(cage_->stencil(batch, i), data);
         return samples;
     }
-    template <class Solved> // a block or what is kept
+    template <class Solved> // a block or kept functions
     void sample(Samples& samples, std::size_t group, const Solved& solved, BlockView<T> rows) const noexcept {
         const auto [first, count] = handles_of(group);
         samples.sample(solved, first, count, rows, [this](std::size_t rank) { return order_.handle(rank); });
@@ -291,11 +289,11 @@ public:
 
 private:
     detail::RankedData<C> data_by_rank() const noexcept { return {cage_->cage(), *data_, order_}; }
-    /// Where functions are below it the next coarser level is exact enough.
+    /// Returns the value below which the next coarser level represents a function well enough.
     double cutoff() const noexcept { return is_refined() ? 0 : 2.5 * tolerance_; }
-    /// Float alone stalls at some 3e-7.
+    /// Returns whether values need iterative refinement in double; float alone stalls at about 3e-7.
     bool is_refined() const noexcept { return tolerance_ < 2e-6; }
-    /// The rank of a group's first handle, and how many it has.
+    /// Returns the rank of a group's first handle, and the number of its handles.
     std::pair<std::size_t, std::size_t> handles_of(std::size_t group) const noexcept {
         return {group * width, (std::min)(width, cage_->cage().size() - group * width)};
     }

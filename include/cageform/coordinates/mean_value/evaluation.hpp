@@ -1,5 +1,5 @@
-// The evaluation of mean value coordinates in the plane and in space: everything about the formula
-// but the formula.
+// Evaluates mean value coordinates in 2D and 3D: everything around the formula itself, which is in
+// plane.hpp, space.hpp and polygons.hpp.
 #pragma once
 
 #include <cageform/coordinates/coordinate.hpp>
@@ -9,18 +9,18 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// `weigh` as one piece of code, which keeps numbers in registers; for gradients the same whatever
-/// the cage's scalar.
+/// Calls `weigh` with everything inlined, which keeps numbers in registers. For gradients the code
+/// is the same for every scalar of the cage.
 template <class N, class Frame, class S, std::size_t D, class Rows>
 CAGEFORM_DETAIL_FLATTEN WeightSum<N> weigh_registers(const Frame& frame, const MeanValueLimits<S>& limits,
                                                      const Vec<ValueOf<N>, D>& p, Rows& memory) noexcept {
     return weigh(frame, limits, p, memory);
 }
 
-/// What MeanValueCoordinates are in both dimensions. Points are evaluated a register at a time,
-/// gradients in double whatever the scalar. Points next to the boundary and far away, where the
-/// formula loses digits, follow one by one in a wider scalar, in lengths relative to their distance
-/// from the boundary, so that nothing overflows.
+/// The base of MeanValueCoordinates in both dimensions. Points are evaluated a SIMD register at a
+/// time, gradients always in double. The formula loses digits next to the boundary and far away;
+/// such points are evaluated one by one in a wider scalar, in units of their distance from the
+/// boundary, so that nothing overflows.
 template <class Cage>
 class MeanValueEvaluation {
 public:
@@ -33,13 +33,13 @@ public:
     std::span<const Vec<scalar, dimension>> handles() const noexcept { return cage_.vertices(); }
     const CageReport& cage_report() const noexcept { return report_; }
 
-    /// As CageCoordinates says.
+    /// See CageCoordinates.
     Evaluation evaluate(BlockView<const scalar> points, BlockView<scalar> weights,
                         std::span<PointState> states, const Running& running = {}) const {
         return evaluate_numbers<Simd<T>>({points, weights, states}, running);
     }
-    /// As GradientCoordinates says. For a point on the boundary, where there are derivatives from
-    /// one side only, those of a place 1e-6 diagonals inside.
+    /// See GradientCoordinates. On the boundary derivatives exist from one side only; there the
+    /// gradient at a point 1e-6 diagonals inside is returned.
     Evaluation evaluate_gradients(BlockView<const scalar> points, BlockView<scalar> gradients,
                                   std::span<PointState> states, const Running& running = {}) const {
         return evaluate_numbers<Dual<Simd<double>, D>>({points, gradients, states}, running);
@@ -54,7 +54,7 @@ protected:
         : cage_(std::move(cage)) {
         prepare();
     }
-    /// Its boundary alone.
+    /// Uses only the boundary of a cell complex.
     explicit MeanValueEvaluation(const CellComplex<scalar, dimension>& complex) {
         report_.status = guard_memory([&] {
             cage_ = complex.boundary();
@@ -98,7 +98,7 @@ private:
     using Rows = typename Form::template Rows<N>;
     using Wide = std::conditional_t<std::is_same_v<T, float>, double, long double>;
 
-    /// The vertices seen from `origin`, in lengths of 1/scale.
+    /// Returns the vertices relative to `origin`, in units of 1/scale.
     template <class Number>
     Buffer<Vec<Number, D>> seen_from(const Vec<Number, D>& origin, Number scale) const {
         Buffer<Vec<Number, D>> at;
@@ -107,10 +107,11 @@ private:
         return at;
     }
 
-    /// In diagonals or half diagonals, for registers. Far away the weights grow like the distance
-    /// and cancel: `far_distance` keeps them to some ten roundings, gradients to a hundred. Gradients of
-    /// double next to the boundary lose what the distance is smaller than one; those that are
-    /// rounded to float do not mind.
+    /// Returns the limits for evaluation in registers, in units of 1/scale_ (between half a
+    /// diagonal and a diagonal). Far away the weights grow like the distance and cancel:
+    /// `far_distance` limits the loss to some ten roundings, for gradients to a hundred. Next to
+    /// the boundary gradients in double lose accuracy in proportion to 1/distance; gradients that
+    /// are rounded to float are not affected.
     template <class N>
     MeanValueLimits<ScalarOf<ValueOf<N>>> limits() const noexcept {
         using S = ScalarOf<ValueOf<N>>;
@@ -134,7 +135,7 @@ private:
         });
     }
 
-    /// The lanes of block `b` from `first` on, as many as N has.
+    /// Evaluates the lanes of block `b` from `first` on, as many as N has.
     template <class N>
     void evaluate_lanes(const Batch<T>& batch, std::size_t b, std::size_t first, Rows<N>& memory) const {
         using X = ValueOf<N>;
@@ -150,7 +151,8 @@ private:
                       [&](std::size_t row, const X& x) { store_lanes(x, rows[row], first); });
         }
 
-        // Inside, the sum is 2π or 4π over the diagonal and more (Hormann & Floater 2006, sec. 4.1).
+        // Inside, the sum is at least 2π (4π in 3D) over the diagonal (Hormann & Floater 2006, sec.
+        // 4.1).
         X special = result.special;
         if (any(value_of(result.sum) < X(S(1))))
             special += test<N>().failed(p, memory.weights, value_of(result.sum));
@@ -186,7 +188,7 @@ private:
             return test_;
     }
 
-    /// One point, in a wider scalar; on the boundary the limit.
+    /// Evaluates one point in a wider scalar; on the boundary it returns the limit.
     template <class N>
     PointState evaluate_point(const Vec<T, D>& p, Lanes<T>* rows, std::size_t lane) const {
         Vec<T, D> place;
@@ -213,26 +215,27 @@ private:
             });
         }
         if (!finite) return PointState::unreached;
-        // The sum's sign may be turned by rounding, about thin cages and far away.
+        // Near thin cages and far away rounding can change the sign of the sum, so it does not decide.
         return on_boundary ? PointState::on_boundary : locate(cage_, p, T(0));
     }
 
-    /// Where derivatives are taken for places on the boundary: so far inside, in diagonals.
+    /// How far inside derivatives are evaluated for points on the boundary, in diagonals.
     static constexpr double step_inside = 0x1p-20;
 
-    /// The weights before normalising, with p as origin and lengths in `unit`s; their sum.
+    /// Computes the unnormalised weights, with p as origin and lengths in `unit`s. Returns their sum.
     template <class N>
     N weigh_about(const Vec<Wide, D>& p, Wide unit, Rows<N>& memory) const {
-        // Of the limits only the last is of use here. In these units a place beside a face is 1 or
-        // more from it.
+        // Only the last limit matters here. In these units a point near a face's plane, but not
+        // over the face, is at a distance of 1 or more from the face.
         const MeanValueLimits<Wide> limits{0, (std::numeric_limits<float>::max)(), Wide(0.1)};
         return weigh(typename Form::template Frame<Wide>(topology_, seen_from(p, 1 / unit)), limits,
                      Vec<Wide, D>{}, memory)
             .sum;
     }
 
-    /// The same at a place `step` inside from p on the boundary: against the mean normal of the
-    /// facets that meet there, or, at corners so bent that this leads outside, from one of them.
+    /// Computes the unnormalised weights at a point `step` inside from a boundary point p. The step
+    /// goes against the mean normal of the facets at p. At corners so sharp that this leads
+    /// outside, it goes inwards from one of these facets.
     template <class N>
     N weigh_inside(const Vec<double, D>& p, Wide step, Rows<N>& memory) const {
         std::vector<Vec<double, D>> directions(1);

@@ -1,5 +1,4 @@
-// What the formulas of mean value weights in the plane and in space are given, and what they
-// return.
+// Inputs and outputs of the mean value formulas in 2D and 3D.
 #pragma once
 
 #include <cageform/cage/detail/primitives.hpp>
@@ -13,19 +12,19 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// How a cage hangs together: its facets (edges in the plane, faces in space), turned alike.
+/// The connectivity of a cage: its facets (edges in 2D, faces in 3D), consistently oriented.
 template <std::size_t D>
 struct MeanValueTopology;
 
-/// A cage in the numbers that the formula takes, its vertices moved and scaled.
+/// A cage as the formula needs it, with its vertices moved and scaled.
 template <class S, std::size_t D>
 struct MeanValueFrame;
 
-/// Frames are worked out in double at least.
+/// Frames are computed in double at least.
 template <class S>
 using Precise = std::common_type_t<S, double>;
 
-/// Of a facet turned as in a topology; of unit length.
+/// Returns the unit normal of a facet that is oriented as in a topology.
 inline Vec<double, 2> outward_normal(const Corners<2>& facet) noexcept {
     const auto e = facet[1] - facet[0];
     return (1 / length(e)) * Vec<double, 2>{e[1], -e[0]};
@@ -35,15 +34,16 @@ inline Vec<double, 3> outward_normal(const Corners<3>& facet) noexcept {
     return (1 / length(n)) * n;
 }
 
-/// Where the formula is not to be used, and where it changes; lengths of the frame.
+/// Where the formula is not used, and where it switches; in lengths of the frame.
 template <class S>
 struct MeanValueLimits {
-    S near_distance; ///< points nearer to the boundary than this are flagged
-    S far_distance;  ///< and so are points farther than this from the cage
-    S beside; ///< in space: points nearer to a face's plane, but not over the face, have a formula of their own
+    S near_distance; ///< points closer to the boundary than this are flagged
+    S far_distance;  ///< points farther from the cage than this are flagged
+    /// 3D: points closer to a face's plane than this, but not over the face, use `sum_beside_face`.
+    S beside;
 };
 
-/// Memory for the formula: a number for each handle, and in space for each edge.
+/// Working memory of the formula: a number per handle, and in 3D per edge.
 template <class N>
 struct WeightRows {
     std::vector<N> weights, edges;
@@ -59,8 +59,7 @@ struct WeightRows {
     }
 };
 
-/// What the formula for a kind of cage is written in: how it hangs together, its numbers, memory, and
-/// the data on its boundary.
+/// The types of the formula for a kind of cage: connectivity, numbers, working memory, boundary data.
 template <class Cage>
 struct MeanValueForm {
     using Topology = MeanValueTopology<Cage::dimension>;
@@ -74,7 +73,7 @@ struct MeanValueForm {
 };
 
 /// The sum of the weights, positive inside and negative outside (Hormann & Floater 2006, sec. 4.1
-/// and 4.2), and one in the lanes that the limits flag, zero in the others.
+/// and 4.2). `special` is one in the lanes flagged by the limits, zero in the others.
 template <class N>
 struct WeightSum {
     N sum;

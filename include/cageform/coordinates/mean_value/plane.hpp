@@ -1,4 +1,4 @@
-// The formula of mean value weights in the plane, for any kind of number.
+// The formula of mean value weights in 2D, for any number type.
 #pragma once
 
 #include <cageform/cage/polygon.hpp>
@@ -13,10 +13,10 @@ struct MeanValueTopology<2> {
         std::size_t begin, end;
     };
     Buffer<Loop> loops;
-    std::vector<std::array<std::uint32_t, 2>>
-        facets; ///< the edge that starts at each vertex, the inside to its left
+    /// The edge that starts at each vertex, with the inside on its left.
+    std::vector<std::array<std::uint32_t, 2>> facets;
 
-    static std::size_t edge_count() noexcept { return 0; } ///< nothing is kept for each edge
+    static std::size_t edge_count() noexcept { return 0; } ///< no memory per edge is needed
 
     MeanValueTopology() = default;
     template <Scalar T>
@@ -37,7 +37,7 @@ template <class S>
 struct MeanValueFrame<S, 2> {
     struct Corner {
         Vec<S, 2> position;
-        Vec<S, 2> edge; ///< the edge that starts here, the inside to its left
+        Vec<S, 2> edge; ///< the edge that starts here, with the inside on its left
         S extent;       ///< |edge_x| + |edge_y|
     };
     Buffer<MeanValueTopology<2>::Loop> loops;
@@ -55,8 +55,8 @@ struct MeanValueFrame<S, 2> {
     }
 };
 
-/// The vector u from the point to a vertex, its squared length, and its length as a number; one over that where roots are
-/// estimated.
+/// The vector u from the point to a vertex, its squared length and its length. `inverse_r` is set
+/// only for numbers whose roots are estimated.
 template <class N>
 struct Spoke {
     using X = ValueOf<N>;
@@ -79,21 +79,22 @@ struct Spoke {
     }
 };
 
-/// Floater, Mean value coordinates (CAGD 20, 2003), eq. (2.1), before normalising:
+/// Computes the weights of Floater, Mean value coordinates (CAGD 20, 2003), eq. (2.1), before
+/// normalising:
 ///
 ///   w_i = (t_{i−1} + t_i) / r_i,   t_i = tan(α_i/2),   α_i the signed angle C_i p C_{i+1}
 ///
-/// With u = C_i − p, v = C_{i+1} − p and e the edge: the sine times |u||v| is c = u × e, the cosine
-/// times it d = u·v. The cross product is taken with the edge: with v it would cancel far away.
-/// Then tan(α/2) = sin/(1 + cos) = (1 − cos)/sin, whichever does not cancel. One division by the
-/// tangent's denominator times |v| serves the tangent and 1/|v|, unless that comes with the root.
+/// With u = C_i − p, v = C_{i+1} − p and e the edge, c = u × e is |u||v| sin α and d = u·v is |u||v|
+/// cos α. The cross product uses the edge because u × v would cancel far away. The tangent is tan(α/2)
+/// = sin/(1 + cos) = (1 − cos)/sin, whichever form does not cancel. One division by (the tangent's
+/// denominator times |v|) yields both the tangent and 1/|v|, unless 1/|v| comes with the root.
 template <class N, class S>
 WeightSum<N> weigh(const MeanValueFrame<S, 2>& cage, const MeanValueLimits<S>& limits,
                    const Vec<ValueOf<N>, 2>& p, WeightRows<N>& rows) noexcept {
     using X = ValueOf<N>;
     const X zero(S(0)), one(S(1)), on_vertex(limits.near_distance * limits.near_distance),
         far2(limits.far_distance * limits.far_distance);
-    // The nearest to a vertex, and to an edge: there |c| is small and d is not positive.
+    // The smallest distances to a vertex and to an edge. At an edge |c| is small and d is not positive.
     X special = zero, least_rr((std::numeric_limits<S>::max)()), least_clearance = least_rr;
     for (const auto& loop : cage.loops) {
         const Spoke<N> first(cage.corners[loop.begin].position, p);

@@ -1,4 +1,4 @@
-// The formula of mean value weights in space for faces of any number of corners.
+// The formula of mean value weights in 3D for faces with any number of corners.
 #pragma once
 
 #include <cageform/coordinates/detail/face_coordinates.hpp>
@@ -7,7 +7,7 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// That of the triangles, and which of them make up a face of more than three corners.
+/// The connectivity of the triangles, and which of them form a face with more than three corners.
 struct PolygonTopology : MeanValueTopology<3> {
     struct Polygon {
         std::vector<std::uint32_t> corners;
@@ -16,8 +16,8 @@ struct PolygonTopology : MeanValueTopology<3> {
         MeanValueTopology<2> plane;
     };
     std::vector<Polygon> polygons;
-    std::vector<std::size_t> triangles; ///< that are faces themselves
-    std::size_t most_corners = 0;       ///< of a polygon
+    std::vector<std::size_t> triangles; ///< triangles that are faces themselves
+    std::size_t most_corners = 0;       ///< of any polygon
 
     PolygonTopology() = default;
     template <Scalar T>
@@ -47,9 +47,9 @@ struct PolygonFrame : MeanValueFrame<S, 3> {
     struct Polygon {
         std::vector<std::uint32_t> corners;
         std::pair<std::size_t, std::size_t> triangles;
-        std::vector<std::array<Place, 3>> corners_of_triangle; ///< of the polygon's, in its plane
+        std::vector<std::array<Place, 3>> corners_of_triangle; ///< its triangles, in its plane
         MeanValueFrame<S, 2> plane;
-        Place lower, upper; ///< of the corners
+        Place lower, upper; ///< bounds of the corners
     };
     std::vector<Polygon> polygons;
     std::vector<std::size_t> triangles;
@@ -65,7 +65,7 @@ struct PolygonFrame : MeanValueFrame<S, 3> {
                 return Vec<Precise<S>, 2>{dot(d, u), dot(d, v)};
             };
             Buffer<Vec<Precise<S>, 2>> corners;
-            Place lower{}, upper{}; // of corner 0, where the origin is
+            Place lower{}, upper{}; // corner 0, which is the origin
             for (const std::uint32_t i : of.corners) {
                 const auto place = vec_cast<S>(corners.push_back(flat(i)));
                 for (std::size_t k = 0; k < 2; ++k) {
@@ -84,7 +84,7 @@ struct PolygonFrame : MeanValueFrame<S, 3> {
     }
 };
 
-/// Memory for the formula, that of a polygon's plane beside it.
+/// Working memory of the formula, with that for a polygon's plane.
 template <class N>
 struct PolygonRows : WeightRows<N> {
     using InPlane = std::conditional_t<has_gradient<N>, Dual<ValueOf<N>, 2>, N>;
@@ -96,7 +96,7 @@ struct PolygonRows : WeightRows<N> {
         , in_plane(MeanValueTopology<2>(), topology.most_corners) {}
 };
 
-/// The plane's weights at a place on the polygon's edges: linear along the nearest.
+/// Computes the 2D weights at a point on the polygon's edges: linear along the nearest edge.
 template <class N, class S>
 N weigh_on_edge(const MeanValueFrame<S, 2>& plane, const Vec<S, 2>& x, WeightRows<N>& rows) noexcept {
     S least = (std::numeric_limits<S>::max)(), part = 0;
@@ -120,15 +120,16 @@ N weigh_on_edge(const MeanValueFrame<S, 2>& plane, const Vec<S, 2>& x, WeightRow
     return N(S(1));
 }
 
-/// The sum of the weights of a polygon's corners, and their mean place in its plane.
+/// The sum of the weights of a polygon's corners, and their weighted mean in its plane.
 template <class N>
 struct PolygonMean {
     N sum;
     std::array<N, 2> place;
 };
 
-/// By the triangles, which give their corners weights with Σ w_k (C_k − p) = m, m as in
-/// MeanValueCoordinates<T, 3>: neither depends on how the polygon is cut.
+/// Computes the mean from the triangles of a polygon. They give their corners weights with Σ w_k
+/// (C_k − p) = m, where m is as in MeanValueCoordinates<T, 3>. So neither the sum nor the mean
+/// depends on the triangulation.
 template <class N, class S>
 PolygonMean<N> mean_of(const PolygonFrame<S>& cage, const typename PolygonFrame<S>::Polygon& polygon,
                        const MeanValueLimits<S>& limits, const Vec<ValueOf<N>, 3>& p,
@@ -146,22 +147,23 @@ PolygonMean<N> mean_of(const PolygonFrame<S>& cage, const typename PolygonFrame<
             for (std::size_t axis = 0; axis < 2; ++axis) x[axis] += X(corner[k][axis]) * w[k];
         }
     }
-    const auto vanishes = abs(value_of(sum)) <= X(least_divisor<S>); // beside the face, in its plane
+    const auto vanishes = abs(value_of(sum)) <= X(least_divisor<S>); // next to the face, in its plane
     for (std::size_t axis = 0; axis < 2; ++axis) {
         const X low(polygon.lower[axis]), high(polygon.upper[axis]);
         x[axis] = x[axis] / select(vanishes, N(one), sum);
-        x[axis] = select(value_of(x[axis]) < low, N(low), x[axis]); // by rounding, of small sums
+        // By rounding, if the sum is small.
+        x[axis] = select(value_of(x[axis]) < low, N(low), x[axis]);
         x[axis] = select(high < value_of(x[axis]), N(high), x[axis]);
     }
     return {sum, x};
 }
 
-/// What a face of more than three corners adds to their weights. With s the sum that its triangles
-/// give and x = Σ w_k C_k / s, a place in its convex hull, corner i gets s μ_i(x), μ the mean value
-/// coordinates in the face's plane: again Σ s μ_i(x) (C_i − p) = s (x − p) = m. So vector m is shared
-/// out by coordinates of the face's polygon, as by Langer, Belyaev, Seidel (Spherical barycentric
-/// coordinates, SGP 2006, sec. 4), who take coordinates about the direction of m on the sphere
-/// instead.
+/// Distributes the weights of a face with more than three corners. Let s be the sum of its
+/// triangles' weights and x = Σ w_k C_k / s, a point in the face's convex hull. Corner i gets s
+/// μ_i(x), where μ are the mean value coordinates in the face's plane. Then Σ s μ_i(x) (C_i − p) =
+/// s (x − p) = m, as for triangles. Langer, Belyaev, Seidel (Spherical barycentric coordinates, SGP
+/// 2006, sec. 4) also distribute m by coordinates of the face's polygon, but by coordinates around
+/// the direction of m on the sphere.
 template <class N, class S>
 void share_out(const PolygonMean<N>& mean, const typename PolygonFrame<S>::Polygon& polygon,
                const MeanValueLimits<S>& limits, PolygonRows<N>& rows) noexcept {
@@ -189,7 +191,7 @@ void share_out(const PolygonMean<N>& mean, const typename PolygonFrame<S>::Polyg
     }
 }
 
-/// The weights in space of a PolyhedralMesh, before normalising.
+/// Computes the weights of a PolyhedralMesh, before normalising.
 template <class N, class S>
 WeightSum<N> weigh(const PolygonFrame<S>& cage, const MeanValueLimits<S>& limits, const Vec<ValueOf<N>, 3>& p,
                    PolygonRows<N>& rows) noexcept {

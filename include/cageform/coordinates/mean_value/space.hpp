@@ -1,4 +1,4 @@
-// The formula of mean value weights in space, for any kind of number.
+// The formula of mean value weights in 3D, for any number type.
 #pragma once
 
 #include <cageform/cage/triangle_mesh.hpp>
@@ -99,20 +99,20 @@ X inner(const Vec<S, 3>& a, const Vec<X, 3>& b) noexcept {
     return X(a[0]) * b[0] + (X(a[1]) * b[1] + X(a[2]) * b[2]);
 }
 
-/// What divisors are kept above, so that quotients stay finite.
+/// The lower limit of divisors, so that quotients stay finite.
 template <class S>
 inline constexpr S least_divisor = (std::numeric_limits<S>::min)() * S(1e6);
 
-/// Whether both ends of an edge lie far to one side of a place's foot on its line, r² the squared
-/// distance to the line: the series of arctangents in r/begin and r/end then gain two digits a
-/// term.
+/// Returns whether both ends of an edge lie on the same side of a point's foot on the edge's line,
+/// and far from it; r² is the squared distance to the line. The series of the arctangents in
+/// r/begin and r/end then gain two digits a term.
 template <class U>
 bool is_beyond_ends(const U& rr, const U& begin, const U& end) noexcept {
     using K = ValueOf<U>;
     return U(K(0)) < begin * end && K(100) * rr < begin * begin && K(100) * rr < end * end;
 }
 
-/// G of `angle_over_distance`, −2 dg/d(R²), by the series of g = Σ_k (−1)^k/(2k + 1) R^2k
+/// Returns G of `angle_over_distance`, −2 dg/d(R²), from the series g = Σ_k (−1)^k/(2k + 1) R^2k
 /// (begin^−(2k+1) − end^−(2k+1)).
 template <class X>
 X radial_beyond_ends(X rr, X begin, X end) noexcept {
@@ -127,8 +127,9 @@ X radial_beyond_ends(X rr, X begin, X end) noexcept {
     return sum;
 }
 
-/// An edge as a place p sees it: the vector u from p to its start, its direction t, its ends along its line from
-/// the foot of p, R⃗ the vector to that foot, R = |R⃗|.
+/// An edge relative to a point p: the vector u from p to its start, its direction t, the positions
+/// `begin` and `end` of its ends along its line from the foot of p, and R = |R⃗|, where R⃗ is the
+/// vector to that foot.
 template <class X, class S>
 struct SeenEdge {
     Vec<X, 3> u, t;
@@ -144,13 +145,14 @@ struct SeenEdge {
         rr = (max)(inner(c, c), X(least_divisor<S>));
         r = sqrt(rr);
     }
-    /// The sine and the cosine of the angle θ that p sees it under, times both distances to its ends.
+    /// The sine and cosine of the angle θ that the edge subtends at p, times the distances of both
+    /// its ends.
     X sine() const noexcept { return r * length; }
     X cosine() const noexcept { return rr + begin * end; }
 };
 
-/// g = θ/R of an edge: the integral of one over the squared distance along it. τ its direction, a and b the distances
-/// to its ends:
+/// Returns g = θ/R of an edge: the integral of one over the squared distance along it. With τ its
+/// direction and a, b the distances of its ends:
 ///
 ///   ∇g = τ (1/a² − 1/b²) + R⃗ G,   G = (g + end/b² − begin/a²)/R²
 template <class N, class S>
@@ -174,8 +176,8 @@ N angle_over_distance(const typename MeanValueFrame<S, 3>::Edge& edge, const Vec
     }
 }
 
-/// The same of all edges. For registers in two stages, each so short that a processor has several edges under way: up to
-/// the quotients whose arctangents are wanted, and those.
+/// Computes g of all edges. SIMD registers take two stages, the quotients and then their
+/// arctangents. Each stage is so short that a processor works on several edges at once.
 template <class N, class S>
 void angles_over_distances(const Buffer<typename MeanValueFrame<S, 3>::Edge>& edges,
                            const Vec<ValueOf<N>, 3>& p, std::vector<N>& g) noexcept {
@@ -201,7 +203,7 @@ void angles_over_distances(const Buffer<typename MeanValueFrame<S, 3>::Edge>& ed
     }
 }
 
-/// A linear function offset − normal·p, by its value at p.
+/// Returns the linear function offset − normal·p, given its value at p.
 template <class N, class S>
 N linear(const ValueOf<N>& value, const Vec<S, 3>& normal) noexcept {
     using X = ValueOf<N>;
@@ -212,14 +214,14 @@ N linear(S offset, const Vec<S, 3>& normal, const Vec<ValueOf<N>, 3>& p) noexcep
     return linear<N>(ValueOf<N>(offset) - inner(normal, p), normal);
 }
 
-/// (g ρ − φ)/H² of an edge of a face, φ the signed angle it is seen under from the foot point of p
-/// in the plane, `begin` and `end` where it lies along its line, from there.
+/// Returns (g ρ − φ)/H² of an edge of a face. φ is the signed angle that the edge subtends at the
+/// foot point of p in the plane; `begin` and `end` are the positions of its ends along its line.
 template <class U>
 U angle_beside_face(const U& height, const U& rho, const U& begin, const U& end) noexcept {
     using std::atan;
     using K = ValueOf<U>;
     const U zero(K(0)), one(K(1)), rr = rho * rho, distance2 = rr + height * height;
-    if (is_beyond_ends(distance2, begin, end)) { // both as series, of which the H² is taken out
+    if (is_beyond_ends(distance2, begin, end)) { // both g and φ as series, with the H² divided out
         const U b = one / begin, e = one / end;
         U b_power = b, e_power = e, powers = one, rho_power = one, sum = zero;
         constexpr int terms = sizeof(K) == 8 ? 8 : 10;
@@ -247,18 +249,18 @@ U angle_beside_face(const U& height, const U& rho, const U& begin, const U& end)
     return (rho / distance) * (part(end) - part(begin)) - sign * (seen / (distance * (r + distance)));
 }
 
-/// S of a face that p is not over. There Σ φ_k = 0, so that S = ½ H Σ (g_k ρ_k − φ_k)/H², which
-/// holds next to the plane, where Σ g_k ρ_k is a difference of nearly equal numbers. `rho` are the
-/// very numbers that say that p is not over the face: computed anew, with products and sums fused
-/// otherwise, they might say that it is, and Σ φ_k be 2π.
+/// Returns S of a face that p is not over. In this case Σ φ_k = 0, so S = ½ H Σ (g_k ρ_k − φ_k)/H².
+/// This stays accurate next to the plane, where Σ g_k ρ_k is a difference of nearly equal numbers.
+/// `rho` must be the numbers by which the caller decided that p is not over the face. Computed again,
+/// with products and sums fused differently, they might say that it is, and Σ φ_k would be 2π.
 template <class U, class S>
 CAGEFORM_DETAIL_NO_INLINE U sum_beside_face(const typename MeanValueFrame<S, 3>::Face& face, const U& height,
                                             const std::array<U, 3>& rho) noexcept {
     using K = ValueOf<U>;
     U sum(K(0));
     for (std::size_t k = 0; k < 3; ++k) {
-        // Where the corner that edges k and `other` share lies along edge k: by the distances to
-        // both.
+        // Returns the position along edge k of its common corner with edge `other`, from the
+        // distances to both.
         const auto along = [&](std::size_t other, K cosine) {
             const K sine = std::sqrt((max)(K(0), (1 - cosine) * (1 + cosine)));
             return (1 / sine) * (rho[other] - cosine * rho[k]);
@@ -270,7 +272,7 @@ CAGEFORM_DETAIL_NO_INLINE U sum_beside_face(const typename MeanValueFrame<S, 3>:
     return K(0.5) * sum;
 }
 
-/// The same in the lanes where `beside` holds, point by point; `s` in the others.
+/// Replaces `s` by `sum_beside_face` in the lanes where `beside` holds, point by point.
 template <class N, class S>
 CAGEFORM_DETAIL_NO_INLINE void set_beside_face(N& s, const typename Simd<S>::Mask& beside,
                                                const typename MeanValueFrame<S, 3>::Face& face,
@@ -294,7 +296,7 @@ CAGEFORM_DETAIL_NO_INLINE void set_beside_face(N& s, const typename Simd<S>::Mas
     for (std::size_t k = 0; k < parts; ++k) NumberTraits<N>::part(s, k) = Simd<S>::load(lanes[k]);
 }
 
-/// What a face adds to the weights of its corners. Lanes next to the face are flagged in `special`.
+/// Returns the weights that a face adds to its corners. Flags lanes next to the face in `special`.
 template <class N, class S>
 std::array<N, 3> face_weights(const typename MeanValueFrame<S, 3>::Face& face, const std::array<N, 3>& g,
                               const MeanValueLimits<S>& limits, const Vec<ValueOf<N>, 3>& p,
@@ -329,7 +331,8 @@ std::array<N, 3> face_weights(const typename MeanValueFrame<S, 3>::Face& face, c
     return w;
 }
 
-/// The edges' angles, and weights of zero; one in the lanes that lie too far away, zero in the others.
+/// Computes g of all edges and clears the weights. Returns one in the lanes that are too far away,
+/// else zero.
 template <class N, class S>
 ValueOf<N> start_weights(const MeanValueFrame<S, 3>& cage, const MeanValueLimits<S>& limits,
                          const Vec<ValueOf<N>, 3>& p, WeightRows<N>& rows) noexcept {
@@ -340,14 +343,14 @@ ValueOf<N> start_weights(const MeanValueFrame<S, 3>& cage, const MeanValueLimits
     return select(X(limits.far_distance * limits.far_distance) < inner(p, p), one, zero);
 }
 
-/// The edges' angles at a face.
+/// Returns g of the three edges of a face.
 template <class N, class S>
 std::array<N, 3> angles_at(const typename MeanValueFrame<S, 3>::Face& face,
                            const WeightRows<N>& rows) noexcept {
     return {rows.edges[face.edge[0]], rows.edges[face.edge[1]], rows.edges[face.edge[2]]};
 }
 
-/// Adds what a face gives to its corners.
+/// Adds the weights of a face to its corners.
 template <class N, class S>
 void add_triangle(const typename MeanValueFrame<S, 3>::Face& face, const MeanValueLimits<S>& limits,
                   const Vec<ValueOf<N>, 3>& p, ValueOf<N>& special, WeightRows<N>& rows) noexcept {
@@ -355,8 +358,8 @@ void add_triangle(const typename MeanValueFrame<S, 3>::Face& face, const MeanVal
     for (std::size_t k = 0; k < 3; ++k) rows.weights[face.corner[k]] += w[k];
 }
 
-/// Ju, Schaefer, Warren, Mean value coordinates for closed triangular meshes (SIGGRAPH 2005), sec.
-/// 3, before normalising: the formula of MeanValueCoordinates<T, 3>.
+/// Computes the weights of Ju, Schaefer, Warren, Mean value coordinates for closed triangular
+/// meshes (SIGGRAPH 2005), sec. 3, before normalising: the formula of MeanValueCoordinates<T, 3>.
 template <class N, class S>
 WeightSum<N> weigh(const MeanValueFrame<S, 3>& cage, const MeanValueLimits<S>& limits,
                    const Vec<ValueOf<N>, 3>& p, WeightRows<N>& rows) noexcept {

@@ -1,4 +1,19 @@
-// Sibson's weights of a place among sites: inside their hull, on it, at a site.
+// Computes Sibson's natural neighbour weights of a point among sites, inside their convex hull and
+// on it.
+//
+// How a point p is evaluated:
+//
+//   1. `Delaunay::find_cavity` finds the Delaunay simplices whose circumscribed ball contains p. Their
+//      vertices are the natural neighbours of p.
+//   2. Next to the hull, `find_near_hull` decides whether p lies outside, on a facet or inside. On a
+//      facet the weights are those of the facet's sites alone.
+//   3. Inside, `NewCell` (new_cell.hpp) measures the overlap of the Voronoi cell that p would have
+//      with the present cell of each neighbour, by the sums of stolen.hpp.
+//   4. `take_cell` divides the overlaps by their sum, and `restore` removes the rounding errors of
+//      Σu = 1 and Σ u (P − p) = 0.
+//
+// Coordinates come in three forms: `Place` holds integers of the lattice (p as the triangulation
+// sees it), *extents* are lattice coordinates times 2^-60, and *units* are those of the user.
 #pragma once
 
 #include <cageform/cage/sites/hull_facets.hpp>
@@ -9,17 +24,17 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// A site that a place has a weight of.
+/// A natural neighbour of a point, and the point's weight for it.
 template <std::size_t D>
 struct Neighbour {
     std::uint32_t site;
     double weight;
-    Vec<double, D> gradient; ///< of the weight, per unit of length
-    Vec<double, D> away;     ///< the site seen from the place
+    Vec<double, D> gradient; ///< of the weight with respect to the point, per unit of length
+    Vec<double, D> away;     ///< site − point
 };
 
-/// Solves m y = y for a positive definite matrix, in place, of which what is below the diagonal is
-/// not read; false where it is singular to rounding.
+/// Solves m x = y for a positive definite matrix, in place: y becomes x. Only the diagonal and the
+/// upper triangle of m are read. Returns false if m is singular to rounding.
 template <std::size_t N>
 bool solve_symmetric(Square<double, N> m, std::array<double, N>& y) noexcept {
     std::array<double, N> first, inverse;
@@ -40,7 +55,7 @@ bool solve_symmetric(Square<double, N> m, std::array<double, N>& y) noexcept {
     return true;
 }
 
-/// Natural neighbours among sites, by the specification's sections 2 to 5.
+/// Finds the natural neighbours of points among fixed sites, with their weights and weight gradients.
 template <std::size_t D>
 class NaturalNeighbours {
     struct Nothing {
@@ -49,20 +64,21 @@ class NaturalNeighbours {
     using Flat = std::conditional_t<D == 3, NaturalNeighbours<2>, Nothing>;
 
 public:
-    /// What an evaluation needs, one for every thread; it holds what was found.
+    /// The working memory of an evaluation, one per thread. `find` leaves its results here.
     struct Scratch {
-        std::vector<Neighbour<D>> found; ///< in an order that follows from the triangulation alone
-        bool gradients = true;           ///< whether gradients are asked for: in, the only one
+        std::vector<Neighbour<D>> found; ///< the order depends on the triangulation alone
+        bool gradients = true;           ///< the only input: whether `find` computes gradients
         bool at_site = false;
-        Vec<double, D> missed{}; ///< Σ weight away, of a place on a facet; in extents
+        Vec<double, D> missed{}; ///< for a point on a facet: Σ weight · away, in extents
         typename Delaunay<D>::Search search;
         NewCell<D> cell;
         std::unique_ptr<typename Flat::Scratch> flat;
     };
 
     NaturalNeighbours() = default;
-    /// `tolerance`: nearer to each other two places are one, in the units of the sites. `smooth`: of
-    /// a flat facet, the C² coordinates that are the limits of Sibson's in space.
+    /// `tolerance` is a distance in the units of the sites; points that are closer together count
+    /// as one. `smooth` (2D only) replaces Sibson's weights by the C² coordinates of Hiyoshi &
+    /// Sugihara, which are the limits of Sibson's weights in space on a flat facet of the hull.
     NaturalNeighbours(std::span<const Vec<double, D>> sites, double tolerance, bool smooth = false)
         : smooth_(smooth)
         , lattice_(bounds_of(sites))
@@ -89,14 +105,15 @@ public:
         }
     }
 
-    /// Where all sites lie in a plane (on a line), as good as.
+    /// Returns whether all sites lie in a plane (on a line in 2D), up to the tolerance.
     bool empty() const noexcept { return facets_.empty(); }
     const Delaunay<D>& sites() const noexcept { return sites_; }
-    /// Nearer to each other two places are one. Both in the units of the sites.
+    /// Returns the distance below which two points count as one, in the units of the sites.
     double tolerance() const noexcept { return lattice_.units(tolerance_); }
-    /// A step of the lattice.
+    /// Returns the step of the lattice, in the units of the sites.
     double step() const noexcept { return lattice_.units(0x1p-60); }
-    /// Of every site, by the user's numbers: whether it lies on the hull, within tolerance.
+    /// Returns for every site, by the user's numbering, whether it lies on the hull within the
+    /// tolerance.
     std::vector<bool> on_hull() const {
         const auto vertices = hull_vertices();
         std::vector<bool> result(sites_.size(), false);
@@ -104,13 +121,14 @@ public:
         return result;
     }
 
-    /// Finds the neighbours of a finite place; none outside. Gradients are set inside only, at sites
-    /// they are zero.
+    /// Finds the neighbours of a finite point, and none if it lies outside the hull. Gradients are
+    /// set only inside the hull; at a site they are zero.
     PointState find(const Vec<double, D>& p, Scratch& scratch) const {
         scratch.found.clear();
         scratch.at_site = false;
         for (std::size_t k = 0; k < D; ++k) {
-            // Hulls as thin as the tolerance have facets without a plane.
+            // A hull as thin as the tolerance has facets without a usable plane, so the bounds are
+            // tested first.
             if (p[k] < bounds_.lower[k] || p[k] > bounds_.upper[k]) return PointState::outside;
         }
         const auto place = lattice_.place(p);
@@ -126,7 +144,7 @@ public:
         return PointState::on_boundary;
     }
 
-    /// The place of the hull nearest to a finite place, and its neighbours.
+    /// Returns the point of the hull's surface nearest to a finite point, and finds its neighbours.
     Vec<double, D> find_on_hull(const Vec<double, D>& p, Scratch& scratch) const {
         typename HullTree<D>::Nearest nearest{0, {}, (std::numeric_limits<double>::max)()};
         hull_.find(lattice_.seen(p), nearest);
@@ -136,8 +154,8 @@ public:
         return lattice_.unseen(nearest.place + scratch.missed);
     }
 
-    /// A place somewhat inside from `p` in the hull: so far towards the middle of the first simplex,
-    /// in parts of the way.
+    /// Moves `p`, a point of the hull, towards the centroid of the first simplex, by the fraction
+    /// `part` of the way. The result lies inside the hull.
     Vec<double, D> drawn_inside(const Vec<double, D>& p, double part) const noexcept {
         std::uint32_t s = 0;
         while (sites_.simplices()[s].is_ghost()) ++s;
@@ -149,7 +167,7 @@ public:
 private:
     static constexpr std::uint32_t none = ~std::uint32_t{0};
 
-    /// A flat facet of more sites than a simplex has, in the coordinates of its plane.
+    /// A flat facet with more sites than a simplex has, with its own triangulation in the facet's plane.
     struct FlatFacet {
         std::array<Vec<double, D>, 2> axis;
         Flat neighbours;
@@ -157,7 +175,8 @@ private:
 
     // ---- inside ---------------------------------------------------------------------------------
 
-    /// The cavity has been found, from simplex `at`. False where the cell has no measure.
+    /// Computes the weights of a point inside the hull; the cavity has been found, starting at
+    /// simplex `at`. Returns false if the point's cell has no measure.
     bool find_inside(const Place<D>& place, std::uint32_t at, Scratch& scratch) const {
         if (scratch.search.cavity().empty()) return find_site(place, sites_.simplices()[at].vertex, scratch);
         const auto parts = smooth_             ? StolenParts::smooth
@@ -168,7 +187,8 @@ private:
         if (sound) take_cell(scratch.cell, parts == StolenParts::moments, scratch.found);
         return sound;
     }
-    /// Whether one of these vertices is within tolerance: then it has all the weight.
+    /// Gives all the weight to one of these vertices if the point lies within tolerance of it, and
+    /// returns whether it does.
     template <class Vertices>
     bool find_site(const Place<D>& place, const Vertices& vertices, Scratch& scratch) const {
         for (const std::uint32_t v : vertices) {
@@ -208,8 +228,9 @@ private:
         for (auto& n : found) n.gradient = (per_step / cell.total) * (n.gradient - n.weight * sum);
     }
 
-    /// The least change relative to the weights that restores Σu = 1 and Σ u away = 0: u_i times
-    /// y·(1, away_i). None where the neighbours are flat to rounding.
+    /// Restores Σu = 1 and Σ u away = 0, which rounding has disturbed. Each u_i changes by u_i
+    /// y·(1, away_i): this is the smallest change relative to the weights. If the neighbours are
+    /// flat to rounding, the weights stay as they are.
     static void restore(std::vector<Neighbour<D>>& found) noexcept {
         for (int round = 0; round < 2; ++round) {
             Square<double, D + 1> m{};
@@ -232,7 +253,8 @@ private:
             };
             double largest = 0;
             for (const auto& n : found) largest = (std::max)(largest, std::fabs(factor(n)));
-            if (!(largest < 1e-6)) return; // more than rounding is not for this to mend
+            // An error above rounding has another cause and is left alone.
+            if (!(largest < 1e-6)) return;
             for (auto& n : found) n.weight += n.weight * factor(n);
             if (largest < 1e-12) return;
         }
@@ -240,7 +262,7 @@ private:
 
     // ---- on the hull ----------------------------------------------------------------------------
 
-    /// Of every vertex: whether it lies on the hull, within tolerance.
+    /// Returns for every vertex whether it lies on the hull, within the tolerance.
     std::vector<bool> hull_vertices() const {
         std::vector<bool> result(sites_.size(), false);
         for (const auto& simplex : sites_.simplices()) {
@@ -251,13 +273,13 @@ private:
         }
         return result;
     }
-    /// Where the cavity touches the hull: whether the place, in extents, lies outside, on a facet,
-    /// whose neighbours it then finds, or inside.
+    /// Decides, if the cavity touches the hull, whether the point `q` (in extents) lies outside, on
+    /// a facet or inside. On a facet it also finds the neighbours.
     PointState find_near_hull(const Vec<double, D>& q, Scratch& scratch) const {
         const auto cavity = scratch.search.cavity();
         const auto is_ghost = [&](std::uint32_t s) { return sites_.simplices()[s].is_ghost(); };
         const bool beyond = std::any_of(cavity.begin(), cavity.end(), is_ghost);
-        // The sites of a facet lie up to a tolerance off its plane, the place another.
+        // The sites of a facet can lie one tolerance off its plane, and the point another one.
         typename HullTree<D>::Nearest nearest{none, {}, 4 * tolerance_ * tolerance_};
         hull_.find(q, nearest);
         if (nearest.facet == none) return beyond ? PointState::outside : PointState::inside;
@@ -267,7 +289,8 @@ private:
         find_on_facet(nearest.facet, q, scratch);
         return PointState::on_boundary;
     }
-    /// Orders the sites of a line, triangulates those of a plane that are more than three.
+    /// Sorts the sites of a facet along the line (2D), or triangulates them if there are more than
+    /// three (3D).
     void prepare(HullFacet<D>& facet) {
         if constexpr (D == 2) {
             std::sort(facet.vertex.begin(), facet.vertex.end(), [&](std::uint32_t a, std::uint32_t b) {
@@ -292,7 +315,7 @@ private:
         return {dot(axis[0], q), dot(axis[1], q)};
     }
 
-    /// Of a place within tolerance of a facet, in extents.
+    /// Finds the neighbours of a point within tolerance of facet `n`, in extents.
     void find_on_facet(std::size_t n, const Vec<double, D>& q, Scratch& scratch) const {
         const HullFacet<D>& facet = facets_[n];
         for (const std::uint32_t v : facet.vertex) {
@@ -323,8 +346,8 @@ private:
         if constexpr (D == 3) refine(q, corner, weight);
         for (std::size_t k = 0; k < D; ++k) take(vertex[k], weight[k], q, scratch);
     }
-    /// Of a triangle as thin as rounding the weights are right to some digits only, and so is what
-    /// is added for what they miss.
+    /// Corrects the barycentric weights of a triangle. For sliver triangles the weights lose digits, and
+    /// so does each correction; up to four rounds are made until the point is met within the tolerance.
     void refine(const Vec<double, D>& q, const Corners<D>& corner, std::array<double, D>& weight) const {
         const auto& [a, b, c] = corner;
         const auto n = cross(b - a, c - a);
@@ -346,17 +369,17 @@ private:
         scratch.missed = scratch.missed + weight * away;
     }
 
-    bool smooth_ = false; ///< in the plane: the measures of C² coordinates
+    bool smooth_ = false; ///< 2D: the weights are the C² coordinates
     SiteLattice<D> lattice_;
-    double unit_ = 1;            ///< an extent
+    double unit_ = 1;            ///< the length of one extent, in the units of the user
     Bounds<double, D> bounds_{}; ///< of the sites, widened by the tolerance
     double tolerance_ = 0;       ///< in extents
     Delaunay<D> sites_;
-    std::vector<Vec<double, D>> at_; ///< vertices, in extents
+    std::vector<Vec<double, D>> at_; ///< positions of the vertices, in extents
     std::vector<HullFacet<D>> facets_;
-    std::vector<FlatFacet> flat_; ///< in space, for every facet
+    std::vector<FlatFacet> flat_; ///< 3D: one per facet, empty for triangles
     HullTree<D> hull_;
-    std::vector<std::uint8_t> near_hull_; ///< of every simplex: whether it has a vertex on the hull
+    std::vector<std::uint8_t> near_hull_; ///< per simplex: whether it has a vertex on the hull
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

@@ -1,27 +1,29 @@
-// The Voronoi cell of a place among sites: what it takes from each, to working precision.
+// Computes the overlaps of a new point's Voronoi cell with the cells of the sites, to working precision.
 #pragma once
 
 #include <cageform/coordinates/sibson/stolen.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Measures, facets and moments of the cell of a place (coordinates/sibson/stolen.hpp). In double
-/// where a bound of the rounding allows, else with circumcentres from integers and sums of 120 bits:
-/// next to flat facets of the hull, where the cell is long and thin.
+/// The overlaps, facets and moments of a new point's cell, as defined in stolen.hpp. They are
+/// computed in double if a bound of the rounding errors allows it. Otherwise circumcentres come
+/// from integers and the sums carry 120 bits: this is needed next to flat facets of the hull, where
+/// the cell is long and thin.
 template <std::size_t D>
 class NewCell {
 public:
-    /// What rounding may be of the weights in double, as the root of the sum of the squares of the
-    /// bounds of all terms: they do not add up, and rings of sites have hundreds. Errors measured,
-    /// over the sets of tests/fuzz/hostile_sites.cpp, are below 1e-13 where this holds.
+    /// The largest rounding error of the weights that is accepted in double. It is compared with
+    /// the root of the sum of squared bounds of all terms, because rounding errors do not all add
+    /// up and rings of sites have hundreds of terms. Measured errors over the sets of
+    /// tests/fuzz/hostile_sites.cpp are below 1e-13 where this holds.
     static constexpr double enough = D == 2 ? 0x1p-39 : 0x1p-35;
 
     Cavity<D> cavity;
     double total = 0;   ///< Σ measure
-    bool exact = false; ///< whether double was not enough
+    bool exact = false; ///< whether double was not accurate enough
 
-    /// The search has found the cavity of `p`, which holds no ghosts. False where the cell has no
-    /// measure. Smooth measures are always exact.
+    /// Computes the cell of `p` from its cavity `found`, which holds no ghosts. Returns false if
+    /// the cell has no measure. Smooth measures always use the exact path.
     bool fill(const Delaunay<D>& sites, const Place<D>& p, std::span<const std::uint32_t> found,
               StolenParts parts) {
         place_ = p;
@@ -48,11 +50,11 @@ public:
         }
         return total > 0;
     }
-    // Of vertex n of the cavity, what was asked for.
+    // Results for vertex n of the cavity, as far as `fill` was called for them.
     double measure(std::size_t n) const noexcept { return fast_.measure[n]; }
     double facet(std::size_t n) const noexcept { return fast_.facet[n]; }
     Vec<double, D> moment(std::size_t n) const noexcept { return vector(fast_.moment[n]); }
-    /// Seen from the place, in steps.
+    /// Returns site − p, in lattice steps.
     Vec<double, D> seen(std::size_t n) const noexcept { return vector(fast_.site[n].at); }
 
 private:
@@ -149,7 +151,7 @@ private:
     }
 
     Place<D> place_{};
-    Stolen<double, D> fast_; ///< what is found stands here
+    Stolen<double, D> fast_; ///< the results, also those of the exact path
     Stolen<WideFloat, D> wide_;
 };
 

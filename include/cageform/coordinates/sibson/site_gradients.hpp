@@ -1,4 +1,4 @@
-// Gradients at sites, estimated from values there.
+// Estimates gradients at sites from the values at the sites.
 #pragma once
 
 #include <cageform/coordinates/sibson/natural_neighbours.hpp>
@@ -6,19 +6,21 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// How gradients at sites follow from the values there: least squares over the Voronoi neighbours j
-/// of a site i, weighted by μ = |F| / |d| with F the facet between both cells and d = P_j − P_i.
-/// Exact for linear functions. Cells of sites on the hull are unbounded: they are cut by their
-/// mirror image in the site.
+/// How the gradient at a site i is estimated: by least squares over its Voronoi neighbours j, with
+/// weight μ = |F| / |d|, where F is the facet between the two cells and d = P_j − P_i. The estimate
+/// is exact for linear functions. The cell of a site on the hull is unbounded, so the mirror images
+/// of its neighbours in the site are added to cut it.
 enum class SiteGradients : std::uint8_t {
-    facets,   ///< exact for a + b·x + γ|x|² too at inner sites: the most accurate on even sites
-    gentle,   ///< μ = |F| |d|: weights are less negative, and less accurate
-    mirrored, ///< all cells are cut by their mirror image: for rings of sites, one close to another
+    /// Also exact for a + b·x + γ|x|² at inner sites: the most accurate on evenly spread sites.
+    facets,
+    gentle, ///< μ = |F| |d|: weights are less negative, and less accurate
+    /// Cuts all cells by mirrored neighbours: for rings of sites with a small distance between rings.
+    mirrored,
 };
 
 namespace detail {
 
-/// The gradient at every site as a linear map of values: g_i = Σ G_il z_l, Σ_l G_il = 0.
+/// The gradient at every site as a linear map of the values: g_i = Σ G_il z_l, with Σ_l G_il = 0.
 template <std::size_t D>
 class SiteGradientRows {
 public:
@@ -28,7 +30,7 @@ public:
     };
 
     SiteGradientRows() = default;
-    /// `on_hull`: of every site, by the user's numbers.
+    /// `on_hull` has an entry per site, by the user's numbering.
     SiteGradientRows(const NaturalNeighbours<D>& sites, SiteGradients rule, const std::vector<bool>& on_hull)
         : sites_(&sites.sites())
         , rule_(rule)
@@ -47,7 +49,7 @@ public:
     std::span<const Term> row(std::size_t site) const noexcept { return rows_[site]; }
 
 private:
-    /// Delaunay neighbours, of every vertex in ascending order.
+    /// Lists the Delaunay neighbours of every vertex, in ascending order.
     void list_neighbours() {
         neighbours_.resize(sites_->size());
         for (const auto& simplex : sites_->simplices()) {
@@ -70,7 +72,7 @@ private:
         for (const std::uint32_t n : around)
             places.push_back(difference<D>(sites_->place(n), sites_->place(v)));
         if (mirrored) add_mirrored(places);
-        // The cell of v is that of a new place at v among its neighbours.
+        // The cell of v is the cell of a new point at v among its neighbours.
         const Delaunay<D> local(std::move(places));
         if (local.empty()) return;
         (void)local.find_cavity({}, search_);
@@ -81,8 +83,8 @@ private:
         fit(v, local);
     }
 
-    /// The mirror images of neighbours but for those at another neighbour's place: on lattices and
-    /// rings, where rounding would decide which of the two has the facet.
+    /// Adds the mirror images of the neighbours, except those that coincide with another neighbour.
+    /// On lattices and rings rounding would otherwise decide which of the two gets the facet.
     void add_mirrored(std::vector<Place<D>>& places) const {
         const std::size_t count = places.size();
         for (std::size_t n = 0; n < count; ++n) {
@@ -97,19 +99,19 @@ private:
 
     void fit(std::uint32_t v, const Delaunay<D>& local) {
         const auto& around = neighbours_[v];
-        double size = 0; // the nearest neighbour's distance
+        double size = 0; // the distance of the nearest neighbour
         for (std::size_t n = 0; n < cell_.cavity.vertices.size(); ++n) {
             const double distance = length(cell_.seen(n));
             if (size == 0 || distance < size) size = distance;
         }
         auto& row = rows_[sites_->site(v)];
-        Buffer<Vec<double, D>> scaled; // d times the square root of its weight in the sum of squares
+        Buffer<Vec<double, D>> scaled; // d times the square root of its weight
         std::vector<double> root;
         for (std::size_t n = 0; n < cell_.cavity.vertices.size(); ++n) {
             const std::uint32_t number = local.site(cell_.cavity.vertices[n]);
             const auto d = (1 / size) * cell_.seen(n);
             const double d2 = dot(d, d);
-            // The facet's area is `facet` / |d| times a constant; both μ are divided by |d|².
+            // The facet's area is `facet` / |d| times a constant. Both choices of μ are divided by |d|².
             const double weight =
                 std::fmax(cell_.facet(n), 0.0) / (rule_ == SiteGradients::gentle ? d2 : d2 * d2);
             if (number >= around.size() || !(weight > 0)) continue;
@@ -117,7 +119,7 @@ private:
             scaled.push_back(root.back() * d);
             row.push_back({sites_->site(around[number]), {}});
         }
-        // With A = QR the pseudoinverse is R⁻¹Qᵀ: the condition is not squared, as it is in AᵀA.
+        // With A = QR the pseudoinverse is R⁻¹Qᵀ. Unlike AᵀA this does not square the condition number.
         const OrthonormalRows<D> rows(std::move(scaled));
         for (std::size_t k = 0; k < D; ++k) {
             if (rows.triangle()[k][k] == 0) return row.clear();
@@ -132,10 +134,10 @@ private:
 
     const Delaunay<D>* sites_ = nullptr;
     SiteGradients rule_ = SiteGradients::facets;
-    double unit_ = 1; ///< a step of the lattice
+    double unit_ = 1; ///< a lattice step, in the units of the sites
     double tolerance_ = 0;
     std::vector<std::vector<std::uint32_t>> neighbours_;
-    std::vector<std::vector<Term>> rows_; ///< by the user's numbers
+    std::vector<std::vector<Term>> rows_; ///< by the user's numbering
     typename Delaunay<D>::Search search_;
     NewCell<D> cell_;
 };

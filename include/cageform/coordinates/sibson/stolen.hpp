@@ -1,38 +1,42 @@
-// What the Voronoi cell of a new place takes from the cells of the sites.
+// Measures the overlap of the Voronoi cell of a new point with the present Voronoi cells of the sites.
 #pragma once
 
 #include <cageform/cage/sites/delaunay.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Scratch memory of at least `size` elements, which is never given back.
+/// Grows scratch memory to at least `size` elements. It never shrinks.
 template <class T>
 void grow_to(std::vector<T>& scratch, std::size_t size) {
     if (scratch.size() < size) scratch.resize(size);
 }
 
-/// The cavity of a place in numbers from 0 on: its sites, simplices, and the facets of its rim.
+/// The cavity of a new point p: the Delaunay simplices whose circumscribed ball contains p. Inserting
+/// p would replace them. Its vertices, simplices and boundary facets (the *rim*) are numbered from 0.
 template <std::size_t D>
 struct Cavity {
     static constexpr std::uint32_t none = ~std::uint32_t{0};
 
     struct Simplex {
-        std::array<std::uint32_t, D + 1> vertex; ///< of `vertices`
-        std::array<std::uint32_t, D + 1> inner;  ///< the neighbour in the cavity, or none
-        std::array<std::uint32_t, D + 1> rim;    ///< the facet of the rim without vertex k, or none
+        std::array<std::uint32_t, D + 1> vertex; ///< indices into `vertices`
+        /// The cavity simplex across the facet without vertex k, or none.
+        std::array<std::uint32_t, D + 1> inner;
+        std::array<std::uint32_t, D + 1> rim; ///< the rim facet without vertex k, or none
     };
     struct RimFacet {
         std::uint32_t simplex;
-        std::uint32_t index; ///< of the vertex that it is without
+        std::uint32_t index; ///< the simplex's vertex that is not on the facet
     };
 
-    // Until the next fill.
-    std::span<const std::uint32_t> vertices; ///< of the triangulation, as they come in its simplices
-    std::span<const std::uint32_t> numbers;  ///< of the triangulation's simplices: those given
+    // All of these are valid until the next fill.
+    /// Vertex numbers of the triangulation, in the order in which its simplices name them.
+    std::span<const std::uint32_t> vertices;
+    /// Simplex numbers of the triangulation, as passed to `fill`.
+    std::span<const std::uint32_t> numbers;
     std::span<const Simplex> simplices;
     std::span<const RimFacet> rim;
 
-    /// `cavity`: without ghosts, ascending; it is kept.
+    /// Numbers a cavity. `cavity` is ascending and without ghosts; it must live as long as the result.
     void fill(const Delaunay<D>& sites, std::span<const std::uint32_t> cavity) {
         if (of_vertex_.size() < sites.size()) of_vertex_.resize(sites.size(), none);
         if (of_simplex_.size() < sites.simplices().size()) of_simplex_.resize(sites.simplices().size(), none);
@@ -66,8 +70,8 @@ struct Cavity {
         for (const std::uint32_t s : numbers) of_simplex_[s] = none;
     }
 
-    /// The other facet of the rim at the ridge of `facet` without its vertex `y`: found by turning
-    /// about the ridge through the cavity.
+    /// Returns the other rim facet at a ridge: the ridge is `facet` without its vertex `y`. The
+    /// function rotates about the ridge from simplex to simplex through the cavity.
     std::uint32_t across(const RimFacet& facet, std::uint32_t y) const noexcept {
         std::uint32_t s = facet.simplex, last = facet.index;
         while (simplices[s].inner[y] != none) {
@@ -86,10 +90,11 @@ private:
     std::vector<std::uint32_t> vertices_;
     std::vector<Simplex> simplices_;
     std::vector<RimFacet> rim_;
-    std::vector<std::uint32_t> of_vertex_, of_simplex_; ///< numbers here; none but within `fill`
+    /// New numbers of vertices and simplices; all none outside `fill`.
+    std::vector<std::uint32_t> of_vertex_, of_simplex_;
 };
 
-/// A vector of numbers of any kind.
+/// A vector with components of any number type.
 template <class N, std::size_t D>
 using Numbers = std::array<N, D>;
 
@@ -102,39 +107,45 @@ Numbers<N, 3> cross_of(const Numbers<N, 3>& a, const Numbers<N, 3>& b) noexcept 
     return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
 
-/// What is summed over stolen parts.
+/// The quantities that are summed over the overlap of two Voronoi cells.
 enum class StolenParts : std::uint8_t {
     measures,
     facets,  ///< measures and facets
     moments, ///< measures, facets and moments
-    smooth,  ///< smooth measures
+    smooth,  ///< the measures of the C² coordinates
 };
 
-/// The measures of the stolen parts, with p as origin, summed over the edges of Voronoi facets
-/// (specification, section 5): sums of determinants of circumcentres in which no loop needs an
-/// order. N is double or WideFloat.
+/// Sums the area or volume of V_p ∩ V_i for every neighbour i of a new point p.
+///
+/// The corners of V_p ∩ V_i are known: they are circumcentres, of the cavity's simplices and of the
+/// simplices that p would form with the rim facets. The measure of the polygon or polyhedron is then
+/// a sum of determinants over its edges, with p as origin (the shoelace formula in 2D, cones over
+/// the faces in 3D). Each edge joins the circumcentres of two simplices with a common facet, so one
+/// pass over the facets of the cavity finds all edges, in any order. N is double or WideFloat.
 template <class N, std::size_t D>
 struct Stolen {
     using Vector = Numbers<N, D>;
 
-    /// Seen from p, in steps of the lattice. Sizes and errors are of use in double only.
+    /// Coordinates are relative to p, in lattice steps. Sizes and errors are used only in double.
     struct Site {
         Vector at;
         double size; ///< Σ|x|
     };
     struct Centre {
         Vector at;
-        double size, error; ///< Σ|x|, and a bound of the error of every x
+        double size, error; ///< Σ|x|, and an error bound for each component
     };
 
-    // In. All vectors are as long as they ever had to be.
-    std::vector<Site> site;     ///< of the cavity's vertices
-    std::vector<Centre> centre; ///< of its simplices, then of p and the facets of its rim
-    // Out, for every vertex; what is not asked for is left as it is.
-    std::vector<N> measure; ///< D! times the stolen area or volume
-    std::vector<N> facet;   ///< (D − 1)! |P|/2 times the length or area of the facet of p's cell towards it
-    std::vector<Vector> moment; ///< |P|²/2 times the gradient of `measure` in p
-    double squares = 0;         ///< of bounds of the rounding of every term, summed; double only
+    // Input. The vectors only grow, so they can be longer than the cavity needs.
+    std::vector<Site> site; ///< the cavity's vertices
+    /// Circumcentres: of the cavity's simplices, then of p with each rim facet.
+    std::vector<Centre> centre;
+    // Output, one per vertex. Quantities that `sum` was not called for keep their old values.
+    std::vector<N> measure; ///< D! times the area or volume of V_p ∩ V_i
+    /// (D − 1)! |P|/2 times the length or area of the facet between p's cell and the site's cell.
+    std::vector<N> facet;
+    std::vector<Vector> moment; ///< |P|²/2 times the gradient of `measure` with respect to p
+    double squares = 0;         ///< sum over all terms of the squared rounding bound; double only
 
     void make_room(const Cavity<D>& cavity) {
         grow_to(site, cavity.vertices.size());
@@ -143,8 +154,8 @@ struct Stolen {
         grow_to(facet, cavity.vertices.size());
         grow_to(moment, cavity.vertices.size());
     }
-    /// Smooth measures are those of the C² coordinates of Hiyoshi & Sugihara, in the plane:
-    /// ∫ (|y − P|² − |y − p|²) dy over the stolen part, times 6. They have no facets and moments.
+    /// Computes the sums. Smooth measures are those of the C² coordinates of Hiyoshi & Sugihara (2D
+    /// only): 6 ∫ (|y − P|² − |y − p|²) dy over V_p ∩ V_i. They have no facets and no moments.
     void sum(const Cavity<D>& cavity, StolenParts parts) {
         parts_ = parts;
         const std::size_t count = cavity.vertices.size();
@@ -169,8 +180,7 @@ struct Stolen {
 private:
     static constexpr bool measures_error = std::is_same_v<N, double>;
 
-    /// The other vertices of a simplex than k, in an order that makes an even permutation of it with
-    /// k as the last.
+    /// Returns the vertices of a simplex other than k. Their order followed by k is an even permutation.
     static constexpr auto others(std::uint32_t k) noexcept {
         if constexpr (D == 2) {
             constexpr std::uint32_t all[3][2] = {{1, 2}, {2, 0}, {0, 1}};
@@ -192,9 +202,10 @@ private:
         height_.resize(cavity.simplices.size() + cavity.rim.size(), N(0));
     }
 
-    /// The edge from centre `a` of a simplex across its facet without vertex `k` to centre `b`: one
-    /// of the Voronoi facets of every two vertices of that facet, as a determinant of the middle of
-    /// both, a and b.
+    /// Adds the dual edge from circumcentre `a` of a simplex, across its facet without vertex `k`,
+    /// to circumcentre `b`. The edge belongs to the Voronoi facet of every two vertices i, j of that
+    /// facet, which lies in their bisector plane. In 3D its term is det((P_i + P_j)/2, a, b),
+    /// because the midpoint lies in that plane; cell i gets it with one sign, cell j with the other.
     void dual_edge(const typename Cavity<D>::Simplex& simplex, std::uint32_t k, std::size_t a,
                    std::size_t b) {
         const auto order = others(k);
@@ -220,8 +231,9 @@ private:
             note_error(site[i].size + site[j].size + site[l].size, a, b);
         }
     }
-    /// At each ridge of a facet of the rim, from the centre at which the path about it leaves the
-    /// cavity to that at which it enters.
+    /// Closes the boundary of V_p ∩ V_i at rim facet `n`: at each ridge of the facet it adds the
+    /// edge between the circumcentres of p with the two rim facets that meet there. These edges
+    /// bound p's cell.
     void close(const Cavity<D>& cavity, std::size_t n) {
         const auto& rim = cavity.rim[n];
         const auto& vertex = cavity.simplices[rim.simplex].vertex;
@@ -241,7 +253,8 @@ private:
             }
         }
     }
-    /// The edge from b to a of the facet between i and j, and back those of p's facets towards both.
+    /// Adds the edge from b to a of the facet between i and j, and the same edge in the opposite
+    /// direction to the two facets between p's cell and the cells of i and j.
     void close(std::uint32_t i, std::uint32_t j, std::size_t a, std::size_t b) requires(D == 3) {
         const Vector normal = cross_of(centre[a].at, centre[b].at);
         const N x = half_of(i, normal), y = half_of(j, normal);
@@ -251,7 +264,7 @@ private:
         add_facet(j, N(0) - y, a, b);
         note_error(site[i].size + site[j].size, a, b);
     }
-    /// An edge a b of the facet of p's cell towards i.
+    /// Adds the edge from a to b to the facet between p's cell and the cell of i.
     void add_facet(std::uint32_t i, const N& t, std::size_t a, std::size_t b) {
         if (parts_ == StolenParts::measures) return;
         facet[i] = facet[i] + t;
@@ -288,7 +301,9 @@ private:
     }
 
     StolenParts parts_ = StolenParts::moments;
-    std::vector<N> height_; ///< |y − P|² − |y − p|² at circumcentres, for the sites P of each; smooth only
+    /// |y − P|² − |y − p|² at each circumcentre y, equal for all vertices P of its simplex; smooth
+    /// only.
+    std::vector<N> height_;
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

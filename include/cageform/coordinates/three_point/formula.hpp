@@ -1,4 +1,4 @@
-// The formula of three-point weights in a convex polygon, for any kind of number.
+// The formula of three-point weights in a convex polygon, for any number type.
 #pragma once
 
 #include <cageform/core/affine/compensated_sum.hpp>
@@ -12,18 +12,18 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// A convex cage in the numbers that the formula takes, its vertices moved and scaled.
+/// A convex cage as the formula needs it, with its vertices moved and scaled.
 template <class S>
 struct ThreePointFrame {
     struct Corner {
         Vec<S, 2> position;
-        Vec<S, 2> edge; ///< the edge that starts here times `scale`, the inside to its left
+        Vec<S, 2> edge; ///< the edge that starts here times `scale`, with the inside on its left
         S scale;        ///< a power of two, so that the length is in [1/2, 1)
-        S bend;         ///< such an edge before × this one
+        S bend;         ///< the previous scaled edge × this one
     };
     Buffer<Corner> corners;
-    S square = 1; ///< the square of the frame's unit of length, in the user's
-    S sign = 1;   ///< −1 where edges are turned
+    S square = 1; ///< the square of the frame's unit of length, in the user's unit
+    S sign = 1;   ///< −1 if edges are reversed
 
     ThreePointFrame() = default;
     /// `at` in the user's order, counter-clockwise or (not `left`) clockwise.
@@ -51,7 +51,7 @@ struct ThreePointFrame {
     }
 };
 
-/// The sum of the weights; and masks, one in the lanes where it holds and zero in the others.
+/// The sum of the weights, and two masks that are one in the lanes where they hold, else zero.
 template <class N>
 struct ThreePointSum {
     N sum;
@@ -59,7 +59,7 @@ struct ThreePointSum {
     ValueOf<N> outside; ///< farther than `near_distance` beyond the line of an edge
 };
 
-/// The vector u from the point to a vertex, and c = f(|u|²), `square` the square of the unit.
+/// The vector u from the point to a vertex, and c = f(|u|²); `square` is the square of the unit.
 template <class N>
 struct ThreePointSpoke {
     using X = ValueOf<N>;
@@ -72,11 +72,11 @@ struct ThreePointSpoke {
         , c(f(with_gradient<N, 2>(square * (u[0] * u[0] + u[1] * u[1]), (X(S(-2)) * square) * u))) {}
 };
 
-/// What is known of the differences of c along edges.
+/// How the differences of c along edges are computed.
 enum class ThreePointRises : std::uint8_t { none, of_squares, of_any };
 
-/// (c_{i+1} − c_i) times the scale of the edge. Of squares it is e·(u_i + u_{i+1}), where no large
-/// numbers cancel: along short edges the difference of squares is mostly rounding.
+/// Returns (c_{i+1} − c_i) times the scale of the edge. For c = r² this is e·(u_i + u_{i+1}), where
+/// no large numbers cancel: along short edges the difference of squares is mostly rounding.
 template <ThreePointRises rises, class N, class S>
 N scaled_rise(const ThreePointFrame<S>& cage, const typename ThreePointFrame<S>::Corner& corner,
               const ThreePointSpoke<N>& from, const ThreePointSpoke<N>& to) noexcept {
@@ -91,18 +91,18 @@ N scaled_rise(const ThreePointFrame<S>& cage, const typename ThreePointFrame<S>:
     }
 }
 
-/// Floater, Hormann & Kós, A general construction of barycentric coordinates over convex polygons
-/// (Adv. Comput. Math. 24, 2006), before normalising; twice areas in place of areas, which halves
-/// all weights:
+/// Computes the weights of Floater, Hormann & Kós, A general construction of barycentric
+/// coordinates over convex polygons (Adv. Comput. Math. 24, 2006), before normalising. Areas are
+/// doubled, which halves all weights:
 ///
 ///   w_i = K_i c_i / (A_{i−1} A_i) + (c_{i+1} − c_i) / A_i − (c_i − c_{i−1}) / A_{i−1}
 ///
-/// K_i is a constant of the cage, so that next to the boundary nothing cancels. A_i is taken with
-/// the edge: with the next vertex in its place it would cancel. Edges are scaled to a length of
-/// about 1, so that A_i is about the distance from the edge's line, which one minimum finds out;
-/// K_i / (A_{i−1} A_i) stays as it is.
+/// K_i is a constant of the cage, so nothing cancels next to the boundary. A_i is computed from the
+/// edge, because with the next vertex instead it would cancel. Edges are scaled to a length of
+/// about 1, so A_i is about the distance from the edge's line and one minimum finds the nearest
+/// line; K_i / (A_{i−1} A_i) does not change.
 ///
-///   rises  none where f is constant: differences of c are left out; of_squares where it is r²
+///   rises  none if f is constant: differences of c are left out; of_squares if it is r²
 template <ThreePointRises rises, class N, class S, class F>
 CAGEFORM_DETAIL_FLATTEN ThreePointSum<N> weigh_three_points(const ThreePointFrame<S>& cage, const F& f,
                                                             S near_distance, const Vec<ValueOf<N>, 2>& p,

@@ -1,5 +1,5 @@
-// The rows (κ, H) of a cage's handles, in which linear precision is stated for handles of both
-// kinds.
+// The rows (κ, H) of a cage's handles, in terms of which linear precision is defined for points and
+// vectors.
 #pragma once
 
 #include <cageform/core/detail/bounds.hpp>
@@ -10,19 +10,19 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Where handles are seen from, and in what unit.
+/// The origin and unit in which handles are expressed.
 template <Scalar T, std::size_t D>
 struct AffineFrame {
     Vec<T, D> centre{};
     T size = 1;
 
-    /// (κ, (H − κ centre) / size) of a handle H, κ = 1 for points and 0 for vectors.
+    /// Returns (κ, (H − κ centre) / size) for a handle H, with κ = 1 for points and 0 for vectors.
     template <Scalar S>
     Vec<T, D + 1> row(const HandleView<S, D>& handles, std::size_t handle) const noexcept {
         const auto at = vec_cast<T>(handles.rest[handle]);
         return handles.is_point(handle) ? with(T(1), at - centre) : with(T(0), at);
     }
-    /// (κ, v / size).
+    /// Returns (κ, v / size).
     Vec<T, D + 1> with(T kappa, const Vec<T, D>& v) const noexcept {
         Vec<T, D + 1> row{kappa};
         for (std::size_t k = 0; k < D; ++k) row[k + 1] = v[k] / size;
@@ -30,7 +30,7 @@ struct AffineFrame {
     }
 };
 
-/// The frame of the points' bounds. Where a vector is longer than these it gives the size.
+/// Returns the frame of the points' bounds. The size is that of the longest vector if it is larger.
 template <Scalar T, std::size_t D>
 AffineFrame<T, D> frame_of(const HandleView<T, D>& handles) {
     std::vector<Vec<T, D>> points;
@@ -47,8 +47,8 @@ AffineFrame<T, D> frame_of(const HandleView<T, D>& handles) {
     return {T(0.5) * (bounds.lower + bounds.upper), std::fmax(bounds.diagonal(), longest)};
 }
 
-/// The rows a_i of all handles in a frame. Weights have linear precision at a place p, or move a
-/// vector t, where
+/// The rows a_i of all handles in a frame. Weights have linear precision at a point p, or for a
+/// vector t, if
 ///
 ///     Σ w_i a_i = (1, (p − centre) / size),   Σ w_i a_i = (0, t / size).
 template <Scalar T, std::size_t D>

@@ -1,4 +1,4 @@
-// Forward differentiation: a number together with its gradient, through any formula.
+// Forward-mode differentiation: a number that carries its gradient through any formula.
 #pragma once
 
 #include <cageform/core/detail/number.hpp>
@@ -6,8 +6,8 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The value of an expression in `D` variables, and its derivatives with respect to them. `U` is a
-/// scalar or a register. A formula that is a template of its number is differentiated by calling it
+/// The value of an expression in `D` variables and its derivatives with respect to them. `U` is a
+/// scalar or a register. A formula templated on its number type is differentiated by calling it
 /// with this type.
 template <class U, std::size_t D>
 struct Dual {
@@ -54,7 +54,7 @@ struct Dual {
                 slope([&](std::size_t k) { return detail::select(first, a.gradient[k], b.gradient[k]); })};
     }
     friend Dual abs(const Dual& a) noexcept { return select(a.value < U(0), -a, a); }
-    /// Not at zero.
+    /// Not differentiable at zero.
     friend Dual sqrt(const Dual& a) noexcept {
         const U root = detail::sqrt(a.value);
         return {root, (U(0.5) / root) * a.gradient};
@@ -62,7 +62,7 @@ struct Dual {
     friend Dual atan(const Dual& a) noexcept {
         return {std::atan(a.value), (1 / (1 + a.value * a.value)) * a.gradient};
     }
-    /// For y ≥ 0; not at (0, 0).
+    /// For y ≥ 0; not differentiable at (0, 0).
     friend Dual angle(const Dual& y, const Dual& x) noexcept {
         const U inverse = U(1) / (x.value * x.value + y.value * y.value);
         return {detail::angle(y.value, x.value), slope([&](std::size_t k) {
@@ -71,7 +71,7 @@ struct Dual {
     }
 
 private:
-    /// A derivative for each variable, without a loop: those of registers stay in registers.
+    /// Returns one derivative per variable, without a loop, so that registers stay in registers.
     template <class F>
     static constexpr Vec<U, D> slope(const F& f) noexcept {
         if constexpr (D == 2)
@@ -81,8 +81,8 @@ private:
     }
 };
 
-/// What a formula needs to know of its number N: the type of its value, whether it carries a
-/// gradient, and of what it is made: the value is part 0, the derivatives are the parts after it.
+/// Describes the number type N of a formula: the type of its value, whether it carries a gradient,
+/// and its components: the value is component 0, the derivatives follow.
 template <class N>
 struct NumberTraits {
     using Value = N;
@@ -111,7 +111,7 @@ const ValueOf<N>& value_of(const N& n) noexcept {
     return NumberTraits<N>::part(n, 0);
 }
 
-/// A value whose gradient is known; of numbers that carry none it is left out.
+/// Makes a number from a value and its known gradient, which is dropped if N carries none.
 template <class N, std::size_t D>
 N with_gradient(const ValueOf<N>& value, [[maybe_unused]] const Vec<ValueOf<N>, D>& gradient) noexcept {
     if constexpr (has_gradient<N>)
@@ -120,7 +120,8 @@ N with_gradient(const ValueOf<N>& value, [[maybe_unused]] const Vec<ValueOf<N>, 
         return value;
 }
 
-/// set(row, value) for the weight of handle `i` of `handles`, or for its derivatives times `scale`.
+/// Calls set(row, value) for the weight of handle `i` of `handles`, or for its derivatives times
+/// `scale`.
 template <class N, class S, class Set>
 void for_parts(const N& weight, std::size_t i, [[maybe_unused]] std::size_t handles, [[maybe_unused]] S scale,
                const Set& set) {

@@ -1,4 +1,4 @@
-// Linear precision for weights that miss it by a little.
+// Restores linear precision of weights that have it only approximately.
 #pragma once
 
 #include <cageform/core/affine/affine_rows.hpp>
@@ -10,20 +10,21 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The least change of a point's weights that restores Σwκ = 1 and ΣwH = p, for all points of a
-/// block; or, of weights that move a vector t, Σwκ = 0 and ΣwH = t.
+/// Makes the least change of a point's weights that restores Σwκ = 1 and ΣwH = p, for all points of
+/// a block; or, for weights of a vector t, Σwκ = 0 and ΣwH = t.
 ///
-/// The rows of A are the affine rows of the handles, r is the residual of the row sums. With A = QR
-/// the change is Q R⁻ᵀ r, the same as A(AᵀA)⁻¹ r but without squaring the condition number, which
-/// is one over the width of a thin cage. Where weights are large, rounding them may be worse than
-/// the residual: a change is made only where it lowers it. Where rows are local a zero stays zero:
-/// the change is the least among the other handles, Q M⁻¹ R⁻ᵀ r with M their part of QᵀQ.
+/// The rows of A are the affine rows of the handles, and r is the residual of the row sums. With A
+/// = QR the change is Q R⁻ᵀ r, which equals A(AᵀA)⁻¹ r but does not square the condition number
+/// (one over the relative width of a thin cage). If weights are large, rounding them may exceed the
+/// residual; so a change is made only if it lowers the residual. With `local`, zero weights stay
+/// zero: the change is the least one among the other handles, Q M⁻¹ R⁻ᵀ r, where M is their share
+/// of QᵀQ.
 template <Scalar T, std::size_t D>
 class LinearRestorer {
 public:
     struct Result {
         Lanes<T> partition, reproduction, before, change, least, sizes; ///< sizes: Σ|w|
-        Lanes<T> missed; ///< one where more than rounding is left to restore, zero in other lanes
+        Lanes<T> missed; ///< one in lanes that miss linear precision by more than rounding, else zero
     };
 
     explicit LinearRestorer(const HandleView<T, D>& handles, bool local = false)
@@ -38,8 +39,8 @@ public:
         for (std::size_t k = 0; k <= D; ++k) triangle_[k] = vec_cast<T>(orthonormal.triangle()[k]);
     }
 
-    /// `row` holds the weights of a block of points; `bound` is one in lanes to treat and zero in
-    /// others. Measures alone unless `restore`.
+    /// Treats a block of points: `row` holds their weights; `bound` is one in lanes to treat and
+    /// zero in others. Only measures unless `restore`.
     Result run(const Lanes<T>* target, const Lanes<T>& bound, Lanes<T>* row, bool restore) const {
         Row wanted;
         wanted[0] = Simd(T(1));
@@ -48,7 +49,7 @@ public:
         return run_to(wanted, Simd(T(1)), bound, row, restore);
     }
 
-    /// The same for vectors. What is worth a change is relative to their length.
+    /// Treats weights of vectors. The threshold for a change is relative to the vectors' lengths.
     Result run_vectors(const Lanes<T>* target, const Lanes<T>& bound, Lanes<T>* row, bool restore) const {
         Row wanted;
         wanted[0] = Simd(T(0));
@@ -58,15 +59,16 @@ public:
 
 private:
     using Simd = detail::Simd<T>;
-    /// A number for κ and each axis.
+    /// One number for κ and one for each axis.
     using Row = std::array<Simd, D + 1>;
 
     const AffineFrame<T, D>& frame() const noexcept { return rows_.frame(); }
 
-    /// `wanted`: Σ w a. Residuals are rounding when they are below some epsilon times `unit`.
+    /// Makes the row sums Σ w a equal `wanted`. Residuals below a few epsilon times `unit` are
+    /// rounding.
     Result run_to(const Row& wanted, const Simd& unit, const Lanes<T>& bound, Lanes<T>* row,
                   bool restore) const {
-        // Below 4 epsilon nothing is changed: exact zeros on edges would be lost.
+        // Residuals below 4 epsilon are left alone: a change would destroy exact zeros on edges.
         const Simd enough = Simd(4 * epsilon<T>) * unit, zero(T(0));
         Simd treat = restore ? Simd::load(bound) : zero;
         Result result;
@@ -99,26 +101,26 @@ private:
         change.store(result.change);
         least.store(result.least);
         sizes.store(result.sizes);
-        // The sums over weights that grow with the distance round by more.
+        // Far outside, weights grow with the distance, and so does the rounding of their sums.
         const Simd rounding = Simd(128 * epsilon<T>) * max<T>(unit, largest(wanted));
         select<T>(rounding < worst, restore ? Simd::load(bound) : zero, zero).store(result.missed);
         return result;
     }
 
-    /// The change of a handle's weight.
+    /// Returns the change of a handle's weight.
     Simd change_of(const Row& step, const Lanes<T>* row, std::size_t handle) const {
         Simd delta = step[0] * Simd(basis_[handle][0]);
         for (std::size_t r = 1; r <= D; ++r) delta = delta + step[r] * Simd(basis_[handle][r]);
         return local_ ? delta * weighted(row[handle]) : delta;
     }
-    /// One where there is a weight, else zero.
+    /// Returns one in lanes with a non-zero weight, else zero.
     static Simd weighted(const Lanes<T>& weight) {
         const Simd zero(T(0));
         return select<T>(zero < abs<T>(Simd::load(weight)), Simd(T(1)), zero);
     }
 
-    /// Solves M y = step by elimination, M the sum of q qᵀ over the handles with a weight. Where they
-    /// lie in a plane, y is zero along it: nothing is to be divided by.
+    /// Solves M y = step by elimination, where M sums q qᵀ over the handles with a non-zero weight.
+    /// If these span too few dimensions, y is zero in the missing ones, where pivots vanish.
     Row solve_among(const Lanes<T>* row, Row step) const {
         std::array<Row, D + 1> m;
         for (Row& sums : m) sums.fill(Simd(T(0)));
@@ -149,11 +151,11 @@ private:
     }
 
     struct Measures {
-        Row missing; ///< to what is wanted
+        Row missing; ///< residual to `wanted`
         Simd least;
         Simd sizes;
     };
-    /// weight(i): of a handle.
+    /// Measures the weights that weight(i) returns for handle i.
     template <class Weight>
     Measures measure(const Row& wanted, const Weight& weight) const {
         Measures m{wanted, weight(0), Simd(T(0))};
@@ -174,7 +176,8 @@ private:
     }
 
     Simd distance(const Row& missing) const {
-        // Squared in units of the cage: in the caller's the square of a small error may vanish.
+        // Squared in units of the cage: in the caller's units the square of a small error may
+        // underflow.
         Simd sum(T(0));
         for (std::size_t k = 0; k < D; ++k) {
             const Simd d = missing[k + 1] + Simd(frame().centre[k] / frame().size) * missing[0];

@@ -1,4 +1,4 @@
-// Whether weights are more than rounding.
+// Tests whether weights are more than rounding errors.
 #pragma once
 
 #include <cageform/core/affine/compensated_sum.hpp>
@@ -9,8 +9,9 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Outside thin cages weights before normalising are small differences of large numbers. Then they
-/// miss Σ w_i (C_i − p) = 0, lengths in each direction relative to the extent of the cage there.
+/// Outside thin cages, weights before normalisation are small differences of large numbers. If they
+/// lose their digits, they violate Σ w_i (C_i − p) = 0, which this class tests. Lengths in each
+/// direction are relative to the cage's extent in that direction.
 template <class S, std::size_t D>
 class MomentTest {
 public:
@@ -22,7 +23,7 @@ public:
             auto& row = rows.push_back(Vec<double, D + 1>{1});
             for (std::size_t k = 0; k < D; ++k) row[k + 1] = double(v[k]);
         }
-        const double deviation = std::sqrt(double(rows.size())); // rows of Q times it: of size 1
+        const double deviation = std::sqrt(double(rows.size())); // scales the rows of Q to size 1
         const OrthonormalRows<D + 1> basis(std::move(rows));
         for (std::size_t i = 0; i < vertices.size(); ++i) {
             auto& place = places_.push_back();
@@ -35,7 +36,7 @@ public:
         }
     }
 
-    /// One in the lanes where more than half of the digits are lost, zero in the others.
+    /// Returns one in lanes that lost more than half of their digits, else zero.
     template <class N, class X = ValueOf<N>>
     X failed(const Vec<X, D>& p, const std::vector<N>& weights, const X& sum) const noexcept {
         const X zero(S(0)), one(S(1));
@@ -45,7 +46,7 @@ public:
         std::array<X, D + 1> row{one};
         for (std::size_t k = 0; k < D; ++k) row[k + 1] = p[k];
         const auto place = in_basis(triangle_, row);
-        X missed = zero, square = one; // far away it grows
+        X missed = zero, square = one; // grows with the distance
         for (std::size_t k = 0; k < D; ++k) {
             missed = (max)(missed, abs(moments[k] - sum * place[k + 1]));
             square += p[k] * p[k];

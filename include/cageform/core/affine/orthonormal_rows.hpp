@@ -1,4 +1,4 @@
-// Rows in a basis in which no direction is thin.
+// Orthonormalises rows, so that no direction is thin.
 #pragma once
 
 #include <cageform/core/detail/buffer.hpp>
@@ -10,17 +10,19 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Rows A = QR, the columns of Q orthonormal. Directions without extent are zero in Q.
+/// The factorisation A = QR of rows A, with orthonormal columns of Q. Directions without extent are
+/// zero in Q.
 template <std::size_t K>
 class OrthonormalRows {
 public:
-    /// By Gram and Schmidt, each column twice (Giraud, Langou, Rozložník, The loss of orthogonality
-    /// in the Gram–Schmidt orthogonalization process, Comput. Math. Appl. 50 (2005)).
+    /// Uses Gram–Schmidt with every column orthogonalised twice (Giraud, Langou, Rozložník, The
+    /// loss of orthogonality in the Gram–Schmidt orthogonalization process, Comput. Math. Appl. 50
+    /// (2005)).
     explicit OrthonormalRows(Buffer<Vec<double, K>> rows)
         : q_(std::move(rows)) {
         for (std::size_t k = 0; k < K; ++k) {
             const double given = std::sqrt(inner(k, k));
-            if (given == 0) { // or too small to be squared
+            if (given == 0) { // or its square underflows
                 for (auto& row : q_) row[k] = 0;
                 continue;
             }
@@ -39,7 +41,8 @@ public:
     }
 
     const Vec<double, K>& operator[](std::size_t row) const noexcept { return q_[row]; }
-    /// Rᵀ below the diagonal; on it, one over it, or zero.
+    /// Returns Rᵀ below the diagonal and the inverses of R's diagonal on it, or zero where R has
+    /// none.
     const Vec<Vec<double, K>, K>& triangle() const noexcept { return triangle_; }
 
 private:
@@ -53,7 +56,8 @@ private:
     Vec<Vec<double, K>, K> triangle_{};
 };
 
-/// R⁻ᵀ x, by a `triangle` as of OrthonormalRows: the row of Q for a row x.
+/// Returns R⁻ᵀ x for a `triangle` of OrthonormalRows: the row of Q that corresponds to a row x of
+/// A.
 template <class X, class S, std::size_t K>
 std::array<X, K> in_basis(const Vec<Vec<S, K>, K>& triangle, const std::array<X, K>& x) noexcept {
     std::array<X, K> z;
@@ -65,7 +69,7 @@ std::array<X, K> in_basis(const Vec<Vec<S, K>, K>& triangle, const std::array<X,
     return z;
 }
 
-/// R⁻¹ z: what the columns of A are multiplied by to make Q z; 0 for directions without extent.
+/// Returns R⁻¹ z: the factors of A's columns that sum to Q z; 0 for directions without extent.
 template <std::size_t K>
 Vec<double, K> coefficients(const Vec<Vec<double, K>, K>& triangle, Vec<double, K> z) noexcept {
     for (std::size_t k = K; k-- > 0;) {

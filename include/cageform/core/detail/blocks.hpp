@@ -1,5 +1,5 @@
-// The memory layout of bound data: points in blocks of one cache line, rows of a block side by
-// side.
+// The memory layout of bound data: points in blocks of one cache line, the rows of a block stored
+// one after another.
 //
 //     block 0: row 0 of points 0…7 | row 1 of points 0…7 | …    block 1: row 0 of points 8…15 | …
 //
@@ -13,12 +13,13 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Points in a block: 16 for float, 8 for double, one cache line whatever the target's registers.
+/// Points in a block: 16 for float, 8 for double. A row is one cache line, whatever the target's
+/// registers.
 template <Scalar T>
 inline constexpr std::size_t lane_count = 64 / sizeof(T);
 
-/// One row of a block. Not initialised on purpose: large arrays of it are written once, front to
-/// back.
+/// One row of a block. Deliberately left uninitialised: large arrays of rows are written once,
+/// front to back.
 template <Scalar T>
 struct alignas(64) Lanes {
     T v[lane_count<T>];
@@ -28,7 +29,7 @@ struct alignas(64) Lanes {
     const T& operator[](std::size_t lane) const noexcept { return v[lane]; }
 };
 
-/// Blocks needed for `points` points; the last one may be partly used.
+/// Returns the number of blocks for `points` points; the last one may be partly used.
 template <Scalar T>
 constexpr std::size_t block_count(std::size_t points) noexcept {
     return (points + lane_count<T> - 1) / lane_count<T>;
@@ -56,7 +57,7 @@ struct BlockView {
     }
 };
 
-/// Point `i` of blocks whose rows are axes.
+/// Returns point `i` of blocks whose rows are axes.
 template <std::size_t D, class T>
 Vec<std::remove_const_t<T>, D> block_point(const BlockView<T>& points, std::size_t i) noexcept {
     Vec<std::remove_const_t<T>, D> p{};

@@ -1,4 +1,4 @@
-// Axis-aligned bounds, and the lengths that tolerances are relative to.
+// Axis-aligned bounds, and the tolerances derived from them.
 #pragma once
 
 #include <cageform/core/vec.hpp>
@@ -10,18 +10,18 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Axis-aligned bounds of points, empty (lower above upper) for none.
+/// The axis-aligned bounds of points; empty (lower above upper) for no points.
 template <Scalar T, std::size_t D>
 struct Bounds {
     Vec<T, D> lower;
     Vec<T, D> upper;
 
-    /// Squared in double, so that no float overflows or vanishes.
+    /// Computed in double, so that no float overflows or underflows.
     T diagonal() const noexcept {
         const auto d = vec_cast<double>(upper - lower);
         return static_cast<T>(std::sqrt(dot(d, d)));
     }
-    /// The largest absolute coordinate: what the rounding of the coordinates is relative to.
+    /// Returns the largest absolute coordinate; the rounding of coordinates is relative to it.
     T magnitude() const noexcept {
         T m = 0;
         for (std::size_t k = 0; k < D; ++k)
@@ -64,14 +64,15 @@ Bounds<T, D> bounds_of(std::span<const Vec<T, D>> points) noexcept {
     return b;
 }
 
-/// Two places of a cage nearer than this are one: eight roundings of its largest coordinate. Points
-/// this near to a vertex or an edge are on it. In the units of the cage.
+/// Returns the distance below which two points of a cage count as one: eight roundings of the
+/// larger of the largest coordinate and the diagonal. Points this close to a vertex or an edge lie
+/// on it. In the units of the cage.
 template <Scalar T, std::size_t D>
 T coincidence_tolerance(const Bounds<T, D>& bounds) noexcept {
     return 8 * epsilon<T> * std::fmax(bounds.diagonal(), bounds.magnitude());
 }
 
-/// A power of two that makes the diagonal at most 1: scaling by it is exact.
+/// Returns a power of two that scales the diagonal to at most 1; scaling by it is exact.
 template <Scalar T, std::size_t D>
 T unit_scale(const Bounds<T, D>& bounds) noexcept {
     int exponent = 0;

@@ -1,7 +1,8 @@
-// A std::vector for what is trivially copyable, that grows by code compiled once for all types.
+// A std::vector for trivially copyable types, whose growth is compiled once for all types.
 //
-// A vector of a type costs a compiler some sixty functions, this ten: a fifth of the time that a
-// file takes which binds by a solver. For private memory; interfaces speak std::vector and spans.
+// A vector costs the compiler some sixty functions per type, a Buffer ten; that saves a fifth of
+// the compile time of a file that binds with a solver. Buffer is for private memory; interfaces use
+// std::vector and spans.
 #pragma once
 
 #include <cageform/core/detail/huge_pages.hpp>
@@ -16,7 +17,7 @@
 namespace cageform::inline CAGEFORM_ABI {
 namespace detail {
 
-/// The memory of a Buffer, which knows the size and the alignment of its elements.
+/// The memory of a Buffer. Its functions get the elements' size and alignment as an argument.
 class RawBuffer {
 public:
     std::size_t size() const noexcept { return size_; }
@@ -40,10 +41,11 @@ protected:
         std::swap(capacity_, other.capacity_);
     }
 
-    /// Moves to memory for exactly `capacity` elements; those there are fit.
+    /// Reallocates for exactly `capacity` elements, at least as many as there are.
     void move_to(std::size_t capacity, Element element) {
         if (capacity > (std::numeric_limits<std::ptrdiff_t>::max)() / element.size)
-            capacity = (std::numeric_limits<std::ptrdiff_t>::max)() / element.size; // which no system has
+            capacity =
+                (std::numeric_limits<std::ptrdiff_t>::max)() / element.size; // more than any system has
         void* const moved = capacity == 0
                                 ? nullptr
                                 : ::operator new(capacity* element.size, std::align_val_t(element.alignment));
@@ -53,13 +55,13 @@ protected:
         data_ = moved;
         capacity_ = capacity;
     }
-    /// Makes room for `count` elements more; twice what there was at least.
+    /// Makes room for `count` more elements; at least doubles the size when it grows.
     void grow(std::size_t count, Element element) {
         if (count <= capacity_ - size_) return;
         const std::size_t most = (std::numeric_limits<std::size_t>::max)() - size_;
         move_to(size_ + (count > most ? most : count > size_ ? count : size_), element);
     }
-    /// `from` is no part of this.
+    /// Appends elements; `from` must not point into this buffer.
     void append_raw(const void* from, std::size_t count, Element element) {
         grow(count, element);
         if (count != 0)
@@ -76,7 +78,7 @@ protected:
 
 } // namespace detail
 
-/// Elements one after the other, as in a std::vector. Throws bad_alloc where no memory is left.
+/// Contiguous elements, as in a std::vector. Throws bad_alloc if memory runs out.
 template <class T>
 class Buffer : public detail::RawBuffer {
 public:
@@ -123,19 +125,19 @@ public:
     void shrink_to_fit() {
         if (size_ < capacity_) move_to(size_, element());
     }
-    /// New elements are T().
+    /// Resizes; new elements are T().
     void resize(std::size_t size) {
         if (size > size_) grow(size - size_, element());
         for (; size_ < size; ++size_) ::new (static_cast<void*>(data() + size_)) T();
         size_ = size;
     }
-    /// Returns the element added. `value` may be one of this.
+    /// Adds an element and returns it. `value` may refer to an element of this buffer.
     T& push_back(const T& value = T()) {
         const T copy = value;
         grow(1, element());
         return *::new (static_cast<void*>(data() + size_++)) T(copy);
     }
-    /// first … last are no part of this.
+    /// Appends [first, last), which must not lie in this buffer.
     void append(const T* first, const T* last) { append_raw(first, std::size_t(last - first), element()); }
     /// Removes the elements from `first` on.
     void erase_from(const T* first) noexcept { size_ = std::size_t(first - data()); }

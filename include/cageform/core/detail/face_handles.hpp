@@ -1,5 +1,5 @@
-// The vectors that faces of a cage are handles by: normals, of the length of the edge
-// in the plane and the root of the area in space.
+// The vectors that serve as handles of a cage's faces: normals whose length is the edge's length in
+// 2D and the square root of the area in 3D.
 #pragma once
 
 #include <cageform/core/vec.hpp>
@@ -9,8 +9,8 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// The edge from `a` to `b` turned by −90°: the outward normal where the inside is on the left.
-/// Linear in the pose.
+/// Returns the edge from `a` to `b` rotated by −90°, the outward normal if the inside is on the
+/// left. Linear in the pose.
 template <Scalar T>
 Vec<T, 2> edge_handle(const Vec<T, 2>& a, const Vec<T, 2>& b) noexcept {
     return {b[1] - a[1], a[0] - b[0]};
@@ -18,12 +18,12 @@ Vec<T, 2> edge_handle(const Vec<T, 2>& a, const Vec<T, 2>& b) noexcept {
 
 namespace detail {
 
-/// Two edges of a triangle, each divided by its largest component, so that no square overflows or
-/// vanishes.
+/// Two edges of a triangle, each divided by its largest component, so that squares neither overflow
+/// nor underflow.
 template <Scalar T>
 struct TriangleEdges {
     std::array<Vec<T, 3>, 2> edge;
-    std::array<T, 2> size{}; ///< what they were divided by
+    std::array<T, 2> size{}; ///< the divisors
     Vec<T, 3> normal;        ///< of the divided edges
 
     explicit TriangleEdges(const std::array<Vec<T, 3>, 3>& corners) noexcept
@@ -34,7 +34,7 @@ struct TriangleEdges {
         }
         normal = cross(edge[0], edge[1]);
     }
-    /// Whether `normal` is more than rounding.
+    /// Whether `normal` exceeds rounding errors.
     bool has_area() const noexcept {
         constexpr T rounding = 4 * epsilon<T>; // of the sine of the angle between them
         return dot(normal, normal) > rounding * rounding * dot(edge[0], edge[0]) * dot(edge[1], edge[1]);
@@ -43,22 +43,22 @@ struct TriangleEdges {
 
 } // namespace detail
 
-/// √area · s · n' of a triangle: the unit normal n' of its posed corners, and how much the pose
-/// lengthens it,
+/// Returns √area · s · n' for a triangle: the unit normal n' of its posed corners, scaled by how
+/// much the pose stretches the triangle,
 ///
 ///     s = √(|U|²|v|² − 2 (U·V)(u·v) + |V|²|u|²) / (√8 area),   u, v two edges at rest, U, V the
 ///     same edges posed
 ///
-/// so that a similarity takes the handle along. With `posed` = `rest` the handle at rest. Zero
-/// where a triangle has no area. Finite where coordinates are below epsilon times the largest
-/// number and the sides at rest differ by less than 1/epsilon. Lipman, Levin, Cohen-Or: Green
-/// Coordinates (ACM Trans. Graph. 27, 2008), sec. 3.2.
+/// so that a similarity transforms the handle along with the triangle. With `posed` = `rest` this
+/// is the handle at rest. Zero if a triangle has no area. Finite if coordinates are below epsilon
+/// times the largest number and the sides at rest differ by less than a factor of 1/epsilon.
+/// Lipman, Levin, Cohen-Or: Green Coordinates (ACM Trans. Graph. 27, 2008), sec. 3.2.
 template <Scalar T>
 Vec<T, 3> face_handle(const std::array<Vec<T, 3>, 3>& rest, const std::array<Vec<T, 3>, 3>& posed) noexcept {
     const detail::TriangleEdges<T> before(rest), now(posed);
     if (!before.has_area() || !now.has_area()) return {};
-    // s as a sum of squares, which is positive for thin triangles too: with u the longer edge,
-    // v = c u + a part of length q |u| across it, s² area = (q |U|² + |V − c U|² / q) / 4.
+    // Write s as a sum of squares, which stays positive for thin triangles. With u the longer edge
+    // and v = c u + a component of length q |u| across it, s² area = (q |U|² + |V − c U|² / q) / 4.
     const std::size_t a = before.size[0] < before.size[1] ? 1 : 0, b = 1 - a;
     const Vec<T, 3>&u = before.edge[a], &v = before.edge[b];
     const T share = before.size[b] / before.size[a] / dot(u, u);

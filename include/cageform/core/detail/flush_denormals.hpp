@@ -1,4 +1,4 @@
-// The processor's mode in which denormal numbers are taken as zero.
+// Switches the processor's mode that treats denormal numbers as zero.
 #pragma once
 
 #include <cageform/config.hpp>
@@ -9,7 +9,8 @@ namespace cageform::inline CAGEFORM_ABI::detail {
 
 #if defined(__GNUC__) && defined(__SSE__) && !defined(__wasm__)
 using FloatMode = unsigned;
-inline constexpr FloatMode flushes_denormals = 0x8040; ///< MXCSR: results to zero, operands as zero
+inline constexpr FloatMode flushes_denormals = 0x8040; ///< MXCSR: flush results to zero, treat operands as
+                                                       ///< zero
 inline FloatMode float_mode() noexcept {
     return __builtin_ia32_stmxcsr();
 }
@@ -18,7 +19,7 @@ inline void set_float_mode(FloatMode mode) noexcept {
 }
 #elif defined(__GNUC__) && defined(__aarch64__)
 using FloatMode = std::uint64_t;
-inline constexpr FloatMode flushes_denormals = FloatMode{1} << 24; ///< FPCR: both
+inline constexpr FloatMode flushes_denormals = FloatMode{1} << 24; ///< FPCR: one bit for both
 inline FloatMode float_mode() noexcept {
     FloatMode mode = 0;
     __asm__ volatile("mrs %0, fpcr" : "=r"(mode));
@@ -36,10 +37,10 @@ inline FloatMode float_mode() noexcept {
 inline void set_float_mode(FloatMode /*mode*/) noexcept {}
 #endif
 
-/// While it lives, denormals are zero on the thread that made it; then the mode is what it was.
-/// Functions fall below float's smallest normal number, 1e-38, far from their data. There processors
-/// may take some hundred cycles for a sum, and no tolerance sees a difference. Of 64-bit ARM and x86
-/// with SSE; elsewhere it does nothing.
+/// Treats denormals as zero on the constructing thread during its lifetime, then restores the mode.
+/// Far from their data, functions fall below float's smallest normal number, 1e-38. There
+/// processors may take some hundred cycles for a sum, while no tolerance sees the difference. Works
+/// on 64-bit ARM and x86 with SSE; elsewhere it does nothing.
 class FlushDenormals {
 public:
     FlushDenormals() noexcept { set_float_mode(before_ | flushes_denormals); }

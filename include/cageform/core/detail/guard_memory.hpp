@@ -1,4 +1,4 @@
-// Allocations that fail as a status.
+// Turns failed allocations into a status.
 #pragma once
 
 #include <cageform/core/status.hpp>
@@ -8,8 +8,8 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Runs `f`; an allocation that fails becomes Status::out_of_memory (without exceptions it ends the
-/// program, as the standard library has it).
+/// Runs `f` and returns its status; a failed allocation becomes Status::out_of_memory. (Without
+/// exceptions the standard library ends the program instead.)
 template <class F>
 Status guard_memory(F&& f) {
 #if defined(__cpp_exceptions)

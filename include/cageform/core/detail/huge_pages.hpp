@@ -1,4 +1,4 @@
-// Pages of 2 MB for large memory.
+// Requests pages of 2 MB for large memory.
 #pragma once
 
 #include <cageform/config.hpp>
@@ -12,10 +12,10 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Asks the system to take huge pages for memory that has yet to be touched. A page of 4 KB costs a
-/// microsecond or two when it is touched first, which is more than most work on it. Of Linux with
-/// transparent huge pages (`madvise` or `always`); elsewhere, for memory below 4 MB, and where the
-/// system has none left, nothing happens.
+/// Asks the system to back memory, not yet touched, by huge pages. The first touch of a 4 KB page
+/// costs a microsecond or two, more than most work done on it. Works on Linux with transparent huge
+/// pages (`madvise` or `always`). Does nothing elsewhere, for memory below 4 MB, or if the system
+/// has no huge pages left.
 inline void ask_for_huge_pages([[maybe_unused]] void* memory, [[maybe_unused]] std::size_t bytes) noexcept {
 #if defined(MADV_HUGEPAGE)
     constexpr std::size_t page = std::size_t{1} << 21;
@@ -25,7 +25,8 @@ inline void ask_for_huge_pages([[maybe_unused]] void* memory, [[maybe_unused]] s
 #endif
 }
 
-/// Gives `to` so many elements: T() and what was there, mixed. New memory is of huge pages where the system has them.
+/// Resizes `to`, without preserving its values: elements are T() or old ones. New memory uses huge
+/// pages if the system has them.
 template <class T>
 void resize_large(std::vector<T>& to, std::size_t size) {
     if (size > to.capacity()) {

@@ -1,4 +1,4 @@
-// Plain scalars with the functions of registers, so that one formula serves both.
+// Gives plain scalars the functions of registers, so that one formula serves both.
 #pragma once
 
 #include <cageform/core/detail/simd_angle.hpp>
@@ -31,13 +31,13 @@ template <std::floating_point X>
 X sqrt(X a) noexcept {
     return std::sqrt(a);
 }
-/// In [0, π], for y ≥ 0.
+/// Returns the angle of (x, y) in [0, π], for y ≥ 0.
 template <std::floating_point X>
 X angle(X y, X x) noexcept {
     return std::atan2(y, x);
 }
 
-/// Where both comparisons hold.
+/// Returns where both comparisons hold.
 inline bool both(bool a, bool b) noexcept {
     return a && b;
 }
@@ -46,7 +46,7 @@ Mask both(const Mask& a, const Mask& b) noexcept {
     return a & b;
 }
 
-/// What a number is made of: itself for a scalar, the scalar of its lanes for a register.
+/// The scalar behind a number: a scalar itself, or the scalar of a register's lanes.
 template <class X>
 struct ScalarOfNumber {
     using type = X;

@@ -1,4 +1,4 @@
-// All packed data has this in common, whatever is in it: how it begins, its checksum, its owner.
+// The parts that all packed data shares: the prefix of its header, its checksum, and its owner.
 #pragma once
 
 #include <cageform/core/detail/blocks.hpp>
@@ -11,11 +11,11 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// 64 bits that differ, surely where one word of eight bytes differs and most likely otherwise. No
-/// defence against forgery. `seed` chains several pieces. About 20 GB/s.
+/// Returns a 64-bit hash. It certainly changes if a single 8-byte word changes, and almost
+/// certainly otherwise. It does not protect against forgery. `seed` chains several pieces. About 20
+/// GB/s.
 inline std::uint64_t hash_memory(std::span<const std::byte> bytes, std::uint64_t seed = 0) noexcept {
-    // Eight sums beside each other, each step of which can be undone, so that no difference is lost
-    // on the way.
+    // Eight independent sums. Every step is invertible, so a difference is never lost on the way.
     constexpr std::uint64_t prime = 0x9E3779B97F4A7C15u;
     std::uint64_t sums[8];
     for (std::size_t j = 0; j < 8; ++j) sums[j] = seed + (j + 1) * prime;
@@ -42,7 +42,7 @@ inline std::uint64_t hash_memory(std::span<const std::byte> bytes, std::uint64_t
     return hash;
 }
 
-/// The hash of anything that lies in a row: the vertices of a cage, the faces of a figure.
+/// Hashes any contiguous values: the vertices of a cage, the faces of a figure.
 template <class X>
     requires std::is_trivially_copyable_v<X> std::uint64_t hash_memory(std::span<const X> values,
                                                                        std::uint64_t seed = 0)
@@ -50,42 +50,42 @@ noexcept {
     return hash_memory(std::as_bytes(values), seed);
 }
 
-/// How closely a blob is looked at before it is used.
+/// How thoroughly a blob is checked before it is used.
 enum class BlobCheck : std::uint8_t {
-    all,       ///< the checksum too: reads every byte once
-    structure, ///< everything that could make a clone read or write where it may not
+    all,       ///< `structure` and the checksum, which reads every byte once
+    structure, ///< everything that could make a clone read or write out of bounds
 };
 
 namespace detail {
 
-/// As a machine of the other byte order has it.
+/// Returns `x` in the opposite byte order.
 constexpr std::uint64_t byte_swapped(std::uint64_t x) noexcept {
     std::uint64_t turned = 0;
     for (int byte = 0; byte < 8; ++byte, x >>= 8) turned = (turned << 8) | (x & 0xFFu);
     return turned;
 }
 
-/// The first 32 bytes of all packed data. The checksum is that of what follows them.
+/// The first 32 bytes of all packed data. The checksum covers everything after them.
 struct PackedPrefix {
     std::uint64_t magic = 0;
     std::uint32_t version = 0;
     std::uint32_t endian = 0x01020304u;
-    std::uint64_t bytes = 0; ///< of the whole, a multiple of 64
+    std::uint64_t bytes = 0; ///< total size, a multiple of 64
     std::uint64_t checksum = 0;
 };
 static_assert(sizeof(PackedPrefix) == 32);
 
-/// Returns what the header of a kind begins with.
+/// Returns the prefix that a header begins with.
 template <class Header>
 PackedPrefix prefix_of(const Header& header) noexcept {
     return {header.magic, header.version, header.endian, header.bytes, header.checksum};
 }
 
-/// Whether memory begins with packed data of a kind, whole and unharmed.
+/// Checks that memory begins with complete, undamaged packed data of a kind.
 ///
-///   expected  its magic number, and the newest version that is understood
-///   header    bytes that the kind begins with
-///   none      the status for what is not of the kind, or not aligned to 64 bytes
+///   expected  the kind's magic number, and the newest version that is understood
+///   header    size in bytes of the kind's header
+///   none      the status for data of another kind, or not aligned to 64 bytes
 inline Status check_prefix(std::span<const std::byte> data, const PackedPrefix& expected, std::size_t header,
                            BlobCheck check, Status none) noexcept {
     PackedPrefix prefix;
@@ -105,21 +105,21 @@ inline Status check_prefix(std::span<const std::byte> data, const PackedPrefix& 
 /// Owns packed data.
 class PackedMemory {
 public:
-    /// Makes room for a multiple of 64 bytes, which are zero. std::bad_alloc where there is none.
+    /// Resizes to a multiple of 64 bytes and zeroes them. Throws std::bad_alloc if memory runs out.
     void resize(std::uint64_t bytes) {
         memory_.resize(std::size_t(bytes / 64));
         if (bytes != 0) std::memset(data(), 0, std::size_t(bytes));
     }
     std::byte* data() noexcept { return std::as_writable_bytes(std::span(memory_)).data(); }
     std::span<const std::byte> bytes() const noexcept { return std::as_bytes(std::span(memory_)); }
-    /// Puts the checksum into the prefix of what is complete.
+    /// Writes the checksum into the prefix, once the data is complete.
     void seal() noexcept {
         const std::uint64_t sum = hash_memory(bytes().subspan(sizeof(PackedPrefix)));
         std::memcpy(data() + offsetof(PackedPrefix, checksum), &sum, sizeof(sum));
     }
 
 private:
-    std::vector<Lanes<double>> memory_; // of 64 bytes each
+    std::vector<Lanes<double>> memory_; // 64 bytes each
 };
 
 } // namespace detail

@@ -1,4 +1,5 @@
-// One row of a block as registers, with elementwise arithmetic. Light enough for run time.
+// One row of a block held in vector registers, with elementwise arithmetic. Light enough for run
+// time.
 #pragma once
 
 #include <cageform/core/detail/blocks.hpp>
@@ -7,13 +8,13 @@
 #include <cstring>
 #include <utility>
 
-// Plain scalars are for checking, not for speed.
+// Builds without registers (plain scalars) are for checking, not for speed.
 #if defined(__GNUC__) && CAGEFORM_REGISTER_BYTES != 0
 #define CAGEFORM_DETAIL_INLINE __attribute__((always_inline))
 #define CAGEFORM_DETAIL_FLATTEN __attribute__((flatten))
 #define CAGEFORM_DETAIL_NO_INLINE __attribute__((noinline))
-// A loop of a few steps, whose number is known as it is compiled, becomes those steps: at -O2 GNU would
-// keep it, and what it indexes in memory.
+// Unrolls a short loop whose length is a compile-time constant. At -O2 GNU would otherwise keep the
+// loop, and keep the arrays it indexes in memory.
 #define CAGEFORM_DETAIL_UNROLL _Pragma("GCC unroll 16")
 #else
 #define CAGEFORM_DETAIL_INLINE
@@ -37,8 +38,8 @@ struct RegisterOf {
 };
 #endif
 
-/// A number or register from bytes that lie anywhere. Without optimisation a memcpy is two moves of
-/// half the size, and what reads the whole waits for both.
+/// Loads a number or register from unaligned bytes. In unoptimised code a memcpy would become two
+/// moves of half the size, and a read of the whole would stall on both.
 template <class R>
 CAGEFORM_DETAIL_INLINE inline R load_bytes(const void* bytes) noexcept {
 #if CAGEFORM_REGISTER_BYTES != 0
@@ -60,17 +61,18 @@ CAGEFORM_DETAIL_INLINE inline void store_bytes(void* bytes, const R& r) noexcept
 #endif
 }
 
-/// Has the cache line `ahead` bytes on fetched into the second level; that may lie past the end of memory.
+/// Prefetches the cache line `ahead` bytes further on into the second-level cache. The address may
+/// lie past the end of the memory.
 CAGEFORM_DETAIL_INLINE inline void fetch_ahead([[maybe_unused]] const void* bytes,
                                                [[maybe_unused]] std::size_t ahead) noexcept {
 #if defined(__GNUC__)
-    // NOLINTNEXTLINE(performance-no-int-to-ptr): a pointer past the end of an array must not be made from its elements
+    // NOLINTNEXTLINE(performance-no-int-to-ptr): avoids pointer arithmetic past the end
     __builtin_prefetch(reinterpret_cast<const void*>(reinterpret_cast<std::uintptr_t>(bytes) + ahead), 0, 2);
 #endif
 }
 
-/// Leaves a number or register as it is, in a way that compilers cannot look through; takes no
-/// instruction. Where they must not merge what comes before with what comes after.
+/// Hides a number or register from the optimiser without changing it, at no cost in instructions.
+/// Keeps compilers from merging the operations before with those after.
 template <class R>
 CAGEFORM_DETAIL_INLINE inline void conceal([[maybe_unused]] R& r) noexcept {
 #if defined(__GNUC__) && defined(__SSE2__)
@@ -78,7 +80,7 @@ CAGEFORM_DETAIL_INLINE inline void conceal([[maybe_unused]] R& r) noexcept {
 #elif defined(__GNUC__) && defined(__aarch64__)
     __asm__("" : "+w"(r));
 #elif defined(__GNUC__) && defined(__arm__) && defined(CAGEFORM_DETAIL_FUSED)
-    if constexpr (!std::is_arithmetic_v<R>) { // a register that is made of scalars
+    if constexpr (!std::is_arithmetic_v<R>) { // a register emulated with scalars
         for (std::size_t lane = 0; lane < sizeof(r) / sizeof(r[0]); ++lane) {
             auto x = r[lane];
             conceal(x);
@@ -91,35 +93,36 @@ CAGEFORM_DETAIL_INLINE inline void conceal([[maybe_unused]] R& r) noexcept {
     }
 #elif defined(CAGEFORM_DETERMINISTIC) && !(defined(__GNUC__) && (defined(__arm__) || defined(__wasm__)))
 #error "CAGEFORM_DETERMINISTIC knows GNU and clang on x86 with SSE2, on ARM and on WebAssembly"
-#endif // the others have no instruction that merges
+#endif // the other targets have no instruction that merges
 }
 
-/// a · b of numbers or registers; under CAGEFORM_DETERMINISTIC rounded before it meets a sum.
+/// Returns a · b for numbers or registers; under CAGEFORM_DETERMINISTIC it is rounded before any
+/// addition.
 template <class R>
 CAGEFORM_DETAIL_INLINE inline R product(const R& a, const R& b) noexcept {
 #if defined(CAGEFORM_DETERMINISTIC)
     R ab = a * b;
-    conceal(ab); // or it would become one instruction with the sum, by each compiler's own rules
+    conceal(ab); // or compilers would fuse it with an addition, each by its own rules
     return ab;
 #else
     return a * b;
 #endif
 }
 
-/// a · b + c of numbers or registers, rounded as `multiply_add` of registers says.
+/// Returns a · b + c for numbers or registers, with the rounding described at `multiply_add` below.
 template <class R>
 CAGEFORM_DETAIL_INLINE inline R multiply_add(R a, R b, R c) noexcept {
 #if defined(CAGEFORM_DETERMINISTIC)
     return product(a, b) + c;
 #elif defined(__clang__) && defined(CAGEFORM_DETAIL_FUSED)
-    return __builtin_elementwise_fma(a, b, c); // clang does not merge across functions by itself
+    return __builtin_elementwise_fma(a, b, c); // clang does not fuse across functions by itself
 #else
     return a * b + c;
 #endif
 }
 
 /// `lane_count<T>` numbers held in registers, with elementwise arithmetic. The loops below run over
-/// registers (one to four), never over lanes, and disappear.
+/// registers (one to four), never over lanes, and are fully unrolled.
 template <Scalar T>
 struct Simd {
     using Register = typename RegisterOf<T>::type;
@@ -154,7 +157,7 @@ struct Simd {
         for (std::size_t k = 0; k < count; ++k) r[k] = x - Register{};
     }
     static Simd load(const Lanes<T>& lanes) noexcept {
-        Simd p; // register by register: as a whole GNU would copy in pieces of another width
+        Simd p; // one register at a time: GNU would copy the whole in pieces of another width
         CAGEFORM_DETAIL_UNROLL
         for (std::size_t k = 0; k < count; ++k)
             p.r[k] = load_bytes<Register>(lanes.v + k * (64 / sizeof(T) / count));
@@ -211,8 +214,8 @@ CAGEFORM_DETAIL_INLINE inline Simd<T> select(const typename Simd<T>::Mask& m, Si
     return a;
 }
 
-/// a · b + c. One rounding or two, as the compiler and its target have it; under
-/// CAGEFORM_DETERMINISTIC always two.
+/// Returns a · b + c with one rounding or two, depending on compiler and target; under
+/// CAGEFORM_DETERMINISTIC always with two.
 template <Scalar T>
 Simd<T> multiply_add(const Simd<T>& a, const Simd<T>& b, Simd<T> c) noexcept {
     CAGEFORM_DETAIL_UNROLL
@@ -220,7 +223,7 @@ Simd<T> multiply_add(const Simd<T>& a, const Simd<T>& b, Simd<T> c) noexcept {
     return c;
 }
 
-/// The bits of a number as an integer, or of a register as integers.
+/// The integer type with the bits of a number, or of a register's lanes.
 template <class Register>
 struct BitsOf {
     using type = decltype(Register{} < Register{});
@@ -246,7 +249,7 @@ CAGEFORM_DETAIL_INLINE inline Simd<T> abs(Simd<T> a) noexcept {
     return a;
 }
 
-// Named in parentheses, for windows.h defines macros of these names.
+// The names are parenthesised because windows.h defines macros of these names.
 template <Scalar T>
 CAGEFORM_DETAIL_INLINE inline Simd<T>(max)(const Simd<T>& a, const Simd<T>& b) noexcept {
     return select<T>(a < b, b, a);
@@ -257,7 +260,7 @@ CAGEFORM_DETAIL_INLINE inline Simd<T>(min)(const Simd<T>& a, const Simd<T>& b) n
     return select<T>(a < b, a, b);
 }
 
-/// Lanes [first, first + lane_count<S>) of a row, in another scalar.
+/// Loads lanes [first, first + lane_count<S>) of a row, converted to another scalar.
 template <Scalar S, Scalar T>
 Simd<S> load_lanes(const Lanes<T>& row, [[maybe_unused]] std::size_t first) noexcept {
     if constexpr (std::is_same_v<S, T>) {
@@ -279,7 +282,8 @@ void store_lanes(const Simd<S>& x, Lanes<T>& row, [[maybe_unused]] std::size_t f
     }
 }
 
-/// Of the coefficients c[last], c[last − 2], …, one more than k, a polynomial in x; c[last] belongs to its highest power.
+/// Evaluates a polynomial in x with the coefficients c[last], c[last − 2], …, k + 1 in number, from
+/// the highest power down.
 template <Scalar T, std::size_t n, std::size_t... k>
 CAGEFORM_DETAIL_INLINE inline Simd<T> every_second(const std::array<T, n>& c, std::size_t last,
                                                    const Simd<T>& x, std::index_sequence<k...>) noexcept {
@@ -288,12 +292,13 @@ CAGEFORM_DETAIL_INLINE inline Simd<T> every_second(const std::array<T, n>& c, st
     return sum;
 }
 
-/// c[0] + c[1] x + c[2] x² + …, in two halves side by side, which take half as long one after the other.
-/// Written out, for a loop GNU would keep, with its constants set up anew each time.
+/// Evaluates c[0] + c[1] x + c[2] x² + … as independent even and odd halves, which halves the
+/// latency. The terms are expanded by a fold: GNU would keep a loop and reload its constants each
+/// time.
 template <Scalar T, std::size_t n>
 CAGEFORM_DETAIL_INLINE inline Simd<T> polynomial(const std::array<T, n>& c, const Simd<T>& x) noexcept {
     static_assert(n >= 3);
-    constexpr std::size_t even = (n - 1) / 2, odd = n / 2 - 1; // terms after the first of each half
+    constexpr std::size_t even = (n - 1) / 2, odd = n / 2 - 1; // terms of each half after the first
     const Simd<T> xx = x * x;
     return every_second(c, 2 * odd + 1, xx, std::make_index_sequence<odd>()) * x +
            every_second(c, 2 * even, xx, std::make_index_sequence<even>());

@@ -1,12 +1,13 @@
-// Angles of registers, by arithmetic alone.
+// The angle function atan2 for registers, by arithmetic alone.
 #pragma once
 
 #include <cageform/core/detail/simd.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// atan(√u)/√u for 0 ≤ u ≤ tan²(π/8), by the polynomial of the least relative error: 4e-17 (float 7e-10)
-/// before its coefficients are rounded. Of the series it would take 20 terms (10).
+/// Returns atan(√u)/√u for 0 ≤ u ≤ tan²(π/8), by the minimax polynomial of the relative error:
+/// 4e-17 (float 7e-10) before its coefficients are rounded. The Taylor series would need 20 terms
+/// (10).
 template <Scalar T>
 CAGEFORM_DETAIL_INLINE inline Simd<T> atan_over(const Simd<T>& u) noexcept {
     if constexpr (sizeof(T) == 8) {
@@ -29,7 +30,8 @@ CAGEFORM_DETAIL_INLINE inline Simd<T> atan_over(const Simd<T>& u) noexcept {
     }
 }
 
-/// atan2(y, x) for y ≥ 0, not both zero, as offset + atan(numerator/denominator) with a quotient of at most tan(π/8).
+/// Writes atan2(y, x), for y ≥ 0 and not both zero, as offset + atan(numerator/denominator) with a
+/// quotient of absolute value at most tan(π/8).
 template <Scalar T>
 struct AngleParts {
     Simd<T> numerator, denominator, offset;
@@ -37,7 +39,7 @@ struct AngleParts {
     CAGEFORM_DETAIL_INLINE AngleParts(const Simd<T>& y, const Simd<T>& x) noexcept {
         constexpr T pi = T(3.14159265358979323846), tangent_of_eighth = T(0.41421356237309505);
         const Simd<T> zero(T(0)), size = abs<T>(x), less = min<T>(y, size), more = max<T>(y, size);
-        // Beyond tan(π/8) the angle is taken from the diagonal, beyond π/4 from the axis of y.
+        // Beyond tan(π/8) the angle is measured from the diagonal, beyond π/4 from the y axis.
         const auto steep = Simd<T>(tangent_of_eighth) * more < less, above = size < y, behind = x < zero;
         numerator = select<T>(steep, less - more, less);
         denominator = select<T>(steep, less + more, more);
@@ -48,7 +50,7 @@ struct AngleParts {
     }
 };
 
-/// atan2(y, x) for y ≥ 0, not both zero: in [0, π], to three roundings.
+/// Returns atan2(y, x) in [0, π] for y ≥ 0, not both zero; the error is at most three roundings.
 template <Scalar T>
 CAGEFORM_DETAIL_INLINE inline Simd<T> angle(const Simd<T>& y, const Simd<T>& x) noexcept {
     const AngleParts<T> parts(y, x);

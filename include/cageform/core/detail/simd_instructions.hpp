@@ -1,5 +1,5 @@
-// What registers do by instructions that compilers do not find: the only place that knows them by
-// name, apart since their header is large.
+// Register operations that compilers do not find by themselves. Only this header uses intrinsics by
+// name; it is separate because their header is large.
 #pragma once
 
 #include <cageform/core/detail/simd.hpp>
@@ -14,7 +14,7 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Square roots. A loop over std::sqrt would stay scalar unless the user compiles with
+/// Returns square roots. A loop over std::sqrt would stay scalar unless the user compiles with
 /// -fno-math-errno.
 template <Scalar T>
 CAGEFORM_DETAIL_INLINE inline Simd<T> sqrt(Simd<T> a) noexcept {
@@ -46,9 +46,10 @@ CAGEFORM_DETAIL_INLINE inline Simd<T> sqrt(Simd<T> a) noexcept {
     return a;
 }
 
-/// Whether square roots and their inverses come from estimates: with registers of 64 bytes. There it is several
-/// times as fast as roots and quotients, for which all processors have a single slow unit; narrower registers gain
-/// nothing. Processors of different makers may estimate different last bits.
+/// Whether square roots and their inverses start from hardware estimates, which is the case for
+/// 64-byte registers. There it is several times as fast as roots and quotients, for which all such
+/// processors have a single slow unit; narrower registers gain nothing. Processors of different
+/// makers may differ in the last bits of the estimate.
 template <class N>
 inline constexpr bool estimates_roots = false;
 
@@ -61,12 +62,12 @@ struct RootAndInverse {
     Simd<T> root, inverse;
 };
 
-/// √x and 1/√x, to one rounding each, of numbers that are positive, normal and finite; of others NaN.
+/// Returns √x and 1/√x, to one rounding each, for positive, normal, finite numbers; NaN for others.
 template <Scalar T>
 CAGEFORM_DETAIL_INLINE inline RootAndInverse<T> root_and_inverse(const Simd<T>& x) noexcept {
     using X = Simd<T>;
     using Register = typename X::Register;
-    X y; // 1/√x to 14 bits; masks of all lanes, since GNU 12 warns of what the plain functions leave unset
+    X y; // 1/√x to 14 bits; masked with all lanes: GNU 12 warns of unset values in the plain functions
     if constexpr (sizeof(T) == 8)
         y.r[0] =
             __builtin_bit_cast(Register, _mm512_maskz_rsqrt14_pd(0xff, __builtin_bit_cast(__m512d, x.r[0])));

@@ -1,12 +1,12 @@
-// Logarithms of registers, by arithmetic alone.
+// The natural logarithm for registers, by arithmetic alone.
 #pragma once
 
 #include <cageform/core/detail/simd.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// artanh(√u)/√u for 0 ≤ u ≤ (3 − √8)², by the polynomial of the least relative error: 2e-18 (float 7e-10)
-/// before its coefficients are rounded.
+/// Returns artanh(√u)/√u for 0 ≤ u ≤ (3 − √8)², by the minimax polynomial of the relative error:
+/// 2e-18 (float 7e-10) before its coefficients are rounded.
 template <Scalar T>
 CAGEFORM_DETAIL_INLINE inline Simd<T> artanh_over(const Simd<T>& u) noexcept {
     if constexpr (sizeof(T) == 8) {
@@ -25,7 +25,8 @@ CAGEFORM_DETAIL_INLINE inline Simd<T> artanh_over(const Simd<T>& u) noexcept {
     }
 }
 
-/// Natural logarithms of finite numbers that are positive and normal: to four roundings.
+/// Returns natural logarithms of positive, normal, finite numbers; the error is at most four
+/// roundings.
 template <Scalar T>
 Simd<T> log(const Simd<T>& a) noexcept {
     using Int = std::conditional_t<sizeof(T) == 8, std::int64_t, std::int32_t>;
@@ -33,7 +34,7 @@ Simd<T> log(const Simd<T>& a) noexcept {
     using Bits = typename BitsOf<Register>::type;
     constexpr int digits = sizeof(T) == 8 ? 52 : 23;
     constexpr Int bias = sizeof(T) == 8 ? 1023 : 127, mantissa = (Int(1) << digits) - 1;
-    // 2^digits + n has the bits of n where its mantissa is.
+    // The bits of 2^digits + n hold n in the mantissa.
     constexpr Int integer = Int(bias + digits) << digits;
     constexpr T large = T(Int(1) << digits);
 
@@ -48,7 +49,7 @@ Simd<T> log(const Simd<T>& a) noexcept {
     m = select<T>(above, Simd<T>(T(0.5)) * m, m);
     exponent = select<T>(above, exponent + one, exponent);
     const Simd<T> z = (m - one) / (m + one); // ln m = 2 artanh(z), |z| ≤ 3 − √8
-    // ln 2 in two parts, of which the first times the exponent is exact.
+    // ln 2 as a sum of two numbers; the first times the exponent is exact.
     constexpr T high = T(sizeof(T) == 8 ? 0x1.62e42fefa38p-1 : 0x1.62ep-1);
     constexpr T low = T(sizeof(T) == 8 ? 0x1.ef35793c7673p-45 : 0x1.0bfbe8p-15);
     return exponent * Simd<T>(high) + (exponent * Simd<T>(low) + Simd<T>(T(2)) * (z * artanh_over(z * z)));

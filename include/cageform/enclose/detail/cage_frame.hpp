@@ -1,20 +1,21 @@
-// Where make_cage computes, in the plane and in space.
+// The local coordinates in which make_cage computes, and its checks of options, in the plane and in space.
 #pragma once
 
 #include <cageform/cage/detail/primitives.hpp>
-#include <cageform/enclose/detail/cage_making.hpp>
+#include <cageform/enclose/make_cage_options.hpp>
 
 #include <utility>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Coordinates in which the figure's bounds have a diagonal between 1/2 and 1, and a mirror stands at x = 0.
+/// Maps to coordinates in which the diagonal of the figure's bounds lies between 1/2 and 1 and the
+/// mirror at x = 0.
 template <std::size_t D>
 struct CageFrame {
     using Point = Vec<double, D>;
     Point origin{};
-    double scale = 1;     ///< a power of two: scaling is exact
-    std::size_t axis = 0; ///< that changes places with the first: the mirror's
+    double scale = 1;     ///< a power of two, so that scaling is exact
+    std::size_t axis = 0; ///< the mirror's axis, swapped with the first one
 
     CageFrame() = default;
     CageFrame(const Bounds<double, D>& box, const std::optional<MirrorPlane>& mirror) noexcept
@@ -34,23 +35,23 @@ struct CageFrame {
         std::swap(q[0], q[axis]);
         return origin + (1 / scale) * q;
     }
-    /// Whether what is counter-clockwise here is clockwise there.
+    /// Whether the map reverses orientation: counter-clockwise becomes clockwise.
     bool turns_over() const noexcept { return axis != 0; }
 };
 
-/// Areas, or volumes, of larger figures overflow.
+/// The largest coordinate of a figure; areas or volumes of larger figures overflow.
 template <Scalar T, std::size_t D>
 constexpr T largest_figure_coordinate() noexcept {
     return T((std::min)(double((std::numeric_limits<T>::max)()) / 64, D == 2 ? 1e150 : 1e100));
 }
 
-/// Of a diagonal below that they underflow.
+/// The least diagonal of a figure's bounds; areas or volumes of smaller figures underflow.
 template <std::size_t D>
 constexpr double least_figure_diagonal() noexcept {
     return D == 2 ? 0 : 1e-100;
 }
 
-/// Whether coordinates of T tell a margin: so far from 0 their spacing is small against it.
+/// Whether coordinates of type T can resolve the margin. Far from 0 their spacing may be too coarse.
 template <Scalar T, std::size_t D>
 bool can_tell(double margin, const Bounds<double, D>& box) noexcept {
     double farthest = 0;
@@ -59,12 +60,12 @@ bool can_tell(double margin, const Bounds<double, D>& box) noexcept {
     return margin > 4 * double(std::numeric_limits<T>::epsilon()) * farthest;
 }
 
-/// Whether the cage that a report is about keeps what make_cage promises.
+/// Whether the cage in the report keeps the promises of make_cage.
 inline bool holds_figure(const MakeCageReport& report) noexcept {
     return report.cage.status == Status::ok && report.clearance >= 0.9 * report.margin;
 }
 
-/// What is wrong with what is asked for, in D dimensions.
+/// Checks the options for D dimensions.
 template <std::size_t D>
 Status check_options(const MakeCageOptions& options) noexcept {
     if (options.vertices != 0 && options.vertices <= D) return Status::too_few_cage_vertices;

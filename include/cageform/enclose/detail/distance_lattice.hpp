@@ -1,32 +1,19 @@
-// make_cage in the plane, first step: on a lattice, how far each node is from what is drawn, less the
-// margin. Below zero lies what a cage has to enclose.
+// make_cage, step 1: a lattice with, at each node, the distance from the figure minus the margin.
+// The cage has to enclose all nodes with a negative value.
 #pragma once
 
 #include <cageform/cage/detail/primitives.hpp>
+#include <cageform/enclose/make_cage_options.hpp>
 
 #include <cstdint>
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// A piece of what is drawn: all places within `radius` of the segment from `a` to `b`. A stroke is made of
-/// these, with half its width for a radius; an outline has radius 0.
-template <Scalar T>
-struct DrawnSegment {
-    Vec<T, 2> a, b;
-    T radius = 0;
-};
-
-/// Segments `begin` … `end` − 1 are closed outlines of one painted area.
-struct PaintedArea {
-    std::size_t begin = 0;
-    std::size_t end = 0;
-    bool even_odd = false; ///< else non-zero, as in SVG
-};
-
 namespace detail {
 
-/// The function f = distance from the figure − margin on the nodes of a lattice of equal spacings, linear along lattice
-/// lines. Single precision: lengths are about 1 here.
+/// The function f = distance from the figure − margin, sampled at the nodes of a regular lattice
+/// and interpolated linearly along each axis. Single precision suffices: lengths are about 1 in
+/// local coordinates.
 template <std::size_t D>
 class DistanceLattice {
 public:
@@ -34,7 +21,7 @@ public:
     using Count = std::array<std::size_t, D>;
 
     DistanceLattice() = default;
-    /// Nodes at `low` + `spacing` (i, j, …), all of them `farthest` from the figure.
+    /// Makes nodes at `low` + `spacing` (i, j, …), all with f = `farthest`.
     DistanceLattice(const Point& low, double spacing, const Count& count, double farthest)
         : low_(low)
         , h_(spacing)
@@ -54,7 +41,7 @@ public:
     std::size_t size() const noexcept { return f_.size(); }
     float& operator[](std::size_t node) noexcept { return f_[node]; }
     float operator[](std::size_t node) const noexcept { return f_[node]; }
-    /// The number of a node along every axis.
+    /// The indices of a node along each axis.
     Count numbers(std::size_t node) const noexcept {
         Count n{};
         for (std::size_t k = D; k-- > 0;) {
@@ -69,7 +56,7 @@ public:
         for (std::size_t k = 0; k < D; ++k) p[k] += h_ * double(n[k]);
         return p;
     }
-    /// The square of the distance of two nodes, in spacings.
+    /// The squared distance of two nodes, in units of the spacing.
     double steps2(std::size_t a, std::size_t b) const noexcept {
         const Count na = numbers(a), nb = numbers(b);
         double sum = 0;
@@ -78,7 +65,7 @@ public:
         return sum;
     }
 
-    /// f between the nodes; `far` beyond the lattice.
+    /// Interpolates f (bilinear or trilinear); beyond the lattice f is `farthest`.
     double value(const Point& p) const noexcept {
         std::size_t node = 0;
         std::array<double, D> part;
@@ -103,7 +90,8 @@ public:
         }
     }
 
-    /// f = min(f, distance from the segment − `radius`), for nodes up to `reach` beyond the radius.
+    /// Adds a capsule to the figure: f = min(f, distance from the segment − `radius`), for nodes up
+    /// to `reach` beyond the radius.
     void stamp(const Point& a, const Point& b, double radius, double reach) noexcept {
         const double all = radius + reach;
         const auto box = bounds_of(std::span<const Point>(std::array{a, b})).widened(all);
@@ -123,8 +111,8 @@ public:
         });
     }
 
-    /// visit(row, first, last): nodes row + first … row + last − 1 lie in the box, for all rows along the first axis
-    /// that it meets; `row` is the first node of the row.
+    /// Calls visit(row, first, last) for each lattice row along the first axis that meets the box.
+    /// `row` is the first node of the row; nodes row + first … row + last − 1 lie in the box.
     template <class Visit>
     void for_each_row(const Bounds<double, D>& box, const Visit& visit) const {
         Count first{}, last{};
@@ -144,7 +132,7 @@ public:
         }
     }
 
-    /// The nodes reached from the lattice's rim over neighbours along lattice lines where open(node).
+    /// Marks the nodes with open(node) that are connected to the lattice's rim, along lattice lines.
     template <class Open>
     std::vector<std::uint8_t> flood(const Open& open) const {
         std::vector<std::uint8_t> reached(f_.size(), 0);
@@ -167,12 +155,12 @@ public:
         }
         return reached;
     }
-    /// Where f exceeds `level` all the way from the rim.
+    /// Marks the nodes that a path with f > `level` connects to the rim.
     std::vector<std::uint8_t> outside(float level) const {
         return flood([&](std::size_t node) { return f_[node] > level; });
     }
 
-    /// visit(neighbour), along lattice lines.
+    /// Calls visit(neighbour) for the neighbours along lattice lines.
     template <class Visit>
     void for_each_neighbour(std::size_t node, const Visit& visit) const {
         const Count n = numbers(node);
@@ -181,7 +169,7 @@ public:
             if (n[k] + 1 < count_[k]) visit(node + stride_[k]);
         }
     }
-    /// visit(neighbour), across corners too: 8 in the plane, 26 in space.
+    /// Calls visit(neighbour) for all nodes around, also diagonally: 8 in the plane, 26 in space.
     template <class Visit>
     void for_each_around(std::size_t node, const Visit& visit) const {
         Count from = numbers(node), to = from;
@@ -203,7 +191,7 @@ public:
         }
     }
 
-    /// f = min(f, its mirror image across the middle of the first axis).
+    /// Adds the mirror image: f = min(f, its reflection in the middle of the first axis).
     void mirror() noexcept {
         for (std::size_t node = 0; node < f_.size(); ++node) {
             const std::size_t column = node % count_[0], image = node - column + (count_[0] - 1 - column);
@@ -220,10 +208,10 @@ private:
     std::vector<float> f_;
 };
 
-/// f = min(f, what the hull of a figure has), as an intersection of half-spaces along a few hundred directions: a convex
-/// body about the hull, by a thousandth looser.
+/// Adds the convex hull to the figure: f = min(f, the distance function of the hull). The hull is
+/// approximated from outside by 128 half-planes (512 half-spaces in space), about a thousandth looser.
 ///
-///   support   support(direction): how far the figure reaches along a unit vector, margin included
+///   support   support(direction): how far the figure extends along a unit vector, margin included
 template <std::size_t D, class Support>
 void fill_hull(DistanceLattice<D>& lattice, const Support& support) {
     using Point = Vec<double, D>;
@@ -235,7 +223,7 @@ void fill_hull(DistanceLattice<D>& lattice, const Support& support) {
         if constexpr (D == 2) {
             const double angle = 2 * std::numbers::pi * double(k) / directions;
             n = {std::cos(angle), std::sin(angle)};
-        } else { // along a spiral, equally dense on the sphere
+        } else { // along a spiral, so that directions are evenly spread over the sphere
             const double z = 1 - (2 * double(k) + 1) / directions,
                          angle = std::numbers::pi * (3 - std::sqrt(5.0)) * double(k);
             const double r = std::sqrt(1 - z * z);
@@ -252,11 +240,11 @@ void fill_hull(DistanceLattice<D>& lattice, const Support& support) {
     }
 }
 
-/// Of nodes in a lattice: what make_cage takes at most, some 70 bytes for each.
+/// The most nodes that a lattice may have in make_cage; each takes about 70 bytes.
 inline constexpr std::size_t most_lattice_nodes = std::size_t{1} << 24;
 
-/// Whether f is not below zero along a segment, but for a quarter of the spacing, which is what the lattice
-/// cannot tell. f changes no faster than the place (Hart, Sphere tracing, 1996), so that steps as long as f will do.
+/// Whether f >= 0 along a segment, up to a quarter of the spacing, which is below the lattice's
+/// resolution. f has slope at most 1, so it is safe to step by f (Hart, Sphere tracing, 1996).
 inline bool is_clear(const DistanceLattice<2>& lattice, const Vec<double, 2>& a,
                      const Vec<double, 2>& b) noexcept {
     const auto e = b - a;
@@ -269,7 +257,8 @@ inline bool is_clear(const DistanceLattice<2>& lattice, const Vec<double, 2>& a,
     return lattice.value(b) >= least;
 }
 
-/// Nodes inside a painted area are below zero by at least `depth`. Row by row, by the crossings of the outlines.
+/// Sets f to at most -`depth` at the nodes inside a painted area, row by row, by the crossings with
+/// the outlines.
 inline void paint(DistanceLattice<2>& lattice, std::span<const DrawnSegment<double>> outlines, bool even_odd,
                   double depth) {
     const Vec<double, 2> low = lattice.place(0);

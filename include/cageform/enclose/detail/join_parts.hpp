@@ -1,5 +1,5 @@
-// make_cage, second step: the parts of the figure are joined by bridges, and slits too narrow to
-// deform are closed.
+// make_cage, step 2: joins separate parts of the figure by bridges, and closes slits that are too
+// narrow to deform.
 #pragma once
 
 #include <cageform/enclose/detail/distance_lattice.hpp>
@@ -10,10 +10,10 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The connected parts of what the outside does not reach.
+/// The connected components of the nodes that the outside does not reach; diagonal neighbours are connected.
 struct LatticeParts {
     static constexpr std::uint32_t none = ~std::uint32_t{0};
-    std::vector<std::uint32_t> of_node; ///< the part; `none` outside
+    std::vector<std::uint32_t> of_node; ///< the component of a node; `none` outside
     std::size_t count = 0;
 
     template <std::size_t D>
@@ -38,9 +38,9 @@ struct LatticeParts {
     }
 };
 
-/// For every node, one of the nodes where is_source(node) that is about the nearest: passes over the lattice, each node
-/// taking the best of its neighbours' (Danielsson, Euclidean distance mapping, 1980). The lattice's size where there
-/// is none.
+/// For each node, a nearly nearest node among those with is_source(node); lattice.size() if there
+/// is none. Sweeps over the lattice, in which each node adopts the best source of its neighbours
+/// (Danielsson, Euclidean distance mapping, 1980).
 template <std::size_t D, class Test>
 std::vector<std::size_t> nearest_sources(const DistanceLattice<D>& lattice, const Test& is_source) {
     const std::size_t none = lattice.size();
@@ -63,14 +63,15 @@ std::vector<std::size_t> nearest_sources(const DistanceLattice<D>& lattice, cons
     return nearest;
 }
 
-/// Two nodes of different parts, and the square of their distance in steps of the lattice.
+/// Two nodes of different components, and their squared distance in units of the spacing.
 struct Bridge {
     double steps2;
     std::size_t from, to;
 };
 
-/// The bridges of a shortest tree over the parts: of each two that have a common border of what is nearest to them the
-/// shortest one, then as Kruskal has it.
+/// The bridges of a minimum spanning tree over the components. Divides the lattice into the regions
+/// nearest to each component; two components with adjacent regions get the shortest bridge found as
+/// an edge. Then Kruskal's algorithm picks the edges of the tree.
 template <std::size_t D>
 std::vector<Bridge> shortest_bridges(const DistanceLattice<D>& lattice, const LatticeParts& parts) {
     const auto nearest =
@@ -108,8 +109,8 @@ std::vector<Bridge> shortest_bridges(const DistanceLattice<D>& lattice, const La
     return bridges;
 }
 
-/// Adds capsules to the figure until it is one part. `mirrored`: and their images. Returns how many, images not
-/// counted; at most eight rounds.
+/// Adds bridges (capsules) to the figure until it has one component, in at most eight rounds; with
+/// `mirrored`, also their images. Returns the number of bridges, not counting images.
 template <std::size_t D>
 std::size_t join_parts(DistanceLattice<D>& lattice, double margin, bool mirrored) {
     std::size_t count = 0;
@@ -129,8 +130,9 @@ std::size_t join_parts(DistanceLattice<D>& lattice, double margin, bool mirrored
     return count;
 }
 
-/// A closing of the figure by discs or balls (Serra, Image analysis and mathematical morphology, 1982): what no disc of this
-/// radius reaches from outside becomes inside. `holes`: a disc may start in a hole, too.
+/// Closes the figure morphologically by discs or balls (Serra, Image analysis and mathematical
+/// morphology, 1982): points that no disc of this radius reaches from outside become inside. With
+/// `holes`, a disc may also start in a hole.
 template <std::size_t D>
 void close_slits(DistanceLattice<D>& lattice, double radius, bool holes) {
     std::vector<std::uint8_t> outside = lattice.outside(static_cast<float>(radius));
@@ -139,7 +141,7 @@ void close_slits(DistanceLattice<D>& lattice, double radius, bool holes) {
             outside[node] = double(lattice[node]) > radius;
     }
     const double reach = radius + 2 * lattice.spacing();
-    DistanceLattice<D> free(lattice); // how far a node is from the places that a disc's middle can reach
+    DistanceLattice<D> free(lattice); // the distance from the positions that a disc's centre can reach
     for (std::size_t node = 0; node < free.size(); ++node) free[node] = static_cast<float>(reach);
     for (std::size_t node = 0; node < lattice.size(); ++node) {
         if (outside[node] == 0) continue;

@@ -1,4 +1,4 @@
-// make_cage in the plane, fourth step: from the contour to few vertices by steps that only enlarge the loop
+// make_cage in the plane, step 4: reduces a contour to few vertices by steps that only enlarge the loop
 // (Sander, Gu, Gortler, Hoppe & Snyder, Silhouette clipping, SIGGRAPH 2000, sec. 3: progressive hulls).
 #pragma once
 
@@ -8,12 +8,13 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Replaces two neighbours by one vertex, again and again, wherever the least area is gained.
+/// Collapses edges: replaces two neighbours by one vertex, always where the loop gains the least area.
 class LoopReduction {
 public:
     using Point = Vec<double, 2>;
 
-    /// `contour`: three vertices or more. `farthest`: that a vertex may lie from those it replaces.
+    /// `contour` has three vertices or more. `farthest` limits the distance of a new vertex from
+    /// both that it replaces.
     LoopReduction(const CageLoop& contour, const Obstacles& obstacles, double farthest)
         : obstacles_(obstacles)
         , half_(contour.half)
@@ -32,12 +33,12 @@ public:
         for (std::size_t i = 0; i < contour.size(); ++i) propose(i);
     }
 
-    /// Down to this many vertices, or as few as it gets.
+    /// Reduces the loop to this many vertices, or as few as possible.
     void reduce_to(std::size_t vertices) {
         while (count_ > std::max<std::size_t>(vertices, 3)) {
             if (queue_.empty()) {
                 if (waiting_.empty() || !changed_) return;
-                changed_ = false; // those refused get another chance, as others have changed
+                changed_ = false; // the loop has changed, so refused steps are tried again
                 for (const Step& step : waiting_) {
                     if (step.version == version_[step.b]) queue_.push(step);
                 }
@@ -57,7 +58,7 @@ public:
 
     CageLoop loop() const {
         CageLoop loop{{}, half_};
-        std::size_t i = 0; // the start of a chain never goes
+        std::size_t i = 0; // the first vertex of a chain is never removed
         while (!is_live(i)) ++i;
         for (std::size_t k = 0; k < count_; ++k, i = next_[i]) loop.points.push_back(point_[i]);
         return loop;
@@ -66,11 +67,11 @@ public:
 private:
     static constexpr std::size_t gone = ~std::size_t{0};
 
-    /// Vertices `b` and the next become one at `x`.
+    /// Replaces vertex `b` and the next one by one vertex at `x`.
     struct Step {
         double cost;
         std::size_t b;
-        std::uint32_t version; ///< of the edge from b
+        std::uint32_t version; ///< of the edge from b: an older step is out of date
         Point x;
 
         bool operator<(const Step& other) const noexcept { // the queue has its largest on top
@@ -81,7 +82,7 @@ private:
     bool is_live(std::size_t i) const noexcept { return next_[i] != gone; }
     bool is_start(std::size_t i) const noexcept { return half_ && i == 0; }
     bool is_end(std::size_t i) const noexcept { return half_ && i + 1 == point_.size(); }
-    /// Neighbours, beyond an end of a chain the image of the one before it.
+    /// The neighbours of a vertex; at an end of a chain, one of them is the mirror image of the other.
     Point before(std::size_t i) const noexcept {
         return is_start(i) ? CageLoop::mirrored(point_[next_[i]]) : point_[previous_[i]];
     }
@@ -89,8 +90,8 @@ private:
         return is_end(i) ? CageLoop::mirrored(point_[previous_[i]]) : point_[next_[i]];
     }
 
-    /// Puts the steps for the edge from `b` into the queue: b stays where the next vertex is reflex, the next where b
-    /// is reflex, and where the edges on both sides meet beyond.
+    /// Puts the possible collapses of the edge from `b` to the next vertex c into the queue: keep b
+    /// if c is reflex, keep c if b is reflex, or extend the two adjacent edges until they meet.
     void propose(std::size_t b) {
         ++version_[b];
         if (is_end(b)) return;
@@ -108,7 +109,7 @@ private:
                    beyond_c = is_end(c) || dot(x - q, out_of) > 0;
         if (beyond_b && beyond_c && cross(q - p, x - p) < 0) offer(b, half_end(b, c, x), a, d);
     }
-    /// Exactly on the axis where an end of a chain moves.
+    /// The position x, moved exactly onto the axis if an end of a chain moves.
     Point half_end(std::size_t b, std::size_t c, const Point& x) const noexcept {
         return is_start(b) || is_end(c) ? Point{0, x[1]} : x;
     }
@@ -122,14 +123,15 @@ private:
         const double angle = angle_between(u, v);
         constexpr double sharp = 0.9, least = 0.05; // radians
         if (angle < least) return;
-        // Two of these three triangles have no area, or the third has all of it.
+        // Exactly one of the three terms counts: the triangle pqx for a new vertex, apq if b goes,
+        // qdp if c goes.
         const double area = std::fabs(cross(q - p, x - p)) +
                             std::fabs(cross(p - a, x - a)) * (x == q ? 1 : 0) +
                             std::fabs(cross(q - d, x - d)) * (x == p ? 1 : 0);
         queue_.push({area / 2 * (1 + 12 * (std::max)(sharp - angle, 0.0) / sharp), b, version_[b], x});
     }
 
-    /// Whether the new edges keep off all others, and what is gained holds no other loop.
+    /// Whether the new edges stay clear of all others, and the area gained contains no mark.
     bool is_free(const Step& step) const {
         const std::size_t b = step.b, c = next_[b];
         const std::size_t a = previous_[b], d = next_[c];
@@ -140,7 +142,8 @@ private:
         return !obstacles_.any_within(p, q, x) && (first || !obstacles_.any_within(point_[a], p, x)) &&
                (last || !obstacles_.any_within(x, q, point_[d]));
     }
-    /// Of a new edge from or to the vertex `end`, which stays; the edge from `b` and its neighbours go.
+    /// Whether a new edge between a moved vertex and `end`, which stays, is clear of the loop.
+    /// Edges that the step removes, and edges at `end`, are skipped.
     bool edge_is_free(const Point& from, const Point& to, std::size_t b, std::size_t end) const {
         if (obstacles_.comes_near(from, to, 0)) return false;
         return std::none_of(live_.begin(), live_.end(), [&](std::size_t i) {
@@ -173,7 +176,7 @@ private:
     Loop point_;
     std::vector<std::size_t> previous_, next_;
     std::vector<std::uint32_t> version_;
-    std::vector<std::size_t> live_; ///< and some that are not any more
+    std::vector<std::size_t> live_; ///< indices of the vertices left, and of some already removed
     std::size_t count_;
     std::priority_queue<Step> queue_;
     std::vector<Step> waiting_;

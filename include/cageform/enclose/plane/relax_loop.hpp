@@ -1,5 +1,5 @@
-// make_cage in the plane, fifth step: vertices move, appear and vanish where the loop's energy falls. This takes
-// back what steps that only enlarge gave away, and makes angles and lengths even.
+// make_cage in the plane, step 5: moves, inserts and removes vertices while the loop's energy falls.
+// Step 4 can only enlarge the loop; this step tightens it again and evens out angles and lengths.
 #pragma once
 
 #include <cageform/enclose/plane/cage_loop.hpp>
@@ -16,8 +16,8 @@ public:
         : energy_(energy)
         , obstacles_(obstacles) {}
 
-    /// Each vertex in turn moves to where the energy is least, of 16 directions and three lengths; the
-    /// lengths shrink from sweep to sweep.
+    /// Moves each vertex in turn to the position of least energy among 16 directions and three step
+    /// lengths. The steps become shorter from sweep to sweep.
     void relax(CageLoop& loop, int sweeps) const {
         double step = 4 * obstacles_.margin;
         for (int sweep = 0; sweep < sweeps; ++sweep) {
@@ -26,8 +26,9 @@ public:
         }
     }
 
-    /// Splits the longest edges until there are so many vertices: opposite to a vertex across the inside where one is near,
-    /// so that limbs get their vertices in pairs, else in the middle. Changes no shape.
+    /// Splits the longest edge until the loop has this many vertices; its shape stays the same. If
+    /// a vertex lies across the inside nearby, the edge is split opposite to it, so that limbs get
+    /// their vertices in pairs; otherwise in the middle.
     void insert(CageLoop& loop, std::size_t vertices) const {
         while (loop.size() < vertices) {
             std::size_t longest = 0;
@@ -43,8 +44,8 @@ public:
         }
     }
 
-    /// Up to three times: takes the vertex away that the loop misses least, puts one in elsewhere, and relaxes. Single moves
-    /// do not leave the least energies that this leaves.
+    /// Removes the vertex whose loss costs least, inserts one elsewhere, and relaxes; up to three
+    /// times. This escapes local minima in which moving single vertices gets stuck.
     void reinsert(CageLoop& loop) const {
         for (int round = 0; round < 3; ++round) {
             double least = energy_.of(loop) - 1e-4;
@@ -53,8 +54,9 @@ public:
                 if (loop.is_end(i) || loop.size() <= 3 || !may_go(loop, i)) continue;
                 CageLoop trial = loop;
                 trial.points.erase(trial.points.begin() + std::ptrdiff_t(i));
-                constexpr double sharp =
-                    1.2; // radians: perhaps of a tooth, which goes only as its other vertices move
+                // In radians. A vertex this sharp may belong to a spike, which vanishes only if its
+                // other vertices move.
+                constexpr double sharp = 1.2;
                 if (angle_between(loop.before(i) - loop.points[i], loop.after(i) - loop.points[i]) < sharp)
                     relax_about(trial, i);
                 insert(trial, loop.size());
@@ -75,7 +77,7 @@ private:
         Point x;
     };
 
-    /// The vertices on both sides of where vertex `i` was.
+    /// Moves the two vertices on each side of where vertex `i` was.
     void relax_about(CageLoop& loop, std::size_t i) const {
         const auto n = std::ptrdiff_t(loop.size());
         double step = 2 * obstacles_.margin;
@@ -129,7 +131,7 @@ private:
         return (first || edge_is_free(loop, i, x, p)) && (last || edge_is_free(loop, i, x, n));
     }
 
-    /// Of the edge from vertex `i`, moved to `x`, to its neighbour `end`.
+    /// Whether the edge from vertex `i`, moved to `x`, to its neighbour `end` stays clear of all obstacles.
     bool edge_is_free(const CageLoop& loop, std::size_t i, const Point& x, std::size_t end) const {
         const Point& to = loop.points[end];
         const double gap = 0.25 * obstacles_.margin;
@@ -149,7 +151,7 @@ private:
         return !obstacles_.comes_near(x, to, gap) && is_clear(*obstacles_.lattice, x, to);
     }
 
-    /// Whether the neighbours of a vertex may be joined by an edge.
+    /// Whether vertex `i` may be removed, so that an edge joins its neighbours.
     bool may_go(const CageLoop& loop, std::size_t i) const {
         const Point &a = loop.points[loop.previous(i)], &b = loop.points[loop.next(i)];
         if (obstacles_.any_within(a, loop.points[i], b)) return false;
@@ -175,7 +177,8 @@ private:
         }
         return place;
     }
-    /// Whether no edge but those at vertex `i` and the one that `foot` lies on is between the two.
+    /// Whether no edge lies between vertex `i` and `foot`, except those at `i` and the one that
+    /// contains `foot`.
     static bool sees(const CageLoop& loop, std::size_t i, const Point& foot, std::size_t edge) noexcept {
         for (std::size_t j = 0; j < loop.edge_count(); ++j) {
             const std::size_t k = loop.next(j);

@@ -1,6 +1,7 @@
-// make_cage in space, fourth step: from the contour to few vertices by edge collapses whose new faces stay off the
-// figure and off each other (Garland & Heckbert, Surface simplification using quadric error metrics, SIGGRAPH 1997;
-// Calderon & Boubekeur, Bounding proxies for shape approximation, SIGGRAPH 2017, collapse under containment alike).
+// make_cage in space, step 4: reduces the mesh to few vertices by edge collapses with quadric error
+// metrics (Garland & Heckbert, Surface simplification using quadric error metrics, SIGGRAPH 1997).
+// A collapse is only allowed if the new faces stay clear of the figure and of each other (as in
+// Calderon & Boubekeur, Bounding proxies for shape approximation, SIGGRAPH 2017).
 #pragma once
 
 #include <cageform/enclose/space/shell.hpp>
@@ -10,14 +11,14 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The sum of squared distances from planes, weighted, as a function of the place: x'Ax + 2 b'x + c.
+/// A weighted sum of squared distances from planes, as a function of the point x: x'Ax + 2 b'x + c.
 struct Quadric {
     using Point = Vec<double, 3>;
     std::array<double, 6> a{}; ///< xx, xy, xz, yy, yz, zz
     Point b{};
     double c = 0;
 
-    /// The plane through `p` with a normal of any length, whose square is the weight.
+    /// Adds the plane through `p`. The normal may have any length; its square multiplies the weight.
     void add_plane(const Point& normal, const Point& p, double weight) noexcept {
         const double offset = -dot(normal, p);
         std::size_t n = 0;
@@ -38,7 +39,7 @@ struct Quadric {
                               2 * (a[1] * x[0] * x[1] + a[2] * x[0] * x[2] + a[4] * x[1] * x[2]);
         return (std::max)(square + 2 * dot(b, x) + c, 0.0);
     }
-    /// Where it is least; nothing where that is a line or a plane, up to rounding.
+    /// Finds the minimum. Returns false if it is a line or a plane, up to rounding.
     bool least(Point& x) const noexcept {
         const Point r0{a[0], a[1], a[2]}, r1{a[1], a[3], a[4]}, r2{a[2], a[4], a[5]};
         const double det = dot(r0, cross(r1, r2)), trace = a[0] + a[3] + a[5];
@@ -66,7 +67,7 @@ public:
             const double size = length(n);
             if (!(size > 0)) continue;
             Quadric q;
-            q.add_plane(n, corner[0], 0.5 / size); // of unit normals, by the area
+            q.add_plane(n, corner[0], 0.5 / size); // unit normals, weighted by area
             for (const auto v : shell_.faces[f]) quadric_[v] += q;
         }
         const double h = obstacles.lattice->spacing();
@@ -80,7 +81,7 @@ public:
         }
     }
 
-    /// Down to this many vertices of the whole cage, or as few as it gets; false when the progress says stop.
+    /// Reduces the whole cage to this many vertices, or as few as possible. Returns false if cancelled.
     bool reduce_to(std::size_t vertices, const Running& running) {
         const double first = double(count_);
         for (std::size_t step = 0; count_ > vertices; ++step) {
@@ -88,7 +89,7 @@ public:
                                        (first - double(count_)) / (first - double(vertices)), 0.0, 1.0)))
                 return false;
             if (queue_.empty() && !retry()) break;
-            if (3 * count_ < hashed_) { // faces have become larger than its cells
+            if (3 * count_ < hashed_) { // the faces have become larger than the cells of the hash
                 hash_ = hash_of(shell_);
                 hashed_ = count_;
             }
@@ -117,10 +118,10 @@ public:
 
 private:
     struct Collapse {
-        double cost; ///< at least
+        double cost; ///< a lower bound unless `exact`
         std::uint32_t u, v;
-        std::uint32_t versions; ///< of both ends together
-        bool exact;             ///< the cost, and the place is known
+        std::uint32_t versions; ///< the sum of both ends; if it has changed, the collapse is out of date
+        bool exact;             ///< the cost is exact, and the position is known
         Point place;
 
         bool operator<(const Collapse& other) const noexcept { // the queue has its largest on top
@@ -133,7 +134,7 @@ private:
                c.versions == version_[c.u] + version_[c.v];
     }
 
-    /// Keeps edges short where the quadric cannot tell; in units of area times squared distance.
+    /// A penalty that keeps edges short where the quadric is flat, in units of area times squared distance.
     double stretch(std::uint32_t u, std::uint32_t v) const noexcept {
         const auto e = shell_.points[v] - shell_.points[u];
         return 1e-3 * dot(e, e) * dot(e, e);
@@ -150,7 +151,7 @@ private:
                      false,
                      {}});
     }
-    /// Those refused get another chance, as others have changed.
+    /// Puts refused collapses back into the queue, since the mesh has changed around them.
     bool retry() {
         if (!changed_) return false;
         changed_ = false;
@@ -161,7 +162,8 @@ private:
         return !queue_.empty();
     }
 
-    /// Two faces at the edge and no other triangle of neighbours about it; on the rim one.
+    /// The link condition: the edge has two faces (one on the rim), and its ends have no other common
+    /// neighbours than the third vertices of these faces. The collapse then keeps the topology.
     bool links(std::uint32_t u, std::uint32_t v) const {
         std::size_t at_edge = 0;
         for (const auto f : shell_.star[u]) at_edge += shell_.has(f, v) ? 1 : 0;
@@ -173,7 +175,7 @@ private:
         return common.size() == at_edge;
     }
 
-    /// The faces that stay, with the ends of the edge in one: vertex u.
+    /// The faces that remain after a collapse of the edge into vertex u.
     std::vector<std::uint32_t> faces_about(std::uint32_t u, std::uint32_t v) const {
         std::vector<std::uint32_t> faces;
         for (const auto f : shell_.star[u]) {
@@ -185,7 +187,8 @@ private:
         return faces;
     }
 
-    /// The cheapest place for both: of four, moved outwards until the new faces are free.
+    /// Finds the cheapest position for the merged vertex. The candidates are the minimum of the quadric,
+    /// the midpoint and both ends; each moves outwards along the normal until the new faces are free.
     bool find_place(Collapse& c) {
         if (!links(c.u, c.v)) return false;
         Quadric q = quadric_[c.u];
@@ -222,7 +225,7 @@ private:
         const auto e = b - a, d = p - 0.5 * (a + b);
         return dot(d, d) <= 9 * dot(e, e);
     }
-    /// On the mirror's plane, or well to its right.
+    /// Keeps a vertex of a half on the mirror plane, or clearly to its right.
     Point constrained(std::uint32_t u, std::uint32_t v, Point p) const noexcept {
         if (!shell_.half) return p;
         const double least = 0.4 * obstacles_.lattice->spacing();
@@ -237,7 +240,7 @@ private:
         }
         return corner;
     }
-    /// More than 1 for needles.
+    /// The factor on the cost for badly shaped faces: 1 for good ones, more for needles.
     double shape_factor(std::span<const std::uint32_t> faces, const Collapse& c,
                         const Point& p) const noexcept {
         double worst = 1;
@@ -256,7 +259,7 @@ private:
         }
         return !crosses(faces, c, p);
     }
-    /// Whether the new faces cross others, or each other.
+    /// Whether the new faces cross other faces or each other.
     bool crosses(std::span<const std::uint32_t> faces, const Collapse& c, const Point& p) {
         std::vector<std::uint32_t> gone = shell_.star[c.u];
         gone.insert(gone.end(), shell_.star[c.v].begin(), shell_.star[c.v].end());
@@ -285,7 +288,7 @@ private:
         for (const auto w : {c.u, c.v}) {
             const auto star = shell_.star[w];
             for (const auto f : star) {
-                if (w == c.v && shell_.has(f, c.u)) continue; // once
+                if (w == c.v && shell_.has(f, c.u)) continue; // a face at both ends is removed once
                 hash_.remove(f);
             }
         }
@@ -315,7 +318,7 @@ private:
     std::vector<Quadric> quadric_;
     std::vector<std::uint32_t> version_;
     std::size_t count_;
-    std::size_t hashed_ = count_; ///< vertices when the hash was made
+    std::size_t hashed_ = count_; ///< the number of vertices when the hash was made
     std::priority_queue<Collapse> queue_;
     std::vector<Collapse> waiting_;
     bool changed_ = false;

@@ -1,5 +1,5 @@
-// make_cage in space, fifth step: vertices move and edges flip where the shell's energy falls. This takes back
-// what the collapses gave away, and makes faces even.
+// make_cage in space, step 5: moves vertices and flips edges while the shell's energy falls. The
+// collapses of step 4 left the cage too loose; this step tightens it and makes faces more even.
 #pragma once
 
 #include <cageform/enclose/space/shell.hpp>
@@ -8,18 +8,19 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// What a shell is to have little of: volume, needles, short edges, folds. Without units; what each is worth was
-/// chosen by looking at cages.
+/// The energy that relaxation lowers: volume, needles, short edges and folds. It has no unit; the
+/// weights were chosen by looking at cages.
 class ShellEnergy {
 public:
     using Point = Vec<double, 3>;
 
     ShellEnergy(double six_volumes, std::size_t vertices, double area, double regular)
         : six_volumes_(six_volumes)
-        , length_(std::sqrt(area / double(2 * vertices) * (4 / std::numbers::sqrt3))) // of equilateral faces
+        , length_(std::sqrt(area / double(2 * vertices) * (4 / std::numbers::sqrt3))) // equilateral faces
         , regular_(0.02 * regular) {}
 
-    /// The terms of some faces and of the edges between any of them; of edges to others those of folds.
+    /// The energy of some faces and their edges. With the faces around a vertex, or at an edge, it
+    /// has all terms that change when the vertex moves or the edge flips.
     double of(const Shell& shell, std::span<const std::uint32_t> faces) const noexcept {
         double volume = 0, shape = 0;
         for (const auto f : faces) {
@@ -33,7 +34,8 @@ public:
     }
 
 private:
-    /// Half of the terms of an edge that two of the faces have, all of one that has another face beyond.
+    /// The terms of one edge of face f: half if the face across is also listed, because it is
+    /// visited twice then; otherwise in full.
     double edge(const Shell& shell, std::span<const std::uint32_t> faces, std::uint32_t f, std::uint32_t v,
                 std::uint32_t w) const noexcept {
         const auto g = shell.face_across(f, v, w);
@@ -57,8 +59,8 @@ private:
     double regular_;
 };
 
-/// Where a vertex may go: along the unit normal both ways, across, towards the middle of its neighbours, which
-/// is `to_middle` away, and slanted inwards. Steps are of about length 1.
+/// The directions that a vertex may move in: along the normal both ways, sideways, towards the middle
+/// of its neighbours (at the offset `to_middle`), and slanted inwards. Their lengths are about 1.
 inline std::array<Vec<double, 3>, 10> step_directions(const Vec<double, 3>& normal,
                                                       const Vec<double, 3>& to_middle) noexcept {
     using Point = Vec<double, 3>;
@@ -94,7 +96,8 @@ public:
         , energy_(energy)
         , hash_(hash_of(shell)) {}
 
-    /// Each sweep flips edges, then moves vertices; steps shrink from sweep to sweep. False when the progress says stop.
+    /// Sweeps over the mesh: flips edges, then moves vertices, by steps that become shorter.
+    /// Returns false if cancelled.
     bool relax(int sweeps, const Running& running) {
         double step = 2 * obstacles_.margin;
         for (int sweep = 0; sweep < sweeps; ++sweep) {
@@ -118,7 +121,7 @@ private:
         Point x;
     };
 
-    /// Ten directions and four lengths.
+    /// Moves a vertex to the best allowed position in ten directions at four step lengths.
     void improve(std::uint32_t v, double step) {
         const auto& star = shell_.star[v];
         const Point x = shell_.points[v];
@@ -162,14 +165,14 @@ private:
         for (const auto f : star) were.push_back(area_normal(shell_.corners(shell_.faces[f])));
         shell_.points[v] = p;
         bool good = true;
-        for (std::size_t k = 0; k < star.size() && good; ++k) // no face turns over
+        for (std::size_t k = 0; k < star.size() && good; ++k) // no face may turn over
             good = dot(were[k], area_normal(shell_.corners(shell_.faces[star[k]]))) > 0;
         good = good && are_free(star);
         if (!good) shell_.points[v] = x;
         for (const auto f : star) hash_.add(f, shell_.corners(shell_.faces[f]));
         return good;
     }
-    /// Whether faces that the hash does not hold are clear of the figure, of the others and of each other.
+    /// Whether some faces, not in the hash, are clear of the figure, of all other faces and of each other.
     bool are_free(std::span<const std::uint32_t> faces) const {
         for (const auto f : faces) {
             if (!is_clear(*obstacles_.lattice, shell_.corners(shell_.faces[f]))) return false;
@@ -187,7 +190,8 @@ private:
         return true;
     }
 
-    /// Turns the edge between two faces into their other diagonal.
+    /// Flips the edge v w: replaces the two faces at it by those along their other diagonal, if the
+    /// energy falls.
     void flip(std::uint32_t v, std::uint32_t w) {
         std::array<std::uint32_t, 2> pair{};
         std::size_t count = 0;
@@ -206,7 +210,7 @@ private:
             normals[k] = area_normal(shell_.corners(old[k]));
             hash_.remove(pair[k]);
         }
-        // The first face loses w and gains b, the second loses v and gains a; both keep their sense.
+        // The first face exchanges w for b, the second v for a; both keep their orientation.
         auto fresh = old;
         std::replace(fresh[0].begin(), fresh[0].end(), w, b);
         std::replace(fresh[1].begin(), fresh[1].end(), v, a);

@@ -1,21 +1,22 @@
-// make_cage in space: a closed mesh of triangles that changes, and a hash to find the faces near a place.
+// make_cage in space: a triangle mesh that can be edited, and a spatial hash that finds the faces
+// near a point.
 #pragma once
 
 #include <cageform/enclose/space/space_distance.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// A mesh on its way from the contour to a cage: faces counter-clockwise seen from outside. Or, of a mirrored cage, the
-/// half x >= 0 of one, open along a rim on the plane x = 0.
+/// The mesh between steps 3 and 5; faces are counter-clockwise seen from outside. In a mirrored
+/// cage it is the half with x >= 0, open along a rim in the plane x = 0.
 struct Shell {
     using Point = Vec<double, 3>;
     using Face = std::array<std::uint32_t, 3>;
 
     std::vector<Point> points;
-    std::vector<bool> on_rim; ///< of points: in a half, on the plane
-    std::vector<Face> faces;  ///< those that are gone have one vertex three times
+    std::vector<bool> on_rim; ///< for each point of a half: whether it lies on the plane
+    std::vector<Face> faces;  ///< a removed face has the same vertex three times
     bool half = false;
-    std::vector<std::vector<std::uint32_t>> star; ///< the faces of every point; none: the point is gone
+    std::vector<std::vector<std::uint32_t>> star; ///< the faces of each point; none if it is removed
 
     void link() {
         star.assign(points.size(), {});
@@ -32,14 +33,14 @@ struct Shell {
     Corners<3> corners(const Face& face) const noexcept {
         return {points[face[0]], points[face[1]], points[face[2]]};
     }
-    /// Of the whole cage that it stands for.
+    /// The number of vertices of the whole cage, with the image of a half.
     std::size_t whole_size() const noexcept {
         std::size_t count = 0;
         for (std::size_t v = 0; v < points.size(); ++v)
             count += star[v].empty() ? 0 : half && !on_rim[v] ? 2 : 1;
         return count;
     }
-    /// Six times what it encloses; a half is closed by its plane, which goes through the origin.
+    /// Six times the volume enclosed; a half is closed by its plane, which goes through the origin.
     double six_volumes() const noexcept {
         double sum = 0;
         for (std::size_t f = 0; f < faces.size(); ++f) {
@@ -51,7 +52,7 @@ struct Shell {
         return dot(points[face[0]], cross(points[face[1]], points[face[2]]));
     }
 
-    /// The neighbours of a point, in rising order.
+    /// The neighbours of a point, in increasing order.
     std::vector<std::uint32_t> neighbours(std::uint32_t v) const {
         std::vector<std::uint32_t> all;
         for (const auto f : star[v]) {
@@ -63,7 +64,7 @@ struct Shell {
         all.erase(std::unique(all.begin(), all.end()), all.end());
         return all;
     }
-    /// The face at an edge that is not `f`; `none` on a rim.
+    /// The face other than `f` at the edge v w; `none` on a rim.
     static constexpr std::uint32_t none = ~std::uint32_t{0};
     std::uint32_t face_across(std::uint32_t f, std::uint32_t v, std::uint32_t w) const noexcept {
         for (const auto g : star[v]) {
@@ -84,7 +85,7 @@ struct Shell {
     }
 };
 
-/// V - E + F of the whole, 2 for each shell without a tunnel.
+/// The Euler number V - E + F of the whole mesh: 2 for each shell without a tunnel.
 inline std::ptrdiff_t euler_number(const Shell& shell) {
     std::ptrdiff_t points = 0, faces = 0, rim = 0;
     for (std::size_t v = 0; v < shell.points.size(); ++v) {
@@ -93,11 +94,12 @@ inline std::ptrdiff_t euler_number(const Shell& shell) {
     }
     for (std::size_t f = 0; f < shell.faces.size(); ++f) faces += shell.is_face(f) ? 1 : 0;
     if (!shell.half) return points - faces / 2;
-    // Doubled, with as many edges along the rim as points on it.
+    // The doubled mesh has V = 2 points - rim, F = 2 faces, E = 3 faces, where the rim has as many
+    // edges as points.
     return 2 * points - rim - faces;
 }
 
-/// How many shells there are, each connected by its edges.
+/// The number of connected components.
 inline std::ptrdiff_t shell_count(const Shell& shell) {
     std::ptrdiff_t count = 0;
     std::vector<bool> seen(shell.points.size());
@@ -119,12 +121,12 @@ inline std::ptrdiff_t shell_count(const Shell& shell) {
     return count;
 }
 
-/// Twice the area of a triangle along its normal.
+/// The normal of a triangle, whose length is twice the area.
 inline Vec<double, 3> area_normal(const Corners<3>& corner) noexcept {
     return cross(corner[1] - corner[0], corner[2] - corner[0]);
 }
 
-/// 1 for an equilateral triangle, towards 0 for needles: its altitude over its longest side, times 2/sqrt(3).
+/// 1 for an equilateral triangle, near 0 for needles: the altitude over the longest side, times 2/sqrt(3).
 inline double triangle_quality(const Corners<3>& corner) noexcept {
     double longest2 = 0;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -134,7 +136,7 @@ inline double triangle_quality(const Corners<3>& corner) noexcept {
     return longest2 > 0 ? length(area_normal(corner)) / longest2 * (2 / std::numbers::sqrt3) : 0;
 }
 
-/// The box of a triangle whose corners are numbers.
+/// The bounding box of a triangle with finite corners.
 inline Bounds<double, 3> box_of(const Corners<3>& corner) noexcept {
     Bounds<double, 3> box{corner[0], corner[0]};
     for (std::size_t k = 0; k < 3; ++k) {
@@ -144,7 +146,7 @@ inline Bounds<double, 3> box_of(const Corners<3>& corner) noexcept {
     return box;
 }
 
-/// Finds faces by the cells of a grid that their boxes meet; cells share buckets.
+/// A spatial hash: finds faces by the grid cells that their bounding boxes meet. Cells may share a bucket.
 class FaceHash {
 public:
     FaceHash(double cell, std::size_t faces)
@@ -165,7 +167,7 @@ public:
             return false;
         });
     }
-    /// Whether test(face) for any face whose box meets this one; a face may be asked several times.
+    /// Whether test(face) holds for a face whose box meets `box`. It may be called several times for a face.
     template <class Test>
     bool any(const Bounds<double, 3>& box, const Test& test) const {
         return for_each_cell(box, [&](std::size_t bucket) {
@@ -200,7 +202,7 @@ private:
     std::vector<Bounds<double, 3>> boxes_;
 };
 
-/// All faces of a shell, in cells some edges wide.
+/// Hashes all faces of a shell; a cell is 2.5 edges wide.
 inline FaceHash hash_of(const Shell& shell) {
     double edges = 0;
     std::size_t count = 0;
@@ -217,8 +219,9 @@ inline FaceHash hash_of(const Shell& shell) {
     return hash;
 }
 
-/// Whether the plane of triangle `a`, or one at right angles to it through an edge, has all corners of `b` beyond it that
-/// the two do not share, by more than `gap`: then they meet in what they share at most. Most pairs are told apart so.
+/// Looks for a separating plane: the plane of triangle `a`, or a plane perpendicular to it through
+/// one of its edges. It separates if the corners of `b` that are not shared lie beyond it by more
+/// than `gap`; the triangles then meet at most in shared corners. Decides most pairs cheaply.
 inline bool are_apart(const Facet<3>& a, const Facet<3>& b, double gap) noexcept {
     const auto n = area_normal(a.corner);
     const double reach = gap * length(n);
@@ -246,19 +249,19 @@ inline bool are_apart(const Facet<3>& a, const Facet<3>& b, double gap) noexcept
     return false;
 }
 
-/// Whether two faces touch elsewhere than in what they share, or come nearer than `gap`.
+/// Whether two faces touch outside their shared vertices and edges, or come nearer than `gap`.
 inline bool faces_touch(const Facet<3>& a, const Facet<3>& b, double gap) noexcept {
     return !are_apart(a, b, gap) && !are_apart(b, a, gap) && facets_touch(a, b, gap);
 }
 
-/// What the faces of a shell keep clear of: the figure, and each other.
+/// The obstacles that the faces of a shell must not meet: the figure, and each other.
 class ShellObstacles {
 public:
     ShellObstacles(const DistanceLattice<3>& of_figure, double keeps)
         : lattice(&of_figure)
         , margin(keeps) {}
 
-    /// Whether a new face, in the place of faces for which replaced(f), touches none of the others.
+    /// Whether a new face touches a face of the shell, except those with replaced(f), which it replaces.
     template <class Replaced>
     bool crosses(const Shell& shell, const FaceHash& hash, const Shell::Face& face,
                  const Replaced& replaced) const {

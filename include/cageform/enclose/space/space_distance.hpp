@@ -1,4 +1,4 @@
-// make_cage in space, first step: the distance of a lattice's nodes from the faces of a figure.
+// make_cage in space, step 1: fills a lattice with the distance of its nodes from the faces of a figure.
 #pragma once
 
 #include <cageform/core/running.hpp>
@@ -6,9 +6,10 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Fills a lattice with the distance from triangles less `margin`, at most `farthest`: exact beside the faces, then by sweeps
-/// that try the nearest triangles of the neighbours (Bridson, Fluid simulation for computer graphics, 2015, sec. 14.1).
-/// Farther off what it finds is a true distance of some face, at times not of the nearest: containment does not rest on it.
+/// Fills a lattice with the distance from triangles minus `margin`, at most `farthest`. It is exact
+/// next to the faces. Sweeps then carry the nearest triangle from node to node (Bridson, Fluid
+/// simulation for computer graphics, 2015, sec. 14.1). Far off, the triangle found need not be the
+/// nearest, so the distance may be too large; containment does not depend on it.
 class SpaceDistance {
 public:
     using Point = Vec<double, 3>;
@@ -39,7 +40,8 @@ private:
         nearest_[node] = triangle;
     }
 
-    /// The nodes in the box of a triangle and one about it; of a large one those near its plane.
+    /// Computes exact distances at the nodes in the box of a triangle, widened by one spacing.
+    /// Large triangles skip nodes farther than two spacings from their plane.
     void place_beside(std::size_t t) {
         const auto& corner = triangles_[t];
         const double h = lattice_.spacing();
@@ -54,8 +56,9 @@ private:
         });
     }
 
-    /// One pass over all nodes, each trying what the nodes before it found; bit k of `directions`: downwards along axis k.
-    /// A neighbour's triangle is nearer than what a node has only if the neighbour's distance is, but for the step between.
+    /// One pass over all nodes, in which each tries the triangles of its predecessors. Bit k of
+    /// `directions` means downwards along axis k. A predecessor's triangle can be nearer only if the
+    /// predecessor's distance, minus the step between the two nodes, is smaller than the node's.
     void sweep(unsigned directions, double farthest) {
         const auto& count = lattice_.count();
         const auto& stride = lattice_.stride();
@@ -89,11 +92,11 @@ private:
 
     DistanceLattice<3>& lattice_;
     std::span<const Corners<3>> triangles_;
-    std::vector<std::uint32_t> nearest_; ///< the triangle that a node's distance is from
+    std::vector<std::uint32_t> nearest_; ///< the triangle at the distance stored, for each node
 };
 
-/// Whether f is not below zero on a triangle, but for a twentieth of the spacing: f changes no faster than the place, so
-/// a triangle is halved until it lies within a sphere as large as f at its middle.
+/// Whether f >= 0 on a triangle, up to a twentieth of the spacing. f has slope at most 1, so a triangle is
+/// free if it lies in the sphere of radius f around its middle. Larger ones are halved, down to 0.8 spacings.
 inline bool is_clear(const DistanceLattice<3>& lattice, const Corners<3>& corner) noexcept {
     const auto middle = (1.0 / 3) * (corner[0] + corner[1] + corner[2]);
     const double f = lattice.value(middle);

@@ -1,13 +1,14 @@
-// make_cage in space, third step: the tightest cage, of a vertex wherever a cell of the lattice meets the
-// border of the outside.
+// make_cage in space, step 3: the tightest cage, with a vertex in every lattice cell that the
+// border of the outside crosses.
 #pragma once
 
 #include <cageform/enclose/space/shell.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Turns nodes of the outside to the inside until the border is a manifold: no square of four nodes and no cube of
-/// eight has two opposite corners alone on their side (Latecki, 3D well-composed pictures, 1997). Nodes on the rim stay.
+/// Changes outside nodes to inside until the border is a manifold: in no square of four nodes and
+/// no cube of eight are two opposite corners on one side and all others on the other (Latecki, 3D
+/// well-composed pictures, 1997). Nodes on the rim of the lattice stay outside.
 inline void make_well_composed(const DistanceLattice<3>& lattice, std::vector<std::uint8_t>& outside) {
     const auto& stride = lattice.stride();
     const auto& count = lattice.count();
@@ -15,7 +16,7 @@ inline void make_well_composed(const DistanceLattice<3>& lattice, std::vector<st
         outside[node] = 0;
         return true;
     };
-    // Of a square with two corners of each kind, opposite ones alike: one of the outside goes.
+    // If the diagonals of a square are on different sides, one of the two outside nodes becomes inside.
     const auto fix_square = [&](std::size_t node, std::size_t u, std::size_t v) {
         const bool a = outside[node] != 0, b = outside[node + u] != 0, c = outside[node + v] != 0,
                    d = outside[node + u + v] != 0;
@@ -28,7 +29,7 @@ inline void make_well_composed(const DistanceLattice<3>& lattice, std::vector<st
                 return node + (bits & 1) * stride[0] + (bits >> 1 & 1) * stride[1] + (bits >> 2) * stride[2];
             };
             const std::size_t opposite = 7 - corner;
-            std::size_t alike = 0; // with the corner
+            std::size_t alike = 0; // corners on the same side as this one, including itself
             const bool kind = outside[at(corner)] != 0;
             for (std::size_t other = 0; other < 8; ++other) alike += (outside[at(other)] != 0) == kind;
             if ((outside[at(opposite)] != 0) != kind || alike != 2) continue;
@@ -51,10 +52,11 @@ inline void make_well_composed(const DistanceLattice<3>& lattice, std::vector<st
     }
 }
 
-/// The border of the outside by surface nets (Gibson, Constrained elastic surface nets, 1998): in every mixed cell a vertex
-/// at the mean of where its edges cross the border, about every crossed lattice edge two triangles, cut along the shorter
-/// diagonal. `half`: only what lies at x >= 0 of a lattice that is symmetric, its middle plane between nodes; the
-/// vertices of the cells that the plane halves lie on it, and are the rim.
+/// Makes the border of the outside by surface nets (Gibson, Constrained elastic surface nets,
+/// 1998). Each mixed cell gets a vertex at the mean of the points where its edges cross the border;
+/// each crossed lattice edge gets two triangles, divided along the shorter diagonal. With `half`,
+/// the lattice is symmetric, with its middle plane midway between nodes, and only the part x >= 0
+/// is made. The vertices of cells that the plane halves lie on it and form the rim.
 class SurfaceNets {
 public:
     using Point = Vec<double, 3>;
@@ -87,7 +89,8 @@ public:
 private:
     static constexpr std::uint32_t none = ~std::uint32_t{0};
 
-    /// The four cells about the edge from a node along an axis; the rim of the lattice is outside, so they are there.
+    /// Adds two triangles across the lattice edge from a node along an axis: they join the vertices
+    /// of the four cells around it, which exist because the rim of the lattice is outside.
     void add_faces(std::size_t node, std::size_t axis, bool from_outside, Shell& shell) {
         const auto& stride = lattice_.stride();
         const std::size_t u = stride[(axis + 1) % 3], v = stride[(axis + 2) % 3];
@@ -133,7 +136,7 @@ private:
         return vertex_[cell];
     }
 
-    /// To where f is not below zero: a few steps of Newton's method along f's slope.
+    /// Moves a point to f >= 0 by a few steps of Newton's method along the gradient of f.
     Point to_outside(Point p, bool on_rim) const {
         const double h = lattice_.spacing();
         for (int step = 0; step < 4; ++step) {
@@ -156,7 +159,7 @@ private:
     const DistanceLattice<3>& lattice_;
     const std::vector<std::uint8_t>& outside_;
     bool half_;
-    std::vector<std::uint32_t> vertex_; ///< of the cell above a node
+    std::vector<std::uint32_t> vertex_; ///< the vertex of the cell whose lowest corner is this node
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

@@ -1,11 +1,12 @@
-// Cells in the open, on a canvas whose rim gives no data: what strokes and walls are on a lattice.
+// Strokes and walls on a lattice: interior cells without a cage, on a canvas whose rim gives no
+// data.
 #pragma once
 
 #include <cageform/grid/lattice/simplex_boundary.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// What `SimplexBoundary` asks of a cage, without an outside.
+/// Gives `SimplexBoundary` the interface of a cage, for cells without an outer boundary.
 template <std::size_t D>
 struct OpenCells {
     std::vector<Vec<double, D>> points;
@@ -20,7 +21,7 @@ const InteriorCells<D>& interior_cells(const OpenCells<D>& drawing) noexcept {
     return drawing.cells;
 }
 
-/// Strokes on a canvas whose rim lies half a cell beyond the last nodes and gives no data.
+/// Strokes on a canvas. Its rim lies half a cell beyond the last nodes and gives no data.
 template <std::size_t D>
 class CanvasBoundary : public grid::SimplexBoundary<D> {
     using Base = grid::SimplexBoundary<D>;

@@ -1,4 +1,4 @@
-// In which order the nodes of a graph are eliminated, and which of them together.
+// The elimination order of the nodes of a graph, and the groups (supernodes) eliminated together.
 #pragma once
 
 #include <cageform/core/vec.hpp>
@@ -14,10 +14,10 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The links of every node, side by side.
+/// The links of every node, stored contiguously (compressed sparse rows).
 struct Adjacency {
-    std::vector<std::size_t> first{0}; ///< #nodes + 1: where the links of a node begin
-    std::vector<std::uint32_t> node;   ///< at the other end
+    std::vector<std::size_t> first{0}; ///< #nodes + 1: where the links of each node begin
+    std::vector<std::uint32_t> node;   ///< the node at the other end
     std::vector<double> conductance;
 
     std::size_t nodes() const noexcept { return first.size() - 1; }
@@ -26,17 +26,18 @@ struct Adjacency {
     }
 };
 
-/// An order of elimination that leaves few links: Eigen's approximate minimum degree, in postorder
-/// of the elimination tree, in groups (Liu, The role of elimination trees in sparse factorization,
-/// SIAM J. Matrix Anal. Appl. 11 (1990), sec. 2, 3 and 5).
+/// An elimination order with little fill-in: Eigen's approximate minimum degree, postordered along
+/// the elimination tree, with nodes grouped into supernodes (Liu, The role of elimination trees in
+/// sparse factorization, SIAM J. Matrix Anal. Appl. 11 (1990), sec. 2, 3 and 5).
 class Elimination {
 public:
     static constexpr std::uint32_t none = ~std::uint32_t{0};
 
-    /// Nodes that are eliminated together.
+    /// A supernode: nodes that are eliminated together.
     struct Group {
-        std::size_t begin, end; ///< in `nodes`
-        std::uint32_t parent;   ///< the later group of the first node that they leave links to; or none
+        std::size_t begin, end; ///< range in `nodes`
+        std::uint32_t parent;   ///< the later group of the first node that this group leaves a link to, or
+                                ///< none
     };
 
     explicit Elimination(const Adjacency& graph)
@@ -50,13 +51,13 @@ public:
         find_groups();
     }
 
-    /// In the order of elimination: children before their parents, nothing between that is not of
-    /// the same parent.
+    /// Returns the groups in elimination order: a postorder, in which every subtree is contiguous
+    /// and precedes its parent.
     std::span<const Group> groups() const noexcept { return groups_; }
     std::span<const std::uint32_t> nodes(const Group& group) const noexcept {
         return std::span(nodes_).subspan(group.begin, group.end - group.begin);
     }
-    /// Of every node, in the order.
+    /// Returns the position of every node in the order.
     std::span<const std::uint32_t> places() const noexcept { return place_; }
 
 private:
@@ -69,10 +70,10 @@ private:
         for (std::uint32_t i = 0; i < nodes_.size(); ++i) {
             matrix.outerIndexPtr()[i] = Index(next - matrix.innerIndexPtr());
             Index* const first = next;
-            *next++ = Index(i); // a diagonal is expected
+            *next++ = Index(i); // the ordering expects a diagonal
             for (const std::uint32_t j : graph_.neighbours(i)) *next++ = Index(j);
             std::sort(first, next);
-            next = std::unique(first, next); // of links that are given more than once
+            next = std::unique(first, next); // merges links that are given more than once
         }
         matrix.outerIndexPtr()[nodes_.size()] = Index(next - matrix.innerIndexPtr());
         matrix.resizeNonZeros(next - matrix.innerIndexPtr());
@@ -87,8 +88,9 @@ private:
         for (std::uint32_t place = 0; place < nodes_.size(); ++place) place_[nodes_[place]] = place;
     }
 
-    /// Of every place the first that its elimination leaves a link to; subtrees that are done with are
-    /// climbed by short cuts.
+    /// Finds the parent of every position in the elimination tree: the first later position that
+    /// its elimination leaves a link to. Shortcuts in `top` skip subtrees already climbed (path
+    /// compression).
     void find_parents() {
         std::vector<std::uint32_t> top(nodes_.size(), none);
         parent_.assign(nodes_.size(), none);
@@ -98,13 +100,14 @@ private:
                     const std::uint32_t up = top[below];
                     top[below] = place;
                     if (up == none) parent_[below] = place;
-                    below = up; // none is no lesser place
+                    below = up; // `none` exceeds every position, which ends the climb
                 }
             }
         }
     }
 
-    /// Children right before their parents, the last of them next to it.
+    /// Renumbers in postorder: children come right before their parents, the last child adjacent to
+    /// its parent.
     void order_by_tree() {
         const auto size = std::uint32_t(nodes_.size());
         std::vector<std::uint32_t> child(size, none), sibling(size, none), moved(size), path, ordered;
@@ -137,11 +140,12 @@ private:
         find_places();
     }
 
-    /// A group that no parent has come for, and the places after it that it leaves links to.
+    /// A group whose parent has not been reached yet, and the later positions that it leaves links
+    /// to.
     struct Open {
         std::uint32_t group;
         std::vector<std::uint32_t> rows;
-        double zeros; ///< in its columns
+        double zeros; ///< explicit zeros stored in its columns
     };
 
     void find_groups() {
@@ -174,8 +178,9 @@ private:
             open.push_back({group, rows, zeros});
         }
     }
-    /// Whether a place with so many rows after it is eliminated with its last child: where that
-    /// stores few zeros, of a small group more (shares as CHOLMOD has them, about).
+    /// Whether a node with `rows` later neighbours joins the group of its last child (relaxed
+    /// supernodes): if that stores few zeros, with a larger share allowed for small groups (about
+    /// CHOLMOD's shares).
     bool joins(const Open& last, std::size_t rows, double& zeros) const noexcept {
         const double own = double(groups_[last.group].end - groups_[last.group].begin);
         zeros = last.zeros + own * double(rows + 1 - last.rows.size());
@@ -185,8 +190,8 @@ private:
 
     const Adjacency& graph_;
     std::vector<std::uint32_t> nodes_;  // in the order
-    std::vector<std::uint32_t> place_;  // of every node
-    std::vector<std::uint32_t> parent_; // of every place
+    std::vector<std::uint32_t> place_;  // of every node, its position
+    std::vector<std::uint32_t> parent_; // of every position, its parent
     std::vector<Group> groups_;
 };
 

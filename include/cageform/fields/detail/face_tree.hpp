@@ -1,4 +1,5 @@
-// The triangles of a mesh, to be asked which of them a segment meets and whether they enclose a place.
+// A tree of the triangles of a mesh, for tests whether a segment meets one and whether the mesh
+// encloses a point.
 #pragma once
 
 #include <cageform/cage/triangle_mesh.hpp>
@@ -9,11 +10,11 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// A tree of boxes, halved at the median of the faces' middles along the longest side. Built in
-/// O(n log n); a question takes O(log n) as a rule.
+/// A bounding volume hierarchy: boxes are halved along their longest side at the median of the
+/// faces' centres. Built in O(n log n); a query usually takes O(log n).
 class FaceTree {
 public:
-    /// All finite. The vertices and faces have to outlive the tree.
+    /// Builds the tree. All coordinates must be finite; vertices and faces must outlive the tree.
     FaceTree(std::span<const Vec<double, 3>> vertices, std::span<const MeshFace> faces)
         : vertices_(vertices)
         , faces_(faces)
@@ -24,7 +25,8 @@ public:
         if (!faces.empty()) build(0, std::uint32_t(faces.size()));
     }
 
-    /// Whether the segment from a vertex to another place meets the mesh at its ends at most. Exact.
+    /// Whether the segment from a vertex to another point meets the mesh at most at its ends.
+    /// Exact.
     bool is_free(std::uint32_t vertex, const Vec<double, 3>& q) const {
         const auto& p = vertices_[vertex];
         return !any_near(p, q, [&](std::uint32_t f) {
@@ -33,9 +35,9 @@ public:
         });
     }
 
-    /// Whether a place that lies on no face is inside a closed mesh, by the even-odd rule: a ray
-    /// along the third axis crosses an odd number of faces, where it stands a little to the side of
-    /// what it touches. Exact.
+    /// Whether a closed mesh encloses a point that lies on no face, by the even-odd rule: a ray
+    /// along the third axis crosses an odd number of faces. Degenerate contacts are resolved by
+    /// moving the ray infinitesimally. Exact.
     bool encloses(const Vec<double, 3>& p) const {
         if (nodes_.empty()) return false;
         bool inside = false;
@@ -51,12 +53,12 @@ public:
     }
 
 private:
-    static constexpr std::uint32_t leaf = 4; ///< faces that are looked at one after the other
+    static constexpr std::uint32_t leaf = 4; ///< most faces of a leaf
 
     struct Node {
         Bounds<double, 3> box;
-        std::uint32_t begin, end; ///< faces
-        std::uint32_t second;     ///< node; the first is the next one. 0: a leaf
+        std::uint32_t begin, end; ///< of faces in `order_`
+        std::uint32_t second;     ///< the second child; the first is the next node. 0 for a leaf
     };
 
     std::uint32_t build(std::uint32_t begin, std::uint32_t end) {
@@ -87,8 +89,9 @@ private:
         return number;
     }
 
-    /// On which side of the line from a to b a place lies that is moved by little along the first
-    /// axis and by far less along the second; 0 where a and b are one, seen along the third axis.
+    /// Returns the side of the line from a to b, seen along the third axis, on which p lies after
+    /// an infinitesimal shift along the first axis and a far smaller one along the second; 0 if a
+    /// and b coincide.
     static int side_of(const Vec<double, 3>& a, const Vec<double, 3>& b, const Vec<double, 3>& p) noexcept {
         const int side = orientation({a[0], a[1]}, {b[0], b[1]}, {p[0], p[1]});
         if (side != 0) return side;
@@ -107,7 +110,7 @@ private:
         return segments_touch(s, t, d, e) || segments_touch(s, t, e, f) || segments_touch(s, t, f, d) ||
                (orientation(d, e, s) == side && orientation(e, f, s) == side && orientation(f, d, s) == side);
     }
-    /// Whether the segment from a vertex of a face to q begins along the face.
+    /// Whether the segment from a vertex of a face to q starts out along the face.
     static bool runs_along(const Facet<3>& facet, std::uint32_t vertex, const Vec<double, 3>& q) noexcept {
         const auto& [a, b, c] = facet.corner;
         if (orientation(a, b, c, q) != 0) return false;
@@ -118,7 +121,7 @@ private:
         const int side = orientation(p, d, e);
         return side * orientation(p, d, to) >= 0 && side * orientation(p, to, e) >= 0;
     }
-    /// Places in the plane of a face, seen along an axis that is not in it.
+    /// Projects points of a face's plane to 2D, along an axis not parallel to the plane.
     static std::array<Vec<double, 2>, 3> flattened(const Corners<3>& face,
                                                    const Corners<3>& places) noexcept {
         const auto along = [](std::size_t axis, const Vec<double, 3>& p) {
@@ -130,22 +133,23 @@ private:
         return {along(axis, places[0]), along(axis, places[1]), along(axis, places[2])};
     }
 
-    /// A segment, to be compared with many boxes.
+    /// A segment, prepared for tests against many boxes.
     struct Sight {
-        Vec<double, 3> from, lower, upper, inverse; ///< the last 0 along axes that it hardly moves along
+        Vec<double, 3> from, lower, upper, inverse; ///< inverse: 0 along axes that the segment hardly
+                                                    ///< moves along
 
         Sight(const Vec<double, 3>& p, const Vec<double, 3>& q) noexcept
             : from(p) {
-            constexpr double least = 1e-290; // its inverse is finite
+            constexpr double least = 1e-290; // keeps the inverse finite
             for (std::size_t k = 0; k < 3; ++k) {
                 lower[k] = (std::min)(p[k], q[k]);
                 upper[k] = (std::max)(p[k], q[k]);
                 inverse[k] = upper[k] - lower[k] > least ? 1 / (q[k] - p[k]) : 0;
             }
         }
-        /// Whether it may meet a box: never false where it does.
+        /// Whether the segment may meet a box. Never false if it does.
         bool may_meet(const Bounds<double, 3>& box) const noexcept {
-            constexpr double slack = 1e-9; // of the segment, far above rounding
+            constexpr double slack = 1e-9; // in segment lengths, far above rounding
             double first = -slack, last = 1 + slack;
             for (std::size_t k = 0; k < 3; ++k) {
                 if (box.upper[k] < lower[k] || box.lower[k] > upper[k]) return false;
@@ -159,11 +163,11 @@ private:
         }
     };
 
-    /// Whether f(face) for one of the faces whose boxes the segment may meet.
+    /// Whether f(face) holds for one of the faces whose boxes the segment may meet.
     template <class F>
     bool any_near(const Vec<double, 3>& p, const Vec<double, 3>& q, const F& f) const {
         const Sight sight(p, q);
-        std::array<std::uint32_t, 64> waiting{}; // halves: no deeper than 32 levels
+        std::array<std::uint32_t, 64> waiting{}; // pending subtrees; the tree has at most 32 levels
         std::size_t count = nodes_.empty() ? 0 : 1;
         while (count > 0) {
             const std::uint32_t number = waiting[--count];

@@ -1,4 +1,4 @@
-// The factors of the equations Σ k_ij (u_i − u_j) + e_i u_i = b_i of a graph.
+// Factorises and solves the equations Σ k_ij (u_i − u_j) + e_i u_i = b_i of a graph.
 #pragma once
 
 #include <cageform/fields/detail/elimination.hpp>
@@ -9,20 +9,21 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Factors L D Lᵀ, by fronts: the columns of a group of nodes, dense over the rows that they have
-/// (Duff, Reid, The multifrontal solution of indefinite sparse symmetric linear equations, ACM
-/// Trans. Math. Softw. 9 (1983)). There is no diagonal: a pivot is what is left of e plus the
-/// conductances that are left. So where none is negative nothing is ever subtracted, and all numbers
-/// are right to roundings, however far conductances differ (Alfa, Xue, Ye, Accurate computation of
-/// the smallest eigenvalue of a diagonally dominant M-matrix, Math. Comp. 71 (2002), sec. 2).
+/// The multifrontal factorisation L D Lᵀ: a front holds the columns of a group of nodes, dense over
+/// their rows (Duff, Reid, The multifrontal solution of indefinite sparse symmetric linear
+/// equations, ACM Trans. Math. Softw. 9 (1983)). No diagonal is stored: a pivot is the remaining e
+/// plus the sum of the remaining conductances. So nothing is ever subtracted if none is negative,
+/// and all numbers are accurate to rounding, however far conductances differ (Alfa, Xue, Ye,
+/// Accurate computation of the smallest eigenvalue of a diagonally dominant M-matrix, Math. Comp.
+/// 71 (2002), sec. 2).
 class GraphFactors {
 public:
-    /// e of a node, and what its terms add up to without their signs.
+    /// The excess e of a node, and the sum of its terms' absolute values.
     struct Excess {
         double value = 0, size = 0;
     };
 
-    /// False where a pivot is not finite, zero, or nothing but rounding.
+    /// Returns false if a pivot is not finite, zero, or indistinguishable from rounding.
     bool factorise(const Adjacency& graph, std::span<const Excess> excess) {
         const Elimination order(graph);
         const auto groups = order.groups();
@@ -51,7 +52,7 @@ public:
         return true;
     }
 
-    /// Of the factors.
+    /// Returns the memory of the factors.
     std::size_t bytes() const noexcept {
         std::size_t sum = 0;
         for (const Front& front : fronts_)
@@ -60,7 +61,7 @@ public:
         return sum;
     }
 
-    /// Solves for fields side by side: `b` of node i and field f at i · fields + f becomes u.
+    /// Solves for several fields: `b` of node i and field f at i · fields + f is replaced by u.
     void solve(std::span<double> values, std::size_t fields) const {
         const auto width = Eigen::Index(fields);
         Eigen::Map<Rows> all(values.data(), Eigen::Index(values.size() / fields), width);
@@ -99,16 +100,16 @@ private:
     using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
     struct Front {
-        std::vector<std::uint32_t> rows; ///< nodes: its own, then those of later fronts, in their order
+        std::vector<std::uint32_t> rows; ///< nodes: its own, then those of later fronts, in elimination order
         std::size_t own = 0;
-        Matrix columns; ///< of L, unit diagonal
+        Matrix columns; ///< of L; the diagonal is 1
         Vector pivots;
     };
-    /// What a front leaves to its parent: links between its other rows.
+    /// The update matrix that a front passes to its parent: links between its remaining rows.
     struct Update {
         std::uint32_t parent;
         std::vector<std::uint32_t> rows;
-        Matrix matrix; ///< below the diagonal
+        Matrix matrix; ///< lower triangle without the diagonal
     };
 
     Front rows_of(const Adjacency& graph, std::span<const std::uint32_t> own,
@@ -132,7 +133,7 @@ private:
         return front;
     }
 
-    /// The links that its own nodes have left, and what children left.
+    /// Assembles a front from its own nodes' remaining links and its children's updates.
     Matrix assemble(const Adjacency& graph, const Front& front, std::span<const Update> updates) {
         const auto size = Eigen::Index(front.rows.size());
         Matrix matrix = Matrix::Zero(size, size);
@@ -154,7 +155,8 @@ private:
         return matrix;
     }
 
-    /// Eliminates a front's own nodes, a few columns at a time, and passes on what they have of e.
+    /// Eliminates a front's own nodes, panel by panel, and distributes their excess e to the other
+    /// rows.
     bool eliminate(Front& front, Matrix& matrix) {
         constexpr Eigen::Index panel = 32;
         const Eigen::Index size = matrix.rows(), own = Eigen::Index(front.own);
@@ -196,10 +198,10 @@ private:
 
     std::vector<Front> fronts_;         // in the order of elimination
     std::vector<Update> waiting_;       // of fronts whose parents come later
-    std::vector<std::uint32_t> place_;  // of every node in the order
-    std::vector<std::uint32_t> marked_; // of every node the last front that has it
-    std::vector<Eigen::Index> local_;   // of every node its row in the last front that has it
-    std::vector<Excess> excess_;        // as elimination changes it
+    std::vector<std::uint32_t> place_;  // of every node, its position in the order
+    std::vector<std::uint32_t> marked_; // of every node, the last front that has it
+    std::vector<Eigen::Index> local_;   // of every node, its row in the last front that has it
+    std::vector<Excess> excess_;        // updated during elimination
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

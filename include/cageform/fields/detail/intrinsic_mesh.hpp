@@ -1,4 +1,4 @@
-// A triangle mesh known by the lengths of its edges alone, and the flips that make it Delaunay.
+// A triangle mesh given only by its edge lengths, and the edge flips that make it Delaunay.
 #pragma once
 
 #include <cageform/cage/triangle_mesh.hpp>
@@ -11,13 +11,13 @@ namespace cageform::inline CAGEFORM_ABI::detail {
 /// The shape of a triangle. Side k is opposite to corner k.
 struct TriangleShape {
     std::array<double, 3> length{}; ///< of the sides
-    std::array<double, 3> dot{};    ///< at the corners, of the two sides that leave there
+    std::array<double, 3> dot{};    ///< at each corner, of the two sides that start there
     double area2 = 0;               ///< twice the area
 
     double cotangent(std::size_t k) const noexcept { return dot[k] / area2; }
 
-    /// Whether it has an area, and its numbers are of one triangle, as far as can be asked of flips
-    /// about sides that are 1e-10 as long as others.
+    /// Whether the triangle has an area and its numbers are consistent. The threshold is loose:
+    /// flips may involve sides that are 1e-10 as long as others.
     bool is_sound() const noexcept {
         constexpr double rounding = 1e-6;
         bool sound = area2 > 0;
@@ -40,27 +40,29 @@ struct TriangleShape {
     }
 };
 
-/// Two triangles over side ab unfolded into a plane: c above and d below it. Of c and d, how far
-/// from a towards b, from b towards a, and from the line through both.
+/// Two triangles sharing side ab, unfolded into a plane with c above and d below it. For c and d
+/// stores the distance along ab from a (towards b) and from b (towards a), and the height over ab.
 struct UnfoldedPair {
     std::array<double, 2> from_a, from_b, height;
     double diagonal; ///< length of cd
 
-    /// `first` = (c, a, b) beginning at corner k, `second` = (d, b, a) beginning at corner m.
+    /// Takes the triangles `first` = (c, a, b), starting at corner k, and `second` = (d, b, a),
+    /// starting at corner m.
     UnfoldedPair(const TriangleShape& first, std::size_t k, const TriangleShape& second,
                  std::size_t m) noexcept {
         const double ab = first.length[k];
         from_a = {first.dot[(k + 1) % 3] / ab, second.dot[(m + 2) % 3] / ab};
         from_b = {first.dot[(k + 2) % 3] / ab, second.dot[(m + 1) % 3] / ab};
         height = {first.area2 / ab, second.area2 / ab};
-        // Of the two differences that are equal, the one of lesser numbers.
+        // Both differences are equal; use the one of the smaller numbers.
         const auto &x = from_a, &y = from_b;
         const bool is_nearer_a = std::fabs(x[0]) + std::fabs(x[1]) <= std::fabs(y[0]) + std::fabs(y[1]);
         diagonal = std::hypot(is_nearer_a ? x[0] - x[1] : y[0] - y[1], height[0] + height[1]);
     }
 
-    /// The triangle of c, d and the corner that `from` tells the distances from. Its corners, and
-    /// so its sides, in the order c, that corner, d; the lengths of its sides to c and d are given.
+    /// Returns the triangle (c, x, d), where x is the end of ab from which `from` measures.
+    /// Corners, and therefore sides, are in this order; the lengths of the sides from x to c and d
+    /// are given.
     TriangleShape half(const std::array<double, 2>& from, double to_c, double to_d) const noexcept {
         const double across = from[0] - from[1], up = height[0] + height[1];
         TriangleShape shape;
@@ -72,13 +74,14 @@ struct UnfoldedPair {
     }
 };
 
-/// A triangle mesh, open or closed, orientable or not, without its places. Two triangles may come
-/// to share two edges, and an edge may come to join a vertex to itself.
+/// A triangle mesh without positions: open or closed, orientable or not. After flips two triangles
+/// may share two edges, and an edge may join a vertex to itself.
 class IntrinsicMesh {
 public:
     static constexpr std::uint32_t rim = ~std::uint32_t{0};
 
-    /// Finite vertices, faces with an area, at most two of them at an edge.
+    /// Builds the mesh. Vertices must be finite, faces must have an area, and at most two may share
+    /// an edge.
     template <Scalar T>
     IntrinsicMesh(std::span<const Vec<T, 3>> vertices, std::span<const MeshFace> faces,
                   std::span<const HalfEdge> half_edges)
@@ -93,16 +96,17 @@ public:
     }
 
     std::size_t sides() const noexcept { return twin_.size(); }
-    /// The side of another triangle that is the same edge, or `rim`.
+    /// Returns the side of another triangle that is the same edge, or `rim`.
     std::uint32_t twin(std::uint32_t side) const noexcept { return twin_[side]; }
-    /// The ends of a side.
+    /// Returns the end vertices of a side.
     std::array<std::uint32_t, 2> ends(std::uint32_t side) const noexcept {
         const auto& corner = corner_[side / 3];
         return {corner[(side + 1) % 3], corner[(side + 2) % 3]};
     }
     double cotangent(std::uint32_t side) const noexcept { return shape_[side / 3].cotangent(side % 3); }
 
-    /// The cotangents of the angles that face an edge, added up, and what rounding may be of that.
+    /// The sum of the cotangents of the angles opposite to an edge, with a bound for its rounding
+    /// error.
     struct Sum {
         double value, rounding;
     };
@@ -111,15 +115,15 @@ public:
         return {here + there, 64 * epsilon<double> * (1 + std::fabs(here) + std::fabs(there))};
     }
 
-    /// Flips edges until no two angles that face an edge exceed π together (Bobenko, Springborn, A
-    /// discrete Laplace–Beltrami operator for simplicial surfaces, Discrete Comput. Geom. 38
-    /// (2007), sec. 2). Each flip lessens Dirichlet's integral, so this ends; few flips as a rule.
-    /// Returns how many.
+    /// Flips edges until the two angles opposite to an edge never exceed π in sum (Bobenko,
+    /// Springborn, A discrete Laplace–Beltrami operator for simplicial surfaces, Discrete Comput.
+    /// Geom. 38 (2007), sec. 2). Each flip decreases the Dirichlet energy, so this terminates;
+    /// usually after few flips. Returns their number.
     std::size_t make_delaunay() {
         std::vector<std::uint32_t> waiting(sides());
         for (std::uint32_t side = 0; side < sides(); ++side) waiting[side] = side;
         std::size_t flips = 0;
-        // Rounding has never been seen to make it go on; this says that it cannot.
+        // Rounding has never been observed to cause endless flips; the limit guarantees it.
         for (const std::size_t most = 1000 + 64 * sides(); !waiting.empty() && flips < most;) {
             const std::uint32_t side = waiting.back();
             waiting.pop_back();
@@ -146,7 +150,7 @@ private:
         turns_[a] = turns_[b] = turns ? 1 : 0;
     }
 
-    /// Turns a triangle round: corners 1 and 2 change places.
+    /// Reverses the orientation of a triangle: swaps corners 1 and 2.
     void turn(std::uint32_t g) noexcept {
         const std::uint32_t first = 3 * g;
         std::swap(corner_[g][1], corner_[g][2]);
@@ -165,8 +169,9 @@ private:
         }
     }
 
-    /// Triangles cab and dba over the side ab of the first become cad and dbc. False, and nothing
-    /// is changed, where rounding spoils a triangle that is made, or both sides are of one triangle.
+    /// Flips side ab of the triangles cab and dba: they become cad and dbc. Returns false and
+    /// changes nothing if rounding would spoil one of the new triangles, or if both sides belong to
+    /// one triangle.
     bool flip(std::uint32_t side) noexcept {
         const std::uint32_t f = side / 3, g = twin_[side] / 3;
         if (f == g) return false;
@@ -184,7 +189,7 @@ private:
         const TriangleShape at_a = pair.half(pair.from_a, length[1], length[0]);
         TriangleShape at_b = pair.half(pair.from_b, length[2], length[3]);
         if (!at_a.is_sound() || !at_b.is_sound()) return false;
-        std::swap(at_b.length[0], at_b.length[2]); // from c, b, d to d, b, c
+        std::swap(at_b.length[0], at_b.length[2]); // from (c, b, d) to (d, b, c)
         std::swap(at_b.dot[0], at_b.dot[2]);
 
         std::array<std::uint32_t, 4> twin{};
@@ -214,7 +219,8 @@ private:
     std::vector<MeshFace> corner_;
     std::vector<TriangleShape> shape_;
     std::vector<std::uint32_t> twin_; // of every side
-    std::vector<std::uint8_t> turns_; // whether both triangles run along the edge the same way
+    std::vector<std::uint8_t> turns_; // of every side, whether both triangles run along the edge in the
+                                      // same direction
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

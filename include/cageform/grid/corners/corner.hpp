@@ -1,11 +1,12 @@
-// The singular functions at a corner in the plane, known but for their coefficients.
+// The singular functions at a corner of a polygon.
 //
 // Near a corner of interior angle ω, with data linear along its two edges, a harmonic function is
 //
 //     g + α x + c w + Σ a_k s_k,   s_k = (r/R)^(kπ/ω) sin(kπθ/ω)
 //
-// (Wasow 1957; Grisvard, Elliptic Problems in Nonsmooth Domains, 1985, ch. 2 and 4), x along the
-// one edge, w harmonic with w = 0 on it and w = r on the other.
+// (Wasow 1957; Grisvard, Elliptic Problems in Nonsmooth Domains, 1985, ch. 2 and 4). Here x is the
+// coordinate along one edge, and w is harmonic with w = 0 on that edge and w = r on the other. The
+// data gives g, α and c; only the coefficients a_k are unknown.
 #pragma once
 
 #include <cageform/core/vec.hpp>
@@ -19,14 +20,17 @@
 namespace cageform::inline CAGEFORM_ABI {
 namespace grid {
 
-/// The functions of one corner. Lengths in units of the lattice.
+/// The singular functions of one corner. Lengths are in units of the lattice.
 class Corner {
 public:
-    static constexpr std::size_t most = 8;          ///< functions s_k kept
-    static constexpr double smooth_exponent = 2.25; ///< π/ω from which differences need no help
+    static constexpr std::size_t most = 8; ///< the largest number of functions s_k
+    /// From this π/ω on, finite differences need no help.
+    static constexpr double smooth_exponent = 2.25;
 
-    /// The corner at `vertex` between the edges to `after` and `before`, counter-clockwise from the
-    /// one to the other; all about it where they are one.
+    /// The corner at `vertex` whose inside runs counter-clockwise from the edge to `after` to the
+    /// edge to `before`. If both are the same edge, the inside is all around it.
+    ///
+    ///   radius  R: of the disc about the corner
     Corner(const Vec<double, 2>& vertex, const Vec<double, 2>& before, const Vec<double, 2>& after,
            double radius)
         : vertex_(vertex)
@@ -37,29 +41,32 @@ public:
         x_ = (1 / length_after_) * forth;
         y_ = {-x_[1], x_[0]};
         angle_ = std::atan2(dot(back, y_), dot(back, x_));
-        if (before == after) angle_ = 0; // whatever rounding says
+        if (before == after) angle_ = 0; // regardless of rounding
         if (angle_ <= 0) angle_ += 2 * std::numbers::pi;
         sine_ = std::sin(angle_);
         exponent_ = std::numbers::pi / angle_;
-        // As many as the nodes around can tell apart; r⁴ and beyond differences do well enough.
+        // Keeps as many as the nodes of the disc can tell apart. Finite differences handle r⁴ and
+        // higher powers well.
         count_ = (std::min)(most, std::size_t(std::ceil(std::clamp(radius / 6, 1.5, 4.0) / exponent_)));
     }
 
-    std::size_t count() const noexcept { return count_; } ///< of the s_k; function 0 is w
-    /// The m of the s_m that is in w, whose exponent is closest to 1. With fewer functions the rest
-    /// would depend on which of the two edges is the first.
+    std::size_t count() const noexcept { return count_; } ///< the number of s_k; function 0 is w
+    /// Returns the m whose s_m appears in w: the one with exponent closest to 1. With fewer
+    /// functions the result would depend on which of the two edges is the first.
     std::size_t least_count() const noexcept { return angle_ < 1.5 * std::numbers::pi ? 1 : 2; }
-    /// Leaves out all s_k beyond the first `count`.
+    /// Drops all s_k beyond the first `count`.
     void keep(std::size_t count) noexcept { count_ = (std::min)(count_, count); }
+    /// Tells whether finite differences need no help at this corner.
     bool is_smooth() const noexcept { return exponent_ > smooth_exponent; }
     double radius() const noexcept { return radius_; }
     const Vec<double, 2>& vertex() const noexcept { return vertex_; }
     double distance(const Vec<double, 2>& p) const noexcept {
         return std::sqrt(dot(p - vertex_, p - vertex_));
     }
-    double reach() const noexcept { return (1 + 1e-9) * radius_; } ///< the radius, up to rounding
+    /// The radius, enlarged for rounding.
+    double reach() const noexcept { return (1 + 1e-9) * radius_; }
     bool reaches(const Vec<double, 2>& p) const noexcept { return distance(p) <= reach(); }
-    /// Whether a place is between the edges, or on one of them up to rounding.
+    /// Tells whether a point lies between the edges, or on one of them up to rounding.
     bool holds(const Vec<double, 2>& p) const noexcept {
         constexpr double rounding = 1e-9;
         const auto d = p - vertex_;
@@ -67,21 +74,21 @@ public:
         if (theta < -rounding) theta += 2 * std::numbers::pi;
         return theta < angle_ + rounding;
     }
+    /// Returns the coordinate x of a point, along the edge to `after`.
     double along(const Vec<double, 2>& p) const noexcept { return dot(p - vertex_, x_); }
     double exponent() const noexcept { return exponent_; } ///< π/ω
     double cosine() const noexcept { return std::cos(angle_); }
     double length_before() const noexcept { return length_before_; }
     double length_after() const noexcept { return length_after_; }
 
-    /// w, s_1, …, s_count at a place in the sector.
+    /// Returns w, s_1, …, s_count at a point of the sector.
     std::array<double, most + 1> functions(const Vec<double, 2>& p) const noexcept {
         std::array<double, most + 1> f{};
         const auto d = p - vertex_;
         const double x = dot(d, x_), y = dot(d, y_), r = std::sqrt(dot(d, d)) / radius_;
         if (!(r > 0)) return f;
         double theta = std::atan2(y, x);
-        // The sector's far side may show as a small negative angle, as may its near side by
-        // rounding.
+        // By rounding, the far edge may appear at a small negative angle, and so may the near edge.
         if (theta < 0 && theta < 0.5 * angle_ - std::numbers::pi) theta += 2 * std::numbers::pi;
         // The s_k are the imaginary parts of the powers of z = (r e^{iθ})^(π/ω).
         const double size = std::pow(r, exponent_);
@@ -95,7 +102,7 @@ public:
             power_im = power_re * im + power_im * re;
             power_re = next;
         }
-        // (y − s_m)/sin ω: bounded even where ω is a multiple of π.
+        // w = (y − s_m)/sin ω, which stays bounded even where ω is a multiple of π.
         const double e = double(m) * exponent_;
         if (std::fabs(sine_) > 1e-5) {
             f[0] = (y - radius_ * closest) / sine_;
@@ -109,7 +116,7 @@ public:
     }
 
 private:
-    Vec<double, 2> vertex_, x_{}, y_{}; ///< x along the edge to the next vertex, y to the inside
+    Vec<double, 2> vertex_, x_{}, y_{}; ///< x along the edge to the next vertex, y towards the inside
     double radius_, length_before_ = 0, length_after_ = 0;
     double angle_ = 0, sine_ = 0, exponent_ = 1;
     std::size_t count_ = 0;

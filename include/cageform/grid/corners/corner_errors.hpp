@@ -1,12 +1,12 @@
-// How wrong a solution may be beside corners and edges that the grid is too coarse for, told from
-// the solution itself.
+// Estimates the error of a solution next to corners and edges for which the grid is too coarse.
 //
-// Beside a corner a solution is the boundary data, continued linearly, and the singular functions
-// (grid/corners/corner.hpp). Those are what differences and interpolation get wrong, by a share of their
-// size within a cell or two. So their size is measured, as the deviation of the solution from the
-// continued data at the nodes around. The constants are fitted to the true errors, by finer grids,
-// of some 340 binds of random cages: the largest estimate was 1.2 to 18 times the largest error in
-// nineteen of twenty, never less, 65 times at most. Bones have no estimate.
+// Next to a corner a solution is the boundary data, continued linearly, plus singular functions
+// (grid/corners/corner.hpp). Within a cell or two, finite differences and interpolation miss a
+// share of the singular functions. So their size is measured: it is the deviation of the solution
+// from the continued data at the nodes around the corner. The constants are fitted to true errors,
+// computed with finer grids, of some 340 binds of random cages: the largest estimate was 1.2 to 18
+// times the largest error in nineteen of twenty, never less, and 65 times at most. Bones have no
+// estimate.
 #pragma once
 
 #include <cageform/core/detail/buffer.hpp>
@@ -19,41 +19,45 @@
 namespace cageform::inline CAGEFORM_ABI {
 namespace grid {
 
-/// Estimates of the error beside corners in the plane or edges in space: how each depends on the
-/// solution, and the nodes at which that is looked at. The corners come one by one before the solve;
-/// after it `measure` makes the report. Memory: some 40 bytes a node; lengths are in cells.
+/// Estimates the error next to corners in the plane or edges in space. Corners are added one by one
+/// before the solve, each with the nodes to measure the solution at; after the solve `measure`
+/// makes the report. Memory: some 40 bytes a node; lengths are in cells.
 template <std::size_t D>
 class CornerErrors {
 public:
-    /// The handles that the boundary data beside a corner or an edge depends on.
+    /// The number of handles that the boundary data next to a corner or an edge depends on.
     static constexpr std::size_t data_handles = D + 1;
 
     /// A node near a corner.
     struct Node {
         std::uint32_t node;
-        std::array<double, data_handles> share; ///< of each handle in the data, continued to the node
+        /// The weight of each handle in the data, continued to the node.
+        std::array<double, data_handles> share;
     };
-    /// error = constant + factor · largest |solution − continued data| at the nodes, in units of a
-    /// weight.
+    /// How the error at one corner depends on the solution: error = constant + factor · largest
+    /// |solution − continued data| at the nodes, in units of a weight.
     struct Estimate {
-        /// In the plane the corner, the vertices before and after it; in space the ends of the edge,
-        /// the third vertices of its faces.
+        /// In the plane the corner and the vertices before and after it. In space the ends of the
+        /// edge and the third vertices of its faces.
         std::array<std::size_t, data_handles> handles;
         double constant;
         double factor;
-        double order;    ///< the error falls as the spacing to this power
-        double room = 1; ///< distance to the rest of the boundary; the order holds from one cell on
+        double order; ///< the error decreases like the spacing to this power
+        /// Distance to the rest of the boundary; the order holds once this is at least one cell.
+        double room = 1;
     };
 
-    /// The factor of an untreated corner or edge: the share of its first singular function, r^λ sin λθ
-    /// with λ = π/ω = `exponent`, that differences miss. It is linear where λ = 1. w, whose slope is 1
-    /// a cell, comes on top.
+    /// Returns the factor of an untreated corner or edge: the share of its first singular function,
+    /// r^λ sin λθ with λ = π/ω = `exponent`, that finite differences miss. For λ = 1 the function
+    /// is linear and nothing is missed. A share of w, whose slope is 1 per cell, is added
+    /// separately.
     static double missed_share(double exponent) noexcept { return std::clamp(6 * (1 - exponent), 0.06, 0.6); }
     static constexpr double missed_of_w = 0.2, treated_order = 2.25;
 
-    /// Of a corner or edge that is not treated.
+    /// Returns the estimate of a corner or edge that is not treated.
     ///
-    ///   slope_of_w  the largest coefficient of w (grid/corners/corner.hpp) over the handles, per cell
+    ///   slope_of_w  the largest coefficient of w (grid/corners/corner.hpp) over the handles, per
+    ///               cell
     static Estimate untreated(const std::array<std::size_t, data_handles>& handles, const Corner& corner,
                               double slope_of_w) noexcept {
         const bool smooth = corner.is_smooth();
@@ -61,24 +65,25 @@ public:
                 (std::min)(corner.exponent(), 1.0)};
     }
 
-    /// Of a corner in the plane that is treated, or needs not be, with little room.
+    /// Returns the estimate of a corner in the plane that has little room and is treated, or needs
+    /// no treatment.
     static Estimate treated(const std::array<std::size_t, data_handles>& handles, double room) noexcept {
         return {handles, 0, 0.5 * (std::min)(1.0, std::pow(room, -treated_order)), treated_order};
     }
 
-    /// Adds a corner or edge with the nodes about it. May throw std::bad_alloc.
+    /// Adds a corner or edge with the nodes around it. May throw std::bad_alloc.
     void add(const Estimate& estimate, std::span<const Node> nodes) {
         nodes_.append(nodes.data(), nodes.data() + nodes.size());
         estimates_.push_back(estimate);
         ends_.push_back(nodes_.size());
     }
 
-    /// Appends to `report` a line for every corner and edge: what `count` functions from `first` on
-    /// may be off there. O(#nodes · count).
+    /// Appends an entry for every corner and edge to `report`: the estimated error of `count`
+    /// functions from `first` on. O(#nodes · count).
     ///
-    ///   block       value(node): the values of sixteen functions, those from `first` on
-    ///   count       of functions, 16 at most
-    ///   resolution  of the grid; the largest there may be
+    ///   block       value(node): the values of sixteen functions, from `first` on
+    ///   count       number of functions, 16 at most
+    ///   resolution  that of the grid, and the largest possible one
     template <class Block>
     void measure(std::size_t first, std::size_t count, const Block& block,
                  const std::array<std::size_t, 2>& resolution, std::vector<CornerError>& report) const {
@@ -103,7 +108,8 @@ public:
     }
 
 private:
-    /// A resolution at which the error is notable no more; 0 where it is not, or no grid is so fine.
+    /// Returns a resolution at which the error is no longer notable; 0 if it is not notable now, or
+    /// if no grid is fine enough.
     static std::size_t sufficient(const Estimate& estimate, double error,
                                   const std::array<std::size_t, 2>& resolution) noexcept {
         if (error <= CornerError::notable) return 0;
@@ -114,7 +120,7 @@ private:
     }
 
     Buffer<Estimate> estimates_;
-    std::vector<std::size_t> ends_; ///< of each in `nodes_`
+    std::vector<std::size_t> ends_; ///< where the nodes of each end in `nodes_`
     Buffer<Node> nodes_;
 };
 

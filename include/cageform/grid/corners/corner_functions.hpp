@@ -1,10 +1,12 @@
-// What a grid cannot resolve: the corners of a polygon, whose singular functions (grid/corners/corner.hpp)
-// are known but for their coefficients.
+// Adds the singular functions of a polygon's corners to a solution on a grid that cannot resolve
+// them.
 //
-// Differences do badly on the s_k with small exponents, and on w where ω is close to π (r log r).
-// So what the difference equations get wrong about them is given to the equations as a right-hand
-// side, with the a_k fitted to the solution around the corner, and interpolation is corrected
-// likewise.
+// Near a corner the solution contains singular functions s_k and w (grid/corners/corner.hpp).
+// Finite differences approximate s_k badly if its exponent is small, and w if ω is close to π (r
+// log r). So the functions and their *defects* (the difference equations applied to them) are
+// tabulated in a disc around each corner. Between cycles the coefficients a_k are fitted to the
+// solution by least squares, and coefficient · defect is added to the right-hand side, which
+// removes the error. Sampling adds what interpolation misses of each function.
 #pragma once
 
 #include <cageform/cage/polygon.hpp>
@@ -17,19 +19,19 @@
 namespace cageform::inline CAGEFORM_ABI {
 namespace grid {
 
-/// The corners of a polygon laid into a lattice, and how they enter equations and sampling.
+/// The corners of a polygon on a lattice, and their corrections to the equations and to sampling.
 class CornerFunctions {
 public:
     static constexpr std::size_t width = Multigrid<2>::width;
     using Row = Multigrid<2>::Values;
 
-    /// Coefficients of sixteen functions, corner by corner: of w, then of s_1, …, s_count.
+    /// Coefficients of sixteen solutions, corner by corner: of w, then of s_1, …, s_count.
     using Coefficients = Buffer<Row>;
 
     CornerFunctions() = default;
 
-    /// Of a Polygon or a CellComplex. Corners without room for a fit are left as they are, and all
-    /// are where they are not to be treated.
+    /// Prepares the corners of a Polygon or a CellComplex. Corners with too little room for a fit
+    /// are not treated; with `treat` false no corner is.
     template <class Cage>
     CornerFunctions(const Cage& whole, const Lattice<double, 2>& lattice, const EmbeddedProblem<2>& problem,
                     bool treat)
@@ -50,11 +52,11 @@ public:
         }
     }
 
-    /// Of the corners with little room, and of those that are not treated.
+    /// Returns the error estimates of corners with little room or without treatment.
     const CornerErrors<2>& errors() const noexcept { return errors_; }
     bool empty() const noexcept { return corners_.empty(); }
 
-    /// Nodes whose equations get a right-hand side; ascending, without repeats.
+    /// Returns the nodes whose equations have a right-hand side; ascending, without repeats.
     std::vector<std::uint32_t> sources() const {
         std::vector<std::uint32_t> nodes;
         for (const auto& corner : corners_) {
@@ -64,15 +66,15 @@ public:
         nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
         return nodes;
     }
-    /// slots[node]: the place of a source node in Block::source.
+    /// Replaces the nodes by their slots in Block::source: slots[node].
     void set_slots(std::span<const std::uint32_t> slots) {
         for (auto& corner : corners_) {
             for (auto& node : corner.defects.nodes) node = slots[node];
         }
     }
 
-    /// The known coefficients (of w) of functions first … first + 15; the others zero. Adds what
-    /// they do to `source`.
+    /// Returns the coefficients of functions first … first + 15 that are known from the data: those
+    /// of w. The others are zero. Adds their defects to `source`.
     Coefficients start(std::size_t first, std::span<Row> source) const {
         Coefficients all(coefficients_, Row{});
         for (const Treated& t : corners_) {
@@ -85,7 +87,7 @@ public:
         return all;
     }
 
-    /// The coefficients that fit a solution, those of w as in `known`.
+    /// Returns the coefficients fitted to a solution. Those of w are copied from `known`.
     template <class Solution> // a block of the multigrid
     Coefficients fit(std::size_t first, const Solution& solution, const Coefficients& known) const {
         Coefficients all = known;
@@ -112,7 +114,7 @@ public:
         }
         return all;
     }
-    /// The largest difference of two sets of coefficients, which is how far they move a value.
+    /// Returns the largest difference of two sets of coefficients, and so of a value.
     double difference(const Coefficients& a, const Coefficients& b) const noexcept {
         double largest = 0;
         for (const Treated& t : corners_) {
@@ -123,8 +125,8 @@ public:
         }
         return largest;
     }
-    /// Replaces coefficients by others and changes `source` accordingly; returns by how much at
-    /// most, per function.
+    /// Replaces coefficients by others and updates `source`. Returns the largest change of the
+    /// source for each function.
     Row replace(Coefficients& all, const Coefficients& by, std::span<Row> source) const noexcept {
         Row disturbance;
         disturbance.fill(0.0);
@@ -142,13 +144,14 @@ public:
         return disturbance;
     }
 
-    /// What interpolation by `stencil` at `p` (in units of the lattice) misses of each function of
-    /// the corner whose disc the stencil lies in.
+    /// The part of each singular function of one corner that interpolation misses.
     struct Correction {
         static constexpr std::uint32_t none = ~std::uint32_t{0};
-        std::uint32_t first = none; ///< the corner's in Coefficients
+        std::uint32_t first = none; ///< the corner's first entry in Coefficients
         std::array<double, Corner::most + 1> missed{};
     };
+    /// Returns what interpolation by `stencil` misses at `p` (in units of the lattice), for the
+    /// nearest corner whose disc contains the stencil.
     Correction correction(const Vec<double, 2>& p, const CutStencil<2>& stencil) const {
         Correction result;
         double nearest = (std::numeric_limits<double>::max)();
@@ -177,7 +180,7 @@ public:
 
 private:
     static constexpr double least_radius = 1, most_radius = 24;
-    static constexpr double ample_radius = 10; ///< errors are then a few times 1e-4 at most
+    static constexpr double ample_radius = 10; ///< from here on errors are a few times 1e-4 at most
 
     using Functions = std::array<double, Corner::most + 1>;
     struct Disc {
@@ -188,32 +191,33 @@ private:
         std::uint32_t node;
         double along, w;
     };
-    /// A row of numbers for each of some nodes: w, s_1, … or what the equations make of them.
+    /// A table with a row for each of some nodes: the functions w, s_1, … or their defects.
     struct NodeRows {
         std::vector<std::uint32_t> nodes{}; ///< ascending
-        std::vector<double> numbers{};      ///< as many for each as the corner has functions
+        std::vector<double> numbers{};      ///< the rows, one after the other
 
         void add(std::uint32_t node, const Functions& row, std::size_t count) {
             nodes.push_back(node);
             numbers.insert(numbers.end(), row.begin(), row.begin() + std::ptrdiff_t(count));
         }
-        void shrink() { // they are kept as long as the solver
+        void shrink() { // the tables live as long as the solver
             nodes.shrink_to_fit();
             numbers.shrink_to_fit();
         }
     };
+    /// A corner that is treated, with its tables.
     struct Treated {
         Corner corner;
-        std::array<std::size_t, 3> handles; ///< at the corner, before it, after it
-        std::uint32_t first = 0;            ///< of its Coefficients
-        std::size_t columns = 0;            ///< of both tables: the functions before some were left out
-        NodeRows functions{};               ///< at the nodes of the disc
-        NodeRows defects{};                 ///< A applied to them, in rows `nodes`; then slots
-        Buffer<Around> around{};            ///< nodes of the fit
-        std::vector<double> fit{};          ///< of each of them, its share in each coefficient
+        std::array<std::size_t, 3> handles; ///< the vertices at the corner, before it and after it
+        std::uint32_t first = 0;            ///< the first of its Coefficients
+        std::size_t columns = 0;   ///< columns of both tables; some functions may have been dropped later
+        NodeRows functions{};      ///< the functions at the nodes of the disc
+        NodeRows defects{};        ///< their defects there; `nodes` becomes slots
+        Buffer<Around> around{};   ///< the nodes of the fit
+        std::vector<double> fit{}; ///< for each node of the fit, its share in each coefficient
         Functions largest_defect{};
 
-        /// The functions at a node of the disc; null elsewhere.
+        /// Returns the functions at a node of the disc, or null elsewhere.
         const double* find(std::uint32_t node) const noexcept {
             const auto& nodes = functions.nodes;
             const auto found = std::lower_bound(nodes.begin(), nodes.end(), node);
@@ -222,8 +226,7 @@ private:
         }
     };
 
-    /// Slopes of a handle's hat along the edge after the corner and the one before it, away from
-    /// the corner.
+    /// Returns the slopes of a handle's hat along the edges after and before the corner, outwards.
     static std::array<double, 2> slopes(const Treated& t, std::size_t handle) noexcept {
         std::array<double, 2> slope{};
         if (handle == t.handles[0]) slope = {-1 / t.corner.length_after(), -1 / t.corner.length_before()};
@@ -240,8 +243,8 @@ private:
         }
     }
 
-    /// The vertices that edges lead to from every vertex, counter-clockwise: between neighbours
-    /// lies a corner of the inside. None of a vertex without edges.
+    /// Returns the other ends of every vertex's edges, counter-clockwise: a corner of the inside
+    /// lies between consecutive ones. Empty for a vertex without edges.
     template <class Cage>
     std::vector<std::vector<std::size_t>> neighbours_of_vertices(const Cage& cage) const {
         std::vector<std::vector<std::size_t>> all(vertices_.size());
@@ -261,11 +264,13 @@ private:
         return all;
     }
     void add_neighbour(std::vector<std::size_t>& of_i, std::size_t i, std::size_t j) const {
-        if (of_i.empty()) { // the end of a chain, so far: from this edge all about to itself
+        // So far it is the end of a chain, and the inside is all around.
+        if (of_i.empty()) {
             of_i = {j, j};
             return;
         }
-        const auto turn_to = [&](std::size_t k) { // counter-clockwise from the first, in (0, 2π]
+        // The angle is counter-clockwise from the first edge, in (0, 2π].
+        const auto turn_to = [&](std::size_t k) {
             const auto a = vertices_[of_i.front()] - vertices_[i], b = vertices_[k] - vertices_[i];
             const double angle = std::atan2(cross(a, b), dot(a, b));
             return of_i.front() == k || angle <= 0 ? angle + 2 * std::numbers::pi : angle;
@@ -275,7 +280,7 @@ private:
                     j);
     }
 
-    /// How far the disc about a vertex reaches in which no other part of the boundary lies.
+    /// Returns the radius of a vertex's disc, which no other feature of the boundary enters.
     template <class Cage>
     double room_about(std::size_t i, const Cage& cage, double spacing) const {
         double radius = most_radius;
@@ -291,7 +296,7 @@ private:
         return radius;
     }
 
-    /// Treats a corner, if there are nodes for a fit: two for every function. Returns whether.
+    /// Treats a corner if there are two nodes to fit for each function. Returns whether it does.
     bool add(Treated t, const EmbeddedProblem<2>& problem) {
         const double radius = t.corner.radius();
         t.columns = t.corner.count() + 1;
@@ -326,9 +331,9 @@ private:
         return true;
     }
 
-    /// Has the error about a corner estimated: one that is treated or not, where corners are to be or
-    /// not. The error falls with the room about treated corners, which on a finer grid it may be, and
-    /// about those that differences know what to do with.
+    /// Adds the error estimate of a corner, which is `treated` or not, where corners are to be
+    /// treated (`treat`) or not. At treated and at smooth corners the error decreases with the room
+    /// about the corner, which a finer grid increases.
     void add_estimate(const Treated& t, bool treated, bool treat, const NodeRuns<2>& nodes) {
         double slope_of_w = 0;
         std::array<double, 3> along{}, w{};
@@ -355,7 +360,7 @@ private:
         errors_.add(estimate, around);
     }
 
-    /// f(node, position) for the nodes of a square about a place.
+    /// Calls f(node, position) for the nodes of a square about a point.
     template <class F>
     static void for_each_node_within(double reach, const Vec<double, 2>& centre, const NodeRuns<2>& nodes,
                                      F&& f) {
@@ -372,8 +377,8 @@ private:
         }
     }
 
-    /// Least squares: the share of each node around in every coefficient, (SᵀS)⁻¹ Sᵀ, S the
-    /// functions at the nodes.
+    /// Fits by least squares: the share of each node in every coefficient is (SᵀS)⁻¹ Sᵀ, where S
+    /// holds the functions at the nodes.
     static void fit_to_nodes(Treated& t, std::span<const double* const> functions) {
         const std::size_t count = t.corner.count();
         Buffer<Vec<double, Corner::most>> s(functions.size());
@@ -386,8 +391,8 @@ private:
         }
     }
 
-    /// What the difference equation of a node makes of the functions, which is zero for those that
-    /// it knows exactly. Nothing where the equation reaches beyond them.
+    /// Adds the defects at a node, which are zero for functions that the equation treats exactly.
+    /// Adds nothing if the equation reaches beyond the disc.
     static void add_defect(Treated& t, std::uint32_t node, const Vec<double, 2>& p,
                            const EmbeddedProblem<2>& problem) {
         auto cut = std::lower_bound(problem.cuts.begin(), problem.cuts.end(), node,
@@ -411,7 +416,7 @@ private:
         t.defects.add(node, defect, t.columns);
     }
 
-    /// The mean of each function that a stencil takes; false where it reaches beyond them.
+    /// Interpolates each function by a stencil; false if it reaches beyond the disc.
     bool interpolate(const Treated& t, const CutStencil<2>& stencil, Functions& mean) const noexcept {
         Functions sum{};
         const auto add = [&](const double* f, double share) {
@@ -434,9 +439,9 @@ private:
 
     std::vector<Vec<double, 2>> vertices_;
     std::vector<Treated> corners_;
-    std::vector<Disc> discs_; ///< of them: few are near a point
+    std::vector<Disc> discs_; ///< the discs of corners_, searched first, since few are near a point
     CornerErrors<2> errors_;
-    std::uint32_t coefficients_ = 0; ///< of all corners, of one function
+    std::uint32_t coefficients_ = 0; ///< the number of coefficients of all corners, for one function
 };
 
 } // namespace grid

@@ -1,5 +1,5 @@
-// Estimates of the error beside the edges of a mesh, and of faces inside it. In the plane across an
-// edge the solution is as about a corner in the plane (grid/corners/corner.hpp).
+// Estimates the error next to the edges of a mesh and of faces inside it. In a plane across an edge
+// the solution behaves as around a corner in the plane (grid/corners/corner.hpp).
 #pragma once
 
 #include <cageform/cage/cell_complex.hpp>
@@ -12,15 +12,15 @@ namespace cageform::inline CAGEFORM_ABI {
 
 namespace detail {
 
-/// Two neighbouring faces about an edge and what lies between them. Lengths in cells.
+/// Two neighbouring faces at an edge, and the wedge between them. Lengths are in cells.
 struct EdgeSector {
     using Point = Vec<double, 3>;
 
-    /// A face beside the edge.
+    /// A face at the edge.
     struct AdjacentFace {
         Point across;    ///< unit vector in the face, away from the edge
-        double distance; ///< of the face's third vertex from the edge's line
-        double along;    ///< the foot of that, from the edge's first vertex
+        double distance; ///< from the edge's line to the face's third vertex
+        double along;    ///< from the edge's first vertex to the foot of that perpendicular
 
         AdjacentFace(const Point& origin, const Point& direction, const Point& third) noexcept
             : along(dot(third - origin, direction)) {
@@ -30,17 +30,17 @@ struct EdgeSector {
         }
     };
 
-    std::array<std::size_t, 4> handles; ///< the edge, the third vertices of the faces
-    Point origin, direction;            ///< of the edge
+    std::array<std::size_t, 4> handles; ///< the ends of the edge, then the third vertices of the faces
+    Point origin, direction;            ///< the line of the edge
     double length;
     AdjacentFace first, second;
-    grid::Corner corner; ///< across the edge, from the first face to the second
+    grid::Corner corner; ///< the corner in a plane across the edge, from the first face to the second
 
-    /// A vector, in the frame of `corner`.
+    /// Returns a vector in the frame of `corner`.
     Vec<double, 2> across(const Point& d) const noexcept {
         return {dot(d, first.across), dot(d, cross(direction, first.across))};
     }
-    /// Per length across the edge, the change of the data of each handle in a face.
+    /// Returns how the data of each handle changes per unit of length across the edge, in a face.
     std::array<double, 4> slopes(const AdjacentFace& face, std::size_t third) const noexcept {
         std::array<double, 4> slope{};
         slope[third] = 1 / face.distance;
@@ -48,7 +48,7 @@ struct EdgeSector {
         slope[0] = -slope[third] - slope[1];
         return slope;
     }
-    /// The coefficient of w in the data of each handle, per cell.
+    /// Returns the coefficient of w in the data of each handle, per cell.
     std::array<double, 4> coefficients_of_w() const noexcept {
         const auto here = slopes(first, 2);
         auto coefficient = slopes(second, 3);
@@ -61,7 +61,7 @@ struct EdgeSector {
             largest = (std::max)(largest, std::fabs(coefficient));
         return largest;
     }
-    /// The share of each handle in the data, continued to a place.
+    /// Returns the weight of each handle in the data, continued to a point.
     std::array<double, 4> shares(const Point& p) const noexcept {
         const auto d = p - origin;
         const auto xy = across(d);
@@ -72,14 +72,14 @@ struct EdgeSector {
         return share;
     }
 
-    /// f(place) for places along the edge, three cells apart; 16 at most.
+    /// Calls f(point) for points along the edge, three cells apart; at most 16.
     template <class F>
     void for_each_place_along(F&& f) const {
         const double step = (std::max)(3.0, length / 16);
         for (double z = 0.5 * (std::min)(step, length); z < length; z += step) f(origin + z * direction);
     }
-    /// Whether a place lies between the faces, a cell and a half from the edge at most, and beside
-    /// one of the places along it.
+    /// Tells whether a point lies between the faces, at most one and a half cells from the edge,
+    /// and next to `place_along` on the edge.
     bool holds(const Point& p, const Point& place_along) const noexcept {
         const auto d = p - origin;
         const double z = dot(d, direction);
@@ -89,14 +89,14 @@ struct EdgeSector {
     }
 };
 
-/// f(sector) for all pairs of neighbouring faces about the edges of triangles.
+/// Calls f(sector) for all pairs of neighbouring faces at the edges of triangles.
 template <class F>
 void for_each_edge_sector(std::span<const Vec<double, 3>> vertices,
                           std::span<const std::array<std::uint32_t, 3>> faces, F&& f) {
     struct Face {
         std::size_t third;
         EdgeSector::AdjacentFace face;
-        double angle; // about the edge, from the first one
+        double angle; // about the edge, from the first face
     };
     const auto half_edges = half_edges_of(faces);
     for_each_edge(half_edges, [&](std::span<const HalfEdge> about) {
@@ -133,8 +133,9 @@ void for_each_edge_sector(std::span<const Vec<double, 3>> vertices,
 } // namespace detail
 namespace grid {
 
-/// The estimates of all edges of a TriangleMesh or a CellComplex that have an inside between their
-/// faces; none is treated. Handles are the cage's. O(#edges · 16 places · 64 nodes) at most.
+/// Returns the estimates of all edges of a TriangleMesh or a CellComplex that have inside between
+/// their faces. No edge is treated. Handles are those of the cage. O(#edges · 16 points · 64 nodes)
+/// at most.
 template <class Cage>
 CornerErrors<3> edge_errors(const Cage& cage, const Lattice<double, 3>& lattice,
                             const EmbeddedProblem<3>& problem) {
@@ -160,7 +161,7 @@ CornerErrors<3> edge_errors(const Cage& cage, const Lattice<double, 3>& lattice,
                 if (node != NodeRuns<3>::none) nodes.push_back({node, sector.shares(p)});
             }
         });
-        if (nodes.empty()) return; // no inside between these faces
+        if (nodes.empty()) return; // nothing inside between these faces
         errors.add(CornerErrors<3>::untreated(sector.handles, sector.corner, sector.slope_of_w()), nodes);
     });
     return errors;

@@ -1,4 +1,4 @@
-// Bones (points and edges with a radius) as parts of the boundary of a problem on a lattice.
+// Bones (points and edges with a radius) as part of a boundary on a lattice.
 #pragma once
 
 #include <cageform/cage/cell_complex.hpp>
@@ -10,19 +10,19 @@
 namespace cageform::inline CAGEFORM_ABI {
 namespace grid {
 
-/// The bones of a cage, balls and in space capsules. All positions and distances are in units of
-/// the lattice.
+/// The bones of a cage: discs or balls about points, capsules about edges. All positions and
+/// distances are in units of the lattice.
 template <std::size_t D>
 class GridBones {
 public:
     using Index = typename NodeRuns<D>::Index;
 
-    /// `vertices` in units of the lattice; the radii of `bones` not.
+    /// `vertices` are in units of the lattice, the radii of `bones` in those of the cage.
     GridBones(std::span<const Bone> bones, std::span<const Vec<double, D>> vertices,
               const Lattice<double, D>& lattice)
         : lattice_(lattice) {
         for (const auto& [i, j, radius] : bones) {
-            // Far beyond all lattices one radius is like another, as long as its square is finite.
+            // Clamps a huge radius, so that its square stays finite.
             bones_.push_back({i, j, vertices[i], vertices[j], (std::min)(radius / lattice.spacing, 1e100)});
         }
     }
@@ -31,7 +31,8 @@ public:
 
     const PlacedBone<D>& operator[](std::size_t n) const noexcept { return bones_[n]; }
 
-    /// A handle of a bone thinner than a cell, which too few nodes are near to.
+    /// Returns a handle of a bone thinner than a cell, which has too few nodes near it; none if
+    /// there is no such bone.
     std::optional<std::uint32_t> too_thin() const noexcept {
         for (const PlacedBone<D>& bone : bones_) {
             if (bone.radius < 0.5) return bone.i;
@@ -39,7 +40,8 @@ public:
         return std::nullopt;
     }
 
-    /// Where the lattice lines enter and leave. O(lines that meet their boxes · bones).
+    /// Adds the crossings where lattice lines enter and leave bones. O(lines that meet their boxes
+    /// · bones).
     void add_crossings(Crossings<D>& all) const {
         for (std::size_t axis = 0; axis < D; ++axis) {
             for (const PlacedBone<D>& bone : bones_) {
@@ -48,7 +50,7 @@ public:
                     const Interval chord = chord_of(bone, p, axis);
                     if (chord.is_empty()) return;
                     for (const double x : {chord.low, chord.high}) {
-                        // Beyond the lattice one place is like another, as long as an index holds it.
+                        // Clamps positions beyond the lattice, so that an index can hold them.
                         p[axis] = std::fmin(std::fmax(x, -2), double(lattice_.counts()[axis] + 1));
                         all[axis].push_back({lattice_.line(axis, index), false, p[axis], value_on(bone, p)});
                     }
@@ -57,7 +59,7 @@ public:
         }
     }
 
-    /// The nodes within a bone, each once. O(nodes in the bones' boxes · bones).
+    /// Returns the nodes within bones, each once. O(nodes in the bones' boxes · bones).
     Buffer<FixedNode<D>> nodes() const {
         Buffer<FixedNode<D>> all;
         for (const PlacedBone<D>& bone : bones_) {
@@ -73,13 +75,14 @@ public:
         return all;
     }
 
-    /// What the bones say at a place no farther than `reach` from the surface of one. O(bones).
+    /// Returns the distance and the value of the bones at a point, if it is at most `reach` from
+    /// the surface of one. O(bones).
     std::optional<BoneHit<D>> nearest(const Vec<double, D>& p, double reach) const noexcept {
         return nearest_bone<D>(
             bones_.size(), [&](std::size_t n) -> const PlacedBone<D>& { return bones_[n]; }, p, reach);
     }
 
-    /// Where a ray meets bone `n`; where it begins if that is within the bone.
+    /// Returns where a ray meets bone `n`; if it begins within the bone, its beginning.
     std::optional<Hit<D>> hit(std::size_t n, const AxisRay<D>& ray) const noexcept {
         const double from = ray.from[ray.axis];
         const Interval chord = chord_of(bones_[n], ray.from, ray.axis);
@@ -91,12 +94,13 @@ public:
         return Hit<D>{position, value_on(bones_[n], p)};
     }
 
-    /// f(lower corner) for the cells of the lattice near bone `n`. O(cells of the lattice in its
-    /// box).
+    /// Calls f(lower corner) for the cells of the lattice near bone `n`. O(cells of the lattice in
+    /// its box).
     template <class F>
     void for_each_cell(std::size_t n, F&& f) const {
         const PlacedBone<D>& bone = bones_[n];
-        const double reach = bone.radius + 0.51 * std::sqrt(double(D)); // half a diagonal and more
+        // Slightly more than half a diagonal.
+        const double reach = bone.radius + 0.51 * std::sqrt(double(D));
         for_each_node_about(bone, D, [&](const Index& index) {
             auto middle = node_position<D>(index);
             for (std::size_t k = 0; k < D; ++k) middle[k] += 0.5;
@@ -116,15 +120,15 @@ private:
         }
     };
 
-    /// The value at a place on a bone's surface, or in it: where bones overlap, that of all of
+    /// Returns the value at a point on or in a bone. Where bones overlap, it is a mean of all of
     /// them.
     BoundaryValue<D> value_on(const PlacedBone<D>& bone, const Vec<double, D>& p) const noexcept {
         const auto hit = nearest(p, on_boundary_distance);
         return hit ? hit->value : bone_value(bone, p);
     }
 
-    /// The nodes of the lattice in a box about a bone, one of each line along `axis` (all for axis
-    /// D).
+    /// Calls f(node) for the nodes of the lattice in a box about a bone: one for each line along
+    /// `axis`, or all if `axis` is D.
     template <class F>
     void for_each_node_about(const PlacedBone<D>& bone, std::size_t axis, F&& f) const {
         Index low{}, high{};
@@ -133,7 +137,7 @@ private:
             if (k == axis) continue;
             const double least = std::fmin(bone.a[k], bone.b[k]) - bone.radius - 1;
             const double most = std::fmax(bone.a[k], bone.b[k]) + bone.radius;
-            // Bones may be far away: beyond what an index holds.
+            // A bone may be so far away that no index holds its position.
             low[k] = std::int32_t(std::fmin(std::fmax(std::floor(least), 0), double(counts[k])));
             high[k] = std::int32_t(std::fmax(std::fmin(std::ceil(most), double(counts[k] - 1)), -1));
             if (low[k] > high[k]) return;
@@ -148,8 +152,9 @@ private:
         }
     }
 
-    /// The part of the line through `p` along an axis that lies in a bone. A capsule is convex: it
-    /// is what spans the parts in the balls about the ends and in the cylinder between them.
+    /// Returns the interval of the line through `p` along an axis that lies in a bone. A capsule is
+    /// convex, so this interval is spanned by those in the balls about the ends and in the cylinder
+    /// between them.
     static Interval chord_of(const PlacedBone<D>& bone, const Vec<double, D>& p, std::size_t axis) noexcept {
         Interval chord;
         for (const auto& end : {bone.a, bone.b}) {
@@ -165,16 +170,17 @@ private:
                                       std::size_t axis) noexcept {
         const auto e = bone.b - bone.a;
         const double e2 = dot(e, e), across2 = e2 - e[axis] * e[axis];
-        if (!(across2 > 1e-12 * e2)) return {}; // along the line: within the balls, up to rounding
+        // Parallel to the line: covered by the balls, up to rounding.
+        if (!(across2 > 1e-12 * e2)) return {};
         auto m = p - bone.a;
-        m[axis] = 0; // positions along the line count from a
-        // At t, the distance from the cylinder's axis: |m + t u|² less its part along e, is r²
-        // where a t² + 2 b t + c = 0.
+        m[axis] = 0; // positions along the line are relative to a
+        // At position t the squared distance from the cylinder's axis is |m + t u|² minus the
+        // square of its component along e. It equals r² where a t² + 2 b t + c = 0.
         const double me = dot(m, e), a = across2 / e2, b = -me * e[axis] / e2;
         const double c = dot(m, m) - me * me / e2 - bone.radius * bone.radius, root = b * b - a * c;
         if (!(root >= 0)) return {};
         double begin = (-b - std::sqrt(root)) / a, end = (-b + std::sqrt(root)) / a;
-        if (e[axis] != 0) { // between the planes through the ends
+        if (e[axis] != 0) { // clips to the planes through the ends
             const double first = -me / e[axis], last = (e2 - me) / e[axis];
             begin = std::fmax(begin, std::fmin(first, last));
             end = std::fmin(end, std::fmax(first, last));

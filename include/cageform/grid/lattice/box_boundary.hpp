@@ -22,7 +22,7 @@ public:
         , upper_(lattice.in_cells(vec_cast<double>(box.upper()))) {}
 
     const Lattice<double, 3>& lattice() const noexcept { return lattice_; }
-    /// Two a lattice line. O(lines).
+    /// Returns two crossings for each lattice line. O(lines).
     Crossings<3> crossings() const {
         Crossings<3> all;
         for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -65,16 +65,16 @@ public:
         return std::fmin(limit, up ? upper_[axis] - p[axis] : p[axis] - lower_[axis]);
     }
 
-    void index_cells(double /*slack*/) noexcept {} // nothing to prepare for `sample`
-    /// The box itself tells as quickly.
+    void index_cells(double /*slack*/) noexcept {} // `sample` needs no preparation
+    /// Always returns none; the box itself locates points as fast.
     std::optional<Located<3>> locate(const Vec<double, 3>& /*p*/, double /*tolerance*/,
                                      const NodeRuns<3>& /*nodes*/) const noexcept {
         return std::nullopt;
     }
 
-    /// The stencil of a point strictly inside: trilinear in the part of its cell that lies in the
-    /// box. Exact for trilinear functions everywhere; a mean, so never beyond the values it is made
-    /// of.
+    /// Returns the stencil of a point strictly inside, trilinear in the piece of its cell that lies
+    /// in the box. Exact for trilinear functions everywhere; a mean, so it never exceeds the values
+    /// that it is made of.
     CutStencil<3> sample(const Vec<double, 3>& p, const NodeRuns<3>& nodes) const noexcept {
         CutStencil<3> stencil;
         for (std::size_t corner = 0; corner < 8; ++corner) {
@@ -111,7 +111,7 @@ public:
     }
 
 private:
-    /// The nodes along an axis that lie in the box and not on its faces.
+    /// Returns the range of nodes along an axis that lie in the box and not on its faces.
     std::pair<std::size_t, std::size_t> inside(std::size_t axis) const noexcept {
         const double begin = std::floor(lower_[axis] + on_boundary_distance) + 1;
         const double end = std::ceil(upper_[axis] - on_boundary_distance);

@@ -1,4 +1,5 @@
-// A link of the lattice that boundary data cuts: all that the equations know of a boundary.
+// A link of the lattice that the boundary cuts. Such links are all that the equations know of a
+// boundary.
 #pragma once
 
 #include <cageform/core/vec.hpp>
@@ -8,11 +9,11 @@
 namespace cageform::inline CAGEFORM_ABI {
 namespace grid {
 
-/// A link of the lattice that ends on given data before it reaches the neighbouring node.
+/// A link that ends on the boundary before it reaches the neighbouring node.
 struct CutLink {
     std::uint32_t node;     ///< number of the unknown
     std::uint8_t direction; ///< 2·axis, + 1 towards larger indices
-    double weight;          ///< 1/θ, θ in (0, 1] the part of the link up to the data
+    double weight;          ///< 1/θ, where θ in (0, 1] is the fraction of the link up to the boundary
 };
 
 } // namespace grid

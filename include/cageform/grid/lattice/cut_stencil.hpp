@@ -1,4 +1,5 @@
-// Values between nodes, right up to a boundary that passes between them.
+// A stencil that gives the value at a point from nodes and boundary values, and the rays that find
+// its ends.
 #pragma once
 
 #include <cageform/cage/detail/boundary_value.hpp>
@@ -10,21 +11,21 @@
 namespace cageform::inline CAGEFORM_ABI {
 namespace grid {
 
-/// The value at a point as a mean of values at nodes and on the boundary; serves any number of
-/// fields.
+/// The value at a point as a weighted sum of values at nodes and on the boundary. Serves any number
+/// of fields.
 template <std::size_t D>
 struct CutStencil {
     struct Node {
         std::uint32_t node;
         double share;
     };
-    struct Place { ///< on the boundary
+    struct Place { ///< a point on the boundary
         BoundaryValue<D> value;
         double share;
     };
     static constexpr std::size_t corners = std::size_t{1} << D; ///< of a cell
-    /// As many places as D orders of the axes can meet, in the plane as a mean takes
-    /// (grid/tree/harmonic_mean.hpp), and the nearest place of the boundary.
+    /// Enough for the boundary points that D orders of the axes can meet, in the plane also for a
+    /// harmonic mean (grid/tree/harmonic_mean.hpp), plus the nearest point of the boundary.
     static constexpr std::size_t most_nodes = D == 2 ? 32 : corners,
                                  most_places = 1 + (D == 2 ? 32 : D * corners);
 
@@ -47,21 +48,22 @@ struct CutStencil {
     }
 };
 
-/// From a place along an axis, up or down. In units of the lattice.
+/// A ray from a point along an axis, up or down. In units of the lattice.
 template <std::size_t D>
 struct AxisRay {
     Vec<double, D> from;
     std::size_t axis;
     bool up;
-    double length; ///< what lies farther is not met
+    double length; ///< the ray meets nothing farther than this
 
-    /// How far ahead a coordinate of the axis lies; negative behind.
+    /// Returns how far ahead of the start a coordinate of the axis lies; negative if it lies on the
+    /// other side.
     double distance(double position) const noexcept {
         return up ? position - from[axis] : from[axis] - position;
     }
 };
 
-/// Where a ray meets a boundary.
+/// The point where a ray meets a boundary.
 template <std::size_t D>
 struct Hit {
     double position; ///< on the ray's axis

@@ -1,6 +1,7 @@
-// A boundary laid into a lattice where it is: its crossings with the lattice lines decide which
-// nodes are inside, and give every link that ends on the boundary its length and its data. Knows no
-// cage and no solver.
+// Places a boundary on a lattice without moving it.
+//
+// Its crossings with the lattice lines decide which nodes are inside. They also give every link
+// that ends on the boundary its length and its data. This header depends on no cage and no solver.
 #pragma once
 
 #include <cageform/core/detail/buffer.hpp>
@@ -13,7 +14,7 @@
 namespace cageform::inline CAGEFORM_ABI {
 namespace grid {
 
-/// The unknown nodes of a boundary value problem and their links to the data.
+/// The unknown nodes of a boundary value problem, and their links to the data.
 template <std::size_t D>
 struct EmbeddedProblem {
     NodeRuns<D> nodes;
@@ -25,7 +26,7 @@ struct EmbeddedProblem {
 
 namespace detail {
 
-/// f(before, after) for neighbouring crossings of a line with the inside between them.
+/// Calls f(before, after) for consecutive crossings of a line with inside between them.
 template <std::size_t D, class F>
 void for_each_inner_interval(const Buffer<grid::Crossing<D>>& crossings, F&& f) {
     bool inside = false;
@@ -38,7 +39,7 @@ void for_each_inner_interval(const Buffer<grid::Crossing<D>>& crossings, F&& f) 
         inside = inside != crossings[i].turns;
     }
 }
-/// The nodes strictly between two crossings: [first, second).
+/// Returns the nodes strictly between two crossings as a range [first, second).
 template <std::size_t D>
 std::pair<std::int32_t, std::int32_t> nodes_between(const grid::Crossing<D>& a,
                                                     const grid::Crossing<D>& b) noexcept {
@@ -46,10 +47,10 @@ std::pair<std::int32_t, std::int32_t> nodes_between(const grid::Crossing<D>& a,
             std::int32_t(std::ceil(b.position - grid::on_boundary_distance))};
 }
 
-/// A crossing among the nodes of its line: on a node, or between two.
+/// The nodes of a line next to a crossing, which lies on a node or between two.
 struct NodesAbout {
-    std::int32_t below, above; ///< the next nodes off the crossing
-    bool on_node;              ///< then `below` + 1 is the node
+    std::int32_t below, above; ///< the nearest nodes on both sides of the crossing
+    bool on_node;              ///< whether it lies on a node, which is then `below` + 1
 
     explicit NodesAbout(double position) noexcept {
         const double nearest = std::round(position);
@@ -59,7 +60,7 @@ struct NodesAbout {
     }
 };
 
-/// Makes the equations of `embed`, step by step.
+/// Does the work of `embed`, step by step.
 template <grid::EmbeddableBoundary B>
 class Embedding {
 public:
@@ -89,7 +90,7 @@ public:
     }
 
 private:
-    struct Place { ///< of a node
+    struct Place { ///< the position of a node
         std::uint32_t row;
         std::int32_t x;
 
@@ -105,7 +106,7 @@ private:
     static bool before_node(const grid::FixedNode<D>& a, const grid::FixedNode<D>& b) noexcept {
         return a.index < b.index;
     }
-    /// By link; of one link the shortest first.
+    /// Orders by link, and crossings of one link by length, the shortest first.
     static bool before(const Cut& a, const Cut& b) noexcept {
         if (a.link.node != b.link.node) return a.link.node < b.link.node;
         if (a.link.direction != b.link.direction) return a.link.direction < b.link.direction;
@@ -116,7 +117,8 @@ private:
     }
     Place place(const Index& index) const noexcept { return {std::uint32_t(nodes_.row(index)), index[0]}; }
 
-    /// Fixed nodes, and those on the boundary as the lines of the other axes see it. Sorted.
+    /// Returns the nodes that are no unknowns: fixed nodes, and nodes that the lines of the other
+    /// axes find on the boundary. Sorted.
     Buffer<Place> no_unknowns() const {
         Buffer<Place> all;
         all.reserve(fixed_.size());
@@ -132,7 +134,7 @@ private:
         return all;
     }
 
-    /// The nodes inside by the even-odd rule along the rows, which are the lines of axis 0.
+    /// Finds the nodes inside by the even-odd rule along the rows, which are the lines of axis 0.
     void find_nodes() {
         const auto left_out = no_unknowns();
         std::uint32_t row = 0;
@@ -153,9 +155,9 @@ private:
         for (; row < nodes_.rows(); ++row) nodes_.end_row();
     }
 
-    /// The links that the boundary crosses get the weights of Shortley and Weller (J. Appl. Phys. 9
-    /// (1938), p. 334): 1/θ, θ the part of the link up to the boundary. Of several crossings of a
-    /// link the nearest counts.
+    /// Cuts the links that the boundary crosses. Their weights are those of Shortley and Weller (J.
+    /// Appl. Phys. 9 (1938), p. 334): 1/θ, where θ is the fraction of the link up to the boundary.
+    /// If a link has several crossings, the nearest counts.
     void cut_links_at_crossings() {
         for (std::size_t axis = 0; axis < D; ++axis) {
             for (const auto& crossing : crossings_[axis]) {
@@ -176,7 +178,7 @@ private:
         cuts_.erase_from(std::unique(cuts_.begin(), cuts_.end(), same_link));
     }
 
-    /// Links without a crossing to nodes that are no unknowns: fixed ones, or those where the lines
+    /// Cuts the remaining links to nodes that are no unknowns: to fixed nodes, or where the lines
     /// of different axes disagree by rounding.
     void cut_links_to_other_nodes() {
         Buffer<Cut> more;
@@ -203,13 +205,14 @@ private:
     const grid::Crossings<D>& crossings_;
     grid::NodeRuns<D> nodes_;
     Buffer<grid::FixedNode<D>> fixed_; ///< sorted by index
-    Buffer<Cut> cuts_;                 ///< sorted, once a step is done
+    Buffer<Cut> cuts_;                 ///< sorted after each step
 };
 
 } // namespace detail
 namespace grid {
 
-/// Nodes inside by the even-odd rule along axis 0, links cut along all axes.
+/// Returns the unknowns and their links to the boundary: nodes inside by the even-odd rule along
+/// axis 0, and links cut along all axes.
 ///
 ///   crossings  those of the boundary
 ///   cost       O(#crossings log #crossings + #rows); nodes outside cost nothing
@@ -218,9 +221,10 @@ EmbeddedProblem<B::dimension> embed(const B& boundary, const Crossings<B::dimens
     return detail::Embedding<B>(boundary, crossings).make();
 }
 
-/// Which handles the grid sees: those with data on a link of some inner node.
+/// Tells which handles the grid resolves: those with data on a link of some inner node.
 ///
-///   for_each_handle  for_each_handle(value, f) calls f(handle) for those whose data a place has
+///   for_each_handle  for_each_handle(value, f) calls f(handle) for every handle with weight in a
+///                    boundary value
 template <std::size_t D, class ForEachHandle>
 std::vector<bool> seen_handles(const Crossings<D>& crossings, std::size_t handles,
                                const ForEachHandle& for_each_handle) {

@@ -1,8 +1,8 @@
-// What a boundary has to tell, so that a problem can be laid into a lattice and be sampled between
-// the nodes.
+// The interface between a boundary and a grid: what embedding and sampling need to know of a
+// boundary.
 //
-// A boundary of another kind is a class in a file of its own and a specialisation of GridBoundaryOf
-// for its cages.
+// To add another kind of boundary, write a class in a file of its own and a specialisation of
+// GridBoundaryOf for its cages.
 #pragma once
 
 #include <cageform/cage/detail/boundary_value.hpp>
@@ -19,17 +19,19 @@
 namespace cageform::inline CAGEFORM_ABI {
 namespace grid {
 
-/// A lattice line meets the boundary. In units of the lattice: node i of an axis lies at i.
+/// A point where a lattice line meets the boundary. In units of the lattice: node i of an axis lies
+/// at i.
 template <std::size_t D>
 struct Crossing {
-    std::uint32_t line; ///< its number, see CellBox::line
-    bool turns;         ///< inside and outside change here (not where the line only touches)
+    std::uint32_t line; ///< the number of the line; see CellBox::line
+    bool turns;         ///< whether inside and outside change here (not where the line only touches)
     double position;    ///< along the line
     BoundaryValue<D> value;
-    bool from_below = true, from_above = true; ///< the value is that of links from below, from above
+    /// Whether the value is that of links from below, from above.
+    bool from_below = true, from_above = true;
 };
 
-/// Crossings along each axis, sorted by line and position.
+/// The crossings along each axis, sorted by line and position.
 template <std::size_t D>
 using Crossings = std::array<Buffer<Crossing<D>>, D>;
 
@@ -40,7 +42,7 @@ void sort_along_lines(Buffer<Crossing<D>>& crossings) {
     });
 }
 
-/// A node nearer to a crossing than this (in spacings) is on the boundary and no unknown.
+/// A node nearer to a crossing than this (in spacings) counts as on the boundary and is no unknown.
 inline constexpr double on_boundary_distance = 1e-9;
 
 /// A node whose value is given.
@@ -50,14 +52,16 @@ struct FixedNode {
     BoundaryValue<D> value;
 };
 
-/// A boundary that `embed` can lay into a lattice. All positions and distances are in units of the
+/// A boundary that `embed` can place on a lattice. All positions and distances are in units of the
 /// lattice.
 ///
-///   lattice()        its cells are the nodes along each axis, the first at its origin
-///   crossings()      with the lattice lines, sorted; along every line an even number of them turns
-///   nearest(node)    the data of the boundary place nearest to a node
-///   fixed_nodes()    nodes that are no unknowns, each at most once, in any order; a vector or buffer
-///   too_thin_bone()  a handle that the lattice is too coarse for, whatever its crossings say
+///   lattice()        a node for each of its cells, the first at its origin
+///   crossings()      the crossings with the lattice lines, sorted; on every line an even number of
+///                    them has `turns` set
+///   nearest(node)    the data of the boundary point nearest to a node
+///   fixed_nodes()    nodes that are no unknowns, each at most once, in any order; a vector or
+///                    buffer
+///   too_thin_bone()  a handle of a bone for which the lattice is too coarse
 template <class B>
 concept EmbeddableBoundary = requires(const B& boundary, const typename NodeRuns<B::dimension>::Index& node) {
     { boundary.lattice() } -> std::convertible_to<const Lattice<double, B::dimension>&>;
@@ -67,23 +71,24 @@ concept EmbeddableBoundary = requires(const B& boundary, const typename NodeRuns
     { boundary.too_thin_bone() } -> std::same_as<std::optional<std::uint32_t>>;
 };
 
-/// Where a place lies.
+/// Where a point lies.
 template <std::size_t D>
 struct Located {
     PointState state;       ///< inside, outside, on_boundary
-    BoundaryValue<D> value; ///< there, if it is on the boundary
+    BoundaryValue<D> value; ///< the boundary data there, if it is on the boundary
 };
 
-/// A boundary up to which values between the nodes can be read. In units of the lattice.
+/// A boundary that supports sampling between the nodes. In units of the lattice.
 ///
-///   index_cells(slack)  prepares the others; what comes as near to the boundary as `slack` is cut
-///   locate(p, tolerance, nodes)
-///                       where a place of the lattice lies, on the boundary if that is no farther
-///                       than the tolerance; none where what passes its cell does not tell
-///   sample(p, nodes)    the stencil of a place strictly inside, exact for linear functions
-///   free_distance(p, axis, up, limit)
-///                       from `p`, a place of the lattice, along an axis, up or down, to the
-///                       boundary; at most `limit`
+///   index_cells(slack)                  prepares the other functions; cells within `slack` of the
+///                                       boundary count as cut
+///   locate(p, tolerance, nodes)         where a point of the lattice lies: on the boundary if it
+///                                       is within the tolerance; none if the boundary in its cell
+///                                       does not decide that
+///   sample(p, nodes)                    the stencil of a point strictly inside, exact for linear
+///                                       functions
+///   free_distance(p, axis, up, limit)   the distance from `p` along an axis, up or down, to the
+///                                       boundary; at most `limit`
 template <class B>
 concept SampledBoundary = requires(B& prepared, const B& boundary, const Vec<double, B::dimension>& p,
                                    const NodeRuns<B::dimension>& nodes, double length) {
@@ -93,12 +98,12 @@ concept SampledBoundary = requires(B& prepared, const B& boundary, const Vec<dou
     { boundary.free_distance(p, std::size_t{0}, true, length) } -> std::same_as<double>;
 };
 
-/// All that a solver on a grid asks of a boundary.
+/// A boundary that a solver on a grid can use.
 template <class B>
 concept GridBoundary = EmbeddableBoundary<B> && SampledBoundary<B>;
 
-/// `type` is what a kind of cage is on a lattice, made from the cage and the lattice; left out for
-/// other types.
+/// `type` is the boundary class of a kind of cage, constructed from the cage and the lattice. There
+/// is none for other types.
 template <class Cage>
 struct GridBoundaryOf;
 

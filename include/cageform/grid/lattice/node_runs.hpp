@@ -1,4 +1,4 @@
-// The unknown nodes of a lattice, kept as runs along the rows: other nodes cost nothing.
+// The unknown nodes of a lattice, stored as runs along the rows, so other nodes cost nothing.
 #pragma once
 
 #include <cageform/core/detail/buffer.hpp>
@@ -14,7 +14,8 @@
 namespace cageform::inline CAGEFORM_ABI {
 namespace grid {
 
-/// Nodes numbered row by row (rows run along axis 0), and back from a place to its number.
+/// The nodes, numbered row by row (rows run along axis 0). Converts between the number and the
+/// position of a node.
 template <std::size_t D>
 class NodeRuns {
 public:
@@ -32,7 +33,7 @@ public:
         : size_(size)
         , row_begin_{0} {}
 
-    const Index& size() const noexcept { return size_; } ///< of the lattice, in nodes
+    const Index& size() const noexcept { return size_; } ///< the size of the lattice, in nodes
     std::uint32_t count() const noexcept { return count_; }
     std::size_t rows() const noexcept {
         std::size_t n = 1;
@@ -44,7 +45,7 @@ public:
         for (std::size_t k = D; k-- > 1;) n = n * std::size_t(size_[k]) + std::size_t(index[k]);
         return n;
     }
-    /// The first node of a row.
+    /// Returns the index of the first node of a row.
     Index row_index(std::size_t row) const noexcept {
         Index index{};
         for (std::size_t k = 1; k < D; ++k) {
@@ -54,7 +55,7 @@ public:
         return index;
     }
 
-    /// Runs are added in order, a row at a time; those that touch become one.
+    /// Adds a run to the current row. Runs must be added in order; runs that touch are merged.
     void add_run(std::int32_t begin, std::int32_t end) {
         if (begin >= end) return;
         if (runs_.size() > row_begin_.back() && runs_.back().end == begin) {
@@ -69,13 +70,13 @@ public:
     const Run* row_runs(std::size_t row) const noexcept { return runs_.data() + row_begin_[row]; }
     const Run* row_runs_end(std::size_t row) const noexcept { return runs_.data() + row_begin_[row + 1]; }
 
-    /// The number of the first node of a row or of those after it; `count` where there is none.
+    /// Returns the number of the first node of a row or, if it is empty, of a later row; `count` if
+    /// there is none.
     std::uint32_t first_of_row(std::size_t row) const noexcept {
         return row < rows() && row_begin_[row] < runs_.size() ? runs_[row_begin_[row]].first : count_;
     }
 
-    /// The number of the node at `index`, which may lie outside the lattice; `none` where there is
-    /// none.
+    /// Returns the number of the node at `index`, which may lie outside the lattice, or `none`.
     std::uint32_t find(const Index& index) const noexcept {
         for (std::size_t k = 0; k < D; ++k) {
             if (index[k] < 0 || index[k] >= size_[k]) return none;
@@ -88,7 +89,7 @@ public:
                                                     : none;
     }
 
-    /// The place of a node, from its number.
+    /// Returns the position of a node.
     Index index(std::uint32_t number) const noexcept {
         const auto run = std::partition_point(runs_.begin(), runs_.end(),
                                               [&](const Run& a) { return a.first <= number; }) -
@@ -103,12 +104,12 @@ public:
         return index;
     }
 
-    /// f(index, number) for every node in order.
+    /// Calls f(index, number) for every node in order.
     template <class F>
     void for_each(F&& f) const {
         for_each_of_rows(0, rows(), f);
     }
-    /// The same for the nodes of rows begin … end − 1.
+    /// Calls f(index, number) for the nodes of rows begin … end − 1.
     template <class F>
     void for_each_of_rows(std::size_t begin, std::size_t end, F&& f) const {
         for (std::size_t r = begin; r < end; ++r) {
@@ -120,8 +121,8 @@ public:
         }
     }
 
-    /// f(index, number, direction) for every link of a node that leads to no node; the direction is
-    /// 2·axis, + 1 towards larger indices.
+    /// Calls f(index, number, direction) for every link of a node that leads to no node. The
+    /// direction is 2·axis, + 1 towards larger indices.
     template <class F>
     void for_each_end(F&& f) const {
         for (std::size_t r = 0; r < rows(); ++r) {
@@ -131,7 +132,7 @@ public:
     }
 
 private:
-    /// The ends of a row's links towards one of the rows beside it.
+    /// Finds the links of a row that have no node in one of the rows beside it.
     template <class F>
     void ends_across(std::size_t r, std::size_t direction, F& f) const {
         Index index = row_index(r), other = index;
@@ -144,14 +145,16 @@ private:
             for (index[0] = run->begin; index[0] < run->end; ++index[0]) {
                 while (beside != end && beside->end <= index[0]) ++beside;
                 if (beside != end && beside->begin <= index[0]) {
-                    index[0] = (std::min)(beside->end, run->end) - 1; // as far as both runs go
+                    // Skips to the end of the shorter run.
+                    index[0] = (std::min)(beside->end, run->end) - 1;
                 } else {
                     f(index, run->first + std::uint32_t(index[0] - run->begin), direction);
                 }
             }
         }
     }
-    /// The ends of a row's links along itself: those of its runs, as touching runs are one.
+    /// Finds the links along a row that lead to no node: those at the ends of its runs, since
+    /// touching runs are merged.
     template <class F>
     void ends_along(std::size_t r, F& f) const {
         Index index = row_index(r);

@@ -1,7 +1,9 @@
-// Facets of a boundary, edges in the plane and triangles in space, laid into a lattice.
+// Facets of a boundary (edges in the plane, triangles in space) on a lattice: their crossings with
+// lattice lines, rays and cells.
 //
-// Each dimension has its rule of which lattice lines cross a facet, such that every line crosses a
-// closed boundary an even number of times: half-open edges in the plane, whole numbers in space.
+// Each dimension has a rule for which lattice lines cross a facet, such that every line crosses a
+// closed boundary an even number of times: half-open edges in the plane, integer arithmetic in
+// space.
 #pragma once
 
 #include <cageform/cage/cell_complex.hpp>
@@ -10,10 +12,10 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// All positions are in units of the lattice.
+/// A facet in units of the lattice.
 template <std::size_t D>
 struct PlacedFacet : Facet<D> {
-    using Weights = std::array<double, D>; ///< of the corners, which sum to 1
+    using Weights = std::array<double, D>; ///< barycentric coordinates: of the corners, with sum 1
 
     PlacedFacet(const std::array<std::uint32_t, D>& of, std::span<const Vec<double, D>> vertices,
                 bool turning, std::uint32_t added_behind = 0)
@@ -21,8 +23,9 @@ struct PlacedFacet : Facet<D> {
         , turns(turning)
         , behind(added_behind) {}
 
-    bool turns;           ///< inside and outside change at it
-    std::uint32_t behind; ///< added to its handles as seen against its normal; 0: both sides are one
+    bool turns; ///< whether it separates inside from outside; false for a wall
+    /// Added to its handles on the back side, away from the normal; 0: both sides share handles.
+    std::uint32_t behind;
 
     Vec<double, D> place(const Weights& weights) const noexcept {
         Vec<double, D> p;
@@ -30,7 +33,7 @@ struct PlacedFacet : Facet<D> {
         return p;
     }
     double coordinate(const Weights& weights, std::size_t axis) const noexcept {
-        if constexpr (D == 2) { // exact where the edge lies across the axis
+        if constexpr (D == 2) { // exact if the edge is at right angles to the axis
             return this->corner[0][axis] + weights[1] * (this->corner[1][axis] - this->corner[0][axis]);
         } else {
             double sum = 0;
@@ -40,7 +43,7 @@ struct PlacedFacet : Facet<D> {
     }
 };
 
-/// Orthogonal to a facet.
+/// Returns a vector at right angles to a facet.
 inline Vec<double, 2> normal_of(const PlacedFacet<2>& edge) noexcept {
     const auto along = edge.corner[1] - edge.corner[0];
     return {-along[1], along[0]};
@@ -49,8 +52,9 @@ inline Vec<double, 3> normal_of(const PlacedFacet<3>& face) noexcept {
     return cross(face.corner[1] - face.corner[0], face.corner[2] - face.corner[0]);
 }
 
-/// The data at a place of a facet as seen along an axis, looking up or down: on the side the normal
-/// points to, or behind. In the plane a facet seen along itself shows the mean of both.
+/// Returns the data at a point of a facet for an observer who looks along an axis, up or down: the
+/// data of the front side, which the normal points to, or of the back side. In the plane a facet
+/// that is seen edge-on shows the mean of both.
 template <std::size_t D>
 BoundaryValue<D> value_seen(const PlacedFacet<D>& facet, const std::array<double, D>& weights,
                             std::size_t axis, bool up) noexcept {
@@ -68,8 +72,8 @@ BoundaryValue<D> value_seen(const PlacedFacet<D>& facet, const std::array<double
     return value;
 }
 
-/// Where a ray may meet an edge, its length left aside: on an edge along the ray, the end that it
-/// meets first.
+/// Returns where a ray of unlimited length meets an edge. If the edge lies along the ray, it is the
+/// end that the ray meets first.
 inline std::optional<std::array<double, 2>> meeting_weights(const PlacedFacet<2>& edge,
                                                             const grid::AxisRay<2>& ray) noexcept {
     const auto &a = edge.corner[0], &b = edge.corner[1];
@@ -86,8 +90,8 @@ inline std::optional<std::array<double, 2>> meeting_weights(const PlacedFacet<2>
     return std::array<double, 2>{1 - s, s};
 }
 
-/// Where the line along `axis` through the place (x, y) of the plane across it meets a face's
-/// plane: the weights of the corners, negative beyond an edge. None where the face is seen edge-on.
+/// Returns where the line along `axis` through the position (x, y) across it meets a face's plane,
+/// as barycentric coordinates, negative beyond an edge. None if the face is seen edge-on.
 inline std::optional<std::array<double, 3>> weights_at(const PlacedFacet<3>& face, std::size_t axis, double x,
                                                        double y) noexcept {
     const auto [u, v] = other_axes[axis];
@@ -99,7 +103,7 @@ inline std::optional<std::array<double, 3>> weights_at(const PlacedFacet<3>& fac
     for (std::size_t k = 0; k < 3; ++k) w[k] = cross(c[(k + 1) % 3], c[(k + 2) % 3]) / area;
     return w;
 }
-/// The weights of a place that rounding put beyond the rim of a facet, moved onto the rim.
+/// Moves a point that rounding put beyond the rim of a facet onto the rim.
 template <std::size_t D>
 std::array<double, D> onto_facet(std::array<double, D> w) noexcept {
     double sum = 0;
@@ -108,16 +112,17 @@ std::array<double, D> onto_facet(std::array<double, D> w) noexcept {
     return w;
 }
 
-/// Where a ray may meet a face, its length left aside.
+/// Returns where a ray of unlimited length meets a face.
 inline std::optional<std::array<double, 3>> meeting_weights(const PlacedFacet<3>& face,
                                                             const grid::AxisRay<3>& ray) noexcept {
-    constexpr double rim = 1e-9; // of rounding: no ray may slip between two faces
+    constexpr double rim = 1e-9; // a margin, so that no ray slips between two faces
     const auto [u, v] = other_axes[ray.axis];
     const auto w = weights_at(face, ray.axis, ray.from[u], ray.from[v]);
     if (!w || (*w)[0] < -rim || (*w)[1] < -rim || (*w)[2] < -rim) return std::nullopt;
     return onto_facet(*w);
 }
 
+/// Returns where a ray meets a facet.
 template <std::size_t D>
 std::optional<grid::Hit<D>> hit(const PlacedFacet<D>& facet, const grid::AxisRay<D>& ray) noexcept {
     const auto weights = meeting_weights(facet, ray);
@@ -128,7 +133,8 @@ std::optional<grid::Hit<D>> hit(const PlacedFacet<D>& facet, const grid::AxisRay
     return grid::Hit<D>{position, value_seen(facet, *weights, ray.axis, ray.up)};
 }
 
-/// The weights of the corners at a place of a facet's line or plane, negative beyond its rim.
+/// Returns the barycentric coordinates of a point on a facet's line or plane, negative beyond its
+/// rim.
 inline std::array<double, 2> weights_in_plane(const PlacedFacet<2>& edge, const Vec<double, 2>& p) noexcept {
     const auto along = edge.corner[1] - edge.corner[0];
     const double s = dot(p - edge.corner[0], along) / dot(along, along);
@@ -141,12 +147,12 @@ inline std::array<double, 3> weights_in_plane(const PlacedFacet<3>& face, const 
     return {u, v, 1 - u - v};
 }
 
-/// Whether the segment between two places crosses a facet; none where rounding might decide: next to
-/// its rim, and where an end is next to its line or plane.
+/// Tells whether the segment between two points crosses a facet. None if rounding might decide:
+/// near its rim, and if an end is near its line or plane.
 template <std::size_t D>
 std::optional<bool> crosses(const PlacedFacet<D>& facet, const Vec<double, D>& from,
                             const Vec<double, D>& to) noexcept {
-    constexpr double rounding = 1e-7; // of cells, and of the facet
+    constexpr double rounding = 1e-7; // in cells, and in barycentric coordinates
     const auto normal = normal_of(facet);
     const double size = std::sqrt(dot(normal, normal));
     const double at_from = dot(normal, from - facet.corner[0]), at_to = dot(normal, to - facet.corner[0]);
@@ -158,7 +164,7 @@ std::optional<bool> crosses(const PlacedFacet<D>& facet, const Vec<double, D>& f
     return least > 0;
 }
 
-/// Adds a crossing at a place of a facet; one for each side where they differ.
+/// Adds a crossing at a point of a facet, or one for each side if the sides differ.
 template <std::size_t D>
 void add_crossing(const PlacedFacet<D>& facet, const std::array<double, D>& weights, std::size_t axis,
                   grid::Crossing<D> crossing, Buffer<grid::Crossing<D>>& out) {
@@ -172,9 +178,9 @@ void add_crossing(const PlacedFacet<D>& facet, const std::array<double, D>& weig
     out.push_back(crossing);
 }
 
-/// Adds where the lattice lines along an axis cross an edge. An edge owns its lower end but not its
-/// upper one, so that a line through a common end of two edges crosses both, one, or none, as it
-/// changes sides.
+/// Adds the crossings of the lattice lines along an axis with an edge. An edge includes its lower
+/// end but not its upper one. So a line through a common end of two edges crosses both, one, or
+/// neither, depending on whether it changes sides.
 inline void add_crossings(const PlacedFacet<2>& edge, std::size_t axis, const Lattice<double, 2>& lattice,
                           Buffer<grid::Crossing<2>>& out) {
     const std::size_t across = 1 - axis;
@@ -192,7 +198,7 @@ inline void add_crossings(const PlacedFacet<2>& edge, std::size_t axis, const La
             add(line, edge.turns && line < high, (line - from) / (to - from));
             continue;
         }
-        // Along the line: its ends, and every node on it.
+        // The edge lies along the line: it crosses at its ends and at every node on it.
         const auto add_at = [&, first = edge.corner[0][axis], second = edge.corner[1][axis]](double x) {
             const double s = (x - first) / (second - first);
             const std::array<double, 2> weights{1 - s, s};
@@ -204,13 +210,13 @@ inline void add_crossings(const PlacedFacet<2>& edge, std::size_t axis, const La
     }
 }
 
-/// A face seen along an axis, its corners rounded to 2⁻²⁰ of a cell: which lattice lines cross it
-/// is decided in whole numbers. A line through an edge or a vertex counts as if all lines lay a
-/// little aside, the same for all faces.
+/// A face seen along an axis, with its corners rounded to 2⁻²⁰ of a cell, so that integers decide
+/// which lattice lines cross it. A line through an edge or a vertex is treated as if all lines were
+/// shifted slightly, in the same direction for all faces.
 class FaceAcross {
 public:
-    /// `fraction`: bits of a coordinate behind the point; with those before it at most 30, as
-    /// products then take 61.
+    /// `fraction` is the number of fractional bits of a coordinate. With the integer bits there are
+    /// at most 30, since products then need 61.
     FaceAcross(const PlacedFacet<3>& face, std::size_t axis, int fraction = 20) noexcept
         : face_(face)
         , fraction_(fraction) {
@@ -222,17 +228,18 @@ public:
         area_ = side(corners_[0], corners_[1], corners_[2]);
     }
 
-    bool is_edge_on() const noexcept { return area_ == 0; } ///< and crossed by no line
+    /// Whether it is seen edge-on, so that no line crosses it.
+    bool is_edge_on() const noexcept { return area_ == 0; }
     bool crosses_line(std::int64_t x, std::int64_t y) const noexcept {
         return crosses({x * one(), y * one()});
     }
-    /// The line at a place given in the rounding's units.
+    /// Tells whether the line at a position in multiples of 2^-fraction crosses the face.
     bool crosses(const std::array<std::int64_t, 2>& p) const noexcept {
         const bool left = area_ > 0;
         return is_left(0, 1, p) == left && is_left(1, 2, p) == left && is_left(2, 0, p) == left;
     }
-    /// The lines [first, last] along one of the axes across, of `count`, between which all that
-    /// cross the face lie.
+    /// Returns a range [first, last] of lines along one of the axes across, of `count`, that
+    /// contains all lines which cross the face.
     std::pair<std::int64_t, std::int64_t> lines(std::size_t k, std::size_t count) const noexcept {
         const auto [low, high] = std::minmax({corners_[0][k], corners_[1][k], corners_[2][k]});
         return {std::max<std::int64_t>((low + one() - 1) >> fraction_, 0),
@@ -243,19 +250,19 @@ private:
     using Whole = std::array<std::int64_t, 2>;
     std::int64_t one() const noexcept { return std::int64_t{1} << fraction_; }
 
-    /// Positive where `p` is to the left of the line from `a` to `b`.
+    /// Positive if `p` is to the left of the line from `a` to `b`.
     static std::int64_t side(const Whole& a, const Whole& b, const Whole& p) noexcept {
         return (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0]);
     }
-    /// On which side of the edge from corner k to corner l a line lies; both faces of the edge ask
-    /// in the same way.
+    /// Tells on which side of the edge from corner k to corner l a line lies. Both faces of the
+    /// edge compute it in the same direction.
     bool is_left(std::size_t k, std::size_t l, const Whole& p) const noexcept {
         const bool turned = face_.vertex[k] > face_.vertex[l];
         const auto &a = corners_[turned ? l : k], &b = corners_[turned ? k : l];
         std::int64_t s = side(a, b, p);
-        // A facet inside has its rim, on all sides.
+        // A wall includes its rim, on all sides.
         if (s == 0 && !face_.turns) return area_ > 0;
-        // On the edge: as for a line aside, along u far more than along v.
+        // On the edge: decides as for a line shifted along u far more than along v.
         if (s == 0) s = b[1] != a[1] ? a[1] - b[1] : b[0] - a[0];
         return (s > 0) != turned;
     }
@@ -263,10 +270,10 @@ private:
     const PlacedFacet<3>& face_;
     int fraction_;
     std::array<Whole, 3> corners_;
-    std::int64_t area_; ///< twice
+    std::int64_t area_; ///< twice the area
 };
 
-/// Adds where the lattice lines along an axis cross a face.
+/// Adds the crossings of the lattice lines along an axis with a face.
 inline void add_crossings(const PlacedFacet<3>& face, std::size_t axis, const Lattice<double, 3>& lattice,
                           Buffer<grid::Crossing<3>>& out) {
     const auto [u, v] = other_axes[axis];
@@ -287,7 +294,7 @@ inline void add_crossings(const PlacedFacet<3>& face, std::size_t axis, const La
     }
 }
 
-/// f(lower corner) for the cells that an edge passes, or comes as near to as `slack`.
+/// Calls f(lower corner) for the cells that an edge passes, or comes as near to as `slack`.
 template <class F>
 void for_each_cell(const PlacedFacet<2>& edge, double slack, F&& f) {
     const auto &a = edge.corner[0], &b = edge.corner[1];
@@ -309,7 +316,7 @@ void for_each_cell(const PlacedFacet<2>& edge, double slack, F&& f) {
     }
 }
 
-/// f(lower corner) for the cells that a face passes, or comes as near to as `slack`.
+/// Calls f(lower corner) for the cells that a face passes, or comes as near to as `slack`.
 template <class F>
 void for_each_cell(const PlacedFacet<3>& face, double slack, F&& f) {
     const auto& [a, b, c] = face.corner;

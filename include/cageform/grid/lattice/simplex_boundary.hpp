@@ -1,5 +1,7 @@
-// A polygon or a closed mesh, and the cells inside it, as the boundary of a problem on a lattice:
-// crossings with the lattice lines, and values between the nodes that are right up to it.
+// A polygon or a closed mesh, with the cells inside it, as the boundary of a problem on a lattice.
+//
+// It finds the crossings with the lattice lines, and interpolates between the nodes right up to the
+// boundary.
 #pragma once
 
 #include <cageform/core/detail/buffer.hpp>
@@ -11,7 +13,8 @@ namespace cageform::inline CAGEFORM_ABI {
 
 namespace detail {
 
-/// Which parts of a boundary pass which cells of a lattice of fewer than 2²⁰ cells a side.
+/// An index of which facets and bones pass which cells of a lattice, which has fewer than 2²⁰ cells
+/// a side.
 template <std::size_t D>
 class PartsByCell {
 public:
@@ -26,7 +29,7 @@ public:
     void sort() { std::sort(passes_.begin(), passes_.end()); }
     void clear() noexcept { passes_.clear(); }
 
-    /// Those of the cell with this lower corner. O(log #passes).
+    /// Returns those that pass the cell with this lower corner. O(log #passes).
     std::span<const Pass> find(const Index& low) const noexcept {
         const auto cell = key(low);
         const auto first = std::lower_bound(passes_.begin(), passes_.end(), Pass{cell, 0});
@@ -59,8 +62,9 @@ public:
     static constexpr std::size_t dimension = D;
     using Index = typename NodeRuns<D>::Index;
 
-    /// Of a Polygon, a TriangleMesh or a CellComplex; or of cells in the open (fields/strokes.hpp), the
-    /// facets of which may have other handles behind: `behind` is added to theirs.
+    /// Takes a Polygon, a TriangleMesh or a CellComplex. It also takes cells in the open
+    /// (fields/strokes.hpp), whose facets may have other handles on the back side: `behind` is
+    /// added to their handles there.
     template <class Cage>
     SimplexBoundary(const Cage& whole, const Lattice<double, D>& lattice, std::uint32_t behind = 0)
         : lattice_(lattice)
@@ -76,7 +80,8 @@ public:
 
     const Lattice<double, D>& lattice() const noexcept { return lattice_; }
 
-    /// O(facets + lines they meet, and the logarithm of that).
+    /// Returns the crossings with the lattice lines. O(facets + lines they meet, and the logarithm
+    /// of that).
     Crossings<D> crossings() const {
         Crossings<D> all;
         for (std::size_t axis = 0; axis < D; ++axis) {
@@ -89,7 +94,7 @@ public:
     Buffer<FixedNode<D>> fixed_nodes() const { return bones_.nodes(); }
     std::optional<std::uint32_t> too_thin_bone() const noexcept { return bones_.too_thin(); }
 
-    /// O(parts).
+    /// Returns the data of the boundary point nearest to a node. O(parts).
     BoundaryValue<D> nearest(const Index& node) const noexcept {
         const auto p = node_position<D>(node);
         double least = (std::numeric_limits<double>::max)();
@@ -105,7 +110,8 @@ public:
         return bone ? bone->value : value;
     }
 
-    /// O(cells on the way · parts that pass them).
+    /// Returns the distance from a point along an axis to the boundary. O(cells on the way · parts
+    /// that pass them).
     double free_distance(const Vec<double, D>& p, std::size_t axis, bool up, double limit) const noexcept {
         AxisRay<D> ray{p, axis, up, limit};
         Index low;
@@ -118,6 +124,7 @@ public:
         return ray.length;
     }
 
+    /// Builds the index of cells that free_distance, locate and sample need.
     void index_cells(double slack) {
         parts_.clear();
         std::uint32_t part = 0;
@@ -129,7 +136,8 @@ public:
         for (std::size_t n = 0; n < bones_.size(); ++n, ++part) bones_.for_each_cell(n, add);
         parts_.sort();
     }
-    /// O(parts in the cell). Where some pass it: none beside bones, or where rounding might decide.
+    /// Returns where a point lies. If parts pass its cell, returns none next to bones and where
+    /// rounding might decide. O(parts in the cell).
     std::optional<Located<D>> locate(const Vec<double, D>& p, double tolerance,
                                      const NodeRuns<D>& nodes) const noexcept {
         Index low;
@@ -137,14 +145,16 @@ public:
         const auto parts = parts_.find(low);
         const bool at_node = nodes.find(low) != NodeRuns<D>::none;
         if (parts.empty()) return Located<D>{at_node ? PointState::inside : PointState::outside, {}};
-        double least = 2 * tolerance; // places in units of the lattice are rounded by less than half
+        // Positions in units of the lattice are rounded by less than half of it.
+        double least = 2 * tolerance;
         std::optional<Located<D>> result;
         for (const Pass& pass : parts) {
             if (pass.part >= facets_.size()) return std::nullopt;
             const Facet& facet = facets_[pass.part];
             const auto weights = detail::nearest_on_facet(p, facet.corner);
             const double distance = detail::length(facet.place(weights) - p);
-            if (distance > least || (result && distance == least)) continue; // of equals the first
+            // If two are equally near, the first counts.
+            if (distance > least || (result && distance == least)) continue;
             least = distance;
             result = {PointState::on_boundary, value_on_facet(facet.vertex, weights)};
         }
@@ -159,9 +169,9 @@ public:
         return std::nullopt;
     }
 
-    /// Multilinear; where the boundary passes the cell, the mean over D orders of the axes. A mean,
-    /// so never beyond the values it is made of. Beyond the last nodes, where no boundary is, the
-    /// mirror image.
+    /// Returns a stencil: multilinear, or where the boundary passes the cell the mean over D orders
+    /// of the axes. It is a mean, so it never exceeds the values that it is made of. Beyond the
+    /// last nodes, where there is no boundary, it mirrors.
     CutStencil<D> sample(const Vec<double, D>& p, const NodeRuns<D>& nodes) const noexcept {
         CutStencil<D> stencil;
         Cell cell{nodes, {}, {}, {}, stencil};
@@ -187,12 +197,12 @@ private:
     struct Cell {
         const NodeRuns<D>& nodes;
         Index low;
-        std::span<const Pass> parts;     ///< that pass it
-        std::array<std::size_t, D> axes; ///< in the order they are taken
+        std::span<const Pass> parts;     ///< those that pass the cell
+        std::array<std::size_t, D> axes; ///< in the order of interpolation
         CutStencil<D>& stencil;
     };
 
-    /// Where a ray meets a part, at which it then ends.
+    /// Returns where a ray meets a part, and shortens the ray to end there.
     std::optional<Hit<D>> shorten_to(std::uint32_t part, AxisRay<D>& ray) const noexcept {
         const auto hit =
             part < facets_.size() ? detail::hit(facets_[part], ray) : bones_.hit(part - facets_.size(), ray);
@@ -207,8 +217,8 @@ private:
         return first;
     }
 
-    /// Whether one of two places of a cell is inside and the other is not, by the parts that pass
-    /// it; none where rounding might decide.
+    /// Tells whether exactly one of two points of a cell is inside, by the facets that pass the
+    /// cell. None if rounding might decide.
     std::optional<bool> turns_between(std::span<const Pass> parts, const Vec<double, D>& from,
                                       const Vec<double, D>& to) const noexcept {
         bool turns = false;
@@ -221,8 +231,8 @@ private:
         return turns;
     }
 
-    /// Of a cell that nothing passes, whose corners are all unknowns: multilinear. Those along axis 0
-    /// are neighbours in a run.
+    /// Adds the multilinear stencil of a cell that nothing passes and whose corners are all
+    /// unknowns. The corners along axis 0 are neighbours in a run.
     static void add_corners(const Index& low, const Vec<double, D>& p, const NodeRuns<D>& nodes,
                             CutStencil<D>& stencil) noexcept {
         for (std::size_t row = 0; row < CutStencil<D>::corners / 2; ++row) {
@@ -242,9 +252,9 @@ private:
         }
     }
 
-    /// Adds a share of the value at `p` to the cell's stencil: linear along one axis after the
-    /// other, of which `done` are done. Where the boundary lies before an end of the cell, its
-    /// value there takes the place of what lies beyond.
+    /// Adds a share of the value at `p` to the cell's stencil, by linear interpolation along one
+    /// axis after the other; `done` axes are finished. If the boundary comes before an end of the
+    /// cell, its value replaces whatever lies beyond.
     void gather(Cell& cell, const Vec<double, D>& p, double share, std::size_t done = 0) const noexcept {
         if (done == D) {
             Index index;

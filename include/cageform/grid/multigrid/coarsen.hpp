@@ -1,7 +1,10 @@
-// From the equations of one level to those of the next coarser one, by Dendy's black box multigrid
-// (J. Comput. Phys. 48 (1982)). Coarse nodes are every second node. The interpolation P is made
-// from the equations, and the coarse operator is Galerkin's, Pᵀ A P. Parts of the domain that are
-// one node wide stay what they are on every level.
+// Makes the equations of the next coarser level by Dendy's black box multigrid (J. Comput. Phys. 48
+// (1982)).
+//
+// The coarse nodes are every second node. The interpolation P is made from the equations: a node
+// between coarse nodes takes the value that its own equation gives, collapsed onto the line, face
+// or cell of coarse nodes that it lies in. The coarse operator is Galerkin's, Pᵀ A P. Features of
+// the domain that are one node wide are preserved on every level.
 #pragma once
 
 #include <cageform/core/detail/buffer.hpp>
@@ -14,17 +17,17 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// How a node takes its value from the coarse cell it lies in: a weight for each corner (see
+/// The interpolation of a node from the coarse cell that it lies in: a weight for each corner (see
 /// `corner_offset`). Along an axis on which its index is even, a node lies at the cell's lower end.
 template <std::size_t D>
 using Interpolation = std::array<double, power(2, D)>;
 
-/// P, and the equations of the coarse nodes.
+/// The interpolation P, and the equations of the coarse nodes.
 template <std::size_t D>
 struct Coarsening {
     using Index = typename grid::NodeRuns<D>::Index;
 
-    std::vector<std::uint32_t> slot; ///< #nodes: into `irregular`, or none: multilinear
+    std::vector<std::uint32_t> slot; ///< by node: an index into `irregular`, or none for multilinear
     Buffer<Interpolation<D>> irregular;
     Equations<D> coarse;
 
@@ -35,14 +38,14 @@ struct Coarsening {
         for (std::size_t k = 0; k < D; ++k) odd |= std::size_t(index[k] & 1) << k;
         return multilinear[odd];
     }
-    /// The index of a corner of a node's coarse cell.
+    /// Returns the index of a corner of a node's coarse cell.
     static Index corner_index(Index index, std::size_t corner) noexcept {
         for (auto& x : index) x >>= 1;
         return shifted<D>(index, corner_offset<D>(corner));
     }
 
 private:
-    /// By the axes along which a node lies between coarse ones.
+    /// By the set of axes along which a node lies between coarse ones.
     static constexpr auto multilinear = [] {
         std::array<Interpolation<D>, power(2, D)> all{};
         for (std::size_t odd = 0; odd < all.size(); ++odd) {
@@ -55,7 +58,7 @@ private:
     }();
 };
 
-/// The Galerkin stencil of a coarse node whose surroundings are all regular.
+/// Returns the Galerkin stencil of a coarse node whose surroundings are all regular.
 template <std::size_t D>
 typename Equations<D>::Stencil regular_coarse_stencil(const typename Equations<D>::Stencil& a) noexcept {
     using P = Places<D>;
@@ -77,7 +80,7 @@ typename Equations<D>::Stencil regular_coarse_stencil(const typename Equations<D
     return coarse;
 }
 
-/// Makes a `Coarsening`: its nodes, then P, then Pᵀ A P.
+/// Makes a `Coarsening`: first its nodes, then P, then Pᵀ A P.
 template <std::size_t D>
 class Coarsener {
 public:
@@ -98,10 +101,11 @@ private:
     static std::size_t slab_rows(const grid::NodeRuns<D>& nodes) noexcept {
         return nodes.rows() / std::size_t(nodes.size()[D - 1]);
     }
-    /// body(begin, end) for ranges of rows, whole slabs, that cover all.
+    /// Calls body(begin, end), possibly in parallel, for ranges of rows that are whole slabs and
+    /// cover all rows.
     template <class Body>
     void for_slabs(const grid::NodeRuns<D>& nodes, const Body& body) const {
-        constexpr std::size_t worth_a_thread = 4096; // nodes: a millisecond
+        constexpr std::size_t worth_a_thread = 4096; // nodes, which take a millisecond
         if (nodes.rows() == 0) return;
         const std::size_t slabs = std::size_t(nodes.size()[D - 1]), rows = slab_rows(nodes);
         const std::size_t grain = slabs * worth_a_thread / (nodes.count() + 1) + 4;
@@ -130,8 +134,8 @@ private:
         for (const auto x : index) n += std::size_t(x & 1);
         return n;
     }
-    /// Nodes on coarse lines first, then on faces, then in cells: each takes from those before it.
-    /// A node with regular surroundings keeps the multilinear interpolation.
+    /// Makes P for nodes on coarse lines first, then on faces, then in cells: each uses those made
+    /// before. A node with regular surroundings keeps the multilinear interpolation.
     void make_interpolation() {
         out_.slot.assign(fine_.nodes.count(), none);
         const auto is_near = near_irregular();
@@ -152,7 +156,8 @@ private:
             });
         }
     }
-    /// Which nodes have an irregular one among their 3^D. Beside a missing neighbour there is one.
+    /// Finds the nodes that have an irregular one among their 3^D. A missing neighbour always has
+    /// an irregular node next to it.
     std::vector<bool> near_irregular() const {
         std::vector<bool> is_near(fine_.nodes.count());
         Neighbours<D> around(fine_.nodes);
@@ -166,12 +171,13 @@ private:
         });
         return is_near;
     }
-    /// Dendy's interpolation: the node's own equation with b = 0, collapsed onto the axes along
-    /// which it lies between coarse nodes, and solved for the node.
+    /// Returns Dendy's interpolation: the node's own equation with b = 0, collapsed onto the axes
+    /// along which it lies between coarse nodes, and solved for the node.
     Interpolation<D> interpolate(std::uint32_t node, const Index& index,
                                  Neighbours<D>& around) const noexcept {
         const auto collapsed = collapsed_equation(node, index);
-        double total = 0; // the diagonal: Dendy's choice, the row sum and what the neighbours take
+        // Dendy's choice of the diagonal: the row sum and the sum of the neighbours' entries.
+        double total = 0;
         for (std::size_t k = 0; k < D && fine_.is_irregular(node); ++k) {
             if ((index[k] & 1) != 0) total += fine_.irregular[fine_.slot[node]].row_sum[k];
         }
@@ -181,7 +187,7 @@ private:
         for (std::size_t p = 0; p < P::count; ++p) {
             const auto n = collapsed[p] != 0 ? around.at(p) : none;
             if (n == none) continue;
-            // Its coarse cell begins where ours does, or ends where ours ends.
+            // Along each axis its coarse cell begins where ours does, or where ours ends.
             std::size_t upper = 0;
             for (std::size_t k = 0; k < D; ++k) upper |= P::offset(p)[k] > 0 ? std::size_t{1} << k : 0u;
             const auto& from = out_.of(n, shifted<D>(index, P::offset(p)));
@@ -191,7 +197,8 @@ private:
         }
         return result;
     }
-    /// Minus the off-diagonal entries of A, added up along the axes on which the index is even.
+    /// Returns the negated off-diagonal entries of A, summed along the axes on which the index is
+    /// even.
     typename Equations<D>::Stencil collapsed_equation(std::uint32_t node, const Index& index) const noexcept {
         const auto& a = fine_.stencil(node);
         typename Equations<D>::Stencil collapsed{};
@@ -207,7 +214,8 @@ private:
 
     // ---- the coarse operator --------------------------------------------------------------------
 
-    /// Pᵀ A P, worked out only for coarse nodes near something irregular.
+    /// Makes Pᵀ A P. It is computed only for coarse nodes near something irregular; the others
+    /// share one stencil.
     void make_galerkin_operator() {
         auto& coarse = out_.coarse;
         coarse.regular = regular_coarse_stencil<D>(fine_.regular);
@@ -215,8 +223,9 @@ private:
         for_slabs(coarse.nodes, [&](std::size_t begin, std::size_t end) { add_to_coarse_rows(begin, end); });
         for (auto& equation : coarse.irregular) share_out_row_sum(equation);
     }
-    /// What the coarse nodes of some slabs get, the row `end` the first that is not theirs. Each
-    /// adds it up in the order of the fine nodes.
+    /// Adds up the equations of the coarse nodes in rows begin … end − 1, which are whole slabs.
+    /// Contributions are added in the order of the fine nodes, so the result does not depend on the
+    /// threads.
     void add_to_coarse_rows(std::size_t begin, std::size_t end) noexcept {
         auto& coarse = out_.coarse;
         const std::uint32_t first = coarse.nodes.first_of_row(begin), last = coarse.nodes.first_of_row(end);
@@ -241,8 +250,8 @@ private:
         fine_.nodes.for_each_of_rows(fine_slab * (low > 0 ? low - 1 : 0),
                                      (std::min)(fine_slab * high, fine_.nodes.rows()), add);
     }
-    /// Irregular coarse nodes are those with irregular interpolation within two fine nodes, or an
-    /// irregular equation within one.
+    /// Chooses the irregular coarse nodes: those with irregular interpolation within two fine
+    /// nodes, or an irregular equation within one.
     void choose_irregular() {
         auto& coarse = out_.coarse;
         std::vector<bool> is_near(coarse.nodes.count());
@@ -266,7 +275,7 @@ private:
             coarse.irregular.push_back({});
         }
     }
-    /// A node's row of A P, by places around the lower corner of its coarse cell.
+    /// Returns a node's row of A P, by positions around the lower corner of its coarse cell.
     typename Equations<D>::Stencil row_of_ap(std::uint32_t node, const Index& index,
                                              Neighbours<D>& around) const noexcept {
         typename Equations<D>::Stencil row{};
@@ -301,8 +310,8 @@ private:
                 stencil[places[n] - P::corner_step(corner)] += weights[corner] * row[places[n]];
         }
     }
-    /// The row sum is what a node takes from the data. It goes in equal shares to the axes on which
-    /// the node has no neighbour on one side.
+    /// Divides the row sum among the axes. The row sum is the weight of the data in the equation of
+    /// a node. It goes in equal shares to the axes on which the node has no neighbour on one side.
     static void share_out_row_sum(typename Equations<D>::Irregular& equation) noexcept {
         const auto& a = equation.a;
         double row_sum = 0;
@@ -315,8 +324,8 @@ private:
                 if (P::offset(p)[k] < 0) down += std::fabs(a[p]);
                 if (P::offset(p)[k] > 0) up += std::fabs(a[p]);
             }
-            // Regular neighbours of one side have at least a sixth of the diagonal; rounding has
-            // 1e-15.
+            // The regular neighbours of one side have at least a sixth of the diagonal; rounding
+            // leaves 1e-15.
             misses[k] = std::fmin(down, up) < 1e-3 * a[P::centre];
             count += misses[k] ? 1 : 0;
         }

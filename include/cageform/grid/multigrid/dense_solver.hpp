@@ -1,4 +1,4 @@
-// The equations of the coarsest level, solved at once by Cholesky's factors.
+// Solves the equations of the coarsest level directly, by a Cholesky factorisation.
 #pragma once
 
 #include <cageform/core/detail/buffer.hpp>
@@ -11,6 +11,7 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
+/// A dense Cholesky factorisation of a level's matrix.
 class DenseSolver {
 public:
     DenseSolver() = default;
@@ -28,16 +29,17 @@ public:
         if (factorise(matrix.data(), n)) store(matrix.data(), n);
     }
 
-    /// Whether there are no factors: none were asked for, or the matrix has none.
+    /// Tells whether there are no factors: default-constructed, or the matrix is not positive
+    /// definite.
     bool empty() const noexcept { return factor_.empty(); }
 
-    /// u = A⁻¹ b, by a forward and a backward substitution.
+    /// Computes u = A⁻¹ b by forward and backward substitution.
     void solve(const Buffer<NodeRow>& b, Buffer<NodeRow>& u) const noexcept {
         using Vector = Simd<float>;
         const float* factor = factor_.data();
         const auto substitute = [&](const NodeRow& right, std::size_t begin,
                                     std::size_t end) CAGEFORM_DETAIL_INLINE {
-            Vector sum(0.0f), other(0.0f); // two sums side by side hide the time an addition takes
+            Vector sum(0.0f), other(0.0f); // two independent sums hide the latency of an addition
             for (; begin + 1 < end; begin += 2, factor += 2) {
                 sum = sum + Vector(factor[0]) * Vector::load(u[begin]);
                 other = other + Vector(factor[1]) * Vector::load(u[begin + 1]);
@@ -52,8 +54,9 @@ public:
     std::size_t bytes() const noexcept { return factor_.size() * sizeof(float); }
 
 private:
-    /// A = L Lᵀ, L over the lower half of A, row by row; false where A is not positive definite.
-    /// Column after column is taken out of what is left, so that no sum waits for itself.
+    /// Factorises A = L Lᵀ, and stores L over the lower half of A, row by row. Returns false if A
+    /// is not positive definite. Each column is subtracted from the remaining matrix at once, so
+    /// that no sum has to wait for itself.
     static bool factorise(double* a, std::size_t n) {
         std::vector<double> column(n);
         for (std::size_t k = 0; k < n; ++k) {
@@ -82,7 +85,9 @@ private:
         }
     }
 
-    std::vector<float> factor_; ///< rows of L, then its columns from the last, as `solve` reads them
+    /// The rows of L, then its columns from the last to the first, in the order in which `solve`
+    /// reads them.
+    std::vector<float> factor_;
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

@@ -1,10 +1,11 @@
-// The equations A u = b of one level while the hierarchy is built. Most nodes share one regular
-// stencil; the others, the irregular ones, have their own.
+// The equations A u = b of one level while the multigrid is built.
 //
-// The finest equations are Shortley and Weller's (J. Appl. Phys. 9 (1938), p. 334): a link that is
-// cut at the part θ of its length has the weight 1/θ in place of 1. Their factor 2/(θ₋ + θ₊) of an
-// axis is left out. A stays symmetric then, and linear functions stay exact (Gibou, Fedkiw, Cheng
-// and Kang, J. Comput. Phys. 176 (2002), sec. 2).
+// Most nodes share one regular stencil; the others, called irregular, have their own.
+//
+// The finest equations follow Shortley and Weller (J. Appl. Phys. 9 (1938), p. 334): a link that is
+// cut at the fraction θ of its length has the weight 1/θ instead of 1. Their factor 2/(θ₋ + θ₊) of
+// each axis is left out. Then A stays symmetric, and linear functions stay exact (Gibou, Fedkiw,
+// Cheng and Kang, J. Comput. Phys. 176 (2002), sec. 2).
 #pragma once
 
 #include <cageform/core/detail/buffer.hpp>
@@ -15,12 +16,13 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
+/// The rows of A, and the nodes that are the unknowns.
 template <std::size_t D>
 struct Equations {
     using Stencil = std::array<double, Places<D>::count>; ///< a row of A
     struct Irregular {
         Stencil a{};
-        std::array<double, D> row_sum{}; ///< of A, shared out among the axes; zero at regular nodes
+        std::array<double, D> row_sum{}; ///< of A, divided among the axes; zero at regular nodes
     };
 
     grid::NodeRuns<D> nodes;
@@ -34,7 +36,7 @@ struct Equations {
     }
 };
 
-/// −∇² on the finest level, in units of the lattice.
+/// Returns −∇² on the finest level, in units of the lattice.
 template <std::size_t D>
 Equations<D> shortley_weller_equations(const grid::NodeRuns<D>& nodes, std::span<const grid::CutLink> cuts) {
     using P = Places<D>;
@@ -56,7 +58,7 @@ Equations<D> shortley_weller_equations(const grid::NodeRuns<D>& nodes, std::span
         typename P::Offset o{};
         o[axis] = (cut.direction & 1) != 0 ? 1 : -1;
         CAGEFORM_ASSERT(a[P::place(o)] != 0, "a link is cut once");
-        a[P::place(o)] = 0; // the data's share of the link goes to b
+        a[P::place(o)] = 0; // the data at the end of the link goes to b
         a[P::centre] += cut.weight - 1;
         row_sum[axis] += cut.weight;
     }

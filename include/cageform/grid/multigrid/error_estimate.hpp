@@ -1,4 +1,4 @@
-// How far a solution is from the exact one of its equations, as its residuals tell.
+// Estimates the error of a solution from its residuals.
 #pragma once
 
 #include <cageform/core/detail/buffer.hpp>
@@ -9,8 +9,8 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The largest residuals |b − A u| of a level. Nodes beside data have a positive row sum (at least
-/// 1, as θ is at most 1); theirs are divided by it.
+/// The largest residuals |b − A u| of a level. Nodes next to data have a positive row sum (at least
+/// 1, since θ is at most 1); their residuals are divided by it.
 struct Residual {
     Simd<float> interior{0.0f}, beside_data{0.0f};
 
@@ -26,20 +26,20 @@ struct Residual {
     }
 };
 
-/// What is known of the error of a solution, per function.
+/// The error of a solution: an estimate and a bound for each function.
 struct SolveError {
     /// The residual times the largest ratio of correction to residual so far, with a safety factor
-    /// of 2 to 4. Not a bound, but most often above the error.
+    /// of 2 to 4. It is not a bound, but almost always above the error.
     NodeValues estimate;
-    /// From the residual alone, by the maximum principle: never less than the error, up to
+    /// A bound from the residual alone, by the maximum principle: never less than the error, up to
     /// rounding.
     NodeValues bound;
 };
 
-/// Learns how much error a residual means from one cycle to the next.
+/// Learns from cycle to cycle how much error a residual means.
 ///
-/// The correction that a cycle finds on the coarse grid is the error before it, up to what
-/// relaxation takes away. Correction over residual is called the gain.
+/// The correction that a cycle finds on the coarse grid is the error before it, except for the
+/// share that relaxation removes. The ratio of correction to residual is called the gain:
 ///     estimate = caution · max(gain, 1) · residual
 class ErrorEstimator {
 public:
@@ -48,7 +48,7 @@ public:
         Vector(0.0f).store(residual_);
         Vector(margin).store(caution_);
     }
-    /// To be told of a cycle's correction on the first coarse level.
+    /// Updates the gain from a cycle's correction on the first coarse level.
     void learn(const Buffer<NodeRow>& correction) noexcept {
         Vector largest(0.0f);
         for (const NodeRow& row : correction) largest = max<float>(largest, abs<float>(Vector::load(row)));
@@ -56,21 +56,21 @@ public:
         const Vector now =
             select<float>(Vector(0.0f) < residual, largest / max<float>(residual, tiny), Vector(0.0f));
         const Vector gain = max<float>(last, now);
-        // Residuals get smoother from cycle to cycle and tell of more error. As the gain has grown
-        // it may grow again, though hardly more than twofold; after the first cycle nothing is
-        // known of it.
+        // Residuals become smoother from cycle to cycle, and a smooth residual means a larger
+        // error. A gain that has grown may grow again, though hardly more than twofold. After the
+        // first cycle its growth is unknown.
         const Vector growth = min<float>(gain / max<float>(last, tiny), Vector(2.0f));
         const Vector expected = select<float>(Vector(0.0f) < last, growth, Vector(2.0f));
         (Vector(margin) * expected).store(caution_);
         gain.store(gain_);
     }
-    /// The error of a solution with this residual.
+    /// Returns the error of a solution with this residual.
     ///
-    ///   reach   the largest error of an interior node that a residual of 1 everywhere can mean
+    ///   reach  the largest error of an interior node for a residual of 1 everywhere
     SolveError judge(const Residual& residual, double reach) noexcept {
         const Vector largest = max<float>(residual.interior, residual.beside_data);
         largest.store(residual_);
-        // A gain below 1 would trust relaxation; before the first cycle, 4 is a guess on the high
+        // A gain below 1 would rely on relaxation. Before the first cycle, 4 is a guess on the high
         // side.
         const Vector known = Vector::load(gain_);
         const Vector gain =
@@ -78,17 +78,17 @@ public:
         return {widened(Vector::load(caution_) * gain * largest),
                 widened(Vector(float(reach)) * residual.interior + residual.beside_data)};
     }
-    /// To be told that the residual has changed by that much at most.
+    /// Adds a change of the right-hand side to the residual.
     void disturb(const NodeValues& change) noexcept {
         for (std::size_t k = 0; k < functions_together; ++k) residual_[k] += float(change[k]);
     }
 
 private:
     using Vector = Simd<float>;
-    /// What an estimate is more than the error that the gain tells of. A seventh is missing at
-    /// worst in 1000 random domains (tests/grid/multigrid.cpp).
+    /// The safety factor of the estimate. Even so, in the worst of 1000 random domains the estimate
+    /// is a seventh too low (tests/grid/multigrid.cpp).
     static constexpr float margin = 2;
-    static constexpr float smallest = (std::numeric_limits<float>::min)(); ///< divides zeros
+    static constexpr float smallest = (std::numeric_limits<float>::min)(); ///< avoids 0/0
 
     static NodeValues widened(const Vector& v) noexcept {
         NodeRow row;
@@ -98,8 +98,9 @@ private:
         return values;
     }
 
-    NodeRow gain_;     ///< the largest so far; 0 while unknown
-    NodeRow residual_; ///< after the last cycle
+    NodeRow gain_;     ///< the largest gain so far; 0 while unknown
+    NodeRow residual_; ///< the residual after the last cycle
+    /// The safety factor of the next estimate, 2 to 4.
     NodeRow caution_;
 };
 

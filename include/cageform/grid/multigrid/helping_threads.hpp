@@ -1,8 +1,8 @@
-// Threads that have no group left to solve help those that have one.
+// Lets threads that have no group left to solve help those that have one.
 //
-// Nobody knows how many threads a caller's parallel_for has, nor whether they run together. So no
-// part of the work waits for a thread that has yet to come: who owns a group offers parts of a pass
-// to threads that are free at that moment, and takes itself what none has begun.
+// It is unknown how many threads a caller's parallel_for has and whether they run at the same time.
+// So no work may wait for a thread that has not started. The owner of a group offers pieces of a
+// pass to threads that are idle at that moment, and does the pieces itself that no one has begun.
 #pragma once
 
 #include <cageform/core/detail/flush_denormals.hpp>
@@ -17,7 +17,7 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Waits a moment: at first without leaving the processor, for most waits are short.
+/// Waits a moment, at first without giving up the processor, since most waits are short.
 class Waiting {
 public:
     void reset() noexcept { turns_ = 0; }
@@ -43,19 +43,19 @@ private:
 
 /// The threads of one solve.
 class HelpingThreads {
-    /// Parts of one pass, begun in order.
+    /// The pieces of one pass. They are begun in order.
     struct Job {
         void (*call)(const void* body, std::size_t part, std::size_t parts) noexcept;
         const void* body;
         std::size_t parts;
         std::atomic<std::size_t> next{0};
     };
-    /// Where an owner offers a job.
+    /// A slot in which an owner offers a job.
     struct Offer {
-        std::atomic<bool> taken{false}; ///< by an owner
-        std::atomic<bool> open{false};  ///< parts are left, or were a moment ago
+        std::atomic<bool> taken{false}; ///< whether an owner uses this slot
+        std::atomic<bool> open{false};  ///< pieces are left, or were a moment ago
         std::atomic<Job*> job{nullptr};
-        std::atomic<unsigned> inside{0}; ///< threads that may look at the job
+        std::atomic<unsigned> inside{0}; ///< number of threads that may access the job
 
         bool work() noexcept {
             if (!open.load(std::memory_order_relaxed)) return false;
@@ -78,13 +78,15 @@ class HelpingThreads {
     };
 
 public:
-    /// What the owner of a group shares its work by; one made without threads shares with none.
+    /// Divides the work of a group among threads. One that is default-constructed does not divide
+    /// it.
     class Share {
     public:
         Share() noexcept = default;
 
-        /// body(part, parts) for every part, begun in order, on this thread and those that are free;
-        /// as many as these, `most` at most. It must not throw, and may wait for parts before it.
+        /// Calls body(part, parts) for every piece, begun in order, on this thread and on idle
+        /// ones. There are as many pieces as such threads, and at most `most`. body must not throw
+        /// and may wait for earlier pieces.
         template <class Body>
         void split(std::size_t most, const Body& body) const noexcept {
             const std::size_t others = threads_ != nullptr && most > 1 ? threads_->reserve(most - 1) : 0;
@@ -100,7 +102,8 @@ public:
             for (Waiting waiting; offer_->inside.load() != 0;) waiting.wait();
             threads_->idle_ += int(others);
         }
-        /// body(begin, end) for ranges that cover [0, count) once; few of them where that is small.
+        /// Calls body(begin, end) for ranges that cover [0, count) exactly once; a small count
+        /// gives few ranges.
         template <class Body>
         void for_ranges(std::size_t count, std::size_t grain, const Body& body) const noexcept {
             split(std::clamp<std::size_t>(count / grain, 1, 16), [&](std::size_t part, std::size_t parts) {
@@ -114,7 +117,7 @@ public:
         Offer* offer_ = nullptr;
     };
 
-    /// While it lives its thread solves groups, and may be helped.
+    /// While it exists, its thread solves groups and may be helped.
     class Owner {
     public:
         explicit Owner(HelpingThreads& threads) noexcept
@@ -156,7 +159,8 @@ public:
     }
 
 private:
-    /// Of the idle threads an owner's fair part, `wanted` at most; who has them gives them back.
+    /// Reserves idle threads: an owner's fair share, at most `wanted`. The caller must release
+    /// them.
     std::size_t reserve(std::size_t wanted) noexcept {
         const int owners = (std::max)(owners_.load(), 1), fair = (helping_.load() + owners - 1) / owners;
         const int most = (std::min)(fair, int(wanted));
@@ -167,7 +171,7 @@ private:
         return 0;
     }
 
-    std::array<Offer, 16> offers_; ///< owners beyond these are not helped
+    std::array<Offer, 16> offers_; ///< further owners are not helped
     std::atomic<int> owners_{0}, helping_{0}, idle_{0};
 };
 

@@ -1,5 +1,5 @@
-// A solution kept as the sum of a high and a low part, both float: about twice float's digits, in
-// the layout that the cycles use.
+// A solution stored as the sum of a high and a low float, in the layout that the cycles use. It has
+// about twice float's digits.
 #pragma once
 
 #include <cageform/core/detail/buffer.hpp>
@@ -8,6 +8,7 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
+/// The sum of all float solutions found so far.
 class HighLow {
 public:
     std::size_t bytes() const noexcept { return (high_.capacity() + low_.capacity()) * sizeof(NodeRow); }
@@ -16,8 +17,8 @@ public:
         low_.clear();
     }
 
-    /// Adds a float solution. What `u` holds afterwards is of no use. The low part begins with the
-    /// second one.
+    /// Adds a float solution. The contents of `u` are unspecified afterwards. The low part is
+    /// allocated by the second call.
     void add(Buffer<NodeRow>& u, const WorkShare& share) {
         if (high_.empty()) {
             std::swap(u, high_);
@@ -32,14 +33,14 @@ public:
         });
     }
 
-    /// sum += factor · the value at a node.
+    /// Adds factor · value at a node to `sum`.
     void add_to(NodeValues& sum, std::uint32_t node, double factor) const noexcept {
         for (const auto* part : {&high_, &low_}) {
             if (part->empty()) return;
             for (std::size_t k = 0; k < functions_together; ++k) sum[k] += factor * double((*part)[node][k]);
         }
     }
-    /// out = −A · the solution, worked out in double, at the nodes of a run of the finest level.
+    /// Sets out = −A · solution, computed in double, at the nodes of a run of the finest level.
     template <std::size_t D>
     void apply_minus_a(const RegularRun<D>& run, Buffer<NodeRow>& out) const noexcept {
         const auto to = run.nearest();
@@ -68,7 +69,7 @@ private:
         }
     }
 
-    Buffer<NodeRow> high_, low_; ///< as long as the finest level, or empty
+    Buffer<NodeRow> high_, low_; ///< an entry for each node of the finest level, or empty
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

@@ -1,5 +1,5 @@
-// One level of the hierarchy as the cycles walk it: regular nodes in runs, irregular ones in a
-// list, both row by row.
+// One level of the multigrid in the layout that the cycles read: row by row, regular nodes in runs
+// and irregular ones in a list.
 #pragma once
 
 #include <cageform/core/detail/buffer.hpp>
@@ -9,21 +9,22 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Nodes of a row that follow each other, with the regular stencil and multilinear interpolation.
-/// The nodes of the neighbouring rows, fine and coarse, lie at constant distances in memory.
+/// Consecutive nodes of a row that have the regular stencil and multilinear interpolation. The
+/// nodes of the neighbouring rows, fine and coarse, lie at constant distances in memory.
 template <std::size_t D>
 struct RegularRun {
-    std::uint32_t first = 0;                             ///< its first node
-    std::uint32_t count = 0;                             ///< of nodes
-    std::int32_t x = 0;                                  ///< index of the first node along axis 0
-    std::uint32_t first_colour = 0;                      ///< parity of its indices' sum
-    std::array<std::int32_t, power(3, D - 1)> row{};     ///< to the same x of neighbouring rows
+    std::uint32_t first = 0;        ///< its first node
+    std::uint32_t count = 0;        ///< the number of nodes
+    std::int32_t x = 0;             ///< index of the first node along axis 0
+    std::uint32_t first_colour = 0; ///< the parity of the sum of the first node's indices
+    /// From a node to the same x of each neighbouring row.
+    std::array<std::int32_t, power(3, D - 1)> row{};
     std::array<std::uint32_t, power(2, D - 1)> coarse{}; ///< number of coarse node X = coarse + X
     std::uint32_t coarse_rows = 0;
 
-    /// The first node of a colour, counted from `first`.
+    /// Returns the first node of a colour, counted from `first`.
     std::uint32_t first_of(std::uint32_t colour) const noexcept { return first_colour ^ colour; }
-    /// From a node to its 2·D nearest neighbours.
+    /// Returns the distances in memory from a node to its 2·D nearest neighbours.
     std::array<std::ptrdiff_t, 2 * D> nearest() const noexcept {
         std::array<std::ptrdiff_t, 2 * D> to{-1, 1};
         for (std::size_t k = 1, r = 1; k < D; ++k, r *= 3) {
@@ -34,6 +35,7 @@ struct RegularRun {
     }
 };
 
+/// The equations and the interpolation of one level.
 template <std::size_t D>
 struct Level {
     struct Entry {
@@ -43,32 +45,32 @@ struct Level {
     /// A node with an irregular stencil or interpolation.
     struct Irregular {
         std::uint32_t node;
-        std::uint32_t entries_end; ///< in `entries`; they begin where those before end
+        std::uint32_t entries_end; ///< in `entries`; they begin where those of the node before end
         std::uint32_t coarse_end;  ///< in `from_coarse`, likewise
         double diagonal;
         float inverse; ///< 1/diagonal
-        float row_sum; ///< of A: zero but beside data
+        float row_sum; ///< of A; zero except next to data
     };
     struct Range {
         std::size_t begin, end;
     };
-    /// Where the nodes of a row of the lattice begin.
+    /// The first run and the first irregular node of a row of the lattice.
     struct Row {
         std::uint32_t runs, irregular;
     };
 
-    std::uint32_t count = 0;                ///< of nodes
+    std::uint32_t count = 0;                ///< the number of nodes
     float diagonal = 1;                     ///< of the regular stencil
-    std::array<float, D + 1> by_distance{}; ///< minus its other entries, by `Places::distance`
-    std::size_t slab_rows = 1;              ///< of the nodes of one index along the last axis
-    Buffer<Row> rows;                       ///< and their end
+    std::array<float, D + 1> by_distance{}; ///< the negated other entries, by `Places::distance`
+    std::size_t slab_rows = 1;              ///< rows of a slab: the nodes with one index along the last axis
+    Buffer<Row> rows;                       ///< all rows, and one entry for their end
     Buffer<RegularRun<D>> runs;
     Buffer<Irregular> irregular;
-    Buffer<Entry> entries;     ///< minus the off-diagonal entries of A, of irregular nodes
-    Buffer<Entry> from_coarse; ///< their interpolation
+    Buffer<Entry> entries;     ///< the negated off-diagonal entries of A at irregular nodes
+    Buffer<Entry> from_coarse; ///< the interpolation of irregular nodes
 
     std::size_t slabs() const noexcept { return (rows.size() - 1) / slab_rows; }
-    /// Of some rows that follow each other.
+    /// Returns the runs of consecutive rows.
     std::span<const RegularRun<D>> runs_of(Range r) const noexcept {
         return {runs.data() + rows[r.begin].runs, runs.data() + rows[r.end].runs};
     }
@@ -89,7 +91,7 @@ struct Level {
     }
 };
 
-/// Makes a `Level` of its equations. The coarsest level has no `coarsening`.
+/// Converts equations into a `Level`. The coarsest level has no `coarsening`.
 template <std::size_t D>
 class LevelMaker {
 public:
@@ -126,7 +128,7 @@ private:
     void add_row(std::size_t row) {
         Index index = e_.nodes.row_index(row);
         for (const auto* run = e_.nodes.row_runs(row); run != e_.nodes.row_runs_end(row); ++run) {
-            bool open = false; // whether the node before was regular
+            bool open = false; // whether the last node was regular
             for (index[0] = run->begin; index[0] < run->end; ++index[0]) {
                 const std::uint32_t node = run->first + std::uint32_t(index[0] - run->begin);
                 const bool regular =
@@ -155,11 +157,12 @@ private:
         if (coarsening_ != nullptr) find_coarse_rows(index, run);
         level_.runs.push_back(run);
     }
-    /// The coarse rows on both sides of an odd index, the one at an even index.
+    /// Finds the coarse rows that the run interpolates from: two along each axis on which its index
+    /// is odd, one where it is even.
     void find_coarse_rows(Index index, RegularRun<D>& run) const {
         std::size_t odd = 0;
         for (std::size_t k = 1; k < D; ++k) odd |= std::size_t(index[k] & 1) << k;
-        ++index[0]; // rounds up: a coarse node that all of these rows have
+        ++index[0]; // rounds up, to a coarse node that all of these rows have
         for (std::size_t corner = 0; corner < power(2, D); corner += 2) {
             if ((corner & ~odd) != 0) continue;
             const Index at = coarsening_->corner_index(index, corner);
@@ -177,8 +180,8 @@ private:
                                     std::uint32_t(level_.from_coarse.size()), diagonal, float(1 / diagonal),
                                     float(row_sum)});
     }
-    /// Filled up with entries of no weight: to 2·D on the finest level, to an even number on
-    /// others.
+    /// Adds the entries of an irregular node and returns their row sum. Pads them with entries of
+    /// weight 0: to 2·D on the finest level, and to an even number on the others.
     double add_entries(const Index& index, std::uint32_t node) {
         auto& entries = level_.entries;
         const std::size_t begin = entries.size();

@@ -1,4 +1,4 @@
-// What one node holds: the values of sixteen functions, which are solved together.
+// The values at one node: sixteen functions that are solved together.
 #pragma once
 
 #include <cageform/core/detail/blocks.hpp>
@@ -10,17 +10,17 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-using NodeRow = Lanes<float>; ///< as the cycles work on them: a cache line
+using NodeRow = Lanes<float>; ///< as the cycles use them: a cache line
 inline constexpr std::size_t functions_together = lane_count<float>;
-using NodeValues = std::array<double, functions_together>; ///< as the caller gives and reads them
+using NodeValues = std::array<double, functions_together>; ///< as the caller writes and reads them
 
-/// Of one level: A u = b.
+/// The unknowns u and right-hand sides b of one level, A u = b.
 struct Fields {
     Buffer<NodeRow> u, b;
 };
 
 inline void set_zero(Buffer<NodeRow>& rows, std::size_t begin, std::size_t end) noexcept {
-    if (begin == end) return; // memset is not to be given a null pointer
+    if (begin == end) return; // memset must not receive a null pointer
     std::memset(static_cast<void*>(rows.data() + begin), 0, (end - begin) * sizeof(NodeRow));
 }
 inline void set_zero(Buffer<NodeRow>& rows) noexcept {

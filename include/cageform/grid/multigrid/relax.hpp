@@ -1,8 +1,12 @@
-// The work on some rows of a level: relaxation, and the residual restricted to the next level.
+// One pass over a level: prolongation, sweeps of relaxation, and restriction of the residual,
+// fused.
 //
-// The finest level is relaxed by Gauss–Seidel in red-black order. Its regular stencil couples a
-// node with those of the other colour only. Coarser levels have all 3^D neighbours and are relaxed
-// by Gauss–Seidel along the rows. Irregular nodes come before the regular ones of the same rows.
+// The finest level is relaxed by Gauss–Seidel in red-black order: its regular stencil couples a
+// node only with nodes of the other colour. Coarser levels have all 3^D neighbours and are relaxed
+// by Gauss–Seidel along the rows. In each row the irregular nodes come before the regular ones.
+//
+// A `Pass` names the steps. `run` at the end of this file executes them in a single walk through
+// memory: each step follows the one before it at the distance that the stencil requires.
 #pragma once
 
 #include <cageform/grid/multigrid/error_estimate.hpp>
@@ -10,7 +14,7 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The finest level. Without `HasSource`, b is zero at all regular nodes.
+/// The steps on the finest level. Without `HasSource`, b is zero at all regular nodes.
 template <std::size_t D, bool HasSource>
 struct FinestLevel {
     using Vector = Simd<float>;
@@ -27,7 +31,8 @@ struct FinestLevel {
                             [](NodeRow& u, const Vector& sum) { (sum * Vector(1 / diagonal)).store(u); });
         }
     }
-    /// Just relaxed nodes of the second colour have no residual.
+    /// Restricts the residual. Regular nodes of the second colour have none, because they have just
+    /// been relaxed.
     void restrict_residual(Rows rows, Residual& largest) const noexcept {
         for (const auto& run : fields.level.runs_of(rows)) {
             const std::uint32_t begin = run.first_of(0);
@@ -41,7 +46,7 @@ struct FinestLevel {
         }
         restrict_irregular(*this, rows, largest);
     }
-    /// Of all nodes.
+    /// Returns the largest residuals of all nodes.
     Residual residual() const noexcept {
         Residual largest;
         for (std::size_t j = 0; j < fields.level.irregular.size(); ++j)
@@ -56,7 +61,7 @@ struct FinestLevel {
         return largest;
     }
 
-    /// b minus the off-diagonal part of A u.
+    /// Returns b minus the off-diagonal part of A u.
     Vector irregular_sum(std::size_t j) const noexcept {
         const auto* const entry = fields.level.entries.data() + j * 2 * D;
         Vector sum = Vector::load(fields.irregular_b[j]);
@@ -66,7 +71,7 @@ struct FinestLevel {
     }
 
 private:
-    /// body(u, b minus the off-diagonal part of A u) for every second node of a run.
+    /// Calls body(u, b minus the off-diagonal part of A u) for every second node of a run.
     template <class Body>
     void for_each_second(const RegularRun<D>& run, std::uint32_t begin, Body body) const noexcept {
         const auto to = run.nearest();
@@ -77,7 +82,7 @@ private:
         for (NodeRow* here = first + begin; here < end; here += 2) {
             const Vector after = Vector::load(here[1]);
             Vector sum = before + after;
-            before = after; // of the other colour, which stays
+            before = after; // it has the other colour and does not change
             if constexpr (HasSource) sum = sum + Vector::load(b[here - first]);
             for (std::size_t k = 1; k < D; ++k)
                 sum = sum + (Vector::load(here[to[2 * k]]) + Vector::load(here[to[2 * k + 1]]));
@@ -86,7 +91,7 @@ private:
     }
 };
 
-/// Any other level.
+/// The steps on any coarser level.
 template <std::size_t D>
 struct CoarseLevel {
     using Vector = Simd<float>;
@@ -120,12 +125,12 @@ struct CoarseLevel {
         restrict_irregular(*this, rows, largest);
     }
 
-    /// b minus the off-diagonal part of A u.
+    /// Returns b minus the off-diagonal part of A u.
     Vector irregular_sum(std::size_t j) const noexcept {
         const NodeRow* const u = fields.u;
         const auto entries = fields.level.entries_of(j);
         Vector sum = Vector::load(fields.b[fields.level.irregular[j].node]), other(0.0f);
-        for (std::size_t n = 0; n < entries.size(); n += 2) { // two sums: see DenseSolver
+        for (std::size_t n = 0; n < entries.size(); n += 2) { // two independent sums, as in DenseSolver
             sum = sum + Vector(entries[n].weight) * Vector::load(u[entries[n].node]);
             other = other + Vector(entries[n + 1].weight) * Vector::load(u[entries[n + 1].node]);
         }
@@ -140,7 +145,7 @@ private:
         return distance;
     }();
 
-    /// Sums of u over the neighbouring rows at one x, by the distance of a row less one.
+    /// Sums of u over the neighbouring rows at one x, by the distance of a row minus one.
     using Column = std::array<Vector, D - 1>;
     static Column column(const NodeRow* at, const std::array<std::ptrdiff_t, row_count>& to) noexcept {
         Column sum;
@@ -151,8 +156,9 @@ private:
         }
         return sum;
     }
-    /// body(u, sum, before) for every node of a run. sum is factor · (b minus the off-diagonal part
-    /// of A u), before the node's value. It returns the value that the next node's sum is to take.
+    /// Calls body(u, sum, before) for every node of a run. `sum` is factor · (b minus the
+    /// off-diagonal part of A u), and `before` is the node's old value. body returns the value that
+    /// the next node's sum shall use for this node.
     template <class Body>
     void for_each_node(const RegularRun<D>& run, float factor, Body body) const noexcept {
         std::array<std::ptrdiff_t, row_count> to{};
@@ -162,7 +168,7 @@ private:
         const Vector one(factor);
         NodeRow* at = fields.u + run.first;
         const NodeRow* const b = fields.b + run.first;
-        // Columns are carried along: what is ahead now is beside the next node.
+        // Columns are reused: the column ahead of this node is the column of the next one.
         Column before = column(at - 1, to), here = column(at, to);
         Vector left = Vector::load(at[-1]), middle = Vector::load(at[0]);
         const std::uint32_t count = run.count;
@@ -172,7 +178,8 @@ private:
             Vector sum = one * Vector::load(b[n]);
             for (std::size_t d = 1; d < D; ++d)
                 sum = sum + (weight[d] * here[d - 1] + weight[d + 1] * (before[d - 1] + ahead[d - 1]));
-            sum = (sum + weight[1] * right) + weight[1] * left; // the newest value last
+            // The newest value comes last, so that the other terms need not wait for it.
+            sum = (sum + weight[1] * right) + weight[1] * left;
             left = body(*at, sum, middle);
             middle = right;
             before = here;
@@ -205,15 +212,18 @@ void restrict_irregular(const AnyLevel& level, typename AnyLevel::Rows rows, Res
     }
 }
 
-/// What one pass over a level does, in this order.
+/// The steps of one pass over a level, in this order.
 struct Pass {
     enum class Prolong : std::uint8_t { none, add, set };
-    Prolong prolong = Prolong::none; ///< the correction of the next level
-    std::size_t sweeps = 0;          ///< of relaxation
-    bool restrict_residual = false;  ///< to the next level, whose right-hand side it becomes
+    /// Whether to add the correction of the next level, or to set u to it.
+    Prolong prolong = Prolong::none;
+    std::size_t sweeps = 0; ///< sweeps of relaxation
+    /// Whether to restrict the residual to the next level, as its right-hand side.
+    bool restrict_residual = false;
 };
 
-/// How far each part of a pass has come, for the part after it.
+/// Synchronises the threads of a pass: records how far each part has come, for the part that
+/// follows it.
 class PartProgress {
 public:
     static constexpr std::size_t most_parts = 8;
@@ -226,7 +236,7 @@ public:
     }
 
 private:
-    struct alignas(64) Steps { // a cache line each
+    struct alignas(64) Steps { // a cache line each, so that threads do not share one
         std::atomic<std::size_t> done{0};
     };
     std::array<Steps, most_parts> steps_;
@@ -248,7 +258,8 @@ struct Stages {
         if (stage < relaxations) return level.relax(rows, std::uint32_t(stage % AnyLevel::colours));
         level.restrict_residual(rows, largest);
     }
-    /// The first stage of a part: a transfer takes about as long as two half sweeps.
+    /// Returns the first stage of a part. Stages are divided evenly, counting a transfer as two
+    /// half sweeps.
     std::size_t first_of(std::size_t part, std::size_t parts) const noexcept {
         if (part == 0) return 0;
         if (part == parts) return count;
@@ -257,9 +268,9 @@ struct Stages {
     }
 };
 
-/// Every slab cut into tiles, so that what a pass has in flight, a slab's tile for each stage, stays in the cache.
-/// The tiles of each stage lie a row below those of the stage before: that is as far as stencils reach
-/// (time skewing: Wonnacott, Int. J. Parallel Program. 30 (2002)).
+/// Cuts every slab into tiles. The working set of a pass, one tile for each stage, then stays in
+/// the cache. The tiles of each stage lie one row below those of the stage before, because stencils
+/// reach one row (time skewing: Wonnacott, Int. J. Parallel Program. 30 (2002)).
 template <std::size_t D>
 struct Tiles {
     using Rows = typename Level<D>::Range;
@@ -283,13 +294,13 @@ struct Tiles {
     std::size_t slab_rows, height = 1, count = 1;
 };
 
-/// All stages in a single pass over memory: each works on the slab that the one before has just
-/// left, tile by tile. Shared out, each thread does some of the stages and follows the one before
-/// through the slabs; the order of all that depends on each other stays, and with it every bit.
-/// Returns the residual where it is restricted.
+/// Runs all stages in a single pass over memory: each works on the slab that the stage before has
+/// just left, tile by tile. With several threads, each does some of the stages and follows the
+/// thread before it through the slabs. Dependent work keeps its order, so the result is the same to
+/// the last bit. Returns the residual if it is restricted.
 template <class AnyLevel>
 Residual run(const AnyLevel& level, const Pass& pass, const WorkShare& share) noexcept {
-    constexpr std::size_t worth_sharing = 4096; // nodes: tens of microseconds
+    constexpr std::size_t worth_sharing = 4096; // nodes, which take tens of microseconds
     const std::size_t slabs = level.fields.level.slabs();
     const Stages<AnyLevel> stages{level, pass};
     const Tiles tiles(level.fields.level, stages.count);
@@ -301,11 +312,11 @@ Residual run(const AnyLevel& level, const Pass& pass, const WorkShare& share) no
     share.split(most, [&](std::size_t part, std::size_t parts) {
         const std::size_t first = stages.first_of(part, parts), end = stages.first_of(part + 1, parts);
         for (std::size_t tile = 0; tile < tiles.count; ++tile) {
-            const std::size_t done = tile * (slabs + stages.count); // steps of the tiles before
+            const std::size_t done = tile * (slabs + stages.count); // steps of earlier tiles
             for (std::size_t step = first; step + 1 < slabs + end; ++step) {
                 if (part > 0) progress.wait_for(part - 1, done + (std::min)(step + 1, slabs + first - 1));
                 for (std::size_t stage = first; stage < end; ++stage) {
-                    const std::size_t slab = step - stage; // wraps round before the first slab
+                    const std::size_t slab = step - stage; // wraps around before the first slab
                     if (slab < slabs) stages.work(stage, tiles.rows(tile, stage, slab), largest);
                 }
                 progress.tell(part, done + step + 1);

@@ -1,4 +1,4 @@
-// The 3^D places of a stencil, and the nodes that stand there.
+// The 3^D positions of a stencil, and fast access to the nodes at them.
 #pragma once
 
 #include <cageform/grid/lattice/node_runs.hpp>
@@ -11,7 +11,7 @@ constexpr std::size_t power(std::size_t base, std::size_t exponent) noexcept {
     return p;
 }
 
-/// The 3^D places of a stencil, axis 0 fastest.
+/// The 3^D positions of a stencil, numbered with axis 0 fastest.
 template <std::size_t D>
 struct Places {
     static constexpr std::size_t count = power(3, D);
@@ -24,10 +24,10 @@ struct Places {
         for (std::size_t k = D; k-- > 0;) n = 3 * n + std::size_t(o[k] + 1);
         return n;
     }
-    /// From a place to the one that lies beside it as a cell's corner beside its lowest one (see
-    /// `corner_offset`).
+    /// Returns the step from a position to another: the one that relates to it as a corner of a
+    /// cell relates to the cell's lowest corner (see `corner_offset`).
     static constexpr std::size_t corner_step(std::size_t corner) noexcept { return steps[corner]; }
-    /// Number of axes along which a place is off centre.
+    /// Returns the number of axes along which a position is off centre.
     static constexpr std::size_t distance(std::size_t place) noexcept {
         std::size_t n = 0;
         for (const auto o : offset(place)) n += o != 0 ? 1 : 0;
@@ -52,8 +52,8 @@ private:
     }();
 };
 
-/// A corner of the cell above a node, as an offset; bit k of its number: the upper end along axis
-/// k.
+/// Returns a corner of the cell above a node as an offset. Bit k of its number is set at the upper
+/// end along axis k.
 template <std::size_t D>
 constexpr std::array<std::int32_t, D> corner_offset(std::size_t corner) noexcept {
     std::array<std::int32_t, D> o{};
@@ -61,7 +61,7 @@ constexpr std::array<std::int32_t, D> corner_offset(std::size_t corner) noexcept
     return o;
 }
 
-/// index + factor · by.
+/// Returns index + factor · by.
 template <std::size_t D>
 constexpr std::array<std::int32_t, D> shifted(std::array<std::int32_t, D> index,
                                               const std::array<std::int32_t, D>& by,
@@ -71,7 +71,7 @@ constexpr std::array<std::int32_t, D> shifted(std::array<std::int32_t, D> index,
 }
 
 /// The numbers of the nodes around an index that moves along the rows in order, as in
-/// `NodeRuns::for_each`. Each takes constant time, where `NodeRuns::find` has to search.
+/// `NodeRuns::for_each`. Each look-up takes constant time, while `NodeRuns::find` has to search.
 template <std::size_t D>
 class Neighbours {
 public:
@@ -95,7 +95,7 @@ public:
             end_[r] = inside ? nodes_.row_runs_end(nodes_.row(there)) : nullptr;
         }
     }
-    /// `NodeRuns::none` where there is no node.
+    /// Returns the node at a position of the stencil, or `NodeRuns::none`.
     std::uint32_t at(std::size_t place) noexcept {
         const std::size_t r = place / 3;
         const std::int32_t x = x_ + std::int32_t(place % 3) - 1;

@@ -1,5 +1,5 @@
-// Between a level and the next coarser one: restriction of the residual and prolongation of the
-// correction. Restriction is Pᵀ, prolongation P (coarsen.hpp).
+// Restriction of the residual to the next coarser level, and prolongation of the correction back.
+// Restriction is Pᵀ and prolongation is P (coarsen.hpp).
 #pragma once
 
 #include <cageform/core/detail/simd.hpp>
@@ -8,15 +8,16 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// A level, and what a pass over it reads and writes.
+/// A level, and the arrays that a pass over it reads and writes.
 template <std::size_t D>
 struct LevelFields {
     const Level<D>& level;
-    NodeRow *u, *b;             ///< A u = b; b is not read at irregular nodes of the finest level,
-    const NodeRow* irregular_b; ///< but this, parallel to `level.irregular`
+    /// A u = b. At irregular nodes of the finest level `irregular_b` is read instead of b.
+    NodeRow *u, *b;
+    const NodeRow* irregular_b; ///< parallel to `level.irregular`
     Fields* coarser;            ///< the next level's correction u and restricted residual b
 
-    /// b of the next level += Pᵀ of irregular node j.
+    /// Adds Pᵀ r to b of the next level, for the residual r of irregular node j.
     void restrict_irregular(std::size_t j, const Simd<float>& r) const noexcept {
         NodeRow* const coarse = coarser->b.data();
         for (const auto& entry : level.interpolation_of(j)) {
@@ -26,14 +27,14 @@ struct LevelFields {
     }
 };
 
-/// Pᵀ along a run, whose residuals come in order. Those that belong to one coarse node are gathered
-/// before they are added to it.
+/// Applies Pᵀ along a run, whose residuals arrive in order. Contributions to one coarse node are
+/// summed before they are written.
 template <std::size_t D>
 class RunRestriction {
     using Vector = Simd<float>;
 
 public:
-    /// x   index along axis 0 of the first node with a residual
+    ///   x  index along axis 0 of the first node with a residual
     RunRestriction(const RegularRun<D>& run, std::int32_t x, NodeRow* coarse) noexcept
         : run_(run)
         , coarse_(coarse)
@@ -41,7 +42,7 @@ public:
         , between_((x & 1) != 0)
         , share_(1.0f / float(run.coarse_rows)) {}
 
-    /// The residual of the next node.
+    /// Adds the residual of the next node.
     CAGEFORM_DETAIL_INLINE void add(const Vector& residual) noexcept {
         const Vector r = share_ * residual;
         if (between_) {
@@ -51,7 +52,7 @@ public:
         }
         between_ = !between_;
     }
-    /// The residual of the next node but one.
+    /// Adds the residual of the node after the next; that of the node between is zero.
     CAGEFORM_DETAIL_INLINE void add_second(const Vector& residual) noexcept {
         const Vector r = share_ * residual;
         if (between_) {
@@ -61,7 +62,7 @@ public:
             ++x_;
         }
     }
-    /// What is left for the last coarse node; where a run ends before it, nothing is.
+    /// Writes the remaining sum to the last coarse node. Nothing remains if the run ends before it.
     void finish() const noexcept {
         if (2 * x_ <= run_.x + std::int32_t(run_.count)) give(gathered_);
     }
@@ -82,13 +83,13 @@ private:
 
     const RegularRun<D>& run_;
     NodeRow* coarse_;
-    std::int32_t x_; ///< coarse node that the next residual goes to, or the lower one of two
-    bool between_;   ///< whether it goes to two
-    Vector share_;   ///< every coarse row takes as much
+    std::int32_t x_; ///< the coarse node that receives the next residual, or the lower one of two
+    bool between_;   ///< whether two coarse nodes receive it
+    Vector share_;   ///< the equal share of each coarse row
     Vector gathered_{0.0f};
 };
 
-/// u += P · the correction at the nodes of some rows; u = P · the correction when `Set`.
+/// Adds P · correction to u at the nodes of some rows. With `Set` it sets u to it.
 template <bool Set, std::size_t D>
 void prolong(const LevelFields<D>& fields, typename Level<D>::Range rows) noexcept {
     using Vector = Simd<float>;
@@ -105,7 +106,7 @@ void prolong(const LevelFields<D>& fields, typename Level<D>::Range rows) noexce
         const std::uint32_t coarse_rows = run.coarse_rows;
         const auto from = run.coarse;
         const Vector share(1.0f / float(coarse_rows)), half(0.5f);
-        const auto mean = [=](std::int32_t x) { // of the coarse rows
+        const auto mean = [=](std::int32_t x) { // the mean of the coarse rows
             Vector sum = Vector::load(coarse[from[0] + std::uint32_t(x)]);
             for (std::uint32_t c = 1; c < coarse_rows; ++c)
                 sum = sum + Vector::load(coarse[from[c] + std::uint32_t(x)]);

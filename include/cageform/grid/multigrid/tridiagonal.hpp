@@ -1,4 +1,5 @@
-// The equations of one dimension: tridiagonal, and solved by elimination (the Thomas algorithm).
+// Solves the equations in one dimension, which are tridiagonal, by elimination (the Thomas
+// algorithm).
 #pragma once
 
 #include <cageform/core/detail/buffer.hpp>
@@ -7,6 +8,7 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
+/// The eliminated equations.
 class TridiagonalSolver {
 public:
     TridiagonalSolver() = default;
@@ -22,7 +24,7 @@ public:
         }
     }
 
-    /// x: the right-hand side, then the solution, right up to rounding.
+    /// Replaces the right-hand side x by the solution, exact up to rounding.
     void solve(Buffer<NodeValues>& x) const noexcept {
         for (std::size_t n = 0; n < x.size(); ++n) {
             for (std::size_t k = 0; k < functions_together; ++k)
@@ -38,8 +40,8 @@ public:
 private:
     struct Pivot {
         double inverse;
-        double to_next; ///< minus the entry to the right, over the pivot
-        bool linked;    ///< to the node before, with the entry −1
+        double to_next; ///< the negated entry to the right, divided by the pivot
+        bool linked;    ///< whether the node before is a neighbour, with the entry −1
     };
     Buffer<Pivot> pivots_;
 };

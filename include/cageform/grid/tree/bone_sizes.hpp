@@ -1,13 +1,14 @@
-// How fine a tree of cells has to be about bones.
+// Chooses the largest allowed cell size about bones.
 #pragma once
 
 #include <cageform/grid/tree/cut_tree.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::grid {
 
-/// The sizes of cells about the bones of a boundary: as many along a bone's radius as told, so many too
-/// where other parts are nearer to it than that, up to four times as many along the radius. Farther off
-/// they grow with the distance from its axis, as functions fall with it.
+/// The allowed cell size about bones. At the surface of a bone `per_radius` cells fit along its
+/// radius. If a facet is nearer than the radius, as many cells fit along that distance, but at most
+/// four times as many along the radius. Farther away the size grows with the distance from the
+/// bone's axis, because functions vary less there.
 template <std::size_t D>
 class BoneSizes {
 public:
@@ -28,7 +29,8 @@ public:
         }
     }
 
-    /// The largest that a cell may be, in units; infinite where no bone asks. O(bones).
+    /// Returns the largest size that bones allow for a cell, in units. Infinity if there are no
+    /// bones. O(bones).
     double size_of(const typename CellTree<D>::Cell& cell) const noexcept {
         const double half = 0.5 * cell.size;
         auto middle = node_position<D>(cell.low);
@@ -43,7 +45,8 @@ public:
     }
 
 private:
-    static constexpr int places = 8; ///< along a bone, where the distance to other parts is measured
+    /// Points along a bone at which the distance to facets is measured.
+    static constexpr int places = 8;
 
     const GridBones<D>& bones_;
     double per_radius_;

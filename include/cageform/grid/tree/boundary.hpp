@@ -1,5 +1,5 @@
-// The facets and bones of a cage in the units of a tree of cells: which axis lines cross them, where
-// rays meet them, which cells they pass.
+// The facets and bones of a cage in the units of a tree: which cells they pass, and where rays and
+// axis lines meet them.
 #pragma once
 
 #include <cageform/grid/lattice/bones.hpp>
@@ -9,25 +9,25 @@
 namespace cageform::inline CAGEFORM_ABI {
 namespace detail {
 
-/// Boxes about facets, halved until few are left: what a ray may meet.
+/// A bounding-box hierarchy of facets, for rays.
 template <std::size_t D>
 class FacetBoxes {
 public:
-    ///   slack  how far the facets asked for may be from these: those not rounded
+    ///   slack  how far the exact facets may be from the rounded ones given here
     FacetBoxes(const Buffer<PlacedFacet<D>>& facets, double slack)
         : slack_(slack) {
         for (std::uint32_t n = 0; n < facets.size(); ++n) order_.push_back(n);
         if (!order_.empty()) divide(facets, 0, std::uint32_t(order_.size()));
     }
 
-    /// visit(facet) for all whose boxes the segment from `from` to from + length · direction meets;
-    /// visit returns the length to go on with.
+    /// Calls visit(facet) for all facets whose boxes the segment from `from` to from + length ·
+    /// direction meets. visit returns the length to continue with.
     template <class Visit>
     void for_each_on_ray(const Vec<double, D>& from, const Vec<double, D>& direction, double length,
                          const Visit& visit) const {
         Vec<double, D> inverse{};
         for (std::size_t k = 0; k < D; ++k) inverse[k] = direction[k] == 0 ? 0 : 1 / direction[k];
-        std::array<std::uint32_t, 64> stack; // as deep as 2^32 facets halved
+        std::array<std::uint32_t, 64> stack; // deep enough for 2^32 facets
         stack[0] = 0;
         std::size_t count = order_.empty() ? 0 : 1;
         while (count > 0) {
@@ -46,9 +46,10 @@ private:
     struct Node {
         Bounds<double, D> box;
         std::uint32_t begin, end;
-        std::uint32_t second; ///< node of the second half, the first follows; 0: not halved
+        /// The node of the second half; the first half follows this node; 0: a leaf.
+        std::uint32_t second;
     };
-    ///   inverse  1 / the direction; 0 where it is 0
+    ///   inverse  1 / direction; 0 where the direction is 0
     bool meets(const Bounds<double, D>& box, const Vec<double, D>& from, const Vec<double, D>& inverse,
                double length) const noexcept {
         double begin = 0, end = length;
@@ -100,8 +101,8 @@ private:
     Buffer<Node> nodes_;
 };
 
-/// Whether a facet passes a box or comes as near to it as `slack`: no axis parts the two (Gottschalk,
-/// Lin, Manocha 1996; of triangles Akenine-Möller 2001).
+/// Tells whether a facet meets a box with a given middle and half side: they do if no axis
+/// separates them (Gottschalk, Lin, Manocha 1996; for triangles Akenine-Möller 2001).
 inline bool passes(const PlacedFacet<2>& edge, const Vec<double, 2>& middle, double half) noexcept {
     const auto a = edge.corner[0] - middle, b = edge.corner[1] - middle, along = b - a;
     for (std::size_t k = 0; k < 2; ++k) {
@@ -120,7 +121,8 @@ inline bool passes(const PlacedFacet<3>& face, const Vec<double, 3>& middle, dou
     if (std::fabs(dot(n, c[0])) > half * (std::fabs(n[0]) + std::fabs(n[1]) + std::fabs(n[2]))) return false;
     for (std::size_t e = 0; e < 3; ++e) {
         const auto along = c[(e + 1) % 3] - c[e];
-        for (const auto& [u, v] : other_axes) { // across the edge and an axis
+        // The axis at right angles to the edge and a coordinate axis.
+        for (const auto& [u, v] : other_axes) {
             const double side = along[u] * c[e][v] - along[v] * c[e][u];
             const auto& opposite = c[(e + 2) % 3];
             const double other = along[u] * opposite[v] - along[v] * opposite[u];
@@ -131,8 +133,9 @@ inline bool passes(const PlacedFacet<3>& face, const Vec<double, 3>& middle, dou
     return true;
 }
 
-/// Where an axis line, given by its place across in parts of 2^-fraction units, crosses a facet.
-/// Decided in whole numbers: every line crosses a closed boundary an even number of times.
+/// Returns where an axis line crosses a facet, if it does. The position of the line is given in
+/// multiples of 2^-fraction units. Integer arithmetic decides the crossings, so every line crosses
+/// a closed boundary an even number of times.
 inline std::optional<double> crossing(const PlacedFacet<2>& edge, std::size_t axis,
                                       const std::array<std::int64_t, 2>& line, int fraction) noexcept {
     const std::size_t across = 1 - axis;
@@ -156,19 +159,20 @@ inline std::optional<double> crossing(const PlacedFacet<3>& face, std::size_t ax
 } // namespace detail
 namespace grid {
 
-/// The parts of a cage's boundary: its facets and those of the cells inside, their vertices rounded to
-/// 2⁻³⁰ of the cube that a tree divides, so that what is inside can be decided in whole numbers; and,
-/// numbered after the facets, its bones, whose inside is no domain. In units of the tree.
+/// The boundary of a cage, in units of the tree. It consists of parts: first the facets of the
+/// boundary and of interior cells (walls), then the bones, whose inside is not in the domain. The
+/// facets' vertices are rounded to 2⁻³⁰ of the cube that the tree divides, so that integer
+/// arithmetic can decide what is inside.
 template <std::size_t D>
 class TreeBoundary {
 public:
     using Facet = detail::PlacedFacet<D>;
     using Index = std::array<std::int32_t, D>;
 
-    /// Of a cage that `check` finds sound.
+    /// The cage must pass `check`.
     ///
-    ///   tolerance  what is as near to a cell counts as passing it; in the units of the cage
-    ///   scale      the side of the cube, of the cage's longest side; at least 1
+    ///   tolerance  a part this near to a cell counts as passing it; in the units of the cage
+    ///   scale      the side of the cube, in multiples of the cage's longest side; at least 1
     template <class Cage>
     TreeBoundary(const Cage& cage, unsigned depth, double tolerance = 0, double scale = 1)
         : depth_(depth)
@@ -207,24 +211,28 @@ public:
     }
 
     unsigned depth() const noexcept { return depth_; }
-    double unit() const noexcept { return unit_; }   ///< in the units of the cage
-    double scale() const noexcept { return scale_; } ///< the side of the cube, of the cage's longest side
+    double unit() const noexcept { return unit_; } ///< the side of a unit, in the units of the cage
+    /// The side of the cube, in multiples of the cage's longest side.
+    double scale() const noexcept { return scale_; }
     int fraction() const noexcept { return fraction_; }
     Vec<double, D> in_units(const Vec<double, D>& p) const noexcept { return (1 / unit_) * (p - origin_); }
     Vec<double, D> in_cage(const Vec<double, D>& p) const noexcept { return origin_ + unit_ * p; }
 
     std::size_t parts() const noexcept { return facets_.size() + bones_.size(); }
+    /// Tells whether a part is a facet that separates inside from outside, and not a wall.
     bool turns(std::size_t part) const noexcept { return part < size() && facets_[part].turns; }
     const GridBones<D>& bones() const noexcept { return bones_; }
-    std::size_t size() const noexcept { return facets_.size(); } ///< facets
+    std::size_t size() const noexcept { return facets_.size(); } ///< the number of facets
     const Facet& operator[](std::size_t facet) const noexcept { return facets_[facet]; }
-    const Facet& exact(std::size_t facet) const noexcept { return exact_[facet]; } ///< not rounded
-    /// Of length 1, away from the inside; of a wall either. Zero where the facet has no area.
+    /// With its vertices not rounded.
+    const Facet& exact(std::size_t facet) const noexcept { return exact_[facet]; }
+    /// Returns the unit normal. It points outward; for a wall either way. It is zero if the facet
+    /// has no area.
     const Vec<double, D>& normal(std::size_t facet) const noexcept { return normals_[facet]; }
     const detail::FacetBoxes<D>& boxes() const noexcept { return *boxes_; } // NOLINT: always made
 
-    /// Whether a part passes a cell or comes as near to it as the tolerance; a bone also where it only
-    /// may.
+    /// Tells whether a part passes a cell or comes as near to it as the tolerance. For a bone the
+    /// test is conservative.
     bool passes(std::size_t part, const typename CellTree<D>::Cell& cell) const noexcept {
         const double half = 0.5 * cell.size;
         auto middle = node_position<D>(cell.low);
@@ -232,9 +240,10 @@ public:
         if (part < size()) return detail::passes(facets_[part], middle, half + slack_);
         return bones_[part - size()].distance(middle) <= half * std::sqrt(double(D)) + slack_;
     }
-    /// Where a ray from inside meets a part; a facet: one that it would leave the inside by, or a wall.
+    /// Returns where a ray from inside meets a part: a wall, a bone, or a facet by which it would
+    /// leave the domain.
     ///
-    ///   rounded  of the facets rounded, or as they are
+    ///   rounded  whether facets are rounded or exact
     std::optional<Hit<D>> hit(std::size_t part, const AxisRay<D>& ray, bool rounded = true) const noexcept {
         if (part >= size()) return bones_.hit(part - size(), ray);
         const auto& facet = rounded ? facets_[part] : exact_[part];
@@ -242,7 +251,7 @@ public:
         if (facet.turns && !(along > 0)) return std::nullopt;
         return detail::hit(facet, ray);
     }
-    /// The same of any of some parts: the nearest.
+    /// Returns the nearest hit of a ray among some parts.
     std::optional<Hit<D>> first_hit(std::span<const std::uint32_t> parts, AxisRay<D> ray) const noexcept {
         std::optional<Hit<D>> first;
         for (const std::uint32_t part : parts) {
@@ -254,7 +263,8 @@ public:
         return first;
     }
 
-    /// From inside along a ray to the boundary as it is, at most the ray's length.
+    /// Returns the distance along a ray from inside to the exact boundary, at most the ray's
+    /// length.
     double free_distance(AxisRay<D> ray) const noexcept {
         Vec<double, D> direction{};
         direction[ray.axis] = ray.up ? 1 : -1;
@@ -271,18 +281,18 @@ public:
     }
 
     struct Meeting {
-        double part; ///< of the segment before it, in [0, 1]
+        double part; ///< the fraction of the segment before it, in [0, 1]
         BoundaryValue<D> value;
     };
-    /// Where the segment from a place inside to `from + along` first leaves the inside, or meets a wall, among
-    /// some facets as they are rounded.
+    /// Returns where the segment from `from`, which is inside, to `from + along` first leaves the
+    /// domain or meets a wall, among some rounded facets.
     std::optional<Meeting> first_met(const Vec<double, D>& from, const Vec<double, D>& along,
                                      std::span<const std::uint32_t> facets) const noexcept {
         Met met;
         for (const std::uint32_t n : facets) meet(facets_[n], normals_[n], from, along, met);
         return meeting_of(met, from, along);
     }
-    /// Finds the first among all facets, not rounded.
+    /// Returns the same among all facets, not rounded.
     std::optional<Meeting> first_met(const Vec<double, D>& from, const Vec<double, D>& along) const noexcept {
         Met met;
         boxes().for_each_on_ray(from, along, 1, [&](std::uint32_t n) {
@@ -296,15 +306,16 @@ public:
     struct Nearest {
         double distance; ///< negative within a bone
         BoundaryValue<D> value;
-        Vec<double, D> place; ///< of a facet
+        Vec<double, D> place; ///< only for a facet
     };
-    /// The nearest place of some parts, of facets as they are or rounded.
+    /// Returns the nearest point of some parts, with facets rounded or exact.
     Nearest nearest(std::span<const std::uint32_t> parts, const Vec<double, D>& p,
                     bool rounded = true) const noexcept {
         Nearest best{std::numeric_limits<double>::infinity(), {}, {}};
         for (const std::uint32_t n : parts) {
             if (n >= size()) {
-                const auto bone = bones_.nearest(p, best.distance); // of all: at joints they overlap
+                // At joints bones overlap, so the search covers all bones.
+                const auto bone = bones_.nearest(p, best.distance);
                 if (bone) best = {bone->distance, bone->value, {}};
                 continue;
             }
@@ -320,12 +331,12 @@ public:
 private:
     struct Met {
         double part = 1;
-        const Facet* facet = nullptr; ///< none yet
+        const Facet* facet = nullptr; ///< null: none yet
     };
-    /// Replaces what has been met by a facet that is met before it.
+    /// Replaces the facet met so far if this one is met earlier.
     static void meet(const Facet& facet, const Vec<double, D>& outward, const Vec<double, D>& from,
                      const Vec<double, D>& along, Met& met) noexcept {
-        constexpr double rim = 1e-9; // of rounding, in weights of the corners
+        constexpr double rim = 1e-9; // a margin for rounding, in barycentric coordinates
         const double leaves = dot(along, outward);
         if (facet.turns ? !(leaves > 0) : leaves == 0) return;
         const double part = dot(facet.corner[0] - from, outward) / leaves;
@@ -341,9 +352,11 @@ private:
         return Meeting{met.part, value_on_facet(met.facet->vertex, detail::onto_facet(w))};
     }
 
-    /// Facets of a shell turn the same way: all of them tell which, by their area.
+    /// Makes the normals of each shell point outward. The facets of a shell are oriented alike, so
+    /// they vote, weighted by area.
     void turn_normals_outward() {
-        std::vector<std::uint32_t> shell; // of a vertex: another of it, down to the first
+        // By vertex: a union-find forest whose roots are the shells' first vertices.
+        std::vector<std::uint32_t> shell;
         const auto find = [&](std::uint32_t v) {
             while (shell[v] != v) v = shell[v] = shell[shell[v]];
             return v;
@@ -365,9 +378,9 @@ private:
             if (facets_[n].turns && votes[find(facets_[n].vertex[0])] < 0) normals_[n] = -1.0 * normals_[n];
         }
     }
-    /// The area of a facet; negative where its normal points inside. By the axis line through its
-    /// middle that sees most of it: after an even number of crossings farther up the upper side is
-    /// outside. 0 where other facets lie at the same place.
+    /// Returns the area of a facet, negated if its normal points inside. Counts the crossings above
+    /// the facet's middle, along the axis that sees most of the facet: after an even number of
+    /// crossings the upper side is outside. Returns 0 if other facets lie at the same position.
     double vote(const Facet& facet, const Vec<double, D>& normal) const {
         std::size_t axis = 0;
         for (std::size_t k = 1; k < D; ++k) {
@@ -379,7 +392,7 @@ private:
         std::array<std::int64_t, D> line{};
         for (std::size_t k = 0; k < D; ++k) line[k] = std::llround(std::ldexp(middle[k], fraction_));
         const auto from = detail::crossing(facet, axis, line, fraction_);
-        if (!from) return 0; // a sliver between the lines
+        if (!from) return 0; // a sliver between the lines that integers can tell apart
         middle[axis] = *from;
         up[axis] = 1;
         bool inside_above = false, apart = true;
@@ -395,10 +408,10 @@ private:
         return detail::length(normal_of(facet)) * (inside_above == (normal[axis] > 0) ? -1.0 : 1.0);
     }
 
-    static constexpr double rounding = 1e-6; ///< of places, and more
+    static constexpr double rounding = 1e-6; ///< above the rounding of positions
 
     unsigned depth_;
-    int fraction_; ///< bits of a coordinate behind the point
+    int fraction_; ///< fractional bits of a coordinate
     double scale_;
     double unit_ = 1, slack_ = rounding;
     Vec<double, D> origin_{};

@@ -1,5 +1,7 @@
-// How large the cells of a tree may be where, in space: by the thickness of the domain, by its facets, and
-// about edges and vertices where functions are singular.
+// Chooses the largest allowed cell size at each point, in space.
+//
+// The size depends on the thickness of the domain, on the altitudes of its facets, and on the edges
+// and vertices where functions are singular. grid/tree/refinement.hpp splits cells accordingly.
 #pragma once
 
 #include <cageform/core/solver_report.hpp>
@@ -9,37 +11,40 @@ namespace cageform::inline CAGEFORM_ABI {
 namespace grid {
 
 struct RefinementOptions {
-    double across = 6;           ///< cells across the thickness of the domain
-    double per_facet = 1;        ///< cells along the least altitude of a facet
-    double edge_levels = 1;      ///< halvings more at reflex edges and rims of walls
-    double reflex_levels = 1;    ///< halvings more at the ends of such edges
-    double at_vertex = 1.0 / 16; ///< largest cell at a vertex of more than three facets, of the cage
-    double per_radius = 12;      ///< see BoneSizes
-    double largest = 1.0 / 16;   ///< largest cell of all, of the same: the distance between two vertices
+    double across = 6;        ///< cells across the thickness of the domain
+    double per_facet = 1;     ///< cells along the least altitude of a facet
+    double edge_levels = 1;   ///< extra halvings at reflex edges and rims of walls
+    double reflex_levels = 1; ///< extra halvings at the ends of such edges
+    /// Largest cell at a vertex of more than three facets, as a fraction of the cage's size.
+    double at_vertex = 1.0 / 16;
+    double per_radius = 12; ///< see BoneSizes
+    /// Largest cell anywhere, as a fraction of the same: the distance between two far vertices.
+    double largest = 1.0 / 16;
 };
 
 } // namespace grid
 
 namespace detail {
 
-/// Tells how large cells may be, in units.
+/// Computes the allowed cell sizes, in units.
 class CellSizes {
 public:
     using Boundary = grid::TreeBoundary<3>;
     using Cell = grid::CellTree<3>::Cell;
     using Place = Vec<double, 3>;
 
+    /// An upper limit of a cell's size, and its reason.
     struct Demand {
         double size;
         SizeReason reason;
     };
-    /// A segment or a place about which cells are small.
+    /// A singular segment or point, about which cells are small.
     struct Feature {
         Place begin, end;
         double size;
         SizeReason reason;
     };
-    /// A place of a facet across which the domain is thin.
+    /// A point on a facet where the domain is thin.
     struct ThinPlace {
         Place place, inwards;
         double size, thickness;
@@ -58,8 +63,8 @@ public:
     }
     double largest() const noexcept { return largest_; }
 
-    /// The distance between two vertices far from each other: nearly the largest, however the cage is
-    /// turned.
+    /// Returns the distance between two vertices far from each other. It is nearly the largest, and
+    /// independent of how the cage is rotated.
     static double size_of_cage(const Boundary& boundary) noexcept {
         auto from = boundary[0].corner[0], to = from;
         for (int step = 0; step < 3; ++step) {
@@ -75,10 +80,10 @@ public:
 
     // ---- facets -----------------------------------------------------------------------------------
 
-    /// What facets ask of a cell that they pass. Looks as far across the domain as matters to cells of
-    /// that size.
+    /// Returns the size that facets allow for a cell that they pass. Rays across the domain are
+    /// only as long as matters to cells of that size.
     ///
-    ///   thin  out: added, places where the domain is as thin as asks for such cells
+    ///   thin  out: points are added where the domain is thin enough to require cells of this size
     Demand of_facets(std::span<const std::uint32_t> facets, const Cell& cell, const Place& middle,
                      std::vector<ThinPlace>& thin) {
         const double most = options_.across * (std::min)(2.0 * cell.size, largest_);
@@ -100,13 +105,13 @@ public:
         return least;
     }
 
-    /// A part of the boundary.
+    /// A piece of the boundary, for RefinementPlanner.
     struct Patch {
         double area, altitude, thickness;
     };
-    /// Of all facets and their sides. Cost: a ray for each.
+    /// Divides the facets, and both sides of walls, into patches. Cost: a ray for each patch.
     std::vector<Patch> patches() {
-        constexpr double most = 2000; // more than facets
+        constexpr double most = 2000; // patches beyond one for each facet
         double area = 0;
         for (std::uint32_t n = 0; n < boundary_.size(); ++n) area += 0.5 * length(normal_of(boundary_[n]));
         std::vector<Patch> patches;
@@ -121,7 +126,8 @@ public:
 
     // ---- what is singular ---------------------------------------------------------------------------
 
-    /// Reflex edges in pieces, their ends and other vertices.
+    /// Returns the features: reflex edges, cut in pieces, their ends, and other vertices of more
+    /// than three facets.
     std::vector<Feature> features() {
         std::vector<Feature> features;
         const auto reflex = reflex_edges();
@@ -129,7 +135,8 @@ public:
         add_vertices(reflex, features);
         return features;
     }
-    /// What a feature asks of a cell.
+    /// Returns the size that a feature allows for a cell with a given middle. It grows with the
+    /// distance from the feature.
     static double size_at(const Feature& feature, const Place& middle) noexcept {
         const auto along = feature.end - feature.begin;
         const double all = dot(along, along);
@@ -139,17 +146,19 @@ public:
     }
 
 private:
-    static constexpr double touching = 0.01; ///< of units: so near are bodies with a common plane
-    static constexpr double facing = 0.7;    ///< cosine between a facet and one it is measured across
-    static constexpr std::size_t pieces = 8; ///< of a singular edge, each sized by itself
-    /// Cells about what is singular are no larger than their distance divided by that.
+    /// In units; bodies nearer than this are taken as sharing a plane.
+    static constexpr double touching = 0.01;
+    /// Least cosine between two facets' normals for a thickness to be measured between them.
+    static constexpr double facing = 0.7;
+    static constexpr std::size_t pieces = 8; ///< pieces of a singular edge, each with its own size
+    /// A cell near a feature is no larger than its distance from the feature divided by this.
     static constexpr double edge_gradation = 1.5, vertex_gradation = 2;
 
     static double altitude(const PlacedFacet<3>& facet) noexcept {
         const double longest = longest_edge(facet.corner).second;
         return longest > 0 ? length(normal_of(facet)) / longest : 0;
     }
-    /// The corner where it begins, and its length.
+    /// Returns the corner where the longest edge begins, and its length.
     static std::pair<std::size_t, double> longest_edge(const Corners<3>& corner) noexcept {
         std::pair<std::size_t, double> longest{0, 0};
         for (std::size_t k = 0; k < 3; ++k) {
@@ -161,9 +170,10 @@ private:
     Place inwards(std::uint32_t n, bool front) const noexcept {
         return (front ? -1.0 : 1.0) * boundary_.normal(n);
     }
-    /// The distance across the domain from a place of a facet to one that faces it (Shapira, Shamir,
-    /// Cohen-Or, Visual Computer 24 (2008)); infinite where what comes first does not, or has a vertex
-    /// with it in common: wedges have no thickness. Infinite too if it is `most` or more.
+    /// Returns the distance across the domain from a point on a facet to the facet that faces it
+    /// (Shapira, Shamir, Cohen-Or, Visual Computer 24 (2008)). Returns infinity if the first facet
+    /// met does not face it, shares a vertex with it (a wedge has no thickness), or is `most` or
+    /// farther away.
     double thickness(std::uint32_t from_facet, bool front, const Place& from,
                      double most = std::numeric_limits<double>::infinity()) {
         constexpr double none = std::numeric_limits<double>::infinity();
@@ -185,7 +195,7 @@ private:
             return nearest;
         };
         std::uint32_t& faced = faced_[std::size_t{2} * from_facet + (front ? 0 : 1)];
-        (void)meet(faced); // most likely that again, and nothing beyond it is looked at
+        (void)meet(faced); // it is likely met again, and then limits the search
         boundary_.boxes().for_each_on_ray(from, direction, nearest, meet);
         if (met == from_facet) return none;
         faced = met;
@@ -219,7 +229,7 @@ private:
         return (std::max)(1.0, (std::min)({largest_, altitudes_[n] / options_.per_facet,
                                            thickness(n, front, place) / options_.across}));
     }
-    /// What a facet asks for near a place of its rim.
+    /// Returns the size that a facet allows near a point on its rim.
     double size_near(std::uint32_t n, const Place& place) {
         const auto& c = boundary_[n].corner;
         const auto within = 0.95 * place + (0.05 / 3) * (c[0] + c[1] + c[2]);
@@ -227,12 +237,12 @@ private:
         return boundary_[n].turns ? size : (std::min)(size, size_of(n, false, within));
     }
 
-    struct Ridge { ///< of a facet: what is left of it without one corner
+    struct Ridge { ///< an edge of a facet
         std::array<std::uint32_t, 2> vertex;
         std::uint32_t facet;
-        std::uint32_t apex; ///< the corner left out
+        std::uint32_t apex; ///< the facet's corner opposite the edge
     };
-    /// The facets at each.
+    /// Returns, for each reflex edge or rim of a wall, the facets that meet there.
     std::vector<std::vector<Ridge>> reflex_edges() const {
         std::vector<Ridge> ridges;
         for (std::uint32_t n = 0; n < boundary_.size(); ++n) {
@@ -252,6 +262,8 @@ private:
         }
         return reflex;
     }
+    /// Tells whether functions are singular at an edge: the domain has an angle of more than 180
+    /// degrees there, or a wall ends or bends there.
     bool is_reflex(std::span<const Ridge> about) const noexcept {
         constexpr double flat = -0.988; // the cosine of 171 degrees
         if (about.size() != 2) return about.size() == 1;
@@ -261,7 +273,7 @@ private:
         if (!(size > 0) || turns != boundary_[about[1].facet].turns || dot(u, v) < flat * size) return false;
         return !turns || dot(boundary_.normal(about[0].facet), v) > 0;
     }
-    /// From a ridge to the rest of its facet, at a right angle.
+    /// Returns the vector from an edge to the opposite corner, at a right angle to the edge.
     Place across(const Ridge& ridge) const noexcept {
         const auto& corner = boundary_[ridge.facet].corner;
         const auto& a = corner[(ridge.apex + 1) % 3];
@@ -280,6 +292,8 @@ private:
             features.push_back({at(0), at(1), size, SizeReason::singular_edge});
         }
     }
+    /// Adds the vertices that need smaller cells than their facets do: the ends of reflex edges,
+    /// vertices of more than three facets, and vertices of walls.
     void add_vertices(std::span<const std::vector<Ridge>> reflex, std::vector<Feature>& features) {
         std::vector<std::uint32_t> ends;
         for (const auto& about : reflex)
@@ -293,7 +307,8 @@ private:
         for (auto begin = corners.begin(), end = begin; begin != corners.end(); begin = end) {
             while (end != corners.end() && end->first == begin->first) ++end;
             const std::uint32_t facet = begin->second / 3;
-            if (end - begin <= 3 && boundary_[facet].turns) continue; // functions are linear there
+            // Functions are nearly linear at such a vertex.
+            if (end - begin <= 3 && boundary_[facet].turns) continue;
             const auto place = boundary_[facet].corner[begin->second % 3];
             double size = largest_;
             for (auto at = begin; at != end; ++at) size = (std::min)(size, size_near(at->second / 3, place));
@@ -308,7 +323,7 @@ private:
     const Boundary& boundary_;
     grid::RefinementOptions options_;
     double cage_size_, largest_;
-    std::vector<std::uint32_t> faced_; ///< by facet and side: the facet there, where a ray was sent last
+    std::vector<std::uint32_t> faced_; ///< by facet and side: the facet that the last ray from it met
     std::vector<double> altitudes_;    ///< by facet
 };
 

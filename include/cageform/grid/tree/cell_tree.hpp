@@ -1,11 +1,28 @@
-// A tree of cells: a cube that is halved along all axes where it has to be finer.
+// A binary tree, quadtree or octree: a cube that is halved along all axes where cells must be
+// finer.
 //
-// The headers of this folder in the order of the work: cell_tree (cells, their balance), tree_boundary
-// (a cage's facets in units of the tree), cut_tree (which facets pass which cells, what is inside),
-// sizing, cell_sizes with refinement, and bone_sizes (how fine a cage asks it to be: in the plane, in
-// space, about bones), tree_nodes (the unknowns), leaf_gather (values within a leaf), leaves_about, harmonic_mean and
-// star (values in the plane by what is seen about a place), tree_links (the equations) in level_rows
-// (sparse matrices), tree_hierarchy (the coarser levels), tree_multigrid (the cycles).
+// This folder solves the Laplace equation on such a tree. To learn the idea, read four headers:
+// this one; links.hpp (how the equation of a node is made, in the plane and in space); star.hpp
+// (the plane) or leaf_gather.hpp (space and interpolation); hierarchy.hpp (the levels of
+// multigrid). Then grid/tree_multigrid.hpp runs the cycles.
+//
+// All headers, in the order of the work:
+//
+//   cell_tree        the cells, and keeping neighbours within a factor of two in size
+//   boundary         the facets and bones of a cage in units of the tree
+//   cut_tree         which facets pass which cells, and which cells are inside
+//   sizing           how small cells must be, in the plane
+//   cell_sizes       how small cells must be, in space, with refinement
+//   bone_sizes       how small cells must be about bones
+//   nodes            the unknowns: corners of leaves
+//   leaf_gather      interpolation inside a leaf
+//   leaves_about     the leaves that touch a node
+//   harmonic_mean    weights exact for harmonic polynomials, in the plane
+//   star             the neighbours of a point, in the plane
+//   links            the equations of the nodes
+//   level_rows       sparse matrices
+//   hierarchy        the coarser levels
+//
 // coordinates/harmonic/tree_solver.hpp puts them together.
 #pragma once
 
@@ -19,8 +36,9 @@
 namespace cageform::inline CAGEFORM_ABI {
 namespace grid {
 
-/// A binary tree, quadtree or octree over a cube of 2^depth units, in units. The children of a cell
-/// are a family and lie side by side; child n lies at the upper end along the axes of its set bits.
+/// A tree over a cube of 2^depth units. All coordinates are in units. The children of a cell form a
+/// family and have consecutive numbers. Child n lies at the upper end along the axes of the set
+/// bits of n.
 template <std::size_t D>
 class CellTree {
 public:
@@ -30,7 +48,7 @@ public:
 
     struct Cell {
         std::uint32_t number;
-        Index low; ///< its lower corner
+        Index low; ///< the lower corner
         std::int32_t size;
     };
 
@@ -52,7 +70,7 @@ public:
     bool is_leaf(std::uint32_t cell) const noexcept { return first_child_[cell] == 0; }
     std::uint32_t first_child(std::uint32_t cell) const noexcept { return first_child_[cell]; } ///< 0: none
     Cell root() const noexcept { return {0, {}, size()}; }
-    /// The parent of a family; families are numbered in the order of their making.
+    /// Returns the parent of a family. Families are numbered in the order of creation.
     const Cell& parent(std::size_t family) const noexcept { return families_[family]; }
     Cell child(const Cell& parent, std::size_t n) const noexcept {
         Cell cell{first_child_[parent.number] + std::uint32_t(n), parent.low, parent.size / 2};
@@ -62,10 +80,10 @@ public:
     Cell cell(std::uint32_t number) const noexcept {
         return number == 0 ? root() : child(parent_of(number), (number - 1) % children);
     }
-    /// Of a cell that is not the root.
+    /// Returns the parent of a cell other than the root.
     const Cell& parent_of(std::uint32_t number) const noexcept { return families_[(number - 1) / children]; }
 
-    /// Gives a leaf of at least two units a family.
+    /// Splits a leaf of at least two units into a family of children.
     void split(const Cell& leaf) {
         CAGEFORM_ASSERT(is_leaf(leaf.number) && leaf.size > 1, "a leaf that can be halved");
         first_child_[leaf.number] = cells();
@@ -73,22 +91,22 @@ public:
         for (std::size_t n = 0; n < children; ++n) first_child_.push_back(0);
     }
 
-    /// The leaf at a place given in half units; on a rim between leaves the upper one. Places
-    /// outside the cube are moved into it. O(depth).
+    /// Returns the leaf at a position given in half units. On the rim between leaves it is the
+    /// upper one. Positions outside the cube are moved into it. O(depth).
     Cell leaf_at(Index doubled) const noexcept {
         for (auto& x : doubled) x = x < 0 ? 0 : x > 2 * size() - 1 ? 2 * size() - 1 : x;
         Cell cell = root();
         while (!is_leaf(cell.number)) cell = child_at(cell, doubled);
         return cell;
     }
-    /// The child at such a place.
+    /// Returns the child of a cell at a position in half units.
     Cell child_at(const Cell& parent, const Index& doubled) const noexcept {
         std::size_t n = 0;
         for (std::size_t k = 0; k < D; ++k)
             n |= std::size_t{doubled[k] >= 2 * parent.low[k] + parent.size ? 1u : 0u} << k;
         return child(parent, n);
     }
-    /// f(leaf) along the Morton curve.
+    /// Calls f(leaf) for all leaves, along the Morton curve.
     template <class F>
     void for_each_leaf(F&& f) const {
         visit(root(), f);
@@ -109,18 +127,19 @@ private:
     Buffer<Cell> families_;
 };
 
-/// Splits leaves until none has a neighbour, across faces, edges or corners, of less than half its
-/// size.
+/// Splits leaves until no leaf has a neighbour, across a face, an edge or a corner, of less than
+/// half its size.
 ///
-///   counts  counts(cell number): whether a leaf takes part; the others are split by none and split
-///           none
-///   split   split(leaf) gives it a family
+///   counts  counts(cell number): whether a leaf takes part; a leaf that does not is neither split
+///           nor a reason to split others
+///   split   split(leaf) gives a leaf its children
 template <std::size_t D, class Counts, class Split>
 void balance(const CellTree<D>& tree, const Counts& counts, const Split& split) {
     using Index = typename CellTree<D>::Index;
     std::size_t neighbours = 1;
     for (std::size_t k = 0; k < D; ++k) neighbours *= 3;
-    // What lies beside a child is at most as large as its parent. New families come last.
+    // A leaf beside a child may be at most as large as the child's parent. New families are
+    // appended, so this loop reaches them too.
     for (std::size_t family = 0; family < tree.families(); ++family) {
         const auto parent = tree.parent(family);
         bool any = false;
@@ -128,7 +147,9 @@ void balance(const CellTree<D>& tree, const Counts& counts, const Split& split) 
             any = any || counts(tree.child(parent, n).number);
         if (!any) continue;
         for (std::size_t place = 0; place < neighbours; ++place) {
-            Index beside{}; // its middle; what lies beside the tree is moved to another neighbour
+            // The middle of the neighbouring cell; leaf_at moves it into the tree if it lies
+            // outside.
+            Index beside{};
             for (std::size_t k = 0, rest = place; k < D; ++k, rest /= 3)
                 beside[k] = 2 * parent.low[k] + (2 * std::int32_t(rest % 3) - 1) * parent.size;
             for (;;) {

@@ -1,4 +1,5 @@
-// A tree of cells about a boundary: which facets pass which cells, and on which side the others lie.
+// A tree of cells with a boundary in it: which facets pass which cells, and which other cells lie
+// inside.
 #pragma once
 
 #include <cageform/grid/tree/boundary.hpp>
@@ -7,13 +8,14 @@ namespace cageform::inline CAGEFORM_ABI {
 namespace grid {
 
 enum class CellState : std::uint8_t {
-    out,     ///< no facet passes it, its middle outside
-    in,      ///< no facet passes it, its middle inside
-    cut,     ///< facets pass it
-    unknown, ///< out or in, until find_states is called
+    out,     ///< outside: no facet passes it
+    in,      ///< inside: no facet passes it
+    cut,     ///< facets or bones pass it
+    unknown, ///< no facet passes it; find_states has not been called yet
 };
 
-/// The boundary outlives it.
+/// A cell tree that keeps, for every cell, the facets and bones that pass it. The boundary must
+/// outlive it.
 template <std::size_t D>
 class CutTree {
 public:
@@ -31,7 +33,7 @@ public:
     const TreeBoundary<D>& boundary() const noexcept { return *boundary_; }
     const CellTree<D>& cells() const noexcept { return tree_; }
     CellState state(std::uint32_t cell) const noexcept { return states_[cell]; }
-    /// The leaf at a place; outside the cube that at the nearest place in it.
+    /// Returns the leaf at a point, or at the nearest point of the cube.
     Cell leaf_at(const Vec<double, D>& p) const noexcept {
         Index doubled{};
         const double end = 2.0 * tree_.size();
@@ -39,7 +41,7 @@ public:
             doubled[k] = std::int32_t(std::floor(std::clamp(2 * p[k], 0.0, end)));
         return tree_.leaf_at(doubled);
     }
-    /// Those that pass a cell, a leaf or not; ascending.
+    /// Returns the facets and bones that pass a cell, whether a leaf or not, in ascending order.
     std::span<const std::uint32_t> facets(std::uint32_t cell) const noexcept {
         return {facets_.data() + ranges_[cell].begin, ranges_[cell].count};
     }
@@ -48,6 +50,7 @@ public:
                ranges_.capacity() * sizeof(Range) + states_.capacity();
     }
 
+    /// Splits a leaf and distributes its facets and bones among the children.
     void split(const Cell& leaf) {
         tree_.split(leaf);
         const Range all = ranges_[leaf.number];
@@ -68,9 +71,10 @@ public:
                 states_.back() = state_at_middle(child);
         }
     }
-    /// Finds on which side the leaves lie that no facet passes. Later splits keep that up.
+    /// Finds which leaves without facets lie inside. Later splits keep the states up to date.
     void find_states() {
-        tree_.for_each_leaf([&](const Cell& leaf) { // towards the lower ends of all axes all are known
+        // In this order the states of leaves at lower coordinates are known.
+        tree_.for_each_leaf([&](const Cell& leaf) {
             if (states_[leaf.number] == CellState::unknown) states_[leaf.number] = state_at_middle(leaf);
         });
         for (std::size_t family = tree_.families(); family-- > 0;) { // children come after their parents
@@ -80,11 +84,12 @@ public:
         states_known_ = true;
     }
 
-    /// Whether a place is inside, by the crossings on an axis line from it down to a leaf that no facet
-    /// passes. Along parts thinner than cells that may be far: the axes take turns, and the first
-    /// that arrives tells.
+    /// Tells whether a point is inside. It follows an axis line from the point downwards, counts
+    /// the crossings with facets, and stops at a leaf whose state is known. In thin features that
+    /// leaf may be far away, so the search alternates between the axes with a growing limit and
+    /// takes the first answer.
     ///
-    ///   line  the place in parts of 2^-fraction units (TreeBoundary::fraction)
+    ///   line  the point in multiples of 2^-fraction units (TreeBoundary::fraction)
     bool is_inside(const std::array<std::int64_t, D>& line) const noexcept {
         for (std::size_t most = 8;; most *= 4) {
             for (std::size_t axis = 0; axis < D; ++axis) {
@@ -98,13 +103,16 @@ private:
         std::uint32_t begin, count; ///< in facets_
     };
 
+    /// Returns the state of a cell that no facet passes: that of its middle.
     CellState state_at_middle(const Cell& leaf) const noexcept {
         std::array<std::int64_t, D> line{};
         for (std::size_t k = 0; k < D; ++k)
             line[k] = (2 * std::int64_t(leaf.low[k]) + leaf.size) << (boundary_->fraction() - 1);
         return is_inside(line) ? CellState::in : CellState::out;
     }
-    /// None after `most` leaves. Every axis line crosses the boundary as often as whole numbers say.
+    /// Follows one axis line for at most `most` leaves, and returns none if that is not enough.
+    /// Integer arithmetic decides the crossings, so every line crosses the boundary an even number
+    /// of times.
     std::optional<bool> walk(const std::array<std::int64_t, D>& line, std::size_t axis,
                              std::size_t most) const noexcept {
         Index doubled{};
@@ -135,7 +143,8 @@ private:
     bool states_known_ = false;
 };
 
-/// Splits leaves until none but those outside has a neighbour of less than half its size.
+/// Splits leaves until no leaf, other than those outside, has a neighbour of less than half its
+/// size.
 template <std::size_t D>
 void balance(CutTree<D>& tree) {
     balance(

@@ -1,10 +1,12 @@
-// Means over places about a point that are exact for harmonic polynomials, in the plane.
+// Weights for the points of a star whose mean is exact for harmonic polynomials, in the plane.
 //
-// Differences are exact for all cubics; a harmonic function needs less: the real and imaginary parts of
-// the powers of z. With non-negative weights that are exact up to the fourth power equations and samples
-// are of order four, and still means, never beyond the values they are made of. On a square of equal
-// cells they are the nine-point formula (Collatz, The Numerical Treatment of Differential Equations,
-// 1960, ch. V), next to smaller cells and to the boundary what a small problem of least squares gives.
+// Standard finite differences are exact for all cubics. A harmonic function needs less: only the
+// real and imaginary parts of the powers of z have to be exact. If non-negative weights are exact
+// up to the fourth power, equations and samples are of order four and remain means: they never
+// exceed the values that they are made of. On a square of equal cells the result is the nine-point
+// formula (Collatz, The Numerical Treatment of Differential Equations, 1960, ch. V). Next to
+// smaller cells and to the boundary the weights come from a small constrained least-squares
+// problem.
 #pragma once
 
 #include <cageform/core/vec.hpp>
@@ -17,20 +19,22 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Non-negative weights of places, of sum 1, whose mean of each of the powers of z about the point is 0:
-/// of all those the ones with the least Σ (weight distance²)², less what turned negative.
+/// Computes weights with sum 1 such that the weighted mean of each power of z about the centre is
+/// 0. Among all such weights it takes those with the least Σ (weight distance²)². Where they have
+/// to be non-negative, it removes the most negative one and solves again, until none is negative.
 class HarmonicMean {
 public:
-    static constexpr std::size_t most = 32; ///< places
+    static constexpr std::size_t most = 32; ///< the largest number of points
     static constexpr unsigned most_degree = 4;
 
-    /// Begins anew.
+    /// Removes all points.
     void clear() noexcept { count_ = 0; }
     std::size_t count() const noexcept { return count_; }
-    /// The distances from the point are about 1, or smaller.
+    /// Adds a point, given by its offset from the centre. Scale the offsets such that they are
+    /// about 1 or smaller.
     void add(const Vec<double, 2>& offset) noexcept {
         Moments& m = moments_[count_];
-        constexpr double nearest = 0.03; // what is nearer counts no more
+        constexpr double nearest = 0.03; // a nearer point gets no larger prior
         const double square = (std::max)(dot(offset, offset), nearest * nearest);
         prior_[count_++] = 1 / (square * square);
         m[0] = 1;
@@ -44,14 +48,16 @@ public:
         }
     }
 
-    /// The highest power up to which there are such weights, of those from `highest` down to `least`; 0: none.
+    /// Finds non-negative weights and returns the degree up to which they are exact: the highest
+    /// possible from `highest` down to `least`, or 0 if there are none.
     unsigned solve(unsigned highest, unsigned least) noexcept {
         for (unsigned degree = highest; degree >= least; --degree) {
             if (solve_moments(2 * degree + 1)) return degree;
         }
         return 0;
     }
-    /// The same of weights of either sign, the sum of whose sizes is no larger than `limit`.
+    /// Finds weights of either sign with Σ |weight| ≤ `limit`, and returns their degree as `solve`
+    /// does.
     unsigned solve_signed(unsigned highest, unsigned least, double limit) noexcept {
         std::array<bool, most> all{};
         for (std::size_t n = 0; n < count_; ++n) all[n] = true;
@@ -69,6 +75,8 @@ private:
     static constexpr std::size_t rows = 2 * most_degree + 1;
     using Moments = std::array<double, rows>;
 
+    /// Finds non-negative weights for a number of moments: an active-set loop that drops the most
+    /// negative weight.
     bool solve_moments(std::size_t moments) noexcept {
         std::array<bool, most> left{};
         for (std::size_t n = 0; n < count_; ++n) left[n] = true;
@@ -85,6 +93,7 @@ private:
         }
         return false;
     }
+    /// Checks the result: the sum of the weights is 1 and every moment is 0.
     bool is_exact(std::size_t moments) const noexcept {
         Moments sum{};
         for (std::size_t n = 0; n < count_; ++n) {
@@ -95,8 +104,8 @@ private:
         for (std::size_t k = 0; k < moments; ++k) largest = (std::max)(largest, std::fabs(sum[k]));
         return largest <= 1e-9;
     }
-    /// Least squares under constraints, by the multipliers of these: weights = prior Mᵀ λ,
-    /// (M prior Mᵀ) λ = (1, 0, …).
+    /// Solves the constrained least-squares problem with Lagrange multipliers λ: weights = prior Mᵀ
+    /// λ, where (M prior Mᵀ) λ = (1, 0, …).
     void set_least(const std::array<bool, most>& left, std::size_t moments) noexcept {
         std::array<Moments, rows> a{};
         for (std::size_t n = 0; n < count_; ++n) {
@@ -115,7 +124,7 @@ private:
                 for (std::size_t k = 0; k < j; ++k) sum -= a[i][k] * a[j][k];
                 if (j < i) {
                     a[i][j] = sum * a[j][j];
-                } else { // the inverse; 0 where a moment follows from those before
+                } else { // stores the inverse; 0 where a moment depends linearly on those before
                     a[i][i] = sum > 1e-12 * whole ? 1 / std::sqrt(sum) : 0;
                 }
             }

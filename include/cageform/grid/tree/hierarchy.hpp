@@ -1,6 +1,9 @@
-// The levels of a multigrid on a tree: on each, every family whose cells are all leaves becomes one
-// leaf. The nodes that remain are corners of the leaves that are left, the others interpolate in the
-// smallest leaf that holds them, and coarse equations are Galerkin's.
+// Makes the levels of a multigrid on a tree of cells.
+//
+// From one level to the next every family whose children are all leaves becomes one leaf. A node
+// remains if it is still a corner of a leaf. The value of any other node is interpolated from the
+// remaining nodes, in the smallest leaf that holds it (the prolongation P). The coarse equations
+// are Pᵀ A P (Galerkin), and Pᵀ is the restriction.
 #pragma once
 
 #include <cageform/grid/tree/links.hpp>
@@ -8,12 +11,13 @@
 namespace cageform::inline CAGEFORM_ABI {
 namespace detail {
 
-/// A level, and how its nodes take their values from the next.
+/// One level: its equations, and the prolongation from the next coarser level to it.
 struct TreeLevel {
-    LevelRows neighbours;            ///< the equations, see TreeEquations
-    Buffer<float> inverse_diagonal;  ///< by node
-    LevelRows interpolation;         ///< by node; empty on the coarsest level
-    Buffer<std::uint32_t> numbers{}; ///< on the coarsest level empty: of each node on the next, or ~0
+    LevelRows neighbours;           ///< the equations; see TreeEquations
+    Buffer<float> inverse_diagonal; ///< by node
+    LevelRows interpolation;        ///< the prolongation, a row for each node; empty on the coarsest level
+    /// By node: its number on the next level, or ~0; empty on the coarsest level.
+    Buffer<std::uint32_t> numbers{};
 
     std::uint32_t nodes() const noexcept { return std::uint32_t(inverse_diagonal.size()); }
     std::size_t bytes() const noexcept {
@@ -22,6 +26,7 @@ struct TreeLevel {
     }
 };
 
+/// Builds the levels, from the finest to the coarsest.
 template <std::size_t D>
 class TreeCoarsener {
 public:
@@ -49,8 +54,10 @@ public:
         }
     }
 
+    /// Returns all levels, the finest first. Ends when few nodes are left or the tree cannot be
+    /// coarsened.
     std::vector<TreeLevel> make(TreeEquations finest) {
-        constexpr std::uint32_t few = 60; // solved by relaxation alone
+        constexpr std::uint32_t few = 60; // so few unknowns are solved by relaxation alone
         std::vector<TreeLevel> levels;
         TreeEquations equations = std::move(finest);
         for (;;) {
@@ -76,6 +83,7 @@ public:
     }
 
 private:
+    /// Receives a row of the prolongation from LeafGather and adds up the shares of equal nodes.
     struct Sink {
         const TreeCoarsener& coarsener;
         LevelRows& rows;
@@ -90,15 +98,17 @@ private:
             }
             rows.entries.push_back({node, float(share)});
         }
-        // Errors vanish on the boundary.
+        // The prolongation interpolates errors, which vanish on the boundary.
         void at_place(const BoundaryValue<D>&, const Vec<double, D>&, double) noexcept {}
     };
 
+    /// Returns the leaves of the current coarse level about a node.
     LeavesAbout<D> about(std::uint32_t node) const {
         return {tree_.cells(), nodes_.index(node),
                 [&](std::uint32_t cell) { return merges_at_[cell] <= level_; },
                 [&](std::uint32_t cell) { return tree_.state(cell) != grid::CellState::out; }};
     }
+    /// Tells whether a node is a corner of a leaf that counts.
     static bool is_corner(const Index& index, const LeavesAbout<D>& about) noexcept {
         for (std::size_t n = 0; n < about.leaf.size(); ++n) {
             const Cell& leaf = about.leaf[n];
@@ -110,7 +120,8 @@ private:
         return false;
     }
 
-    /// From the nodes that are corners of the leaves of level_ to those of the level before.
+    /// Returns the prolongation from the nodes that remain on level_ to the nodes of the level
+    /// before.
     LevelRows interpolation(TreeLevel& level) {
         Buffer<std::uint32_t> fine; // their numbers on the finest level
         std::swap(fine, left_);
@@ -145,8 +156,9 @@ private:
     const grid::CutTree<D>& tree_;
     const Nodes& nodes_;
     Buffer<std::uint8_t> merges_at_; ///< by cell: the first level on which it is a leaf
-    Buffer<std::uint32_t> number_;   ///< by node: on the level at hand, or none
-    Buffer<std::uint32_t> left_;     ///< the nodes of the level at hand
+    /// By node of the finest level: its number on the current level, or none.
+    Buffer<std::uint32_t> number_;
+    Buffer<std::uint32_t> left_; ///< the nodes of the current level
     unsigned level_ = 0;
 };
 

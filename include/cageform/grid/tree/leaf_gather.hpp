@@ -1,5 +1,7 @@
-// Values within a leaf of a tree, right up to the boundary that passes it: one routine for places
-// beyond hanging nodes, for interpolation between levels and for points of the user.
+// Interpolation inside a leaf, up to the boundary that cuts it.
+//
+// One routine serves the ghost values beyond hanging nodes (grid/tree/links.hpp), the prolongation
+// between levels (grid/tree/hierarchy.hpp) and the points of the user.
 #pragma once
 
 #include <cageform/grid/tree/nodes.hpp>
@@ -7,14 +9,15 @@
 namespace cageform::inline CAGEFORM_ABI {
 namespace detail {
 
-/// Multilinear between the corners of a cell. Where facets pass it, linear along one axis after the
-/// other, ending on the boundary where that is nearer than the cell's rim; the mean over the cyclic
-/// orders of the axes along which the place does not lie on the rim. So a mean, never beyond the
-/// values it is made of, and exact for linear functions. What lies on the rim of a cell depends on
-/// that rim alone.
+/// Interpolates at a point of a cell. Without facets it is multilinear between the corners. Where
+/// facets pass the cell, it interpolates linearly along one axis after the other, and a segment
+/// ends on the boundary if that comes before the cell's rim. The result is the mean over the cyclic
+/// orders of the axes along which the point lies strictly inside the cell. So it is a mean, never
+/// exceeds the values that it is made of, and is exact for linear functions. A point on the rim of
+/// a cell depends on values on that rim only, so neighbouring cells agree.
 ///
-///   sink  sink.at_node(index, share) for a corner inside,
-///         sink.at_place(value, place, share) for a place on the boundary
+///   sink  sink.at_node(index, share) for a corner inside, sink.at_place(value, point, share) for a
+///         point on the boundary
 template <std::size_t D, class Sink>
 class LeafGather {
 public:
@@ -26,7 +29,9 @@ public:
         , nodes_(nodes)
         , sink_(sink) {}
 
-    /// Of a place in a closed cell, which `facets` pass; inside, and not on a facet.
+    /// Interpolates at a point of the closed cell. The point is inside and not on a facet.
+    ///
+    ///   facets  those that pass the cell
     void gather(const Cell& cell, std::span<const std::uint32_t> facets, Vec<double, D> p) {
         cell_ = cell;
         facets_ = facets;
@@ -49,6 +54,8 @@ public:
     }
 
 private:
+    /// Interpolates along the first of the axes that are left, between the two ends of the segment
+    /// through p.
     void along(const Vec<double, D>& p, double share, std::span<const std::size_t> axes) {
         if (axes.empty()) {
             at_corner(p, share);
@@ -81,7 +88,7 @@ private:
         for (std::size_t k = 0; k < D; ++k) index[k] = std::int32_t(p[k]);
         if (nodes_.find(index) != grid::TreeNodes<D>::none) {
             sink_.at_node(index, share);
-        } else { // on the boundary, up to rounding
+        } else { // a corner that is no node lies on the boundary, up to rounding
             sink_.at_place(boundary_.nearest(facets_, p).value, p, share);
         }
     }
@@ -96,7 +103,7 @@ private:
 } // namespace detail
 namespace grid {
 
-/// A stencil as LeafGather makes it.
+/// A sink of LeafGather that collects the value as a stencil.
 template <std::size_t D>
 struct StencilSink {
     const TreeNodes<D>& nodes;

@@ -1,4 +1,4 @@
-// A sparse matrix by rows, as cycles read it.
+// A sparse matrix stored by rows, its transpose, and the Galerkin product of multigrid.
 #pragma once
 
 #include <cageform/core/detail/buffer.hpp>
@@ -10,6 +10,7 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
+/// A sparse matrix in compressed row storage.
 struct LevelRows {
     struct Entry {
         std::uint32_t column;
@@ -32,7 +33,7 @@ struct LevelRows {
     }
 };
 
-/// Columns ascending in every row.
+/// Returns the transpose. The columns of every row are in ascending order.
 inline LevelRows transposed(const LevelRows& matrix, std::size_t columns) {
     LevelRows t;
     t.begin = Buffer<std::uint32_t>(columns + 1, 0);
@@ -46,19 +47,20 @@ inline LevelRows transposed(const LevelRows& matrix, std::size_t columns) {
     return t;
 }
 
-/// The equations diagonal · u − (neighbours) u = b of one level.
+/// The equations of one level: diagonal · u − neighbours · u = b.
 struct TreeEquations {
-    LevelRows neighbours;    ///< off the diagonal, their signs turned
+    LevelRows neighbours;    ///< the negated off-diagonal entries
     Buffer<double> diagonal; ///< by row
 };
 
-/// Pᵀ A P (Galerkin). What is below 1e-6 of the diagonal is left out, the row sums kept.
+/// Returns the coarse equations Pᵀ A P (Galerkin). Entries below 1e-6 of the diagonal are added to
+/// the diagonal instead, which keeps the row sums.
 inline TreeEquations galerkin(const TreeEquations& fine, const LevelRows& p, std::size_t coarse) {
     constexpr double least = 1e-6;
     constexpr std::uint32_t none = ~std::uint32_t{0};
     TreeEquations out;
     const LevelRows r = transposed(p, coarse);
-    Buffer<std::uint32_t> slot(coarse, none); // of a column in the row at hand
+    Buffer<std::uint32_t> slot(coarse, none); // by column: its position in `row`, or none
     struct Sum {
         std::uint32_t column;
         double value;

@@ -1,14 +1,29 @@
-// The Laplace equation at the corners of a tree's leaves.
+// How the tree discretises the Laplace equation: one row of a sparse matrix for every node.
 //
-// In the plane harmonic means of what a node sees (grid/tree/harmonic_mean.hpp), of order four. In space,
-// and in the plane where there are none:
+// A node is a corner of a leaf that lies inside the domain (grid/tree/nodes.hpp). Every row has the
+// form diagonal · u(node) − Σ weight · u(neighbour) = Σ weight · (boundary value), and every weight
+// is positive. LinkMaker::add_equation picks one of three formulas:
 //
-// along each axis the second difference of Shortley and Weller (J. Appl. Phys. 9 (1938)) between the
-// ends of two links. A link ends on the boundary, on a node, or, at a hanging node, on a place of the
-// opposite face of the large leaf beside it, whose value is interpolated there. What that adds to the
-// second differences along the other axes is taken off again (Min, Gibou, Ceniceros, J. Comput. Phys.
-// 218 (2006); here by second moments, which covers interpolation that ends on the boundary). All
-// weights are positive, linear functions exact, the order is two.
+// 1. Plane, four equal leaves about the node and no facet in them: the nine-point formula of
+// Collatz (order four).
+//
+// 2. Plane, everywhere else, if it succeeds: generalised finite differences. The node collects the
+// corners of the leaves about it and, in the directions where a facet hides them, points on the
+// boundary (grid/tree/star.hpp). Non-negative weights are then chosen such that the mean is exact
+// for harmonic polynomials up to degree three or four (grid/tree/harmonic_mean.hpp).
+//
+// 3. Space, and the plane where 2 fails: along each axis the second difference of Shortley and
+// Weller (J. Appl. Phys. 9 (1938)), which allows two links of different lengths. A link ends on the
+// boundary or on a node. If a larger leaf lies beside the node, the link may end inside the
+// opposite face of that leaf, where no node is: the node is a hanging node. The end then takes a
+// ghost value, interpolated in that face by LeafGather (grid/tree/leaf_gather.hpp). Interpolating a
+// ghost value adds error terms along the other axes. The second differences are scaled to cancel
+// them (shares_of_axes below; Min, Gibou, Ceniceros, J. Comput. Phys. 218 (2006); here the error
+// terms are second moments of the interpolation, which also covers interpolation that ends on the
+// boundary). Linear functions are exact and the order is two.
+//
+// grid/tree/hierarchy.hpp makes coarser levels from these rows, and grid/tree_multigrid.hpp solves
+// them.
 #pragma once
 
 #include <cageform/grid/tree/leaf_gather.hpp>
@@ -18,30 +33,33 @@
 namespace cageform::inline CAGEFORM_ABI {
 namespace grid {
 
-/// A part of the right-hand side: the weight of a handle's value at a node.
+/// One entry of the right-hand side: the weight of a handle's boundary value in the equation of a
+/// node.
 struct TreeData {
     std::uint32_t handle, node;
     float weight;
 };
 
-/// The equations of the nodes, times the volume about each.
+/// The equations of all nodes, each multiplied by the volume about its node.
 struct TreeLinks {
     detail::TreeEquations equations;
     Buffer<TreeData> data;  ///< sorted by handle, then by node
-    Buffer<float> volume;   ///< by node
-    double least_share = 1; ///< of all factors that the corrections put before second differences
+    Buffer<float> volume;   ///< by node: the product over the axes of the mean link length
+    double least_share = 1; ///< the least factor by which shares_of_axes scales a second difference
 };
 
 } // namespace grid
 
 namespace detail {
 
+/// Stands in for Star in space, where no star is used.
 struct NoStar {
     template <class... Any>
     explicit NoStar(const Any&...) noexcept {}
 };
 
-/// Makes the equations node by node. Data is what cages call it: data.for_each_weight(value, f).
+/// Makes the equations, node by node. `Data` turns a point of the boundary into weights of handles:
+/// data.for_each_weight(value, f).
 template <std::size_t D, class Data>
 class LinkMaker {
 public:
@@ -66,13 +84,18 @@ public:
     }
 
 private:
+    /// The link from a node along an axis, in one direction.
     struct Side {
         double length;
+        // Whether the end is a ghost value: neither a node nor on the boundary.
         bool hangs;
-        Vec<double, D> moments; ///< of an interpolated end, about it
+        /// Second moments of the interpolation about the end, by axis; only if it hangs.
+        Vec<double, D> moments;
+        /// The value at the end, as a mean of nodes and boundary values.
         grid::CutStencil<D> end;
     };
 
+    /// Receives a ghost value from LeafGather and adds up its second moments.
     struct MomentSink {
         const Nodes& nodes;
         Side& side;
@@ -92,12 +115,15 @@ private:
         }
     };
 
+    /// Follows the link from a node along an axis, up or down, to its end. The smallest leaf on
+    /// that side gives its length.
     void set_side(Side& side, const Index& index, const LeavesAbout<D>& about, std::size_t axis, bool up) {
         side.hangs = false;
         side.end.node_count = side.end.place_count = 0;
         const std::size_t bit = std::size_t{1} << axis;
         const Cell* leaf = about.smallest(bit, up ? bit : 0);
-        const bool beyond = leaf == nullptr; // on the boundary, up to rounding
+        // No leaf is inside on that side: the node lies on the boundary, up to rounding.
+        const bool beyond = leaf == nullptr;
         if (beyond) leaf = about.smallest();
         const auto facets = tree_.facets(leaf->number);
         const auto& boundary = tree_.boundary();
@@ -119,7 +145,8 @@ private:
         bool is_corner = true;
         for (std::size_t k = 0; k < D; ++k)
             is_corner = is_corner && (there[k] == leaf->low[k] || there[k] == leaf->low[k] + leaf->size);
-        if (beyond || is_corner) { // no node, so next to a facet
+        // A corner without a node is outside, or too near a facet to be an unknown.
+        if (beyond || is_corner) {
             side.end.add(boundary.nearest(facets, place).value, 1.0);
             return;
         }
@@ -129,6 +156,7 @@ private:
         LeafGather<D, MomentSink>(boundary, nodes_, sink).gather(*leaf, facets, place);
     }
 
+    /// Chooses among the three formulas above and appends the node's row.
     void add_equation(std::uint32_t node) {
         const Index index = nodes_.index(node);
         const auto about = leaves_about(tree_, index);
@@ -159,7 +187,7 @@ private:
         }
         end_row(volume);
     }
-    /// In the plane, between equal cells that no facet passes: Collatz' equation.
+    /// The nine-point formula, in the plane between four equal leaves that no facet passes.
     bool add_nine_points([[maybe_unused]] const Index& index, const LeavesAbout<D>& about) {
         const std::int32_t size = about.leaf[0].size;
         for (const Cell& leaf : about.leaf) {
@@ -173,7 +201,8 @@ private:
                     there[k] += ((n >> k) & 1u) != 0 ? size : 0;
                     apart += there[k] != index[k] ? 1 : 0;
                 }
-                // Those beside the node belong to two of the cells.
+                // A node beside the centre belongs to two of the leaves, so its weight is added
+                // twice.
                 if (apart > 0) add_to_row(nodes_.find(there), apart == 1 ? 1.0 / 3 : 1.0 / 6);
             }
         }
@@ -189,7 +218,8 @@ private:
         out_.equations.diagonal.push_back(diagonal_);
         out_.volume.push_back(float(volume));
     }
-    /// In the plane, where what the node sees allows it: an equation of higher order.
+    /// Generalised finite differences, in the plane. Returns false if no non-negative weights
+    /// exist, or next to a bone.
     bool add_star([[maybe_unused]] std::uint32_t node, [[maybe_unused]] const Index& index,
                   [[maybe_unused]] const LeavesAbout<D>& about, [[maybe_unused]] double volume) {
         if constexpr (D == 2) {
@@ -200,7 +230,8 @@ private:
             double moment = 0;
             for (std::size_t n = 0; n < mean_.count(); ++n)
                 moment += mean_.weight(n) * dot(star_.places()[n].offset, star_.places()[n].offset);
-            for (std::size_t n = 0; n < mean_.count(); ++n) { // the mean of r² is that of a Laplacian of 4
+            // A mean over the star is u + (moment/4) Δu + …, since Δr² = 4.
+            for (std::size_t n = 0; n < mean_.count(); ++n) {
                 const auto& place = star_.places()[n];
                 const double weight = mean_.weight(n) * 4 * volume / moment;
                 if (!(weight > 0)) continue;
@@ -231,14 +262,16 @@ private:
         row_.push_back({column, weight});
     }
 
-    /// What remains of the second difference along each axis, so that all are exact for squares:
-    /// share_k = 1 − Σ share_a σ(a, k), a ≠ k.
+    /// The factors of the second differences along the axes. A ghost value on axis a adds σ(a, k)
+    /// times the second derivative along axis k ≠ a. With the factors share_k = 1 − Σ share_a σ(a,
+    /// k), a ≠ k, every second derivative has coefficient 1 again, so all squares are exact.
     std::array<double, D> shares_of_axes(const std::array<std::array<double, 2>, D>& c) {
         std::array<double, D> shares{};
         shares.fill(1);
         bool hangs = false;
         for (const Side& side : sides_) hangs = hangs || side.hangs;
-        for (int step = 0; hangs && step < 30; ++step) { // contracts by (D − 1)/4
+        // A fixed-point iteration, which contracts by (D − 1)/4.
+        for (int step = 0; hangs && step < 30; ++step) {
             auto next = shares;
             for (std::size_t k = 0; k < D; ++k) {
                 next[k] = 1;
@@ -267,8 +300,10 @@ private:
 } // namespace detail
 namespace grid {
 
-///   data  data.for_each_weight(value, f): f(handle, weight) for the handles whose value at a place of
-///         the boundary is not zero; none negative
+/// Returns the equations of all nodes.
+///
+///   data  data.for_each_weight(value, f): f(handle, weight) for every handle that has weight at a
+///         point of the boundary; no weight is negative
 template <std::size_t D, class Data = detail::HatData<D>>
 TreeLinks links_of(const CutTree<D>& tree, const TreeNodes<D>& nodes, const Data& data = {}) {
     return detail::LinkMaker<D, Data>(tree, nodes, data).make();

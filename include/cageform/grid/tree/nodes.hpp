@@ -1,4 +1,4 @@
-// The unknowns of a problem on a tree of cells: the corners of its leaves that lie inside.
+// The unknowns of a problem on a tree of cells: the corners of leaves that lie inside the domain.
 #pragma once
 
 #include <cageform/grid/tree/cut_tree.hpp>
@@ -6,16 +6,17 @@
 namespace cageform::inline CAGEFORM_ABI {
 namespace grid {
 
-/// Places numbered along the Morton curve, and back from a place to its number.
+/// The nodes, numbered along the Morton curve. Converts between the number and the position of a
+/// node.
 template <std::size_t D>
 class TreeNodes {
 public:
     using Index = std::array<std::int32_t, D>;
-    using Key = std::uint64_t; ///< the bits of the coordinates in turn, 21 of each
+    using Key = std::uint64_t; ///< the bits of the coordinates interleaved, 21 each: the Morton code
     static constexpr std::uint32_t none = ~std::uint32_t{0};
 
     TreeNodes() = default;
-    /// From keys, ascending and different.
+    /// Makes the nodes from keys that are ascending and distinct.
     explicit TreeNodes(Buffer<Key> keys)
         : keys_(std::move(keys)) {
         keys_.shrink_to_fit();
@@ -33,7 +34,7 @@ public:
         return keys_.capacity() * sizeof(Key) + table_.capacity() * sizeof(std::uint32_t);
     }
     Index index(std::uint32_t node) const noexcept { return index_of(keys_[node]); }
-    /// `none` where no node is.
+    /// Returns the number of the node at a position, or `none`.
     std::uint32_t find(const Index& index) const noexcept {
         const Key wanted = key(index);
         for (std::size_t at = slot(wanted);; at = (at + 1) & (table_.size() - 1)) {
@@ -46,7 +47,7 @@ public:
         for (std::size_t k = 0; k < D; ++k) index[k] = std::int32_t(gathered(key >> k));
         return index;
     }
-    /// Of coordinates in [0, 2^20].
+    /// Returns the Morton code of a position. Coordinates lie in [0, 2^20].
     static Key key(const Index& index) noexcept {
         Key key = 0;
         for (std::size_t k = 0; k < D; ++k) key |= spread(std::uint64_t(std::uint32_t(index[k]))) << k;
@@ -54,7 +55,8 @@ public:
     }
 
 private:
-    /// Bit n to bit D · n, for D = 2 and 3 by halves (Warren, Hacker's Delight (2002), sec. 7-2).
+    /// Moves bit n to bit D · n, for D = 2 and 3 by halves (Warren, Hacker's Delight (2002), sec.
+    /// 7-2).
     static Key spread(Key x) noexcept {
         if constexpr (D == 2) {
             x = (x | x << 16) & 0x0000ffff0000ffff;
@@ -71,6 +73,7 @@ private:
         }
         return x;
     }
+    /// Undoes `spread`: moves bit D · n to bit n.
     static Key gathered(Key x) noexcept {
         if constexpr (D == 2) {
             x &= 0x5555555555555555;
@@ -95,19 +98,20 @@ private:
 
     Buffer<Key> keys_;
     unsigned bits_ = 0;
-    Buffer<std::uint32_t> table_{1, none}; ///< numbers by the hash of the key; at most half full
+    Buffer<std::uint32_t> table_{1, none}; ///< a hash table of node numbers, at most half full
 };
 
-/// A node nearer to the boundary than this, in units, or within a bone, is no unknown.
+/// A corner nearer to the boundary than this, in units of the tree, or within a bone, is no node.
 inline constexpr double on_facet_distance = 1e-6;
 
-/// The corners inside of all leaves that are not outside. Corners of leaves that no part passes are
-/// inside as these are; of the others whole numbers decide.
+/// Returns the nodes of a tree: the distinct corners, inside the domain, of all leaves that are not
+/// outside. A corner of an inside leaf is inside without a test. Other corners are tested in
+/// integer arithmetic.
 template <std::size_t D>
 TreeNodes<D> nodes_of(const CutTree<D>& tree) {
     using Key = typename TreeNodes<D>::Key;
     using Cell = typename CellTree<D>::Cell;
-    Buffer<Key> corners; // of all leaves: twice the key, and 1 more where parts pass the leaf
+    Buffer<Key> corners; // twice the key, plus 1 if the boundary cuts the leaf
     tree.cells().for_each_leaf([&](const Cell& leaf) {
         const CellState state = tree.state(leaf.number);
         if (state == CellState::out) return;
@@ -121,7 +125,7 @@ TreeNodes<D> nodes_of(const CutTree<D>& tree) {
     const auto is_inside = [&](Key key) {
         const auto index = TreeNodes<D>::index_of(key);
         std::array<std::int64_t, D> line{};
-        typename CellTree<D>::Index doubled{}; // in the leaf above, or out of it
+        typename CellTree<D>::Index doubled{}; // in half units, for leaf_at
         for (std::size_t k = 0; k < D; ++k) {
             line[k] = std::int64_t(index[k]) << tree.boundary().fraction();
             doubled[k] = 2 * index[k];

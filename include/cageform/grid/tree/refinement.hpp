@@ -1,5 +1,8 @@
-// A tree of cells in space made as fine as it has to be: cells are asked from the root down; what a cell
-// is asked for depends on what passes it and what is near.
+// Refines a tree in space until every cell is small enough.
+//
+// The Refiner visits cells from the root down and splits those larger than allowed. How large a
+// cell may be depends on the facets that pass it, on bones, and on the features near it (reflex
+// edges and vertices, see CellSizes). RefinementPlanner estimates the number of leaves beforehand.
 #pragma once
 
 #include <cageform/grid/tree/cell_sizes.hpp>
@@ -7,19 +10,19 @@
 namespace cageform::inline CAGEFORM_ABI {
 namespace grid {
 
-/// What a tree will be like, before it is made.
+/// Forecasts a tree before it is made.
 struct RefinementPlan {
-    /// Of the cube, for TreeBoundary: sizes are powers of two, and so the fewest cells are smaller
-    /// than they are asked to be.
+    /// The scale of the cube, for TreeBoundary. Cell sizes are powers of two times the scale, and
+    /// this scale wastes the fewest cells on sizes smaller than needed.
     double scale = 1;
-    double leaves = 0; ///< by an estimate: within a factor of two on the cages measured
+    double leaves = 0; ///< an estimate, within a factor of two on the cages measured
 };
 
-/// The finest cells of a tree.
+/// Describes the finest cells of a tree.
 template <std::size_t D>
 struct FinestCells {
     double size = std::numeric_limits<double>::infinity(); ///< in units
-    Vec<double, D> place{};                                ///< in one of them
+    Vec<double, D> place{};                                ///< a point in one of them
     SizeReason reason = SizeReason::largest;
 };
 
@@ -27,7 +30,7 @@ struct FinestCells {
 
 namespace detail {
 
-/// Splits the leaves of a tree that is one cell.
+/// Refines a tree that consists of one cell.
 class Refiner {
 public:
     using Cell = grid::CellTree<3>::Cell;
@@ -40,15 +43,16 @@ public:
         , most_leaves_(most_leaves) {}
 
     bool make() {
-        tree_.find_states(); // of none yet; splits keep it up
+        tree_.find_states(); // only the root exists; splits keep the states up to date
         for (std::uint32_t n = 0; n < features_.size(); ++n) near_.push_back(n);
         ranges_.push_back({0, std::uint32_t(near_.size())});
         const auto& cells = tree_.cells();
-        for (std::uint32_t number = 0; number < cells.cells(); ++number) { // cells are added meanwhile
+        // The loop reaches cells that it adds.
+        for (std::uint32_t number = 0; number < cells.cells(); ++number) {
             ask(cells.cell(number));
             if (cells.leaves() > most_leaves_) return false;
         }
-        // The middle of the domain is as fine as its skin.
+        // Makes cells in the middle of a thin domain as small as at its surface.
         for (const auto& thin : thin_) {
             for (double d = thin.size; d < 0.55 * thin.thickness; d += thin.size)
                 split_at(thin.place + d * thin.inwards, thin.size);
@@ -69,6 +73,7 @@ private:
         for (std::size_t k = 0; k < 3; ++k) middle[k] += 0.5 * cell.size;
         return middle;
     }
+    /// Splits a cell if it is larger than its facets, bones or features allow.
     void ask(const Cell& cell) {
         if (tree_.state(cell.number) == grid::CellState::out) return;
         const auto middle = middle_of(cell);
@@ -86,7 +91,7 @@ private:
         for (std::size_t n = 0; n < grid::CellTree<3>::children; ++n)
             hand_down(features, tree_.cells().child(cell, n));
     }
-    /// The features that may ask something of a cell, or of one in it.
+    /// Passes a feature on to a child if it limits the size of the child or of cells in it.
     void hand_down(const Range& features, const Cell& child) {
         const auto middle = middle_of(child);
         const auto begin = std::uint32_t(near_.size());
@@ -96,6 +101,7 @@ private:
         }
         ranges_.push_back({begin, std::uint32_t(near_.size())});
     }
+    /// Splits the leaf at a point until it is no larger than `size`.
     void split_at(const Vec<double, 3>& place, double size) {
         grid::CellTree<3>::Index doubled{};
         for (std::size_t k = 0; k < 3; ++k) doubled[k] = std::int32_t(std::floor(2 * place[k]));
@@ -111,8 +117,8 @@ private:
     grid::BoneSizes<3> bones_;
     std::vector<CellSizes::Feature> features_;
     std::size_t most_leaves_;
-    Buffer<std::uint32_t> near_; ///< features
-    Buffer<Range> ranges_;       ///< of them, by cell
+    Buffer<std::uint32_t> near_; ///< indices of features
+    Buffer<Range> ranges_;       ///< ranges of near_, by cell
     std::vector<CellSizes::ThinPlace> thin_;
     grid::FinestCells<3> finest_;
 };
@@ -120,14 +126,14 @@ private:
 } // namespace detail
 namespace grid {
 
-/// Tells what trees about a boundary will be like.
+/// Estimates the number of leaves of trees about a boundary.
 class RefinementPlanner {
 public:
-    /// Of a boundary with the scale 1.
+    /// The boundary must have the scale 1.
     explicit RefinementPlanner(const TreeBoundary<3>& boundary)
         : cage_size_(detail::CellSizes::size_of_cage(boundary))
         , patches_(detail::CellSizes(boundary, {}).patches()) {
-        for (std::size_t n = 0; n < boundary.size(); ++n) { // the divergence theorem
+        for (std::size_t n = 0; n < boundary.size(); ++n) { // the volume by the divergence theorem
             const auto& facet = boundary[n];
             if (facet.turns)
                 volume_ += dot(boundary.normal(n), facet.corner[0]) * detail::length(normal_of(facet)) / 6;
@@ -135,7 +141,8 @@ public:
     }
 
     RefinementPlan plan(const RefinementOptions& options) const noexcept {
-        constexpr double of_surface = 6.5; // leaves, as measured, for one that a face needs
+        // Measured: leaves made for each one that the area of a face needs.
+        constexpr double of_surface = 6.5;
         constexpr int steps = 16;
         RefinementPlan best{1, std::numeric_limits<double>::infinity()};
         for (int step = 0; step < steps; ++step) {
@@ -163,10 +170,9 @@ private:
     double volume_ = 0;
 };
 
-/// Splits the leaves of a tree that is one cell, down to cells of one unit, then those that
-/// neighbours of less than half their size ask.
+/// Refines a tree that consists of one cell, down to cells of one unit, and then balances it.
 ///
-///   most_leaves  false when more would be needed; the tree is then not whole
+///   most_leaves  returns false if more would be needed; the tree is then incomplete
 ///   finest       out
 ///   cost         a ray across the domain for each facet in each cell
 inline bool refine(CutTree<3>& tree, const RefinementOptions& options, std::size_t most_leaves,

@@ -1,5 +1,8 @@
-// How fine a tree of cells has to be where, in the plane: by the thickness of the domain, by its edges, and
-// where functions are singular. Told by samples: a leaf that holds one is at most as large as it says.
+// Chooses the largest allowed cell size at each point, in the plane.
+//
+// The size depends on the thickness of the domain, on the lengths of its edges, and on vertices
+// where functions are singular. The result is a list of samples: the leaf that holds a sample must
+// not be larger than the sample's size. grid/tree/cell_sizes.hpp does the work in space.
 #pragma once
 
 #include <cageform/core/solver_report.hpp>
@@ -11,17 +14,18 @@ namespace grid {
 struct SizingOptions {
     double across = 6;    ///< cells across the thickness of the domain
     double per_facet = 1; ///< cells along an edge
-    /// Halvings more where functions fall like the distance from a vertex; at one of interior angle ω,
-    /// where they fall like its power π/ω, that much more.
+    /// Extra halvings at a vertex where functions decrease like the distance from it. At a vertex
+    /// of interior angle ω they decrease like the power π/ω of the distance, and the number of
+    /// halvings is divided by π/ω.
     double singular_levels = 0.67;
-    /// Cells of each size about what is singular, before those of twice the size; 0: as few as a
-    /// balanced tree has, one or two.
+    /// Layers of cells of each size about a singular vertex before those of twice the size. With 0
+    /// there are as few as a balanced tree has, one or two.
     unsigned layers = 0;
     double per_radius = 12;    ///< see BoneSizes
-    double largest = 1.0 / 16; ///< cell, of the cage's longest side
+    double largest = 1.0 / 16; ///< the largest cell, as a fraction of the cage's longest side
 };
 
-/// A leaf that holds the place is at most `size` large. In units.
+/// A size limit at a point: the leaf that holds it is at most `size` large. In units.
 template <std::size_t D>
 struct SizeSample {
     Vec<double, D> place;
@@ -29,18 +33,18 @@ struct SizeSample {
     SizeReason reason = SizeReason::largest;
 };
 
-/// Samples; more than the most allowed are only counted.
+/// A list of samples. Samples beyond the allowed number are only counted.
 template <std::size_t D>
 struct SizeSamples {
     Buffer<SizeSample<D>> list;
-    double count = 0; ///< of all, by an estimate once there are too many
+    double count = 0; ///< the number of all samples, an estimate once there are too many
 };
 
 } // namespace grid
 
 namespace detail {
 
-/// Makes the samples of a boundary in the plane; in space see grid/tree/refinement.hpp.
+/// Makes the samples of a boundary in the plane.
 class Sizing {
 public:
     using Boundary = grid::TreeBoundary<2>;
@@ -61,16 +65,18 @@ public:
     }
 
 private:
-    static constexpr double touching = 0.01; ///< of units: so near are bodies with a common plane
-    static constexpr double facing = 0.7;    ///< cosine between a facet and one it is measured across
-    static constexpr double spacing = 1.3;   ///< of samples, in the sizes they tell
+    /// In units; bodies nearer than this are taken as sharing a plane.
+    static constexpr double touching = 0.01;
+    /// Least cosine between the normals of two edges for a thickness to be measured between them.
+    static constexpr double facing = 0.7;
+    static constexpr double spacing = 1.3; ///< between samples on an edge, in multiples of their size
 
     struct Side {
         std::uint32_t facet;
         Vec<double, 2> inwards;
-        double by_length;           ///< the size that it asks for by itself
-        std::uint32_t faced;        ///< by the facet there, where a ray was sent last
-        bool has_thickness = false; ///< the samples across are made
+        double by_length;           ///< the size limit from the edge's own length
+        std::uint32_t faced;        ///< the edge that the last ray from here met
+        bool has_thickness = false; ///< whether the samples across the domain are made
     };
 
     void add(const Vec<double, 2>& place, double size, SizeReason reason) {
@@ -83,8 +89,9 @@ private:
         return {n, inwards, length_of(boundary_[n].corner) / options_.per_facet, n};
     }
 
-    /// The distance across the domain from a place of a facet to one that faces it; infinite where
-    /// what comes first does not, or has a vertex with it in common: wedges have no thickness.
+    /// Returns the distance across the domain from a point on an edge to the edge that faces it.
+    /// Returns infinity if the first edge met does not face it or shares a vertex with it, because
+    /// a wedge has no thickness.
     double thickness(Side& side, const Vec<double, 2>& from) const {
         const Boundary& boundary = boundary_;
         double nearest = std::ldexp(2.0, int(boundary.depth()));
@@ -102,7 +109,7 @@ private:
             met = n;
             return nearest;
         };
-        (void)meet(side.faced); // most likely that again, and nothing beyond it is looked at
+        (void)meet(side.faced); // it is likely met again, and then limits the search
         boundary.boxes().for_each_on_ray(from, side.inwards, nearest, meet);
         side.faced = met;
         if (met == side.facet) return std::numeric_limits<double>::infinity();
@@ -116,7 +123,8 @@ private:
         if (!(dot(boundary_.normal(n), boundary_.normal(n)) > 0)) return;
         sample_piece(boundary_[n].corner, side_of(n, front));
     }
-    /// Halves a piece until it is as small as the cells there.
+    /// Adds samples to a piece of an edge. Halves the piece until it is as short as the cells
+    /// there.
     void sample_piece(const Corners<2>& piece, Side side) {
         const auto middle = 0.5 * (piece[0] + piece[1]);
         const double t = thickness(side, middle), across = t / options_.across;
@@ -125,15 +133,15 @@ private:
                             : side.by_length < largest_                   ? SizeReason::facet
                                                                           : SizeReason::largest;
         add(middle + (0.25 * size) * side.inwards, size,
-            reason); // where cells meet on a facet, the inner one
+            reason); // a little inside, to pick the inner one of two cells that meet on the edge
         const double piece_length = length_of(piece);
         if (!side.has_thickness && piece_length < 1.5 * across && across < largest_) {
-            side.has_thickness = true; // the middle of the domain is as fine as its skin
+            side.has_thickness = true; // cells in the middle are as small as at the surface
             for (double d = across; d < 0.55 * t && across >= 1; d += across)
                 add(middle + d * side.inwards, across, SizeReason::thickness);
         }
         if (!(piece_length > spacing * size)) return;
-        if (out_.count > double(most_)) { // only to tell how many there would be
+        if (out_.count > double(most_)) { // count the remaining samples without making them
             out_.count += piece_length / (spacing * size);
             return;
         }
@@ -143,7 +151,7 @@ private:
 
     // ---- singular vertices ----------------------------------------------------------------------
 
-    struct End { ///< of an edge
+    struct End { ///< the end of an edge
         std::uint32_t vertex, edge;
         std::size_t corner;
     };
@@ -161,8 +169,8 @@ private:
             if (levels > 0) sample_vertex({begin, end}, levels);
         }
     }
-    /// Of the distance, which the steepest functions at a vertex fall like; infinite where the tree
-    /// need not be finer.
+    /// Returns the exponent α for which the steepest functions at a vertex decrease like
+    /// distance^α: π over the interior angle. Returns infinity if the tree need not be finer there.
     double exponent(std::span<const End> about) const noexcept {
         constexpr double pi = std::numbers::pi, obtuse = 0.55 * pi;
         double angle = about.size() == 1 ? 2 * pi : pi;
@@ -183,11 +191,13 @@ private:
         }
         return angle > obtuse ? pi / angle : std::numeric_limits<double>::infinity();
     }
-    /// From a vertex along its edge.
+    /// Returns the vector from a vertex along its edge to the other end.
     Vec<double, 2> across(const End& end) const noexcept {
         const auto& corner = boundary_[end.edge].corner;
         return corner[1 - end.corner] - corner[end.corner];
     }
+    /// Adds the samples about a singular vertex: `levels` halvings of the size that its edges
+    /// allow.
     void sample_vertex(std::span<const End> about, double levels) {
         const auto place = boundary_[about[0].edge].corner[about[0].corner];
         double size = largest_;
@@ -204,7 +214,7 @@ private:
             if (options_.layers == 0) break;
         }
     }
-    /// Layers of cells about a vertex; at least those that meet there.
+    /// Adds samples about a vertex for layers of cells, or at least for the cells that meet there.
     void add_about(const Vec<double, 2>& place, double size) {
         const auto steps = (std::max)(2 * int(options_.layers), 1);
         const double reach = options_.layers > 0 ? 0.9 * options_.layers * size : 0.25 * size;
@@ -225,19 +235,18 @@ private:
 } // namespace detail
 namespace grid {
 
-/// How fine a boundary in the plane asks a tree to be, down to cells of one unit.
+/// Returns the size limits of a boundary in the plane, down to cells of one unit.
 ///
-///   most  samples kept; where the count is larger there would be more, by an estimate
+///   most  samples kept; if count is larger, it estimates how many there would be
 ///   cost  a ray across the domain for each sample
 inline SizeSamples<2> size_samples(const TreeBoundary<2>& boundary, const SizingOptions& options,
                                    std::size_t most) {
     return detail::Sizing(boundary, options, most).make();
 }
 
-/// Splits the leaves of a tree as the samples ask, then those that neighbours of less than half
-/// their size ask.
+/// Splits leaves until none is larger than the samples and bones allow, then balances the tree.
 ///
-///   most_leaves  false when more would be needed; the tree is then not whole
+///   most_leaves  returns false if more would be needed; the tree is then incomplete
 template <std::size_t D>
 bool refine(CutTree<D>& tree, std::span<const SizeSample<D>> samples, const SizingOptions& options,
             std::size_t most_leaves) {
@@ -245,7 +254,7 @@ bool refine(CutTree<D>& tree, std::span<const SizeSample<D>> samples, const Sizi
     const auto& cells = tree.cells();
     const double largest = options.largest * double(cells.size());
     const BoneSizes<D> bones(tree.boundary(), options.per_radius);
-    for (std::size_t n = 0; n < cells.cells(); ++n) { // cells are added while they are gone through
+    for (std::size_t n = 0; n < cells.cells(); ++n) { // the loop reaches cells that it adds
         const auto cell = cells.cell(std::uint32_t(n));
         const double most = std::fmin(largest, bones.size_of(cell));
         if (cells.is_leaf(cell.number) && cell.size > 1 && cell.size > most) tree.split(cell);

@@ -1,4 +1,11 @@
-// What a node or a place in a tree sees about it in the plane: nodes, and places of the boundary.
+// The star of a point in the plane: the nodes and boundary points about it that its value is
+// computed from.
+//
+// In generalised finite differences the star is the set of points that the equation of a node
+// involves. Here it holds the corners of the leaves about the point. Where a facet lies between the
+// point and a corner, the star holds the point of that facet instead, whose value is known. The
+// point is said to see what no facet hides. grid/tree/harmonic_mean.hpp computes weights for a
+// star.
 #pragma once
 
 #include <cageform/grid/tree/harmonic_mean.hpp>
@@ -9,16 +16,16 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The corners of the leaves about a node, and where facets hide them the places of these; no more than
-/// a HarmonicMean takes.
+/// Collects a star: at most HarmonicMean::most points.
 class Star {
 public:
     using Nodes = grid::TreeNodes<2>;
     using Index = Nodes::Index;
     using Cell = grid::CellTree<2>::Cell;
     struct Place {
-        Vec<double, 2> offset; ///< from the centre, in units
-        std::uint32_t node;    ///< or none: on the boundary
+        Vec<double, 2> offset; ///< from the centre of the star, in units of the tree
+        std::uint32_t node;    ///< none: the point lies on the boundary
+        // Only of a point on the boundary.
         BoundaryValue<2> value;
     };
 
@@ -26,13 +33,15 @@ public:
         : tree_(tree)
         , nodes_(nodes) {}
 
-    /// From a node. False where it is not known what is seen, next to bones.
+    /// Collects the star of a node. Returns false if a bone passes a leaf about it, since a star
+    /// cannot tell what a bone hides.
     bool look(const Index& index, const LeavesAbout<2>& about) {
         begin(node_position<2>(index), about.smallest()->size);
         return look_about(index, about);
     }
-    /// From a place in a leaf: what it sees in the leaf, with what the leaf's corners that it sees do,
-    /// the nearest first. False where that is not known.
+    /// Collects the star of a point in a leaf: what it sees in its leaf, the boundary along the
+    /// four axis directions, and then the stars of the leaf's corners that it sees, the nearest
+    /// first. Returns false if a bone passes the leaf.
     bool look(const Vec<double, 2>& p, const Cell& leaf) {
         begin(p, leaf.size);
         const auto facets = tree_.facets(leaf.number);
@@ -59,9 +68,10 @@ public:
         }
         return true;
     }
-    /// Adds what a place in a leaf sees in evenly spread directions up to the leaf's size away: the boundary, or
-    /// nodes of the leaf there. Nothing where a bone is as near. In a limb narrower than the leaf the leaf itself
-    /// may have no nodes.
+    /// Adds what a point sees in evenly spaced directions, up to the leaf's size away: the
+    /// boundary, or the nodes of the leaf that lies there. Adds nothing if a bone is within twice
+    /// that distance. This serves limbs narrower than a leaf, where the leaf itself may have no
+    /// node.
     void look_around(const Vec<double, 2>& p, const Cell& leaf) {
         constexpr std::size_t directions = 16;
         const auto& boundary = tree_.boundary();
@@ -81,7 +91,8 @@ public:
             }
         }
     }
-    double size() const noexcept { return size_; } ///< of the smallest leaf about, or of the leaf
+    /// The size of the smallest leaf about the node, or of the point's leaf.
+    double size() const noexcept { return size_; }
     std::span<const Place> places() const noexcept { return {places_.data(), places_.size()}; }
 
 private:
@@ -90,7 +101,8 @@ private:
         centre_ = centre;
         size_ = size;
     }
-    /// The corners of a leaf, then the middles of its sides, up to a unit, as they are only looked towards.
+    /// Target 0 to 3: a corner of the leaf. Targets 4 to 7: the middle of a side, rounded to a
+    /// unit; it only gives a direction to look in.
     static Index on_rim(const Cell& leaf, std::size_t target) noexcept {
         Index at = leaf.low;
         if (target < 4) {
@@ -102,12 +114,15 @@ private:
         }
         return at;
     }
+    /// Looks from a node into each leaf about it that is not outside.
     bool look_about(const Index& index, const LeavesAbout<2>& about) {
         for (std::size_t n = 0; n < about.leaf.size(); ++n) {
             if (about.counts[n] && !look_at(node_position<2>(index), about.leaf[n])) return false;
         }
         return true;
     }
+    /// Looks from a point towards the corners of a leaf, and if facets pass the leaf also towards
+    /// the middles of its sides. Adds the node or the boundary point met in each direction.
     bool look_at(const Vec<double, 2>& from, const Cell& leaf) {
         const auto facets = tree_.facets(leaf.number);
         if (!facets.empty() && facets.back() >= tree_.boundary().size()) return false;
@@ -145,12 +160,14 @@ private:
     std::vector<Place> places_;
 };
 
-/// The value at a place in a leaf by what it sees, exact for powers up to `most_degree`. None where
-/// nothing is known of that. Weights may be negative where these are the more exact.
+/// Returns the value at a point in a leaf as a mean over its star, exact for harmonic polynomials
+/// up to degree `most_degree` or the highest lower degree that works. Weights of either sign are
+/// tried first, because they reach a higher degree. Returns none if the star is too small or
+/// unknown.
 inline std::optional<grid::CutStencil<2>>
 harmonic_mean_of(const grid::CutTree<2>& tree, const grid::TreeNodes<2>& nodes, const Vec<double, 2>& p,
                  const grid::CellTree<2>::Cell& leaf, unsigned most_degree) {
-    constexpr double largest_sum = 4; // of the weights' sizes
+    constexpr double largest_sum = 4; // limit of Σ |weight|
     Star star(tree, nodes);
     if (!star.look(p, leaf)) return std::nullopt;
     HarmonicMean mean;

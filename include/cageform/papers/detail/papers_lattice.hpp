@@ -1,4 +1,5 @@
-// The papers' grid: what a cell can be, and where the cells lie about a cage.
+// The grid of the harmonic coordinates papers: the tags of its cells, and its placement around a
+// cage.
 #pragma once
 
 #include <cageform/grid/lattice.hpp>
@@ -6,19 +7,19 @@
 namespace cageform::inline CAGEFORM_ABI {
 namespace grid {
 
-/// The papers' tags of a cell (Joshi et al. 2007, sec. 4).
+/// The tags of a cell (Joshi et al. 2007, sec. 4).
 enum class CellTag : std::uint8_t {
     untyped,
-    boundary, ///< its value is given and stays
-    interior, ///< its value is the unknown
+    boundary, ///< its value is given and fixed
+    interior, ///< its value is unknown
     exterior, ///< not part of the problem
 };
 
-/// Empty cells left around a cage on every side, so that the exterior is connected.
+/// The number of empty cells left around a cage on every side, so that the exterior is connected.
 inline constexpr std::size_t papers_margin = 2;
 
-/// The papers' grid: `resolution` cells a side about the cage's longest extent, margin included;
-/// along the shorter axes only as many as the cage needs (the cells left out would be exterior).
+/// Returns the papers' grid: `resolution` cells along the cage's longest extent, margin included.
+/// Shorter axes get only as many cells as the cage needs; the omitted cells would be exterior.
 template <Scalar T, std::size_t D>
 Lattice<T, D> lattice_about(const Bounds<T, D>& bounds, std::size_t resolution) noexcept {
     CAGEFORM_ASSERT(resolution > 2 * papers_margin, "room for the cage between the margins");

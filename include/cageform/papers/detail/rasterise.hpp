@@ -1,4 +1,4 @@
-// Scan conversion of a cage onto a grid: which cells the boundary passes, and which are inside.
+// Scan conversion of a cage onto a grid: finds the cells on the boundary, inside and outside.
 #pragma once
 
 #include <cageform/cage/box.hpp>
@@ -15,20 +15,20 @@
 namespace cageform::inline CAGEFORM_ABI {
 namespace grid {
 
-/// The value that the function of a handle has in a boundary cell.
+/// The value of a handle's function in a boundary cell.
 template <Scalar T>
 struct CellData {
     std::uint32_t handle, cell;
     T value; ///< not 0
 };
 
-/// The domain of a boundary value problem on a grid and its data. Knows no solver.
+/// The domain of a boundary value problem on a grid, with its data. Independent of any solver.
 template <Scalar T, std::size_t D>
 struct GridDomain {
     Lattice<T, D> lattice;
     std::vector<CellTag> tags;     ///< #cells
     std::vector<CellData<T>> data; ///< by handle, then by cell; in every boundary cell they sum to 1
-    std::size_t crowded_cells = 0; ///< those that hold facets without a common vertex
+    std::size_t crowded_cells = 0; ///< cells that touch facets without a common vertex
 
     std::span<const CellData<T>> data_of(std::size_t handle) const noexcept {
         const auto before = [](const CellData<T>& a, std::size_t b) { return a.handle < b; };
@@ -41,10 +41,10 @@ struct GridDomain {
 
 namespace detail {
 
-/// In cells: a facet through a corner touches all cells there.
+/// In cells. A facet through a corner of cells touches all cells that meet there.
 inline constexpr double touch_slack = 1e-6;
 
-/// Whether a place, which may lie beyond the lattice, is one of its cells; its number.
+/// Returns the number of a cell given by its indices; nothing if they lie beyond the lattice.
 template <Scalar T, std::size_t D>
 std::optional<std::uint32_t> cell_number(const Lattice<T, D>& lattice,
                                          const std::array<std::int32_t, D>& at) noexcept {
@@ -57,7 +57,7 @@ std::optional<std::uint32_t> cell_number(const Lattice<T, D>& lattice,
     return std::uint32_t(lattice.number(index));
 }
 
-/// Sorts the data by handle and cell; what a cell has of a handle more than once is added.
+/// Sorts the data by handle and cell, and adds up values with the same handle and cell.
 template <Scalar T>
 void sort_data(std::vector<grid::CellData<T>>& data) {
     using Data = grid::CellData<T>;
@@ -77,14 +77,14 @@ void sort_data(std::vector<grid::CellData<T>>& data) {
 
 // ---- in the plane: the nearest edge -------------------------------------------------------------
 
-/// The edges that pass a cell. Edges that meet pairwise are two neighbours, or all three of a
-/// triangle: so a further edge has to meet the first two only.
+/// The edges that pass through a cell. If edges share vertices pairwise, they are two neighbours or
+/// the three of a triangle, so a further edge is only compared with the first two.
 struct EdgesOfCell {
     using Edge = std::array<std::uint32_t, 2>;
 
     std::array<Edge, 2> first{};
     std::size_t count = 0;
-    bool crowded = false; ///< two of them have no common vertex
+    bool crowded = false; ///< two of the edges have no common vertex
 
     void add(const Edge& edge) noexcept {
         for (std::size_t n = 0; n < count; ++n) {
@@ -95,16 +95,16 @@ struct EdgesOfCell {
     }
 };
 
-/// The first step of `rasterise`: boundary cells and their data, that of the nearest edge at the
-/// place nearest to the cell's centre.
+/// The first step of `rasterise` in 2D: marks boundary cells. The data of a cell is taken at the
+/// boundary point nearest to the cell's centre.
 template <Scalar T>
 void mark_boundary(const Polygon<T>& polygon, grid::GridDomain<T, 2>& domain) {
     constexpr std::size_t none = ~std::size_t{0};
     const Lattice<T, 2>& lattice = domain.lattice;
-    std::vector<std::size_t> slot(lattice.size(), none); // of a boundary cell in `places`
+    std::vector<std::size_t> slot(lattice.size(), none); // index of each boundary cell in `places`
     std::vector<std::uint32_t> cells;
     std::vector<BoundaryPoint<T>> places; // parallel to `cells`
-    std::vector<EdgesOfCell> edges;       // so too
+    std::vector<EdgesOfCell> edges;       // parallel to `cells`
     std::vector<Vec<double, 2>> vertices;
     for (const auto& p : polygon.vertices()) vertices.push_back(vec_cast<double>(lattice.in_cells(p)));
     for_each_facet(polygon, [&](const EdgesOfCell::Edge& edge) {
@@ -137,9 +137,9 @@ void mark_boundary(const Polygon<T>& polygon, grid::GridDomain<T, 2>& domain) {
 
 // ---- in space: the mean over the faces ----------------------------------------------------------
 
-/// Whether one of the nine axes across an edge of a face and an edge of a cell has the two apart.
-/// With the axes of the cell and the face's normal, which `for_each_cell` looks at, these are all
-/// that can (Akenine-Möller, Fast 3D triangle-box overlap testing, 2001).
+/// Whether a face and a cell are separated by one of the nine axes that are cross products of their
+/// edges. Together with the cell's axes and the face's normal, which `for_each_cell` tests, these
+/// are all possible separating axes (Akenine-Möller, Fast 3D triangle-box overlap testing, 2001).
 inline bool apart_across_edges(const PlacedFacet<3>& face, const Vec<double, 3>& middle,
                                double half) noexcept {
     for (std::size_t k = 0; k < 3; ++k) {
@@ -157,7 +157,7 @@ inline bool apart_across_edges(const PlacedFacet<3>& face, const Vec<double, 3>&
     return false;
 }
 
-/// The faces of a cage in units of a lattice, by numbers.
+/// The faces of a cage in lattice coordinates, numbered.
 template <class C>
 class FacesInCells;
 
@@ -169,7 +169,7 @@ public:
         for (const auto& p : mesh.vertices()) vertices_.push_back(vec_cast<double>(lattice.in_cells(p)));
     }
 
-    /// f(cell, face) for every cell that a face touches.
+    /// Calls f(cell, face) for every cell that a face touches.
     template <class F>
     void for_each_touch(const F& f) const {
         for (std::uint32_t n = 0; n < faces_.size(); ++n) {
@@ -180,7 +180,7 @@ public:
             });
         }
     }
-    /// The data at the place of a face nearest to `p`.
+    /// Returns the data at the point of face `n` nearest to `p`.
     BoundaryValue<3> nearest(std::uint32_t n, const Vec<double, 3>& p) const noexcept {
         const Facet<3> face(faces_[n], std::span<const Vec<double, 3>>(vertices_));
         return value_on_facet(face.vertex, nearest_on_facet(p, face.corner));
@@ -195,7 +195,7 @@ private:
     std::vector<Vec<double, 3>> vertices_;
 };
 
-/// The six sides of a box: 2 · axis, of the upper side + 1.
+/// The six sides of a box, numbered 2 · axis, plus 1 for the upper side.
 template <Scalar T>
 class FacesInCells<Box<T>> {
 public:
@@ -225,7 +225,7 @@ public:
         for (std::size_t k = 0; k < 3; ++k) part[k] = (p[k] - ends_[0][k]) / (ends_[1][k] - ends_[0][k]);
         return box_.on_face(side / 2, side % 2 == 1, part);
     }
-    /// All but opposite ones.
+    /// Holds for all pairs except opposite sides.
     bool have_common_vertex(std::uint32_t m, std::uint32_t n) const noexcept {
         return m == n || m / 2 != n / 2;
     }
@@ -235,8 +235,8 @@ private:
     std::array<Vec<double, 3>, 2> ends_;
 };
 
-/// The first step of `rasterise`: boundary cells and their data, the mean over the faces that touch
-/// a cell, each at its place nearest to the cell's centre.
+/// The first step of `rasterise` in 3D: marks boundary cells. The data of a cell is the mean over
+/// the faces that touch it, each taken at its point nearest to the cell's centre.
 template <class C>
 void mark_boundary(const C& cage, grid::GridDomain<typename C::scalar, 3>& domain) {
     using T = typename C::scalar;
@@ -276,9 +276,9 @@ void mark_boundary(const C& cage, grid::GridDomain<typename C::scalar, 3>& domai
     }
 }
 
-// ---- in both ------------------------------------------------------------------------------------
+// ---- in the plane and in space ------------------------------------------------------------------
 
-/// Tags the untyped cells that are connected with one of them along the axes.
+/// Tags a cell and all untyped cells connected with it along the axes.
 template <Scalar T, std::size_t D>
 void flood(grid::GridDomain<T, D>& domain, std::size_t seed, grid::CellTag tag) {
     const Lattice<T, D>& lattice = domain.lattice;
@@ -303,17 +303,17 @@ void flood(grid::GridDomain<T, D>& domain, std::size_t seed, grid::CellTag tag) 
 } // namespace detail
 namespace grid {
 
-/// Tags every cell that a facet (an edge, a triangle, a side of a box) touches as boundary, and the
-/// connected rest as interior or exterior, each part by one inside test. The data of a boundary
-/// cell is in the plane that of the nearest edge, in space the mean over the faces that touch it,
-/// each at its place nearest to the cell's centre.
+/// Tags every cell that a facet (an edge, a triangle, a side of a box) touches as boundary, and
+/// each connected component of the rest as interior or exterior by one inside test. In 2D a
+/// boundary cell has the data of the nearest edge. In 3D it has the mean over the faces that touch
+/// it, each taken at its point nearest to the cell's centre.
 ///
-/// Watertight: a facet marks all cells it touches, those met in a corner included, so no path from
-/// cell to neighbouring cell, diagonals included, gets from the interior to the exterior. Whether a
-/// triangle touches a cell is decided by separating axes, all thirteen. Cost O(#cells + #parts ·
-/// #facets + cells in the facets' boxes). Joshi et al. 2007, sec. 4, steps 1 and 2, which flood
-/// only the exterior, from a corner; deciding every part by itself serves holes and several outer
-/// loops or shells too.
+/// Watertight: a facet marks all cells it touches, even those it meets only in a corner, so no path
+/// between neighbouring cells, diagonal ones included, leads from the interior to the exterior.
+/// Whether a triangle touches a cell is decided by all thirteen separating axes. Cost O(#cells +
+/// #components · #facets + cells in the facets' boxes). These are steps 1 and 2 of Joshi et al.
+/// 2007, sec. 4, who flood only the exterior, from a corner; testing every component handles holes
+/// and several outer loops or shells as well.
 template <class C>
 GridDomain<typename C::scalar, C::dimension>
 rasterise(const C& cage, const Lattice<typename C::scalar, C::dimension>& lattice) {

@@ -1,4 +1,4 @@
-// Values between the cells of a grid.
+// Interpolates values between the cells of a grid.
 #pragma once
 
 #include <cageform/coordinates/harmonic/options.hpp>
@@ -9,12 +9,13 @@
 namespace cageform::inline CAGEFORM_ABI {
 namespace grid {
 
-/// The cells a value is read from and their shares, for one point; serves any number of fields.
+/// The cells that a value is interpolated from and their weights, for one point. Serves any number
+/// of fields.
 template <Scalar T, std::size_t D>
 struct SampleStencil {
     std::array<std::size_t, (std::size_t{1} << D)> cells{};
     std::array<T, (std::size_t{1} << D)> shares{};
-    std::size_t count = 0; ///< used; zero where no cell around the point has a value
+    std::size_t count = 0; ///< number of cells used; zero if no cell around the point has a value
 
     T sample(std::span<const T> field) const noexcept {
         T sum = 0;
@@ -23,8 +24,8 @@ struct SampleStencil {
     }
 };
 
-/// The stencil at a finite point. Where exterior cells are left out the other shares are scaled to
-/// sum to 1.
+/// Returns the stencil at a finite point. Exterior cells are left out; the weights of the others
+/// are rescaled to sum to 1.
 template <Scalar T, std::size_t D>
 SampleStencil<T, D> sample_stencil(const Lattice<T, D>& lattice, std::span<const CellTag> tags,
                                    const Vec<T, D>& p, Interpolation interpolation) noexcept {

@@ -1,0 +1,158 @@
+// Coordinates whose type is chosen at run time.
+#pragma once
+
+#include <cageform/binding/bind.hpp>
+#include <cageform/coordinates/cage_solver.hpp>
+
+#include <functional>
+#include <memory>
+#include <span>
+#include <type_traits>
+#include <utility>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+/// Coordinates of any type behind one type. Use it where the type is only known at run time, or to
+/// compile a coordinate type in one file of a program:
+///
+///     AnyCoordinates<float, 3> coordinates_of(const TriangleMesh<float>& cage, bool harmonic) {
+///         if (harmonic) return HarmonicCoordinates(cage);
+///         return MeanValueCoordinates(cage);
+///     }
+///     const auto [binding, report] = bind(coordinates_of(cage, true), points);
+///
+/// The results equal those of the type it holds, to the bit. Copies share what they hold, so a copy
+/// costs as much as a pointer, and `solve` serves all of them. Default-constructed coordinates return
+/// coordinates_empty from every call.
+template <Scalar T, std::size_t D>
+class AnyCoordinates {
+public:
+    using scalar = T;
+    static constexpr std::size_t dimension = D;
+
+    AnyCoordinates() = default;
+
+    /// Holds coordinates of any type of this scalar and dimension.
+    template <CageCoordinates C>
+        requires(std::is_same_v<typename C::scalar, T>&& C::dimension == D)
+    AnyCoordinates(C coordinates) // implicit, so that a function can return either type
+        : model_(std::make_shared<Model<C>>(std::move(coordinates))) {}
+
+    /// Whether weights are defined outside the cage.
+    bool has_extension() const noexcept { return model_ && model_->has_extension; }
+    /// Whether no solver is behind the weights: `solve` has nothing to do.
+    bool closed_form() const noexcept { return model_ && model_->closed_form; }
+    /// Whether the coordinates have gradients: `bind` takes normals and tangents.
+    bool has_gradients() const noexcept { return model_ && model_->has_gradients; }
+
+    HandleView<T, D> handles() const { return model_ ? model_->handles() : HandleView<T, D>{}; }
+    const CageReport& cage_report() const {
+        static const CageReport empty{Status::coordinates_empty, {}};
+        return model_ ? model_->cage_report() : empty;
+    }
+
+    /// Solves for the functions and keeps them, so that several binds solve only once.
+    Evaluation solve(const Running& running = {}) {
+        if (!model_) return {Status::coordinates_empty, {}};
+        return model_->solve(running);
+    }
+
+    /// Calls f(cell) for the cells of the adaptive grid. Returns solver_not_supported if there is none.
+    Evaluation for_each_cell(const std::function<void(const GridCell<T, D>&)>& f) const {
+        if (!model_) return {Status::coordinates_empty, {}};
+        return model_->for_each_cell(f);
+    }
+
+    /// Binds points; `bind(coordinates, points, …)` calls it.
+    template <PointRangeIn<D> R>
+    Result<Binding<T, D>, BindReport> bind(const R& points, const BindOptions& options = {},
+                                           const Running& running = {}) const {
+        return bind(points, options, Binding<T, D>{}, running);
+    }
+    template <PointRangeIn<D> R>
+    Result<Binding<T, D>, BindReport> bind(const R& points, const BindOptions& options,
+                                           Binding<T, D>&& recycled, const Running& running = {}) const {
+        if (!model_) {
+            Result<Binding<T, D>, BindReport> refused;
+            refused.report.status = Status::coordinates_empty;
+            return refused;
+        }
+        return model_->bind(detail::read_points<T>(points), options, std::move(recycled), running);
+    }
+
+    /// Binds a figure; `bind(coordinates, figure, …)` calls it. Normals need gradients: without, the
+    /// status is gradients_not_supported.
+    template <PointRangeIn<D> P, class N, class G>
+        requires(detail::NormalsIn<N, D>&& detail::TangentsIn<G, N, D>)
+    Result<FigureBinding<T, D>, FigureBindReport>
+    bind(const FigurePoints<P, N, G>& figure, const BindOptions& options = {}, const Running& running = {})
+    const {
+        Result<FigureBinding<T, D>, FigureBindReport> result;
+        detail::run_into(result.report, [&] {
+            if (!model_) return Status::coordinates_empty;
+            return detail::read_figure<T, D>(figure, [&](detail::FigureInput<T, D>& input) {
+                return model_->bind(input, options, running, result);
+            });
+        });
+        return result;
+    }
+
+private:
+    using FigureResult = Result<FigureBinding<T, D>, FigureBindReport>;
+
+    struct Interface {
+        virtual ~Interface() = default;
+        virtual HandleView<T, D> handles() const = 0;
+        virtual const CageReport& cage_report() const = 0;
+        virtual Evaluation solve(const Running&) = 0;
+        virtual Evaluation for_each_cell(const std::function<void(const GridCell<T, D>&)>&) const = 0;
+        virtual Result<Binding<T, D>, BindReport> bind(detail::PointReader<T>, const BindOptions&,
+                                                       Binding<T, D>&&, const Running&) const = 0;
+        virtual Status bind(detail::FigureInput<T, D>&, const BindOptions&, const Running&,
+                            FigureResult&) const = 0;
+
+        bool has_extension = false, closed_form = false, has_gradients = false;
+    };
+
+    template <class C>
+    struct Model final : Interface {
+        explicit Model(C its_coordinates)
+            : own(std::move(its_coordinates)) {
+            this->has_extension = C::has_extension;
+            this->closed_form = C::closed_form;
+            this->has_gradients = GradientCoordinates<C>;
+        }
+
+        HandleView<T, D> handles() const override { return handle_view(own); }
+        const CageReport& cage_report() const override { return own.cage_report(); }
+        Evaluation solve(const Running& running) override {
+            if constexpr (requires { own.solve(running); })
+                return own.solve(running);
+            else
+                return {running.end(own.cage_report().status), {}};
+        }
+        Evaluation for_each_cell(const std::function<void(const GridCell<T, D>&)>& f) const override {
+            if constexpr (requires { own.for_each_cell(f); })
+                return own.for_each_cell(f);
+            else
+                return {Status::solver_not_supported, {}};
+        }
+        Result<Binding<T, D>, BindReport> bind(detail::PointReader<T> points, const BindOptions& options,
+                                               Binding<T, D>&& recycled,
+                                               const Running& running) const override {
+            return detail::bind_points(detail::bind_input(own, std::move(points)), options,
+                                       std::move(recycled), running);
+        }
+        Status bind(detail::FigureInput<T, D>& figure, const BindOptions& options, const Running& running,
+                    FigureResult& result) const override {
+            if (figure.has_normals() && !GradientCoordinates<C>) return Status::gradients_not_supported;
+            return detail::bind_read_figure(own, figure, options, running, result);
+        }
+
+        C own;
+    };
+
+    std::shared_ptr<Interface> model_;
+};
+
+} // namespace cageform::inline CAGEFORM_ABI

@@ -1,0 +1,93 @@
+// The figure that make_cage encloses, its options and its report, for the plane and for space.
+#pragma once
+
+#include <cageform/cage/report.hpp>
+#include <cageform/core/result.hpp>
+#include <cageform/core/running.hpp>
+#include <cageform/core/vec.hpp>
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <ranges>
+#include <span>
+#include <utility>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+/// A piece of a drawing: all points within `radius` of the segment from `a` to `b`. A stroke
+/// consists of these, with half its width as the radius; an outline has radius 0.
+template <Scalar T>
+struct DrawnSegment {
+    Vec<T, 2> a, b;
+    T radius = 0;
+};
+
+/// Segments `begin` … `end` − 1 are closed outlines of one painted area.
+struct PaintedArea {
+    std::size_t begin = 0;
+    std::size_t end = 0;
+    bool even_odd = false; ///< the fill rule; otherwise non-zero, as in SVG
+};
+
+/// A drawing whose painted areas are known, so that a cage can keep their holes.
+template <Scalar T>
+struct Drawing {
+    std::span<const DrawnSegment<T>> segments;
+    std::span<const PaintedArea> areas{};
+};
+template <class Segments>
+Drawing(const Segments&) -> Drawing<decltype(std::declval<std::ranges::range_value_t<Segments>>().radius)>;
+template <class Segments, class Areas>
+Drawing(const Segments&, const Areas&)
+    -> Drawing<decltype(std::declval<std::ranges::range_value_t<Segments>>().radius)>;
+
+/// A mirror plane (2D: a mirror line) perpendicular to an axis; the cage is symmetric about it.
+struct MirrorPlane {
+    std::size_t axis = 0;          ///< the axis that it is perpendicular to: 0, 1, 2 for x, y, z
+    std::optional<double> place{}; ///< its coordinate on that axis; by default the middle of the figure
+};
+
+/// The shape that a cage follows.
+enum class CageShape : std::uint8_t {
+    figure, ///< the figure itself, with limbs and hollows
+    hull,   ///< the convex hull of the figure
+    box,    ///< the bounds, widened by the margin: 4 vertices, 8 in space
+};
+
+/// Controls how a cage is made; see enclose/make_cage.hpp.
+struct MakeCageOptions {
+    /// The number of vertices of the whole cage, in all its loops or shells. It is met exactly; a
+    /// mirrored cage may miss it by one. 0 stands for 24 in the plane and 112 in space.
+    std::size_t vertices = 0;
+    /// The distance that the cage keeps from the figure, as a share of the diagonal of the figure's
+    /// bounds. 0 stands for 0.025 in the plane and 0.02 in space.
+    double margin = 0;
+    std::optional<MirrorPlane> mirror{};
+    CageShape shape = CageShape::figure;
+    bool one_cage = true; ///< joins the parts of the figure by bridges; otherwise each gets a loop or shell
+    bool holes = false;   ///< in the plane: keeps large enclosed empty regions as holes
+    bool fill_tunnels = false; ///< in space: the cage gets genus 0; otherwise it has the figure's tunnels
+    /// The weight of regular angles and lengths against a tight fit. A larger value makes a looser cage.
+    double regular = 1;
+};
+
+/// The outcome of make_cage. In space, `area` and `tightest_area` are volumes.
+struct MakeCageReport {
+    Status status = Status::ok;
+    std::size_t culprit = 0;  ///< index of the segment, area, vertex or face that `status` is about
+    std::size_t vertices = 0; ///< of the cage; more than requested if no fewer were possible
+    double margin = 0;        ///< the requested margin, as a distance
+    double clearance = 0;     ///< exact least distance between the cage and the figure
+    double area = 0;          ///< of the cage
+    /// The area of the figure grown by the margin, slits closed: the limit for very many vertices.
+    double tightest_area = 0;
+    double least_angle = 0;  ///< between edges of the cage, in degrees
+    std::size_t parts = 0;   ///< connected parts of the figure, grown by the margin; 0 for a box
+    std::size_t bridges = 0; ///< that join the parts
+    std::size_t tunnels = 0; ///< of a cage in space: its genus
+    CageReport cage;         ///< the report of `check` on the cage
+    double seconds = 0;
+};
+
+} // namespace cageform::inline CAGEFORM_ABI
