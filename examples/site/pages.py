@@ -338,8 +338,9 @@ def main(out):
 
     def write_page(label, text):
         """Markdown, whose first line is "# title" with or without a label, as a comment: pages are not files."""
-        text = re.sub(r"^# ([^\n{]*?)(?: *\{#\w+\})?\n\s*", lambda m: "%s %s\n\n\\details " % (
-            "\\page " + label if label != "index" else "\\mainpage", m[1]), text)
+        command = "\\mainpage" if label == "index" else "\\page " + label
+        text = re.sub(r"^# ([^\n{]*?)(?: *\{#\w+\})?\n\n*(?=([^\n])?)", lambda m: "%s %s\n\n%s" % (
+            command, m[1], "\\details " if (m[2] or " ").isalnum() else ""), text)
         write("pages/%s.dox" % label, "".join("/// %s\n" % line for line in text.rstrip("\n").split("\n")))
 
     def write(path, text):
