@@ -1,8 +1,8 @@
 """Usage: python3 examples/site/check_links.py FOLDER
 
-Follows every link and every picture in the HTML files of a folder, and the addresses that the search and the menu know.
-Prints the number of pages, their bytes and the broken links; fails where one is broken, leads out of the folder or to
-a place on a page that is not there. Addresses of the network are counted and not followed.
+Follows every link and every picture in the HTML files of a folder, and the addresses that the search and
+the menu know. Prints the number of pages, their bytes and the broken links. Fails where one is broken, leads
+out of the folder, or to a place on a page that is not there. Addresses of the network are only counted.
 """
 import html.parser
 import os
@@ -14,7 +14,7 @@ import urllib.parse
 class Page(html.parser.HTMLParser):
     def __init__(self, text):
         super().__init__()
-        self.anchors, self.links, self.titles = set(), [], 0
+        self.anchors, self.links = set(), []
         self.feed(text)
 
     def handle_starttag(self, tag, attributes):
@@ -23,9 +23,8 @@ class Page(html.parser.HTMLParser):
             if attributes.get(name):
                 self.anchors.add(attributes[name])
         for name in ("href", "src", "data"):
-            if attributes.get(name) and not (tag == "meta"):
+            if attributes.get(name):
                 self.links.append(attributes[name])
-        self.titles += tag == "title"
 
 
 def main(folder):
@@ -44,7 +43,8 @@ def main(folder):
                 path = os.path.join(base, name)
                 with open(path, encoding="utf-8") as file:
                     text = file.read()
-                links += [(path, link) for link in re.findall(r"['\"]((?:\.\./)?\w+\.html(?:#\w+)?)['\"]", text)]
+                found = re.findall(r"['\"]((?:\.\./)?\w+\.html(?:#\w+)?)['\"]", text)
+                links += [(path, link) for link in found]
     for path, link in links:
         if re.match(r"(javascript|data):", link):
             continue
@@ -53,7 +53,7 @@ def main(folder):
             continue
         target, _, anchor = link.partition("#")
         target = urllib.parse.unquote(target.split("?")[0])
-        file = os.path.normpath(os.path.join(os.path.dirname(path), target)) if target else os.path.normpath(path)
+        file = os.path.normpath(os.path.join(os.path.dirname(path), target) if target else path)
         if os.path.relpath(file, folder).startswith("..") or not os.path.isfile(file):
             broken.append("%s: %s" % (os.path.relpath(path, folder), link))
         elif anchor and file in pages and urllib.parse.unquote(anchor) not in pages[file].anchors:

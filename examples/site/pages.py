@@ -26,9 +26,12 @@ ROOMS = {
     "exchange": "curves of other programs",
     "papers": "the historical baseline",
 }
+SOLVERS = ("grid/", "papers/")  # what their public headers need of their machinery is no user's concern
 # The coordinate types in the order of the menu: the page's file and its name there.
-TYPES = [("barycentric", "Barycentric"), ("mean_value", "Mean value"), ("three_point", "Wachspress and family"),
-         ("harmonic", "Harmonic"), ("green", "Green"), ("sibson", "Natural neighbours"), ("blended", "Blended")]
+TYPES = [
+    ("barycentric", "Barycentric"), ("mean_value", "Mean value"), ("three_point", "Wachspress and family"),
+    ("harmonic", "Harmonic"), ("green", "Green"), ("sibson", "Natural neighbours"), ("blended", "Blended"),
+]
 
 
 def read(path):
@@ -49,13 +52,14 @@ def escaped(text):
     for n in range(0, len(parts), 2):
         parts[n] = re.sub(r"([\\@<]|(?<!\w)\*(?!\w[\w -]*\*)|(?<=\s)\*)", r"\\\1", parts[n])
         parts[n] = re.sub(r"#(?=\w)", r"\\#", parts[n])
-        parts[n] = re.sub(r"\b(al|sec|eq|fig|Adv|Comput|Math|Trans)\. ", r"\1.\\ ", parts[n])  # no end of a sentence
-        parts[n] = re.sub(r"(?<=[^\x00-\x7f])_|_(?=[^\x00-\x7f])", r"\\_", parts[n])  # letters, for Doxygen no words
+        # No end of a sentence; and letters that are part of no word for Doxygen.
+        parts[n] = re.sub(r"\b(al|sec|eq|fig|Adv|Comput|Math|Trans)\. ", r"\1.\\ ", parts[n])
+        parts[n] = re.sub(r"(?<=[^\x00-\x7f])_|_(?=[^\x00-\x7f])", r"\\_", parts[n])
     return "".join(parts)
 
 
 def definition_table(lines):
-    """Lines "name  what it is", and further ones indented to what it is; None where they are something else."""
+    """Lines "name  what it is", with further ones indented to what it is; None where they are none."""
     rows = []
     for line in lines:
         entry = re.match(r"(\S+(?: \S+)*)(?:  +(\S.*))?$", line)
@@ -115,16 +119,17 @@ def statuses(text):
     """The enumerators of Status, which a macro lists, with what `to_string` says of them."""
     named = re.findall(r"X\((\w+),\s*\"([^\"]*)\"\)", text)
     body = "\n".join("    %s, ///< %s" % (name, escaped(says)) for name, says in named)
-    text = re.sub(r"// clang-format off\n#define CAGEFORM_DETAIL_STATUSES.*?// clang-format on\n", "", text, flags=re.S)
-    return re.sub(r"(enum class \[\[nodiscard\]\] Status : std::uint8_t) *\{.*?\n};", lambda m: m[1] + " {\n" + body +
-                  "\n};", text, count=1, flags=re.S)
+    macro = r"// clang-format off\n#define CAGEFORM_DETAIL_STATUSES.*?// clang-format on\n"
+    text = re.sub(macro, "", text, flags=re.S)
+    return re.sub(r"(enum class \[\[nodiscard\]\] Status : std::uint8_t) *\{.*?\n};",
+                  lambda m: m[1] + " {\n" + body + "\n};", text, count=1, flags=re.S)
 
 
 def without_machinery(text):
     """Without what no user calls: namespaces detail, and overloads that are there to name an error."""
-    text = re.sub(r"^namespace detail \{\n.*?^} // namespace detail\n", "", text, flags=re.M | re.S)
-    text = re.sub(r"^namespace cageform::inline CAGEFORM_ABI::detail \{\n.*?^} // namespace [^\n]*detail\n", "", text,
-                  flags=re.M | re.S)
+    for name in ("detail", "cageform::inline CAGEFORM_ABI::detail"):
+        whole = r"^namespace %s \{\n.*?^} // namespace [^\n]*detail\n" % name
+        text = re.sub(whole, "", text, flags=re.M | re.S)
     text = re.sub(r"^ *template <(?:(?!template <)[^;])*?CAGEFORM_DETAIL_DELETE_\w+;\n", "", text, flags=re.M)
     text = re.sub(r"^( *)(?:private|protected):\n.*?(?=^\1(?:public:|\};))", "", text, flags=re.M | re.S)
     return re.sub(r"\[\[nodiscard\]\] ", "", text)
@@ -156,7 +161,8 @@ def doxygen_header(path):
         while end < len(lines) and re.match(slashes, lines[end]):
             block.append(re.match(slashes, lines[end])[2])
             end += 1
-        made = block if any(re.match(r" [@\\](name|\{|\}|addtogroup)", line) for line in block) else comment(block)
+        is_ready = any(re.match(r" [@\\](name|\{|\}|addtogroup)", line) for line in block)
+        made = block if is_ready else comment(block)
         if head:
             made = [" \\file"] + made
         out += [found[1] + "///" + line for line in made]
@@ -172,25 +178,21 @@ def public_headers():
     public = files("include/cageform", ".hpp")
     for room in ROOMS:
         public += [room + "/" + name for name in files("include/cageform/" + room, ".hpp")]
-    code = {}
+    used = set()
     for path in public:
-        text = re.sub(r"//[^\n]*", "", without_machinery(read("include/cageform/" + path)))
-        code[path] = set(re.findall(r"\b[A-Z]\w+", text)) if not path.startswith(("grid/", "papers/")) else set()
-    used = set().union(*code.values())
+        if not path.startswith(SOLVERS):
+            code = re.sub(r"//[^\n]*", "", without_machinery(read("include/cageform/" + path)))
+            used.update(re.findall(r"\b[A-Z]\w+", code))
     more = []
-    for folder, _, names in sorted(os.walk(os.path.join(ROOT, "include/cageform"))):
+    root = os.path.join(ROOT, "include/cageform")
+    for folder, _, names in sorted(os.walk(root)):
         for name in sorted(names):
-            path = os.path.relpath(os.path.join(folder, name), os.path.join(ROOT, "include/cageform"))
-            if path in public or not name.endswith(".hpp") or path.startswith(("grid/", "papers/")):
-                continue
-            text = without_machinery(read("include/cageform/" + path))
-            declared = set(re.findall(r"^(?:enum class|struct|class) (\w+)[^;\n]*\{", text, flags=re.M))
-            wanted = {name for name in declared & used
-                      if re.search(r"(Options|Report|Format|View|Data|Check|Gradients|Onto|Pose|Solver|Lanes|Tags?|Part|Clip|"
-                                   r"Condition|Norm|Extrapolation|Track|Fit|Keys|Curve|Shape|Plane|Cage|Search|Segment|Area)$",
-                                   name)}
-            if wanted:
-                more.append(path)
+            path = os.path.relpath(os.path.join(folder, name), root)
+            if name.endswith(".hpp") and path not in public and not path.startswith(SOLVERS):
+                text = without_machinery(read("include/cageform/" + path))
+                declared = re.findall(r"^(?:enum class|struct|class) (\w+)[^;\n]*\{", text, flags=re.M)
+                if used.intersection(declared):
+                    more.append(path)
     return public, more
 
 
@@ -207,8 +209,10 @@ def label_of(path):
     page = re.match(SITE + r"/(\w+)\.md$", path)
     if page:
         return page[1] if page[1] != "index" else "index"
-    return {"examples/README.md": "gallery", "examples": "gallery", "README.md": "index",
-            "examples/page/README.md": "play", "bench/README.md": "speed", "bench": "speed", "examples/lessons": "lessons"}.get(path)
+    return {
+        "README.md": "index", "examples/README.md": "gallery", "examples": "gallery", "bench/README.md": "speed",
+        "bench": "speed", "examples/page/README.md": "play", "examples/lessons": "lessons",
+    }.get(path)
 
 
 def relinked(text, folder, headers):
@@ -250,10 +254,10 @@ def readme_code():
 def play():
     """The page to play with where it has been built; else its picture."""
     if os.path.exists(os.path.join(ROOT, "out/cageform.html")):
-        return ("\\htmlonly <iframe class=\"play\" src=\"cageform.html\" loading=\"lazy\" title=\"The page to play with\">"
-                "</iframe>\\endhtmlonly\n\n<a href=\"cageform.html\">Open it alone</a>, in the whole window.")
-    return ("![One pose of the cat by four coordinate types](page.png)\n\nThis site was made without the page: "
-            "`sh examples/site/run.sh --with-page` builds it first, in some minutes.")
+        frame = "<iframe class=\"play\" src=\"cageform.html\" title=\"Play\"></iframe>"
+        return "\\htmlonly %s\\endhtmlonly\n\n<a href=\"cageform.html\">Open it alone</a>." % frame
+    return ("![One pose of the cat by four coordinate types](page.png)\n\nThis site was made without the "
+            "page: `sh examples/site/run.sh --with-page` builds it first, in some minutes.")
 
 
 def header_table(room, public):
@@ -267,7 +271,7 @@ def header_table(room, public):
                     break
                 words.append(line[3:])
             sentence = re.match(r".*?(?:\.(?= |$)|:(?= |$)|$)", " ".join(words))[0].rstrip(":.")
-            rows.append("| \\ref cageform/%s \"%s\" | %s |" % (path, path.split("/")[1], escaped(sentence).replace("|", "&#124;")))
+            rows.append("| \\ref cageform/%s \"%s\" | %s |" % (path, path.split("/")[1], escaped(sentence)))
     return "\n\n<h2>Headers</h2>\n\n| header | what it holds |\n|---|---|\n" + "\n".join(rows) + "\n"
 
 
@@ -291,7 +295,7 @@ def lesson_page(name, before, after):
         page += " ".join(tail) + "\n\n"
     if printed:
         page += "It prints\n\n```text\n%s\n```\n\n" % "\n".join(printed)
-    page += "<div class=\"source\">`examples/lessons/%s`, built by `sh examples/run.sh --build-only`</div>\n\n" % name
+    page += "The source is `examples/lessons/%s`.\n\n" % name
     turn = ["\\ref %s \"← before\"" % before] if before else []
     turn += ["\\ref lessons \"all lessons\""]
     turn += ["\\ref %s \"next →\"" % after] if after else []
@@ -299,11 +303,51 @@ def lesson_page(name, before, after):
     return "%s. %s" % (number, title), title, rest, page
 
 
+LESSONS = """# Lessons
+
+Each lesson is a program under 80 lines with one new idea, in the order of the data flow; what it prints is
+tested. `sh examples/run.sh --build-only` builds them into `build/examples/`.
+
+%s
+"""
+ROOMS_PAGE = """# Rooms
+
+The folders of `include/cageform` are the data flow. Includes only ever point left:
+
+```text
+core → cage → grid → coordinates → binding → clone
+core → animate      cage, grid → fields      cage → enclose
+```
+
+| room | what it holds |
+|---|---|
+%s
+
+Every class and function stands on the page of its room, with the header to include.
+"""
+LAYOUT = """<doxygenlayout version="1.0"><navindex>%s</navindex>
+<group><briefdescription visible="no"/><detaileddescription title=""/>
+<memberdecl><nestedgroups/><concepts/><classes/><namespaces/><defines/><typedefs/><enums/><functions/>
+<variables/><membergroups/></memberdecl>
+<memberdef><pagedocs/><inlineclasses/><defines/><typedefs/><enums/><enumvalues/><functions/>
+<variables/></memberdef></group>
+<class><includes visible="yes"/><briefdescription visible="no"/><detaileddescription title=""/>
+<inheritancegraph visible="no"/><memberdecl><nestedclasses/><publictypes/><publicmethods/>
+<publicstaticmethods/><publicattributes/><publicstaticattributes/><related title=""/><membergroups/>
+</memberdecl><memberdef><inlineclasses/><typedefs/><enums/><constructors/><functions/><related/>
+<variables/></memberdef><allmemberslink visible="no"/><usedfiles visible="no"/></class>
+<file><briefdescription visible="no"/><detaileddescription title=""/><includes visible="no"/>
+<memberdecl><classes/><namespaces/><concepts/><defines/><typedefs/><enums/><functions/><variables/>
+<membergroups/></memberdecl><memberdef><defines/></memberdef></file>
+<concept><includes/><definition visible="yes" title=""/><detaileddescription title=""/></concept>
+</doxygenlayout>"""
+
+
 def layout(lessons):
     """The menu, and what stands first on the pages of rooms and classes."""
     def tabs(entries):
-        return "".join("<tab type=\"user\" url=\"@ref %s\" title=\"%s\"/>" % (url, title.replace("&", "&amp;"))
-                       for url, title in entries)
+        tab = "<tab type=\"user\" url=\"@ref %s\" title=\"%s\"/>"
+        return "".join(tab % (url, title.replace("&", "&amp;")) for url, title in entries)
     menu = "<tab type=\"mainpage\" visible=\"no\"/>"
     menu += "<tab type=\"usergroup\" url=\"@ref coordinates\" title=\"Coordinates\">%s</tab>" % tabs(
         [("coordinates", "Which one?")] + TYPES)
@@ -313,23 +357,7 @@ def layout(lessons):
         tabs([("rooms", "Rooms")] + [("room_" + room, room) for room in ROOMS]),
         "<tab type=\"classlist\" title=\"Classes\"/><tab type=\"namespacemembers\" title=\"All names\"/>")
     menu += tabs([("engines", "For engines"), ("changes", "Changes")])
-    return ("<doxygenlayout version=\"1.0\"><navindex>%s</navindex>"
-            "<group><briefdescription visible=\"no\"/><detaileddescription title=\"\"/>"
-            "<memberdecl><nestedgroups/><concepts/><classes/><namespaces/><defines/><typedefs/><enums/><functions/>"
-            "<variables/><membergroups/></memberdecl>"
-            "<memberdef><pagedocs/><inlineclasses/><defines/><typedefs/><enums/><enumvalues/><functions/>"
-            "<variables/></memberdef></group>"
-            "<class><includes visible=\"yes\"/><briefdescription visible=\"no\"/>"
-            "<detaileddescription title=\"\"/><inheritancegraph visible=\"no\"/>"
-            "<memberdecl><nestedclasses/><publictypes/><publicmethods/><publicstaticmethods/><publicattributes/>"
-            "<publicstaticattributes/><related title=\"\"/><membergroups/></memberdecl>"
-            "<memberdef><inlineclasses/><typedefs/><enums/><constructors/><functions/><related/><variables/>"
-            "</memberdef><allmemberslink visible=\"no\"/><usedfiles visible=\"no\"/></class>"
-            "<file><briefdescription visible=\"no\"/><detaileddescription title=\"\"/><includes visible=\"no\"/>"
-            "<memberdecl><classes/><namespaces/><concepts/><defines/><typedefs/><enums/><functions/><variables/>"
-            "<membergroups/></memberdecl><memberdef><defines/></memberdef></file>"
-            "<concept><includes/><definition visible=\"yes\" title=\"\"/><detaileddescription title=\"\"/></concept>"
-            "</doxygenlayout>") % menu
+    return LAYOUT % menu
 
 
 def main(out):
@@ -337,7 +365,7 @@ def main(out):
     os.makedirs(out)
 
     def write_page(label, text):
-        """Markdown, whose first line is "# title" with or without a label, as a comment: pages are not files."""
+        """Markdown that begins with "# title", as a comment: Doxygen would list Markdown as a header."""
         command = "\\mainpage" if label == "index" else "\\page " + label
         text = re.sub(r"^# ([^\n{]*?)(?: *\{#\w+\})?\n\n*(?=([^\n])?)", lambda m: "%s %s\n\n%s" % (
             command, m[1], "\\details " if (m[2] or " ").isalnum() else ""), text)
@@ -362,10 +390,9 @@ def main(out):
                                                labels[n + 1] if n + 1 < len(names) else None)
         write_page(labels[n], page)
         entries.append((labels[n], title))
-        table.append("%d. \\ref %s \"%s\"" % (n + 1, labels[n], words) + ("<br>" + rest[:1].upper() + rest[1:] if rest else ""))
-    write_page("lessons", "# Lessons {#lessons}\n\nEach lesson is a program under 80 lines with one new idea, in "
-          "the order of the data flow; what it prints is tested.\n`sh examples/run.sh --build-only` builds them into "
-          "`build/examples/`.\n\n" + "\n".join(table) + "\n")
+        more_words = "<br>" + rest[:1].upper() + rest[1:] if rest else ""
+        table.append("%d. \\ref %s \"%s\"%s" % (n + 1, labels[n], words, more_words))
+    write_page("lessons", LESSONS % "\n".join(table))
 
     rooms = []
     for room, words in ROOMS.items():
@@ -377,10 +404,7 @@ def main(out):
         write_page("room_" + room, "\\defgroup room_%s %s\n\n%s\n\n%s\n" % (
             room, room, words[:1].upper() + words[1:] + ".", text + header_table(room, public)))
         rooms.append("| \\ref room_%s \"%s\" | %s |" % (room, room, words))
-    write_page("rooms", "# Rooms {#rooms}\n\nThe folders of `include/cageform` are the data flow. Includes only ever "
-          "point left:\n\n```text\ncore → cage → grid → coordinates → binding → clone      core → animate\n"
-          "cage, grid → fields     cage → enclose\n```\n\n| room | what it holds |\n|---|---|\n" +
-          "\n".join(rooms) + "\n\nEvery class and function stands on the page of its room, with the header to include.\n")
+    write_page("rooms", ROOMS_PAGE % "\n".join(rooms))
 
     text = relinked(read("examples/README.md"), "examples", headers)
     write_page("gallery", re.sub(r"^# [^\n]*\n", "# Gallery {#gallery}\n", text))
@@ -393,37 +417,48 @@ def main(out):
     print("%d public headers, %d of the machinery, %d lessons" % (len(public), len(more), len(names)))
 
 
+KIND = r" (Class|Struct|Concept|Namespace|File|Union)( Template)? Reference"
+
+
+def finished(name, text):
+    """A page of Doxygen's: its titles are no longer than they must be, and the project's name leads home."""
+    def title(found):
+        return "<title>%s</title>" % ("cageform" if found[1] == "cageform" else found[1] + " · cageform")
+
+    def heading(found):
+        words = re.sub(r"&lt; (.*?) &gt;", r"&lt;\1&gt;", found[2])
+        kind = (found[3] + (found[4] or "")).lower()
+        return "%s%s <span class=\"kind\">%s</span>" % (found[1], words, kind)
+
+    text = text.replace("<div id=\"projectname\">cageform",
+                        "<div id=\"projectname\"><a href=\"index.html\">cageform</a>")
+    text = re.sub(r"<title>cageform: (.*?)(?:%s)?</title>" % KIND, title, text)
+    text = re.sub(r"(<div class=\"title\">)(?:cageform::)?(.*?)%s" % KIND, heading, text)
+    text = text.replace("<h2 class=\"groupheader\">Detailed Description</h2>", "")
+    text = re.sub(r"<li class=\"navelem\"><a class=\"el\" href=\"dir_\w+\.html\">(.*?)</a></li>",
+                  r"<li class=\"navelem\">\1</li>", text)
+    if re.match(r"[a-z]", name) and not re.match(r"(class|struct|group_|namespace|concept|\w+_8hpp)", name):
+        text = re.sub(r"(<div class=\"textblock\">\s*)<p *>", r"\1<p class='lead'>", text, count=1)
+    # In programs Doxygen takes a variable for any other of its name.
+    linked = r"<a class=\"code hl_(?:enumvalue|variable%s)\"[^>]*>(%s)</a>"
+    text = re.sub(linked % ("|function", "out|points|figure|pose|value|size|[a-z]"), r"\1", text)
+    return re.sub(linked % ("", r"[a-z_]\w*"), r"\1", text)
+
+
 def finish(folder):
-    """Pages that nothing leads to go, the name of the project leads home, titles are no longer than they must be."""
-    kind = r" (Class|Struct|Concept|Namespace|File|Union)( Template)? Reference"
+    """Goes over all pages; those go that nothing leads to, or that list the members of a class once more."""
     for name in sorted(os.listdir(folder)):
         path = os.path.join(folder, name)
-        if name.endswith(("-members.html", "_8dox.html")) or name.startswith("dir_"):
+        if not name.endswith(".html"):
+            continue
+        with open(path, encoding="utf-8") as file:
+            text = file.read()
+        if (name.endswith("_8dox.html") or name.startswith("dir_") or
+                "<p>This is the complete list of members for" in text):
             os.remove(path)
-        elif name.endswith(".html"):
-            with open(path, encoding="utf-8") as file:
-                text = file.read()
-            if "<p>This is the complete list of members for" in text:  # under a name that was too long
-                os.remove(path)
-                continue
-            text = text.replace("<div id=\"projectname\">cageform",
-                                "<div id=\"projectname\"><a href=\"index.html\">cageform</a>")
-            text = re.sub(r"<title>cageform: (.*?)(?:%s)?</title>" % kind,
-                          lambda m: "<title>%s</title>" % ("cageform" if m[1] == "cageform" else m[1] + " · cageform"), text)
-            text = re.sub(r"(<div class=\"title\">)(?:cageform::)?(.*?)%s" % kind,
-                          lambda m: "%s%s <span class=\"kind\">%s</span>" % (m[1], re.sub(r"&lt; (.*?) &gt;", r"&lt;\1&gt;", m[2]),
-                                                                          (m[3] + (m[4] or "")).lower()), text)
-            if re.match(r"[a-z]\w*\.html$", name) and not re.match(r"(class|struct|group_|namespace|concept|\w+_8hpp)", name):
-                text = re.sub(r"<div class=\"textblock\">\s*<p *>", "<div class=\"textblock\"><p class=\"lead\">", text, count=1)
-            text = re.sub(r"<li class=\"navelem\"><a class=\"el\" href=\"dir_\w+\.html\">(.*?)</a></li>",
-                          r"<li class=\"navelem\">\1</li>", text)
-            text = text.replace("<h2 class=\"groupheader\">Detailed Description</h2>", "")
-            # In programs Doxygen takes a variable for any other of its name.
-            text = re.sub(r"<a class=\"code hl_(?:enumvalue|variable|function)\"[^>]*>(out|points|figure|pose|value|size|[a-z])</a>",
-                          r"\1", text)
-            text = re.sub(r"<a class=\"code hl_(?:enumvalue|variable)\"[^>]*>([a-z_]\w*)</a>", r"\1", text)
-            with open(path, "w", encoding="utf-8") as file:
-                file.write(text)
+            continue
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(finished(name, text))
     # Files that hold pages alone are not found by the search.
     for name in os.listdir(os.path.join(folder, "search")):
         if name.endswith(".js"):

@@ -1,5 +1,5 @@
 // Usage: pictures FOLDER
-// Draws the pictures of the site's pages about coordinate types, one SVG each: weights as colours, poses as grids.
+// Draws the pictures of the site's pages about coordinate types: weights as colours, poses as grids.
 #include <cageform/cageform.hpp>
 
 #include <cmath>

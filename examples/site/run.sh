@@ -2,7 +2,7 @@
 # Usage: sh examples/site/run.sh [--with-page] [--test]
 # Installs what the site needs (Debian) and makes the reference site in out/site: open out/site/index.html, no
 # server and no network needed. Warnings of Doxygen in public headers, and broken links, are errors.
-#   --with-page  builds the page to play with (examples/page/run.sh, some minutes) where out/cageform.html is missing
+#   --with-page  builds the page to play with where it is missing (examples/page/run.sh, some minutes)
 #   --test       opens all pages in a headless Chromium, which is installed; pictures go to out/site_*.png
 set -eu
 cd "$(dirname "$0")/../.."

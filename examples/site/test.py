@@ -1,8 +1,8 @@
 """Usage: python3 examples/site/test.py SITE FOLDER
 
-Opens the pages of the site in a headless Chromium, 1440 and 390 pixels wide: none is wider than the window, none
-complains or asks the network for anything, all pictures are there. Then searches, opens the menu of a phone, and takes
-pictures of some pages into FOLDER (site_*.png), light and dark.
+Opens the pages of the site in a headless Chromium, 1440 and 390 pixels wide: none is wider than the window,
+none complains or asks the network for anything, all pictures are there. Then searches, opens the menu of a
+phone, and takes pictures of some pages into FOLDER (site_*.png).
 """
 import os
 import re
@@ -13,22 +13,22 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), '..'
 from browser import Browser  # noqa: E402
 
 DESKTOP, PHONE = (1440, 900), (390, 844)
-SHOWN = ['index', 'coordinates', 'harmonic', 'classcageform_1_1HarmonicCoordinates', 'group__room__binding', 'gallery',
-         'lesson_12', 'play', 'engines', 'changes']
+SHOWN = ['index', 'coordinates', 'harmonic', 'classcageform_1_1HarmonicCoordinates', 'group__room__binding',
+         'gallery', 'lesson_12', 'play', 'engines', 'changes']
 
 WIDE = '''(() => {
   const wide = document.documentElement.scrollWidth - document.documentElement.clientWidth;
-  const lacking = [...document.images].filter(image => image.complete && image.naturalWidth === 0).map(image => image.src);
-  return [wide, lacking];
+  const lacking = [...document.images].filter(image => image.complete && image.naturalWidth === 0);
+  return [wide, lacking.map(image => image.src)];
 })()'''
 
 
 def results(browser):
     """What the search has found: a page of its own in a frame, for files one of another origin."""
     for frame in browser.call('Page.getFrameTree')['frameTree'].get('childFrames', []):
-        world = browser.call('Page.createIsolatedWorld', {'frameId': frame['frame']['id']})['executionContextId']
+        world = browser.call('Page.createIsolatedWorld', {'frameId': frame['frame']['id']})
         return browser.call('Runtime.evaluate', {
-            'contextId': world, 'returnByValue': True, 'expression':
+            'contextId': world['executionContextId'], 'returnByValue': True, 'expression':
             "[...document.querySelectorAll('.SRResult')].filter(result => result.offsetHeight > 0)"
             ".map(result => result.innerHTML).join(' ')"})['result'].get('value') or ''
     return ''
@@ -63,7 +63,8 @@ def main(site, out):
                  event['params']['request']['url'].startswith(('http:', 'https:'))]
     failures += browser.faults()
 
-    for words, expected in (('harmonic', 'harmonic.html'), ('bind', 'bind'), ('status', 'Status'), ('lesson', 'lesson_')):
+    for words, expected in (('harmonic', 'harmonic.html'), ('bind', 'bind'), ('status', 'Status'),
+                            ('lesson', 'lesson_')):
         show('index.html')
         browser.run("document.getElementById('MSearchField').focus()")
         for letter in words:
