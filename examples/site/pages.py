@@ -198,6 +198,17 @@ def public_headers():
 
 # ---- pages -------------------------------------------------------------------------------------
 
+def check_paths(name, text):
+    """Ends the run where a page names a header or a file that is not there; Changes names old ones too."""
+    text = re.sub(r"^\|[^|]*\|", "", text, flags=re.M) if name == "changes.md" else text
+    for path in re.findall(r"`(?:cageform/)?((?:%s)/[\w/]+\.hpp)`" % "|".join(ROOMS), text):
+        if path == path.lower() and not os.path.exists(os.path.join(ROOT, "include/cageform", path)):
+            sys.exit("%s/%s: there is no header %s" % (SITE, name, path))
+    for path in re.findall(r"`((?:tests|examples|bench|cmake)/[\w./]+)`", text):
+        if not os.path.exists(os.path.join(ROOT, path)):
+            sys.exit("%s/%s: there is no %s" % (SITE, name, path))
+
+
 def label_of(path):
     """The name of the page that a file of the repository becomes; none where it becomes none."""
     room = re.match(r"include/cageform/(\w+)(?:/README\.md)?$", path)
@@ -210,8 +221,8 @@ def label_of(path):
     if page:
         return page[1] if page[1] != "index" else "index"
     return {
-        "README.md": "index", "examples/README.md": "gallery", "examples": "gallery", "bench/README.md": "speed",
-        "bench": "speed", "examples/page/README.md": "play", "examples/lessons": "lessons",
+        "README.md": "index", "examples/README.md": "gallery", "examples": "gallery",
+        "bench/README.md": "speed", "bench": "speed", "examples/page/README.md": "play", "examples/lessons": "lessons",
     }.get(path)
 
 
@@ -410,6 +421,7 @@ def main(out):
     write_page("gallery", re.sub(r"^# [^\n]*\n", "# Gallery {#gallery}\n", text))
     write_page("speed", relinked(read("bench/README.md"), "bench", headers))
     for name in files(SITE, ".md"):
+        check_paths(name, read(SITE + "/" + name))
         text = relinked(read(SITE + "/" + name), SITE, headers).replace("@README_CODE@", readme_code())
         text = text.replace("@PLAY@", play())
         write_page(name[:-len(".md")], text)
