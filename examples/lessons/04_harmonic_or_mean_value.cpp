@@ -28,7 +28,7 @@ void report_weights(const char* name, const Coordinates& coordinates) {
 } // namespace
 
 int main() {
-    report_weights("mean value", cageform::MeanValueCoordinates<double, 2>(cage));
+    report_weights("mean value", cageform::MeanValueCoordinates(cage));
 
     // Harmonic coordinates are solved on a grid. Long solves tell their progress, and may be cancelled.
     cageform::HarmonicOptions options;

@@ -19,7 +19,7 @@ Status ship(cageform::PackedFigure<float, 3>& file) {
     for (int i = 0; i < 8; ++i) box.push_back({i & 1 ? 1.f : -1.f, i & 2 ? 1.f : -1.f, i & 4 ? 1.f : -1.f});
     for (float z = 0; z < 1; z += 0.001f) points.push_back({0.8f, 0.8f, z}); // a rod towards node 7
     const auto [figure, bound] =
-        cageform::bind(cageform::MeanValueCoordinates<float, 3>(box, faces), cageform::FigurePoints{points});
+        cageform::bind(cageform::MeanValueCoordinates(box, faces), cageform::FigurePoints{points});
     if (bound.status != Status::ok) return bound.status;
     // As they lie in the file: times, and of each key an in-tangent, a value and an out-tangent.
     const float times[] = {0, 1, 2};

@@ -453,7 +453,7 @@ make_skin(const Arguments& given, const Scene& scene, const Binding<double, 3>& 
         played = skin_to_binding(bound, stored(made.value, given.weights));
         made.report.status = played.status();
     }
-    if (made) loss = loss_of(scene, bound, played);
+    if (made) loss = loss_of(scene, bound, played.value);
     return made;
 }
 
