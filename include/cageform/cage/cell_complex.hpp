@@ -185,7 +185,7 @@ namespace detail {
 
 /// Returns a bone of a complex with the positions of its vertices.
 template <Scalar T, std::size_t D>
-PlacedBone<D> detail::placed_bone(const CellComplex<T, D>& cage, const Bone& bone) noexcept {
+PlacedBone<D> placed_bone(const CellComplex<T, D>& cage, const Bone& bone) noexcept {
     return {bone.i, bone.j, vec_cast<double>(cage[bone.i]), vec_cast<double>(cage[bone.j]), bone.radius};
 }
 
@@ -245,7 +245,7 @@ namespace detail {
 
 /// Reports interior cells as a fault, for coordinate types that do not support them.
 template <Scalar T, std::size_t D>
-void detail::refuse_interior_cells(const CellComplex<T, D>& cage, CageReport& report) {
+void refuse_interior_cells(const CellComplex<T, D>& cage, CageReport& report) {
     const std::size_t cells = cage.cells().facets.size() + cage.cells().bones.size();
     if (cells > 0 || cage.size() > cage.boundary().size())
         report.add(CageFaultKind::interior_cells_not_supported, cells);

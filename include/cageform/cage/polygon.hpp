@@ -128,7 +128,7 @@ namespace detail {
 /// Counts the other loops that enclose loop `k`: an even number for an outer loop, odd for a hole.
 /// Loops must not touch.
 template <Scalar T>
-std::size_t detail::loop_depth(const Polygon<T>& polygon, std::size_t k) noexcept {
+std::size_t loop_depth(const Polygon<T>& polygon, std::size_t k) noexcept {
     const auto q = vec_cast<double>(polygon[polygon.loops()[k].begin]);
     std::size_t depth = 0;
     for (std::size_t other = 0; other < polygon.loops().size(); ++other) {
@@ -146,7 +146,7 @@ std::size_t detail::loop_depth(const Polygon<T>& polygon, std::size_t k) noexcep
 /// Whether the inside of the polygon lies to the left of the edges of loop `k`, as it does for a
 /// counter-clockwise outer loop and a clockwise hole. Loops must not touch. O(#V).
 template <Scalar T>
-bool detail::inside_is_left(const Polygon<T>& polygon, std::size_t k) noexcept {
+bool inside_is_left(const Polygon<T>& polygon, std::size_t k) noexcept {
     return (signed_area(polygon, polygon.loops()[k]) > 0) == (detail::loop_depth(polygon, k) % 2 == 0);
 }
 
@@ -167,8 +167,8 @@ namespace detail {
 /// Returns the point of edge (i, j) nearest to `p`. Interpolates from the nearer end, so that both
 /// ends are reproduced exactly. `p` must be finite.
 template <Scalar T>
-BoundaryPoint<T> detail::nearest_on_edge(const Polygon<T>& polygon, std::size_t i, std::size_t j,
-                                         const Vec<T, 2>& p) noexcept {
+BoundaryPoint<T> nearest_on_edge(const Polygon<T>& polygon, std::size_t i, std::size_t j,
+                                 const Vec<T, 2>& p) noexcept {
     const auto a = vec_cast<double>(polygon[i]);
     const auto b = vec_cast<double>(polygon[j]);
     const auto q = vec_cast<double>(p);

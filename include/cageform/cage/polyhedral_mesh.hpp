@@ -187,7 +187,7 @@ void add_faults_of_triangles(const PolyhedralMesh<T>& mesh, CageReport& report) 
 /// than three corners, face_without_area, face_not_planar or face_crosses_itself. Assumes finite
 /// vertices. O(m log m) for m corners, O(m²) at worst.
 template <Scalar T>
-std::optional<CageFault> detail::face_fault(const PolyhedralMesh<T>& mesh, std::size_t f) {
+std::optional<CageFault> face_fault(const PolyhedralMesh<T>& mesh, std::size_t f) {
     using Kind = CageFaultKind;
     const auto loop = mesh.face(f);
     if (loop.size() < 3) return CageFault{Kind::too_few_vertices, f, loop.size()};

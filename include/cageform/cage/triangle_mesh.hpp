@@ -172,7 +172,7 @@ std::size_t shell_depth(const TriangleMesh<T>& mesh, const Shells& shells, std::
 
 /// Finds the shells of a mesh. O(#F) for one shell, O(#F · shells) for more.
 template <Scalar T>
-Shells detail::shells_of(const TriangleMesh<T>& mesh) {
+Shells shells_of(const TriangleMesh<T>& mesh) {
     Shells shells = detail::connected_faces(mesh);
     shells.volume.resize(shells.first_face.size());
     for (std::size_t f = 0; f < mesh.faces().size(); ++f) {
@@ -191,7 +191,7 @@ Shells detail::shells_of(const TriangleMesh<T>& mesh) {
 /// Returns the faces with those of wrongly oriented shells flipped, so that all are
 /// counter-clockwise seen from outside the cage. Costs as much as `shells_of`.
 template <Scalar T>
-std::vector<typename TriangleMesh<T>::Face> detail::outward_faces(const TriangleMesh<T>& mesh) {
+std::vector<typename TriangleMesh<T>::Face> outward_faces(const TriangleMesh<T>& mesh) {
     const auto shells = detail::shells_of(mesh);
     std::vector<typename TriangleMesh<T>::Face> faces(mesh.faces().begin(), mesh.faces().end());
     for (std::size_t f = 0; f < faces.size(); ++f) {

@@ -63,7 +63,7 @@ template <class C>
 inline constexpr bool has_local_rows = false;
 template <class C>
     requires(bool(C::local))
-inline constexpr bool detail::has_local_rows<C> = true;
+inline constexpr bool has_local_rows<C> = true;
 
 } // namespace detail
 
