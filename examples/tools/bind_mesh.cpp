@@ -139,8 +139,8 @@ int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& ca
                 const std::vector<std::string>& labels) {
     if (const auto why = fault_of_outputs({given.out})) return fail(*why);
     const auto coordinates = make_coordinates<float>(given.choice, cage);
-    warn_of_closed_gaps(cage.name, coordinates->cage_report);
-    if (!coordinates->note.empty()) note(coordinates->note);
+    warn_of_closed_gaps(cage.name, coordinates.cage_report());
+    if (!coordinates.note.empty()) note(coordinates.note);
     std::vector<cageform::PiecewiseCubic<float>> curves;
     PoseClip motion;
     SampledPoses poses;
@@ -159,7 +159,8 @@ int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& ca
     cageform::Result<cageform::FigureBinding<float, 3>, cageform::FigureBindReport> bound;
     {
         ProgressBar bar("binding");
-        bound = coordinates->bind({figure.vertices, normals}, bind_options, {.progress = bar.callback()});
+        bound = coordinates.bind(cageform::FigurePoints{figure.vertices, normals}, bind_options,
+                                 {.progress = bar.callback()});
     }
     const cageform::BindReport& of_points = bound.report.points;
     if (!bound) {
