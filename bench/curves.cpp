@@ -2,7 +2,7 @@
 #include "curve_comparators.hpp"
 
 #include <cageform/animate/compile.hpp>
-#include <cageform/animate/curve_bank.hpp>
+#include <cageform/animate/curves/curve_bank.hpp>
 #include <cageform/core/threads.hpp>
 
 #include <benchmark/benchmark.h>

@@ -9,7 +9,7 @@
 
 #include <cageform/core/threads.hpp>
 #include <cageform/fields/strokes.hpp>
-#include <cageform/grid/multigrid_groups.hpp>
+#include <cageform/grid/multigrid/groups.hpp>
 #include <cageform/papers/averaging_pyramid.hpp>
 
 #include <Eigen/SparseCholesky>

@@ -8,14 +8,14 @@ set(allowed_cage core config cage)
 set(allowed_grid core cage grid)
 set(allowed_coordinates core config cage grid coordinates)
 set(allowed_binding core cage grid coordinates binding)
-set(allowed_clone core binding/binding.hpp binding/detail/packed_binding.hpp binding/blob.hpp binding/figure.hpp clone)
+set(allowed_clone core binding/binding.hpp binding/detail/packed_binding.hpp binding/types/blob.hpp binding/figure.hpp clone)
 set(allowed_animate core config animate)
 set(allowed_enclose core cage enclose)
 set(allowed_fields core cage grid fields)
 set(allowed_papers core cage grid coordinates papers)
 set(allowed_exchange core animate exchange)
 # The waist: what a game ships may not pull in how it was made.
-set(waist binding/binding.hpp binding/detail/packed_binding.hpp binding/blob.hpp binding/detail/figure_parts.hpp binding/figure.hpp)
+set(waist binding/binding.hpp binding/detail/packed_binding.hpp binding/types/blob.hpp binding/detail/figure_parts.hpp binding/figure.hpp)
 foreach(header IN LISTS waist)
   set(allowed_${header} core ${waist})
 endforeach()
@@ -27,10 +27,10 @@ set(third_party_fields/detail/graph_factors.hpp Eigen/)
 set(third_party_fields/detail/elimination.hpp Eigen/)
 # Standard headers that preprocess to 27,000 lines and more, kept out of run time.
 set(heavy algorithm functional iostream memory random ranges complex regex map unordered_map thread)
-set(light_folders core clone ${waist} animate/piecewise_cubic.hpp animate/detail/quantised_cubic.hpp animate/curve_bank.hpp
-                  animate/detail/extrapolation.hpp animate/track.hpp animate/rigid_motion.hpp animate/clip.hpp
+set(light_folders core clone ${waist} animate/curves/piecewise_cubic.hpp animate/detail/quantised_cubic.hpp animate/curves/curve_bank.hpp
+                  animate/detail/extrapolation.hpp animate/curves/track.hpp animate/curves/rigid_motion.hpp animate/clip.hpp
                   animate/clip_blob.hpp)
-set(exempt_from_light core/threads.hpp core/running.hpp core/solver_report.hpp core/affine/compensated_sum.hpp)
+set(exempt_from_light core/threads.hpp core/running.hpp core/types/solver_report.hpp core/affine/compensated_sum.hpp)
 
 cmake_policy(VERSION 3.25)
 set(checked 0)

@@ -18,7 +18,7 @@
 
 #include <cageform/grid/lattice/embed.hpp>
 #include <cageform/grid/lattice/simplex_boundary.hpp>
-#include <cageform/grid/multigrid.hpp>
+#include <cageform/grid/multigrid/multigrid.hpp>
 
 #include <nlohmann/json.hpp>
 

@@ -44,7 +44,7 @@ std::string solve(const Puzzle& puzzle, std::vector<double>& solution) {
                                                                           : cageform::Stencil::face);
     solution.clear();
     for (const mpq_class& value : puzzle.values) solution.push_back(value.get_d());
-    const auto solved = cageform::solve_graph<double>({cells.size(), links}, puzzle.given, solution);
+    const auto solved = cageform::solve_graph({cells.size(), links}, puzzle.given, solution);
     if (solved.status == cageform::Status::ok) return {};
     const bool at_cell = solved.solver.culprit < cells.size();
     return (at_cell ? puzzle.place(solved.solver.culprit) : puzzle.name) + ": " + to_string(solved.status);

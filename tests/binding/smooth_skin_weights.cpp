@@ -57,8 +57,8 @@ struct Scene {
         return cageform::smooth_skin_weights(binding, figure.faces, options, running);
     }
     Points3<double> played(const SkinWeights& skin, const Points3<double>& pose) const {
-        Binding of_skin;
-        REQUIRE(cageform::skin_to_binding(binding, skin, of_skin) == Status::ok);
+        const auto [of_skin, status] = cageform::skin_to_binding(binding, skin);
+        REQUIRE(status == Status::ok);
         Points3<double> moved(figure.vertices.size());
         REQUIRE(clone(of_skin, pose, moved) == Status::ok);
         return moved;

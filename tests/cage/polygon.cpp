@@ -14,10 +14,10 @@ namespace polygon_tests {
 using cageform::bounds_of;
 using cageform::coincidence_tolerance;
 using cageform::epsilon;
-using cageform::loop_depth;
 using cageform::Polygon;
 using cageform::signed_area;
 using cageform::Vec;
+using cageform::detail::loop_depth;
 using cageform_tests::Points2;
 using cageform_tests::random_star;
 
@@ -175,7 +175,7 @@ TEMPLATE_TEST_CASE("the depth of a loop counts the loops around it", "[cage][pol
         CAPTURE(k);
         CHECK(loop_depth(cage, k) == expected[k]);
         CHECK(signed_area(cage, cage.loops()[k]) > 0);
-        CHECK(inside_is_left(cage, k) == (expected[k] % 2 == 0));
+        CHECK(cageform::detail::inside_is_left(cage, k) == (expected[k] % 2 == 0));
     }
 }
 

@@ -238,7 +238,7 @@ TEST_CASE("corners of several cages are told by the handles of all", "[coordinat
     const auto weights = evaluate_all(coordinates, Points2<double>{{1.5, 0.5}});
     REQUIRE(weights.status() == Status::ok);
     std::vector<std::size_t> told;
-    for (const auto& corner : weights.evaluation.solver.corners) told.push_back(corner.handles[0]);
+    for (const auto& corner : weights.evaluation.solver.multigrid.corners) told.push_back(corner.handles[0]);
     CHECK(told == std::vector<std::size_t>{0, 1, 2, 3, 4, 5, 6, 7});
 }
 

@@ -133,12 +133,12 @@ TEST_CASE("boxes without volume or with corners that are no numbers are named", 
     averaging.resolution = 20;
     const auto by_pyramid = evaluate_all(Both(box, averaging), Points3<double>{{0.5, 0.5, 0.5}}).evaluation;
     CHECK(by_pyramid.status == Status::ok);
-    CHECK(by_pyramid.solver.sweeps > 8);
+    CHECK(by_pyramid.solver.pyramid.sweeps > 8);
     const auto by_multigrid =
         evaluate_all(Both(box, {.resolution = 20}), Points3<double>{{0.5, 0.5, 0.5}}).evaluation;
     CHECK(by_multigrid.status == Status::ok);
-    CHECK(by_multigrid.solver.cycles > 0);
-    CHECK(by_multigrid.solver.sweeps == 0);
+    CHECK(by_multigrid.solver.multigrid.cycles > 0);
+    CHECK(by_multigrid.solver.pyramid.sweeps == 0);
     CHECK(evaluate_all(Harmonic<double>(box, {.resolution = 2000}), Points3<double>{{0.5, 0.5, 0.5}})
               .status() == Status::resolution_not_supported);
     const Box<double> fine({0, 0, 0}, {1, 1, 1}, {40, 2, 2}); // more divisions than cells
@@ -163,7 +163,7 @@ TEST_CASE("weights in a box are those of the oracle", "[coordinates][harmonic][b
             CAPTURE(name, resolution);
             const auto weights = evaluate_all(Harmonic<double>(box, {.resolution = resolution}), points);
             REQUIRE(weights.status() == Status::ok);
-            CHECK(weights.evaluation.solver.convergence_factor <= 0.2);
+            CHECK(weights.evaluation.solver.multigrid.convergence_factor <= 0.2);
             for (std::size_t i = 0; i < points.size(); ++i) {
                 for (std::size_t k = 0; k < 8; ++k) {
                     const auto at = std::find(box.vertices().begin(), box.vertices().end(), vertex(k));

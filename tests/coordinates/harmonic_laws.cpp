@@ -1,7 +1,7 @@
 // What every harmonic function does: it has no extremum inside, is the mean of its values around, and in rectangles with
 // linear sides is bilinear.
-#include "pictures/level_lines.hpp"
 #include "catch.hpp"
+#include "pictures/level_lines.hpp"
 #include "support/effort.hpp"
 #include "support/larger.hpp"
 #include "support/meshes.hpp"

@@ -56,7 +56,7 @@ TEMPLATE_TEST_CASE("weights in a mesh sum to 1, reproduce the point and stay in 
         return;
     }
     REQUIRE(weights.status() == Status::ok);
-    CHECK(weights.evaluation.solver.convergence_factor <= 0.2);
+    CHECK(weights.evaluation.solver.multigrid.convergence_factor <= 0.2);
     const auto bounds = cageform::bounds_of(mesh.vertices());
     for (std::size_t i = 0; i < points.size(); ++i) {
         CAPTURE(i);
@@ -337,9 +337,9 @@ TEST_CASE("in space a solve begins with the functions of the cage before an edit
         const auto solved = warm.solve_from(before), anew = cold.solve();
         REQUIRE(solved.status == Status::ok);
         REQUIRE(anew.status == Status::ok);
-        CHECK(solved.solver.error_estimate <= tolerance);
-        CHECK(solved.solver.cycles <= anew.solver.cycles);
-        if (move < 0.01) CHECK(solved.solver.cycles < anew.solver.cycles);
+        CHECK(solved.solver.multigrid.error_estimate <= tolerance);
+        CHECK(solved.solver.multigrid.cycles <= anew.solver.multigrid.cycles);
+        if (move < 0.01) CHECK(solved.solver.multigrid.cycles < anew.solver.multigrid.cycles);
         const auto points = points_about(data, 60, 3);
         const auto a = evaluate_all(warm, points), b = evaluate_all(cold, points);
         for (std::size_t i = 0; i < points.size(); ++i) {

@@ -67,8 +67,8 @@ TEST_CASE("multigrid weights converge to the oracle", "[coordinates][harmonic][o
             const auto weights =
                 evaluate_all(cageform::HarmonicCoordinates(cage, {.resolution = resolution}), oracle.points);
             REQUIRE(weights.status() == Status::ok);
-            CHECK(weights.evaluation.solver.error_estimate <= 1e-6);
-            CHECK(weights.evaluation.solver.convergence_factor <= 0.2);
+            CHECK(weights.evaluation.solver.multigrid.error_estimate <= 1e-6);
+            CHECK(weights.evaluation.solver.multigrid.convergence_factor <= 0.2);
             double error = 0;
             for (std::size_t i = 0; i < oracle.points.size(); ++i)
                 error = cageform_tests::larger(error, difference(weights.rows[i], oracle.coordinates[i]));
@@ -112,8 +112,8 @@ TEST_CASE("a bind by the multigrid changes weights no more than the solver's err
     CHECK(report.weight_change.value <= 1e-6 * double(cage.size()));
     CHECK(report.least_weight.value >= -report.weight_change.value - 1e-15);
     CHECK(report.solver.solves == cage.size());
-    CHECK(report.solver.cycles > 0);
-    CHECK(report.solver.error_bound >= report.solver.error_estimate);
+    CHECK(report.solver.multigrid.cycles > 0);
+    CHECK(report.solver.multigrid.error_bound >= report.solver.multigrid.error_estimate);
 }
 
 TEST_CASE("solving before, in batches or on threads gives the same bits",
@@ -379,7 +379,7 @@ TEST_CASE("a solve that begins with an edited cage's functions meets the toleran
         const auto solved = warm.solve_from(before, old_handles), anew = cold.solve();
         REQUIRE(anew.status == Status::ok);
         REQUIRE(solved.status == Status::ok);
-        CHECK(solved.solver.error_estimate <= tolerance);
+        CHECK(solved.solver.multigrid.error_estimate <= tolerance);
         const auto points = points_in(cage, 60, seed);
         const auto a = all_weights(warm, points), b = all_weights(cold, points);
         CHECK(a.report.status == Status::ok);
@@ -390,7 +390,7 @@ TEST_CASE("a solve that begins with an edited cage's functions meets the toleran
                 CHECK(std::fabs(a.value.weight(i, h) - b.value.weight(i, h)) <= 4 * tolerance);
             }
         }
-        return std::pair{solved.solver.cycles, anew.solver.cycles};
+        return std::pair{solved.solver.multigrid.cycles, anew.solver.multigrid.cycles};
     };
     const auto nothing = check(star, {});
     CHECK(nothing.first < nothing.second);

@@ -31,9 +31,9 @@ double largest_error(const C& cage, const Points& points, const std::vector<std:
                      double accuracy) {
     const auto weights = evaluate_all(Adaptive<C>(cage, {.accuracy = accuracy}), points);
     REQUIRE(weights.status() == Status::ok);
-    CHECK(weights.evaluation.solver.error_estimate <= 0.17 * accuracy);
-    CHECK(weights.evaluation.solver.convergence_factor <= 0.25);
-    CHECK(weights.evaluation.solver.convergence_factor > 0.01);
+    CHECK(weights.evaluation.solver.multigrid.error_estimate <= 0.17 * accuracy);
+    CHECK(weights.evaluation.solver.multigrid.convergence_factor <= 0.25);
+    CHECK(weights.evaluation.solver.multigrid.convergence_factor > 0.01);
     double error = 0;
     for (std::size_t i = 0; i < points.size(); ++i) {
         CHECK(weights.states[i] == PointState::inside);

@@ -41,7 +41,7 @@ std::vector<long double> by_definition(const Polygon<T>& cage, const Vec<T, 2>& 
     for (std::size_t k = 0; k < cage.loops().size(); ++k) {
         const auto& loop = cage.loops()[k];
         const bool turns_left = cageform::signed_area(cage, loop) > 0;
-        const bool hole = cageform::loop_depth(cage, k) % 2 == 1;
+        const bool hole = cageform::detail::loop_depth(cage, k) % 2 == 1;
         const long double sign = turns_left != hole ? 1 : -1;
         for (std::size_t i = loop.begin; i < loop.end; ++i) {
             const std::size_t j = i + 1 < loop.end ? i + 1 : loop.begin;
@@ -64,7 +64,7 @@ double room_about(const Polygon<T>& cage, const Vec<T, 2>& place, double diagona
     double room = diagonal;
     const double here = 1e-4 * diagonal;
     cage.for_each_edge([&](std::size_t i, std::size_t j) {
-        const double to_edge = double(cageform::nearest_on_edge(cage, i, j, place).distance);
+        const double to_edge = double(cageform::detail::nearest_on_edge(cage, i, j, place).distance);
         const double to_vertex = distance(cage[i], place);
         if (to_edge > here) room = std::min(room, to_edge);
         if (to_vertex > here) room = std::min(room, to_vertex);

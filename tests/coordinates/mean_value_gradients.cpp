@@ -33,7 +33,7 @@ std::vector<Real> by_definition(const Polygon<T>& cage, const Vec<Real, 2>& p) {
     std::vector<Real> sign(cage.size()); // outer loops count counter-clockwise, holes clockwise
     for (std::size_t k = 0; k < cage.loops().size(); ++k) {
         const auto& loop = cage.loops()[k];
-        const bool turned = (signed_area(cage, loop) > 0) != (loop_depth(cage, k) % 2 == 0);
+        const bool turned = (signed_area(cage, loop) > 0) != (cageform::detail::loop_depth(cage, k) % 2 == 0);
         for (std::size_t i = loop.begin; i < loop.end; ++i) sign[i] = turned ? -1 : 1;
     }
     cage.for_each_edge([&](std::size_t i, std::size_t j) {
@@ -52,7 +52,7 @@ std::vector<Real> by_definition(const Polygon<T>& cage, const Vec<Real, 2>& p) {
 template <class T>
 std::vector<Real> by_definition(const TriangleMesh<T>& cage, const Vec<Real, 3>& p) {
     std::vector<Real> w(cage.size(), 0);
-    for (const auto& face : outward_faces(cage)) {
+    for (const auto& face : cageform::detail::outward_faces(cage)) {
         std::array<Vec<Real, 3>, 3> c, normal;
         for (std::size_t k = 0; k < 3; ++k) c[k] = vec_cast<Real>(cage[face[k]]) - p;
         Vec<Real, 3> m{};
@@ -297,7 +297,7 @@ TEMPLATE_TEST_CASE(
     // In the middle of a face they go over into those inside.
     if constexpr (std::is_same_v<T, double>) {
         const Mean3<double> coordinates(mesh);
-        const auto faces = outward_faces(mesh);
+        const auto faces = cageform::detail::outward_faces(mesh);
         for (std::size_t f = 0; f < faces.size(); f += 1 + faces.size() / 40) {
             const auto& face = faces[f];
             const auto a = mesh[face[0]], b = mesh[face[1]], c = mesh[face[2]];

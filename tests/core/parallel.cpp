@@ -1,7 +1,7 @@
 #include "../catch.hpp"
 #include "../support/cages.hpp"
 
-#include <cageform/core/parallel.hpp>
+#include <cageform/core/detail/parallel.hpp>
 #include <cageform/core/threads.hpp>
 
 #include <algorithm>

@@ -33,7 +33,7 @@ TEST_CASE("progress never falls and ends with 1: grids and graphs", "[core][runn
     check_progress("solve_dirichlet", [&](const Running& r) {
         std::vector<double> values(64, 0);
         values[0] = 1;
-        return cageform::solve_dirichlet<2, double>(cells, given, values, {}, r);
+        return cageform::solve_dirichlet(cells, given, values, {}, r);
     });
     check_progress("strokes", [](const Running& r) {
         cageform::Diffusion<double> field({{-1, -1}, {1, 1}}, 24, 1);

@@ -1,7 +1,7 @@
 // What solvers report: sums and worsts over parts, reasons in words.
 #include "../catch.hpp"
 
-#include <cageform/core/solver_report.hpp>
+#include <cageform/core/types/solver_report.hpp>
 
 #include <set>
 #include <string>

@@ -202,12 +202,12 @@ TEST_CASE("balls apart: one cage with bridges, or a shell for each", "[enclose]"
     REQUIRE(one);
     CHECK(one.report.parts == 3);
     CHECK(one.report.bridges == 2);
-    CHECK(shells_of(one.value).first_face.size() == 1);
+    CHECK(cageform::detail::shells_of(one.value).first_face.size() == 1);
     options.one_cage = false;
     const auto each = make_cage(figure.vertices, figure.faces, options);
     REQUIRE(each);
     CHECK(each.report.bridges == 0);
-    CHECK(shells_of(each.value).first_face.size() == 3);
+    CHECK(cageform::detail::shells_of(each.value).first_face.size() == 3);
     CHECK(each.value.size() == 60);
     CHECK(is_cage(each.report.cage));
     CHECK(each.report.tightest_area < one.report.tightest_area);

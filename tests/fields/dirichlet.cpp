@@ -65,9 +65,9 @@ void check_laws(int seed) {
     const auto before = values;
     const double tolerance = sizeof(T) == 8 ? 1e-11 : 1e-6;
     const auto solved =
-        cageform::solve_dirichlet<D, T>(problem.cells, problem.given, values, {.tolerance = tolerance});
+        cageform::solve_dirichlet(problem.cells, problem.given, values, {.tolerance = tolerance});
     REQUIRE(solved.status == Status::ok);
-    CHECK(solved.solver.error_estimate <= tolerance);
+    CHECK(solved.solver.multigrid.error_estimate <= tolerance);
     for (std::size_t i = 0; i < values.size(); ++i) {
         if (problem.given[i % size] != 0) CHECK(values[i] == before[i]);
     }
@@ -93,9 +93,9 @@ void check_laws(int seed) {
     auto threaded = before;
     cageform::Running running;
     running.parallel = cageform::ThreadedFor{2};
-    REQUIRE(cageform::solve_dirichlet<D, T>(problem.cells, problem.given, threaded, {.tolerance = tolerance},
-                                            running)
-                .status == Status::ok);
+    REQUIRE(
+        cageform::solve_dirichlet(problem.cells, problem.given, threaded, {.tolerance = tolerance}, running)
+            .status == Status::ok);
     CHECK((threaded == values));
 }
 
@@ -125,8 +125,7 @@ TEST_CASE("the printed grids are solved", "[grid][dirichlet][oracle]") {
             expected.push_back(numbers[y][x].is_null() && corner ? 0.0 : numbers[y][x].get<double>());
             values.push_back(given.back() != 0 ? expected.back() : 1e300);
         }
-        REQUIRE(cageform::solve_dirichlet<2, double>(cells, given, values, {.tolerance = 1e-13}).status ==
-                Status::ok);
+        REQUIRE(cageform::solve_dirichlet(cells, given, values, {.tolerance = 1e-13}).status == Status::ok);
         for (std::size_t cell = 0; cell < cells.size(); ++cell)
             CHECK(std::fabs(values[cell] - expected[cell]) <=
                   1e-12 * std::max(1.0, std::fabs(expected[cell])));
@@ -168,8 +167,8 @@ void check_puzzle(const nlohmann::json& puzzle) {
     });
     REQUIRE(place == values.size());
     kinds.resize(cells.size()); // all fields have the same
-    const auto solved = cageform::solve_dirichlet<D, double>(
-        cells, kinds, values, {.tolerance = 1e-14, .rim = cageform::Rim::mirrored});
+    const auto solved =
+        cageform::solve_dirichlet(cells, kinds, values, {.tolerance = 1e-14, .rim = cageform::Rim::mirrored});
     REQUIRE(solved.status == Status::ok);
     for (std::size_t i = 0; i < values.size(); ++i)
         CHECK(std::fabs(values[i] - expected[i]) <= 1e-12 * std::max(1.0, std::fabs(expected[i])));
@@ -243,7 +242,7 @@ TEMPLATE_TEST_CASE("each part of unknown cells keeps to what it is given; a part
     // A third of the cells are walls: a maze, in which a cycle divides the error by 1.4 at worst.
     const cageform::DirichletOptions options{
         .tolerance = sizeof(T) == 8 ? 1e-11 : 1e-6, .max_cycles = 300, .rim = cageform::Rim::mirrored};
-    auto solved = cageform::solve_dirichlet<2, T>(cells, kinds, values, options);
+    auto solved = cageform::solve_dirichlet(cells, kinds, values, options);
     if (unreached > 0) {
         CHECK(solved.status == Status::cells_unreached);
         CHECK(solved.solver.culprit == first);
@@ -253,7 +252,7 @@ TEMPLATE_TEST_CASE("each part of unknown cells keeps to what it is given; a part
             CHECK(values[i] == T(-5));
             if (ranges[part[i]][0] > ranges[part[i]][1]) kinds[i] = Cell::outside;
         }
-        solved = cageform::solve_dirichlet<2, T>(cells, kinds, values, options);
+        solved = cageform::solve_dirichlet(cells, kinds, values, options);
     }
     CAPTURE(to_string(solved.status));
     REQUIRE(solved.status == Status::ok);
@@ -294,8 +293,8 @@ TEST_CASE("larger mirrored fields have the values of the reference file", "[grid
         if (field.contains("exterior")) {
             for (const auto& place : field["exterior"]) kinds[number(place)] = cageform::Cell::outside;
         }
-        REQUIRE(cageform::solve_dirichlet<2, double>(cells, kinds, values,
-                                                     {.tolerance = 1e-14, .rim = cageform::Rim::mirrored})
+        REQUIRE(cageform::solve_dirichlet(cells, kinds, values,
+                                          {.tolerance = 1e-14, .rim = cageform::Rim::mirrored})
                     .status == Status::ok);
         REQUIRE(field["samples"].size() >= 8);
         for (const auto& sample : field["samples"]) {
@@ -319,8 +318,7 @@ TEST_CASE("larger mirrored fields have the values of the reference file", "[grid
             kinds[cell] = cageform::Cell::given;
         values[cell] = peak ? 1 : on_line ? 0.5 : 0;
     }
-    REQUIRE(cageform::solve_dirichlet<3, double>(cells, kinds, values, {.tolerance = 1e-14}).status ==
-            Status::ok);
+    REQUIRE(cageform::solve_dirichlet(cells, kinds, values, {.tolerance = 1e-14}).status == Status::ok);
     for (const auto& sample : file["volume"]["samples"]) {
         const auto at = sample[0].get<std::vector<std::size_t>>();
         CHECK(std::fabs(values[cells.number({at[0], at[1], at[2]})] - sample[1].get<double>()) < 1e-12);
@@ -333,7 +331,7 @@ TEST_CASE("grids that cannot be solved are refused and left as they are", "[grid
     std::vector<double> values(40, 2.0);
     const auto solve = [&](const cageform::DirichletOptions& options = {},
                            const cageform::Running& running = {}) {
-        return cageform::solve_dirichlet<2, double>(cells, given, values, options, running);
+        return cageform::solve_dirichlet(cells, given, values, options, running);
     };
     CHECK(solve().status == Status::ok); // nothing to do
     given[4] = 0;
@@ -353,18 +351,18 @@ TEST_CASE("grids that cannot be solved are refused and left as they are", "[grid
     walled[5] = cageform::Cell::given;
     std::vector<double> heat(64, 1.0);
     const cageform::DirichletOptions open{.rim = cageform::Rim::mirrored};
-    const auto cold = cageform::solve_dirichlet<3, double>(box, walled, heat, open);
+    const auto cold = cageform::solve_dirichlet(box, walled, heat, open);
     CHECK(cold.status == Status::cells_unreached);
     CHECK(cold.solver.culprit == 32);
     CHECK(cold.solver.unreached_cells == 32);
     walled[16] = cageform::Cell::unknown; // a gap
-    CHECK(cageform::solve_dirichlet<3, double>(box, walled, heat, open).status == Status::ok);
+    CHECK(cageform::solve_dirichlet(box, walled, heat, open).status == Status::ok);
     const CellBox<1> line{{6}};
     const std::vector<cageform::Cell> ends{{}, cageform::Cell::given, cageform::Cell::outside, {}, {}, {}};
     std::vector<double> along(6, 1.0);
-    CHECK(cageform::solve_dirichlet<1, double>(line, ends, along, open).solver.unreached_cells == 3);
+    CHECK(cageform::solve_dirichlet(line, ends, along, open).solver.unreached_cells == 3);
     const std::vector<cageform::Cell> odd(20, cageform::Cell(3));
-    const auto malformed = cageform::solve_dirichlet<2, double>(cells, odd, values);
+    const auto malformed = cageform::solve_dirichlet(cells, odd, values);
     CHECK(malformed.status == Status::input_malformed);
     CHECK(malformed.solver.culprit == 0);
     CHECK(solve({.tolerance = 0}).status == Status::tolerance_not_positive);
@@ -388,7 +386,7 @@ TEST_CASE("a long line is as right as its ends", "[grid][dirichlet]") {
         std::vector<double> values(n);
         values[0] = 0.3;
         values[n - 1] = 0.7;
-        REQUIRE(cageform::solve_dirichlet<1, double>(cells, given, values).status == Status::ok);
+        REQUIRE(cageform::solve_dirichlet(cells, given, values).status == Status::ok);
         double error = 0;
         for (std::size_t i = 0; i < n; ++i)
             error =
@@ -410,8 +408,7 @@ TEST_CASE("the Dirichlet solver asks its progress after every cycle", "[grid][di
         last = done;
         return ++asked < 2;
     };
-    CHECK(cageform::solve_dirichlet<2, double>(problem.cells, problem.given, values, {.tolerance = 1e-9},
-                                               running)
+    CHECK(cageform::solve_dirichlet(problem.cells, problem.given, values, {.tolerance = 1e-9}, running)
               .status == Status::cancelled);
     CHECK(asked == 2);
     CHECK((values == before));

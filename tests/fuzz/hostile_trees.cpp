@@ -162,7 +162,7 @@ Status take(const C& cage, Random& random, unsigned long long seed) {
         return report.status;
     }
     REQUIRE(report.solver.bytes <= options.memory_limit);
-    REQUIRE(report.solver.finest_size > 0 && std::isfinite(report.solver.grid_error()));
+    REQUIRE(report.solver.tree.finest_size > 0 && std::isfinite(report.solver.grid_error()));
     for (std::size_t i = 0; i < points.size(); ++i) {
         double sum = 0;
         for (std::size_t h = 0; h < binding.handle_count(); ++h) {

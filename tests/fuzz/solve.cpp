@@ -101,7 +101,7 @@ void bind_to(const Cage& cage, Random& random) {
     expect(report.status == Status::ok || binding.point_count() == 0, "nothing is half made");
     if (report.status != Status::ok) return;
     expect(report.partition_error.value <= 1e-3, "weights sum to one");
-    for (const auto& corner : report.solver.corners) {
+    for (const auto& corner : report.solver.multigrid.corners) {
         expect(corner.error >= 0 && corner.error <= 1, "errors of corners are numbers");
         expect(std::max(corner.handles[0], corner.handles[1]) < cage.size(), "corners are of the cage");
     }

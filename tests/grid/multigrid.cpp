@@ -7,7 +7,7 @@
 #include "../support/oracle.hpp"
 
 #include <cageform/core/threads.hpp>
-#include <cageform/grid/multigrid_groups.hpp>
+#include <cageform/grid/multigrid/groups.hpp>
 
 #include <Eigen/SparseCholesky>
 

@@ -4,9 +4,9 @@
 #include "../support/meshes.hpp"
 #include "../support/oracle.hpp"
 
+#include <cageform/grid/tree/multigrid.hpp>
 #include <cageform/grid/tree/refinement.hpp>
 #include <cageform/grid/tree/sizing.hpp>
-#include <cageform/grid/tree_multigrid.hpp>
 
 namespace tree_multigrid_tests {
 

@@ -1,5 +1,5 @@
 // What an engine calls every frame, compiled once for each level of processors. LEVEL is its name.
-#include <cageform/binding/blob.hpp>
+#include <cageform/binding/types/blob.hpp>
 #include <cageform/clone/clone.hpp>
 
 #define CAGEFORM_TEST_JOIN_EXPANDED(a, b) a##b

@@ -1,7 +1,7 @@
 // Keys of tracks in one line.
 #pragma once
 
-#include <cageform/animate/key.hpp>
+#include <cageform/animate/curves/key.hpp>
 
 namespace cageform_tests {
 

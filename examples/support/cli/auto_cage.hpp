@@ -6,7 +6,7 @@
 #include "files/obj_file.hpp"
 #include "svg/document.hpp"
 
-#include <cageform/enclose/make_cage_options.hpp>
+#include <cageform/enclose/types/make_cage_options.hpp>
 
 #include <cstddef>
 #include <string>

@@ -10,7 +10,7 @@
 
 #include <cageform/binding/bind.hpp>
 #include <cageform/clone/pose_handles.hpp>
-#include <cageform/coordinates/cage_solver.hpp>
+#include <cageform/coordinates/harmonic/cage_solver.hpp>
 #include <cageform/coordinates/harmonic/options.hpp>
 
 #include <functional>

@@ -36,7 +36,7 @@ CageFaces faces_of(const ObjFile& cage, bool keep_polygons) {
         while (triangle < cage.triangles.size() && cage.triangle_faces[triangle] == f) ++triangle;
         bool keep = keep_polygons || loop.size() == 3;
         if (keep && loop.size() > 3) {
-            keep = !face_fault(whole, f);
+            keep = !cageform::detail::face_fault(whole, f);
             if (!keep) faces.bent.push_back(f);
         }
         if (keep) {

@@ -22,7 +22,7 @@
 #include "svg/path.hpp"
 
 #include <cageform/animate/clip.hpp>
-#include <cageform/animate/key.hpp>
+#include <cageform/animate/curves/key.hpp>
 
 #include <array>
 #include <optional>

@@ -21,14 +21,6 @@ static_assert(cageform::MutablePoint<Eigen::Vector2d> && cageform::MutablePoint<
 
 namespace cageform::inline CAGEFORM_ABI {
 
-namespace detail {
-
-/// float or const float, the element type of the matrix's data().
-template <class M>
-using element_t = std::remove_pointer_t<decltype(std::declval<M&>().data())>;
-
-} // namespace detail
-
 /// Views the rows of an #P × D matrix as points. The matrix may have either storage order and may
 /// be mapped or a block of a larger matrix. The view refers to the matrix's memory and writes to it
 /// if the matrix is not const.

@@ -1,8 +1,8 @@
 // The motion of a cage: gives the pose of all its vertices at a time; for run time, like piecewise_cubic.hpp.
 #pragma once
 
-#include <cageform/animate/curve_bank.hpp>
-#include <cageform/animate/rigid_motion.hpp>
+#include <cageform/animate/curves/curve_bank.hpp>
+#include <cageform/animate/curves/rigid_motion.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 

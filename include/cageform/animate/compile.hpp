@@ -5,9 +5,9 @@
 #pragma once
 
 #include <cageform/animate/clip.hpp>
+#include <cageform/animate/curves/key.hpp>
+#include <cageform/animate/curves/track.hpp>
 #include <cageform/animate/fit.hpp>
-#include <cageform/animate/key.hpp>
-#include <cageform/animate/track.hpp>
 #include <cageform/core/result.hpp>
 #include <cageform/core/running.hpp>
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <cageform/binding/bind.hpp>
-#include <cageform/coordinates/cage_solver.hpp>
+#include <cageform/coordinates/harmonic/cage_solver.hpp>
 
 #include <functional>
 #include <memory>

@@ -119,11 +119,15 @@ struct BoneShares {
 ///   cost     O(#bones) a point; (#handles + D) scalars of memory a point
 ///   fails    bone_weights_do_not_match, vertex_not_finite (by handle), bone_axes_dependent (by bone),
 ///            cancelled, out_of_memory
-template <PointRange R, Scalar T, std::size_t D, Scalar W>
-    requires(range_dimension<R> == D && (D == 2 || D == 3))
-Result<Binding<T, D>, BindBonesReport> bind_bones(const R& points, std::span<const Transform<T, D>> bones,
-                                                  std::span<const W> weights, const BindOptions& options = {},
+template <PointRange R, class Bones, ScalarRange Weights,
+          Scalar T = typename detail::element_t<const Bones>::scalar, std::size_t D = range_dimension<R>>
+    requires(std::is_same_v<detail::element_t<const Bones>, const Transform<T, D>> && (D == 2 || D == 3))
+Result<Binding<T, D>, BindBonesReport> bind_bones(const R& points, const Bones& frames, const Weights& shares,
+                                                  const BindOptions& options = {},
                                                   const Running& running = {}) {
+    using W = std::remove_cv_t<detail::element_t<const Weights>>;
+    const std::span<const Transform<T, D>> bones(frames);
+    const std::span<const W> weights(shares);
     Result<Binding<T, D>, BindBonesReport> result;
     result.report.points = std::size(points);
     if (bones.empty() || weights.size() / bones.size() != std::size(points) ||

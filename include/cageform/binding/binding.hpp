@@ -3,7 +3,7 @@
 #pragma once
 
 #include <cageform/core/detail/blocks.hpp>
-#include <cageform/core/handles.hpp>
+#include <cageform/core/types/handles.hpp>
 
 #include <utility>
 #include <vector>

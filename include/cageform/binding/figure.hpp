@@ -7,7 +7,7 @@
 //
 //     FigureHeader
 //     table    #parts × FigurePart, by ascending offset
-//     PNTS     a blob (binding/blob.hpp): the points
+//     PNTS     a blob (binding/types/blob.hpp): the points
 //     TAN1     a blob: unit tangents; only if there are normals
 //     TAN2     a blob: unit bitangents, the normal is cross(TAN1, TAN2); only in 3D, with TAN1
 //     HAND     #points × int8: 1 or −1, the handedness of the texture; only if the tangents are the

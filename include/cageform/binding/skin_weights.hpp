@@ -336,10 +336,12 @@ Result<SkinWeights, SkinWeightsReport> skin_weights(const Binding<T, D>& binding
 ///            without positive ones, have no weights. Reproduced points are not checked
 ///   fails    bone_weights_do_not_match, too_few_influences, too_many_handles, value_not_finite (the
 ///            threshold), cancelled, out_of_memory
-template <Scalar W>
-Result<SkinWeights, SkinWeightsReport> skin_weights(std::span<const W> shares, std::size_t bones,
+template <ScalarRange Shares>
+Result<SkinWeights, SkinWeightsReport> skin_weights(const Shares& bone_shares, std::size_t bones,
                                                     const SkinWeightsOptions& options = {},
                                                     const Running& running = {}) {
+    using W = std::remove_cv_t<detail::element_t<const Shares>>;
+    const std::span<const W> shares(bone_shares);
     Result<SkinWeights, SkinWeightsReport> result;
     detail::run_into(result.report, [&] {
         if (bones == 0 || shares.size() % bones != 0) return Status::bone_weights_do_not_match;
@@ -368,30 +370,31 @@ Result<SkinWeights, SkinWeightsReport> skin_weights(std::span<const W> shares, s
     return result;
 }
 
-/// Writes a binding with the weights of a skin instead of its own. `clone` then shows what an
+/// Returns a binding with the weights of a skin instead of its own. `clone` then shows what an
 /// engine will show.
 ///
 ///   skin     of this binding
-///   out      overwritten if the result is ok
 ///   fails    out_of_memory
 template <Scalar T, std::size_t D>
-Status skin_to_binding(const BindingView<T, D>& binding, const SkinWeights& skin, Binding<T, D>& out) {
+Result<Binding<T, D>> skin_to_binding(const BindingView<T, D>& binding, const SkinWeights& skin) {
     CAGEFORM_ASSERT(skin.point_count() == binding.point_count(), "a skin of this binding");
-    return detail::guard_memory([&] {
+    Result<Binding<T, D>> result;
+    result.report = detail::guard_memory([&] {
         const std::size_t blocks = block_count<T>(binding.point_count()), handles = binding.handle_count();
         std::vector<Lanes<T>> weights(blocks * handles);
         for (auto& row : weights) std::fill(std::begin(row.v), std::end(row.v), T(0));
         const BlockView<T> table{weights.data(), handles, binding.point_count()};
         for (std::size_t i = 0; i < skin.joints.size(); ++i)
             table(i / skin.influences, skin.joints[i]) += static_cast<T>(skin.weights[i]);
-        out = Binding<T, D>(std::move(weights), {binding.rest.data, binding.rest.data + blocks * D},
-                            binding.handle_view(), binding.point_count());
+        result.value = Binding<T, D>(std::move(weights), {binding.rest.data, binding.rest.data + blocks * D},
+                                     binding.handle_view(), binding.point_count());
         return Status::ok;
     });
+    return result;
 }
 template <Scalar T, std::size_t D>
-Status skin_to_binding(const Binding<T, D>& binding, const SkinWeights& skin, Binding<T, D>& out) {
-    return skin_to_binding(binding.view(), skin, out);
+Result<Binding<T, D>> skin_to_binding(const Binding<T, D>& binding, const SkinWeights& skin) {
+    return skin_to_binding(binding.view(), skin);
 }
 
 /// Converts a skin's weights to normalised integers, `std::uint8_t` or `std::uint16_t`. The weights

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <cageform/cage/detail/boundary_value.hpp>
-#include <cageform/cage/report.hpp>
+#include <cageform/cage/types/report.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 

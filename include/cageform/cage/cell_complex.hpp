@@ -181,11 +181,15 @@ const InteriorCells<D>& interior_cells(const CellComplex<T, D>& cage) noexcept {
 
 // ---- inside -------------------------------------------------------------------------------------
 
+namespace detail {
+
 /// Returns a bone of a complex with the positions of its vertices.
 template <Scalar T, std::size_t D>
 PlacedBone<D> placed_bone(const CellComplex<T, D>& cage, const Bone& bone) noexcept {
     return {bone.i, bone.j, vec_cast<double>(cage[bone.i]), vec_cast<double>(cage[bone.j]), bone.radius};
 }
+
+} // namespace detail
 
 /// Finds the point of boundary and cells nearest to a finite point; returns the boundary data there
 /// and stores the point in `place`. The data is linear on facets; within the radius of a bone it is
@@ -206,7 +210,7 @@ BoundaryValue<D> nearest_boundary_value(const CellComplex<T, D>& cage, const Vec
         value = value_on_facet(vertices, weight);
     }
     const auto& bones = cage.cells().bones;
-    const auto bone = [&](std::size_t n) { return placed_bone(cage, bones[n]); };
+    const auto bone = [&](std::size_t n) { return detail::placed_bone(cage, bones[n]); };
     if (const auto hit = nearest_bone<D>(bones.size(), bone, q, least)) {
         value = hit->value;
         Vec<double, D> x{};
@@ -229,13 +233,15 @@ PointState locate(const CellComplex<T, D>& cage, const Vec<T, D>& p, T tolerance
         return detail::distance_to_facet(q, detail::Facet<D>(vertices, cage.vertices()).corner) <=
                double(tolerance);
     };
-    const auto in_bone = [&](const Bone& bone) { return placed_bone(cage, bone).distance(q) <= 0; };
+    const auto in_bone = [&](const Bone& bone) { return detail::placed_bone(cage, bone).distance(q) <= 0; };
     const bool on_cell = std::any_of(facets.begin(), facets.end(), on_facet) ||
                          std::any_of(bones.begin(), bones.end(), in_bone);
     return on_cell ? PointState::on_boundary : state;
 }
 
 // ---- check --------------------------------------------------------------------------------------
+
+namespace detail {
 
 /// Reports interior cells as a fault, for coordinate types that do not support them.
 template <Scalar T, std::size_t D>
@@ -244,8 +250,6 @@ void refuse_interior_cells(const CellComplex<T, D>& cage, CageReport& report) {
     if (cells > 0 || cage.size() > cage.boundary().size())
         report.add(CageFaultKind::interior_cells_not_supported, cells);
 }
-
-namespace detail {
 
 /// Checks that vertices are finite, that facets name existing vertices, and that bones have a
 /// positive radius.
@@ -274,7 +278,7 @@ public:
         , rounding_(coincidence_tolerance(bounds_of(cage.vertices())))
         , tolerance_(double(rounding_)) {
         for (const auto& facet : cage.cells().facets) facets_.push_back({facet, cage.vertices()});
-        for (const auto& bone : cage.cells().bones) bones_.push_back(placed_bone(cage, bone));
+        for (const auto& bone : cage.cells().bones) bones_.push_back(detail::placed_bone(cage, bone));
         inner_ = facets_.size();
         for_each_facet(cage.boundary(), [&](const auto& facet) {
             facets_.push_back({facet, cage.vertices()});

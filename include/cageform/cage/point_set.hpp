@@ -2,7 +2,7 @@
 #pragma once
 
 #include <cageform/cage/detail/primitives.hpp>
-#include <cageform/cage/report.hpp>
+#include <cageform/cage/types/report.hpp>
 #include <cageform/core/view.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {

@@ -3,7 +3,7 @@
 
 #include <cageform/cage/detail/boundary_value.hpp>
 #include <cageform/cage/detail/facet_pairs.hpp>
-#include <cageform/cage/report.hpp>
+#include <cageform/cage/types/report.hpp>
 #include <cageform/core/detail/buffer.hpp>
 #include <cageform/core/view.hpp>
 
@@ -123,6 +123,8 @@ double signed_area(const Polygon<T>& polygon, typename Polygon<T>::Loop loop) no
 
 // ---- inside -------------------------------------------------------------------------------------
 
+namespace detail {
+
 /// Counts the other loops that enclose loop `k`: an even number for an outer loop, odd for a hole.
 /// Loops must not touch.
 template <Scalar T>
@@ -145,8 +147,10 @@ std::size_t loop_depth(const Polygon<T>& polygon, std::size_t k) noexcept {
 /// counter-clockwise outer loop and a clockwise hole. Loops must not touch. O(#V).
 template <Scalar T>
 bool inside_is_left(const Polygon<T>& polygon, std::size_t k) noexcept {
-    return (signed_area(polygon, polygon.loops()[k]) > 0) == (loop_depth(polygon, k) % 2 == 0);
+    return (signed_area(polygon, polygon.loops()[k]) > 0) == (detail::loop_depth(polygon, k) % 2 == 0);
 }
+
+} // namespace detail
 
 /// A point on the boundary of a polygon: (1 − s) vertex[i] + s vertex[j].
 template <Scalar T>
@@ -157,6 +161,8 @@ struct BoundaryPoint {
     T distance = 0;     ///< to the query point
     Vec<T, 2> position; ///< of the boundary point
 };
+
+namespace detail {
 
 /// Returns the point of edge (i, j) nearest to `p`. Interpolates from the nearer end, so that both
 /// ends are reproduced exactly. `p` must be finite.
@@ -175,13 +181,15 @@ BoundaryPoint<T> nearest_on_edge(const Polygon<T>& polygon, std::size_t i, std::
     return {i, j, static_cast<T>(s), static_cast<T>(std::hypot(x[0] - q[0], x[1] - q[1])), vec_cast<T>(x)};
 }
 
+} // namespace detail
+
 /// Returns the nearest point on the whole boundary. `p` must be finite and the polygon not empty.
 /// O(#V).
 template <Scalar T>
 BoundaryPoint<T> nearest_on_boundary(const Polygon<T>& polygon, const Vec<T, 2>& p) noexcept {
     BoundaryPoint<T> best;
     polygon.for_each_edge([&](std::size_t i, std::size_t j) {
-        const auto candidate = nearest_on_edge(polygon, i, j, p);
+        const auto candidate = detail::nearest_on_edge(polygon, i, j, p);
         const bool first = best.i == best.j; // accepted as is: far away all distances may be infinite
         if (first || candidate.distance < best.distance) best = candidate;
     });
@@ -214,7 +222,8 @@ PointState locate(const Polygon<T>& polygon, const Vec<T, 2>& p, T tolerance) no
         const auto b = vec_cast<double>(polygon[j]);
         const auto e = b - a;
         const double reach = tolerance * (std::fabs(e[0]) + std::fabs(e[1]));
-        if (std::fabs(cross(e, q - a)) <= reach && nearest_on_edge(polygon, i, j, p).distance <= tolerance)
+        if (std::fabs(cross(e, q - a)) <= reach &&
+            detail::nearest_on_edge(polygon, i, j, p).distance <= tolerance)
             touches = true;
         if (detail::crosses_ray(q, a, b)) inside = !inside;
     });
@@ -305,7 +314,7 @@ void check_polygon(const Polygon<T>& polygon, CageReport& report) {
 
     for (std::size_t k = 0; k < polygon.loops().size(); ++k) {
         check_collinear_vertices(edges_of(k), tolerance, report);
-        if (!inside_is_left(polygon, k)) report.add(CageFaultKind::loop_turns_otherwise, k);
+        if (!detail::inside_is_left(polygon, k)) report.add(CageFaultKind::loop_turns_otherwise, k);
     }
 }
 

@@ -183,8 +183,6 @@ void add_faults_of_triangles(const PolyhedralMesh<T>& mesh, CageReport& report) 
     if (report.status == Status::ok) report.status = found.status;
 }
 
-} // namespace detail
-
 /// Returns the first fault of one face, if any: too_few_vertices, face_without_vertex and, for more
 /// than three corners, face_without_area, face_not_planar or face_crosses_itself. Assumes finite
 /// vertices. O(m log m) for m corners, O(m²) at worst.
@@ -216,6 +214,8 @@ std::optional<CageFault> face_fault(const PolyhedralMesh<T>& mesh, std::size_t f
     return std::nullopt;
 }
 
+} // namespace detail
+
 /// Whether a mesh can serve as a cage. Every face must have at least three corners that exist, are
 /// finite, lie in one plane (see off_plane) and form a simple polygon; the other conditions are
 /// those of a TriangleMesh. Faults name faces by number. Costs as much as for a TriangleMesh, plus
@@ -228,7 +228,7 @@ CageReport check(const PolyhedralMesh<T>& mesh) {
         }
         if (report.status != Status::ok) return;
         for (std::size_t f = 0; f < mesh.face_count(); ++f) {
-            if (const auto fault = face_fault(mesh, f)) report.add(fault->kind, fault->a, fault->b);
+            if (const auto fault = detail::face_fault(mesh, f)) report.add(fault->kind, fault->a, fault->b);
         }
         if (report.status != Status::ok) return;
         detail::add_faults_of_triangles(mesh, report);

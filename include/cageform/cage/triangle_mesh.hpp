@@ -5,7 +5,7 @@
 #include <cageform/cage/detail/faces_of.hpp>
 #include <cageform/cage/detail/facet_pairs.hpp>
 #include <cageform/cage/detail/gaps.hpp>
-#include <cageform/cage/report.hpp>
+#include <cageform/cage/types/report.hpp>
 #include <cageform/core/detail/buffer.hpp>
 #include <cageform/core/view.hpp>
 
@@ -170,8 +170,6 @@ std::size_t shell_depth(const TriangleMesh<T>& mesh, const Shells& shells, std::
     return std::size_t(std::count_if(turns.begin(), turns.end(), is_enclosed));
 }
 
-} // namespace detail
-
 /// Finds the shells of a mesh. O(#F) for one shell, O(#F · shells) for more.
 template <Scalar T>
 Shells shells_of(const TriangleMesh<T>& mesh) {
@@ -194,13 +192,15 @@ Shells shells_of(const TriangleMesh<T>& mesh) {
 /// counter-clockwise seen from outside the cage. Costs as much as `shells_of`.
 template <Scalar T>
 std::vector<typename TriangleMesh<T>::Face> outward_faces(const TriangleMesh<T>& mesh) {
-    const auto shells = shells_of(mesh);
+    const auto shells = detail::shells_of(mesh);
     std::vector<typename TriangleMesh<T>::Face> faces(mesh.faces().begin(), mesh.faces().end());
     for (std::size_t f = 0; f < faces.size(); ++f) {
         if (shells.turned[shells.of_face[f]]) std::swap(faces[f][1], faces[f][2]);
     }
     return faces;
 }
+
+} // namespace detail
 
 /// Finds the boundary point nearest to a finite point; returns the boundary data there, which is
 /// linear on the faces, and stores the point in `place`. The mesh must be sound. O(#F).
@@ -329,7 +329,7 @@ public:
     }
 
     void check_shells() {
-        const auto shells = shells_of(mesh_);
+        const auto shells = detail::shells_of(mesh_);
         const double size = double(bounds_of(mesh_.vertices()).diagonal());
         for (std::size_t n = 0; n < shells.turned.size(); ++n) {
             const auto face = shells.first_face[n];

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <cageform/clone/detail/block_cloner.hpp>
-#include <cageform/core/parallel.hpp>
+#include <cageform/core/detail/parallel.hpp>
 #include <cageform/core/status.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
@@ -74,7 +74,7 @@ Status check_clone(const std::array<View, K>& views, const Pose& pose, const Out
 ///                 pose; points after the first #points are left alone. `out` and the mask are indexed
 ///                 as the points were when bound, whatever their order in a packed binding
 ///   options       a mask, and what the displacements are added to
-///   parallel_for  see core/parallel.hpp; the result does not depend on it
+///   parallel_for  see core/detail/parallel.hpp; the result does not depend on it
 ///   returns       pose_size_differs, pose_not_finite, output_too_small, mask_too_small (`out` is
 ///                 then untouched), or ok
 ///   cost          reads every stored weight once, of a dense binding #points × (#handles + D)

@@ -137,7 +137,7 @@ public:
     explicit BarycentricCoordinates(const CellComplex<T, E>& cage)
         : BarycentricCoordinates(cage.boundary().vertices()) {
         if (cage.status() != Status::ok) report_ = {cage.status(), {}};
-        refuse_interior_cells(cage, report_);
+        detail::refuse_interior_cells(cage, report_);
     }
 
     std::span<const Vec<T, D>> handles() const noexcept { return vertices_; }

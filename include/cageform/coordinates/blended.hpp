@@ -162,7 +162,7 @@ private:
             Evaluation part = f(k, running.part(double(k) / count, double(k + 1) / count));
             total.status = part.status;
             SolverReport& sum = total.solver;
-            for (CornerError& corner : part.solver.corners) {
+            for (CornerError& corner : part.solver.multigrid.corners) {
                 for (std::size_t& handle : corner.handles) handle += first_[k];
             }
             sum.add(part.solver);

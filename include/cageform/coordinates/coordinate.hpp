@@ -4,8 +4,8 @@
 #include <cageform/cage/cell_complex.hpp>
 #include <cageform/coordinates/detail/boundary_data.hpp>
 #include <cageform/core/detail/blocks.hpp>
-#include <cageform/core/handles.hpp>
-#include <cageform/core/solver_report.hpp>
+#include <cageform/core/types/handles.hpp>
+#include <cageform/core/types/solver_report.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 
@@ -25,7 +25,7 @@ concept CageCoordinateConstants = requires {
 /// assume that weights belong to vertices.
 ///
 ///   handles()           the handles at rest; a pose holds as many points, in the same order
-///   handle_kinds()      optional: a span of the kinds of the handles (core/handles.hpp); if it is
+///   handle_kinds()      optional: a span of the kinds of the handles (core/types/handles.hpp); if it is
 ///                       absent or empty, all are points
 ///   handle_faces()      optional: a span of the faces that vector handles belong to, in their order,
 ///                       so that `pose_handles` can compute their poses from a pose of the vertices
@@ -56,12 +56,16 @@ concept CageCoordinates = CageCoordinateConstants<C> &&
     { c.nearest_boundary(p, row) } -> std::same_as<Vec<typename C::scalar, C::dimension>>;
 };
 
+namespace detail {
+
 /// Whether zeros among the weights of a point must stay zeros.
 template <class C>
 inline constexpr bool has_local_rows = false;
 template <class C>
     requires(bool(C::local))
 inline constexpr bool has_local_rows<C> = true;
+
+} // namespace detail
 
 /// Coordinates that can be differentiated.
 ///

@@ -98,7 +98,7 @@ public:
         });
         if (report_.status != Status::ok) return;
         prepare();
-        refuse_interior_cells(cage, report_);
+        detail::refuse_interior_cells(cage, report_);
     }
 
     const Polygon<T>& cage() const noexcept { return cage_; }

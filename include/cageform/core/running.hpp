@@ -3,7 +3,7 @@
 #pragma once
 
 #include <cageform/core/detail/guard_memory.hpp>
-#include <cageform/core/parallel.hpp>
+#include <cageform/core/detail/parallel.hpp>
 #include <cageform/core/status.hpp>
 
 #include <algorithm>
@@ -21,9 +21,9 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// The type of body(begin, end); see core/parallel.hpp.
+/// The type of body(begin, end); see core/detail/parallel.hpp.
 using RangeBody = std::function<void(std::size_t, std::size_t)>;
-/// The type of parallel_for(count, grain, body); see core/parallel.hpp.
+/// The type of parallel_for(count, grain, body); see core/detail/parallel.hpp.
 using ParallelFor = std::function<void(std::size_t, std::size_t, const RangeBody&)>;
 /// Called on the calling thread with the fraction done, in [0, 1] and never decreasing; returning
 /// false cancels. A computation that ends with Status::ok has reported 1.

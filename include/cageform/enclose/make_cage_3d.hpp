@@ -387,7 +387,7 @@ Status make_cage_into(const R& vertices, const F& faces, const MakeCageOptions& 
         level += (std::max)((report.margin - report.clearance) * frame.scale, 0.1 * level);
     }
     if (!running.keep_going(1)) return Status::cancelled;
-    const auto shells = shells_of(made.value);
+    const auto shells = detail::shells_of(made.value);
     report.vertices = made.value.size();
     report.least_angle = least_angle(made.value);
     report.area = 0;

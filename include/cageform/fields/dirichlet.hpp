@@ -5,8 +5,9 @@
 #pragma once
 
 #include <cageform/core/detail/buffer.hpp>
-#include <cageform/grid/lattice.hpp>
-#include <cageform/grid/multigrid_groups.hpp>
+#include <cageform/core/view.hpp>
+#include <cageform/grid/lattice/lattice.hpp>
+#include <cageform/grid/multigrid/groups.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 
@@ -201,8 +202,8 @@ Status solve_fields(const UnknownCells<D>& unknown, std::span<T> values, const D
     const grid::CycleGoal goal{fields, 2 * options.tolerance, options.max_cycles};
     const Status status =
         grid::solve_groups(grid::MultigridGroups{multigrid, goal, fill}, report, take, running);
-    report.error_estimate *= 0.5;
-    report.error_bound *= 0.5;
+    report.multigrid.error_estimate *= 0.5;
+    report.multigrid.error_bound *= 0.5;
     if (status != Status::ok) return status;
     for (std::size_t f = 0; f < fields; ++f) {
         for (std::size_t node = 0; node < count; ++node)
@@ -224,18 +225,20 @@ Status solve_fields(const UnknownCells<D>& unknown, std::span<T> values, const D
 ///   cost     O(#unknown cells) a field, sixteen together; memory: Multigrid::bytes() once,
 ///            block_bytes() a thread, the unknown values once more, and 8 bytes an unknown cell.
 ///            Progress is reported before every cycle. Usually 9 to 13 cycles; mazes of outside
-///            cells need more, and max_cycles may have to be raised. SolverReport::error_bound holds
+///            cells need more, and max_cycles may have to be raised. SolverReport::Multigrid::error_bound holds
 ///            if nothing is mirrored
 ///   fails    rim_not_given and value_not_finite (SolverReport::culprit is the cell, or the index
 ///            in `values`); cells_unreached, if a connected component of unknown cells touches no
 ///            given one (its first cell, and the number of cells in all such components);
 ///            input_malformed (a mark that is no Cell, at `culprit`); tolerance_not_positive;
 ///            not_converged; cancelled; out_of_memory (also for 2³¹ cells and more)
-template <std::size_t D, Scalar T>
-Evaluation solve_dirichlet(const CellBox<D>& cells, std::span<const Cell> kinds, std::span<T> values,
+template <std::size_t D, MutableScalarRange V>
+Evaluation solve_dirichlet(const CellBox<D>& cells, std::span<const Cell> kinds, V&& values,
                            const DirichletOptions& options = {}, const Running& running = {}) {
+    using T = detail::element_t<V>;
+    const std::span<T> fields(values);
     const std::size_t size = cells.size();
-    CAGEFORM_ASSERT(kinds.size() == size && (size == 0 ? values.empty() : values.size() % size == 0),
+    CAGEFORM_ASSERT(kinds.size() == size && (size == 0 ? fields.empty() : fields.size() % size == 0),
                     "a mark for each cell, and whole fields");
     return detail::guarded_evaluation([&](SolverReport& report) {
         const auto fail = [&](Status status, std::size_t culprit) {
@@ -246,8 +249,8 @@ Evaluation solve_dirichlet(const CellBox<D>& cells, std::span<const Cell> kinds,
         for (std::size_t i = 0; i < size; ++i) {
             if (kinds[i] > Cell::outside) return fail(Status::input_malformed, i);
         }
-        for (std::size_t i = 0; i < values.size(); ++i) {
-            if (kinds[i % size] == Cell::given && !std::isfinite(values[i]))
+        for (std::size_t i = 0; i < fields.size(); ++i) {
+            if (kinds[i % size] == Cell::given && !std::isfinite(fields[i]))
                 return fail(Status::value_not_finite, i);
         }
         constexpr auto most = std::size_t((std::numeric_limits<std::int32_t>::max)());
@@ -259,14 +262,14 @@ Evaluation solve_dirichlet(const CellBox<D>& cells, std::span<const Cell> kinds,
         if (unknown.cells.empty()) return Status::ok;
         unknown.find_unreached(report);
         if (report.unreached_cells > 0) return Status::cells_unreached;
-        return detail::solve_fields(unknown, values, options, report, running);
+        return detail::solve_fields(unknown, fields, options, report, running);
     });
 }
 /// Solves the problem on grids without outside cells.
 ///
 ///   given    #cells; 0 where the value is unknown
-template <std::size_t D, Scalar T>
-Evaluation solve_dirichlet(const CellBox<D>& cells, std::span<const std::uint8_t> given, std::span<T> values,
+template <std::size_t D, MutableScalarRange V>
+Evaluation solve_dirichlet(const CellBox<D>& cells, std::span<const std::uint8_t> given, V&& values,
                            const DirichletOptions& options = {}, const Running& running = {}) {
     std::vector<Cell> kinds;
     const Status status = detail::guard_memory([&] {
@@ -275,7 +278,7 @@ Evaluation solve_dirichlet(const CellBox<D>& cells, std::span<const std::uint8_t
         return Status::ok;
     });
     if (status != Status::ok) return {status, {}};
-    return solve_dirichlet<D, T>(cells, std::span<const Cell>(kinds), values, options, running);
+    return solve_dirichlet(cells, std::span<const Cell>(kinds), values, options, running);
 }
 
 } // namespace cageform::inline CAGEFORM_ABI

@@ -3,9 +3,10 @@
 // see fields/dirichlet.hpp. Not included by cageform.hpp.
 #pragma once
 
-#include <cageform/core/solver_report.hpp>
+#include <cageform/core/types/solver_report.hpp>
+#include <cageform/core/view.hpp>
 #include <cageform/fields/detail/graph_factors.hpp>
-#include <cageform/grid/lattice.hpp>
+#include <cageform/grid/lattice/lattice.hpp>
 
 #include <cmath>
 #include <cstdint>
@@ -240,18 +241,20 @@ inline Status prepare(GraphEquations& equations, SolverReport& report) {
 ///            weights_not_positive (SolverReport::culprit is the link); value_not_finite (the index
 ///            in `values`); cells_unreached (the first unknown node without a path to a given one);
 ///            not_converged (a singular matrix, or values beyond T); cancelled; out_of_memory
-template <Scalar T>
-Evaluation solve_graph(const Graph& graph, std::span<const std::uint8_t> given, std::span<T> values,
+template <MutableScalarRange V>
+Evaluation solve_graph(const Graph& graph, std::span<const std::uint8_t> given, V&& values,
                        const GraphOptions& options = {}, const Running& running = {}) {
+    using T = detail::element_t<V>;
+    const std::span<T> fields(values);
     const std::size_t size = graph.nodes;
-    CAGEFORM_ASSERT(given.size() == size && (size == 0 ? values.empty() : values.size() % size == 0),
+    CAGEFORM_ASSERT(given.size() == size && (size == 0 ? fields.empty() : fields.size() % size == 0),
                     "a mark for each node, and whole fields");
     return detail::guarded_evaluation([&](SolverReport& report) {
         Status status = detail::check_graph(graph, options.allow_negative, report);
         if (status != Status::ok) return status;
-        for (std::size_t field = 0; field < values.size(); field += size) {
+        for (std::size_t field = 0; field < fields.size(); field += size) {
             for (std::size_t node = 0; node < size; ++node) {
-                if (given[node] == 0 || std::isfinite(values[field + node])) continue;
+                if (given[node] == 0 || std::isfinite(fields[field + node])) continue;
                 report.culprit = field + node;
                 return Status::value_not_finite;
             }
@@ -261,31 +264,31 @@ Evaluation solve_graph(const Graph& graph, std::span<const std::uint8_t> given, 
         if (status != Status::ok) return status;
         const auto nodes = equations.nodes();
         if (nodes.empty()) return running.end(Status::ok);
-        std::vector<T> solved(values.size() / size * nodes.size());
+        std::vector<T> solved(fields.size() / size * nodes.size());
         constexpr std::size_t most = 16; // fields at a time: one pass over the factors serves all
-        for (std::size_t begin = 0; begin < values.size(); begin += most * size) {
-            if (!running.keep_going(double(begin) / double(values.size()))) return Status::cancelled;
-            const std::size_t fields = (std::min)(most, (values.size() - begin) / size);
-            std::vector<double> block(nodes.size() * fields);
+        for (std::size_t begin = 0; begin < fields.size(); begin += most * size) {
+            if (!running.keep_going(double(begin) / double(fields.size()))) return Status::cancelled;
+            const std::size_t count = (std::min)(most, (fields.size() - begin) / size);
+            std::vector<double> block(nodes.size() * count);
             equations.for_each_given_link([&](std::size_t row, std::uint32_t from, double k) {
-                for (std::size_t f = 0; f < fields; ++f)
-                    block[row * fields + f] += k * double(values[begin + f * size + from]);
+                for (std::size_t f = 0; f < count; ++f)
+                    block[row * count + f] += k * double(fields[begin + f * size + from]);
             });
-            status = equations.solve(block, fields);
+            status = equations.solve(block, count);
             if (status != Status::ok) return status;
-            for (std::size_t f = 0; f < fields; ++f) {
+            for (std::size_t f = 0; f < count; ++f) {
                 T* const out = &solved[(begin / size + f) * nodes.size()];
                 for (std::size_t row = 0; row < nodes.size(); ++row) {
-                    out[row] = static_cast<T>(block[row * fields + f]);
+                    out[row] = static_cast<T>(block[row * count + f]);
                     if (!std::isfinite(out[row])) return Status::not_converged;
                 }
             }
-            report.solves += fields;
+            report.solves += count;
         }
         if (!running.keep_going(1)) return Status::cancelled;
-        for (std::size_t field = 0; field < values.size() / size; ++field) {
+        for (std::size_t field = 0; field < fields.size() / size; ++field) {
             for (std::size_t row = 0; row < nodes.size(); ++row)
-                values[field * size + nodes[row]] = solved[field * nodes.size() + row];
+                fields[field * size + nodes[row]] = solved[field * nodes.size() + row];
         }
         return Status::ok;
     });
@@ -296,9 +299,11 @@ Evaluation solve_graph(const Graph& graph, std::span<const std::uint8_t> given, 
 ///
 ///   steps    #nodes, 0 at given ones; written only when the status is ok
 ///   fails    as solve_graph; conductances must be positive
-template <Scalar T>
-Evaluation expected_steps(const Graph& graph, std::span<const std::uint8_t> given, std::span<T> steps) {
-    CAGEFORM_ASSERT(given.size() == graph.nodes && steps.size() == graph.nodes, "one of each a node");
+template <MutableScalarRange V>
+Evaluation expected_steps(const Graph& graph, std::span<const std::uint8_t> given, V&& steps) {
+    using T = detail::element_t<V>;
+    const std::span<T> out(steps);
+    CAGEFORM_ASSERT(given.size() == graph.nodes && out.size() == graph.nodes, "one of each a node");
     return detail::guarded_evaluation([&](SolverReport& report) {
         Status status = detail::check_graph(graph, false, report);
         if (status != Status::ok) return status;
@@ -316,8 +321,8 @@ Evaluation expected_steps(const Graph& graph, std::span<const std::uint8_t> give
         for (const double value : solved) {
             if (!std::isfinite(static_cast<T>(value))) return Status::not_converged;
         }
-        for (std::size_t node = 0; node < steps.size(); ++node)
-            steps[node] =
+        for (std::size_t node = 0; node < out.size(); ++node)
+            out[node] =
                 equations.row(node) < 0 ? T(0) : static_cast<T>(solved[std::size_t(equations.row(node))]);
         return Status::ok;
     });
@@ -329,10 +334,12 @@ Evaluation expected_steps(const Graph& graph, std::span<const std::uint8_t> give
 ///
 ///   probabilities  #nodes, 0 at unknown ones; written only when the status is ok
 ///   fails          as expected_steps; index_out_of_range also for `from`
-template <Scalar T>
+template <MutableScalarRange V>
 Evaluation hit_first(const Graph& graph, std::span<const std::uint8_t> given, std::size_t from,
-                     std::span<T> probabilities) {
-    CAGEFORM_ASSERT(given.size() == graph.nodes && probabilities.size() == graph.nodes, "one of each a node");
+                     V&& probabilities) {
+    using T = detail::element_t<V>;
+    const std::span<T> out(probabilities);
+    CAGEFORM_ASSERT(given.size() == graph.nodes && out.size() == graph.nodes, "one of each a node");
     return detail::guarded_evaluation([&](SolverReport& report) {
         if (from >= graph.nodes) return Status::index_out_of_range;
         Status status = detail::check_graph(graph, false, report);
@@ -354,8 +361,7 @@ Evaluation hit_first(const Graph& graph, std::span<const std::uint8_t> given, st
         for (const double value : flow) {
             if (!std::isfinite(value)) return Status::not_converged;
         }
-        for (std::size_t node = 0; node < graph.nodes; ++node)
-            probabilities[node] = static_cast<T>(flow[node]);
+        for (std::size_t node = 0; node < graph.nodes; ++node) out[node] = static_cast<T>(flow[node]);
         return Status::ok;
     });
 }

@@ -9,7 +9,7 @@
 
 #include <cageform/fields/detail/canvas_boundary.hpp>
 #include <cageform/grid/lattice/embed.hpp>
-#include <cageform/grid/multigrid_groups.hpp>
+#include <cageform/grid/multigrid/groups.hpp>
 
 #include <optional>
 
@@ -315,7 +315,7 @@ private:
             report.culprit = *unseen;
             return Status::grid_too_coarse;
         }
-        report.crowded_cells = crowded_links(crossings);
+        report.pyramid.crowded_cells = crowded_links(crossings);
         auto problem = grid::embed(solution.boundary, crossings);
         for (std::size_t c = 0; c < problem.cuts.size(); ++c) {
             if (is_rim(problem.values[c])) problem.cuts[c].weight = 0; // nothing flows through the rim
@@ -365,8 +365,8 @@ private:
         const grid::CycleGoal goal{channels_, 2 * options.tolerance, options.max_cycles};
         const Status status =
             grid::solve_groups(grid::MultigridGroups{multigrid, goal, fill}, report, take, running);
-        report.error_estimate *= 0.5; // refers to values in [−1, 1], whose range is 2
-        report.error_bound *= 0.5;
+        report.multigrid.error_estimate *= 0.5; // refers to values in [−1, 1], whose range is 2
+        report.multigrid.error_bound *= 0.5;
         return status;
     }
 

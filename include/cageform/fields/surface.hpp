@@ -18,17 +18,19 @@ namespace cageform::inline CAGEFORM_ABI {
 ///            `cotangent_weights` failed); value_not_finite (SolverReport::culprit is the index in
 ///            `values`); cells_unreached (the first vertex of a component without a given one);
 ///            not_converged; cancelled; out_of_memory
-template <Scalar T>
-Evaluation solve_surface(const CotangentWeights& weights, std::span<const std::uint8_t> given,
-                         std::span<T> values, const Running& running = {}) {
+template <MutableScalarRange V>
+Evaluation solve_surface(const CotangentWeights& weights, std::span<const std::uint8_t> given, V&& values,
+                         const Running& running = {}) {
+    using T = detail::element_t<V>;
+    const std::span<T> fields(values);
     const std::size_t size = weights.vertices;
-    if (given.size() != size || (size == 0 ? !values.empty() : values.size() % size != 0))
+    if (given.size() != size || (size == 0 ? !fields.empty() : fields.size() % size != 0))
         return {Status::input_malformed, {}};
     const GraphOptions options{.allow_negative = weights.has_negative};
     return detail::guarded_evaluation([&](SolverReport& report) {
         // To the graph, a vertex without a face counts as given, with an arbitrary value.
         std::vector<std::uint8_t> marks(given.begin(), given.end());
-        std::vector<T> solved(values.begin(), values.end());
+        std::vector<T> solved(fields.begin(), fields.end());
         for (std::size_t i = 0; i < size; ++i) {
             if (weights.unused[i] == 0) continue;
             marks[i] = 1;
@@ -40,7 +42,7 @@ Evaluation solve_surface(const CotangentWeights& weights, std::span<const std::u
         if (evaluation.status != Status::ok) return evaluation.status;
         for (std::size_t field = 0; field < solved.size(); field += size) {
             for (std::size_t i = 0; i < size; ++i) {
-                if (marks[i] == 0) values[field + i] = solved[field + i];
+                if (marks[i] == 0) fields[field + i] = solved[field + i];
             }
         }
         return Status::ok;

@@ -2,7 +2,7 @@
 // cancellation and a report.
 #pragma once
 
-#include <cageform/core/solver_report.hpp>
+#include <cageform/core/types/solver_report.hpp>
 #include <cageform/grid/multigrid/helping_threads.hpp>
 
 #include <atomic>

@@ -47,7 +47,7 @@ public:
         }
         made.emplace(problem);
         const grid::GridDomain<T, D>& domain = made->domain_;
-        report.crowded_cells = domain.crowded_cells;
+        report.pyramid.crowded_cells = domain.crowded_cells;
         report.cells =
             std::size_t(std::count(domain.tags.begin(), domain.tags.end(), grid::CellTag::interior));
         return Status::ok;
@@ -91,9 +91,9 @@ public:
             const auto outcome = block.pyramid.solve(std::span<T>(field), keep_going);
             if (outcome.cancelled) return Status::cancelled;
             ++work.report.solves;
-            work.report.sweeps += outcome.sweeps;
-            work.report.largest_mean_change =
-                (std::max)(work.report.largest_mean_change, outcome.mean_change);
+            work.report.pyramid.sweeps += outcome.sweeps;
+            work.report.pyramid.largest_mean_change =
+                (std::max)(work.report.pyramid.largest_mean_change, outcome.mean_change);
             if (outcome.converged) continue;
             work.report.unconverged = 1;
             return Status::not_converged;

@@ -1,7 +1,7 @@
 // The result of fitting a Bézier curve: polynomials in time and their errors.
 #pragma once
 
-#include <cageform/animate/bezier.hpp>
+#include <cageform/animate/curves/bezier.hpp>
 #include <cageform/animate/fit/bernstein.hpp>
 #include <cageform/core/result.hpp>
 

@@ -2,7 +2,7 @@
 // first key's and at most 1.
 #pragma once
 
-#include <cageform/animate/bezier.hpp>
+#include <cageform/animate/curves/bezier.hpp>
 #include <cageform/animate/fit/bernstein.hpp>
 #include <cageform/animate/fit/fit_options.hpp>
 

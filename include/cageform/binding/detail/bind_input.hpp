@@ -61,7 +61,7 @@ BindInput<typename C::scalar, C::dimension> bind_input(const C& coordinates,
             [&coordinates] { return handle_view(coordinates); },
             C::has_extension,
             C::closed_form,
-            has_local_rows<C>,
+            detail::has_local_rows<C>,
             [&coordinates](const Batch<T>& batch, const Running& running) {
                 return coordinates.evaluate(batch.points, batch.rows, batch.states, running);
             },

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <cageform/binding/detail/packer.hpp>
-#include <cageform/binding/figure_binding.hpp>
+#include <cageform/binding/types/figure_binding.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 

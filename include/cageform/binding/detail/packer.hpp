@@ -1,10 +1,10 @@
 // Packs one binding block by block: chooses rows of weights, rounds them, and measures the loss.
 #pragma once
 
-#include <cageform/binding/blob.hpp>
 #include <cageform/binding/detail/choose_rows.hpp>
 #include <cageform/binding/detail/order_by_place.hpp>
-#include <cageform/binding/pack_options.hpp>
+#include <cageform/binding/types/blob.hpp>
+#include <cageform/binding/types/pack_options.hpp>
 #include <cageform/core/result.hpp>
 
 #include <memory>

@@ -1,7 +1,7 @@
 // Measures the weights of a range of points, all lanes at once, and adds the results to the report.
 #pragma once
 
-#include <cageform/binding/bind_options.hpp>
+#include <cageform/binding/types/bind_options.hpp>
 #include <cageform/core/detail/blocks.hpp>
 #include <cageform/core/detail/simd.hpp>
 

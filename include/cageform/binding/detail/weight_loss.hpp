@@ -1,7 +1,7 @@
 // Measures how far points move when their weights change.
 #pragma once
 
-#include <cageform/binding/pack_options.hpp>
+#include <cageform/binding/types/pack_options.hpp>
 #include <cageform/cage/detail/primitives.hpp>
 
 #include <algorithm>

@@ -20,7 +20,7 @@ class Depth<Polygon<T>> {
 public:
     explicit Depth(const Polygon<T>& polygon) {
         for (std::size_t k = 0; k < polygon.loops().size(); ++k) {
-            const bool left = inside_is_left(polygon, k);
+            const bool left = detail::inside_is_left(polygon, k);
             polygon.loops()[k].for_each_edge([&](std::size_t i, std::size_t j) {
                 const auto a = vec_cast<double>(polygon[i]), b = vec_cast<double>(polygon[j]);
                 edges_.push_back(left ? std::pair(a, b) : std::pair(b, a));
@@ -49,7 +49,7 @@ template <Scalar T>
 class Depth<TriangleMesh<T>> {
 public:
     explicit Depth(const TriangleMesh<T>& mesh) {
-        for (const auto& face : outward_faces(mesh)) {
+        for (const auto& face : detail::outward_faces(mesh)) {
             const auto corner = detail::Facet<3>(face, mesh.vertices()).corner;
             const auto normal = cross(corner[1] - corner[0], corner[2] - corner[0]);
             faces_.push_back({corner, (1 / detail::length(normal)) * normal});

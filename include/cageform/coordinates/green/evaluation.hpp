@@ -118,7 +118,7 @@ protected:
         });
         if (report_.status != Status::ok) return;
         prepare();
-        refuse_interior_cells(complex, report_);
+        detail::refuse_interior_cells(complex, report_);
     }
 
 private:

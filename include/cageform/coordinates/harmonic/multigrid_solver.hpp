@@ -9,7 +9,7 @@
 #include <cageform/coordinates/harmonic/options.hpp>
 #include <cageform/core/detail/buffer.hpp>
 #include <cageform/grid/corners/edge_errors.hpp>
-#include <cageform/grid/multigrid_groups.hpp>
+#include <cageform/grid/multigrid/groups.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 
@@ -89,7 +89,7 @@ public:
         if (status == Status::ok) {
             const std::array<std::size_t, 2> resolutions{grid_.resolution(),
                                                          detail::EmbeddedCage<C>::most_resolution};
-            errors_.measure(first, count, block, resolutions, work.report.corners);
+            errors_.measure(first, count, block, resolutions, work.report.multigrid.corners);
         }
         return status;
     }

@@ -45,7 +45,7 @@ enum class HarmonicSolver : std::uint8_t {
 };
 
 struct MultigridOptions {
-    /// The error at which the cycles stop on the uniform grid (SolverReport::error_estimate). On
+    /// The error at which the cycles stop on the uniform grid (SolverReport::Multigrid::error_estimate). On
     /// the adaptive grid HarmonicOptions::accuracy decides instead.
     double tolerance = 1e-6;
     std::size_t max_cycles = 60; ///< not_converged if more are needed

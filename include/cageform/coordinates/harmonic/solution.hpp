@@ -2,7 +2,7 @@
 // by group.
 #pragma once
 
-#include <cageform/coordinates/cage_solver.hpp>
+#include <cageform/coordinates/harmonic/cage_solver.hpp>
 
 #include <memory>
 

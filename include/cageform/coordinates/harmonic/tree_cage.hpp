@@ -2,7 +2,7 @@
 // their interpolation stencils.
 #pragma once
 
-#include <cageform/coordinates/cage_solver.hpp>
+#include <cageform/coordinates/harmonic/cage_solver.hpp>
 #include <cageform/grid/tree/leaf_gather.hpp>
 #include <cageform/grid/tree/refinement.hpp>
 #include <cageform/grid/tree/sizing.hpp>
@@ -131,9 +131,9 @@ public:
             if (tree_.state(leaf.number) != grid::CellState::out) smallest = (std::min)(smallest, leaf.size);
         });
         const auto place = boundary_.in_cage(finest_.place);
-        report.finest_size = boundary_.unit() * smallest;
-        for (std::size_t k = 0; k < D; ++k) report.finest_place[k] = place[k];
-        report.finest_reason = finest_.reason;
+        report.tree.finest_size = boundary_.unit() * smallest;
+        for (std::size_t k = 0; k < D; ++k) report.tree.finest_place[k] = place[k];
+        report.tree.finest_reason = finest_.reason;
     }
 
     const C& cage() const noexcept { return cage_; }

@@ -2,12 +2,12 @@
 // are small where the cage is thin, its facets are small or its edges are sharp (grid/tree/).
 #pragma once
 
-#include <cageform/coordinates/cage_solver.hpp>
+#include <cageform/coordinates/harmonic/cage_solver.hpp>
 #include <cageform/coordinates/harmonic/cut_samples.hpp>
 #include <cageform/coordinates/harmonic/grid_errors.hpp>
 #include <cageform/coordinates/harmonic/options.hpp>
 #include <cageform/coordinates/harmonic/tree_cage.hpp>
-#include <cageform/grid/tree_multigrid.hpp>
+#include <cageform/grid/tree/multigrid.hpp>
 
 #include <bit>
 #include <memory>
@@ -182,28 +182,29 @@ public:
         multigrid_.start(block, group * width, cutoff());
         double before = 0;
         for (bool refined = !is_refined();;) { // float changes can be small while errors are not
-            if (!work.keep_going(double(report.cycles) / double(report.cycles + 4))) return Status::cancelled;
+            if (!work.keep_going(double(report.multigrid.cycles) / double(report.multigrid.cycles + 4)))
+                return Status::cancelled;
             const double change = multigrid_.cycle(block, count);
-            ++report.cycles;
+            ++report.multigrid.cycles;
             // The change of a cycle is the error before it, minus the error that remains. The first
             // cycles gain more than later ones.
             const double gained = before > 0 ? change / before : 0.5;
             if (before > tolerance_)
-                report.convergence_factor = (std::max)(report.convergence_factor, gained);
-            report.error_estimate = change * std::clamp(gained, 0.2, 0.9);
+                report.multigrid.convergence_factor = (std::max)(report.multigrid.convergence_factor, gained);
+            report.multigrid.error_estimate = change * std::clamp(gained, 0.2, 0.9);
             before = change;
-            if (refined && report.error_estimate <= tolerance_) break;
-            if (report.cycles == max_cycles_) {
+            if (refined && report.multigrid.error_estimate <= tolerance_) break;
+            if (report.multigrid.cycles == max_cycles_) {
                 report.unconverged = count;
                 return Status::not_converged;
             }
-            if (is_refined() && report.cycles > 1) {
+            if (is_refined() && report.multigrid.cycles > 1) {
                 multigrid_.refine(block);
                 refined = true;
             }
         }
-        report.error_estimate += 0.25 * cutoff();
-        report.grid_errors = errors_.of(block, group * width, count);
+        report.multigrid.error_estimate += 0.25 * cutoff();
+        report.tree.grid_errors = errors_.of(block, group * width, count);
         return Status::ok;
     }
 

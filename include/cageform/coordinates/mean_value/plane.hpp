@@ -23,7 +23,7 @@ struct MeanValueTopology<2> {
     explicit MeanValueTopology(const Polygon<T>& polygon) {
         for (std::size_t k = 0; k < polygon.loops().size(); ++k) {
             const auto& loop = polygon.loops()[k];
-            const bool left = inside_is_left(polygon, k);
+            const bool left = detail::inside_is_left(polygon, k);
             loops.push_back({loop.begin, loop.end});
             loop.for_each_edge([&](std::size_t i, std::size_t j) {
                 const auto from = std::uint32_t(left ? i : j), to = std::uint32_t(left ? j : i);

@@ -18,7 +18,7 @@ struct MeanValueTopology<3> {
     MeanValueTopology() = default;
     template <Scalar T>
     explicit MeanValueTopology(const TriangleMesh<T>& mesh)
-        : facets(outward_faces(mesh)) {
+        : facets(detail::outward_faces(mesh)) {
         using Edge = std::pair<std::uint32_t, std::uint32_t>;
         const auto opposite = [](const auto& facet, std::size_t k) -> Edge {
             return std::minmax(facet[(k + 1) % 3], facet[(k + 2) % 3]);

@@ -4,7 +4,7 @@
 
 #include <cageform/core/detail/bounds.hpp>
 #include <cageform/core/detail/buffer.hpp>
-#include <cageform/core/handles.hpp>
+#include <cageform/core/types/handles.hpp>
 
 #include <vector>
 

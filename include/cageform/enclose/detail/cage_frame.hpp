@@ -2,7 +2,7 @@
 #pragma once
 
 #include <cageform/cage/detail/primitives.hpp>
-#include <cageform/enclose/make_cage_options.hpp>
+#include <cageform/enclose/types/make_cage_options.hpp>
 
 #include <utility>
 

@@ -1,7 +1,7 @@
 // Types and checks shared by the importers and exporters of keyframe curves.
 #pragma once
 
-#include <cageform/animate/key.hpp>
+#include <cageform/animate/curves/key.hpp>
 #include <cageform/core/detail/guard_memory.hpp>
 #include <cageform/core/result.hpp>
 

@@ -10,7 +10,7 @@
 #pragma once
 
 #include <cageform/core/detail/buffer.hpp>
-#include <cageform/core/solver_report.hpp>
+#include <cageform/core/types/solver_report.hpp>
 #include <cageform/grid/corners/corner.hpp>
 
 #include <cstdint>

@@ -14,7 +14,7 @@
 #include <cageform/core/detail/buffer.hpp>
 #include <cageform/grid/corners/corner_errors.hpp>
 #include <cageform/grid/lattice/embed.hpp>
-#include <cageform/grid/multigrid.hpp>
+#include <cageform/grid/multigrid/multigrid.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 namespace grid {
@@ -250,7 +250,7 @@ private:
         std::vector<std::vector<std::size_t>> all(vertices_.size());
         const auto& polygon = boundary_of(cage);
         for (std::size_t n = 0; n < polygon.loops().size(); ++n) {
-            const bool left = inside_is_left(polygon, n);
+            const bool left = detail::inside_is_left(polygon, n);
             polygon.loops()[n].for_each_edge([&](std::size_t i, std::size_t j) {
                 all[i].insert(left ? all[i].begin() : all[i].end(), j);
                 all[j].insert(left ? all[j].end() : all[j].begin(), i);

@@ -3,7 +3,7 @@
 #pragma once
 
 #include <cageform/cage/detail/boundary_value.hpp>
-#include <cageform/grid/lattice.hpp>
+#include <cageform/grid/lattice/lattice.hpp>
 #include <cageform/grid/lattice/node_runs.hpp>
 
 #include <optional>

@@ -8,8 +8,8 @@
 #include <cageform/cage/detail/boundary_value.hpp>
 #include <cageform/core/detail/buffer.hpp>
 #include <cageform/core/status.hpp>
-#include <cageform/grid/lattice.hpp>
 #include <cageform/grid/lattice/cut_stencil.hpp>
+#include <cageform/grid/lattice/lattice.hpp>
 #include <cageform/grid/lattice/node_runs.hpp>
 
 #include <concepts>

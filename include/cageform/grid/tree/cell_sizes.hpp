@@ -4,7 +4,7 @@
 // and vertices where functions are singular. grid/tree/refinement.hpp splits cells accordingly.
 #pragma once
 
-#include <cageform/core/solver_report.hpp>
+#include <cageform/core/types/solver_report.hpp>
 #include <cageform/grid/tree/bone_sizes.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {

@@ -4,7 +4,7 @@
 // This folder solves the Laplace equation on such a tree. To learn the idea, read four headers:
 // this one; links.hpp (how the equation of a node is made, in the plane and in space); star.hpp
 // (the plane) or leaf_gather.hpp (space and interpolation); hierarchy.hpp (the levels of
-// multigrid). Then grid/tree_multigrid.hpp runs the cycles.
+// multigrid). Then grid/tree/multigrid.hpp runs the cycles.
 //
 // All headers, in the order of the work:
 //

@@ -22,7 +22,7 @@
 // terms are second moments of the interpolation, which also covers interpolation that ends on the
 // boundary). Linear functions are exact and the order is two.
 //
-// grid/tree/hierarchy.hpp makes coarser levels from these rows, and grid/tree_multigrid.hpp solves
+// grid/tree/hierarchy.hpp makes coarser levels from these rows, and grid/tree/multigrid.hpp solves
 // them.
 #pragma once
 

@@ -5,7 +5,7 @@
 // not be larger than the sample's size. grid/tree/cell_sizes.hpp does the work in space.
 #pragma once
 
-#include <cageform/core/solver_report.hpp>
+#include <cageform/core/types/solver_report.hpp>
 #include <cageform/grid/tree/bone_sizes.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {

@@ -2,7 +2,7 @@
 // cage.
 #pragma once
 
-#include <cageform/grid/lattice.hpp>
+#include <cageform/grid/lattice/lattice.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 namespace grid {

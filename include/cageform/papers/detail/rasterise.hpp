@@ -113,7 +113,7 @@ void mark_boundary(const Polygon<T>& polygon, grid::GridDomain<T, 2>& domain) {
             const auto cell = cell_number(lattice, at);
             if (!cell) return;
             const auto place =
-                nearest_on_edge(polygon, edge[0], edge[1], lattice.centre(lattice.index(*cell)));
+                detail::nearest_on_edge(polygon, edge[0], edge[1], lattice.centre(lattice.index(*cell)));
             if (slot[*cell] == none) {
                 slot[*cell] = places.size();
                 domain.tags[*cell] = grid::CellTag::boundary;

@@ -1,7 +1,7 @@
 // Key frames as animators set them, and the Bézier curves between them.
 #pragma once
 
-#include <cageform/animate/bezier.hpp>
+#include <cageform/animate/curves/bezier.hpp>
 
 #include <cstdint>
 #include <span>

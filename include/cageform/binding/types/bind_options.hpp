@@ -1,8 +1,8 @@
 // Options and reports of binding.
 #pragma once
 
-#include <cageform/cage/report.hpp>
-#include <cageform/core/solver_report.hpp>
+#include <cageform/cage/types/report.hpp>
+#include <cageform/core/types/solver_report.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 

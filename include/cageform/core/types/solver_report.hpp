@@ -56,33 +56,42 @@ struct SolverReport {
     std::size_t bytes = 0;
     double seconds = 0; ///< wall-clock time of solving, including sampling if samples are not kept
 
-    // ---- multigrid (grid/multigrid.hpp): the worst over all functions ---------------------------
-    /// The number of multigrid cycles.
-    std::size_t cycles = 0;
-    double convergence_factor = 0; ///< error after a cycle / error before it, while above the tolerance
-    /// The error of the discrete solution, an estimate; it decides when the cycles stop.
-    double error_estimate = 0;
-    double error_bound = 0; ///< an upper bound of that error, by the maximum principle; far above it
+    /// Multigrid (grid/multigrid/multigrid.hpp): the worst over all functions.
+    struct Multigrid {
+        /// The number of multigrid cycles.
+        std::size_t cycles = 0;
+        double convergence_factor = 0; ///< error after a cycle / error before it, while above the tolerance
+        /// The error of the discrete solution, an estimate; it decides when the cycles stop.
+        double error_estimate = 0;
+        double error_bound = 0; ///< an upper bound of that error, by the maximum principle; far above it
 
-    /// Error estimates at all edges in space, and in the plane at the corners with fewer than ten
-    /// cells of room (at all corners without MultigridOptions::corner_functions). A Box has none.
-    /// The largest estimate is designed to be above all errors and less than fifteen times the
-    /// largest (grid/corners/corner_errors.hpp).
-    std::vector<CornerError> corners;
+        /// Error estimates at all edges in space, and in the plane at the corners with fewer than ten
+        /// cells of room (at all corners without MultigridOptions::corner_functions). A Box has none.
+        /// The largest estimate is designed to be above all errors and less than fifteen times the
+        /// largest (grid/corners/corner_errors.hpp).
+        std::vector<CornerError> corners;
+    };
+    Multigrid multigrid;
 
-    // ---- adaptive grid (coordinates/harmonic/tree_solver.hpp) -----------------------------------
-    /// Estimates of the largest error that the grid causes in any weight, at up to a thousand
-    /// points spread over its cells. They are largest in cells that facets pass.
-    std::vector<float> grid_errors;
-    /// The size of the smallest cells, in units of the cage; 0: no grid was made.
-    double finest_size = 0;
-    std::array<double, 3> finest_place{};           ///< a point in one of the smallest cells, or next to it
-    SizeReason finest_reason = SizeReason::largest; ///< why they are so small
+    /// The adaptive grid (coordinates/harmonic/tree_solver.hpp).
+    struct Tree {
+        /// Estimates of the largest error that the grid causes in any weight, at up to a thousand
+        /// points spread over its cells. They are largest in cells that facets pass.
+        std::vector<float> grid_errors;
+        /// The size of the smallest cells, in units of the cage; 0: no grid was made.
+        double finest_size = 0;
+        std::array<double, 3> finest_place{}; ///< a point in one of the smallest cells, or next to it
+        SizeReason finest_reason = SizeReason::largest; ///< why they are so small
+    };
+    Tree tree;
 
-    // ---- averaging pyramid (papers/averaging_pyramid.hpp) ---------------------------------------
-    std::size_t sweeps = 0;         ///< sweeps over the finest grid, summed over all functions
-    double largest_mean_change = 0; ///< the largest change in the last sweep, over all functions
-    std::size_t crowded_cells = 0;  ///< cells that contain edges or faces without a common vertex
+    /// The averaging pyramid (papers/averaging_pyramid.hpp).
+    struct Pyramid {
+        std::size_t sweeps = 0;         ///< sweeps over the finest grid, summed over all functions
+        double largest_mean_change = 0; ///< the largest change in the last sweep, over all functions
+        std::size_t crowded_cells = 0;  ///< cells that contain edges or faces without a common vertex
+    };
+    Pyramid pyramid;
 
     // ---- refused problems: the culprit, and what would work -------------------------------------
     /// For grid_too_coarse: the first handle whose data reaches no link of the grid.
@@ -100,11 +109,11 @@ struct SolverReport {
     /// For cells_unreached: the number of cells in all components without a given value.
     std::size_t unreached_cells = 0;
 
-    /// Returns a quantile of grid_errors, in [0, 1]: the fraction `part` of them does not exceed
+    /// Returns a quantile of tree.grid_errors, in [0, 1]: the fraction `part` of them does not exceed
     /// it. For part = 1 it was measured between half and four times the largest error anywhere.
     double grid_error(double part = 1) const {
-        if (grid_errors.empty()) return 0;
-        auto sorted = grid_errors;
+        if (tree.grid_errors.empty()) return 0;
+        auto sorted = tree.grid_errors;
         std::sort(sorted.begin(), sorted.end());
         return double(sorted[std::size_t(part * double(sorted.size() - 1))]);
     }
@@ -115,7 +124,7 @@ struct SolverReport {
         CornerError worst;
         std::size_t resolution = 0;
         bool reachable = true;
-        for (const CornerError& corner : corners) {
+        for (const CornerError& corner : multigrid.corners) {
             if (corner.error > CornerError::notable) {
                 resolution = (std::max)(resolution, corner.resolution);
                 reachable = reachable && corner.resolution != 0;
@@ -134,42 +143,46 @@ struct SolverReport {
         unconverged += part.unconverged;
         bytes = (std::max)(bytes, part.bytes);
         seconds += part.seconds;
-        cycles = (std::max)(cycles, part.cycles);
-        convergence_factor = (std::max)(convergence_factor, part.convergence_factor);
-        error_estimate = (std::max)(error_estimate, part.error_estimate);
-        error_bound = (std::max)(error_bound, part.error_bound);
-        add_corners(part.corners);
-        add_grid_errors(part.grid_errors);
-        if (part.finest_size > 0 && !(finest_size > 0 && finest_size <= part.finest_size)) {
-            finest_size = part.finest_size;
-            finest_place = part.finest_place;
-            finest_reason = part.finest_reason;
+        multigrid.cycles = (std::max)(multigrid.cycles, part.multigrid.cycles);
+        multigrid.convergence_factor =
+            (std::max)(multigrid.convergence_factor, part.multigrid.convergence_factor);
+        multigrid.error_estimate = (std::max)(multigrid.error_estimate, part.multigrid.error_estimate);
+        multigrid.error_bound = (std::max)(multigrid.error_bound, part.multigrid.error_bound);
+        add_corners(part.multigrid.corners);
+        add_grid_errors(part.tree.grid_errors);
+        if (part.tree.finest_size > 0 &&
+            !(tree.finest_size > 0 && tree.finest_size <= part.tree.finest_size)) {
+            tree.finest_size = part.tree.finest_size;
+            tree.finest_place = part.tree.finest_place;
+            tree.finest_reason = part.tree.finest_reason;
         }
-        sweeps += part.sweeps;
-        largest_mean_change = (std::max)(largest_mean_change, part.largest_mean_change);
-        crowded_cells += part.crowded_cells;
+        pyramid.sweeps += part.pyramid.sweeps;
+        pyramid.largest_mean_change =
+            (std::max)(pyramid.largest_mean_change, part.pyramid.largest_mean_change);
+        pyramid.crowded_cells += part.pyramid.crowded_cells;
     }
 
 private:
     /// Merges the estimates of other functions. On the same grid it keeps the larger at each point;
     /// those of another grid it appends.
     void add_grid_errors(const std::vector<float>& more) {
-        if (grid_errors.size() != more.size()) {
-            grid_errors.insert(grid_errors.end(), more.begin(), more.end());
+        if (tree.grid_errors.size() != more.size()) {
+            tree.grid_errors.insert(tree.grid_errors.end(), more.begin(), more.end());
             return;
         }
-        for (std::size_t n = 0; n < more.size(); ++n) grid_errors[n] = (std::max)(grid_errors[n], more[n]);
+        for (std::size_t n = 0; n < more.size(); ++n)
+            tree.grid_errors[n] = (std::max)(tree.grid_errors[n], more[n]);
     }
     /// Merges the corners of other functions. For the same cage it keeps the larger error at each
     /// corner; those of another cage it appends.
     void add_corners(const std::vector<CornerError>& more) {
         const auto same = [](const CornerError& a, const CornerError& b) { return a.handles == b.handles; };
-        if (!std::equal(corners.begin(), corners.end(), more.begin(), more.end(), same)) {
-            corners.insert(corners.end(), more.begin(), more.end());
+        if (!std::equal(multigrid.corners.begin(), multigrid.corners.end(), more.begin(), more.end(), same)) {
+            multigrid.corners.insert(multigrid.corners.end(), more.begin(), more.end());
             return;
         }
         for (std::size_t n = 0; n < more.size(); ++n) {
-            if (more[n].error > corners[n].error) corners[n] = more[n];
+            if (more[n].error > multigrid.corners[n].error) multigrid.corners[n] = more[n];
         }
     }
 };

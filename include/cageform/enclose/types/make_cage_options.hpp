@@ -1,7 +1,7 @@
 // The figure that make_cage encloses, its options and its report, for the plane and for space.
 #pragma once
 
-#include <cageform/cage/report.hpp>
+#include <cageform/cage/types/report.hpp>
 #include <cageform/core/result.hpp>
 #include <cageform/core/running.hpp>
 #include <cageform/core/vec.hpp>

@@ -2,7 +2,7 @@
 // enough.
 #pragma once
 
-#include <cageform/grid/multigrid.hpp>
+#include <cageform/grid/multigrid/multigrid.hpp>
 #include <cageform/grid/solve_groups.hpp>
 
 #include <functional>
@@ -36,23 +36,25 @@ Status run_cycles(const Multigrid<D>& multigrid, typename Multigrid<D>::Block& b
     auto error = multigrid.start(block, work.share);
     double before = 0;
     for (;;) {
-        report.error_estimate = largest(error.estimate);
-        report.error_bound = largest(error.bound);
-        if (report.cycles > 1 && before > goal.tolerance)
-            report.convergence_factor = (std::max)(report.convergence_factor, report.error_estimate / before);
+        report.multigrid.error_estimate = largest(error.estimate);
+        report.multigrid.error_bound = largest(error.bound);
+        if (report.multigrid.cycles > 1 && before > goal.tolerance)
+            report.multigrid.convergence_factor =
+                (std::max)(report.multigrid.convergence_factor, report.multigrid.error_estimate / before);
         const double change = between();
         // Before the first cycle it is not known how much error a residual means.
-        if (report.cycles > 0 && block.is_refined() &&
-            (std::max)(report.error_estimate, change) <= goal.tolerance)
+        if (report.multigrid.cycles > 0 && block.is_refined() &&
+            (std::max)(report.multigrid.error_estimate, change) <= goal.tolerance)
             return Status::ok;
-        if (report.cycles == goal.max_cycles) {
+        if (report.multigrid.cycles == goal.max_cycles) {
             report.unconverged = goal.functions;
             return Status::not_converged;
         }
-        if (!work.keep_going(double(report.cycles) / double(report.cycles + 4))) return Status::cancelled;
-        before = report.error_estimate + change;
+        if (!work.keep_going(double(report.multigrid.cycles) / double(report.multigrid.cycles + 4)))
+            return Status::cancelled;
+        before = report.multigrid.error_estimate + change;
         error = multigrid.cycle(block, work.share);
-        ++report.cycles;
+        ++report.multigrid.cycles;
     }
 }
 

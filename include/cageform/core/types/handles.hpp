@@ -17,6 +17,8 @@ enum class HandleKind : std::uint8_t {
 /// An affine map x ↦ A x + b: a motion, or a frame with axes A and origin b.
 template <Scalar T, std::size_t D>
 struct Transform {
+    using scalar = T;
+
     std::array<Vec<T, D>, D> columns; ///< of A
     Vec<T, D> translation;            ///< b
 
