@@ -1,8 +1,11 @@
 // How long does a bind by closed forms take, against points and handles, for each coordinate type?
 //
-// Beside mean value: Wachspress and discrete harmonic in a convex cage, the plain textbook loop (no boundary cases,
-// no report), as beside Green coordinates, CGAL's mean value coordinates where that is installed, and the time it takes
-// to merely write as many weights, which no bind can beat. The other types are in bind_harmonic.cpp and bind_sibson.cpp.
+// Beside mean value: Wachspress and discrete harmonic in a convex cage, the plain textbook loop (no
+// boundary cases,
+// no report), as beside Green coordinates, CGAL's mean value coordinates where that is installed, and the
+// time it takes
+// to merely write as many weights, which no bind can beat. The other types are in bind_harmonic.cpp and
+// bind_sibson.cpp.
 #include "run_bind.hpp"
 #include "workloads.hpp"
 
@@ -254,7 +257,8 @@ void evaluate_green_mesh(benchmark::State& state) {
     run_evaluate(state, cageform::GreenCoordinates<T, 3>(bumpy112<T>()), points_inside_bumpy112(), wanted);
 }
 
-/// The closed form by solid angles (van Oosterom & Strackee 1983), one point and one face after the other: an angle and
+/// The closed form by solid angles (van Oosterom & Strackee 1983), one point and one face after the other:
+/// an angle and
 /// three logarithms each.
 void plain_green_mesh(benchmark::State& state) {
     const auto cage = bumpy112<double>();
@@ -354,18 +358,18 @@ BENCHMARK_TEMPLATE(evaluate_mean_value, double)->Apply(points_and_handles);
 BENCHMARK_TEMPLATE(evaluate_mean_value, float)->Apply(points_and_handles);
 BENCHMARK_TEMPLATE(gradients_of_mean_value, double)->Args({10000, 25})->Unit(benchmark::kMicrosecond);
 BENCHMARK_TEMPLATE(gradients_of_mean_value, float)->Args({10000, 25})->Unit(benchmark::kMicrosecond);
-BENCHMARK_TEMPLATE(bind_convex, cageform::MeanValueCoordinates2d)->Apply(points_and_handles);
-BENCHMARK_TEMPLATE(bind_convex, cageform::WachspressCoordinates2d)->Apply(points_and_handles);
-BENCHMARK_TEMPLATE(bind_convex, cageform::DiscreteHarmonicCoordinates2d)->Apply(points_and_handles);
-BENCHMARK_TEMPLATE(evaluate_convex, cageform::MeanValueCoordinates2d, Wanted::weights)
+BENCHMARK_TEMPLATE(bind_convex, cageform::MeanValueCoordinates<double, 2>)->Apply(points_and_handles);
+BENCHMARK_TEMPLATE(bind_convex, cageform::WachspressCoordinates<double>)->Apply(points_and_handles);
+BENCHMARK_TEMPLATE(bind_convex, cageform::DiscreteHarmonicCoordinates<double>)->Apply(points_and_handles);
+BENCHMARK_TEMPLATE(evaluate_convex, cageform::MeanValueCoordinates<double, 2>, Wanted::weights)
     ->Apply(points_and_handles);
-BENCHMARK_TEMPLATE(evaluate_convex, cageform::WachspressCoordinates2d, Wanted::weights)
+BENCHMARK_TEMPLATE(evaluate_convex, cageform::WachspressCoordinates<double>, Wanted::weights)
     ->Apply(points_and_handles);
-BENCHMARK_TEMPLATE(evaluate_convex, cageform::WachspressCoordinates2f, Wanted::weights)
+BENCHMARK_TEMPLATE(evaluate_convex, cageform::WachspressCoordinates<float>, Wanted::weights)
     ->Apply(points_and_handles);
-BENCHMARK_TEMPLATE(evaluate_convex, cageform::DiscreteHarmonicCoordinates2d, Wanted::weights)
+BENCHMARK_TEMPLATE(evaluate_convex, cageform::DiscreteHarmonicCoordinates<double>, Wanted::weights)
     ->Apply(points_and_handles);
-BENCHMARK_TEMPLATE(evaluate_convex, cageform::WachspressCoordinates2d, Wanted::gradients)
+BENCHMARK_TEMPLATE(evaluate_convex, cageform::WachspressCoordinates<double>, Wanted::gradients)
     ->Apply(points_and_handles);
 BENCHMARK(plain_mean_value)->Apply(points_and_handles);
 #if defined(CAGEFORM_BENCH_CGAL)

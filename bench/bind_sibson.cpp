@@ -16,7 +16,8 @@ namespace {
 
 using namespace cageform_bench;
 
-/// Sites or points anywhere in the cube [-1, 1]^D times `size`; the points after those of other seeds' streams.
+/// Sites or points anywhere in the cube [-1, 1]^D times `size`; the points after those of other seeds'
+/// streams.
 template <std::size_t D>
 std::vector<cageform::Vec<double, D>> anywhere(std::size_t count, double size, std::uint64_t seed) {
     std::vector<cageform::Vec<double, D>> points(count);
@@ -68,7 +69,8 @@ void evaluate_sibson(benchmark::State& state) {
                  anywhere<D>(std::size_t(state.range(0)), 0.9, 2));
 }
 
-/// Twenty rings of twelve sites one above the other: control points as a sleeve has them, with many on a sphere.
+/// Twenty rings of twelve sites one above the other: control points as a sleeve has them, with many on a
+/// sphere.
 template <std::size_t D>
 std::vector<cageform::Vec<double, D>> rings() {
     std::vector<cageform::Vec<double, D>> sites;
@@ -85,7 +87,8 @@ std::vector<cageform::Vec<double, D>> rings() {
 
 enum class Sites { anywhere, in_rings };
 
-/// Natural neighbours and their weights, a short list for each point, as CGAL gives them. `exact`: the share of
+/// Natural neighbours and their weights, a short list for each point, as CGAL gives them. `exact`: the
+/// share of
 /// points whose weights double could not give.
 template <std::size_t D, Sites kind>
 void sibson_neighbours(benchmark::State& state) {

@@ -1,13 +1,20 @@
 // How near is a clone to merely reading its weights, and what is gained by storing fewer or smaller ones?
 //
-// Beside it: reading the same memory and adding it up (of 256 MB: what comes from memory at all), moving all its bytes, on
-// one thread and on several, and Eigen's dense product W · C (the better of its two storage orders). Packed bindings are of
-// BUMPY112, by mean value coordinates; beside their times stand the worst errors of a pose that bends, of the projection
-// used here and of renormalising, and what renormalising does to the figure at rest, all relative to the figure's size.
+// Beside it: reading the same memory and adding it up (of 256 MB: what comes from memory at all), moving
+// all its bytes, on
+// one thread and on several, and Eigen's dense product W · C (the better of its two storage orders). Packed
+// bindings are of
+// BUMPY112, by mean value coordinates; beside their times stand the worst errors of a pose that bends, of
+// the projection
+// used here and of renormalising, and what renormalising does to the figure at rest, all relative to the
+// figure's size.
 //
-// pack_to_distance: how many bytes a distance takes, in 24 poses that bend and twist, of cages of 42, 112 and 300 vertices with
-// 8,000 points, in every format (-1: the one of the fewest bytes) and beside renormalised weights. `distance` is the largest in
-// those poses, `between` in ten others of the same motion, `elsewhere` in five that bend across it; all of the figure's size.
+// pack_to_distance: how many bytes a distance takes, in 24 poses that bend and twist, of cages of 42, 112
+// and 300 vertices with
+// 8,000 points, in every format (-1: the one of the fewest bytes) and beside renormalised weights.
+// `distance` is the largest in
+// those poses, `between` in ten others of the same motion, `elsewhere` in five that bend across it; all of
+// the figure's size.
 // Without the motion (0), the distance is kept in all poses that bend by up to a tenth of the cage.
 #include "counted.hpp"
 #include "workloads.hpp"
@@ -256,8 +263,7 @@ void pack_threads(benchmark::State& state) {
     const cageform::Running running{.parallel = cageform::ThreadedFor{unsigned(state.range(0))}};
     for (auto _ : state) {
         const auto packed = cageform::pack(bumpy.binding, {.tolerance = 3.2e-3}, running);
-        if (packed.report.status != cageform::Status::ok)
-            state.SkipWithError(to_string(packed.report.status));
+        if (!packed) state.SkipWithError(to_string(packed.status()));
         benchmark::DoNotOptimize(packed.value.bytes().data());
     }
 }
@@ -357,7 +363,8 @@ void pack_to_distance(benchmark::State& state) {
     state.counters["elsewhere"] = moved.distance(moved.elsewhere, cloned);
 }
 
-/// What others do: the largest weights, scaled to sum to one. Bytes as an engine stores them: a byte for the joint and
+/// What others do: the largest weights, scaled to sum to one. Bytes as an engine stores them: a byte for
+/// the joint and
 /// two for the weight, and the point at rest.
 void renormalised_distance(benchmark::State& state) {
     const auto& moved = MovedFigure::of(int(state.range(0)));
@@ -372,7 +379,8 @@ void renormalised_distance(benchmark::State& state) {
     state.counters["elsewhere"] = moved.distance(moved.elsewhere, cloned);
 }
 
-/// A blob's way from a file that was read before into use: mapped, checked, given back. No byte of it is copied.
+/// A blob's way from a file that was read before into use: mapped, checked, given back. No byte of it is
+/// copied.
 template <class T, cageform::BlobCheck Check, cageform::WeightFormat Format>
 void map_blob(benchmark::State& state) {
     const auto& bumpy = Bumpy<T>::of(std::size_t(state.range(0)));
@@ -388,7 +396,7 @@ void map_blob(benchmark::State& state) {
         if (memory == MAP_FAILED) return state.SkipWithError("not mapped");
         const auto opened = cageform::open_blob<T, 3>({static_cast<const std::byte*>(memory), bytes.size()},
                                                       {.check = Check});
-        if (opened.status() != cageform::Status::ok) state.SkipWithError(to_string(opened.status()));
+        if (!opened) state.SkipWithError(to_string(opened.status()));
         benchmark::DoNotOptimize(opened.value.weights);
         munmap(memory, bytes.size());
     }

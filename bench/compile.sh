@@ -27,7 +27,7 @@ cat > "$work/plane.cpp" <<'END'
 #include <cageform/coordinates/harmonic.hpp>
 using Points = std::vector<std::array<double, 2>>;
 bool bind_figure(const Points& cage, const Points& figure) {
-    return cageform::bind(cageform::HarmonicCoordinates2d(cage), figure).report.status == cageform::Status::ok;
+    return cageform::bind(cageform::HarmonicCoordinates(cage), figure).report.status == cageform::Status::ok;
 }
 END
 cat > "$work/space.cpp" <<'END'

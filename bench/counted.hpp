@@ -1,4 +1,5 @@
-// Instructions of a benchmark's loop alone, for callgrind with --instr-atstart=no and --collect-atstart=no (bench/run.sh
+// Instructions of a benchmark's loop alone, for callgrind with --instr-atstart=no and --collect-atstart=no
+// (bench/run.sh
 // --count).
 #pragma once
 

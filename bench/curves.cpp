@@ -49,7 +49,7 @@ template <class T>
 std::vector<PiecewiseCubic<T>> cage_curves() {
     std::vector<PiecewiseCubic<T>> curves;
     for (std::uint32_t k = 0; k < curves_of_cage; ++k)
-        curves.push_back(compile<T>(random_keys(seconds + 1, k)).track.curve);
+        curves.push_back(compile<T>(random_keys(seconds + 1, k)).value.curve);
     return curves;
 }
 /// The same as functions that are solved for the parameter.
@@ -75,7 +75,7 @@ void fit_to_tolerance(benchmark::State& state) {
     std::size_t pieces = 0;
     for (auto _ : state) {
         pieces = 0;
-        for (const auto& curve : curves) pieces += fit(curve, 1.0 / 1024).pieces();
+        for (const auto& curve : curves) pieces += fit(curve, 1.0 / 1024).value.pieces();
     }
     finish(state, curves.size());
     state.counters["pieces"] = double(pieces) / double(curves.size());
@@ -90,7 +90,7 @@ void compile_million_keys(benchmark::State& state) {
         Running running;
         running.progress = [&](double) { return ++calls > 0; };
         const auto track = compile<double>(keys, options, running);
-        if (track.status != Status::ok) state.SkipWithError(to_string(track.status));
+        if (!track) state.SkipWithError(to_string(track.status()));
         state.counters["progress_calls"] = calls;
     }
     finish(state, keys.size());
@@ -103,8 +103,8 @@ void compile_cage(benchmark::State& state) {
     const ThreadedFor threads{unsigned(state.range(0))};
     for (auto _ : state) {
         const auto clip = compile<float, 3>(keys, {}, {.parallel = threads});
-        if (clip.status != Status::ok) state.SkipWithError(to_string(clip.status));
-        benchmark::DoNotOptimize(clip.sup_error);
+        if (!clip) state.SkipWithError(to_string(clip.status()));
+        benchmark::DoNotOptimize(clip.report.sup_error);
     }
     finish(state, curves_of_cage * seconds);
 }
@@ -158,7 +158,7 @@ void run_single(benchmark::State& state, const Evaluate& evaluate, std::size_t c
 void single_pieces(benchmark::State& state) {
     std::vector<PiecewiseCubic<double>> pieces;
     for (const auto& curve : random_curves(64)) {
-        const auto fitted = fit(curve, screen_tolerance);
+        const BezierFit fitted = fit(curve, screen_tolerance).value;
         std::vector<CubicPiece<double>> cubics;
         for (std::size_t i = 0; i < fitted.pieces(); ++i) cubics.push_back(cubic_piece<double>(fitted, i));
         pieces.emplace_back(std::move(cubics), 1.0);

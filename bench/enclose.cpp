@@ -1,9 +1,13 @@
 // What does a cage cost that make_cage draws, how tight is it, and what does it keep off the figure?
 //
-// Counters: `loose`, the area or volume over that of the figure grown by the margin; `clearance`, the exact least
-// distance between cage and figure over the margin (0 or less: the cage cuts the figure); `angle`, the least one of
-// the cage, in degrees. Beside it in space, where CGAL is installed: its alpha wrap with the margin for offset, simplified
-// to as many vertices (Portaneri et al., Alpha wrapping with an offset, 2022; Garland & Heckbert 1997). A mesh of your own
+// Counters: `loose`, the area or volume over that of the figure grown by the margin; `clearance`, the exact
+// least
+// distance between cage and figure over the margin (0 or less: the cage cuts the figure); `angle`, the
+// least one of
+// the cage, in degrees. Beside it in space, where CGAL is installed: its alpha wrap with the margin for
+// offset, simplified
+// to as many vertices (Portaneri et al., Alpha wrapping with an offset, 2022; Garland & Heckbert 1997). A
+// mesh of your own
 // stands beside the others where the environment variable CAGEFORM_BENCH_OBJ names one, of triangles.
 
 #include <cageform/enclose/make_cage.hpp>
@@ -156,8 +160,7 @@ void cage_plane(benchmark::State& state) {
     options.vertices = std::size_t(state.range(0));
     cageform::MakeCageReport made;
     for (auto _ : state) {
-        const auto cage = cageform::make_cage<double>(tree, options);
-        made = cage.report;
+        made = cageform::make_cage(tree, options).report;
     }
     if (made.status != cageform::Status::ok) return state.SkipWithError(to_string(made.status));
     report(state, made);
@@ -171,8 +174,7 @@ void cage_space(benchmark::State& state) {
     options.vertices = std::size_t(state.range(1));
     cageform::MakeCageReport made;
     for (auto _ : state) {
-        const auto cage = make_cage(mesh.vertices, mesh.faces, options);
-        made = cage.report;
+        made = make_cage(mesh.vertices, mesh.faces, options).report;
     }
     if (made.status != cageform::Status::ok) return state.SkipWithError(to_string(made.status));
     report(state, made);

@@ -1,4 +1,5 @@
-// Clones as one level of optimisation compiles them: what each object of bench/level.cpp has for bench/levels.cpp.
+// Clones as one level of optimisation compiles them: what each object of bench/level.cpp has for
+// bench/levels.cpp.
 #pragma once
 
 #include <cageform/runtime.hpp>

@@ -29,8 +29,7 @@ void run_bind(benchmark::State& state, const Coordinates& coordinates, const Poi
     const Counted counted;
     for (auto _ : state) {
         auto result = cageform::bind(coordinates, points, {}, std::move(recycled), running);
-        if (result.report.status != cageform::Status::ok)
-            state.SkipWithError(to_string(result.report.status));
+        if (!result) state.SkipWithError(to_string(result.status()));
         benchmark::DoNotOptimize(result.value.view().weights.data);
         benchmark::ClobberMemory();
         recycled = again ? std::move(result.value) : decltype(recycled){};
@@ -40,7 +39,8 @@ void run_bind(benchmark::State& state, const Coordinates& coordinates, const Poi
 
 enum class Wanted { weights, gradients };
 
-/// Weights or gradients alone, into memory that is there: no checks of points, no report, no restored precision.
+/// Weights or gradients alone, into memory that is there: no checks of points, no report, no restored
+/// precision.
 template <class C, class Points>
 void run_evaluate(benchmark::State& state, const C& coordinates, const Points& points,
                   Wanted wanted = Wanted::weights) {

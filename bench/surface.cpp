@@ -1,9 +1,13 @@
 // How long does it take to make the weights of bones on a mesh?
 //
-// A bumpy torus of 10,240 and 163,840 vertices, twenty bones along its core. Harmonic weights, bone heat with and without
-// the question what a vertex sees, the cotangents and flips alone. The equations of the heat alone: ours, by Eigen's
-// LDLT (which libigl's harmonic functions take) and by CHOLMOD where it is installed (OMP_THREAD_LIMIT=1 keeps it to one
-// thread, as the others). And what no solver of this order of elimination can do without: its multiplications, done by
+// A bumpy torus of 10,240 and 163,840 vertices, twenty bones along its core. Harmonic weights, bone heat
+// with and without
+// the question what a vertex sees, the cotangents and flips alone. The equations of the heat alone: ours,
+// by Eigen's
+// LDLT (which libigl's harmonic functions take) and by CHOLMOD where it is installed (OMP_THREAD_LIMIT=1
+// keeps it to one
+// thread, as the others). And what no solver of this order of elimination can do without: its
+// multiplications, done by
 // one product of dense matrices, and reading the factors forwards and backwards for every 16 bones.
 #include <cageform/core/threads.hpp>
 #include <cageform/fields/skin.hpp>
@@ -59,9 +63,9 @@ void cotangents(benchmark::State& state) {
     cageform::SurfaceReport report;
     for (auto _ : state) {
         const auto weights = cageform::cotangent_weights(torus.vertices, torus.faces);
-        if (weights.report.status != cageform::Status::ok) state.SkipWithError("refused");
+        if (!weights) state.SkipWithError("refused");
         report = weights.report;
-        benchmark::DoNotOptimize(weights.links.data());
+        benchmark::DoNotOptimize(weights.value.links.data());
     }
     count(state, torus, report);
 }
@@ -71,9 +75,9 @@ void harmonic(benchmark::State& state) {
     cageform::SurfaceReport report;
     for (auto _ : state) {
         const auto skin = cageform::harmonic_skin(torus.vertices, torus.faces, torus.core);
-        if (skin.report.status != cageform::Status::ok) state.SkipWithError("refused");
+        if (!skin) state.SkipWithError("refused");
         report = skin.report.mesh;
-        benchmark::DoNotOptimize(skin.weights.data());
+        benchmark::DoNotOptimize(skin.value.data());
     }
     count(state, torus, report);
 }
@@ -85,9 +89,9 @@ void heat(benchmark::State& state) {
     for (auto _ : state) {
         const auto skin =
             cageform::bone_heat(torus.vertices, torus.faces, torus.core, {.visibility = visibility});
-        if (skin.report.status != cageform::Status::ok) state.SkipWithError("refused");
+        if (!skin) state.SkipWithError("refused");
         report = skin.report.mesh;
-        benchmark::DoNotOptimize(skin.weights.data());
+        benchmark::DoNotOptimize(skin.value.data());
     }
     count(state, torus, report);
 }
@@ -98,8 +102,8 @@ void heat_threads(benchmark::State& state) {
     for (auto _ : state) {
         const auto skin =
             cageform::bone_heat(torus.vertices, torus.faces, torus.core, {}, {.parallel = threads});
-        if (skin.report.status != cageform::Status::ok) state.SkipWithError("refused");
-        benchmark::DoNotOptimize(skin.weights.data());
+        if (!skin) state.SkipWithError("refused");
+        benchmark::DoNotOptimize(skin.value.data());
     }
 }
 
@@ -110,7 +114,7 @@ struct HeatEquations {
 
     explicit HeatEquations(std::int64_t around) {
         const Torus torus(around);
-        const auto weights = cageform::cotangent_weights(torus.vertices, torus.faces);
+        const auto weights = cageform::cotangent_weights(torus.vertices, torus.faces).value;
         vertices = torus.vertices.size();
         nodes = vertices + bones;
         links = weights.links;

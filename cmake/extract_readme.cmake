@@ -1,10 +1,18 @@
-# cmake -DREADME=… -DOUT=<stem> -P extract_readme.cmake
-# The README's first ```cpp block becomes <stem>.cpp, the ```text block after it <stem>.txt.
+# cmake -DREADME=… -DOUT=<stem> [-DONLY=ON] -P extract_readme.cmake
+# The first ```cpp block of a README or of a page of the site becomes <stem>.cpp, the ```text block after it
+# <stem>.txt. With ONLY the file may have no other ```cpp block: none goes uncompiled.
 file(READ ${README} text)
+if(ONLY)
+  string(REGEX MATCHALL "```cpp\n" blocks "${text}")
+  list(LENGTH blocks count)
+  if(NOT count EQUAL 1)
+    message(FATAL_ERROR "${README} has ${count} cpp blocks, not one")
+  endif()
+endif()
 foreach(kind IN ITEMS cpp text)
   string(FIND "${text}" "```${kind}\n" begin)
   if(begin EQUAL -1)
-    message(FATAL_ERROR "the README has no ${kind} block")
+    message(FATAL_ERROR "${README} has no ${kind} block")
   endif()
   string(LENGTH "```${kind}\n" skip)
   math(EXPR begin "${begin} + ${skip}")

@@ -4,8 +4,10 @@
 //     ogre_client character.figure --pictures out/ogre_ --count 6
 //     ogre_client character.figure --width 320 --height 240 --frames 10000
 //
-// Every frame the clip gives a pose of the cage, `pose_handles` the vectors of its faces, which Green coordinates have
-// for handles too, and `clone` writes vertices and normals where the graphics card reads them: into the locked vertex
+// Every frame the clip gives a pose of the cage, `pose_handles` the vectors of its faces, which Green
+// coordinates have
+// for handles too, and `clone` writes vertices and normals where the graphics card reads them: into the
+// locked vertex
 // buffer. With --frames it measures that and watches the memory of the process.
 
 #include "files/figure_parts.hpp"
@@ -82,9 +84,8 @@ public:
     explicit Puppet(const std::string& path)
         : file_(path) {
         const auto opened = cageform::open<float, 3>(file_.bytes());
-        if (opened.status != cageform::Status::ok)
-            throw std::runtime_error(path + ": " + cageform::to_string(opened.status));
-        figure_ = opened.figure;
+        if (!opened) throw std::runtime_error(path + ": " + cageform::to_string(opened.status()));
+        figure_ = opened.value;
         parts_ = cageform_examples::read_parts(figure_);
         if (!parts_.fault.empty()) throw std::runtime_error(path + ": " + parts_.fault);
         if (parts_.clip.vertex_count() == 0) throw std::runtime_error(path + ": holds no clip");

@@ -103,7 +103,7 @@ void print_without_surround(const BoundHand& bound, Lines& lines) {
     const auto alone = bind_to_sites<double>("sibson", sites, skin);
     std::vector<Point3> out(skin.size());
     for (Point3& p : sites) p = turned_about_wrist(p);
-    const bool cloned = cageform::clone(alone.binding, sites, out) == cageform::Status::ok;
+    const bool cloned = cageform::clone(alone.value, sites, out) == cageform::Status::ok;
     double error = 0;
     std::size_t within = 0;
     for (std::size_t i = 0; i < skin.size(); ++i) {
@@ -179,7 +179,8 @@ Flipped worse(const Flipped& a, const Flipped& b) {
     return {std::max(a.count, b.count), std::max(a.farthest, b.farthest)};
 }
 
-/// Triangles whose normals turn past 90 degrees from where their bone turns them. One over a joint, whose corners are of
+/// Triangles whose normals turn past 90 degrees from where their bone turns them. One over a joint, whose
+/// corners are of
 /// two bones, may follow either.
 Flipped flipped(const BoundHand& bound, std::size_t joint, double degrees) {
     const Hand& hand = bound.hand;
@@ -497,10 +498,10 @@ void print_laws(const BoundHand& bound, Lines& lines) {
 
 // 7.
 void print_builds(const BoundHand& bound, const HandBuilder& builder, Lines& lines) {
-    lines.line(builder.skin.still.empty(),
+    lines.line(builder.skin.report.still.empty(),
                "7. skin and control points are bound to %zu handles by one composed binding; %zu never move "
                "(0)",
-               builder.rest.size(), builder.skin.still.size());
+               builder.rest.size(), builder.skin.report.still.size());
     for (const HandBuild& build : hand_builds(bound.hand, builder)) {
         lines.set_subject(std::string("7. ") + build.name + ": ");
         BoundHand other = bound;
@@ -508,7 +509,7 @@ void print_builds(const BoundHand& bound, const HandBuilder& builder, Lines& lin
         auto& skin = other.hand.skin.vertices;
         skin = bound.clone(other.hand.sites(), std::vector<double>(bound.hand.points.size(), 1));
         std::vector<Point3> composed(skin.size());
-        const auto status = cageform::clone(builder.skin.binding, build.handles, composed);
+        const auto status = cageform::clone(builder.skin.value, build.handles, composed);
         double error = 0;
         for (std::size_t i = 0; i < skin.size(); ++i) error = std::max(error, length(skin[i] - composed[i]));
         lines.line(status == cageform::Status::ok && error <= 16 * eps,
@@ -545,7 +546,8 @@ double fastest(const Work& work) {
     return best;
 }
 
-/// 9. As a game would have it: in float, zeros left out, vertices in the binding's order. Reading the weights alone is
+/// 9. As a game would have it: in float, zeros left out, vertices in the binding's order. Reading the
+/// weights alone is
 /// timed beside it by bench_clone.
 void print_time(const Hand& hand, Lines& lines) {
     const auto bound = bind_to_sites<float>("sibson", hand.sites(), hand.skin.vertices);
@@ -557,10 +559,9 @@ void print_time(const Hand& hand, Lines& lines) {
     std::vector<float> weights;
     for (const Point3& p : hand.pose(angles)) pose.push_back(cageform::vec_cast<float>(p));
     for (const double w : hand.weights(angles, hand_kappa)) weights.push_back(float(w));
-    auto status = fit.status;
+    auto status = fit.status();
     const double clone = fastest([&] {
-        if (status == cageform::Status::ok)
-            status = cageform::clone_rational(fit.binding, pose, weights, out);
+        if (status == cageform::Status::ok) status = cageform::clone_rational(fit.value, pose, weights, out);
     });
     lines.line(status == cageform::Status::ok && clone <= 200,
                "9. %zu vertices by %zu control points (5000 by 300): %.0f us a frame on one thread (200)",

@@ -13,7 +13,8 @@ struct AcceptanceCount {
     std::size_t lines = 0, missed = 0;
 };
 
-/// Prints a line a property, "ok" or "missed", with its bound in parentheses. A missed line is no error: it says what
+/// Prints a line a property, "ok" or "missed", with its bound in parentheses. A missed line is no error: it
+/// says what
 /// this hand does not do yet.
 AcceptanceCount print_acceptance(const BoundHand& bound, const HandBuilder& builder);
 

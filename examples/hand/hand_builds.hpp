@@ -30,7 +30,7 @@ struct HandBuilder {
         for (const auto& ray : bound.hand.rays) rest.push_back(bound.hand.joints[ray.back()].end);
         // Joints that two bones of the palm share are one handle each.
         const auto all = bound.hand.sites();
-        for (const Point3& p : cageform::surround(all, {.margin = 0.05}).sites) rest.push_back(p);
+        for (const Point3& p : cageform::surround(all, {.margin = 0.05}).value) rest.push_back(p);
         sites = bind_to_sites<double>("sibson", rest, all).value;
         skin = cageform::compose(bound.dense, sites);
     }

@@ -264,7 +264,8 @@ private:
         add(point);
     }
 
-    /// `count` rays about a bone, at a share of its length, the first an `offset` of a step from the inner side.
+    /// `count` rays about a bone, at a share of its length, the first an `offset` of a step from the inner
+    /// side.
     template <class Add>
     void around(std::size_t joint, double share, std::size_t count, const Add& add, double offset = 0) const {
         const HandJoint& j = hand_.joints[joint];
@@ -290,7 +291,8 @@ private:
                         {on_skin(from, direction, 0.1), HandPointKind::ring, joint, HandJoint::none, 0.5});
                 });
             }
-            // What is thicker is no finger but the web to the next. Half a step on, so that two of six look to the fingers beside.
+            // What is thicker is no finger but the web to the next. Half a step on, so that two of six look
+            // to the fingers beside.
             const double thick = 1.25 * hand_.joints[joint].radius;
             const bool is_last = k + 1 == joints.size();
             const auto shares = k == 1 && ray < 4 ? std::vector{0.24, 0.47, 0.72}
@@ -561,7 +563,7 @@ Hand make_hand(double cell) {
     for (const HandPoint& point : hand.points) all.push_back(point.place);
     const auto box = cageform::surround(
         all, {.margin = 0.3, .sites = cageform::SurroundSites::lattice}); // fingers bend within
-    for (const Point3& site : box.sites) hand.points.push_back({site});
+    for (const Point3& site : box.value) hand.points.push_back({site});
     return hand;
 }
 

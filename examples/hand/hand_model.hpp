@@ -1,9 +1,12 @@
 #pragma once
 
-// A right hand in three layers (Moccozet, Magnenat-Thalmann, Dirichlet free-form deformations and their application to
-// hand simulation, Computer Animation '97, sec. 3): joint angles move control points, and these move the skin.
+// A right hand in three layers (Moccozet, Magnenat-Thalmann, Dirichlet free-form deformations and their
+// application to
+// hand simulation, Computer Animation '97, sec. 3): joint angles move control points, and these move the
+// skin.
 //
-// Lengths are in hand lengths. The wrist is at the origin, the fingers point along y, the thumb to -x, the back of the
+// Lengths are in hand lengths. The wrist is at the origin, the fingers point along y, the thumb to -x, the
+// back of the
 // hand faces z.
 
 #include "files/obj_file.hpp"
@@ -16,7 +19,8 @@
 
 namespace cageform_examples {
 
-/// What turns: four fingers of a metacarpal (which bends in the ring and the little finger alone) and three phalanges,
+/// What turns: four fingers of a metacarpal (which bends in the ring and the little finger alone) and three
+/// phalanges,
 /// and a thumb of three bones. The first joint of a finger's phalanges and of the thumb turns in two ways.
 enum class HandAngle : std::uint8_t {
     index_spread,
@@ -130,7 +134,8 @@ struct HandObject {
 const HandObject& hand_ball();
 const HandObject& hand_rod();
 
-/// Closes the fingers about an object, from the base outwards: a joint stops, by bisection, where a constraint point
+/// Closes the fingers about an object, from the base outwards: a joint stops, by bisection, where a
+/// constraint point
 /// of its finger touches the object, or at the end of its range.
 ///
 ///   open   where joints begin; other angles stay

@@ -348,8 +348,7 @@ Picture bends(const BoundHand& bound) {
         if (in_finger(i)) finger.push_back(hand.skin.vertices[i]);
     }
     const auto smooth = bind_to_sites<double>("sibson-c1", hand.sites(), finger);
-    if (smooth.report.status != cageform::Status::ok ||
-        cageform::clone(smooth.value, hand.pose(angles), finger) != cageform::Status::ok)
+    if (!smooth || cageform::clone(smooth.value, hand.pose(angles), finger) != cageform::Status::ok)
         throw std::runtime_error("the finger at degree 3 cannot be bound");
     Skin cubic = hand.skin.vertices;
     for (std::size_t i = 0, n = 0; i < cubic.size(); ++i) {
@@ -471,7 +470,8 @@ std::size_t nearest_joint(const Hand& hand, const Point3& p) {
     return std::size_t(nearest - hand.joints.begin());
 }
 
-/// The most of what is measured of the skin, of fingers and thumb but for one of them, from so many radii of the finger
+/// The most of what is measured of the skin, of fingers and thumb but for one of them, from so many radii
+/// of the finger
 /// beyond its first joint on.
 double most_beside(const Hand& hand, const std::vector<double>& values, std::size_t ray, double radii) {
     double most = 0;

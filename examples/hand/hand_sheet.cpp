@@ -1,4 +1,5 @@
-// The hand in all its poses, its control points, inflation on and off, three builds of it, and what is measured of them.
+// The hand in all its poses, its control points, inflation on and off, three builds of it, and what is
+// measured of them.
 //
 //     hand_sheet out
 //
@@ -34,8 +35,7 @@ int run_program(int argc, char** argv) {
     const BoundHand bound;
     if (bound.report.status != cageform::Status::ok) return fail(cageform::to_string(bound.report.status));
     const HandBuilder builder(bound);
-    if (builder.skin.status != cageform::Status::ok)
-        return fail(std::string("the builds: ") + cageform::to_string(builder.skin.status));
+    if (!builder.skin) return fail(std::string("the builds: ") + cageform::to_string(builder.skin.status()));
     const AcceptanceCount count = print_acceptance(bound, builder);
 
     OutputFiles outputs;

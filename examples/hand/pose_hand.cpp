@@ -1,4 +1,5 @@
-// Poses the hand of make_hand by joint angles and draws it, from the back and from the inner side, or writes its skin.
+// Poses the hand of make_hand by joint angles and draws it, from the back and from the inner side, or
+// writes its skin.
 //
 //     pose_hand --pose poses.csv --picture poses.png
 //     pose_hand --pose point -o point.obj
@@ -15,7 +16,8 @@ namespace {
 
 using namespace cageform_examples;
 
-/// The joint at a fingertip, where nothing is said of it: two thirds of the one before it, as tendons pull both.
+/// The joint at a fingertip, where nothing is said of it: two thirds of the one before it, as tendons pull
+/// both.
 bool follows(std::size_t angle) {
     return angle < std::size_t(HandAngle::ring_metacarpal) && angle % 4 == std::size_t(HandAngle::index_dip);
 }

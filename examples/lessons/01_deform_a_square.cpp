@@ -11,7 +11,7 @@ int main() {
     const std::array<Point, 3> figure{{{0.5, 0.5}, {1, 1}, {2, 1.5}}};
 
     // Bind time. A coordinate type knows the cage; `bind` gives every point a weight per cage vertex.
-    const cageform::MeanValueCoordinates2d coordinates(cage);
+    const cageform::MeanValueCoordinates coordinates(cage);
     const auto [binding, report] = cageform::bind(coordinates, figure);
     if (report.status != cageform::Status::ok) {
         std::printf("%s\n", cageform::to_string(report.status));

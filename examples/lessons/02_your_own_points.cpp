@@ -28,7 +28,7 @@ int main() {
     Eigen::Matrix2Xf cage(2, 3);
     cage << 0, 4, 0, //
         0, 0, 4;
-    const cageform::BarycentricCoordinates2f coordinates(cageform::points_in_columns<2>(cage));
+    const cageform::BarycentricCoordinates<float, 2> coordinates(cageform::points_in_columns<2>(cage));
 
     // The figure: an interleaved vertex buffer x, y, u, v, of which x and y are the points.
     std::vector<float> buffer{1, 1, 0.25f, 0.25f, 2, 1, 0.5f, 0.25f};

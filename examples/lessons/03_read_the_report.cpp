@@ -11,7 +11,7 @@ int main() {
     // A bow-tie: edges 0-1 and 2-3 cross. Nothing is bound; the report names the edges.
     const std::array<Point, 4> bow_tie{{{0, 0}, {2, 2}, {2, 0}, {0, 2}}};
     const std::array<Point, 4> figure{{{1, 0.5}, {5, 0.5}, {std::nan(""), 0}, {2, 1}}};
-    const auto refused = cageform::bind(cageform::MeanValueCoordinates2d(bow_tie), figure);
+    const auto refused = cageform::bind(cageform::MeanValueCoordinates(bow_tie), figure);
     std::printf("bow-tie: %s\n", cageform::to_string(refused.report.status));
     for (const auto& fault : refused.report.cage.faults) {
         std::printf("  %s: %zu and %zu\n", cageform::to_string(fault.kind), fault.a, fault.b);
@@ -21,7 +21,7 @@ int main() {
     const std::array<Point, 4> square{{{0, 0}, {2, 0}, {2, 2}, {0, 2}}};
     cageform::BindOptions options;
     options.outside = cageform::OutsidePoints::nearest_boundary;
-    const auto [binding, report] = cageform::bind(cageform::MeanValueCoordinates2d(square), figure, options);
+    const auto [binding, report] = cageform::bind(cageform::MeanValueCoordinates(square), figure, options);
     std::printf("square: %s\n", cageform::to_string(report.status));
     for (const std::size_t i : report.outside) std::printf("  outside: point %zu\n", i);
     for (const std::size_t i : report.not_finite) std::printf("  not finite: point %zu\n", i);

@@ -28,12 +28,12 @@ void report_weights(const char* name, const Coordinates& coordinates) {
 } // namespace
 
 int main() {
-    report_weights("mean value", cageform::MeanValueCoordinates2d(cage));
+    report_weights("mean value", cageform::MeanValueCoordinates(cage));
 
     // Harmonic coordinates are solved on a grid. Long solves tell their progress, and may be cancelled.
     cageform::HarmonicOptions options;
     options.resolution = 96;
-    const cageform::HarmonicCoordinates2d harmonic(cage, options);
+    const cageform::HarmonicCoordinates harmonic(cage, options);
     report_weights("harmonic", harmonic);
 
     const cageform::Running impatient{.progress = [](double done) { return done < 0.3; }};

@@ -1,4 +1,5 @@
-// 6. Three dimensions: a box as the cage, its top twisted, and how the deformation turns what is bound: the Jacobian
+// 6. Three dimensions: a box as the cage, its top twisted, and how the deformation turns what is bound: the
+// Jacobian
 // Σ C'_i ∇h_i, with which an engine turns normals.
 #include <cageform/cageform.hpp>
 
@@ -18,7 +19,7 @@ int main() {
     if (coordinates.solve().status != cageform::Status::ok) return 1; // kept: used twice below
     const auto [binding, report] = cageform::bind(coordinates, points);
     std::printf("%zu handles: %s, %zu cycles\n", binding.handle_count(), cageform::to_string(report.status),
-                report.solver.cycles);
+                report.solver.multigrid.cycles);
 
     // A right angle from bottom to top.
     std::vector<Point> pose;

@@ -1,4 +1,5 @@
-// 9. What a game ships: a figure with normals and tangents, bound and packed in the editor, used where it lies in memory.
+// 9. What a game ships: a figure with normals and tangents, bound and packed in the editor, used where it
+// lies in memory.
 #include <cageform/binding/pack.hpp>
 #include <cageform/coordinates/mean_value.hpp>
 #include <cageform/runtime.hpp> // all that a game includes
@@ -7,7 +8,8 @@
 
 using cageform::Status, cageform::StridedPoints;
 
-/// In the editor, once. HarmonicCoordinates3f would solve once for all three; all else stays the same.
+/// In the editor, once. HarmonicCoordinates<float, 3> would solve once for all three; all else stays the
+/// same.
 int ship(std::FILE* file) {
     std::vector<std::array<float, 3>> box, points, normals; // a ball in a box
     std::vector<std::array<float, 4>>
@@ -22,7 +24,7 @@ int ship(std::FILE* file) {
         normals.push_back({r * x, y, r * z});
         tangents.push_back({-z, 0, x, 1});
     }
-    const cageform::MeanValueCoordinates3f coordinates(box, faces);
+    const cageform::MeanValueCoordinates coordinates(box, faces);
     auto [figure, bound] = cageform::bind(coordinates, cageform::FigurePoints{points, normals, tangents});
     if (bound.status != Status::ok) return std::puts(to_string(bound.status));
     if (!bound.points.outside.empty()) return std::puts("points lie outside the cage");
@@ -45,9 +47,9 @@ int play(std::FILE* file) {
     std::vector<cageform::Lanes<float>> memory(4096); // of 64 bytes each
     std::rewind(file);
     const auto bytes = std::as_bytes(std::span(memory)).first(std::fread(&memory[0], 1, 4096 * 64, file));
-    std::puts(to_string(cageform::open<float, 3>(bytes.first(1000)).status));
-    const auto [status, culprit, figure, cage, points, size] = cageform::open<float, 3>(bytes);
-    if (status != Status::ok) return std::puts(to_string(status));
+    std::puts(to_string(cageform::open<float, 3>(bytes.first(1000)).status()));
+    const auto [figure, opened] = cageform::open<float, 3>(bytes);
+    if (opened.status != Status::ok) return std::puts(to_string(opened.status));
 
     std::vector<Vertex> vertices(figure.point_count());
     const StridedPoints<float, 3> positions(vertices[0].position, vertices.size(), sizeof(Vertex));

@@ -1,4 +1,5 @@
-// 10. Points without a cage: a few control points, anywhere on or about the figure, and no faces between them.
+// 10. Points without a cage: a few control points, anywhere on or about the figure, and no faces between
+// them.
 // Their weights are natural neighbour (Sibson) coordinates: a point hears the control points around it alone.
 #include <cageform/cageform.hpp>
 
@@ -15,8 +16,9 @@ int main() {
     // Figure points that are control points themselves follow their pose exactly.
     const std::vector<Point> middle{{5, 2}};
     const std::vector<std::size_t> chosen{nose, lower_fin, upper_fin};
-    auto [made, sites, handles] = cageform::sites_with_figure_points(middle, fish, chosen);
-    if (made != cageform::Status::ok) return std::puts(to_string(made));
+    const auto made = cageform::sites_with_figure_points(middle, fish, chosen);
+    if (!made) return std::puts(to_string(made.status()));
+    auto [sites, handles] = made.value;
 
     // Nothing outside the hull of the points can follow them: what is there is named.
     const auto alone = cageform::bind(cageform::SibsonCoordinates<double, 2>(sites), fish).report;
@@ -27,8 +29,8 @@ int main() {
     std::vector<Point> all = fish;
     all.insert(all.end(), middle.begin(), middle.end());
     const auto box = cageform::surround(all);
-    if (box.status != cageform::Status::ok) return std::puts(to_string(box.status));
-    sites.insert(sites.end(), box.sites.begin(), box.sites.end());
+    if (!box) return std::puts(to_string(box.status()));
+    sites.insert(sites.end(), box.value.begin(), box.value.end());
 
     const cageform::SibsonCoordinates<double, 2> coordinates(sites);
     const auto [binding, report] = cageform::bind(coordinates, fish);

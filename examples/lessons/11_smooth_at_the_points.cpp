@@ -28,10 +28,11 @@ int main() {
         std::printf(", amplified at most %.2f times\n", report.amplification.value);
     }
 
-    // With a weight a control point draws the figure to it, though nothing has moved. Weights that are all equal are
+    // With a weight a control point draws the figure to it, though nothing has moved. Weights that are all
+    // equal are
     // the clone, bit for bit.
     const auto bound = cageform::bind(cageform::SibsonCoordinates<double, 2>(sites), line);
-    const auto [status, rational] = rational_view(bound.value.view());
+    const auto [rational, status] = rational_view(bound.value.view());
     if (status != cageform::Status::ok) return std::puts(to_string(status));
     for (const double weight : {1.0, 3.0, 100.0}) {
         const std::array<double, 5> weights{1, 1, 1, 1, weight};
@@ -42,7 +43,7 @@ int main() {
 
     // Negative weights will not do: the quotient might have no bound.
     const auto cubic = cageform::bind(cageform::SibsonCoordinates<double, 2>(sites, {.degree = 3}), line);
-    std::printf("degree 3: %s\n", to_string(rational_view(cubic.binding.view()).status));
+    std::printf("degree 3: %s\n", to_string(rational_view(cubic.value.view()).status()));
 }
 
 //> degree 1 goes up by 0.50 0.62 0.74 0.87 1.00 0.87 0.74 0.62 0.50, amplified at most 1.00 times

@@ -26,16 +26,16 @@ int main() {
     const std::array<cageform::BoneSegment, 2> bones{{{{0, 0, 0}, {2, 0, 0}}, {{2, 0, 0}, {4, 0, 0}}}};
 
     const auto skin = cageform::bone_heat(points, faces, bones);
-    if (skin.report.status != cageform::Status::ok) return std::puts(to_string(skin.report.status));
+    if (!skin) return std::puts(to_string(skin.status()));
     std::printf("the upper bone's weight along the bar:");
-    for (const int r : {0, 4, 7, 8, 9, 12, 16}) std::printf(" %.2f", skin.weights[std::size_t(8 * r + 1)]);
+    for (const int r : {0, 4, 7, 8, 9, 12, 16}) std::printf(" %.2f", skin.value[std::size_t(8 * r + 1)]);
 
     // A bone is a handle: where it is, a point, and its three axes, vectors.
     using Frame = cageform::Transform<double, 3>;
     const std::vector<Frame> frames{{{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}, {0, 0, 0}},
                                     {{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}, {2, 0, 0}}};
-    const auto bound = cageform::bind_bones(points, std::span<const Frame>(frames), std::span(skin.weights));
-    if (bound.report.status != cageform::Status::ok) return 1;
+    const auto bound = cageform::bind_bones(points, std::span<const Frame>(frames), std::span(skin.value));
+    if (!bound) return 1;
     std::printf("\n%zu bones, %zu handles\n", bones.size(), bound.value.handle_count());
 
     // Every frame: the moves of the bones, then clone. The second turns by a right angle about (2, 0, 0).

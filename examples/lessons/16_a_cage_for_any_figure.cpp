@@ -1,4 +1,5 @@
-// 16. A cage for any figure: make_cage draws one about strokes, outlines, scattered parts; the rest is as ever.
+// 16. A cage for any figure: make_cage draws one about strokes, outlines, scattered parts; the rest is as
+// ever.
 #include <cageform/cageform.hpp>
 #include <cageform/enclose/make_cage.hpp> // editors include it, games do not
 
@@ -12,17 +13,17 @@ int main() {
     cageform::MakeCageOptions options;
     options.vertices = 20;
     options.mirror = cageform::MirrorPlane{0}; // its own image across the middle
-    const auto made = make_cage(std::span<const Segment>(figure), options);
-    if (!made) return std::puts(to_string(made.report.status));
-    std::printf("vertices: %zu, margin kept: %.0f %%, parts: %zu, bridges: %zu\n", made.cage.size(),
+    const auto made = make_cage(figure, options);
+    if (!made) return std::puts(to_string(made.status()));
+    std::printf("vertices: %zu, margin kept: %.0f %%, parts: %zu, bridges: %zu\n", made.value.size(),
                 100 * made.report.clearance / made.report.margin, made.report.parts, made.report.bridges);
 
     // The cage is a Polygon as any other.
     std::vector<cageform::Vec<double, 2>> points(figure.size());
     for (std::size_t k = 0; k < figure.size(); ++k) points[k] = figure[k].b;
-    const cageform::HarmonicCoordinates<double, 2> coordinates(made.cage);
+    const cageform::HarmonicCoordinates<double, 2> coordinates(made.value);
     const auto [binding, report] = cageform::bind(coordinates, points);
-    std::vector<cageform::Vec<double, 2>> pose(made.cage.vertices().begin(), made.cage.vertices().end());
+    std::vector<cageform::Vec<double, 2>> pose(made.value.vertices().begin(), made.value.vertices().end());
     for (auto& p : pose) {
         if (p[0] > 2 && p[1] > 8) p[1] += 6; // the vertices about one arm
     }

@@ -1,4 +1,5 @@
-// 17. A glTF animation moves a cage: the samplers' arrays become a clip, which is shipped in one file with the figure.
+// 17. A glTF animation moves a cage: the samplers' arrays become a clip, which is shipped in one file with
+// the figure.
 #include <cageform/animate/compile.hpp>
 #include <cageform/animate/pack_clip.hpp>
 #include <cageform/binding/pack.hpp>
@@ -18,7 +19,7 @@ Status ship(cageform::PackedFigure<float, 3>& file) {
     for (int i = 0; i < 8; ++i) box.push_back({i & 1 ? 1.f : -1.f, i & 2 ? 1.f : -1.f, i & 4 ? 1.f : -1.f});
     for (float z = 0; z < 1; z += 0.001f) points.push_back({0.8f, 0.8f, z}); // a rod towards node 7
     const auto [figure, bound] =
-        cageform::bind(cageform::MeanValueCoordinates3f(box, faces), cageform::FigurePoints{points});
+        cageform::bind(cageform::MeanValueCoordinates(box, faces), cageform::FigurePoints{points});
     if (bound.status != Status::ok) return bound.status;
     // As they lie in the file: times, and of each key an in-tangent, a value and an out-tangent.
     const float times[] = {0, 1, 2};
@@ -30,27 +31,27 @@ Status ship(cageform::PackedFigure<float, 3>& file) {
         const auto imported =
             node == 7 ? keys_from_gltf(times, swing, 3, GltfInterpolation::cubicspline)
                       : keys_from_gltf(std::span(times).first(1), box[node], 3, GltfInterpolation::step);
-        if (imported.status != Status::ok) return imported.status;
-        keys.insert(keys.end(), imported.curves.begin(), imported.curves.end()); // x, y and z of the vertex
+        if (!imported) return imported.status();
+        keys.insert(keys.end(), imported.value.begin(), imported.value.end()); // x, y and z of the vertex
     }
     const cageform::TrackOptions options{.after = cageform::Extrapolation::cycle};
     const auto compiled = cageform::compile<float, 3>(keys, options);
-    if (compiled.status != Status::ok) return compiled.status;
+    if (!compiled) return compiled.status();
     // No vertex off by more than 0.0001: curves that allow it take 16 bits a coefficient.
-    const auto [clip, report] = pack_clip(compiled.clip, {.tolerance = 0.0001});
+    const auto [clip, report] = pack_clip(compiled.value, {.tolerance = 0.0001});
     std::printf("%zu of %zu curves in 16 bits: %zu bytes in place of %zu\n", report.quantised, report.curves,
                 report.bytes, report.unquantised_bytes);
     const cageform::FigureClipData clips[] = {{"swing", clip.bytes()}};
     auto packed = cageform::pack(figure, {.weights = {.tolerance = 0.001}, .clips = clips});
-    file = std::move(packed.figure); // its bytes are what is written
-    return packed.report.status;
+    file = std::move(packed.value); // its bytes are what is written
+    return packed.status();
 }
 
 /// In the game: runtime.hpp alone, nothing copied; what a frame needs is allocated here, once.
 Status play(std::span<const std::byte> file) {
     const auto opened = cageform::open<float, 3>(file);
-    if (opened.status != Status::ok) return opened.status;
-    const auto& figure = opened.figure;
+    if (!opened) return opened.status();
+    const auto& figure = opened.value;
     const std::size_t found = figure.find_clip("swing");
     if (found == figure.clip_count()) return Status::not_a_clip;
     const auto swing = figure.clip(found);

@@ -1,7 +1,8 @@
 // The library as the page calls it: WebAssembly without threads, exceptions or a file system.
 //
 // The page writes numbers into page_input() and calls a function, which answers with a count, a status or the
-// place of numbers in memory. Figures in the plane are bound in double, as the programs do; the mesh in float.
+// place of numbers in memory. Figures in the plane are bound in double, as the programs do; the mesh in
+// float.
 // Where a status is not 0, page_message() says what is wrong.
 
 #include <cageform/animate/compile.hpp>
@@ -187,14 +188,13 @@ extern "C" inline void page_progress(double) {}
 
 namespace {
 
-cageform::MakeCageOptions cage_options(std::size_t vertices) {
-    cageform::MakeCageOptions options;
-    options.vertices = vertices;
-    options.running.progress = [](double done) {
+cageform::Running with_progress() {
+    cageform::Running running;
+    running.progress = [](double done) {
         page_progress(done);
         return true; // the page stops the thread instead
     };
-    return options;
+    return running;
 }
 
 } // namespace
@@ -246,7 +246,8 @@ PAGE_EXPORT(page_weights) std::size_t page_weights(std::size_t type, std::size_t
     return output.size();
 }
 
-/// A cage for what is drawn. In: segments, each two ends and a radius. Out: loops, clearance, seconds, sizes of the
+/// A cage for what is drawn. In: segments, each two ends and a radius. Out: loops, clearance, seconds,
+/// sizes of the
 /// loops, vertices.
 PAGE_EXPORT(page_make_cage)
 int page_make_cage(std::size_t segments, std::size_t vertices) {
@@ -256,15 +257,15 @@ int page_make_cage(std::size_t segments, std::size_t vertices) {
         const auto ends = reader.points<2>(2);
         drawn.push_back({ends[0], ends[1], reader.number()});
     }
-    const auto made =
-        cageform::make_cage(std::span<const cageform::DrawnSegment<double>>(drawn), cage_options(vertices));
-    output = {double(made.cage.loops().size()), made.report.clearance, made.report.seconds};
-    for (const auto& loop : made.cage.loops()) output.push_back(double(loop.size()));
-    for (const auto& p : made.cage.vertices()) output.insert(output.end(), {p[0], p[1]});
-    return refuse(made.report.status);
+    const auto [cage, report] = cageform::make_cage(drawn, {.vertices = vertices}, with_progress());
+    output = {double(cage.loops().size()), report.clearance, report.seconds};
+    for (const auto& loop : cage.loops()) output.push_back(double(loop.size()));
+    for (const auto& p : cage.vertices()) output.insert(output.end(), {p[0], p[1]});
+    return refuse(report.status);
 }
 
-/// The cubic pieces of a track of Bézier keys. In: keys, each time, value, kind, in-handle, out-handle. Out: pieces, each
+/// The cubic pieces of a track of Bézier keys. In: keys, each time, value, kind, in-handle, out-handle.
+/// Out: pieces, each
 /// its begin and four coefficients. Answers how many there are; the largest error stands before them.
 PAGE_EXPORT(page_fit) int page_fit(std::size_t keys, double tolerance) {
     std::vector<cageform::Key> track(keys);
@@ -278,12 +279,12 @@ PAGE_EXPORT(page_fit) int page_fit(std::size_t keys, double tolerance) {
     }
     cageform::TrackOptions options;
     options.tolerance = tolerance;
-    const auto compiled = cageform::compile<double>(track, options);
-    if (refuse(compiled.status) != 0) return -1;
-    output = {compiled.sup_error};
-    for (const auto& piece : compiled.track.curve.pieces())
+    const auto [compiled, report] = cageform::compile<double>(track, options);
+    if (refuse(report.status) != 0) return -1;
+    output = {report.sup_error};
+    for (const auto& piece : compiled.curve.pieces())
         output.insert(output.end(), {piece.begin, piece.c0, piece.c1, piece.c2, piece.c3});
-    return int(compiled.track.curve.pieces().size());
+    return int(compiled.curve.pieces().size());
 }
 
 /// A cage for a mesh. In: points, faces. Out: vertices, faces, clearance; then them.
@@ -291,12 +292,12 @@ PAGE_EXPORT(page_make_shell)
 int page_make_shell(std::size_t points, std::size_t faces, std::size_t vertices) {
     Reader reader;
     const auto places = reader.points<3>(points);
-    const auto made = cageform::make_cage(places, read_faces(reader, faces), cage_options(vertices));
-    output = {double(made.cage.size()), double(made.cage.faces().size()), made.report.clearance};
-    for (const auto& p : made.cage.vertices()) output.insert(output.end(), {p[0], p[1], p[2]});
-    for (const auto& [a, b, c] : made.cage.faces())
-        output.insert(output.end(), {double(a), double(b), double(c)});
-    return refuse(made.report.status);
+    const auto [cage, report] =
+        cageform::make_cage(places, read_faces(reader, faces), {.vertices = vertices}, with_progress());
+    output = {double(cage.size()), double(cage.faces().size()), report.clearance};
+    for (const auto& p : cage.vertices()) output.insert(output.end(), {p[0], p[1], p[2]});
+    for (const auto& [a, b, c] : cage.faces()) output.insert(output.end(), {double(a), double(b), double(c)});
+    return refuse(report.status);
 }
 
 /// Binds a mesh. In: vertices and faces of the cage, points, faces of the mesh.
@@ -315,7 +316,8 @@ int page_mesh(std::size_t vertices, std::size_t cage_faces, std::size_t points, 
     return refuse(report.status);
 }
 
-/// Moves the mesh. In: a pose of the cage. Answers the place of the points, in float; page_mesh_normals() of normals.
+/// Moves the mesh. In: a pose of the cage. Answers the place of the points, in float; page_mesh_normals()
+/// of normals.
 PAGE_EXPORT(page_mesh_clone) const Point3* page_mesh_clone(std::size_t vertices) {
     Reader reader;
     space.pose.resize(vertices);
@@ -336,7 +338,8 @@ PAGE_EXPORT(page_mesh_field) std::size_t page_mesh_field(std::size_t vertex) {
     return output.size();
 }
 
-/// Makes a skin of the mesh for the graphics card. Answers 0, then joints and weights lie at page_mesh_joints() and
+/// Makes a skin of the mesh for the graphics card. Answers 0, then joints and weights lie at
+/// page_mesh_joints() and
 /// page_mesh_weights(), `influences` a point.
 PAGE_EXPORT(page_mesh_skin) int page_mesh_skin(std::size_t influences) {
     auto [skin, report] = cageform::skin_weights(space.binding, {.influences = influences});

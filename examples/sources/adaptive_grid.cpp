@@ -1,4 +1,5 @@
-// The cells of the adaptive grid that harmonic functions of a cage are solved on, coloured by their size: in the plane all
+// The cells of the adaptive grid that harmonic functions of a cage are solved on, coloured by their size:
+// in the plane all
 // of them, over the cage and a figure; in space those that a plane cuts.
 //
 //     adaptive_grid --cage cat_cage.svg --figure cat.svg --accuracy 0.001 -o grid.svg --png
@@ -97,7 +98,7 @@ std::vector<cageform::GridCell<double, D>> cells_of(const AnyCoordinates<double,
     report.cage = coordinates.cage_report;
     if (report.status != cageform::Status::ok) return cells;
     std::cout << cells.size() << " cells inside the cage or passed by it\n";
-    if (report.solver.finest_size > 0) std::cout << describe_grid(report.solver) << '\n';
+    if (report.solver.tree.finest_size > 0) std::cout << describe_grid(report.solver) << '\n';
     for (const auto& [size, count] : counts)
         std::cout << text_of("%12.4g", size) << " wide: " << count.all << ", passed " << count.cut << '\n';
     return cells;

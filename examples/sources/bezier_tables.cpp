@@ -406,15 +406,15 @@ std::string curve_name(std::size_t c) {
 /// The W12 error of a fit; ends the program where there is none.
 double error_at(const BezierCurve& curve, const std::vector<double>& parameters, const FitOptions& options) {
     const auto fit = fit_pieces(curve, parameters, options);
-    if (fit.status != Status::ok) throw std::runtime_error(cageform::to_string(fit.status));
-    return fit.w12_error();
+    if (!fit) throw std::runtime_error(cageform::to_string(fit.status()));
+    return fit.report.w12_error();
 }
 /// At the best knots among candidates.
 double searched_error(const BezierCurve& curve, const std::vector<double>& candidates, std::size_t pieces,
                       const FitOptions& options) {
     const auto search = search_knots(curve, candidates, pieces, {options});
-    if (search.status != Status::ok) throw std::runtime_error(cageform::to_string(search.status));
-    return error_at(curve, search.parameters, options);
+    if (!search) throw std::runtime_error(cageform::to_string(search.status()));
+    return error_at(curve, search.value.parameters, options);
 }
 
 double median(Row values) {
@@ -484,10 +484,11 @@ void captions_and_sup_errors() {
     for (std::size_t c = 0; c < 10; ++c) {
         for (std::size_t n = 1; n <= 8; ++n) {
             const auto curve = test_curve(c, 10);
-            const auto fit = fit_pieces(
-                curve, search_knots(curve, candidates, n, {configuration(2)}).parameters, configuration(2));
-            w12[c].push_back(fit.w12_error());
-            sup[c].push_back(fit.sup_error / 10);
+            const auto fit =
+                fit_pieces(curve, search_knots(curve, candidates, n, {configuration(2)}).value.parameters,
+                           configuration(2));
+            w12[c].push_back(fit.report.w12_error());
+            sup[c].push_back(fit.report.sup_error / 10);
         }
         errors.row(curve_name(c), Row(w12[c].begin(), w12[c].begin() + 6), captions[c]);
     }
@@ -556,9 +557,9 @@ void knots() {
     for (std::size_t c = 0; c < 10; ++c) {
         Row row;
         for (std::size_t n = 1; n <= 6; ++n)
-            row.push_back(error_at(test_curve(c),
-                                   cageform::optimal_knots(test_curve(c), n, {configuration(2)}).parameters,
-                                   configuration(2)));
+            row.push_back(error_at(
+                test_curve(c), cageform::optimal_knots(test_curve(c), n, {configuration(2)}).value.parameters,
+                configuration(2)));
         best.row(curve_name(c), row, optimum[c]);
     }
     summaries.push_back(best.summary());
@@ -601,8 +602,8 @@ void w12_against_sup() {
         const std::size_t pieces = 1 + random.below(6), which = random.below(4);
         const auto fit =
             fit_pieces(bezier(u1, y1, u2, y2), uniform_in_parameter(pieces), configuration(numbers[which]));
-        if (fit.status != Status::ok || fit.sup_error < 1e-12) continue; // a straight line
-        const double ratio = fit.w12_error() / fit.sup_error;
+        if (!fit || fit.report.sup_error < 1e-12) continue; // a straight line
+        const double ratio = fit.report.w12_error() / fit.report.sup_error;
         all.push_back(ratio);
         by_pieces[pieces - 1].push_back(ratio);
         by_conditions[which].push_back(ratio);
@@ -672,7 +673,7 @@ void inner_and_outer() {
         options.slope_weight = 0;
         const auto curve = bezier(a, 0, b, 1);
         const auto search = search_knots(curve, uniform_in_parameter(10), 3, {options});
-        row.push_back(fit_pieces(curve, search.parameters, options).l2_error);
+        row.push_back(fit_pieces(curve, search.value.parameters, options).report.l2_error);
     }
     corners.row("", row, Row{0.001463, 0.001463, 0.008739, 0});
     summaries.push_back(corners.summary());

@@ -1,4 +1,5 @@
-// What one harmonic function of a cage is on the boundary, edge by edge, as formulas: 1 at its vertex, linear along the
+// What one harmonic function of a cage is on the boundary, edge by edge, as formulas: 1 at its vertex,
+// linear along the
 // edges that meet there, 0 on all others. Inside it is the solution of Laplace's equation with these values.
 //
 //     boundary_formula --cage square.csv --vertex 0 --at 1,0

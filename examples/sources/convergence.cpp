@@ -1,6 +1,9 @@
-// How harmonic coordinates converge, drawn. Of cages in the plane: the error after each cycle of the multigrid, and the
-// error of the weights against the cells of the uniform grid, with corners treated and not, and by the papers' sweeps. Of
-// oracles, weights known to many digits: the error against unknowns and seconds, on the uniform grid and the adaptive one.
+// How harmonic coordinates converge, drawn. Of cages in the plane: the error after each cycle of the
+// multigrid, and the
+// error of the weights against the cells of the uniform grid, with corners treated and not, and by the
+// papers' sweeps. Of
+// oracles, weights known to many digits: the error against unknowns and seconds, on the uniform grid and
+// the adaptive one.
 //
 //     convergence --cage cat_cage.svg --cage biped_cage.svg -o convergence.svg --png
 //     convergence --oracle harmonic2d_cat.json --oracle harmonic3d_l_prism_triangulated.json -o errors.svg
@@ -111,7 +114,7 @@ Curve error_by_cells(const CageFile& cage, const cageform::HarmonicOptions& opti
     Curve curve;
     for (std::size_t resolution = 32; resolution <= finest; resolution *= 2) {
         const auto coarse = weights_of(cage, options, resolution);
-        if (coarse.report.status != cageform::Status::ok) continue; // too coarse for a part of the cage
+        if (!coarse) continue; // too coarse for a part of the cage
         double error = 1e-16;
         for (std::size_t i = 0; i < exact.point_count(); ++i) {
             for (std::size_t k = 0; k < exact.handle_count(); ++k)
@@ -383,8 +386,7 @@ std::string add_cage(const std::string& path, const char* colour, std::size_t re
     ways[2].options.solver = cageform::HarmonicSolver::averaging_pyramid;
     // A grid four times as fine as the finest shown.
     const auto exact = weights_of(*file, {}, 4 * finest);
-    if (exact.report.status != cageform::Status::ok)
-        return path + ": " + cageform::to_string(exact.report.status);
+    if (!exact) return path + ": " + cageform::to_string(exact.status());
     for (const Way& way : ways) {
         auto curve = error_by_cells(*file, way.options, exact.value);
         curve.name = name + way.name;

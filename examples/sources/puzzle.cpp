@@ -2,8 +2,10 @@
 //
 //     puzzle grid.csv --exact -o solved.svg
 //
-// The answer exists and is the only one if every unknown cell is joined to a given one. With --exact it is found in
-// fractions (by GMP), by elimination that never meets a zero: that is the proof for the table at hand. Random walks
+// The answer exists and is the only one if every unknown cell is joined to a given one. With --exact it is
+// found in
+// fractions (by GMP), by elimination that never meets a zero: that is the proof for the table at hand.
+// Random walks
 // from a cell, which end at the first given one, have its value as the mean of what they find.
 
 #include "cli/command_line.hpp"
@@ -70,7 +72,8 @@ std::array<double, 2> walk(const Puzzle& puzzle, std::size_t from, std::size_t c
     return {mean, std::sqrt(std::max(0.0, squares / double(count) - mean * mean) / double(count))};
 }
 
-/// A table whose rim is given so that all within are whole numbers: a + bx + cy + dxy + e (x² − y²), which both kinds of
+/// A table whose rim is given so that all within are whole numbers: a + bx + cy + dxy + e (x² − y²), which
+/// both kinds of
 /// neighbours reproduce.
 Puzzle make_puzzle(std::size_t rows, std::size_t columns, std::uint64_t seed) {
     std::mt19937_64 random(seed);

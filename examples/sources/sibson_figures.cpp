@@ -2,12 +2,15 @@
 //
 //     sibson_figures FOLDER
 //
-// sibson_cells.svg   how a point takes its cell from those of its neighbours, and what inner Bézier points do: figure 1
-//                    of Moccozet and Magnenat-Thalmann, Dirichlet free-form deformations (Computer Animation '97)
+// sibson_cells.svg   how a point takes its cell from those of its neighbours, and what inner Bézier points
+// do: figure 1
+//                    of Moccozet and Magnenat-Thalmann, Dirichlet free-form deformations (Computer
+//                    Animation '97)
 // sibson_types.png   one control point's influence, and a pose of it: degree 1, degree 3, harmonic in a cage
 // sibson_legs.png    what distance alone knows: a point on one leg moves the other
 //
-// Prints how far unit displacements are amplified by each rule of gradients, and the error of a wave that is followed.
+// Prints how far unit displacements are amplified by each rule of gradients, and the error of a wave that
+// is followed.
 
 #include "cli/command_line.hpp"
 #include "cli/guard.hpp"
@@ -213,7 +216,8 @@ private:
         dot_of_p(p_);
         panels_.end();
     }
-    /// The Bézier simplex of degree 2 over the neighbours: corners, and b_ij half-way between two of them, which has the
+    /// The Bézier simplex of degree 2 over the neighbours: corners, and b_ij half-way between two of them,
+    /// which has the
     /// weight 2 u_i u_j.
     void simplex(const std::string& caption, bool corners_moved) {
         panels_.begin(caption);
@@ -353,7 +357,7 @@ void draw_type(Tiles& tiles, std::size_t column, const Coordinates& coordinates,
     const auto on_pixels = bind_inside(coordinates, Tiles::pixels());
     std::vector<double> values;
     for (std::size_t i = 0; i < on_pixels.inside.size(); ++i)
-        values.push_back(on_pixels.inside[i] ? on_pixels.value.weight(i, handle) : std::nan(""));
+        values.push_back(on_pixels.inside[i] ? on_pixels.binding.weight(i, handle) : std::nan(""));
     tiles.map(column, 0, values);
 
     std::vector<Vec2> pose(coordinates.handles().begin(), coordinates.handles().end());
@@ -361,7 +365,7 @@ void draw_type(Tiles& tiles, std::size_t column, const Coordinates& coordinates,
     for (const auto& line : lattice_lines(20)) {
         const auto bound = bind_inside(coordinates, line);
         std::vector<Vec2> moved(line.size());
-        if (clone(bound.value, pose, moved) != cageform::Status::ok) throw std::runtime_error("clone");
+        if (clone(bound.binding, pose, moved) != cageform::Status::ok) throw std::runtime_error("clone");
         for (std::size_t k = 1; k < line.size(); ++k) {
             if (bound.inside[k - 1] && bound.inside[k])
                 tiles.line(column, 1, moved[k - 1], moved[k], 1.2, {0.25f, 0.35f, 0.5f});
@@ -418,7 +422,7 @@ Picture draw_legs() {
     const auto on_pixels = bind_inside(sibson, Tiles::pixels());
     std::vector<double> values;
     for (std::size_t i = 0; i < inside.size(); ++i)
-        values.push_back(inside[i] && on_pixels.inside[i] ? on_pixels.value.weight(i, 5) : std::nan(""));
+        values.push_back(inside[i] && on_pixels.inside[i] ? on_pixels.binding.weight(i, 5) : std::nan(""));
     tiles.map(0, 0, values);
     auto pose = outline;
     pose[5] = pose[5] + Vec2{-0.05, 0.3};
@@ -426,7 +430,7 @@ Picture draw_legs() {
         const auto in_legs = bind_inside(harmonic, line).inside;
         const auto bound = bind_inside(sibson, line);
         std::vector<Vec2> moved(line.size());
-        if (clone(bound.value, pose, moved) != cageform::Status::ok) throw std::runtime_error("clone");
+        if (clone(bound.binding, pose, moved) != cageform::Status::ok) throw std::runtime_error("clone");
         for (std::size_t k = 1; k < line.size(); ++k) {
             if (in_legs[k - 1] && in_legs[k])
                 tiles.line(0, 1, moved[k - 1], moved[k], 1.2, {0.25f, 0.35f, 0.5f});
@@ -482,7 +486,8 @@ Sites<3> finger() {
     return sites;
 }
 
-/// A line of the table: Σ|w|, its mean and worst, the least weight, and the error of a wave that the sites follow.
+/// A line of the table: Σ|w|, its mean and worst, the least weight, and the error of a wave that the sites
+/// follow.
 template <std::size_t D>
 void print_rules(const char* name, const Sites<D>& sites) {
     const auto wave = [](const cageform::Vec<double, D>& p) {

@@ -4,7 +4,8 @@
 //     animate_svg cat.svg --cage auto --turn 6-9:-20@v5,10 -o wag.svg
 //
 // The figure is bound once. Every frame samples the clip and clones; what is written plays in a browser.
-// A frame is what deform_svg draws of its pose, in the same pieces in every frame, as SVG asks. --help tells what a
+// A frame is what deform_svg draws of its pose, in the same pieces in every frame, as SVG asks. --help
+// tells what a
 // clip file holds.
 
 #include "cli/auto_cage.hpp"
@@ -122,7 +123,8 @@ SvgResult<Plan> plan_of(const Settings& settings, const ClipFile& file, const Vi
     return Plan{std::size_t(frames), passed};
 }
 
-/// The cage's vertices in all frames. A late layer has a player of its own, so that every player goes forth a frame at
+/// The cage's vertices in all frames. A late layer has a player of its own, so that every player goes forth
+/// a frame at
 /// a time.
 std::vector<std::vector<Point2>> poses_of(const cageform::CageClip<double, 2>& clip, const ClipFile& file,
                                           std::size_t frames, std::size_t vertices) {

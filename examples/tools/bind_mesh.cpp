@@ -1,11 +1,14 @@
-// Binds an OBJ figure to a cage, a closed mesh around it, and packs what a game needs of it into one file: points and
+// Binds an OBJ figure to a cage, a closed mesh around it, and packs what a game needs of it into one file:
+// points and
 // normals, triangles, and a motion of the cage (cageform/binding/figure.hpp, support/files/figure_parts.hpp).
 //
 //     bind_mesh character.obj --cage character_cage.obj --clip character_clip.csv --max-distance 0.001
 //               -o character.figure
 //
-// --max-distance takes as few bytes as keep every vertex of every pose of the motion that near to where all weights put
-// it, as a share of the figure's size. Without a motion it holds for all poses that bend by up to a tenth of the cage;
+// --max-distance takes as few bytes as keep every vertex of every pose of the motion that near to where all
+// weights put
+// it, as a share of the figure's size. Without a motion it holds for all poses that bend by up to a tenth
+// of the cage;
 // not with Green coordinates, whose faces turn with no bound, so that they need a motion.
 //
 // The engine's client (engine/ogre_client.cpp) maps that file and plays it.
@@ -22,6 +25,8 @@
 #include "files/clip_file.hpp"
 #include "files/csv.hpp"
 #include "files/figure_parts.hpp"
+
+#include <cageform/binding/pack.hpp>
 
 #include <iomanip>
 #include <iostream>
@@ -109,7 +114,8 @@ std::string describe_loss(const ObjFile& figure, const cageform::PackReport& rep
     return text;
 }
 
-/// The poses of all handles, one after the other, from those of the cage's vertices. Warns of faces without area.
+/// The poses of all handles, one after the other, from those of the cage's vertices. Warns of faces without
+/// area.
 SvgResult<std::vector<double>> poses_of_handles(const cageform::Binding<float, 3>& binding,
                                                 const PoseClip& clip, const SampledPoses& poses) {
     std::vector<double> numbers;
@@ -129,8 +135,8 @@ SvgResult<std::vector<double>> poses_of_handles(const cageform::Binding<float, 3
 }
 
 /// Binds, packs and writes. `labels` are of the cage's vertices, or none.
-int cageform::bind(const Arguments& given, const ObjFile& figure, const ObjFile& cage,
-                   const std::vector<std::string>& labels) {
+int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& cage,
+                const std::vector<std::string>& labels) {
     if (const auto why = fault_of_outputs({given.out})) return fail(*why);
     const auto coordinates = make_coordinates<float>(given.choice, cage);
     warn_of_closed_gaps(cage.name, coordinates->cage_report);
@@ -156,7 +162,7 @@ int cageform::bind(const Arguments& given, const ObjFile& figure, const ObjFile&
         bound = coordinates->bind({figure.vertices, normals}, bind_options, {.progress = bar.callback()});
     }
     const cageform::BindReport& of_points = bound.report.points;
-    if (bound.report.status != Status::ok) {
+    if (!bound) {
         const bool fault_of_points = of_points.status != Status::ok;
         return fail(describe_mesh_faults(cage.name, fault_of_points ? of_points : bound.report.vectors));
     }
@@ -171,14 +177,14 @@ int cageform::bind(const Arguments& given, const ObjFile& figure, const ObjFile&
     }
     if (!labels.empty()) {
         auto of_handles = labels; // faces have none
-        of_handles.resize(bound.figure.points.handle_count());
-        const Status status = bound.figure.set_labels(of_handles);
+        of_handles.resize(bound.value.points.handle_count());
+        const Status status = bound.value.set_labels(of_handles);
         if (status != Status::ok) return fail(given.labels + ": " + cageform::to_string(status));
     }
     cageform::FigurePackOptions options;
     options.weights.format = given.format;
     options.weights.largest = given.largest;
-    const auto posed = poses_of_handles(bound.figure.points, motion, poses);
+    const auto posed = poses_of_handles(bound.value.points, motion, poses);
     if (!posed) return fail(to_string(posed.error()));
     options.weights.poses = *posed;
     const double size = cageform::bounds_of(std::span<const Point3>(figure.vertices)).diagonal();
@@ -190,7 +196,7 @@ int cageform::bind(const Arguments& given, const ObjFile& figure, const ObjFile&
     cageform::Result<cageform::PackedFigure<float, 3>, cageform::FigurePackReport> made;
     {
         ProgressBar bar("packing");
-        made = cageform::pack(bound.figure, options, {.progress = bar.callback()});
+        made = cageform::pack(bound.value, options, {.progress = bar.callback()});
     }
     const auto& [packed, report] = made;
     const std::pair<const char*, const cageform::PackReport&> reports[] = {
@@ -284,7 +290,7 @@ int run_program(int argc, char** argv) {
         if (!read) return fail(to_string(read.error()));
         labels = std::move(*read);
     }
-    return cageform::bind(given, *figure, *cage, labels);
+    return bind_figure(given, *figure, *cage, labels);
 }
 
 } // namespace

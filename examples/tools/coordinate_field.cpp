@@ -1,9 +1,12 @@
-// Heat map of one coordinate over its cage: values inside with level lines, boundary values on the cage. Or of the field
-// that has given values at the cage's vertices, linear between them: by harmonic coordinates, the solution of Laplace's
+// Heat map of one coordinate over its cage: values inside with level lines, boundary values on the cage. Or
+// of the field
+// that has given values at the cage's vertices, linear between them: by harmonic coordinates, the solution
+// of Laplace's
 // equation.
 //
 //     coordinate_field --cage CAGE.svg --vertex 8 --coordinates harmonic -o field.png
-//     coordinate_field --cage RECTANGLE.csv --values 1,2,3,2 --coordinates harmonic -o field.png --surface surface.png
+//     coordinate_field --cage RECTANGLE.csv --values 1,2,3,2 --coordinates harmonic -o field.png --surface
+//     surface.png
 
 #include "cli/auto_cage.hpp"
 #include "cli/bind_report.hpp"
@@ -83,7 +86,8 @@ public:
         return evaluation.status == cageform::Status::ok ? "" : cageform::to_string(evaluation.status);
     }
 
-    /// The values at points, not a number outside. Of the weights only one column is kept, so points are bound in parts.
+    /// The values at points, not a number outside. Of the weights only one column is kept, so points are
+    /// bound in parts.
     SvgResult<std::vector<double>>
     at(std::span<const Point2> points, const std::string& cage_path,
        cageform::OutsidePoints outside = cageform::OutsidePoints::keep_in_place) const {
@@ -112,7 +116,8 @@ private:
     std::unique_ptr<AnyCoordinates<double, 2>> coordinates_;
 };
 
-/// The boundary's edges within a box, with the values on them: linear, or of coordinates that do not interpolate
+/// The boundary's edges within a box, with the values on them: linear, or of coordinates that do not
+/// interpolate
 /// piece by piece their limits from inside.
 SvgResult<std::vector<PlaneLine>> boundary_of(const Arguments& given, const CageFile& cage,
                                               const CoordinateField& field, const PlaneBox& box) {

@@ -84,7 +84,8 @@ SvgResult<Control> read_sites(const Arguments& given, const ObjFile& figure) {
     return control;
 }
 
-/// The pose by a file, or by operations; of a cage that is made, where neither is given, one for a first look.
+/// The pose by a file, or by operations; of a cage that is made, where neither is given, one for a first
+/// look.
 SvgResult<ObjFile> read_pose(const Arguments& given, const ObjFile& cage) {
     const bool operated = !given.operations.operations.empty();
     if (!given.pose.empty() && operated)
@@ -132,7 +133,8 @@ struct Deformed {
     std::string fault, warning;
 };
 
-/// Binds the figure and moves it; where the weights of all vertices would take more than 256 MB, a batch of them after
+/// Binds the figure and moves it; where the weights of all vertices would take more than 256 MB, a batch of
+/// them after
 /// the other. Until `fault` is not empty, or the report's status not ok.
 Deformed deformed(const Arguments& given, const ObjFile& figure, const Control& control) {
     constexpr std::size_t most_bytes = std::size_t{256} << 20;

@@ -1,7 +1,8 @@
 // Deforms any SVG figure by a cage and a pose of it.
 //
 //     deform_svg cat.svg --cage auto -o first_look.svg --png
-//     deform_svg cat.svg --cage cat_cage.svg --pose cat_pose_step.svg --coordinates harmonic -o step.svg --png
+//     deform_svg cat.svg --cage cat_cage.svg --pose cat_pose_step.svg --coordinates harmonic -o step.svg
+//     --png
 //     deform_svg cat.svg --cage auto:24 --turn 5-10:-30 -o tail.svg
 //
 // Curves and long lines are refined until they follow the deformed shape, since straight lines and control
@@ -9,7 +10,8 @@
 //
 // Cages of CSV files may have chains and points inside (see cage_weights.cpp), which harmonic coordinates
 // honour. The pose then has the same blocks; a vertex that several blocks share has to be at one place.
-// Coordinates of points without a cage, sibson and sibson-c1, take the circles of an SVG or the lines of a CSV.
+// Coordinates of points without a cage, sibson and sibson-c1, take the circles of an SVG or the lines of a
+// CSV.
 
 #include "cli/auto_cage.hpp"
 #include "cli/bind_report.hpp"
@@ -100,7 +102,8 @@ SvgResult<Control> read_control(const CoordinatesChoice& choice, const CagePaths
     return result;
 }
 
-/// Puts a figure under all else, white with a rim: as a picture of its own, so that nothing in it meets the document.
+/// Puts a figure under all else, white with a rim: as a picture of its own, so that nothing in it meets the
+/// document.
 void draw_rest(SvgDocument& document, const std::string& rest, const ViewBox& view) {
     auto root = document.xml.document_element();
     auto filter = root.prepend_child("filter");

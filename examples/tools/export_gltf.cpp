@@ -3,18 +3,25 @@
 //     export_gltf character.obj --cage character_cage.obj --clip character_clip.csv --skin 8 -o character.glb
 //     export_gltf character.obj --cage character_cage.obj --clip character_clip.csv --morph -o character.gltf
 //
-// --skin K: every vertex of the cage is a joint that is only moved, every vertex of the figure follows K of them at most,
-// chosen so that neighbours lose alike and the surface stays smooth. Affine poses stay exact, bends lose what the left out
-// weights did; the file's normals do not turn, as no joint does. The loss of places, edges and normals of the surface
-// is measured over the motion; --max-distance 0.001 takes as many joints as keep every vertex that near, as a share of
+// --skin K: every vertex of the cage is a joint that is only moved, every vertex of the figure follows K of
+// them at most,
+// chosen so that neighbours lose alike and the surface stays smooth. Affine poses stay exact, bends lose
+// what the left out
+// weights did; the file's normals do not turn, as no joint does. The loss of places, edges and normals of
+// the surface
+// is measured over the motion; --max-distance 0.001 takes as many joints as keep every vertex that near, as
+// a share of
 // the figure's size.
 //
-// --morph: every pose of the motion is a morph target, made by the real clone, normals included. Clones depend linearly on
+// --morph: every pose of the motion is a morph target, made by the real clone, normals included. Clones
+// depend linearly on
 // the pose, and so do the curves between poses, so positions are those of the clone at all times.
 //
-// The motion is a clip (support/files/clip_file.hpp), or goes from the rest pose through those given, as files or by operations
+// The motion is a clip (support/files/clip_file.hpp), or goes from the rest pose through those given, as
+// files or by operations
 // such as --twist, and back. Either way it is
-// written with CUBICSPLINE interpolation, without loss. Every object of the OBJ file is a node, every material of it a
+// written with CUBICSPLINE interpolation, without loss. Every object of the OBJ file is a node, every
+// material of it a
 // primitive with the colours and the texture that its MTL file gives.
 
 #include "cli/auto_cage.hpp"
@@ -178,7 +185,8 @@ void add_surface(const ObjFile& figure, std::span<const Point3> right, std::span
     }
 }
 
-/// The differences between the figure as bound and as it is played from a skin, over the motion. Without a motion, over
+/// The differences between the figure as bound and as it is played from a skin, over the motion. Without a
+/// motion, over
 /// all poses that bend by no more than a tenth of the cage: then by the changes of weights alone.
 SkinLoss loss_of(const Scene& scene, const Binding<double, 3>& bound, const Binding<double, 3>& played) {
     LossMeter meter(scene.figure);
@@ -241,8 +249,8 @@ std::string add_animation(GltfDocument& document, const PoseClip& clip, std::spa
     GltfJson animation = {{"name", stem(clip.name)}};
     std::size_t input = 0;
     for (const Channel& channel : channels) {
-        const auto track = gltf_track(clip, channel.values, channel.components);
-        if (track.status != Status::ok) return clip.name + ": " + cageform::to_string(track.status);
+        const auto [track, made] = gltf_track(clip, channel.values, channel.components);
+        if (made.status != Status::ok) return clip.name + ": " + cageform::to_string(made.status);
         if (&channel == channels.data()) {
             std::vector<std::array<float, 1>> times;
             for (const float time : track.times) times.push_back({time});
@@ -341,7 +349,8 @@ std::string add_skin(GltfDocument& document, const Scene& scene, const Arguments
     return add_animation(document, scene.clip, channels);
 }
 
-/// The motion of all handles, whose values between the keys go the way of the vertices' own. Warns of how far that is
+/// The motion of all handles, whose values between the keys go the way of the vertices' own. Warns of how
+/// far that is
 /// from the vectors of a moving face.
 SvgResult<PoseClip> clip_of_handles(const Scene& scene, const Binding<double, 3>& binding) {
     PoseClip motion = scene.clip;
@@ -439,22 +448,24 @@ make_skin(const Arguments& given, const Scene& scene, const Binding<double, 3>& 
     auto made = cageform::smooth_skin_weights(bound, scene.figure.triangles,
                                               {.influences = influences, .threshold = given.threshold},
                                               {.progress = bar.callback()});
-    Binding<double, 3> played;
-    if (made.report.status == Status::ok)
-        made.report.status = skin_to_binding(bound, stored(made.skin, given.weights), played);
-    if (made.report.status == Status::ok) loss = loss_of(scene, bound, played);
+    cageform::Result<Binding<double, 3>> played;
+    if (made) {
+        played = skin_to_binding(bound, stored(made.value, given.weights));
+        made.report.status = played.status();
+    }
+    if (made) loss = loss_of(scene, bound, played.value);
     return made;
 }
 
-/// As make_skin(), of the fewest sets of four joints from `influences` on that keep the distance; where none does, of the
+/// As make_skin(), of the fewest sets of four joints from `influences` on that keep the distance; where
+/// none does, of the
 /// most.
 cageform::Result<cageform::SkinWeights, cageform::SkinWeightsReport>
 make_near_skin(const Arguments& given, const Scene& scene, const Binding<double, 3>& bound,
                std::size_t influences, SkinLoss& loss) {
     for (;; influences += joint_set) {
         auto made = make_skin(given, scene, bound, influences, loss);
-        if (made.report.status != Status::ok || influences + joint_set > most_joints ||
-            loss.places.share() <= given.distance)
+        if (!made || influences + joint_set > most_joints || loss.places.share() <= given.distance)
             return made;
     }
 }
@@ -466,8 +477,8 @@ std::string what_would_do(const Arguments& given, const Scene& scene, const Bind
     SkinLoss loss;
     const std::size_t next = influences / joint_set * joint_set + joint_set;
     const auto made = make_near_skin(given, scene, bound, next, loss);
-    if (made.report.status == Status::ok && loss.places.share() <= given.distance)
-        return "--skin " + std::to_string(made.skin.influences) + " would do";
+    if (made && loss.places.share() <= given.distance)
+        return "--skin " + std::to_string(made.value.influences) + " would do";
     return "not even --skin " + std::to_string(most_joints) + " keeps it; a larger --max-distance or --morph";
 }
 
@@ -503,40 +514,38 @@ int export_figure(const Arguments& given, const Scene& scene) {
     } else {
         SkinLoss loss;
         const bool searches = given.influences == 0;
-        const cageform::Result<cageform::SkinWeights, cageform::SkinWeightsReport> made =
-            searches ? make_near_skin(given, scene, bound.value, joint_set, loss)
-                     : make_skin(given, scene, bound.value, given.influences, loss);
-        const auto& skin = made.report;
-        if (skin.status != Status::ok) return fail(cage.name + ": " + cageform::to_string(skin.status));
-        const std::string is_off = "a skin of " + std::to_string(made.skin.influences) +
+        const auto [skin, made] = searches ? make_near_skin(given, scene, bound.value, joint_set, loss)
+                                           : make_skin(given, scene, bound.value, given.influences, loss);
+        if (made.status != Status::ok) return fail(cage.name + ": " + cageform::to_string(made.status));
+        const std::string is_off = "a skin of " + std::to_string(skin.influences) +
                                    " joints a vertex is off by " + describe(loss.places);
         if (given.distance > 0 && loss.places.share() > given.distance) {
             return fail(figure.name + ": " + is_off + ": " +
-                        what_would_do(given, scene, bound.value, made.skin.influences));
+                        what_would_do(given, scene, bound.value, skin.influences));
         }
         if (loss.places.share() > StoredLoss::worth_a_warning || loss.turn > worth_a_warning_of_turns) {
             warn(figure.name + ": " + is_off + "; " + describe_surface(loss) +
-                 (made.skin.influences < most_joints ? "; more joints lose less, and --max-distance bounds it"
-                                                     : "; --morph loses nothing"));
+                 (skin.influences < most_joints ? "; more joints lose less, and --max-distance bounds it"
+                                                : "; --morph loses nothing"));
         }
-        if (!skin.not_reproduced.empty()) {
-            warn(std::to_string(made.skin.influences) + " weights are too few for " +
-                 std::to_string(skin.not_reproduced.size()) + " vertices of " + figure.name +
+        if (!made.not_reproduced.empty()) {
+            warn(std::to_string(skin.influences) + " weights are too few for " +
+                 std::to_string(made.not_reproduced.size()) + " vertices of " + figure.name +
                  ", which affine poses will move otherwise, by up to " +
-                 detail::short_number(skin.reproduction_error.value) + ", first " +
-                 name_points(figure.vertices, skin.not_reproduced));
+                 detail::short_number(made.reproduction_error.value) + ", first " +
+                 name_points(figure.vertices, made.not_reproduced));
         }
         if (given.report) {
-            std::cout << "skin: " << made.skin.influences << " weights at most, " << skin.mean_influences
+            std::cout << "skin: " << skin.influences << " weights at most, " << made.mean_influences
                       << " in the mean\n"
-                      << "largest sum |w - w0|: " << skin.weight_error.value << " at point "
-                      << skin.weight_error.point << ", mean " << skin.mean_weight_error << '\n'
-                      << "not reproduced: " << skin.not_reproduced.size()
-                      << "; largest |sum w c - p|: " << skin.reproduction_error.value << "\noff by "
+                      << "largest sum |w - w0|: " << made.weight_error.value << " at point "
+                      << made.weight_error.point << ", mean " << made.mean_weight_error << '\n'
+                      << "not reproduced: " << made.not_reproduced.size()
+                      << "; largest |sum w c - p|: " << made.reproduction_error.value << "\noff by "
                       << describe(loss.places) << '\n'
-                      << describe_surface(loss) << "\ntime: " << skin.seconds << " s\n";
+                      << describe_surface(loss) << "\ntime: " << made.seconds << " s\n";
         }
-        why = add_skin(document, scene, given, made.skin, !skin.without_weights.empty());
+        why = add_skin(document, scene, given, skin, !made.without_weights.empty());
     }
     if (!why.empty()) return fail(why);
 

@@ -101,7 +101,7 @@ struct Case {
     BezierCurve curve;
     FitOptions options;
     Json knots; ///< as in the file
-    BezierFit fit;
+    cageform::Result<BezierFit, cageform::FitReport> fitted;
     std::vector<std::size_t> search_index;
 };
 
@@ -197,14 +197,14 @@ void solve_case(Case& one) {
         const auto search = cageform::search_knots(
             one.curve, cageform::uniform_in_parameter(count_of(one.knots, "K", most_candidates)), pieces,
             {one.options}, {.progress = bar.callback()});
-        require(search.status, "knots");
-        parameters = search.parameters;
-        one.search_index = search.indices;
+        require(search.status(), "knots");
+        parameters = search.value.parameters;
+        one.search_index = search.value.indices;
     } else {
         throw Refused("unknown mode of knots \"" + mode + "\"");
     }
-    one.fit = cageform::fit_pieces(one.curve, parameters, one.options);
-    require(one.fit.status, "no fit");
+    one.fitted = cageform::fit_pieces(one.curve, parameters, one.options);
+    require(one.fitted.status(), "no fit");
 }
 
 /// The coefficients of x^d, …, 1 of a piece, by expanding powers of x − begin in long double.
@@ -241,23 +241,24 @@ Json to_json(const Case& one) {
     if (!one.note.empty()) json["note"] = one.note;
     json["knots"] = one.knots;
     Json result;
-    result["knots_x"] = one.fit.knots;
-    result["knots_t"] = one.fit.parameters;
+    const auto& [fit, report] = one.fitted;
+    result["knots_x"] = fit.knots;
+    result["knots_t"] = fit.parameters;
     if (!one.search_index.empty()) result["search_index"] = one.search_index;
     double largest = 0;
-    for (const double b : one.fit.bernstein) largest = std::max(largest, std::fabs(b));
-    for (std::size_t i = 0; i < one.fit.pieces(); ++i) {
-        const auto b = one.fit.coefficients(i);
+    for (const double b : fit.bernstein) largest = std::max(largest, std::fabs(b));
+    for (std::size_t i = 0; i < fit.pieces(); ++i) {
+        const auto b = fit.coefficients(i);
         result["bernstein"].push_back(std::vector<double>(b.begin(), b.end()));
-        result["power_x"].push_back(power_of_time(one.fit, i));
+        result["power_x"].push_back(power_of_time(fit, i));
     }
-    result["l2_error"] = one.fit.l2_error;
-    result["h1_semi_error"] = one.fit.slope_error; // an infinite number is written as null
-    result["w12_error"] = one.fit.w12_error();
-    result["sup_error"] = one.fit.sup_error;
-    const bool exact = one.fit.sup_error <= 8 * cageform::epsilon<double> * largest;
-    result["sup_at_x"] = exact ? Json(nullptr) : Json(one.fit.sup_at);
-    result["free_coefficients"] = one.fit.free_coefficients;
+    result["l2_error"] = report.l2_error;
+    result["h1_semi_error"] = report.slope_error; // an infinite number is written as null
+    result["w12_error"] = report.w12_error();
+    result["sup_error"] = report.sup_error;
+    const bool exact = report.sup_error <= 8 * cageform::epsilon<double> * largest;
+    result["sup_at_x"] = exact ? Json(nullptr) : Json(report.sup_at);
+    result["free_coefficients"] = fit.free_coefficients;
     json["result"] = result;
     return json;
 }
@@ -348,7 +349,7 @@ private:
 
 std::string plot(const Case& one) {
     const cageform::BezierFunction function(one.curve);
-    const BezierFit& fit = one.fit;
+    const auto& [fit, report] = one.fitted;
     constexpr std::size_t samples = 240; // a piece
     constexpr std::array<const char*, 2> colours{"#c8553d", "#1b6ca8"};
     std::vector<std::vector<std::array<double, 2>>> pieces(fit.pieces()), errors(fit.pieces());
@@ -375,7 +376,7 @@ std::string plot(const Case& one) {
     if (y_range[0] == y_range[1]) y_range = {y_range[0] - 1, y_range[1] + 1};
     const double margin = 0.06 * (y_range[1] - y_range[0]);
     const std::array<double, 2> x_range{one.curve.begin(), one.curve.end()};
-    const double reach = fit.sup_error > 0 ? 1.25 * fit.sup_error : 1e-16;
+    const double reach = report.sup_error > 0 ? 1.25 * report.sup_error : 1e-16;
     const Panel above(90, 70, 780, 400, x_range, {y_range[0] - margin, y_range[1] + margin});
     const Panel below(90, 560, 780, 220, x_range, {-reach, reach});
 
@@ -403,12 +404,12 @@ std::string plot(const Case& one) {
         svg += Panel::line(below.at_x(fit.knots[i]), below.at_y(-reach), below.at_x(fit.knots[i]),
                            below.at_y(reach), "stroke=\"#8a8a8a\" stroke-dasharray=\"1 3\"");
     for (const double sign : {1.0, -1.0}) {
-        const double y = below.at_y(sign * fit.sup_error);
+        const double y = below.at_y(sign * report.sup_error);
         svg += Panel::line(below.at_x(x_range[0]), y, below.at_x(x_range[1]), y,
                            "stroke=\"#7a4a9a\" stroke-width=\"1.4\" stroke-dasharray=\"7 4\"");
     }
     svg += Panel::text(below.at_x(x_range[1]), below.at_y(reach) - 10, "end",
-                       "± largest error " + text_of("%.4g", fit.sup_error), 13, "fill=\"#7a4a9a\"");
+                       "± largest error " + text_of("%.4g", report.sup_error), 13, "fill=\"#7a4a9a\"");
     for (std::size_t i = 0; i < fit.pieces(); ++i)
         svg +=
             below.polyline(errors[i], std::string("stroke=\"") + colours[i % 2] + "\" stroke-width=\"1.8\"");
@@ -426,25 +427,27 @@ std::string plot(const Case& one) {
               "\"/><path d=\"M17,0 h17\" stroke-width=\"2.2\" stroke=\"" + colours[1] + "\"/>");
     entry(106, "curve",
           "<path d=\"M3,0 h28\" stroke=\"#c9c9c9\" stroke-width=\"9\" stroke-linecap=\"round\"/>");
-    svg += Panel::text(90, 838, "start",
-                       "W12 error " + text_of("%.6g", fit.w12_error()) + ", L2 " +
-                           text_of("%.6g", fit.l2_error) + ", slope " + text_of("%.6g", fit.slope_error),
-                       13);
+    svg +=
+        Panel::text(90, 838, "start",
+                    "W12 error " + text_of("%.6g", report.w12_error()) + ", L2 " +
+                        text_of("%.6g", report.l2_error) + ", slope " + text_of("%.6g", report.slope_error),
+                    13);
     return svg + "</svg>\n";
 }
 
 void print_table(const Case& one) {
+    const auto& [fit, report] = one.fitted;
     std::printf("%-6s %16s %10s   coefficients (Bernstein)\n", "piece", "from time", "parameter");
-    for (std::size_t i = 0; i < one.fit.pieces(); ++i) {
-        std::printf("%-6zu %16.9g %10.6f  ", i, one.fit.knots[i], one.fit.parameters[i]);
-        for (const double b : one.fit.coefficients(i)) std::printf(" %13.9g", b);
+    for (std::size_t i = 0; i < fit.pieces(); ++i) {
+        std::printf("%-6zu %16.9g %10.6f  ", i, fit.knots[i], fit.parameters[i]);
+        for (const double b : fit.coefficients(i)) std::printf(" %13.9g", b);
         std::printf("\n");
     }
-    std::printf("%-6s %16.9g %10.6f\n", "end", one.fit.knots.back(), 1.0);
+    std::printf("%-6s %16.9g %10.6f\n", "end", fit.knots.back(), 1.0);
     std::printf(
         "largest error %.6g at time %.6g; W12 error %.6g (L2 %.6g, slope %.6g); free coefficients %zu\n",
-        one.fit.sup_error, one.fit.sup_at, one.fit.w12_error(), one.fit.l2_error, one.fit.slope_error,
-        one.fit.free_coefficients);
+        report.sup_error, report.sup_at, report.w12_error(), report.l2_error, report.slope_error,
+        fit.free_coefficients);
 }
 
 // ---- the command line ----------------------------------------------------------------------------
@@ -464,22 +467,22 @@ BezierCurve css_curve(const std::string& text) {
         return {{{{0, 0}, {n[0], n[1]}, {n[2], n[3]}, {1, 1}}}};
     }
     const auto easing = cageform::parse_css_easing(words);
-    if (easing.status == Status::ok) return easing.curve;
+    if (easing) return easing.value;
     for (const std::string_view other : {"steps(", "step-start", "step-end", "linear("}) {
         if (words.starts_with(other))
             throw Refused(
                 "--css: " + std::string(words) +
                 ": holds and straight lines are no curve to fit; keys of kind hold and linear say them");
     }
-    if (easing.status != Status::input_malformed)
+    if (easing.status() != Status::input_malformed)
         throw Refused("--css: " + std::string(words) + ": " +
-                      (easing.status == Status::handle_not_allowed ? "x1 and x2 lie between 0 and 1"
-                                                                   : cageform::to_string(easing.status)));
+                      (easing.status() == Status::handle_not_allowed ? "x1 and x2 lie between 0 and 1"
+                                                                     : cageform::to_string(easing.status())));
     throw Refused("--css: \"" + std::string(words) +
                   "\" is no easing: linear, ease, ease-in, ease-out, ease-in-out, " +
                   "cubic-bezier(x1, y1, x2, y2) or x1,y1,x2,y2" +
                   (words.starts_with("cubic-bezier")
-                       ? "; character " + std::to_string(easing.error_at + 1) + " is not expected"
+                       ? "; character " + std::to_string(easing.report.error_at + 1) + " is not expected"
                        : ""));
 }
 
@@ -506,10 +509,10 @@ std::vector<LottieCurve> read_lottie(const std::string& path) {
 BezierCurve lottie_curve(const Arguments& given) {
     for (const LottieCurve& one : read_lottie(given.lottie)) {
         if (one.path != given.lottie_curve) continue;
-        require(one.curve.status, given.lottie + ": " + one.path);
-        if (one.curve.kind == cageform::KeyKind::hold)
+        require(one.curve.status(), given.lottie + ": " + one.path);
+        if (one.curve.value.kind == cageform::KeyKind::hold)
             throw Refused(given.lottie + ": " + one.path + ": the value is held; there is no curve to fit");
-        return one.curve.curve;
+        return one.curve.value.curve;
     }
     throw Refused(given.lottie + ": no curve is \"" + given.lottie_curve +
                   "\"; without --curve they are listed");
@@ -560,38 +563,39 @@ Case run_one(const Arguments& given) {
         ProgressBar bar("knots of " + std::to_string(pieces) + " pieces");
         const auto search =
             cageform::optimal_knots(one.curve, pieces, {one.options}, {.progress = bar.callback()});
-        require(search.status, "--knots optimal");
-        return search.parameters;
+        require(search.status(), "--knots optimal");
+        return search.value.parameters;
     };
     const std::string mode = given.knots == "uniform" ? "uniform_x"
                              : given.knots == "arcs"  ? "uniform_t"
                                                       : "optimal";
     if (!named) {
         const auto times = numbers("--knots", given.knots, 0);
-        one.fit = cageform::fit_pieces(one.curve, parameters_at(one.curve, times, "--knots"), one.options);
-        require(one.fit.status, "--knots");
+        one.fitted = cageform::fit_pieces(one.curve, parameters_at(one.curve, times, "--knots"), one.options);
+        require(one.fitted.status(), "--knots");
         one.knots = {{"mode", "given"}, {"pieces", times.size() - 1}, {"x", times}};
     } else if (!by_tolerance) {
-        one.fit = cageform::fit_pieces(one.curve, knots(given.pieces), one.options);
-        require(one.fit.status, "no fit of " + std::to_string(given.pieces) + " pieces");
+        one.fitted = cageform::fit_pieces(one.curve, knots(given.pieces), one.options);
+        require(one.fitted.status(), "no fit of " + std::to_string(given.pieces) + " pieces");
         one.knots = {{"mode", mode}, {"pieces", given.pieces}};
     } else {
         if (given.knots.empty()) {
             ProgressBar bar("pieces");
-            one.fit =
-                cageform::fit(one.curve, given.tolerance, one.options, 64, {.progress = bar.callback()});
+            one.fitted = cageform::fit(one.curve, given.tolerance, one.options, {.progress = bar.callback()});
         } else {
-            for (std::size_t pieces = 1; pieces <= 64; ++pieces) {
-                one.fit = cageform::fit_pieces(one.curve, knots(pieces), one.options);
-                if (one.fit.status == Status::ok && one.fit.sup_error <= given.tolerance) break;
-                if (one.fit.status == Status::ok && pieces == 64) one.fit.status = Status::tolerance_not_met;
-                if (one.fit.status == Status::too_many_conditions) continue; // for so few pieces
-                if (one.fit.status != Status::ok) break;
+            for (std::size_t pieces = 1; pieces <= one.options.max_pieces; ++pieces) {
+                one.fitted = cageform::fit_pieces(one.curve, knots(pieces), one.options);
+                Status& status = one.fitted.report.status;
+                if (status == Status::ok && one.fitted.report.sup_error <= given.tolerance) break;
+                if (status == Status::ok && pieces == one.options.max_pieces)
+                    status = Status::tolerance_not_met;
+                if (status == Status::too_many_conditions) continue; // for so few pieces
+                if (status != Status::ok) break;
             }
         }
-        require(one.fit.status, "--tolerance " + text_of("%g", given.tolerance));
+        require(one.fitted.status(), "--tolerance " + text_of("%g", given.tolerance));
         one.knots = {{"mode", given.knots.empty() ? "tolerance" : mode},
-                     {"pieces", one.fit.pieces()},
+                     {"pieces", one.fitted.value.pieces()},
                      {"tolerance", given.tolerance}};
     }
     return one;

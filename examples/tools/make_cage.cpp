@@ -4,7 +4,8 @@
 //     make_cage icon.svg --mirror x --margin 4% -o icon_cage.csv
 //     make_cage character.obj --vertices 112 -o character_cage.obj --picture cage.png
 //
-// The cage holds all that the figure paints, at the margin's distance, and passes every check of the library. deform_svg and
+// The cage holds all that the figure paints, at the margin's distance, and passes every check of the
+// library. deform_svg and
 // the other programs make the same cage by themselves where they are told --cage auto.
 
 #include "cli/auto_cage.hpp"

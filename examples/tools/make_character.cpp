@@ -1,9 +1,12 @@
-// Makes a figure to deform: a puppet in the shape of a T, a cage of 112 vertices, a pose and a dance of the cage.
+// Makes a figure to deform: a puppet in the shape of a T, a cage of 112 vertices, a pose and a dance of the
+// cage.
 //
 //     make_character out
 //
-// writes out/character.obj, out/character_cage.obj, out/character_pose.obj, out/character_clip.csv, a dance of the
-// cage that begins again (support/files/clip_file.hpp), and out/character.bones.csv, a skeleton that bends an arm (skin_mesh). The puppet is a smooth union of rounded bodies, meshed by surface
+// writes out/character.obj, out/character_cage.obj, out/character_pose.obj, out/character_clip.csv, a dance
+// of the
+// cage that begins again (support/files/clip_file.hpp), and out/character.bones.csv, a skeleton that bends
+// an arm (skin_mesh). The puppet is a smooth union of rounded bodies, meshed by surface
 // nets (support/pictures/surface_nets.hpp). It stands at y = 0 on the ground, y up, and faces along z.
 
 #include "cli/command_line.hpp"
@@ -211,7 +214,8 @@ Point posed(const Point& rest, const SheetPoint& origin, const Joints& joints) {
 
 constexpr double dance_length = 2.4; // seconds
 
-/// It steps from one foot to the other, which is lifted; one hand waves above, the other swings below, and they
+/// It steps from one foot to the other, which is lifted; one hand waves above, the other swings below, and
+/// they
 /// change places. `part` of the dance, in [0, 1]; at 1 it is where it was at 0.
 Joints dancing(double part) {
     const double angle = 2 * std::numbers::pi * part;

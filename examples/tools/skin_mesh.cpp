@@ -2,8 +2,10 @@
 //
 //     skin_mesh character.obj --bones character.bones.csv --weights heat -o skinned.glb --picture skinned.png
 //
-// Writes a skin with the skeleton for engines and viewers (glTF 2.0), which turns from rest into the pose of the bones
-// file and back. Weights are those of bone heat (Baran, Popović 2007) or harmonic on the surface (fields/skin.hpp).
+// Writes a skin with the skeleton for engines and viewers (glTF 2.0), which turns from rest into the pose
+// of the bones
+// file and back. Weights are those of bone heat (Baran, Popović 2007) or harmonic on the surface
+// (fields/skin.hpp).
 
 #include "cli/bind_report.hpp"
 #include "cli/command_line.hpp"
@@ -293,16 +295,15 @@ int skin_figure(const Arguments& given, const ObjFile& figure, const std::vector
         warn(given.bones + ": " + bones[b].name +
              " is nearest to no vertex that it could move: all its weights are 0");
     }
-    const auto skin = cageform::skin_weights(std::span<const double>(made.weights), bones.size(),
-                                             {.influences = given.influences});
-    if (skin.report.status != Status::ok)
-        return fail(given.bones + ": " + cageform::to_string(skin.report.status));
+    const auto [skin, kept] = cageform::skin_weights(std::span<const double>(made.value), bones.size(),
+                                                     {.influences = given.influences});
+    if (kept.status != Status::ok) return fail(given.bones + ": " + cageform::to_string(kept.status));
     // The picture shows the weights that are written.
-    const std::size_t most = skin.skin.influences;
-    std::vector<double> written(made.weights.size(), 0.0);
-    for (std::size_t n = 0; n < skin.skin.weights.size(); ++n)
-        written[n / most * bones.size() + skin.skin.joints[n]] += double(skin.skin.weights[n]);
-    const auto right = posed(figure, bones, made.weights), moved = posed(figure, bones, written);
+    const std::size_t most = skin.influences;
+    std::vector<double> written(made.value.size(), 0.0);
+    for (std::size_t n = 0; n < skin.weights.size(); ++n)
+        written[n / most * bones.size() + skin.joints[n]] += double(skin.weights[n]);
+    const auto right = posed(figure, bones, made.value), moved = posed(figure, bones, written);
     if (!right || !moved) return fail(to_string(right ? moved.error() : right.error()));
     StoredLoss loss;
     loss.size = cageform::bounds_of(std::span<const Point3>(figure.vertices)).diagonal();
@@ -318,7 +319,7 @@ int skin_figure(const Arguments& given, const ObjFile& figure, const std::vector
         warn(figure.name + ": a skin of " + std::to_string(most) + " bones a vertex is off by " +
              describe(loss) + "; a larger --skin loses less");
     }
-    const auto text = gltf_text(figure, parts, *meshes, bones, skin.skin,
+    const auto text = gltf_text(figure, parts, *meshes, bones, skin,
                                 std::filesystem::path(given.out).extension() != ".gltf");
     if (!text) return fail(to_string(text.error()));
 
@@ -348,10 +349,9 @@ int skin_figure(const Arguments& given, const ObjFile& figure, const std::vector
         std::cout << "flipped edges: " << report.mesh.flips
                   << "\nnegative cotangent weights: " << report.mesh.negative_weights
                   << "\nvertices that do not see their nearest bones: " << report.hidden
-                  << "\nbones a vertex, in the mean: " << skin.report.mean_influences
-                  << "\nlargest sum |w - w0| of " << given.influences
-                  << " bones a vertex: " << skin.report.weight_error.value << "\noff by " << describe(loss)
-                  << "\ntime: " << report.seconds << " s\n";
+                  << "\nbones a vertex, in the mean: " << kept.mean_influences << "\nlargest sum |w - w0| of "
+                  << given.influences << " bones a vertex: " << kept.weight_error.value << "\noff by "
+                  << describe(loss) << "\ntime: " << report.seconds << " s\n";
     }
     return 0;
 }

@@ -1,4 +1,5 @@
-// Clips as they are shipped: the same bits where they lie, refused by name when anything is wrong, quantised within a distance.
+// Clips as they are shipped: the same bits where they lie, refused by name when anything is wrong,
+// quantised within a distance.
 #include "catch.hpp"
 #include "support/aligned.hpp"
 #include "support/allocation_count.hpp"

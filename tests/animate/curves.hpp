@@ -96,7 +96,8 @@ inline BezierCurve random_curve(Random& random, double margin = 0.02) {
                  height * random.uniform(-3, 3), random.below(2) == 0 ? height : -height);
 }
 
-/// The axis-wise map of a curve to keys at (0, 0) and (1, 1), and back. Where both keys have the same value, time
+/// The axis-wise map of a curve to keys at (0, 0) and (1, 1), and back. Where both keys have the same
+/// value, time
 /// is added to the value instead, which changes no error of a fit.
 struct NormalForm {
     BezierCurve curve;

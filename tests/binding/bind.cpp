@@ -34,7 +34,8 @@ template <class T>
 using Bary = cageform::BarycentricCoordinates<T, 2>;
 template <class T>
 using Mean = cageform::MeanValueCoordinates<T, 2>;
-/// Harmonic coordinates on a coarse grid unless told otherwise, by the solver that leaves something to restore.
+/// Harmonic coordinates on a coarse grid unless told otherwise, by the solver that leaves something to
+/// restore.
 template <class T>
 struct Harmonic
     : cageform::HarmonicCoordinates<T, 2, Polygon<T>, cageform::WithAveragingPyramid<Polygon<T>>> {
@@ -379,7 +380,8 @@ TEMPLATE_TEST_CASE("points outside can follow the nearest boundary point", "[bin
     for (std::size_t i = 0; i < outside.size(); ++i) {
         CAPTURE(i);
         const auto offset = cageform::vec_cast<double>(outside[i]) - cageform::vec_cast<double>(nearest[i]);
-        // The weights are those of an edge, so their rounding, of the places over the edge's length, does not count
+        // The weights are those of an edge, so their rounding, of the places over the edge's length, does
+        // not count
         // but along the edge.
         CHECK(distance(moved[i], cageform::vec_cast<double>(followed[i]) + offset) <=
               64 * double(epsilon<T>) * (size_of(pose) + size_of(outside)));
@@ -823,7 +825,8 @@ TEST_CASE("bindings of simplices in one to four dimensions", "[binding][dimensio
 }
 
 namespace elsewhere {
-// A program that uses both namespaces, with arguments that belong to std: std::bind must not be found instead.
+// A program that uses both namespaces, with arguments that belong to std: std::bind must not be found
+// instead.
 using namespace cageform; // NOLINT(google-build-using-namespace): what is tested
 
 auto bound() {

@@ -81,7 +81,7 @@ void check_same(const C& coordinates, const Points& points, StreamedPackOptions 
 
 } // namespace
 
-TEMPLATE_TEST_CASE("bind_packed makes what bind and pack make", "[binding][pack][property]",
+TEMPLATE_TEST_CASE("pack of coordinates and points makes what bind and pack make", "[binding][pack][property]",
                    CAGEFORM_SCALARS) {
     using T = TestType;
     for (std::uint64_t seed = 0; seed < 3; ++seed) {

@@ -1,4 +1,5 @@
-// Vectors bound to points: linear precision, differences of clones, and what becomes of points that are nowhere.
+// Vectors bound to points: linear precision, differences of clones, and what becomes of points that are
+// nowhere.
 #include "../catch.hpp"
 #include "../support/bindings.hpp"
 #include "../support/figures.hpp"

@@ -1,4 +1,5 @@
-// A figure by one call: the same bits as by separate calls, solved once, refused by name when anything is wrong.
+// A figure by one call: the same bits as by separate calls, solved once, refused by name when anything is
+// wrong.
 #include "../support/allocation_count.hpp"
 #include "../support/figures.hpp"
 #include "../support/packed.hpp"
@@ -226,7 +227,7 @@ TEST_CASE("a figure is solved once, and the report says by whom", "[figure][harm
           random_directions<float, 3>(40, 4));
 }
 
-TEST_CASE("faults of a cage, a solver or the caller are told by bind_figure", "[figure][status]") {
+TEST_CASE("faults of a cage, a solver or the caller are reported by bind", "[figure][status]") {
     const auto mesh = random_mesh(2).mesh<float>();
     const auto points = points_in(mesh, 20, 2);
     const auto normals = random_directions<float, 3>(20, 2), fewer = random_directions<float, 3>(19, 2);

@@ -1,4 +1,5 @@
-// What else one file of a figure holds: clips, levels of less detail, and bindings in full precision that an editor goes on with.
+// What else one file of a figure holds: clips, levels of less detail, and bindings in full precision that
+// an editor goes on with.
 #include "../support/allocation_count.hpp"
 #include "../support/figures.hpp"
 #include "../support/keys.hpp"

@@ -38,12 +38,12 @@ template <class C, class Points>
 void check_binds(const char* what, const C& coordinates, const Points& points) {
     check_bind(what, coordinates, points);
     CAPTURE(what);
-    check_progress("bind_packed",
+    check_progress("pack, streamed",
                    [&](const Running& r) { return cageform::pack(coordinates, points, {}, r); });
     if constexpr (cageform::GradientCoordinates<C>) {
         check_progress("bind_jacobians",
                        [&](const Running& r) { return bind_jacobians(coordinates, points, {}, r); });
-        check_progress("bind_figure", [&](const Running& r) {
+        check_progress("bind, a figure", [&](const Running& r) {
             return cageform::bind(coordinates, cageform::FigurePoints{points, points}, {}, r);
         });
     }
@@ -107,7 +107,7 @@ TEST_CASE("progress never falls and ends with 1: in space", "[core][running][pro
     check_binds("harmonic, uniform", cageform::HarmonicCoordinates<double, 3>(mesh, {.resolution = 16}),
                 points);
     const auto figure = cageform::bind(closed_form, cageform::FigurePoints{points, points}).value;
-    check_progress("pack_figure", [&](const Running& r) { return cageform::pack(figure, {}, r); });
+    check_progress("pack, a figure", [&](const Running& r) { return cageform::pack(figure, {}, r); });
     check_progress("rebind_cage",
                    [&](const Running& r) { return rebind_cage(figure, closed_form, {}, {}, r); });
 }

@@ -1,4 +1,5 @@
-// Rebinding: what stands where it stood keeps its weights bit for bit, the rest is near what a new bind would give, linear
+// Rebinding: what stands where it stood keeps its weights bit for bit, the rest is near what a new bind
+// would give, linear
 // functions are met, and the report tells where not to rely on it.
 #include "../support/bindings.hpp"
 #include "../support/larger.hpp"
@@ -36,7 +37,8 @@ using Points = std::vector<Vec<T, D>>;
 
 constexpr double clearance = 0.05; // diagonals between a plane figure and its cage
 
-/// A random cage and a figure in it: in the plane a lattice shaken by a quarter of its width `spacing`, away from the cage; in
+/// A random cage and a figure in it: in the plane a lattice shaken by a quarter of its width `spacing`,
+/// away from the cage; in
 /// space a bumpy sphere. `middles` are those of its edges; in the plane, of points and one that is near.
 template <class T, std::size_t D>
 struct Figure {
@@ -269,9 +271,12 @@ TEST_CASE("of old points in one place the one of the same number is taken, else 
     for (std::size_t i = 0; i < 20; ++i) CHECK(same_weights(binding, i, old, i == 8 || i == 17 ? i : 3));
 }
 
-// The error of interpolation is at most Σ|s| |q − p|² / 2 times the second derivatives of the weights; mean value coordinates
-// have some of c / δ² at the distance δ from the cage, c about one in all. So it is a small multiple of (spacing / δ)², and a
-// figure twice as dense has a quarter of it. 0.25 was measured at most in the plane, 0.08 in space, and 3.8 to 4.1 for the
+// The error of interpolation is at most Σ|s| |q − p|² / 2 times the second derivatives of the weights; mean
+// value coordinates
+// have some of c / δ² at the distance δ from the cage, c about one in all. So it is a small multiple of
+// (spacing / δ)², and a
+// figure twice as dense has a quarter of it. 0.25 was measured at most in the plane, 0.08 in space, and 3.8
+// to 4.1 for the
 // ratio of means.
 TEMPLATE_TEST_CASE("added points have weights near those of a new bind, to second order in the spacing",
                    "[rebind][order]", Float2, Double2, Float3, Double3) {
@@ -322,7 +327,8 @@ TEMPLATE_TEST_CASE("points moved a little follow at first order of the move and 
     Random random(seed);
     const double size =
         D == 2 ? clearance * figure.spacing * size_of(figure.handles) / 2 : figure.spacing * 0.4;
-    // In the sheet that a figure in space is the slope across it is not known: the error there is of the move's own order.
+    // In the sheet that a figure in space is the slope across it is not known: the error there is of the
+    // move's own order.
     double last = 1;
     for (const double share : {0.2, 0.02, 0.002}) {
         auto points = figure.points;

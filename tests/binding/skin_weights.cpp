@@ -1,4 +1,5 @@
-// Skins of bindings: what every skin keeps to, that it is the nearest, and whether the report tells the truth.
+// Skins of bindings: what every skin keeps to, that it is the nearest, and whether the report tells the
+// truth.
 #include "catch.hpp"
 #include "support/effort.hpp"
 #include "support/larger.hpp"
@@ -172,7 +173,8 @@ TEST_CASE("with a place for every handle the weights are the nearest of all",
         std::vector<double> w(handles, 0.0);
         for (std::size_t k = 0; k < handles; ++k)
             w[skin.joints[i * handles + k]] += double(skin.weights[i * handles + k]);
-        // The conditions of a minimum: w = w0 + an affine function of the handle, or that is negative and w = 0.
+        // The conditions of a minimum: w = w0 + an affine function of the handle, or that is negative and w
+        // = 0.
         std::vector<std::size_t> positive;
         for (std::size_t h = 0; h < handles; ++h) {
             if (w[h] > 1e-6) positive.push_back(h);

@@ -1,4 +1,5 @@
-// Clones by packed bindings: every format and layout against its documentation, and what they share with plain ones.
+// Clones by packed bindings: every format and layout against its documentation, and what they share with
+// plain ones.
 #include "../support/larger.hpp"
 #include "../support/packed.hpp"
 

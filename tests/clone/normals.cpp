@@ -1,4 +1,5 @@
-// Normals, tangents and Jacobians of clones: differences of the deformed surface, affine poses, what has no normal.
+// Normals, tangents and Jacobians of clones: differences of the deformed surface, affine poses, what has no
+// normal.
 #include "../catch.hpp"
 #include "../support/allocation_count.hpp"
 #include "../support/bindings.hpp"

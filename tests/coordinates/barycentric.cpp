@@ -28,7 +28,8 @@ template <class T, std::size_t D>
 double condition(const std::vector<Vec<T, D>>& corners) {
     double least = std::numeric_limits<double>::infinity();
     for (std::size_t top = 0; top <= D; ++top) {
-        // Edges from another corner, by Gram and Schmidt, that to the top last: what is left of it is the height.
+        // Edges from another corner, by Gram and Schmidt, that to the top last: what is left of it is the
+        // height.
         std::vector<Vec<long double, D>> edges;
         const auto at = [&](std::size_t i) {
             return cageform::vec_cast<long double>(corners[(top + i) % (D + 1)]);

@@ -147,7 +147,8 @@ TEMPLATE_TEST_CASE("weights are the unit row on a vertex", "[coordinates][proper
         unit[i] = T(1);
         CHECK(weights.states[i] == PointState::on_boundary);
         if constexpr (is_barycentric<TestType>) {
-            // An affine function evaluated: roundings of vertices up to 3 diagonals from the origin, over heights
+            // An affine function evaluated: roundings of vertices up to 3 diagonals from the origin, over
+            // heights
             // of a third of it.
             CHECK(difference(weights.rows[i], unit) <= 32 * double(epsilon<T>));
         } else {
@@ -181,7 +182,8 @@ TEMPLATE_TEST_CASE("weights on an edge are linear along it and zero elsewhere", 
         expected[j] = along[n];
         CAPTURE(i, j, along[n], text(weights.rows[n]));
         CHECK(weights.states[n] == PointState::on_boundary);
-        // The place itself is rounded by half an epsilon of its coordinates, seen from an edge of this length.
+        // The place itself is rounded by half an epsilon of its coordinates, seen from an edge of this
+        // length.
         const double length = distance(cage[i], cage[j]);
         CHECK(difference(weights.rows[n], expected) <=
               8 * double(epsilon<T>) * size_of(cage.vertices()) / length);
@@ -249,7 +251,8 @@ TEMPLATE_TEST_CASE("weights go with a cage that is moved, turned, scaled or mirr
     REQUIRE(before.status() == Status::ok);
     REQUIRE(after.status() == Status::ok);
     CHECK(before.states == after.states);
-    // Both places are rounded by epsilon · size, and a weight changes by at most a small multiple of 1 / clearance
+    // Both places are rounded by epsilon · size, and a weight changes by at most a small multiple of 1 /
+    // clearance
     // per diagonal.
     const double rounding =
         double(epsilon<T>) * (size_of(vertices) / diagonal + size_of(moved_vertices) / (scale * diagonal));
@@ -289,11 +292,13 @@ TEMPLATE_TEST_CASE("weights go with a loop that runs backwards or starts elsewhe
             for (const std::size_t i : order) expected.push_back(before.rows[n][i]);
             CAPTURE(back, n, text(expected), text(after.rows[n]));
             if constexpr (is_harmonic<TestType>) {
-                // Values of the boundary data differ in their last bits, and with them the last cycle, which may end
+                // Values of the boundary data differ in their last bits, and with them the last cycle,
+                // which may end
                 // with an error of 1e-12 or somewhat more.
                 CHECK(difference(expected, after.rows[n]) <= 1e-8);
             } else {
-                // No place is rounded anew; what remains is the order of sums and products. Outside points see the
+                // No place is rounded anew; what remains is the order of sums and products. Outside points
+                // see the
                 // cage from at most 15 diagonals.
                 CHECK(difference(expected, after.rows[n]) <=
                       128 * double(epsilon<T>) * absolute_sum(expected));
@@ -304,7 +309,8 @@ TEMPLATE_TEST_CASE("weights go with a loop that runs backwards or starts elsewhe
 
 TEST_CASE("harmonic weights go with a cage that is mirrored or turned by a right angle",
           "[coordinates][harmonic][invariance]") {
-    // The grid turns with the cage; other angles give another staircase. In float the cage's extreme vertices,
+    // The grid turns with the cage; other angles give another staircase. In float the cage's extreme
+    // vertices,
     // which lie on lines of the grid, may fall into other cells.
     const auto seed = GENERATE(seeds(effort(10, 2)));
     CAPTURE(seed);
@@ -362,7 +368,8 @@ TEMPLATE_TEST_CASE("in a triangle every type is barycentric", "[coordinates][pro
         CHECK(expected.states[i] == PointState::inside);
         CHECK(difference(expected.rows[i], mean.rows[i]) <=
               16 * double(epsilon<T>) * size_of(cage.vertices()) / height);
-        // Boundary cells hold values from up to √½ cells off, a sample leaves out cells up to √2 off; 1e-3 for the
+        // Boundary cells hold values from up to √½ cells off, a sample leaves out cells up to √2 off; 1e-3
+        // for the
         // sweeps.
         CHECK(difference(expected.rows[i], harmonic.rows[i]) <= 2.13 * spacing / height + 1e-3);
     }

@@ -16,7 +16,8 @@ namespace {
 template <class T>
 using Green2 = GreenCoordinates<T, 2>;
 
-/// A plane file of reference values: the weights of the vertices and of the edges' unit normals, with lengths in the
+/// A plane file of reference values: the weights of the vertices and of the edges' unit normals, with
+/// lengths in the
 /// file's unit.
 struct PlaneFile {
     Points2<double> vertices, points;

@@ -37,8 +37,10 @@ std::vector<double> expected_row(const Green3<double>& green, const std::vector<
     return row;
 }
 
-/// The closed form in long double, number by number: of points inside. Both faces of an edge take their distances from
-/// the vector to the edge's line, seen from its nearer end, without which even this loses half its digits there.
+/// The closed form in long double, number by number: of points inside. Both faces of an edge take their
+/// distances from
+/// the vector to the edge's line, seen from its nearer end, without which even this loses half its digits
+/// there.
 template <class T>
 std::vector<L> by_definition(const Green3<T>& green, const Vec<T, 3>& at) {
     const auto unit = [](const Vec<L, 3>& v) { return (1 / std::sqrt(dot(v, v))) * v; };
@@ -94,7 +96,8 @@ std::vector<L> by_definition(const Green3<T>& green, const Vec<T, 3>& at) {
     return row;
 }
 
-/// Points all about: inside, outside, near and far, and within 1e-14 to 1e-3 diagonals of faces, edges and vertices.
+/// Points all about: inside, outside, near and far, and within 1e-14 to 1e-3 diagonals of faces, edges and
+/// vertices.
 template <class T>
 Points3<T> points_near(const TriangleMesh<T>& mesh, std::uint64_t seed) {
     Random random(seed + 77);
@@ -401,7 +404,8 @@ TEST_CASE("meshes that Green coordinates do not know are refused", "[coordinates
     CHECK(refused.cage_report().status == Status::interior_cells_not_supported);
     CHECK(bind(refused, ball.vertices).report.status == Status::interior_cells_not_supported);
 
-    // A cavity, its shell turned whichever way; a reflex corner of an L: its solid angle is 3/8 of the full one.
+    // A cavity, its shell turned whichever way; a reflex corner of an L: its solid angle is 3/8 of the full
+    // one.
     for (const bool turned : {false, true}) {
         auto hollow = ball;
         const int count = int(ball.vertices.size());

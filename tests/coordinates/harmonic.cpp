@@ -60,12 +60,15 @@ const Points2<T> square{{0, 0}, {1, 0}, {1, 1}, {0, 1}};
 
 TEMPLATE_TEST_CASE("harmonic weights come near the oracle as the grid becomes finer",
                    "[coordinates][harmonic][oracle]", CAGEFORM_SCALARS) {
-    // A boundary cell holds data from up to √½ cells off, so the error is of first order at points a few cells away
-    // from the boundary. Next to a corner it does not fall before the cells are smaller than the distance (the
+    // A boundary cell holds data from up to √½ cells off, so the error is of first order at points a few
+    // cells away
+    // from the boundary. Next to a corner it does not fall before the cells are smaller than the distance
+    // (the
     // oracle has points at 1e-4 of the cage). Largest errors measured at these resolutions, over all points:
     //   triangle, squares, rectangle: 0.027, 0.021, 0.014     hexagon: 0.036, 0.021, 0.0071
     //   others, not next to corners:  0.17,  0.063, 0.045     next to corners: 0.31, 0.072, 0.11
-    // They follow from the cages' place on the grid, not from the seed of anything; the bounds are twice as large.
+    // They follow from the cages' place on the grid, not from the seed of anything; the bounds are twice as
+    // large.
     struct Level {
         std::size_t resolution;
         double simple, hexagon, other, corner, mean;
@@ -132,10 +135,12 @@ TEMPLATE_TEST_CASE("harmonic weights are in [0, 1] and sum to 1", "[coordinates]
         CAPTURE(i, text(weights.rows[i]));
         CHECK(*std::min_element(weights.rows[i].begin(), weights.rows[i].end()) >= T(0));
         CHECK(*std::max_element(weights.rows[i].begin(), weights.rows[i].end()) <= 1 + 4 * epsilon<T>);
-        // The sweeps end when a cell changes by `tolerance` in the mean; the way left is longer than that by the
+        // The sweeps end when a cell changes by `tolerance` in the mean; the way left is longer than that
+        // by the
         // square of the cells across.
         CHECK(std::fabs(double(sum_of(weights.rows[i]) - 1)) <= 40 * 40 * tolerance);
-        // Values lie up to √½ cells off their place at the boundary, a sample leaves out cells up to √2 off or
+        // Values lie up to √½ cells off their place at the boundary, a sample leaves out cells up to √2 off
+        // or
         // looks up one up to √½ off; the maximum principle does the rest.
         CHECK(distance(combine(weights.rows[i], cage.vertices()), points[i]) <= (2.13 + 0.01) * h);
     }
@@ -218,7 +223,8 @@ TEMPLATE_TEST_CASE("solving once and evaluating in batches gives the bits of eva
     }
     const Harmonic<T> copy = coordinates; // with what was solved
     CHECK(evaluate_all(copy, points).rows == expected.rows);
-    CHECK(evaluate_all(copy, points).evaluation.solver.pyramid.sweeps == expected.evaluation.solver.pyramid.sweeps);
+    CHECK(evaluate_all(copy, points).evaluation.solver.pyramid.sweeps ==
+          expected.evaluation.solver.pyramid.sweeps);
 }
 
 TEMPLATE_TEST_CASE("harmonic states are those of locate, or unreached", "[coordinates][harmonic][state]",
@@ -277,7 +283,8 @@ TEST_CASE("every point inside is reached, by the coarsest grid too", "[coordinat
 
 TEST_CASE("harmonic coordinates sample the nearest cell or between cells",
           "[coordinates][harmonic][sample]") {
-    // 20 cells, margin of 2 on each side: the unit square takes 16 cells a side, the 16 about its border and the
+    // 20 cells, margin of 2 on each side: the unit square takes 16 cells a side, the 16 about its border
+    // and the
     // ones beyond being boundary.
     const auto weight = [](Interpolation interpolation, Vec<double, 2> p) {
         const Harmonic<double> coordinates(square<double>, {.solver = pyramid,
@@ -302,7 +309,8 @@ TEST_CASE("harmonic coordinates sample the nearest cell or between cells",
 }
 
 TEST_CASE("a square's harmonic weights are bilinear but for the staircase", "[coordinates][harmonic]") {
-    // The boundary cells at either side of the border (the border runs along cell faces) hold its data, so the
+    // The boundary cells at either side of the border (the border runs along cell faces) hold its data, so
+    // the
     // solution is that of a square smaller by half a cell.
     const Harmonic<double> coordinates(
         square<double>, {.solver = pyramid, .resolution = 36, .averaging = {.tolerance = 1e-13}});
@@ -487,8 +495,10 @@ double cell_of(const C& cage, std::size_t resolution) {
 
 TEST_CASE("in space the papers' solver comes near the oracle as the grid becomes finer",
           "[coordinates][harmonic][mesh][box][oracle]") {
-    // Largest errors measured at 16 and 32 cells: cubes 0.028 and 0.011, boxes 0.075 and 0.022, L 0.14 and 0.048,
-    // tetrahedron 0.033 and 0.041. They follow from the cages' place on the grid, not from the seed of anything; the
+    // Largest errors measured at 16 and 32 cells: cubes 0.028 and 0.011, boxes 0.075 and 0.022, L 0.14 and
+    // 0.048,
+    // tetrahedron 0.033 and 0.041. They follow from the cages' place on the grid, not from the seed of
+    // anything; the
     // bounds are half as large again.
     struct Case {
         const char* name;
@@ -532,7 +542,8 @@ TEST_CASE("in space the papers' solver comes near the oracle as the grid becomes
         CAPTURE(c.name, coarse, fine);
         CHECK(coarse <= c.coarse);
         CHECK(fine <= c.fine);
-        // First order would halve it. The tetrahedron's functions are linear: the steps' places are all its error.
+        // First order would halve it. The tetrahedron's functions are linear: the steps' places are all its
+        // error.
         if (std::string(c.name) != "tetrahedron") CHECK(fine <= 0.6 * coarse);
     }
 }
@@ -556,7 +567,8 @@ TEST_CASE("in space the papers' weights are in [0, 1], sum to 1 and are a diagon
     const auto weights = evaluate_all(coordinates, points);
     REQUIRE(weights.status() == Status::ok);
     const double h = cell_of(mesh, 20), size = size_of(mesh.vertices());
-    // Values lie up to half a diagonal off their place at the boundary, as does what is looked up in a cell; between
+    // Values lie up to half a diagonal off their place at the boundary, as does what is looked up in a
+    // cell; between
     // cells a sample leaves out some up to a diagonal off. The maximum principle does the rest.
     const double most = interpolation == Interpolation::nearest_cell ? std::sqrt(3.0) : 1.5 * std::sqrt(3.0);
     std::size_t inside = 0;

@@ -169,7 +169,8 @@ TEST_CASE("weights in a box are those of the oracle", "[coordinates][harmonic][b
                     const auto at = std::find(box.vertices().begin(), box.vertices().end(), vertex(k));
                     REQUIRE(at != box.vertices().end());
                     const auto handle = std::size_t(at - box.vertices().begin());
-                    // Trilinear functions solve the difference equations: what is left is the solver's tolerance.
+                    // Trilinear functions solve the difference equations: what is left is the solver's
+                    // tolerance.
                     CHECK(std::fabs(weights.rows[i][handle] - json["coordinates"][i][k].get<double>()) <=
                           1e-6);
                 }

@@ -1,4 +1,5 @@
-// What every harmonic function does: it has no extremum inside, is the mean of its values around, and in rectangles with
+// What every harmonic function does: it has no extremum inside, is the mean of its values around, and in
+// rectangles with
 // linear sides is bilinear.
 #include "catch.hpp"
 #include "pictures/level_lines.hpp"
@@ -72,7 +73,8 @@ double error_inside(const C& coordinates, const Oracle& oracle) {
     return error;
 }
 
-/// A prism of the reference data that stands on the plane z = 0 and is 1 high; its first vertices are its base.
+/// A prism of the reference data that stands on the plane z = 0 and is 1 high; its first vertices are its
+/// base.
 struct Prism {
     nlohmann::json json;
     MeshData data;
@@ -220,7 +222,8 @@ TEST_CASE("level lines of harmonic functions neither close nor end inside",
 
 TEST_CASE("harmonic weights are the mean of those on a circle around, and in a disc",
           "[coordinates][harmonic][property]") {
-    // Gauss's mean value theorem. A circle by 64 points misses the harmonics from the 64th on, which the factor 0.9^64
+    // Gauss's mean value theorem. A circle by 64 points misses the harmonics from the 64th on, which the
+    // factor 0.9^64
     // makes small; a disc by rings, by Gauss's rule of two points in the square of the radius.
     const double root = std::sqrt(1.0 / 3);
     const std::array rings{std::sqrt((1 - root) / 2), std::sqrt((1 + root) / 2)};

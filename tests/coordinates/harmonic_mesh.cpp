@@ -1,4 +1,5 @@
-// Harmonic coordinates in triangle meshes: the laws to the solver's tolerance, the oracle, and robust crossings.
+// Harmonic coordinates in triangle meshes: the laws to the solver's tolerance, the oracle, and robust
+// crossings.
 #include "../catch.hpp"
 #include "../support/effort.hpp"
 #include "../support/larger.hpp"
@@ -203,7 +204,8 @@ TEMPLATE_TEST_CASE("the grid tells where points lie as the cage does",
 }
 
 TEST_CASE("weights in meshes converge to the oracle", "[coordinates][harmonic][mesh][oracle]") {
-    // Linear data has a crease at every edge, on flat faces as well, and next to a crease or a reflex edge the grid
+    // Linear data has a crease at every edge, on flat faces as well, and next to a crease or a reflex edge
+    // the grid
     // is only of order h: the nearest points are within half a cell. A tetrahedron's weights are linear.
     struct Case {
         const char* name;
@@ -287,7 +289,8 @@ TEST_CASE("a grid in space that takes more than the limit is refused before it i
 TEST_CASE("every lattice line crosses a closed mesh an even number of times", "[grid][mesh][property]") {
     const int seed = GENERATE(seeds(20));
     CAPTURE(seed);
-    // Vertices on lattice points, half way between and anywhere: lines through vertices, edges and faces are common.
+    // Vertices on lattice points, half way between and anywhere: lines through vertices, edges and faces
+    // are common.
     auto data = random_mesh(std::uint64_t(seed));
     const auto bounds = cageform::bounds_of(std::span<const Vec<double, 3>>(data.vertices));
     Random random{std::uint64_t(seed)};

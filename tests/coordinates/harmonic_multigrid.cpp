@@ -1,4 +1,5 @@
-// Harmonic coordinates by the multigrid: the laws to the solver's tolerance at every resolution, and the oracle.
+// Harmonic coordinates by the multigrid: the laws to the solver's tolerance at every resolution, and the
+// oracle.
 #include "catch.hpp"
 #include "support/effort.hpp"
 #include "support/larger.hpp"
@@ -36,7 +37,8 @@ Points2<T> points_in(const Polygon<T>& cage, std::size_t count, std::uint64_t se
 } // namespace
 
 TEST_CASE("multigrid weights converge to the oracle", "[coordinates][harmonic][oracle]") {
-    // Largest errors measured at 64, 256 and 1024 cells, and room of a fifth and of the solver's tolerance, at points
+    // Largest errors measured at 64, 256 and 1024 cells, and room of a fifth and of the solver's tolerance,
+    // at points
     // as near as 1e-5 diagonals to a corner. At 64 cells the gap between the biped's legs is two cells wide.
     struct Case {
         const char* name;

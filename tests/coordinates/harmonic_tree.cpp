@@ -114,7 +114,7 @@ void check_estimate(const C& cage, const Points& points, double accuracy) {
     CHECK(report.grid_error() <= 10 * error);
     CHECK(report.grid_error(0.5) <= report.grid_error(0.9));
     CHECK(report.grid_error(0.9) <= report.grid_error());
-    CHECK(report.finest_size > 0);
+    CHECK(report.tree.finest_size > 0);
 }
 TEST_CASE("the errors of an adaptive grid are known by an estimate",
           "[coordinates][harmonic][tree][property]") {
@@ -182,7 +182,8 @@ private:
     std::vector<std::array<Vec<double, D>, D>> facets_;
 };
 
-/// How far weights are from the boundary's data at distances of 10^-15, 10^-14, … 10^-3 diagonals, and how many
+/// How far weights are from the boundary's data at distances of 10^-15, 10^-14, … 10^-3 diagonals, and how
+/// many
 /// points there are.
 struct Approach {
     static constexpr std::size_t distances = 13;

@@ -1,4 +1,5 @@
-// Gradients of mean value and barycentric coordinates: differences of long double, the laws, and the places where
+// Gradients of mean value and barycentric coordinates: differences of long double, the laws, and the places
+// where
 // formulas fail.
 #include "../catch.hpp"
 #include "../support/effort.hpp"
@@ -71,7 +72,8 @@ std::vector<Real> by_definition(const TriangleMesh<T>& cage, const Vec<Real, 3>&
     return w;
 }
 
-/// Central differences of fourth order, with a step that is small beside the distance to the boundary. By row, times the
+/// Central differences of fourth order, with a step that is small beside the distance to the boundary. By
+/// row, times the
 /// diagonal.
 template <class Cage, class T, std::size_t D>
 std::vector<Vec<double, D>> differences(const Cage& cage, const Vec<T, D>& p) {
@@ -142,7 +144,8 @@ TEMPLATE_TEST_CASE("gradients of mean value weights in the plane are their diffe
     CHECK(gradients.states == weights.states);
     for (std::size_t i = 0; i < points.size(); ++i) {
         CAPTURE(i, points[i][0], points[i][1], to_string(gradients.states[i]));
-        // Next to an edge of a ring, outside, rounding alone makes 1e-11 (plain products) to 2e-10 (fused ones).
+        // Next to an edge of a ring, outside, rounding alone makes 1e-11 (plain products) to 2e-10 (fused
+        // ones).
         CHECK(law_error<T, 2>(cage.vertices(), points[i], gradients.rows[i]) <=
               (sizeof(T) == 4                               ? 1e-6
                : gradients.states[i] == PointState::outside ? 1e-9
@@ -181,7 +184,8 @@ TEMPLATE_TEST_CASE("gradients of mean value weights in space are their differenc
 
 TEST_CASE("gradients of mean value weights are continuous through planes of faces and beyond edges",
           "[coordinates][meanvalue][space][gradients][limits]") {
-    // On either side of a plane, beside its face, they differ by the distance; there the plain formulas divide by it.
+    // On either side of a plane, beside its face, they differ by the distance; there the plain formulas
+    // divide by it.
     const int seed = GENERATE(seeds(effort(10, 4)));
     CAPTURE(seed);
     const auto mesh = random_mesh(std::uint64_t(seed)).mesh<double>();

@@ -61,7 +61,8 @@ TEST_CASE("harmonic coordinates of cages with polygons as faces: reference value
     struct Case {
         const char* name;
         double
-            tolerance; ///< bilinear data is met to the solver's; beside the edge over the corner of the L order 4/3
+            /// Bilinear data is met to the solver's; beside the edge over the corner of the L order 4/3
+            tolerance;
     };
     const auto [name, tolerance] = GENERATE(values<Case>({{"harmonic3d_cube_quads", 1e-6},
                                                           {"harmonic3d_box_mixed_diagonals_quads", 1e-6},

@@ -1,4 +1,5 @@
-// Three-point coordinates: Wachspress, discrete harmonic and those of other functions, against exact values, other types
+// Three-point coordinates: Wachspress, discrete harmonic and those of other functions, against exact
+// values, other types
 // and the laws they share.
 #include "catch.hpp"
 #include "support/effort.hpp"
@@ -70,7 +71,8 @@ static_assert(cageform::GradientCoordinates<cageform::DiscreteHarmonicCoordinate
 static_assert(cageform::GradientCoordinates<cageform::DiscreteHarmonicCoordinates<double>>);
 static_assert(cageform::GradientCoordinates<ThreePointCoordinates<double, Hyperbola>>);
 
-/// A strictly convex polygon of 3 to 12 vertices from edges in the order of their directions; of either orientation,
+/// A strictly convex polygon of 3 to 12 vertices from edges in the order of their directions; of either
+/// orientation,
 /// moved and scaled (10^-3 … 10^3).
 template <class T>
 Polygon<T> random_convex(std::uint64_t seed) {
@@ -95,7 +97,8 @@ Polygon<T> random_convex(std::uint64_t seed) {
     return Polygon<T>(vertices);
 }
 
-/// One over the least sine of an outer angle: A_i and A_{i−1}, each off by a rounding, are those of no common point, but
+/// One over the least sine of an outer angle: A_i and A_{i−1}, each off by a rounding, are those of no
+/// common point, but
 /// of one off by a rounding over that sine.
 template <class T>
 double flatness(const Polygon<T>& cage) {

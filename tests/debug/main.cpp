@@ -1,4 +1,5 @@
-// A debugger prints these objects, stopped in `look`. With a natvis file the program says whether that knows their types.
+// A debugger prints these objects, stopped in `look`. With a natvis file the program says whether that
+// knows their types.
 #include "../runtime/made_up.hpp"
 
 #include <cageform/cage/polygon.hpp>

@@ -1,4 +1,5 @@
-// Surfaces over a domain in the plane: what is drawn is the domain, no more and no less, from the side asked for.
+// Surfaces over a domain in the plane: what is drawn is the domain, no more and no less, from the side
+// asked for.
 #include "pictures/field_plot.hpp"
 
 #include "catch.hpp"
@@ -62,7 +63,8 @@ TEST_CASE("a domain cut along a lattice is the domain, and its rim the loops",
     const double wanted = area(loops[0]) - (loops.size() == 2 ? area(loops[1]) : 0);
     CHECK(covered == Approx(wanted).epsilon(0).margin(1e-12));
 
-    // Every edge of one triangle alone lies on a loop: neighbours share whole edges, so nothing gapes between them.
+    // Every edge of one triangle alone lies on a loop: neighbours share whole edges, so nothing gapes
+    // between them.
     // At rounding the ends of an edge may differ where a column meets a loop.
     const std::vector<double> values(mesh.places.size(), 0.0);
     double rim = 0;

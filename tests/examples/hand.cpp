@@ -23,7 +23,8 @@ const Hand& hand() {
     return made;
 }
 
-/// The same hand, thicker, and longer to the fingertips: a build, as by an affine map of all that it is made of.
+/// The same hand, thicker, and longer to the fingertips: a build, as by an affine map of all that it is
+/// made of.
 const Hand& built_hand() {
     static const Hand made = [] {
         Hand other = hand();

@@ -84,7 +84,8 @@ TEST_CASE("means over Brownian paths are harmonic coordinates", "[examples][path
                                                        20'000, 3e-4, random);
         double sum = 0;
         for (std::size_t k = 0; k < weights.mean.size(); ++k) {
-            // A hat function changes by no more than its slope, 1 over the unit edge, on the last 3e-4 of a path.
+            // A hat function changes by no more than its slope, 1 over the unit edge, on the last 3e-4 of a
+            // path.
             CHECK(std::fabs(weights.mean[k] - oracle.coordinates[i][k]) < 5 * weights.error[k] + 3e-4);
             CHECK(weights.error[k] < 0.5 / std::sqrt(20'000.0));
             sum += weights.mean[k];

@@ -108,7 +108,8 @@ std::string chain_text(const SvgDocument& document, pugi::xml_node node, const c
     return {};
 }
 
-/// The map from a paint server's own space to the root, for the only shape of a document, as a renderer has it.
+/// The map from a paint server's own space to the root, for the only shape of a document, as a renderer has
+/// it.
 Affine2 server_to_root(const SvgDocument& document, std::string_view property, const char* transform,
                        const char* units) {
     SvgDocument copy = detail::copy_of(document);

@@ -1,4 +1,5 @@
-// Weights of bones: the reference of tests/data/oracle/surface.json, laws on random meshes, what vertices see, refusals.
+// Weights of bones: the reference of tests/data/oracle/surface.json, laws on random meshes, what vertices
+// see, refusals.
 #include "../catch.hpp"
 #include "../support/larger.hpp"
 #include "../support/meshes.hpp"

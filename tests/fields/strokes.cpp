@@ -245,7 +245,8 @@ TEST_CASE("values of any size: the field is that of small ones, larger", "[grid]
 }
 
 TEST_CASE("a disc far larger than the canvas covers it", "[grid][strokes]") {
-    // Where its circle crosses lattice lines no index holds (undefined behaviour before, found by a sanitizer).
+    // Where its circle crosses lattice lines no index holds (undefined behaviour before, found by a
+    // sanitizer).
     for (const double radius : {10.0, 1e12, 1e59, 1e150}) {
         CAPTURE(radius);
         Diffusion<double> field(about_unit_circle, 24, 1);

@@ -1,5 +1,7 @@
-// Makes point sets of every kind that no one should, and binds points to them: nothing may crash, and either a
-// status says what is wrong or the weights are finite, sum to one and give the point back. A program of its own,
+// Makes point sets of every kind that no one should, and binds points to them: nothing may crash, and
+// either a
+// status says what is wrong or the weights are finite, sum to one and give the point back. A program of its
+// own,
 // for sanitizers:
 //
 //     clang++ -std=c++20 -O1 -g1 -fsanitize=address,undefined -fno-sanitize-recover=all -Iinclude -Itests
@@ -26,7 +28,8 @@ using cageform_tests::Random;
         std::abort();                                                                                        \
     }
 
-/// Places in [-1, 1]^D: random, clustered, on a line or plane but for some, on a sphere, on a lattice, in a ring,
+/// Places in [-1, 1]^D: random, clustered, on a line or plane but for some, on a sphere, on a lattice, in a
+/// ring,
 /// almost so, or twice.
 template <std::size_t D>
 std::vector<Vec<double, D>> places(Random& random, std::size_t count) {
@@ -102,7 +105,8 @@ Status try_sites(Random& random, unsigned long long seed) {
     const double size = double(bounds_of(std::span<const Vec<T, D>>(sites)).magnitude());
     const double extent = double(bounds_of(std::span<const Vec<T, D>>(sites)).diagonal());
     // What bind says that was not restored: a point within tolerance of the hull, which is relative to the
-    // coordinates, may lie off the plane of its sites by that, and the sum misses as much relative to the extent.
+    // coordinates, may lie off the plane of its sites by that, and the sum misses as much relative to the
+    // extent.
     // At degree 3, sites so near to a line or plane that rounding leaves no gradient across it.
     const auto unrestored = [&](std::size_t i) {
         const auto& list = result.report.not_restored;

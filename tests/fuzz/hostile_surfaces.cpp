@@ -1,5 +1,6 @@
 // Makes meshes and bones of every kind that no one should, and takes them through cotangent weights, harmonic
-// functions, weights of bones, skins and bindings to bones: nothing may crash; what is refused is named, and what is
+// functions, weights of bones, skins and bindings to bones: nothing may crash; what is refused is named,
+// and what is
 // made keeps its laws. A program of its own, for sanitizers:
 //
 //     clang++ -std=c++20 -O1 -g1 -fsanitize=address,undefined -fno-sanitize-recover=all -Iinclude

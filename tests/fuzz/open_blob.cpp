@@ -1,4 +1,5 @@
-// Feeds bytes to open_blob, open_figure and open_clip, and whatever opens to clones and players, in buffers exactly as long as
+// Feeds bytes to open_blob, open_figure and open_clip, and whatever opens to clones and players, in buffers
+// exactly as long as
 // promised: for libFuzzer.
 //
 //     clang++ -std=c++20 -O1 -g1 -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all -Iinclude
@@ -162,7 +163,8 @@ void open_as(std::span<const std::byte> bytes) {
     }
 }
 
-/// A clip at times within its range, far beyond and back, with a cursor in memory exactly as long as it takes.
+/// A clip at times within its range, far beyond and back, with a cursor in memory exactly as long as it
+/// takes.
 template <class T, std::size_t D>
 void play(const cageform::CageClipView<T, D>& clip) {
     if (clip.vertex_count() > most) return;

@@ -1,8 +1,10 @@
-// Feeds text to the reader and the deformation of SVG documents, and what they wrote to the reader again: for libFuzzer.
+// Feeds text to the reader and the deformation of SVG documents, and what they wrote to the reader again:
+// for libFuzzer.
 //
 //     clang++ -std=c++20 -O1 -g1 -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all -Iinclude
 //             -isystem /usr/include/eigen3 -Iexamples/support tests/fuzz/svg.cpp examples/support/svg/*.cpp
-//             examples/support/{cli/guard,files/{input_file,atomic_file},pictures/render}.cpp -lpugixml -lz -o fuzz_svg
+//             examples/support/{cli/guard,files/{input_file,atomic_file},pictures/render}.cpp -lpugixml -lz
+//             -o fuzz_svg
 //     mkdir corpus && ./fuzz_svg -max_len=4096 -timeout=60 corpus examples/data
 #include "svg/document.hpp"
 

@@ -1,10 +1,12 @@
-// A second reader of what export_gltf and make_hand write: loads files by tinygltf, plays them by the words of the
+// A second reader of what export_gltf and make_hand write: loads files by tinygltf, plays them by the words
+// of the
 // specification and compares with the library's own clone at many times, or with poses given as OBJ files.
 //
 //     gltf_playback FIGURE.obj CAGE.obj CLIP.csv FILE…
 //     gltf_playback --at FIGURE.obj FILE SECONDS POSE.obj…
 //
-// Files are bound by mean value coordinates; those with a skin of floats have as many influences as their sets take.
+// Files are bound by mean value coordinates; those with a skin of floats have as many influences as their
+// sets take.
 
 #include "../support/larger.hpp"
 #include "cli/mesh_cage.hpp"
@@ -234,21 +236,21 @@ int compare(const std::string& path, const ObjFile& figure, const ObjFile& cage,
             .value;
     double size = 0;
     for (const Point3& c : cage.vertices) size = cageform_tests::larger(size, length(c - cage.vertices[0]));
-    // Normalised integers are off by one at most for each of the weights; where the joints of a vertex go apart counts.
+    // Normalised integers are off by one at most for each of the weights; where the joints of a vertex go
+    // apart counts.
     bool integers = false;
     if (skin.count > 0) {
         const int weights = file.model.meshes[0].primitives[0].attributes.at("WEIGHTS_0");
         integers = file.model.accessors[std::size_t(weights)].normalized;
-        cageform::Binding<double, 3> skinned;
         static std::map<std::size_t, cageform::Result<cageform::SkinWeights, cageform::SkinWeightsReport>>
             skins; // of the figure, by influences
         auto& made = skins[skin.count];
         if (made.value.influences == 0)
             made = cageform::smooth_skin_weights(binding, figure.triangles, {.influences = skin.count});
-        if (made.report.status != cageform::Status::ok ||
-            cageform::skin_to_binding(binding, made.value, skinned) != cageform::Status::ok)
-            throw std::runtime_error("no skin");
-        binding = std::move(skinned);
+        auto skinned = made ? cageform::skin_to_binding(binding, made.value)
+                            : cageform::Result<cageform::Binding<double, 3>>{{}, made.status()};
+        if (!skinned) throw std::runtime_error("no skin");
+        binding = std::move(skinned.value);
     }
     const double allowed = (integers ? double(skin.count) / 255 : 1e-5) * size;
     const auto motion = make_clip<double>(clip);

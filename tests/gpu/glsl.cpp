@@ -1,4 +1,5 @@
-// The GLSL of clone/glsl.hpp, run on what OpenGL there is (Mesa's software renderer will do), against `clone`.
+// The GLSL of clone/glsl.hpp, run on what OpenGL there is (Mesa's software renderer will do), against
+// `clone`.
 #include "catch.hpp"
 #include "support/bindings.hpp"
 #include "support/gl_context.hpp"

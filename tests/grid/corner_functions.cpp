@@ -1,4 +1,5 @@
-// The singular functions at corners: harmonic, with the data they are to have, and bounded where formulas are not.
+// The singular functions at corners: harmonic, with the data they are to have, and bounded where formulas
+// are not.
 #include "../catch.hpp"
 #include "../support/cages.hpp"
 

@@ -45,7 +45,8 @@ std::array<double, D> place_of(const Index<D>& index, const CutLink& cut) {
     return p;
 }
 
-/// A union of balls less some others. With `cut_inside`, every thirtieth link between unknowns is cut from both
+/// A union of balls less some others. With `cut_inside`, every thirtieth link between unknowns is cut from
+/// both
 /// sides. `theta` draws the lengths of cut links.
 template <std::size_t D, class Theta>
 Domain<D> random_domain(std::uint64_t seed, std::int32_t side, bool cut_inside, const Theta& theta) {
@@ -163,7 +164,8 @@ void check_linear(int seed) {
     set_data(multigrid, domain, block,
              [&](std::size_t c, std::size_t k) { return value(domain.places[c], k); });
     const int cycles = solve(multigrid, block, 1e-11);
-    // A factor of 0.2 a cycle, whether links are cut at random lengths or in scattered places that no coarse grid resolves.
+    // A factor of 0.2 a cycle, whether links are cut at random lengths or in scattered places that no
+    // coarse grid resolves.
     // In the plane, where a cycle has five sweeps and not seven, these take one more.
     CHECK(cycles <= (D == 2 ? 17 : 16));
     double error = 0;
@@ -229,7 +231,8 @@ void check_estimate_and_bound(int seed) {
             // In float the bound leaves out what that rounds.
             const double rounding = block.is_refined() ? 1e-12 : 1e-5;
             CHECK(true_error <= error.bound[k] + rounding);
-            // An estimate is no bound: in 1000 such domains, full of cut links, it was at worst a seventh too small.
+            // An estimate is no bound: in 1000 such domains, full of cut links, it was at worst a seventh
+            // too small.
             CHECK(true_error <= 1.2 * error.estimate[k] + rounding);
         }
         error = multigrid.cycle(block);
@@ -504,7 +507,8 @@ TEST_CASE("tiles cut slabs so that each stage finds the rows about its own done"
                         const auto rows = tiles.rows(tile, stage, slab);
                         in_order = in_order && rows.begin == done && rows.end >= done;
                         done = rows.end;
-                        // The stage before has left the row above the last, the one after has not come below the first.
+                        // The stage before has left the row above the last, the one after has not come
+                        // below the first.
                         if (stage == 0) continue;
                         const auto before = tiles.rows(tile, stage - 1, slab);
                         reach = reach && (rows.begin == rows.end || rows.end == (slab + 1) * slab_rows ||

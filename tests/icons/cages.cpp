@@ -2,8 +2,10 @@
 //
 //     cages < LIST    the files' names; prints a table of a row for each number of vertices and way of making
 //
-// made: make_cage gave a cage, verified against the icon; exact: with as many vertices as asked for; bound: harmonic
-// coordinates at their default accuracy take it and all ends of segments are inside. Of area over the tightest, least
+// made: make_cage gave a cage, verified against the icon; exact: with as many vertices as asked for; bound:
+// harmonic
+// coordinates at their default accuracy take it and all ends of segments are inside. Of area over the
+// tightest, least
 // angles in degrees and milliseconds: median, 95th percentile and worst.
 
 #include "pictures/drawn_figure.hpp"
@@ -46,7 +48,7 @@ void measure(const std::vector<Icon>& icons, const char* way, const cageform::Ma
     std::vector<double> area, angle, milliseconds;
     for (const Icon& icon : icons) {
         const auto [cage, report] =
-            cageform::make_cage<double>(icon.figure.segments, options, icon.figure.areas);
+            cageform::make_cage(cageform::Drawing(icon.figure.segments, icon.figure.areas), options);
         milliseconds.push_back(1000 * report.seconds);
         if (report.status != cageform::Status::ok || report.clearance < 0.9 * report.margin) {
             std::printf("    %s: %s, clearance %.3f of the margin\n", icon.name.c_str(),

@@ -1,13 +1,17 @@
 // Compares a deformed icon, as rendered, with the deformed picture of the icon: for run.sh and frames.sh.
 //
 //     judge prepare ICON.svg FOLDER   writes rest.svg, wide.svg (with a margin), cage.csv and bend.csv
-//     judge compare FOLDER            of rest.png, wide.png, identity.png and bend.png: prints the largest difference of
-//                                     the identity, and of the bend the mean difference where either picture has
-//                                     paint and the share of it that differs by more than 32; writes expected.png
+//     judge compare FOLDER            of rest.png, wide.png, identity.png and bend.png: prints the largest
+//     difference of
+//                                     the identity, and of the bend the mean difference where either
+//                                     picture has
+//                                     paint and the share of it that differs by more than 32; writes
+//                                     expected.png
 //     judge difference A.png B.png    prints the largest difference, the mean and that share
 //     judge sheet OUT.png FOLDER…     a row each: at rest, expected, bent
 //
-// Differences are in steps of 1/255 over white. A picture cannot be bent without blur, so they are of means of 2 x 2 pixels,
+// Differences are in steps of 1/255 over white. A picture cannot be bent without blur, so they are of means
+// of 2 x 2 pixels,
 // and edges of an icon without a fault differ by some.
 
 #include "../support/larger.hpp"

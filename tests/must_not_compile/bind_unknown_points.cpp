@@ -12,7 +12,7 @@ struct Pixel {
 using Pixel = cageform::Vec<double, 2>;
 #endif
 
-cageform::BindReport report_of(const cageform::MeanValueCoordinates2d& coordinates,
+cageform::BindReport report_of(const cageform::MeanValueCoordinates<double, 2>& coordinates,
                                const std::vector<Pixel>& figure) {
     return cageform::bind(coordinates, figure).report;
 }

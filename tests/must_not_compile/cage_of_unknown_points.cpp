@@ -16,8 +16,8 @@ using Pixel = std::array<double, 3>;
 using Faces = std::vector<std::array<std::uint32_t, 3>>;
 
 cageform::CageReport report_of(const std::vector<Pixel>& vertices, const Faces& faces) {
-    return cageform::MeanValueCoordinates3d(vertices, faces).cage_report();
+    return cageform::MeanValueCoordinates<double, 3>(vertices, faces).cage_report();
 }
 cageform::CageReport report_of_another(const std::vector<Pixel>& vertices, const Faces& faces) {
-    return cageform::HarmonicCoordinates3d(vertices, faces).cage_report();
+    return cageform::HarmonicCoordinates<double, 3>(vertices, faces).cage_report();
 }

@@ -10,6 +10,7 @@ using Figure = std::array<std::array<double, 3>, 1>;
 using Figure = std::array<std::array<double, 2>, 1>;
 #endif
 
-cageform::BindReport report_of(const cageform::MeanValueCoordinates2d& coordinates, const Figure& figure) {
+cageform::BindReport report_of(const cageform::MeanValueCoordinates<double, 2>& coordinates,
+                               const Figure& figure) {
     return cageform::bind(coordinates, figure).report;
 }

@@ -1,4 +1,5 @@
-// An engine's own assert: defined before the first include it is told of a broken promise, and nothing else is.
+// An engine's own assert: defined before the first include it is told of a broken promise, and nothing else
+// is.
 namespace {
 int failed_asserts = 0;
 const char* last_reason = "";

@@ -104,7 +104,8 @@ int play(std::size_t points, std::size_t handles) {
     return failures;
 }
 
-/// A thousand frames of the clip in a file with a figure: nothing is allocated from before it is opened, and the cursor's
+/// A thousand frames of the clip in a file with a figure: nothing is allocated from before it is opened,
+/// and the cursor's
 /// memory is the player's.
 int play_file(std::size_t points, std::size_t handles) {
     using Vector = cageform::Vec<float, 3>;

@@ -1,4 +1,5 @@
-// What an engine calls every frame, and nothing else: cmake/check_symbols.cmake looks at what the compiler makes of it.
+// What an engine calls every frame, and nothing else: cmake/check_symbols.cmake looks at what the compiler
+// makes of it.
 #include <cageform/runtime.hpp>
 
 namespace frame {

@@ -1,4 +1,5 @@
-// How many allocations a program has made, and which of them fails, where one of its files includes allocations.hpp.
+// How many allocations a program has made, and which of them fails, where one of its files includes
+// allocations.hpp.
 #pragma once
 
 #include <atomic>

@@ -1,4 +1,5 @@
-// How large tests are: smaller under sanitizers, which look for what the code does wrong and not for what it computes.
+// How large tests are: smaller under sanitizers, which look for what the code does wrong and not for what
+// it computes.
 #pragma once
 
 #include "../catch.hpp"

@@ -1,4 +1,5 @@
-// OpenGL 4.5 without a window, to run shaders in tests: on Mesa's software renderer, or on a graphics card where one is.
+// OpenGL 4.5 without a window, to run shaders in tests: on Mesa's software renderer, or on a graphics card
+// where one is.
 #pragma once
 
 #include <EGL/egl.h>
@@ -57,7 +58,8 @@ namespace cageform_tests {
     X(PFNGLVERTEXATTRIBIPOINTERPROC, VertexAttribIPointer)                                                   \
     X(PFNGLVERTEXATTRIBPOINTERPROC, VertexAttribPointer)
 
-/// A buffer that a shader reads and writes, by `layout(std430, binding = …)`. What it wrote is in `bytes` afterwards.
+/// A buffer that a shader reads and writes, by `layout(std430, binding = …)`. What it wrote is in `bytes`
+/// afterwards.
 struct GlStorage {
     GLuint binding = 0;
     std::span<std::byte> bytes;
@@ -74,7 +76,8 @@ struct GlAttribute {
     std::span<const std::byte> bytes;
 };
 
-/// A context that is current as long as it lives. std::runtime_error, with what the driver says, where anything fails.
+/// A context that is current as long as it lives. std::runtime_error, with what the driver says, where
+/// anything fails.
 class GlContext {
 public:
     GlContext() {
@@ -141,7 +144,8 @@ public:
         check("the compute shader");
     }
 
-    /// Runs a vertex shader `count` times and hands back its output `captured` (std430 rules do not apply: no gaps).
+    /// Runs a vertex shader `count` times and hands back its output `captured` (std430 rules do not apply:
+    /// no gaps).
     void run_vertex(const std::string& source, const char* captured, GLsizei count,
                     std::initializer_list<GlAttribute> attributes, std::initializer_list<GlStorage> storage,
                     std::span<std::byte> out) const {

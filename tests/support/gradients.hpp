@@ -54,7 +54,8 @@ double error_of(const std::vector<Vec<T, D>>& row, const std::vector<Vec<double,
     return worst / largest;
 }
 
-/// How far Σ ∇w = 0 and Σ C ∇w = identity are missed, relative to the largest gradient and to the cage's diagonal.
+/// How far Σ ∇w = 0 and Σ C ∇w = identity are missed, relative to the largest gradient and to the cage's
+/// diagonal.
 template <class T, std::size_t D>
 double law_error(std::span<const Vec<T, D>> handles, const Vec<T, D>& p, const std::vector<Vec<T, D>>& row) {
     const double size = double(bounds_of(handles).diagonal());

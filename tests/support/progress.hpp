@@ -25,7 +25,8 @@ Status status_of(const R& result) {
         return result.status;
 }
 
-/// f(running) is ok, and what it tells never falls and ends with 1; it is cancelled where it is told to stop there.
+/// f(running) is ok, and what it tells never falls and ends with 1; it is cancelled where it is told to
+/// stop there.
 template <class F>
 void check_progress(const char* what, const F& f) {
     CAPTURE(what);

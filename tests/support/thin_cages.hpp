@@ -7,7 +7,8 @@
 
 namespace cageform_tests {
 
-/// How far weights are from Σw = 1 and Σwc = p, lengths about the middle of the handles and in their diagonal.
+/// How far weights are from Σw = 1 and Σwc = p, lengths about the middle of the handles and in their
+/// diagonal.
 template <class Row, std::size_t D, class T>
 double affine_residual(const Row& row, std::span<const Vec<T, D>> handles, const Vec<T, D>& p) {
     const auto bounds = cageform::bounds_of(handles);
@@ -47,7 +48,8 @@ std::vector<Vec<T, D>> thin_simplex(Random& random, double width) {
     return corners;
 }
 
-/// A point in a random direction, 0.1 to 1000 diagonals from the middle of the handles and outside their bounds.
+/// A point in a random direction, 0.1 to 1000 diagonals from the middle of the handles and outside their
+/// bounds.
 template <class T, std::size_t D>
 Vec<T, D> random_outside(std::span<const Vec<T, D>> handles, Random& random) {
     const auto bounds = cageform::bounds_of(handles);

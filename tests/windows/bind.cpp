@@ -9,7 +9,7 @@
 int main() {
     using Point = std::array<double, 2>;
     const std::vector<Point> cage{{0, 0}, {4, 0}, {4, 2}, {0, 2}}, figure{{1, 1}, {2, 1}};
-    const auto [binding, report] = cageform::bind(cageform::MeanValueCoordinates2d(cage), figure);
+    const auto [binding, report] = cageform::bind(cageform::MeanValueCoordinates<double, 2>(cage), figure);
     std::vector<Point> out(figure.size());
     if (report.status != cageform::Status::ok) return 1;
     if (cageform::clone(binding, cage, out) != cageform::Status::ok) return 2;

@@ -1,4 +1,5 @@
-// What windows.h and what it includes do to plain words; included by force before anything else. The headers of
+// What windows.h and what it includes do to plain words; included by force before anything else. The
+// headers of
 // others come first: libstdc++ would undefine min and max again, and theirs are not ours to mend.
 #pragma once
 

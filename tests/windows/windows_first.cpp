@@ -1,4 +1,5 @@
-// Every header behind windows.h itself and what programs include with it, and a harmonic bind, by mingw-w64. Its library
+// Every header behind windows.h itself and what programs include with it, and a harmonic bind, by
+// mingw-w64. Its library
 // has neither GLM nor, of one of its thread models, threads. It defines neither min nor max in C++.
 #include <winsock2.h>
 
@@ -17,5 +18,5 @@
 using Points = std::vector<cageform::Vec<float, 2>>;
 
 cageform::BindReport report_of(const Points& cage, const Points& figure) {
-    return cageform::bind(cageform::HarmonicCoordinates2f(cage), figure).report;
+    return cageform::bind(cageform::HarmonicCoordinates<float, 2>(cage), figure).report;
 }

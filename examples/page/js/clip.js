@@ -1,5 +1,5 @@
 // Motions of a cage: tracks of key frames, each of which moves some vertices along directions of theirs. The library makes
-// the cubic pieces that play a track (compile_track), and says how far they are from the keys' curve at most.
+// the cubic pieces that play a track (compile), and says how far they are from the keys' curve at most.
 
 const KIND = { hold: 0, linear: 1, bezier: 4, automatic: 5 };
 const KIND_OF_WORD = { hold: KIND.hold, linear: KIND.linear, automatic: KIND.automatic, ease: KIND.bezier };

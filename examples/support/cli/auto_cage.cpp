@@ -85,19 +85,18 @@ SvgResult<AutoCage<CageFile>> make_cage_for(const SvgDocument& figure,
                                             const cageform::MakeCageOptions& options) {
     const auto drawn = drawn_figure(figure);
     if (!drawn) return drawn.error();
-    const auto made = cageform::make_cage(std::span<const cageform::DrawnSegment<double>>(drawn->segments),
-                                          options, drawn->areas);
+    const auto made = cageform::make_cage(cageform::Drawing(drawn->segments, drawn->areas), options);
     if (!made) {
         double farthest = 0;
         for (const auto& segment : drawn->segments) farthest = farthest_coordinate(segment.a.v, farthest);
         return SvgError{figure.name + ": " + no_cage(made.report, options, farthest)};
     }
     std::vector<CageBlock> blocks;
-    for (const auto& loop : made.cage.loops()) {
+    for (const auto& loop : made.value.loops()) {
         CageBlock block;
         for (std::size_t i = loop.begin; i < loop.end; ++i)
-            block.points.push_back({rounded(made.cage[i][0], made.report.clearance),
-                                    rounded(made.cage[i][1], made.report.clearance)});
+            block.points.push_back({rounded(made.value[i][0], made.report.clearance),
+                                    rounded(made.value[i][1], made.report.clearance)});
         blocks.push_back(std::move(block));
     }
     return AutoCage<CageFile>{make_cage("the cage of " + figure.name, std::move(blocks)), made.report};
@@ -105,9 +104,7 @@ SvgResult<AutoCage<CageFile>> make_cage_for(const SvgDocument& figure,
 
 SvgResult<AutoCage<ObjFile>> make_cage_for(const ObjFile& figure, const cageform::MakeCageOptions& options,
                                            const cageform::Running& running) {
-    cageform::MakeCageOptions wanted = options;
-    wanted.running = running;
-    const auto made = cageform::make_cage(figure.vertices, figure.triangles, wanted);
+    const auto made = cageform::make_cage(figure.vertices, figure.triangles, options, running);
     const auto& report = made.report;
     if (!made) {
         double farthest = 0;
@@ -119,12 +116,12 @@ SvgResult<AutoCage<ObjFile>> make_cage_for(const ObjFile& figure, const cageform
         return SvgError{why};
     }
     std::string text;
-    for (const auto& p : made.cage.vertices()) {
+    for (const auto& p : made.value.vertices()) {
         text += 'v';
         for (const double x : p.v) text += ' ' + shortest(rounded(x, report.clearance));
         text += '\n';
     }
-    for (const auto& face : made.cage.faces()) {
+    for (const auto& face : made.value.faces()) {
         text += 'f';
         for (const auto v : face) text += ' ' + std::to_string(v + 1);
         text += '\n';

@@ -34,7 +34,8 @@ struct AutoCage {
     cageform::MakeCageReport report;
 };
 
-/// About all that a document paints, in root user space; its coordinates are rounded, within a thousandth of what it keeps
+/// About all that a document paints, in root user space; its coordinates are rounded, within a thousandth
+/// of what it keeps
 /// off the figure.
 ///
 ///   options   margins as shares; the mirror's place in root user space
@@ -59,7 +60,8 @@ std::string describe(const cageform::MakeCageReport& report, std::size_t dimensi
 std::vector<std::string> warnings_of(const cageform::MakeCageReport& report,
                                      const cageform::MakeCageOptions& options);
 
-/// A pose for a first look, where none is given: a half of the cage, along its longest side, bends by 30 degrees.
+/// A pose for a first look, where none is given: a half of the cage, along its longest side, bends by 30
+/// degrees.
 template <std::size_t D>
 std::vector<cageform::Vec<double, D>> first_pose(const std::vector<cageform::Vec<double, D>>& rest);
 

@@ -98,7 +98,7 @@ std::string describe_faults(const std::string& name, const cageform::CageReport&
 std::string describe_corners(const cageform::SolverReport& solver) {
     const auto worst = solver.worst_corner();
     if (worst.error <= worst.notable) return {};
-    const auto more = std::count_if(solver.corners.begin(), solver.corners.end(),
+    const auto more = std::count_if(solver.multigrid.corners.begin(), solver.multigrid.corners.end(),
                                     [](const auto& corner) { return corner.error > corner.notable; }) -
                       1;
     const auto& [i, j] = worst.handles;
@@ -118,12 +118,13 @@ std::string describe_corners(const cageform::SolverReport& solver) {
 }
 
 std::string describe_grid(const cageform::SolverReport& solver) {
-    const auto& place = solver.finest_place;
+    const auto& place = solver.tree.finest_place;
     std::ostringstream text;
-    text << std::setprecision(2) << "cells down to " << solver.finest_size << ", by "
-         << to_string(solver.finest_reason) << " at " << std::setprecision(4) << place[0] << ' ' << place[1];
+    text << std::setprecision(2) << "cells down to " << solver.tree.finest_size << ", by "
+         << to_string(solver.tree.finest_reason) << " at " << std::setprecision(4) << place[0] << ' '
+         << place[1];
     if (place[2] != 0) text << ' ' << place[2];
-    if (solver.grid_errors.empty()) return text.str();
+    if (solver.tree.grid_errors.empty()) return text.str();
     text << std::setprecision(2) << "; weights are off by up to " << solver.grid_error()
          << ", in nine of ten cells by less than " << solver.grid_error(0.9) << " (estimates)";
     return text.str();
@@ -195,25 +196,26 @@ std::string describe(const cageform::BindReport& report) {
          << " (largest change of a weight " << report.weight_change.value << ")\n";
     if (!report.not_restored.empty())
         list("linear precision not fully restored, weights are too large (thin cage)", report.not_restored);
-    if (report.solver.cycles > 0) {
+    if (report.solver.multigrid.cycles > 0) {
         text << "solver: " << report.solver.cells << " unknowns, " << report.solver.solves << " functions, "
-             << report.solver.cycles << " cycles, error " << report.solver.error_estimate;
-        if (report.solver.error_bound > 0) text << " (never above " << report.solver.error_bound << ")";
-        text << ", convergence factor " << report.solver.convergence_factor << ", "
+             << report.solver.multigrid.cycles << " cycles, error " << report.solver.multigrid.error_estimate;
+        if (report.solver.multigrid.error_bound > 0)
+            text << " (never above " << report.solver.multigrid.error_bound << ")";
+        text << ", convergence factor " << report.solver.multigrid.convergence_factor << ", "
              << double(report.solver.bytes) / 1048576 << " MiB, " << report.solver.seconds << " s\n";
-        if (report.solver.finest_size > 0) text << "grid: " << describe_grid(report.solver) << '\n';
+        if (report.solver.tree.finest_size > 0) text << "grid: " << describe_grid(report.solver) << '\n';
         const auto worst = report.solver.worst_corner();
         const std::string coarse = describe_corners(report.solver);
         if (!coarse.empty()) {
             text << "corners and edges: " << coarse << '\n';
-        } else if (!report.solver.corners.empty()) {
+        } else if (!report.solver.multigrid.corners.empty()) {
             text << "corners and edges: weights there are off by up to " << worst.error << " (an estimate)\n";
         }
     } else if (report.solver.solves > 0) {
         text << "solver: " << report.solver.cells << " cells, " << report.solver.solves << " functions, "
-             << report.solver.sweeps << " sweeps of the finest grid, last mean change "
-             << report.solver.largest_mean_change << ", " << report.solver.crowded_cells << " crowded cells, "
-             << report.solver.seconds << " s\n";
+             << report.solver.pyramid.sweeps << " sweeps of the finest grid, last mean change "
+             << report.solver.pyramid.largest_mean_change << ", " << report.solver.pyramid.crowded_cells
+             << " crowded cells, " << report.solver.seconds << " s\n";
     }
     text << "time: " << report.seconds << " s\n";
     return text.str();

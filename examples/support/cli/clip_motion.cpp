@@ -81,14 +81,14 @@ SvgResult<cageform::CageClip<double, 2>> make_clip(const ClipFile& file, std::sp
             for (const cageform::Key& key : keys)
                 tolerance = std::max(tolerance, 1e-6 * std::fabs(key.value));
             const auto compiled = cageform::compile<double>(keys, {.tolerance = tolerance});
-            if (compiled.status != cageform::Status::ok) {
+            if (!compiled) {
                 // Of the keys that are repeated: a time in the file.
-                const std::size_t row = compiled.culprit % (control.rows.size() - 1);
+                const std::size_t row = compiled.report.culprit % (control.rows.size() - 1);
                 return SvgError{file.name + ": " + detail::quoted(control.name) + ": the key at " +
                                 detail::short_number(control.rows[row].time) + ": " +
-                                cageform::to_string(compiled.status)};
+                                cageform::to_string(compiled.status())};
             }
-            move[axis] = compiled.track.curve;
+            move[axis] = compiled.value.curve;
         }
     }
     std::vector<cageform::PiecewiseCubic<double>> curves;

@@ -1,6 +1,7 @@
 #pragma once
 
-// A program's options, read by CLI11. Its headers take longer to compile than most programs, so only command_line.cpp
+// A program's options, read by CLI11. Its headers take longer to compile than most programs, so only
+// command_line.cpp
 // includes them.
 
 #include <cstddef>
@@ -43,7 +44,8 @@ private:
     CLI::Option* option_;
 };
 
-/// Every program has --help, --help-all, which lists rare options and formats of files too, and --version, which prints
+/// Every program has --help, --help-all, which lists rare options and formats of files too, and --version,
+/// which prints
 /// its name and the library's version.
 class CommandLine {
 public:
@@ -68,7 +70,8 @@ public:
     /// Below the options in --help-all: how the files look that the program takes.
     void set_footer(const std::string& text);
 
-    /// Nothing, or the code to exit with: 0 after --help and --version, 1 where the words are wrong and stderr says why.
+    /// Nothing, or the code to exit with: 0 after --help and --version, 1 where the words are wrong and
+    /// stderr says why.
     [[nodiscard]] std::optional<int> parse(int argc, char** argv);
 
 private:

@@ -1,6 +1,7 @@
 #pragma once
 
-// Coordinates by the name that a user gave. The library is a set of templates: what the programs need of it is compiled
+// Coordinates by the name that a user gave. The library is a set of templates: what the programs need of it
+// is compiled
 // once, in coordinates_2d.cpp and coordinates_3d.cpp, behind an interface without templates of its own.
 
 #include "cli/command_line.hpp"
@@ -136,7 +137,8 @@ template <class T, std::size_t D>
 std::unique_ptr<AnyCoordinates<T, D>> make_coordinates(const CoordinatesChoice& choice,
                                                        const SiteFile<D>& sites);
 
-/// The edge or face whose vector is a handle, by its vertices: "from vertex 1 to 2"; in space as an OBJ file counts
+/// The edge or face whose vector is a handle, by its vertices: "from vertex 1 to 2"; in space as an OBJ
+/// file counts
 /// them, "v 1, v 3, v 2".
 template <cageform::Scalar T, std::size_t D>
 std::string name_of_face(const cageform::HandleView<T, D>& handles, std::size_t handle) {
@@ -188,7 +190,8 @@ struct OutsideChoice {
 
     /// What there is to say after a bind.
     struct Verdict {
-        /// Why the program has to end; empty where it has not. It has where most points are outside and nothing was said
+        /// Why the program has to end; empty where it has not. It has where most points are outside and
+        /// nothing was said
         /// about them: they may be of another figure.
         std::string fault;
         std::string warning; ///< of points outside that nothing was said about; empty where there are none

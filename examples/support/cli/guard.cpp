@@ -33,7 +33,8 @@ std::size_t printable_bytes(std::string_view text) {
     return is_character && byte(0) >= 0xc0 && byte(0) < 0xf8 ? count : 0;
 }
 
-/// Puts one that fails in the place of a standard stream that is closed: else the next file to be opened would
+/// Puts one that fails in the place of a standard stream that is closed: else the next file to be opened
+/// would
 /// be that stream, and what is printed would go into it.
 void keep_streams_apart() {
     for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {

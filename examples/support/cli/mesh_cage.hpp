@@ -25,7 +25,8 @@ struct CageFaces {
     double off_plane = 0;          // as far as corners of a kept face may lie off its plane
 };
 
-/// All faces, of which those of more than three corners are kept where that is wanted and they are planar, to a
+/// All faces, of which those of more than three corners are kept where that is wanted and they are planar,
+/// to a
 /// millionth of the cage's diagonal: what six digits of a file leave of a plane.
 CageFaces faces_of(const ObjFile& cage, bool keep_polygons);
 
@@ -43,7 +44,8 @@ void warn_of_closed_gaps(const std::string& name, const cageform::CageReport& re
 /// "(0.1, 0.2, 0.3), …" for the first few of a list of points, named as the file counts them.
 std::string name_points(std::span<const Point3> points, const std::vector<std::size_t>& indices);
 
-/// A motion from the cage at rest through poses, OBJ files, and back, smooth, `seconds` from each to the next. Fails
+/// A motion from the cage at rest through poses, OBJ files, and back, smooth, `seconds` from each to the
+/// next. Fails
 /// where a file cannot be read, is no pose of the cage or is beyond single precision.
 SvgResult<PoseClip> clip_through_poses(const ObjFile& cage, const std::vector<std::string>& poses,
                                        double seconds);

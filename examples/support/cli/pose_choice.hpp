@@ -26,7 +26,8 @@ struct PoseChoice {
     posed(const std::vector<cageform::Vec<double, D>>& rest) const;
 };
 
-/// --clip, --pose, --seconds and the operations say how a cage in space moves: a clip, or from rest through poses
+/// --clip, --pose, --seconds and the operations say how a cage in space moves: a clip, or from rest through
+/// poses
 /// and back.
 struct MotionChoice {
     std::string clip;
@@ -37,7 +38,8 @@ struct MotionChoice {
     void add_options(CommandLine& line);
 
     bool is_given() const { return !clip.empty() || !poses.empty() || !operations.operations.empty(); }
-    /// The motion; without keys where none is given. Fails where a file cannot be read or fits not, an operation cannot
+    /// The motion; without keys where none is given. Fails where a file cannot be read or fits not, an
+    /// operation cannot
     /// be done, numbers are beyond single precision, or more than one of the three is given.
     SvgResult<PoseClip> motion(const ObjFile& cage) const;
 };

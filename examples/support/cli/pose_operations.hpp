@@ -49,7 +49,8 @@ template <std::size_t D>
 SvgResult<std::vector<std::size_t>> parse_selection(std::string_view word,
                                                     std::span<const cageform::Vec<double, D>> rest);
 
-/// Applies an operation, WHICH:NUMBERS[@POINT], to a pose. Middles are means of vertices where they are by then.
+/// Applies an operation, WHICH:NUMBERS[@POINT], to a pose. Middles are means of vertices where they are by
+/// then.
 ///
 ///   rest      the cage, as long as `pose`
 ///   pose      the cage after the operations before; vertices that are not selected keep every bit

@@ -13,7 +13,8 @@
 
 namespace cageform_examples {
 
-/// Names of temporaries, for the handler of signals, which may call no more than unlink(). Of more files at once than
+/// Names of temporaries, for the handler of signals, which may call no more than unlink(). Of more files at
+/// once than
 /// there are places, the last ones stay when a signal ends the program.
 static std::array<std::atomic<const char*>, 128> temporaries;
 

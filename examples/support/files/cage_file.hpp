@@ -112,7 +112,8 @@ SvgResult<CageFile> load_cage(const std::string& path);
 SvgResult<std::string> to_svg(const CageFile& cage, const ViewBox& view);
 std::string to_csv(const CageFile& cage);
 
-/// Draws a cage into an SVG document, in root user space: loops and chains as dashed lines, points as circles.
+/// Draws a cage into an SVG document, in root user space: loops and chains as dashed lines, points as
+/// circles.
 ///
 ///   diagonal   of the picture, which thicknesses go by
 void draw_cage(SvgDocument& document, const std::vector<CageBlock>& blocks, double diagonal,

@@ -33,7 +33,8 @@ std::vector<std::string> fields_of(std::string_view text) {
     return fields;
 }
 
-/// Field k as a finite number; `why` becomes the reason where it is none, and stays what it is if it is one already.
+/// Field k as a finite number; `why` becomes the reason where it is none, and stays what it is if it is one
+/// already.
 double field_number(const std::vector<std::string>& fields, std::size_t k, std::string& why) {
     double x = 0;
     const std::string fault = k < fields.size() ? detail::parse_number(fields[k], x) : "a number is missing";

@@ -101,7 +101,8 @@ struct ClipFile {
 /// A motion in the plane from the text of a file.
 ///
 ///   name    stands before every message
-///   fails   where a line is none of the above, a number is not finite, a vertex is not one of `vertex_count`, or
+///   fails   where a line is none of the above, a number is not finite, a vertex is not one of
+///           `vertex_count`, or
 ///           the times of a control do not ascend or are no part of the length
 SvgResult<ClipFile> parse_clip(std::string_view text, const std::string& name, std::size_t vertex_count);
 
@@ -141,7 +142,8 @@ SvgResult<PoseClip> load_pose_clip(const std::string& path, std::size_t vertex_c
 /// The text of a clip in space, numbers to a millionth.
 std::string pose_clip_text(const PoseClip& clip, const std::string& heading);
 
-/// The curve of one number through the clip's keys, `values` (#keys), from 0 to its length: a piece from every key to
+/// The curve of one number through the clip's keys, `values` (#keys), from 0 to its length: a piece from
+/// every key to
 /// the next. Linear in the values, so that whatever is linear in the poses goes the same way.
 cageform::PiecewiseCubic<double> curve_through(const PoseClip& clip, std::span<const double> values);
 

@@ -55,7 +55,8 @@ bool is_header(std::string_view line);
 
 } // namespace detail
 
-/// Reads the points of a file some at a time. Empty lines, lines that begin with '#' and a header are skipped.
+/// Reads the points of a file some at a time. Empty lines, lines that begin with '#' and a header are
+/// skipped.
 ///
 ///   D    2 or 3: the numbers of a line
 ///   T    what the points are for: a finite number that T does not hold is refused
@@ -133,8 +134,10 @@ struct TableSize {
 
 /// Reads a table: a row a line, cells between commas, all rows as long as the first.
 ///
-///   take    gets each cell's text, without blanks around it, row by row; returns why it is wrong, else nothing
-///   fails   where the file cannot be read, holds no row, rows differ, or a cell is wrong: with line and column
+///   take    gets each cell's text, without blanks around it, row by row; returns why it is wrong, else
+///           nothing
+///   fails   where the file cannot be read, holds no row, rows differ, or a cell is wrong: with line and
+///           column
 SvgResult<TableSize> read_table(const std::string& path,
                                 const std::function<std::string(std::string_view)>& take);
 
@@ -147,7 +150,8 @@ struct CageBlock {
     std::vector<Point2> points;
 };
 
-/// A cage as blocks of "x,y" lines with empty lines between them: loops, the outer one first; chains, headed by
+/// A cage as blocks of "x,y" lines with empty lines between them: loops, the outer one first; chains,
+/// headed by
 /// a line "# chain"; points, headed by "# point RADIUS". Other lines that begin with '#' are skipped.
 SvgResult<std::vector<CageBlock>> parse_cage_csv(std::string_view text, const std::string& name);
 
@@ -159,10 +163,12 @@ inline constexpr const char* labels_format =
     "Labels are a text file of a line for every vertex of the cage, in its order. A\n"
     "vertex whose line is empty has no label; lines that begin with # are comments.\n";
 
-/// Labels of the vertices of a cage, from a file of a line for each; empty where a vertex has none. Lines that begin
+/// Labels of the vertices of a cage, from a file of a line for each; empty where a vertex has none. Lines
+/// that begin
 /// with '#' are skipped, blanks at both ends of a line are left out.
 ///
-///   fails   where the file cannot be read, has not `count` lines or no labels, a label stands there twice or holds a
+///   fails   where the file cannot be read, has not `count` lines or no labels, a label stands there twice
+///           or holds a
 ///           control character
 SvgResult<std::vector<std::string>> read_labels(const std::string& path, std::size_t count);
 

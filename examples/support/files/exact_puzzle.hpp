@@ -61,11 +61,14 @@ inline bool parse_fraction(std::string_view text, mpq_class& value) {
     return true;
 }
 
-/// Solves a puzzle whose unknown cells are all joined to given ones: elimination in whole numbers (Bareiss 1968) along
-/// the narrower side, in which each division is exact, and each pivot is the determinant of the cells so far. Empty, or
+/// Solves a puzzle whose unknown cells are all joined to given ones: elimination in whole numbers (Bareiss
+/// 1968) along
+/// the narrower side, in which each division is exact, and each pivot is the determinant of the cells so
+/// far. Empty, or
 /// why it was not tried.
 ///
-///   cost   O(#unknown · band²) operations on numbers of some two bits a cell, band the cells of the narrower side and two;
+///   cost   O(#unknown · band²) operations on numbers of some two bits a cell, band the cells of the
+///          narrower side and two;
 ///          30 x 30 in under a second
 class ExactSolver {
 public:
@@ -111,7 +114,8 @@ private:
             });
         }
     }
-    /// The matrix is symmetric: what stands right of the diagonal is all of it. A column that the pivot's row has not
+    /// The matrix is symmetric: what stands right of the diagonal is all of it. A column that the pivot's
+    /// row has not
     /// reached is only scaled, by pivot over pivot before: so by the last one, when it is reached.
     void eliminate() {
         const std::size_t n = rows_.size();

@@ -1,9 +1,11 @@
 #pragma once
 
-// The parts that these programs put beside the library's own into a packed figure (cageform/binding/figure.hpp):
+// The parts that these programs put beside the library's own into a packed figure
+// (cageform/binding/figure.hpp):
 //
 //     TRIS  #triangles × 3 × uint32
-//     CLIP  ClipHeader; piece_counts, #curves × uint32: x, y and z of every vertex of the cage; pieces, curve by
+//     CLIP  ClipHeader; piece_counts, #curves × uint32: x, y and z of every vertex of the cage; pieces,
+//           curve by
 //           curve, 5 × float each
 //
 // Nothing here is known to bind-time code: the engine's client includes it.

@@ -1,8 +1,10 @@
 #pragma once
 
-// glTF 2.0: meshes that came from an OBJ file, their materials, their skin or morph targets, and how they move.
+// glTF 2.0: meshes that came from an OBJ file, their materials, their skin or morph targets, and how they
+// move.
 //
-// A file is a JSON object and a buffer of bytes; both end in one file, .gltf (the bytes as text in the JSON) or .glb
+// A file is a JSON object and a buffer of bytes; both end in one file, .gltf (the bytes as text in the
+// JSON) or .glb
 // (the bytes as they are). References are to the sections of the glTF 2.0 specification.
 
 #include "files/base64.hpp"
@@ -124,9 +126,12 @@ private:
     std::string bytes_;
 };
 
-/// A mesh as glTF has it: a vertex for every position, normal and texture coordinate that meet at a corner, in the order
-/// of the OBJ file; behind them those that are there once more, because their faces differ in normal or texture
-/// coordinate. Where it is the only mesh of a file it has all vertices of that, else those that its faces have.
+/// A mesh as glTF has it: a vertex for every position, normal and texture coordinate that meet at a corner,
+/// in the order
+/// of the OBJ file; behind them those that are there once more, because their faces differ in normal or
+/// texture
+/// coordinate. Where it is the only mesh of a file it has all vertices of that, else those that its faces
+/// have.
 struct GltfMesh {
     struct Corner {
         std::uint32_t vertex, normal, texture; // of the OBJ file; ObjCorner::none where there is none
@@ -182,7 +187,8 @@ inline SvgResult<ObjTexture> read_texture(const ObjFile& file) {
     return texture;
 }
 
-/// The meshes of a file, one an object: splits vertices as glTF needs it. Fails where the file has no faces, or as
+/// The meshes of a file, one an object: splits vertices as glTF needs it. Fails where the file has no
+/// faces, or as
 /// read_texture() does.
 inline SvgResult<std::vector<GltfMesh>> gltf_meshes(const ObjFile& file, const ObjParts& parts) {
     if (file.triangles.empty()) return SvgError{file.name + ": holds no faces"};
@@ -249,7 +255,8 @@ inline std::vector<std::array<float, 3>> gltf_positions(const GltfMesh& mesh,
     return positions;
 }
 
-/// Its normals then, of unit length: the file's turned with their faces; where there are none, the mean of the faces about
+/// Its normals then, of unit length: the file's turned with their faces; where there are none, the mean of
+/// the faces about
 /// the vertex, weighted by area.
 inline std::vector<std::array<float, 3>> gltf_normals(const GltfMesh& mesh, const ObjFile& file,
                                                       std::span<const Point3> places) {
@@ -303,7 +310,8 @@ inline GltfJson gltf_primitives(GltfDocument& document, const GltfMesh& mesh, co
     return primitives;
 }
 
-/// Appends the materials, with the pictures of their textures, which the file then holds. Returns warnings, of pictures
+/// Appends the materials, with the pictures of their textures, which the file then holds. Returns warnings,
+/// of pictures
 /// that are left out.
 ///
 ///   textured   whether the meshes have texture coordinates
@@ -361,13 +369,14 @@ inline std::vector<std::string> add_materials(GltfDocument& document, const ObjP
     return warnings;
 }
 
-/// Some numbers through the keys of a clip as a sampler of an animation, CUBICSPLINE. Nothing is lost but what single
+/// Some numbers through the keys of a clip as a sampler of an animation, CUBICSPLINE. Nothing is lost but
+/// what single
 /// precision rounds.
 ///
 ///   values   of every key, `components` numbers
 ///   returns  as to_gltf_cubicspline()
-inline cageform::GltfTrack gltf_track(const PoseClip& clip, std::span<const double> values,
-                                      std::size_t components) {
+inline cageform::Result<cageform::GltfTrack, cageform::ExchangeReport>
+gltf_track(const PoseClip& clip, std::span<const double> values, std::size_t components) {
     const std::size_t keys = clip.keys.size();
     std::vector<cageform::BezierCurve> curves(keys * components);
     std::vector<double> own(keys);
@@ -387,7 +396,8 @@ inline cageform::GltfTrack gltf_track(const PoseClip& clip, std::span<const doub
     return cageform::to_gltf_cubicspline(curves, components);
 }
 
-/// Appends the attributes of a skin, four joints a set: JOINTS_0, WEIGHTS_0, JOINTS_1, … Points without weights are given to
+/// Appends the attributes of a skin, four joints a set: JOINTS_0, WEIGHTS_0, JOINTS_1, … Points without
+/// weights are given to
 /// the joint `still`.
 ///
 ///   Index    std::uint8_t or std::uint16_t

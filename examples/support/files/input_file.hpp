@@ -37,7 +37,8 @@ private:
     std::string error_;
 };
 
-/// The path by which this program has opened, as an InputFile, the file at `path`; empty where it has not. Both
+/// The path by which this program has opened, as an InputFile, the file at `path`; empty where it has not.
+/// Both
 /// paths may lead to it by links, hard ones too, and detours.
 std::string input_at(const std::filesystem::path& path);
 

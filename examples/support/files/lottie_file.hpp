@@ -38,7 +38,8 @@ inline cageform::LottieHandle lottie_handle(const nlohmann::ordered_json& key, c
     return {lottie_number(handle->at("x"), component), lottie_number(handle->at("y"), component)};
 }
 
-/// A place moves along a path in space if a tangent of it has a length: easing then is of the part of the path.
+/// A place moves along a path in space if a tangent of it has a length: easing then is of the part of the
+/// path.
 inline bool moves_along_a_path(const nlohmann::ordered_json& key) {
     for (const char* const tangent : {"to", "ti"}) {
         if (!key.contains(tangent)) continue;
@@ -94,7 +95,8 @@ inline void add_lottie_curves(const nlohmann::ordered_json& json, const std::str
 
 } // namespace detail
 
-/// All intervals of animated numbers, in the order of the file. Throws nlohmann's exceptions where a keyframe is not
+/// All intervals of animated numbers, in the order of the file. Throws nlohmann's exceptions where a
+/// keyframe is not
 /// as it has to be, std::length_error where parts are nested deeper than 200.
 inline std::vector<LottieCurve> lottie_curves(const nlohmann::ordered_json& file) {
     std::vector<LottieCurve> curves;
@@ -106,7 +108,7 @@ inline std::vector<LottieCurve> lottie_curves(const nlohmann::ordered_json& file
 inline std::string describe(const LottieCurve& one) {
     const auto& p = one.curve.value.curve.points;
     std::string text = one.path + "  ";
-    if (one.curve.status() != cageform::Status::ok)
+    if (!one.curve)
         text += cageform::to_string(one.curve.status());
     else
         text += "frames " + detail::short_number(p[0][0]) + " to " + detail::short_number(p[3][0]) +

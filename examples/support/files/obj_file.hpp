@@ -155,7 +155,8 @@ SvgResult<ObjFile> load_obj(const std::filesystem::path& path);
 std::optional<SvgError> single_precision_fault(const ObjFile& file);
 
 /// The file's normals after its vertices have moved. Each is turned as the faces are that have it at a
-/// corner: by the smallest rotation between the sums of their normals, weighted by area, before and after. One
+/// corner: by the smallest rotation between the sums of their normals, weighted by area, before and after.
+/// One
 /// that no face has, or whose faces sum up to nothing, stays.
 std::vector<Point3> deformed_normals(const ObjFile& file, std::span<const Point3> moved);
 

@@ -33,7 +33,8 @@ std::string single_spaced(const std::string& line) {
     return name;
 }
 
-/// The file of a name inside a folder; one of another folder is looked for by the last part of its path. Links do not
+/// The file of a name inside a folder; one of another folder is looked for by the last part of its path.
+/// Links do not
 /// lead out of the folder either.
 std::optional<fs::path> file_inside(const fs::path& folder, std::string name) {
     std::replace(name.begin(), name.end(), '\\', '/');
@@ -71,7 +72,8 @@ ObjMaterial taken(const tinyobj::material_t& read) {
     if (read.roughness > 0 || read.metallic > 0) {
         material.roughness = within(read.roughness, 1);
     } else if (gloss > 0) {
-        // The exponent of Blinn and Phong as a roughness: Walter et al., Microfacet models (2007), sec. 5.2, whose
+        // The exponent of Blinn and Phong as a roughness: Walter et al., Microfacet models (2007), sec.
+        // 5.2, whose
         // alpha is the square of glTF's.
         material.roughness = std::pow(2 / (within(read.shininess, 1e6) + 2), 0.25);
     } else {

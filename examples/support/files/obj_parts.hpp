@@ -1,6 +1,7 @@
 #pragma once
 
-// Which object and which material a face of an OBJ file belongs to, and what the MTL files say of the materials.
+// Which object and which material a face of an OBJ file belongs to, and what the MTL files say of the
+// materials.
 
 #include "files/obj_file.hpp"
 
@@ -28,9 +29,12 @@ struct ObjParts {
     std::vector<std::string> warnings; ///< files that are not there, and what is left out
 };
 
-/// Reads the statements o, usemtl and mtllib of a file, and g where it has no o. A name that comes again goes on with
-/// what has that name. Materials are read from MTL files, of which and of whose textures only those are opened that
-/// lie in the folder of the OBJ file or in folders in it: one that is named by a path to elsewhere is looked for
+/// Reads the statements o, usemtl and mtllib of a file, and g where it has no o. A name that comes again
+/// goes on with
+/// what has that name. Materials are read from MTL files, of which and of whose textures only those are
+/// opened that
+/// lie in the folder of the OBJ file or in folders in it: one that is named by a path to elsewhere is
+/// looked for
 /// beside the OBJ file.
 ObjParts read_parts(const ObjFile& file);
 

@@ -124,11 +124,10 @@ std::string surround_sites(double margin, const std::vector<typename SiteFile<D>
     std::vector<Point> inside = figure;
     inside.insert(inside.end(), sites.points.begin(), sites.points.end());
     const auto around = cageform::surround(inside, {.margin = margin});
-    if (around.status != cageform::Status::ok)
-        return sites.name + ": no box around the points: " + cageform::to_string(around.status);
-    for (std::size_t i = 0; i < around.sites.size(); ++i) {
+    if (!around) return sites.name + ": no box around the points: " + cageform::to_string(around.status());
+    for (std::size_t i = 0; i < around.value.size(); ++i) {
         std::array<double, D> corner{};
-        for (std::size_t k = 0; k < D; ++k) corner[k] = around.sites[i][k];
+        for (std::size_t k = 0; k < D; ++k) corner[k] = around.value[i][k];
         const auto site = std::bit_cast<Point>(corner);
         for (SiteFile<D>* file : {&sites, &pose}) {
             file->points.push_back(site);

@@ -33,7 +33,8 @@ inline constexpr const char* site_formats =
     "(.csv), where empty lines and lines that begin with # are skipped. A pose has as\n"
     "many points, in the same order. Only what lies in their convex hull can move.\n";
 
-/// 2 or 3: what sites a file holds. An SVG has those of the plane, an OBJ those of space, a CSV file tells by its first
+/// 2 or 3: what sites a file holds. An SVG has those of the plane, an OBJ those of space, a CSV file tells
+/// by its first
 /// point; what is no point there is for load_sites() to refuse.
 SvgResult<std::size_t> site_dimension(const std::string& path);
 

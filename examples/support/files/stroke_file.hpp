@@ -34,11 +34,13 @@ struct StrokeFile {
 
 /// Reads what has a stroke, or one of these attributes.
 ///
-///   fails   where the file cannot be read or is malformed, where nothing is such a stroke, and where one reaches beyond
+///   fails   where the file cannot be read or is malformed, where nothing is such a stroke, and where one
+///           reaches beyond
 ///           the viewBox: the message names it
 SvgResult<StrokeFile> load_strokes(const std::string& path, const std::vector<const char*>& attributes);
 
-/// The values of an attribute at the points of a line: one for all of it, two for its ends and linear in its length
+/// The values of an attribute at the points of a line: one for all of it, two for its ends and linear in
+/// its length
 /// between, or one for each of its vertices and linear between these.
 ///
 ///   read    one value of `count` numbers from a word; an error where it is none

@@ -11,7 +11,8 @@
 
 namespace cageform_examples {
 
-/// The figure below, the cage at rest in grey where the pose is another, the pose over it with its vertices' numbers.
+/// The figure below, the cage at rest in grey where the pose is another, the pose over it with its
+/// vertices' numbers.
 ///
 ///   figure   may be null
 ///   name     of the file, for messages
@@ -19,12 +20,14 @@ namespace cageform_examples {
 SvgResult<SvgDocument> draw_pose(const CageFile& cage, const CageFile& pose, const SvgDocument* figure,
                                  const std::string& name);
 
-/// Draws into a document, in root user space, a dot and a number at every vertex of a cage, the number outside its loop.
+/// Draws into a document, in root user space, a dot and a number at every vertex of a cage, the number
+/// outside its loop.
 ///
 ///   letter   the size of the numbers
 void draw_numbers(SvgDocument& document, const CageFile& cage, double letter);
 
-/// A cage in space from the front and from behind: its faces, the edges at rest in grey, and the numbers of the vertices
+/// A cage in space from the front and from behind: its faces, the edges at rest in grey, and the numbers of
+/// the vertices
 /// of faces turned here.
 Picture draw_pose(const ObjFile& cage, const std::vector<Point3>& pose);
 

@@ -1,6 +1,7 @@
 #pragma once
 
-// Pictures of a field over a domain in the plane: a map of colours with level lines, and a surface seen from any side.
+// Pictures of a field over a domain in the plane: a map of colours with level lines, and a surface seen
+// from any side.
 
 #include "cli/command_line.hpp"
 #include "pictures/mesh_picture.hpp"
@@ -18,7 +19,8 @@
 
 namespace cageform_examples {
 
-/// Black at 0; the root of the distance from it is how bright positive values are in yellow, negative ones in green.
+/// Black at 0; the root of the distance from it is how bright positive values are in yellow, negative ones
+/// in green.
 Colour sign_root(double value);
 
 /// How a field is drawn: the options of every program that draws one.
@@ -83,7 +85,8 @@ struct PlaneMesh {
     std::vector<std::array<std::uint32_t, 3>> triangles;
 };
 
-/// What lies in a box and inside loops by the even-odd rule, cut along a lattice and along the loops, so that its rim
+/// What lies in a box and inside loops by the even-odd rule, cut along a lattice and along the loops, so
+/// that its rim
 /// is that of the loops.
 ///
 ///   cells   of the lattice along the longer side of the box
@@ -120,7 +123,8 @@ struct SurfaceView {
     void add_options(CommandLine& line, const std::string& name = "--surface");
 };
 
-/// The surface over its domain with level lines, the boundary's values, and a box with marks: a view for every turn.
+/// The surface over its domain with level lines, the boundary's values, and a box with marks: a view for
+/// every turn.
 Picture draw_surface(const FieldSurface& surface, const SurfaceView& view, const FieldStyle& style);
 
 // Defined here, so that who draws without options needs no command line.

@@ -13,8 +13,10 @@
 
 namespace cageform_examples {
 
-/// The lines on which a field has a value: linear along the sides of the squares between neighbouring values; of a
-/// square with four crossings the mean of its corners decides which belong together. Closed lines end at their first
+/// The lines on which a field has a value: linear along the sides of the squares between neighbouring
+/// values; of a
+/// square with four crossings the mean of its corners decides which belong together. Closed lines end at
+/// their first
 /// point. Squares with a corner that is not a number have none.
 ///
 ///   values   width · height, the first row first; value (x, y) lies at (x, y)
@@ -37,7 +39,8 @@ inline std::vector<std::vector<Point2>> level_lines(std::span<const double> valu
             for (std::size_t k = 0; k < 4; ++k) {
                 if ((corner[k] > level) != (corner[(k + 1) % 4] > level)) crossed.push_back(sides[k]);
             }
-            // Of four, the lines go round the corners that the middle is not like: the second and the fourth, or the
+            // Of four, the lines go round the corners that the middle is not like: the second and the
+            // fourth, or the
             // first and the third.
             if (crossed.size() == 4 && (corner[0] > level) != (mean > level))
                 std::swap(crossed[1], crossed[3]);

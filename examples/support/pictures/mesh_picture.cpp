@@ -65,7 +65,8 @@ public:
                    height / 2 - scale_ * (least.y + greatest.y) / 2};
     }
 
-    /// The place in the picture, in its units, y downwards; and how near: linear in the picture along a line, in the
+    /// The place in the picture, in its units, y downwards; and how near: linear in the picture along a
+    /// line, in the
     /// picture's units too where rays are parallel.
     Point3 project(const Point3& v) const {
         const Point3 d = seen(v - middle_);
@@ -122,7 +123,8 @@ public:
         }
     }
 
-    /// A surface of its own colours, flat triangles under a light from above and the left, so that they can be read.
+    /// A surface of its own colours, flat triangles under a light from above and the left, so that they can
+    /// be read.
     void draw_plot(const MeshView& surface, const Camera& camera) {
         const Point3 light = unit({-0.45, 0.75, 0.7});
         const auto lit = [&](const Point3& normal, const Point3& own) {
@@ -141,7 +143,8 @@ public:
         }
     }
 
-    /// A line as far as no surface hides it: half a pixel and its thickness nearer than it is, so that it is seen on
+    /// A line as far as no surface hides it: half a pixel and its thickness nearer than it is, so that it
+    /// is seen on
     /// one whose triangles are not quite at its place.
     void draw_line(const SpaceLine& line, const Camera& camera) {
         for (std::size_t k = 1; k < line.points.size(); ++k) {

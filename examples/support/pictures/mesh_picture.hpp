@@ -36,7 +36,8 @@ struct MeshSight {
 Picture draw_meshes(std::span<const MeshScene> scenes, std::size_t width, std::size_t height,
                     const MeshSight& sight = {});
 
-/// Where a picture is seen from: what is to its right, up in it, and towards the eye. Unit lengths, at right angles.
+/// Where a picture is seen from: what is to its right, up in it, and towards the eye. Unit lengths, at
+/// right angles.
 struct ViewDirections {
     Point3 right, up, towards;
 };

@@ -1,6 +1,7 @@
 #pragma once
 
-// Coordinates as means over paths from a point to the boundary: mean value ones by straight rays, harmonic ones by
+// Coordinates as means over paths from a point to the boundary: mean value ones by straight rays, harmonic
+// ones by
 // Brownian paths (H: Joshi et al., Harmonic Coordinates for Character Articulation, 2007, section 2, fig. 3).
 
 #include "svg/path.hpp"
@@ -84,7 +85,8 @@ private:
     std::size_t vertices_ = 0;
 };
 
-/// Mean value coordinates by rays: of the vertices' hat functions where a ray crosses the boundary, weighted by one over
+/// Mean value coordinates by rays: of the vertices' hat functions where a ray crosses the boundary,
+/// weighted by one over
 /// the distance, those where it comes in taken off. The error falls with the square of the number of rays.
 ///
 ///   p      inside
@@ -108,8 +110,10 @@ inline std::vector<double> weights_by_rays(const PathBoundary& boundary, const P
     return weights;
 }
 
-/// A Brownian path from a point to the boundary: jumps to places on circles around it, each as large as fits inside and
-/// `longest` at most, until it is nearer than `near`. Where it ends is distributed as where a Brownian path does, but for
+/// A Brownian path from a point to the boundary: jumps to places on circles around it, each as large as
+/// fits inside and
+/// `longest` at most, until it is nearer than `near`. Where it ends is distributed as where a Brownian path
+/// does, but for
 /// `near` (Muller 1956, "walk on spheres").
 ///
 ///   visit   called with every place on the way
@@ -131,7 +135,8 @@ struct PathWeights {
     std::vector<double> mean, error;
 };
 
-/// Harmonic coordinates by Brownian paths: the mean of the hat functions where they end. The errors fall with the root of
+/// Harmonic coordinates by Brownian paths: the mean of the hat functions where they end. The errors fall
+/// with the root of
 /// their number.
 ///
 ///   p      inside

@@ -47,7 +47,8 @@ public:
     /// The picture at half its width and height: the mean of four pixels each.
     Picture halved() const;
 
-    /// A line of the given thickness with round ends, in pixels; pixel (x, y) has its centre at (x + ½, y + ½).
+    /// A line of the given thickness with round ends, in pixels; pixel (x, y) has its centre at (x + ½, y +
+    /// ½).
     void line(const Point2& a, const Point2& b, double thickness, const Colour& colour);
 
     /// Letters of ASCII, 7 · `size` pixels high, the left end of their middle line at a place.

@@ -44,7 +44,8 @@ struct AxisMark {
     std::string number;
 };
 
-/// Marks at round values, `most` + 1 at most, their steps `least_step` at least. None where doubles do not tell them
+/// Marks at round values, `most` + 1 at most, their steps `least_step` at least. None where doubles do not
+/// tell them
 /// apart.
 inline std::vector<AxisMark> marks_of(const Axis& axis, int most, double least_step = 0) {
     const double low = std::fmin(axis.from, axis.to), high = std::fmax(axis.from, axis.to);

@@ -19,7 +19,8 @@ std::filesystem::path png_of(const std::filesystem::path& svg);
 ///
 ///   svg     is finished; a note on stderr names a file that it shows by a link: the picture does not
 ///   width   of the picture, in pixels; on white
-///   fails   where rsvg-convert is not there or cannot render the file: then commit() says so, and nothing is written
+///   fails   where rsvg-convert is not there or cannot render the file: then commit() says so, and nothing
+///           is written
 void add_png(OutputFiles& outputs, AtomicFile& svg, int width);
 
 /// Runs librsvg's program. It is given no name of a file, and so reads no files that the SVG names.
@@ -29,13 +30,15 @@ void add_png(OutputFiles& outputs, AtomicFile& svg, int width);
 ///   returns   empty, or why there is nothing: it is not installed, or cannot render what it read
 std::string run_rsvg(std::vector<std::string> options, int in, int out);
 
-/// A film that repeats without end, by the ending of its name: .gif, .mp4, else an animated PNG. Frames go from
+/// A film that repeats without end, by the ending of its name: .gif, .mp4, else an animated PNG. Frames go
+/// from
 /// rsvg-convert to ffmpeg by a pipe: nothing lies about in between.
 ///
 ///   rate    frames a second; a GIF has 25 at most
 ///   width   in pixels; on white
 ///   notes   as add_png() does, by the first frame
-///   fails   where a program is not there or fails: then the outputs' commit() says so, and nothing is written
+///   fails   where a program is not there or fails: then the outputs' commit() says so, and nothing is
+///           written
 class Film {
 public:
     Film(OutputFiles& outputs, const std::string& path, double rate, int width);

@@ -101,11 +101,13 @@ private:
     static void straighten(Path& path);
     bool add(pugi::xml_node node, Path path, const Place& place, bool is_box = false);
     bool add_fixed(pugi::xml_node node, const std::string& kind, const Place& place);
-    /// The paths that a text's letters stand on, which are shapes: where one is not drawn in the text's own user space,
+    /// The paths that a text's letters stand on, which are shapes: where one is not drawn in the text's own
+    /// user space,
     /// the text gets a copy.
     bool add_text_paths(pugi::xml_node text, const Place& place);
     bool add_text_path(pugi::xml_node text_path, const Place& place);
-    /// How far the letters on a path reach: they are taken to be 0.6 em wide and to stand within 0.8 em of it.
+    /// How far the letters on a path reach: they are taken to be 0.6 em wide and to stand within 0.8 em of
+    /// it.
     bool add_reach(pugi::xml_node text_path, const Path& path, Place place);
     /// Whether an element is drawn where it stands, under this transform.
     bool is_drawn_under(pugi::xml_node node, const Affine2& to_root) const;

@@ -14,7 +14,8 @@ struct PaintColour {
     float alpha = 1;
 };
 
-/// #rgb, #rgba, #rrggbb, #rrggbbaa, rgb() and rgba() of numbers or percentages, the names of CSS, transparent. Nothing
+/// #rgb, #rgba, #rrggbb, #rrggbbaa, rgb() and rgba() of numbers or percentages, the names of CSS,
+/// transparent. Nothing
 /// where the text is none of these: `none`, a gradient, `currentColor`.
 std::optional<PaintColour> parse_colour(std::string_view text);
 

@@ -1,6 +1,7 @@
 #pragma once
 
-// Paths under a deformation: curves and long lines are refined until they follow the deformed shape in all frames.
+// Paths under a deformation: curves and long lines are refined until they follow the deformed shape in all
+// frames.
 
 #include "svg/document.hpp"
 #include "svg/motion.hpp"
@@ -32,10 +33,14 @@ inline bool in_range(const Path& path) {
     });
 }
 
-/// Deforms paths in one or more frames and covers the result with cubics. Every segment is sampled at equal steps, a
-/// multiple of six; a piece takes the cubic through its samples at 0, 1/3, 2/3 and 1 if in every frame all other samples
-/// are within the tolerance of it at the same parameter, and is halved otherwise: a path has the same pieces in all
-/// frames. A line that stays straight in all stays one. All pieces of all paths go to the deformer together, so there
+/// Deforms paths in one or more frames and covers the result with cubics. Every segment is sampled at equal
+/// steps, a
+/// multiple of six; a piece takes the cubic through its samples at 0, 1/3, 2/3 and 1 if in every frame all
+/// other samples
+/// are within the tolerance of it at the same parameter, and is halved otherwise: a path has the same
+/// pieces in all
+/// frames. A line that stays straight in all stays one. All pieces of all paths go to the deformer
+/// together, so there
 /// are only as many calls as halvings.
 class CurveDeformer {
 public:
@@ -335,7 +340,8 @@ private:
             {(2 * a.x + d.x) / 3, (2 * a.y + d.y) / 3}, {(a.x + 2 * d.x) / 3, (a.y + 2 * d.y) / 3}, d, true};
     }
 
-    /// Where the curve stops, the cubic does too: its direction there would be that of rounding, which strokes show.
+    /// Where the curve stops, the cubic does too: its direction there would be that of rounding, which
+    /// strokes show.
     static Segment cubic_through(std::span<const Point2> samples, Stops stops) {
         const std::size_t n = samples.size() - 1;
         const Point2& a = samples[0];

@@ -16,7 +16,8 @@ int decimals_for(const Affine2& to_root, double tolerance) {
     return enough;
 }
 
-/// Moves a text or an image as a whole: its transform is P⁻¹ best P before its own one, where P is that of what it
+/// Moves a text or an image as a whole: its transform is P⁻¹ best P before its own one, where P is that of
+/// what it
 /// stands in.
 ///
 ///   best   of every frame
@@ -116,7 +117,8 @@ public:
         , styles_(root_element(work.xml))
         , ids_(root_element(work.xml)) {}
 
-    /// Nothing, or why not. `moved()` is false where nothing has moved, and the document then is to stay as it was.
+    /// Nothing, or why not. `moved()` is false where nothing has moved, and the document then is to stay as
+    /// it was.
     std::optional<SvgError> run() {
         const auto view = view_box(work_);
         if (!view) return view.error();

@@ -12,7 +12,8 @@
 // What follows a shape by the affine map that fits its points best, in the sense of least squares: its
 // gradients and patterns, in user space or in units of its box (svg_paint.hpp), and of text, image and
 // foreignObject the whole: under a strong bend the nearest such map is not near. Regions of filters, of their
-// primitives and of masks grow to hold what has moved; lights of filters follow. A nested svg or a used symbol that
+// primitives and of masks grow to hold what has moved; lights of filters follow. A nested svg or a used
+// symbol that
 // cuts off what it holds becomes a group with a clip path.
 //
 // What stays: the width of strokes, and lengths and angles in filters (of a blur, of an offset); markers at
@@ -44,7 +45,8 @@ struct SvgDocument {
     pugi::xml_document xml;
     std::string name;                                   // for messages: the file's name
     std::unordered_map<std::size_t, std::size_t> lines; // xml_node::hash_value() -> line in the file
-    /// The boxes of texts in their own user space, as far as they were measured: xml_node::hash_value() -> x0, y0, x1, y1
+    /// The boxes of texts in their own user space, as far as they were measured: xml_node::hash_value() ->
+    /// x0, y0, x1, y1
     std::unordered_map<std::size_t, std::array<double, 4>> text_boxes;
 };
 
@@ -127,7 +129,8 @@ SvgResult<ViewBox> view_box(const SvgDocument& document);
 
 namespace detail {
 
-/// A shape as the walk finds it. What is no shape (text, an image) but is asked for has the outline of its box
+/// A shape as the walk finds it. What is no shape (text, an image) but is asked for has the outline of its
+/// box
 /// for a path.
 struct DrawnShape {
     pugi::xml_node node;
@@ -151,7 +154,8 @@ struct DrawnShape {
     bool is_extent = false; // about where letters stand on a path: says how far they reach, is not written
 };
 
-/// What is drawn, in document order. The document is changed on the way, without changing what it shows: every `use`
+/// What is drawn, in document order. The document is changed on the way, without changing what it shows:
+/// every `use`
 /// becomes a group with a copy, and clip paths and masks needed under several transforms are copied.
 SvgResult<std::vector<DrawnShape>> drawn_shapes(SvgDocument& document, std::vector<std::string>& warnings);
 
@@ -207,11 +211,13 @@ struct AnimatedSvg {
     /// Writes the attributes of a frame.
     void show(std::size_t frame);
 
-    /// Adds the animations that play all frames, equally far apart, again and again: the first comes after the last.
+    /// Adds the animations that play all frames, equally far apart, again and again: the first comes after
+    /// the last.
     void play(double seconds);
 
     /// Adds one animation, without end, to an element.
-    ///   type     of a transform: translate, or rotate, skewX or scale, which then follow those before; else empty
+    ///   type     of a transform: translate, or rotate, skewX or scale, which then follow those before;
+    ///            else empty
     ///   values   with semicolons between them
     static void append_animation(pugi::xml_node node, const std::string& attribute, const std::string& type,
                                  double seconds, const std::string& values);

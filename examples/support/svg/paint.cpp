@@ -243,7 +243,8 @@ Region region_of(pugi::xml_node node, const Viewport& viewport) {
     return read_region(node, of_box, viewport, {-0.1 * w, -0.1 * h, 1.1 * w, 1.1 * h});
 }
 
-/// Makes a region large enough for a subject: as far beyond the box as it was. Where it cuts the box, the cut goes where
+/// Makes a region large enough for a subject: as far beyond the box as it was. Where it cuts the box, the
+/// cut goes where
 /// the best map takes it.
 void grow(const SvgDocument& document, Region& region, const Subject& subject,
           std::vector<std::string>& warnings) {

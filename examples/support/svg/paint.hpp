@@ -75,7 +75,8 @@ struct MovedRegion {
     bool moved = false;
 };
 
-/// Makes the regions of masks and filters large enough for what they are about in all frames; so the regions of
+/// Makes the regions of masks and filters large enough for what they are about in all frames; so the
+/// regions of
 /// primitives in user space. Lights of a filter go where the best map of its only user takes them.
 ///   regions   of the drawing's references
 void follow_regions(SvgDocument& document, const Drawing& rest, const std::vector<MovedRegion>& regions,

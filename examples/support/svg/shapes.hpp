@@ -64,7 +64,8 @@ std::string write_transform(const Affine2& map, int digits = 10);
 /// the shape is not drawn because a size is zero.
 SvgResult<Path> shape_path(const SvgDocument& document, pugi::xml_node node, const Viewport& viewport);
 
-/// The decimals of a path in a shape's own user space that make rounding a twentieth of a tolerance in root user space.
+/// The decimals of a path in a shape's own user space that make rounding a twentieth of a tolerance in root
+/// user space.
 int decimals_for(const Affine2& to_root, double tolerance);
 
 } // namespace detail

@@ -44,7 +44,8 @@ struct StyleValue {
 /// The values of the properties that matter to a deformation (paints, references, markers, sizes of text).
 ///
 /// Selectors may be made of types, classes, ids, "*", " " and ">". Of @media the blocks are read that every
-/// screen takes. Rules of other selectors and other blocks are not; `unread` names those that would set a reference
+/// screen takes. Rules of other selectors and other blocks are not; `unread` names those that would set a
+/// reference
 /// to an element.
 class StyleSheets {
 public:
@@ -89,7 +90,8 @@ private:
         by_key_; // rules by what their last compound asks for
 };
 
-/// Replaces selectors of these types by classes, see the head of svg_document.hpp. Nothing changes where there is no
+/// Replaces selectors of these types by classes, see the head of svg_document.hpp. Nothing changes where
+/// there is no
 /// element of them.
 void adapt_style_sheets(SvgDocument& document, const std::set<std::string>& types,
                         std::vector<std::string>& warnings);

@@ -88,7 +88,8 @@ std::optional<std::size_t> number_of(const std::string& fill) {
     return number;
 }
 
-/// Leaves of a document its texts and what they stand in, and paints every element of a text in a colour of its
+/// Leaves of a document its texts and what they stand in, and paints every element of a text in a colour of
+/// its
 /// own. The picture shows three times the viewBox, in about 4096 pixels.
 void strip_to_texts(SvgDocument& document, const ViewBox& view, std::vector<DrawnText>& texts) {
     pugi::xml_node root = root_element(document.xml);
@@ -165,7 +166,8 @@ SvgResult<std::string> outlines(const std::string& text) {
     return result;
 }
 
-/// Makes groups of a text and the elements in it, with a path where the first of an element's own letters stood.
+/// Makes groups of a text and the elements in it, with a path where the first of an element's own letters
+/// stood.
 void replace_text(const DrawnText& text, const std::map<std::size_t, Path>& letters, double tolerance) {
     const std::string prefix = name_prefix(text.node);
     std::size_t colour = text.first_colour;
@@ -212,7 +214,8 @@ struct DrawnTexts {
     }
 };
 
-/// Numbers the texts of a document, in an attribute that stays, and has them drawn. No texts where there are none.
+/// Numbers the texts of a document, in an attribute that stays, and has them drawn. No texts where there
+/// are none.
 SvgResult<DrawnTexts> draw_texts(SvgDocument& document, const ViewBox& view) {
     DrawnTexts drawn;
     for (const pugi::xml_node node : number_texts(document)) drawn.texts.push_back({node, {}, {}, 0});

@@ -1,6 +1,8 @@
-// Compiles key frames to motion: the keys of a value to a track, those of all coordinates to a clip. Bind time.
+// Compiles key frames to motion at bind time: the keys of one value to a track, those of all coordinates of
+// a cage to a clip.
 //
-// The order of reading: key.hpp (keys) → fit.hpp (few cubics for each Bézier curve) → here → clip.hpp (played)
+// The order of reading: key.hpp (keys) → fit.hpp (few cubics for each Bézier curve) → here
+// → clip.hpp (played)
 // → pack_clip.hpp (shipped), clip_blob.hpp (its format).
 #pragma once
 

@@ -196,7 +196,7 @@ Status pack_clip_into(const CageClipView<T, D>& clip, const ClipPackOptions& opt
 
 } // namespace detail
 
-/// Packs a clip for `open_clip`, and for `pack_figure` (FigurePackOptions::clips). With a
+/// Packs a clip for `open_clip`, and for `pack` (FigurePackOptions::clips). With a
 /// tolerance, quantises each curve to 16-bit coefficients (QuantisedCubic) if its vertex stays
 /// within the distance, measured on the coefficients as stored; other curves stay as they are.
 /// Slopes and rises for extrapolation, jumps and the rigid motion stay exact.

@@ -122,12 +122,13 @@ struct BoneShares {
 template <PointRange R, class Bones, ScalarRange Weights,
           Scalar T = typename detail::element_t<const Bones>::scalar, std::size_t D = range_dimension<R>>
     requires(std::is_same_v<detail::element_t<const Bones>, const Transform<T, D>> && (D == 2 || D == 3))
-Result<Binding<T, D>, BindBonesReport> bind_bones(const R& points, const Bones& frames, const Weights& shares,
+Result<Binding<T, D>, BindBonesReport> bind_bones(const R& points, const Bones& frames,
+                                                  const Weights& bone_weights,
                                                   const BindOptions& options = {},
                                                   const Running& running = {}) {
     using W = std::remove_cv_t<detail::element_t<const Weights>>;
     const std::span<const Transform<T, D>> bones(frames);
-    const std::span<const W> weights(shares);
+    const std::span<const W> weights(bone_weights);
     Result<Binding<T, D>, BindBonesReport> result;
     result.report.points = std::size(points);
     if (bones.empty() || weights.size() / bones.size() != std::size(points) ||

@@ -161,7 +161,8 @@ inline bool values_meet(const BezierCurve& before, const BezierCurve& curve) noe
 /// `from_gltf_cubicspline`. Other curves, in which time is not linear in the parameter, must be
 /// fitted first.
 ///
-///   curves      #I · components, at least one interval, curves[interval * components + component]; the intervals follow
+///   curves      #I · components, at least one interval, curves[interval * components + component]; the
+///               intervals follow
 ///               each other in time, the same for all components, and a curve's last value is the
 ///               next one's first
 ///   components  at least 1

@@ -225,7 +225,8 @@ Status solve_fields(const UnknownCells<D>& unknown, std::span<T> values, const D
 ///   cost     O(#unknown cells) a field, sixteen together; memory: Multigrid::bytes() once,
 ///            block_bytes() a thread, the unknown values once more, and 8 bytes an unknown cell.
 ///            Progress is reported before every cycle. Usually 9 to 13 cycles; mazes of outside
-///            cells need more, and max_cycles may have to be raised. SolverReport::Multigrid::error_bound holds
+///            cells need more, and max_cycles may have to be raised. SolverReport::Multigrid::error_bound
+///            holds
 ///            if nothing is mirrored
 ///   fails    rim_not_given and value_not_finite (SolverReport::culprit is the cell, or the index
 ///            in `values`); cells_unreached, if a connected component of unknown cells touches no

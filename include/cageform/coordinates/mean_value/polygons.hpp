@@ -3,6 +3,7 @@
 
 #include <cageform/coordinates/detail/face_coordinates.hpp>
 #include <cageform/coordinates/mean_value/evaluation.hpp>
+#include <cageform/coordinates/mean_value/plane.hpp>
 #include <cageform/coordinates/mean_value/space.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {

@@ -15,7 +15,8 @@ namespace cageform::inline CAGEFORM_ABI {
 /// Unreal's ERichCurveTangentWeightMode, which call `in` arrive and `out` leave.
 enum class WeightedHandles : std::uint8_t { none = 0, in = 1, out = 2, both = 3 };
 
-/// An interval between two keys of another program. The curve passes `check`. For a held key the curve is constant at the first key's value; the
+/// An interval between two keys of another program. The curve passes `check`. For a held key the curve is
+/// constant at the first key's value; the
 /// second key's value starts the next interval.
 struct KeyInterval {
     KeyKind kind = KeyKind::bezier;

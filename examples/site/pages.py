@@ -1,0 +1,488 @@
+"""Usage: python3 examples/site/pages.py FOLDER
+          python3 examples/site/pages.py --finish FOLDER
+
+Writes what Doxygen reads into FOLDER: the public headers with their comments in Doxygen's words, the pages of
+this folder, a page a lesson, the gallery, the README of each room, and the layout of the menu.
+--finish: goes over the HTML that Doxygen has made.
+"""
+import os
+import re
+import shutil
+import sys
+
+ROOT = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", ".."))
+SITE = "examples/site"
+ROOMS = {
+    "core": "points, views, handles, statuses, threads",
+    "adapt": "points of Eigen and GLM",
+    "cage": "polygons, meshes, cells inside, control points, and their checks",
+    "grid": "the Laplace equation on lattices and adaptive trees",
+    "coordinates": "one header a coordinate type",
+    "binding": "bind, pack, open, unpack",
+    "clone": "what runs every frame",
+    "animate": "key frames to cubic pieces, pieces to poses",
+    "enclose": "a cage for any figure",
+    "fields": "the same solvers for your own data",
+    "exchange": "curves of other programs",
+    "papers": "the historical baseline",
+}
+SOLVERS = ("grid/", "papers/")  # what their public headers need of their machinery is no user's concern
+# The coordinate types in the order of the menu: the page's file and its name there.
+TYPES = [
+    ("barycentric", "Barycentric"), ("mean_value", "Mean value"), ("three_point", "Wachspress and family"),
+    ("harmonic", "Harmonic"), ("green", "Green"), ("sibson", "Natural neighbours"), ("blended", "Blended"),
+]
+
+
+def read(path):
+    with open(os.path.join(ROOT, path), encoding="utf-8") as file:
+        return file.read()
+
+
+def files(folder, ending):
+    path = os.path.join(ROOT, folder)
+    return sorted(name for name in os.listdir(path) if name.endswith(ending)) if os.path.isdir(path) else []
+
+
+# ---- headers -----------------------------------------------------------------------------------
+
+def escaped(text):
+    """Text of a comment, for Doxygen: `code` stays, all else stands for itself."""
+    parts = re.split(r"(`[^`]*`)", text)
+    for n in range(0, len(parts), 2):
+        parts[n] = re.sub(r"([\\@<]|(?<!\w)\*(?!\w[\w -]*\*)|(?<=\s)\*)", r"\\\1", parts[n])
+        parts[n] = re.sub(r"#(?=\w)", r"\\#", parts[n])
+        # No end of a sentence; and letters that are part of no word for Doxygen.
+        parts[n] = re.sub(r"\b(al|sec|eq|fig|Adv|Comput|Math|Trans)\. ", r"\1.\\ ", parts[n])
+        parts[n] = re.sub(r"(?<=[^\x00-\x7f])_|_(?=[^\x00-\x7f])", r"\\_", parts[n])
+    return "".join(parts)
+
+
+def definition_table(lines):
+    """Lines "name  what it is", with further ones indented to what it is; None where they are none."""
+    rows = []
+    for line in lines:
+        entry = re.match(r"(\S+(?: \S+)*)(?:  +(\S.*))?$", line)
+        if entry:
+            rows.append([entry[1], [entry[2]] if entry[2] else []])
+        elif rows:
+            rows[-1][1].append(line.strip())
+    first = rows[0]
+    if not first[1] or " = " in first[0] or "," == first[0][-1] or lines[0].startswith(("#", "|")):
+        return None
+    # A line without what it is goes on with the one before.
+    merged = []
+    for name, text in rows:
+        if text or not merged:
+            merged.append([name, text])
+        else:
+            merged[-1][1].append(name)
+    cells = ["<dt>%s</dt><dd>%s</dd>" % (escaped(name), escaped(" ".join(text))) for name, text in merged]
+    return [" <dl class=\"facts\">"] + [" " + cell for cell in cells] + [" </dl>"]
+
+
+def comment(lines):
+    """The lines of a comment without their slashes, in Doxygen's words."""
+    out = []
+    n = 0
+    while n < len(lines):
+        indent = len(lines[n]) - len(lines[n].lstrip())
+        if not lines[n].strip() or indent < 3 or re.match(r"\s*[-*] |\s*\d+\. ", lines[n]):
+            out.append(escaped(lines[n]))
+            n += 1
+            continue
+        end = n + 1
+        while end < len(lines) and (re.match(r" {3}", lines[end]) or (
+                not lines[end].strip() and indent > 3 and end + 1 < len(lines) and
+                re.match(r" {4}", lines[end + 1]))):
+            end += 1
+        block = [line[indent:] if line[:indent].isspace() else line.strip() for line in lines[n:end]]
+        table = definition_table(block) if indent <= 4 else None
+        if table:
+            out += table
+        else:
+            is_code = any(re.search(r";$|\w\(|::|#(include|version)", line) for line in block) and indent > 3
+            out += [" ```cpp" if is_code else " ```text"] + [" " + line for line in block] + [" ```"]
+        n = end
+    return out
+
+
+def in_room(text, room):
+    """What a header declares, as a part of its room."""
+    begin = "\n/// \\addtogroup room_%s\n/// @{\n" % room
+    text = text.replace("namespace cageform::inline CAGEFORM_ABI", "namespace cageform")
+    text = re.sub(r"^namespace [\w:]+ \{$", lambda m: m[0] + begin, text, flags=re.M)
+    return re.sub(r"^} // namespace [\w:]+$", lambda m: "/// @}\n" + m[0], text, flags=re.M)
+
+
+def statuses(text):
+    """The enumerators of Status, which a macro lists, with what `to_string` says of them."""
+    named = re.findall(r"X\((\w+),\s*\"([^\"]*)\"\)", text)
+    body = "\n".join("    %s, ///< %s" % (name, escaped(says)) for name, says in named)
+    macro = r"// clang-format off\n#define CAGEFORM_DETAIL_STATUSES.*?// clang-format on\n"
+    text = re.sub(macro, "", text, flags=re.S)
+    return re.sub(r"(enum class \[\[nodiscard\]\] Status : std::uint8_t) *\{.*?\n};",
+                  lambda m: m[1] + " {\n" + body + "\n};", text, count=1, flags=re.S)
+
+
+def without_machinery(text):
+    """Without what no user calls: namespaces detail, and overloads that are there to name an error."""
+    for name in ("detail", "cageform::inline CAGEFORM_ABI::detail"):
+        whole = r"^namespace %s \{\n.*?^} // namespace [^\n]*detail\n" % name
+        text = re.sub(whole, "", text, flags=re.M | re.S)
+    text = re.sub(r"^ *template <(?:(?!template <)[^;])*?CAGEFORM_DETAIL_DELETE_\w+;\n", "", text, flags=re.M)
+    text = re.sub(r"^( *)(?:private|protected):\n.*?(?=^\1(?:public:|\};))", "", text, flags=re.M | re.S)
+    return re.sub(r"\[\[nodiscard\]\] ", "", text)
+
+
+def doxygen_header(path):
+    text = read("include/cageform/" + path)
+    if "CAGEFORM_DETAIL_STATUSES(X)" in text:
+        text = statuses(text)
+    text = without_machinery(text)
+    out, lines = [], text.split("\n")
+    n = 0
+    head = True
+    while n < len(lines):
+        slashes = r"^(\s*)///?(?!/)(.*)$" if head else r"^(\s*)///(?![/<])(.*)$"
+        found = re.match(slashes, lines[n])
+        if not found:
+            if lines[n].startswith("#pragma once"):
+                head = False
+            elif re.search(r"///<", lines[n]) or (out and re.match(r"\s*///<", lines[n])):
+                before, after = lines[n].split("///<", 1)
+                out.append(before + "///<" + escaped(after))
+            else:
+                out.append(lines[n])
+            n += 1
+            continue
+        end = n
+        block = []
+        while end < len(lines) and re.match(slashes, lines[end]):
+            block.append(re.match(slashes, lines[end])[2])
+            end += 1
+        is_ready = any(re.match(r" [@\\](name|\{|\}|addtogroup)", line) for line in block)
+        made = block if is_ready else comment(block)
+        if head:
+            made = [" \\file"] + made
+        out += [found[1] + "///" + line for line in made]
+        if head:
+            out.append("")
+        n = end
+    room = path.split("/")[0] if "/" in path else "core"
+    return in_room("\n".join(out), room)
+
+
+def public_headers():
+    """Those that a user includes, and those of the machinery that declare names in them."""
+    public = files("include/cageform", ".hpp")
+    for room in ROOMS:
+        public += [room + "/" + name for name in files("include/cageform/" + room, ".hpp")]
+    used = set()
+    for path in public:
+        if not path.startswith(SOLVERS):
+            code = re.sub(r"//[^\n]*", "", without_machinery(read("include/cageform/" + path)))
+            used.update(re.findall(r"\b[A-Z]\w+", code))
+    more = []
+    root = os.path.join(ROOT, "include/cageform")
+    for folder, _, names in sorted(os.walk(root)):
+        for name in sorted(names):
+            path = os.path.relpath(os.path.join(folder, name), root)
+            if name.endswith(".hpp") and path not in public and not path.startswith(SOLVERS):
+                text = without_machinery(read("include/cageform/" + path))
+                declared = re.findall(r"^(?:enum class|struct|class) (\w+)[^;\n]*\{", text, flags=re.M)
+                if used.intersection(declared):
+                    more.append(path)
+    return public, more
+
+
+# ---- pages -------------------------------------------------------------------------------------
+
+def check_paths(name, text):
+    """Ends the run where a page names a header or a file that is not there; Changes names old ones too."""
+    text = re.sub(r"^\|[^|]*\|", "", text, flags=re.M) if name == "changes.md" else text
+    for path in re.findall(r"`(?:cageform/)?((?:%s)/[\w/]+\.hpp)`" % "|".join(ROOMS), text):
+        if path == path.lower() and not os.path.exists(os.path.join(ROOT, "include/cageform", path)):
+            sys.exit("%s/%s: there is no header %s" % (SITE, name, path))
+    for path in re.findall(r"`((?:tests|examples|bench|cmake)/[\w./]+)`", text):
+        if not os.path.exists(os.path.join(ROOT, path)):
+            sys.exit("%s/%s: there is no %s" % (SITE, name, path))
+
+
+def label_of(path):
+    """The name of the page that a file of the repository becomes; none where it becomes none."""
+    room = re.match(r"include/cageform/(\w+)(?:/README\.md)?$", path)
+    if room and room[1] in ROOMS:
+        return "room_" + room[1]
+    lesson = re.match(r"examples/lessons/(\d\d)_\w+\.cpp$", path)
+    if lesson:
+        return "lesson_" + lesson[1]
+    page = re.match(SITE + r"/(\w+)\.md$", path)
+    if page:
+        return page[1] if page[1] != "index" else "index"
+    return {
+        "README.md": "index", "examples/README.md": "gallery", "examples": "gallery",
+        "bench/README.md": "speed", "bench": "speed", "examples/page/README.md": "play", "examples/lessons": "lessons",
+    }.get(path)
+
+
+def relinked(text, folder, headers):
+    """Links between files of the repository become links between pages; others become their text."""
+    def link(found):
+        bang, words, target = found[1], found[2], found[3]
+        if re.match(r"[a-z]+:|#", target):
+            return found[0]
+        if target.startswith("@"):
+            return "\\ref %s \"%s\"" % (target[1:], words)
+        path = os.path.normpath(os.path.join(folder, target.split("#")[0])).replace(os.sep, "/")
+        if bang:
+            return "![%s](%s)" % (words, os.path.basename(path))
+        if path.startswith("include/cageform/") and path[len("include/cageform/"):] in headers:
+            return "\\ref %s \"%s\"" % (path[len("include/"):], words.replace("`", ""))
+        label = label_of(path)
+        if label:
+            return "\\ref %s \"%s\"" % (label, words.replace("`", "").replace("\\", ""))
+        if path.startswith("examples/pictures/"):
+            return "<a href=\"%s\">%s</a>" % (os.path.basename(path), words)
+        return words
+    def replaced(found):
+        if found[0].startswith("`"):  # code stays
+            return found[0]
+        return link(found) if found[3] else "\\" + found[0]
+
+    return re.sub(r"```.*?```|(!?)\[((?:`[^`]*`|[^\]\[`])*)\]\(([^)\s]+)\)|`[^`]+`"
+                  r"|(?<![{#&\\])#(?=\w)|@(?=[a-z0-9])|<(?=[A-Z])", replaced, text, flags=re.S)
+
+
+def readme_code():
+    """The README's first program and what it prints."""
+    text = read("README.md")
+    code = re.search(r"```cpp\n.*?```", text, flags=re.S)[0]
+    printed = re.search(r"```text\n.*?```", text[text.index(code):], flags=re.S)[0]
+    return code + "\n\nprints\n\n" + printed
+
+
+def play():
+    """The page to play with where it has been built; else its picture."""
+    if os.path.exists(os.path.join(ROOT, "out/cageform.html")):
+        frame = "<iframe class=\"play\" src=\"cageform.html\" title=\"Play\"></iframe>"
+        return "\\htmlonly %s\\endhtmlonly\n\n<a href=\"cageform.html\">Open it alone</a>." % frame
+    return ("![One pose of the cat by four coordinate types](page.png)\n\nThis site was made without the "
+            "page: `sh examples/site/run.sh --with-page` builds it first, in some minutes.")
+
+
+def header_table(room, public):
+    """The headers of a room that a user includes, each with the first sentence of its comment."""
+    rows = []
+    for path in public:
+        if path.startswith(room + "/"):
+            words = []
+            for line in read("include/cageform/" + path).split("\n"):
+                if not line.startswith("// "):
+                    break
+                words.append(line[3:])
+            sentence = re.match(r".*?(?:\.(?= |$)|:(?= |$)|$)", " ".join(words))[0].rstrip(":.")
+            rows.append("| \\ref cageform/%s \"%s\" | %s |" % (path, path.split("/")[1], escaped(sentence)))
+    return "\n\n<h2>Headers</h2>\n\n| header | what it holds |\n|---|---|\n" + "\n".join(rows) + "\n"
+
+
+def lesson_page(name, before, after):
+    lines = read("examples/lessons/" + name).rstrip("\n").split("\n")
+    head = []
+    while lines and lines[0].startswith("//"):
+        head.append(lines.pop(0)[2:].strip())
+    printed = []
+    while lines and lines[-1].startswith("//>"):
+        printed.insert(0, lines.pop()[4:])
+    tail = []
+    while lines and lines[-1].startswith("//"):
+        tail.insert(0, lines.pop()[2:].strip())
+    number, words = re.match(r"(\d+)\. (.*)", " ".join(head)).groups()
+    title, _, rest = re.match(r"(.*?)([.:])(?: |$)(.*)", words).groups()
+    page = "# Lesson %s. %s {#%s}\n\n" % (number, title, label_of("examples/lessons/" + name))
+    page += "%s\n\n" % (rest[:1].upper() + rest[1:])
+    page += "```cpp\n%s\n```\n\n" % "\n".join(lines).strip("\n")
+    if tail:
+        page += " ".join(tail) + "\n\n"
+    if printed:
+        page += "It prints\n\n```text\n%s\n```\n\n" % "\n".join(printed)
+    page += "The source is `examples/lessons/%s`.\n\n" % name
+    turn = ["\\ref %s \"← before\"" % before] if before else []
+    turn += ["\\ref lessons \"all lessons\""]
+    turn += ["\\ref %s \"next →\"" % after] if after else []
+    page += "<div class=\"turn\">" + " · ".join(turn) + "</div>\n"
+    return "%s. %s" % (number, title), title, rest, page
+
+
+LESSONS = """# Lessons
+
+Each lesson is a program under 80 lines with one new idea, in the order of the data flow; what it prints is
+tested. `sh examples/run.sh --build-only` builds them into `build/examples/`.
+
+%s
+"""
+ROOMS_PAGE = """# Rooms
+
+The folders of `include/cageform` are the data flow. Includes only ever point left:
+
+```text
+core → cage → grid → coordinates → binding → clone
+core → animate      cage, grid → fields      cage → enclose
+```
+
+| room | what it holds |
+|---|---|
+%s
+
+Every class and function stands on the page of its room, with the header to include.
+"""
+LAYOUT = """<doxygenlayout version="1.0"><navindex>%s</navindex>
+<group><briefdescription visible="no"/><detaileddescription title=""/>
+<memberdecl><nestedgroups/><concepts/><classes/><namespaces/><defines/><typedefs/><enums/><functions/>
+<variables/><membergroups/></memberdecl>
+<memberdef><pagedocs/><inlineclasses/><defines/><typedefs/><enums/><enumvalues/><functions/>
+<variables/></memberdef></group>
+<class><includes visible="yes"/><briefdescription visible="no"/><detaileddescription title=""/>
+<inheritancegraph visible="no"/><memberdecl><nestedclasses/><publictypes/><publicmethods/>
+<publicstaticmethods/><publicattributes/><publicstaticattributes/><related title=""/><membergroups/>
+</memberdecl><memberdef><inlineclasses/><typedefs/><enums/><constructors/><functions/><related/>
+<variables/></memberdef><allmemberslink visible="no"/><usedfiles visible="no"/></class>
+<file><briefdescription visible="no"/><detaileddescription title=""/><includes visible="no"/>
+<memberdecl><classes/><namespaces/><concepts/><defines/><typedefs/><enums/><functions/><variables/>
+<membergroups/></memberdecl><memberdef><defines/></memberdef></file>
+<concept><includes/><definition visible="yes" title=""/><detaileddescription title=""/></concept>
+</doxygenlayout>"""
+
+
+def layout(lessons):
+    """The menu, and what stands first on the pages of rooms and classes."""
+    def tabs(entries):
+        tab = "<tab type=\"user\" url=\"@ref %s\" title=\"%s\"/>"
+        return "".join(tab % (url, title.replace("&", "&amp;")) for url, title in entries)
+    menu = "<tab type=\"mainpage\" visible=\"no\"/>"
+    menu += "<tab type=\"usergroup\" url=\"@ref coordinates\" title=\"Coordinates\">%s</tab>" % tabs(
+        [("coordinates", "Which one?")] + TYPES)
+    menu += "<tab type=\"usergroup\" url=\"@ref lessons\" title=\"Lessons\">%s</tab>" % tabs(lessons)
+    menu += tabs([("gallery", "Gallery"), ("play", "Play"), ("speed", "Speed")])
+    menu += "<tab type=\"usergroup\" url=\"@ref rooms\" title=\"Reference\">%s%s</tab>" % (
+        tabs([("rooms", "Rooms")] + [("room_" + room, room) for room in ROOMS]),
+        "<tab type=\"classlist\" title=\"Classes\"/><tab type=\"namespacemembers\" title=\"All names\"/>")
+    menu += tabs([("engines", "For engines"), ("changes", "Changes")])
+    return LAYOUT % menu
+
+
+def main(out):
+    shutil.rmtree(out, ignore_errors=True)
+    os.makedirs(out)
+
+    def write_page(label, text):
+        """Markdown that begins with "# title", as a comment: Doxygen would list Markdown as a header."""
+        command = "\\mainpage" if label == "index" else "\\page " + label
+        text = re.sub(r"^# ([^\n{]*?)(?: *\{#\w+\})?\n\n*(?=([^\n])?)", lambda m: "%s %s\n\n%s" % (
+            command, m[1], "\\details " if (m[2] or " ").isalnum() else ""), text)
+        write("pages/%s.dox" % label, "".join("/// %s\n" % line for line in text.rstrip("\n").split("\n")))
+
+    def write(path, text):
+        path = os.path.join(out, path)
+        os.makedirs(os.path.dirname(path), exist_ok=True)
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(text)
+
+    public, more = public_headers()
+    for path in public + more:
+        write("include/cageform/" + path, doxygen_header(path))
+    headers = set(public + more)
+
+    names = files("examples/lessons", ".cpp")
+    labels = [label_of("examples/lessons/" + name) for name in names]
+    entries, table = [], []
+    for n, name in enumerate(names):
+        title, words, rest, page = lesson_page(name, labels[n - 1] if n else None,
+                                               labels[n + 1] if n + 1 < len(names) else None)
+        write_page(labels[n], page)
+        entries.append((labels[n], title))
+        more_words = "<br>" + rest[:1].upper() + rest[1:] if rest else ""
+        table.append("%d. \\ref %s \"%s\"%s" % (n + 1, labels[n], words, more_words))
+    write_page("lessons", LESSONS % "\n".join(table))
+
+    rooms = []
+    for room, words in ROOMS.items():
+        readme = "include/cageform/%s/README.md" % room
+        text = ""
+        if os.path.exists(os.path.join(ROOT, readme)):
+            text = relinked(read(readme), os.path.dirname(readme), headers)
+            text = re.sub(r"^# [^\n]*\n", "", text)
+        write_page("room_" + room, "\\defgroup room_%s %s\n\n%s\n\n%s\n" % (
+            room, room, words[:1].upper() + words[1:] + ".", text + header_table(room, public)))
+        rooms.append("| \\ref room_%s \"%s\" | %s |" % (room, room, words))
+    write_page("rooms", ROOMS_PAGE % "\n".join(rooms))
+
+    text = relinked(read("examples/README.md"), "examples", headers)
+    write_page("gallery", re.sub(r"^# [^\n]*\n", "# Gallery {#gallery}\n", text))
+    write_page("speed", relinked(read("bench/README.md"), "bench", headers))
+    for name in files(SITE, ".md"):
+        check_paths(name, read(SITE + "/" + name))
+        text = relinked(read(SITE + "/" + name), SITE, headers).replace("@README_CODE@", readme_code())
+        text = text.replace("@PLAY@", play())
+        write_page(name[:-len(".md")], text)
+    write("layout.xml", layout(entries))
+    print("%d public headers, %d of the machinery, %d lessons" % (len(public), len(more), len(names)))
+
+
+KIND = r" (Class|Struct|Concept|Namespace|File|Union)( Template)? Reference"
+
+
+def finished(name, text):
+    """A page of Doxygen's: its titles are no longer than they must be, and the project's name leads home."""
+    def title(found):
+        return "<title>%s</title>" % ("cageform" if found[1] == "cageform" else found[1] + " · cageform")
+
+    def heading(found):
+        words = re.sub(r"&lt; (.*?) &gt;", r"&lt;\1&gt;", found[2])
+        kind = (found[3] + (found[4] or "")).lower()
+        return "%s%s <span class=\"kind\">%s</span>" % (found[1], words, kind)
+
+    text = text.replace("<div id=\"projectname\">cageform",
+                        "<div id=\"projectname\"><a href=\"index.html\">cageform</a>")
+    text = re.sub(r"<title>cageform: (.*?)(?:%s)?</title>" % KIND, title, text)
+    text = re.sub(r"(<div class=\"title\">)(?:cageform::)?(.*?)%s" % KIND, heading, text)
+    text = text.replace("<h2 class=\"groupheader\">Detailed Description</h2>", "")
+    text = re.sub(r"<li class=\"navelem\"><a class=\"el\" href=\"dir_\w+\.html\">(.*?)</a></li>",
+                  r"<li class=\"navelem\">\1</li>", text)
+    if re.match(r"[a-z]", name) and not re.match(r"(class|struct|group_|namespace|concept|\w+_8hpp)", name):
+        text = re.sub(r"(<div class=\"textblock\">\s*)<p *>", r"\1<p class='lead'>", text, count=1)
+    # In programs Doxygen takes a variable for any other of its name.
+    linked = r"<a class=\"code hl_(?:enumvalue|variable%s)\"[^>]*>(%s)</a>"
+    text = re.sub(linked % ("|function", "out|points|figure|pose|value|size|[a-z]"), r"\1", text)
+    return re.sub(linked % ("", r"[a-z_]\w*"), r"\1", text)
+
+
+def finish(folder):
+    """Goes over all pages; those go that nothing leads to, or that list the members of a class once more."""
+    for name in sorted(os.listdir(folder)):
+        path = os.path.join(folder, name)
+        if not name.endswith(".html"):
+            continue
+        with open(path, encoding="utf-8") as file:
+            text = file.read()
+        if (name.endswith("_8dox.html") or name.startswith("dir_") or
+                "<p>This is the complete list of members for" in text):
+            os.remove(path)
+            continue
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(finished(name, text))
+    # Files that hold pages alone are not found by the search.
+    for name in os.listdir(os.path.join(folder, "search")):
+        if name.endswith(".js"):
+            path = os.path.join(folder, "search", name)
+            with open(path, encoding="utf-8") as file:
+                lines = [line for line in file if "_8dox.html" not in line]
+            with open(path, "w", encoding="utf-8") as file:
+                file.writelines(lines)
+    # The window of search results is a page of its own, with a style sheet of its own.
+    with open(os.path.join(folder, "search", "search.css"), "a", encoding="utf-8") as file:
+        file.write(read(SITE + "/style.css"))
+
+
+if __name__ == "__main__":
+    finish(sys.argv[2]) if sys.argv[1] == "--finish" else main(sys.argv[1])
