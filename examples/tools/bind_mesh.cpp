@@ -154,7 +154,7 @@ int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& ca
         poses = sample_poses(motion);
     }
     cageform::BindOptions bind_options;
-    bind_options.outside = given.outside.policy(*coordinates);
+    bind_options.outside = given.outside.policy(coordinates);
     const std::vector<Point3> normals = normals_of(figure);
     cageform::Result<cageform::FigureBinding<float, 3>, cageform::FigureBindReport> bound;
     {
@@ -168,8 +168,7 @@ int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& ca
         return fail(describe_mesh_faults(cage.name, fault_of_points ? of_points : bound.report.vectors));
     }
     warn_of_coarse_grid(cage.name, of_points.solver);
-    const auto outside =
-        given.outside.judge(*coordinates, of_points, figure.vertices, figure.name, cage.name);
+    const auto outside = given.outside.judge(coordinates, of_points, figure.vertices, figure.name, cage.name);
     if (!outside.fault.empty()) return fail(outside.fault);
     if (!outside.warning.empty()) warn(outside.warning);
     if (const auto& still = bound.report.vectors.unreached; !still.empty()) {

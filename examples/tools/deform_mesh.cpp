@@ -143,7 +143,7 @@ Deformed deformed(const Arguments& given, const ObjFile& figure, const Control& 
     const std::size_t fits = most_bytes / (sizeof(double) * (coordinates.handles().count + 1));
     const std::size_t together = rest.size() <= fits ? rest.size() : fits / 4 + 1;
     cageform::BindOptions options;
-    options.outside = given.outside.policy(*coordinates);
+    options.outside = given.outside.policy(coordinates);
     Deformed result;
     result.vertices.resize(rest.size());
     auto& report = result.report;
@@ -205,7 +205,7 @@ int deform_figure(const Arguments& given, const ObjFile& figure, const Control& 
     if (!fault.empty()) return fail(fault);
     if (report.status != cageform::Status::ok) return fail(describe_faults(report));
     warn_of_coarse_grid(cage.name, report.solver);
-    const auto outside = given.outside.judge(*coordinates, report, figure.vertices, figure.name, cage.name);
+    const auto outside = given.outside.judge(coordinates, report, figure.vertices, figure.name, cage.name);
     if (!outside.fault.empty()) return fail(outside.fault);
     if (!outside.warning.empty()) warn(outside.warning);
     if (!warning.empty()) warn(warning);

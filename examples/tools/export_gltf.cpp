@@ -490,7 +490,7 @@ int export_figure(const Arguments& given, const Scene& scene) {
     warn_of_closed_gaps(cage.name, coordinates.cage_report());
     if (!coordinates.note.empty()) note(coordinates.note);
     cageform::BindOptions options;
-    options.outside = given.outside.policy(*coordinates);
+    options.outside = given.outside.policy(coordinates);
     cageform::Result<cageform::Binding<double, 3>, cageform::BindReport> bound;
     {
         ProgressBar bar("binding");
@@ -499,7 +499,7 @@ int export_figure(const Arguments& given, const Scene& scene) {
     const auto& report = bound.report;
     if (report.status != Status::ok) return fail(describe_mesh_faults(cage.name, report));
     warn_of_coarse_grid(cage.name, report.solver);
-    const auto outside = given.outside.judge(*coordinates, report, figure.vertices, figure.name, cage.name);
+    const auto outside = given.outside.judge(coordinates, report, figure.vertices, figure.name, cage.name);
     if (!outside.fault.empty()) return fail(outside.fault);
     if (!outside.warning.empty()) warn(outside.warning);
     if (given.report) std::cout << describe(report);

@@ -124,7 +124,7 @@ SvgResult<MovedFigure> move_figure(const SvgDocument& document, const std::strin
     if (!control.coordinates.closed_form()) {
         // The points come in several batches; the functions are solved once.
         ProgressBar bar("solving");
-        const auto evaluation = ChosenCoordinates<double, 2>(control.coordinates).solve({.progress = bar.callback()});
+        const auto evaluation = control.coordinates.solve({.progress = bar.callback()});
         result.bound.status = evaluation.status;
         result.bound.cage = control.coordinates.cage_report();
         result.bound.solver = evaluation.solver;
