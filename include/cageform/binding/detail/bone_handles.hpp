@@ -2,7 +2,8 @@
 #pragma once
 
 #include <cageform/binding/types/bind_options.hpp>
-#include <cageform/coordinates/barycentric.hpp>
+#include <cageform/coordinates/coordinate.hpp>
+#include <cageform/coordinates/detail/simplex.hpp>
 
 #include <array>
 #include <cmath>
