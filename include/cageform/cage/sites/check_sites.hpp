@@ -1,4 +1,4 @@
-// Checks whether sites can serve as control points: finds those too close to each other, and sites in a plane.
+// Checks whether sites can serve as control points: finds sites too close to each other, or all in a plane.
 #pragma once
 
 #include <cageform/cage/detail/primitives.hpp>
