@@ -451,8 +451,8 @@ Picture influence(const BoundHand& bound) {
         const auto reached =
             std::size_t(std::count_if(values.begin(), values.end(), [](double w) { return w > 0; }));
         parts.push_back(with_bar(
-            draw_tiles({{model.mapped(view), words("%s\n%zu of %zu vertices listen to it, by %.2g at most",
-                                                   name, reached, values.size(), most)}},
+            draw_tiles({{model.mapped(view), words("%s\n%zu of %zu vertices follow it, by %.2g at most", name,
+                                                   reached, values.size(), most)}},
                        1, 700, 860),
             most, "u"));
     };

@@ -93,8 +93,8 @@ int run_program(int argc, char** argv) {
     std::string cage_path, place;
     std::size_t vertex = 0;
     line.add("--cage", cage_path, "an SVG or CSV file").required();
-    line.add("--vertex", vertex, "whose function, from 0").required();
-    line.add("--at", place, "x,y: also its value at this place of the boundary");
+    line.add("--vertex", vertex, "the vertex whose function is printed, counted from 0").required();
+    line.add("--at", place, "x,y: also print its value at this point of the boundary");
     line.set_footer(cage_formats);
     if (const auto code = line.parse(argc, argv)) return *code;
 

@@ -192,10 +192,11 @@ struct Oracle {
 
 /// For --help.
 constexpr const char* oracle_format =
-    "An oracle is a JSON file: \"cage\" with \"vertices\" and, in the plane, \"loops\" of\n"
-    "their numbers, in space \"faces\"; \"points\", and \"coordinates\": of each point the\n"
-    "weights of all vertices. Or a text file (.txt) beside its cage.obj, each line\n"
-    "x,y,z;vertex:weight;vertex:weight;... with the weights that are not 0.\n";
+    "An oracle is a JSON file with \"cage\", \"points\" and \"coordinates\", which has the\n"
+    "weights of all vertices for each point. A cage has \"vertices\" and, in the plane,\n"
+    "\"loops\" of their numbers, in space \"faces\". An oracle can also be a text file\n"
+    "(.txt) beside its cage.obj with lines x,y,z;vertex:weight;vertex:weight;... for\n"
+    "the weights that are not 0.\n";
 
 /// Throws what nlohmann's functions throw.
 template <std::size_t D>
@@ -254,7 +255,7 @@ SvgResult<Oracle<3>> read_oracle(const std::filesystem::path& path, std::string 
         while (words >> vertex >> weight && vertex < row.size()) row[vertex] = weight;
         if (!words.eof())
             return SvgError{path.string() + ":" + std::to_string(oracle.points.size()) +
-                            ": no line of an oracle"};
+                            ": not a line of an oracle"};
     }
     return oracle;
 }
@@ -431,8 +432,8 @@ std::string draw(const Diagrams& diagrams, std::size_t resolution) {
 
 int run_program(int argc, char** argv) {
     CommandLine line(
-        "Draws how harmonic coordinates converge: of cages in the plane against cycles and cells, of oracles "
-        "against unknowns and seconds, on the uniform grid and the adaptive one.");
+        "Draws how harmonic coordinates converge: for cages in the plane against cycles and cells, for "
+        "oracles (known weights) against unknowns and seconds, on the uniform grid and the adaptive one.");
     line.set_examples({"--cage cat_cage.svg --cage biped_cage.svg -o convergence.svg --png",
                        "--oracle harmonic2d_cat.json -o errors.svg"});
     std::vector<std::string> cage_paths, oracle_paths;
@@ -440,9 +441,9 @@ int run_program(int argc, char** argv) {
     bool png = false;
     std::size_t resolution = 512;
     line.add("--cage", cage_paths, "SVG or CSV files, six at most").count(1, 6);
-    line.add("--oracle", oracle_paths, "files, six at most, of weights that are known").count(1, 6);
+    line.add("--oracle", oracle_paths, "files of known weights, six at most").count(1, 6);
     line.add("-o,--output", out_path, "the SVG file to write").required().ends_with({".svg"});
-    line.add("--resolution", resolution, "cells of the grid the cycles are shown on")
+    line.add("--resolution", resolution, "the number of cells of the grid whose cycles are shown")
         .range(16, 4096)
         .show_default();
     line.add_flag("--png", png, "also render it, to the same name with .png");

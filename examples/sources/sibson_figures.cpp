@@ -545,11 +545,12 @@ void print_table() {
 }
 
 int run_program(int argc, char** argv) {
-    CommandLine line("Draws how natural neighbour coordinates come about and what they do, and prints "
-                     "figures of their degrees.");
+    CommandLine line("Draws how natural neighbour coordinates are defined and how they behave, and prints "
+                     "measurements of their degrees.");
     line.set_examples({"out", "pictures"});
     std::string folder;
-    line.add("folder", folder, "where to write sibson_cells.svg and .png, sibson_types.png, sibson_legs.png")
+    line.add("folder", folder,
+             "the folder to write sibson_cells.svg and .png, sibson_types.png, sibson_legs.png to")
         .required();
     if (const auto code = line.parse(argc, argv)) return *code;
 

@@ -16,7 +16,7 @@ namespace cageform_examples {
 
 /// For --help, behind what else --cage takes.
 inline constexpr const char* auto_cage_help =
-    "; or auto, hull or box, with vertices auto:N or hull:N: what make_cage makes";
+    "; or auto, hull or box (with N vertices auto:N or hull:N) to make one, as make_cage does";
 
 /// What --cage says: auto, hull, box, auto:N or hull:N, or else a file (one of that name is ./auto).
 struct CageWord {

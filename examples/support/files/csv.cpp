@@ -170,7 +170,7 @@ SvgResult<std::vector<std::string>> read_labels(const std::string& path, std::si
         if (std::any_of(label.begin(), label.end(), [](char c) { return (c >= 0 && c < ' ') || c == 127; }))
             return refuse(" holds a control character");
         if (const auto [first, is_new] = lines.emplace(label, number); !is_new)
-            return refuse(" stands in line " + std::to_string(first->second) + " already");
+            return refuse(" occurs in line " + std::to_string(first->second) + " already");
     }
     if (lines.empty()) return SvgError{path + ": holds no labels"};
     if (labels.size() != count)

@@ -26,12 +26,12 @@ using Point3 = cageform::Vec<double, 3>;
 
 /// For --help.
 inline constexpr const char* obj_format =
-    "OBJ files: v, vn and f are read, faces of any number of corners, indices also\n"
-    "negative; what else there is stays as it is; glTF files get objects, materials\n"
-    "and textures, and leave the rest out. Numbers are finite. No curves, no binary files, at most\n"
-    "4,294,967,294 vertices. A cage is a closed mesh, faces counter-clockwise seen\n"
-    "from outside, of any genus, also several shells; a pose of it is the same mesh\n"
-    "with its vertices moved.\n";
+    "OBJ files can have faces of any number of corners, and negative indices. v, vn and\n"
+    "f are read, and all other lines are copied as they are; glTF files get objects,\n"
+    "materials and textures, and nothing else. Numbers have to be finite. Curves and\n"
+    "binary files are not supported, nor more than 4,294,967,294 vertices. A cage is a\n"
+    "closed mesh of any genus, with faces counter-clockwise seen from outside; it can\n"
+    "have several shells. A pose is the same mesh with its vertices moved.\n";
 
 struct ObjCorner {
     static constexpr std::uint32_t none = ~std::uint32_t{0};

@@ -38,7 +38,8 @@ std::optional<PlaneBox> parse_box(const std::string& text) {
 }
 
 std::string box_fault(const std::string& text) {
-    return parse_box(text) ? "" : detail::quoted(text) + " is no part of the plane: x,y,width,height";
+    return parse_box(text) ? ""
+                           : detail::quoted(text) + " is not a part of the plane: write x,y,width,height";
 }
 
 std::optional<std::array<double, 2>> clip_segment(const Point2& a, const Point2& b, const PlaneBox& box) {

@@ -131,23 +131,24 @@ Picture draw_surface(const FieldSurface& surface, const SurfaceView& view, const
 
 inline void FieldStyle::add_options(CommandLine& line) {
     line.add("--size", size, "pixels along the longer side").range(16, 8192).show_default();
-    line.add("--levels", levels, "steps between level lines from 0 to 1; 0: no lines")
+    line.add("--levels", levels, "the number of steps between level lines from 0 to 1; 0 draws no lines")
         .range(0, 1000)
         .show_default();
     line.add("--signs", signs,
-             "colours: heat, or root: the root of the size of the value, yellow where it is positive, green "
-             "where it is negative, red outside")
+             "the colours: heat, or root, which shows the root of the absolute value: yellow where it is "
+             "positive, green where it is negative, red outside")
         .one_of({"heat", "root"})
         .show_default();
-    line.add_flag("--colour-bar,!--no-colour-bar", colour_bar, "the bar that colours are read by (default)");
+    line.add_flag("--colour-bar,!--no-colour-bar", colour_bar, "draw the colour bar (default)");
 }
 
 inline void SurfaceView::add_options(CommandLine& line, const std::string& name) {
     line.add(name, path, "a PNG file to draw the field to as a surface over its domain").ends_with({".png"});
-    line.add("--turn", turns, "the surface turned about the vertical, in degrees; several: a view each")
+    line.add("--turn", turns,
+             "the turn of the surface about the vertical, in degrees; several values give one view each")
         .count(1, 8)
         .show_default("35 -126");
-    line.add("--rise", rise, "how far above the floor the eye is, in degrees")
+    line.add("--rise", rise, "the elevation of the view above the floor, in degrees")
         .range(-90.0, 90.0)
         .show_default();
     line.add("--height", height, "the surface's height, as a share of the domain's longer side")

@@ -419,7 +419,7 @@ void adapt_style_sheets(SvgDocument& document, const std::set<std::string>& type
     }
     if (met.erase(".") != 0 && !met.empty()) {
         warnings.emplace_back(
-            "style sheet: rules by type became rules by class, of equal weight with the others");
+            "style sheet: rules by type became rules by class, and have the same specificity as these");
     }
     for (pugi::xml_node node = root; node; node = next_node(node, root)) {
         const std::string kind = local_name(node);
