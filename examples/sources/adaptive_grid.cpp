@@ -31,7 +31,7 @@ struct Square {
 };
 using Segments = std::vector<std::array<Point2, 2>>;
 
-/// What is drawn, in the plane of the picture.
+/// The drawing, in the plane of the picture.
 struct Section {
     std::vector<Square> cells;
     Segments cage, figure;

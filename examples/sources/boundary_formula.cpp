@@ -1,6 +1,6 @@
-// What one harmonic function of a cage is on the boundary, edge by edge, as formulas: 1 at its vertex,
-// linear along the
-// edges that meet there, 0 on all others. Inside it is the solution of Laplace's equation with these values.
+// Prints a cage's harmonic function on the boundary, edge by edge, as formulas. It is 1 at its vertex,
+// linear along the edges that meet there, and 0 on all others. Inside it solves Laplace's equation with
+// these values.
 //
 //     boundary_formula --cage square.csv --vertex 0 --at 1,0
 

@@ -1,9 +1,7 @@
-// How harmonic coordinates converge, drawn. Of cages in the plane: the error after each cycle of the
-// multigrid, and the
-// error of the weights against the cells of the uniform grid, with corners treated and not, and by the
-// papers' sweeps. Of
-// oracles, weights known to many digits: the error against unknowns and seconds, on the uniform grid and
-// the adaptive one.
+// Draws how harmonic coordinates converge. For cages in the plane it shows the error after each cycle of
+// the multigrid, and the error of the weights against the cells of the uniform grid, with and without
+// treatment of corners, and with the papers' sweeps. For oracles (weights known to many digits) it shows
+// the error against unknowns and seconds, on the uniform grid and on the adaptive one.
 //
 //     convergence --cage cat_cage.svg --cage biped_cage.svg -o convergence.svg --png
 //     convergence --oracle harmonic2d_cat.json --oracle harmonic3d_l_prism_triangulated.json -o errors.svg
@@ -237,7 +235,7 @@ Oracle<D> oracle_of(const std::string& name, const nlohmann::json& json) {
     return oracle;
 }
 
-/// Of a text file.
+/// Reads an oracle from a text file.
 SvgResult<Oracle<3>> read_oracle(const std::filesystem::path& path, std::string text) {
     auto cage = load_obj(path.parent_path() / "cage.obj");
     if (!cage) return cage.error();
@@ -333,7 +331,7 @@ void add_oracle(const Oracle<D>& oracle, const char* colour, Diagrams& diagrams)
     }
 }
 
-/// Of a file; returns what is wrong with it.
+/// Adds the oracle of a file; returns the fault, or nothing.
 std::string add_oracle(const std::string& path, const char* colour, Diagrams& diagrams) {
     const auto text = read_file(path);
     if (!text) return to_string(text.error());

@@ -35,7 +35,7 @@ struct Light {
         values.push_back(alpha);
         return values;
     }
-    /// Of the mean of `samples` places.
+    /// Returns the bytes of the mean of `samples` samples.
     std::array<char, channels> bytes(const double* values, std::size_t samples) const {
         std::array<double, channels> mean{};
         for (std::size_t i = 0; i < samples * channels; ++i)

@@ -43,7 +43,7 @@ SvgResult<std::vector<double>> weights_of(const std::string& type, const CageFil
     return weights;
 }
 
-/// What one picture shows: the cage, what goes out from the point, and the point.
+/// One picture: the cage, the paths from the point, and the point.
 class Panel {
 public:
     Panel(const cageform::Bounds<double, 2>& bounds, double left, const std::string& title)

@@ -54,7 +54,7 @@ SvgResult<Line> load_line(const std::string& path) {
     return line;
 }
 
-/// What the sweeps are on their way to: linear between given cells, constant beyond the last.
+/// Returns the limit of the sweeps: linear between given cells, constant beyond the last one.
 std::vector<double> solution_of(const Line& line) {
     std::vector<std::size_t> places;
     for (std::size_t c = 0; c < line.given.size(); ++c) {
@@ -152,7 +152,7 @@ public:
         if (y_.from == y_.to) y_.to = y_.from + 1;
     }
 
-    /// What all frames have: the axis, and the solution as a dashed line.
+    /// Draws the common part of all frames: the axis, and the solution as a dashed line.
     std::string ground() const {
         std::string svg;
         for (const auto& [value, number] : marks_of(y_, 4)) {

@@ -1,6 +1,7 @@
 // Binds an OBJ figure to a cage, a closed mesh around it, and packs what a game needs of it into one file:
 // points and
-// normals, triangles, and a motion of the cage (cageform/binding/figure.hpp, support/files/figure_parts.hpp).
+// normals, triangles, and a motion of the cage (cageform/binding/figure.hpp,
+// support/files/figure_parts.hpp).
 //
 //     bind_mesh character.obj --cage character_cage.obj --clip character_clip.csv --max-distance 0.001
 //               -o character.figure
@@ -94,7 +95,7 @@ SvgResult<std::vector<cageform::PiecewiseCubic<float>>> curves_of(const PoseClip
 constexpr double of_vectors =
     10; ///< as much may be lost of unit vectors (FigurePackOptions::tangent_tolerance)
 
-/// What a packing has lost. Warns where that is much.
+/// Describes the error of a packing, and warns if it is large.
 std::string describe_loss(const ObjFile& figure, const cageform::PackReport& report,
                           const SampledPoses& poses, bool is_vector, bool has_faces) {
     StoredLoss loss;

@@ -86,8 +86,8 @@ public:
         return evaluation.status == cageform::Status::ok ? "" : cageform::to_string(evaluation.status);
     }
 
-    /// The values at points, not a number outside. Of the weights only one column is kept, so points are
-    /// bound in parts.
+    /// Returns the values at points, NaN outside. Only one column of the weights is kept, so points are
+    /// bound in batches.
     SvgResult<std::vector<double>>
     at(std::span<const Point2> points, const std::string& cage_path,
        cageform::OutsidePoints outside = cageform::OutsidePoints::keep_in_place) const {

@@ -43,7 +43,7 @@ struct Arguments {
     ViewChoice view;
 };
 
-/// What moves the figure: coordinates, and the pose of their handles.
+/// The control of the figure: coordinates, and the pose of their handles.
 struct Control {
     std::unique_ptr<AnyCoordinates<double, 3>> coordinates;
     ObjFile cage, pose;          // of sites with points alone

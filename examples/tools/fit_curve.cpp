@@ -40,7 +40,7 @@ using cageform::FitOptions;
 using cageform::Status;
 using Json = nlohmann::ordered_json;
 
-/// What is wrong with what the user gave, for stderr.
+/// A fault in the user's input, for stderr.
 struct Refused : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
@@ -129,7 +129,7 @@ std::vector<double> parameters_at(const BezierCurve& curve, const std::vector<do
 
 constexpr std::size_t most_pieces = 1000, most_candidates = 1000;
 
-/// What nlohmann's exceptions say, less their number in brackets.
+/// Returns the text of nlohmann's exceptions without their number in brackets.
 std::string plain(const Json::exception& error) {
     const std::string text = error.what();
     return text.substr(std::min(text.find("] ") + 2, text.size()));

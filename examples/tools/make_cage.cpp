@@ -62,7 +62,7 @@ std::string parse_mirror(const std::string& word, cageform::MirrorPlane& mirror)
     return {};
 }
 
-/// What the picture shows: all of the cage.
+/// Enlarges the view of the picture to hold the whole cage.
 ViewBox view_about(const CageFile& cage, const ViewBox& view) {
     Point2 low{view.x, view.y}, high{view.x + view.width, view.y + view.height};
     for (const Point2& p : cage.vertices) {

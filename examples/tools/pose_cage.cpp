@@ -51,7 +51,7 @@ SvgResult<std::vector<cageform::Vec<double, D>>> posed(const Arguments& given,
     return pose;
 }
 
-/// Of the cage's document; of a CSV file its bounds.
+/// Returns the view of the cage's document; for a CSV file its bounds.
 SvgResult<ViewBox> view_of(const CageFile& cage) {
     if (cage.name.ends_with(".csv")) {
         PlaneBox box;

@@ -24,7 +24,7 @@ namespace {
 double rounded(double x, double clearance) {
     const double unit = std::pow(10.0, std::floor(std::log10(clearance / 1000)));
     const double steps = std::round(x / unit);
-    // Of units below 1 the inverse is exact, so that 0.1 does not become 0.1000000001.
+    // For units below 1 the inverse is exact, so that 0.1 does not become 0.1000000001.
     return std::fabs(steps) < 1e15 && std::isfinite(unit) && unit > 0
                ? (unit < 1 ? steps / std::round(1 / unit) : steps * unit)
                : x;
@@ -147,7 +147,7 @@ auto made_by_word(const CageWord& word, const Figure& figure) {
     return made;
 }
 
-/// Of a file that is not there: whether its name was meant to be a word.
+/// Extends the error of a missing file if its name may have been meant as a keyword.
 SvgError with_words(SvgError error, const std::string& word) {
     std::error_code unknown;
     if (std::filesystem::exists(word, unknown)) return error;

@@ -1,8 +1,8 @@
 #pragma once
 
-// Coordinates by the name that a user gave. The library is a set of templates: what the programs need of it
-// is compiled
-// once, in coordinates_2d.cpp and coordinates_3d.cpp, behind an interface without templates of its own.
+// Coordinates chosen by name on the command line. The library consists of templates; the instances that
+// the programs need are compiled once, in coordinates_2d.cpp and coordinates_3d.cpp, behind an interface
+// that is not a template.
 
 #include "cli/command_line.hpp"
 #include "files/cage_file.hpp"
@@ -23,7 +23,7 @@
 
 namespace cageform_examples {
 
-/// What --coordinates, --resolution, --tolerance and --solver say. The same in all programs.
+/// The choice of --coordinates, --resolution, --tolerance and --solver, which is common to all programs.
 struct CoordinatesChoice {
     /// One of names(); with with_sites sibson, sibson-c1; with with_normals green.
     std::string name = "mean-value";
@@ -52,11 +52,11 @@ struct CoordinatesChoice {
     /// Whether the type takes polygons alone.
     bool takes_polygons() const { return name == "wachspress" || name == "discrete-harmonic"; }
 
-    /// Of harmonic coordinates, in the plane (2) or in space (3).
+    /// Returns the options of harmonic coordinates in the plane (2) or in space (3).
     cageform::HarmonicOptions harmonic_options(std::size_t dimension) const;
 };
 
-/// What --weights and --surround say of sites.
+/// The choice of --weights and --surround for sites.
 struct SiteChoice {
     std::string weights; // a file; empty: none
     double surround = 0; // the margin of points around all that stand still; 0: none
@@ -113,17 +113,18 @@ public:
     std::size_t handles = 0, vectors = 0;            // edges or faces: the last of the handles
     cageform::CageReport cage_report;
 
-    /// Solves the functions and keeps them, for several batches of points. Nothing where closed_form.
+    /// Solves the functions and keeps them for several batches of points; does nothing if closed_form.
     virtual cageform::Evaluation solve(const cageform::Running& running = {}) = 0;
     virtual cageform::Result<cageform::Binding<T, D>, cageform::BindReport>
     bind(Points points, const cageform::BindOptions& options = {},
          const cageform::Running& running = {}) const = 0;
-    /// The cells of the adaptive grid; solver_not_supported of what is made by none.
+    /// Calls f for every cell of the adaptive grid; coordinates without one return solver_not_supported.
     virtual cageform::Evaluation
     for_each_cell(const std::function<void(const cageform::GridCell<T, D>&)>& f) const = 0;
 
     using PointsAndNormals = cageform::FigurePoints<const std::vector<Point3>&, const std::vector<Point3>&>;
-    /// Of float in space, of types that have gradients; solver_not_supported of others.
+    /// Binds points and normals, for float in space and types with gradients; others return
+    /// solver_not_supported.
     virtual cageform::Result<cageform::FigureBinding<T, D>, cageform::FigureBindReport>
     bind(const PointsAndNormals& figure, const cageform::BindOptions& options,
          const cageform::Running& running) const = 0;
@@ -137,9 +138,8 @@ template <class T, std::size_t D>
 std::unique_ptr<AnyCoordinates<T, D>> make_coordinates(const CoordinatesChoice& choice,
                                                        const SiteFile<D>& sites);
 
-/// The edge or face whose vector is a handle, by its vertices: "from vertex 1 to 2"; in space as an OBJ
-/// file counts
-/// them, "v 1, v 3, v 2".
+/// Names the edge or face whose vector is a handle, by its vertices: "from vertex 1 to 2"; in space as
+/// an OBJ file counts them, "v 1, v 3, v 2".
 template <cageform::Scalar T, std::size_t D>
 std::string name_of_face(const cageform::HandleView<T, D>& handles, std::size_t handle) {
     std::size_t vectors_before = 0;
@@ -175,7 +175,7 @@ SvgResult<std::vector<P>> pose_of_handles(const cageform::Binding<T, D>& binding
     return handles;
 }
 
-/// What --outside says. The same in all programs that move a figure.
+/// The choice of --outside, which is common to all programs that move a figure.
 struct OutsideChoice {
     std::string word =
         "auto"; // extend where the coordinates are defined outside, keep with sites, else nearest
@@ -188,11 +188,10 @@ struct OutsideChoice {
     template <cageform::Scalar T, std::size_t D>
     cageform::OutsidePoints policy(const AnyCoordinates<T, D>& coordinates) const;
 
-    /// What there is to say after a bind.
+    /// The messages after a bind.
     struct Verdict {
-        /// Why the program has to end; empty where it has not. It has where most points are outside and
-        /// nothing was said
-        /// about them: they may be of another figure.
+        /// The reason to stop; empty if there is none. The program stops if most points are outside and
+        /// --outside is not given, since the cage may be of another figure.
         std::string fault;
         std::string warning; ///< of points outside that nothing was said about; empty where there are none
     };

@@ -127,7 +127,7 @@ struct Rotation {
     }
 };
 
-/// What NUMBERS of an operation say, for the vertices selected.
+/// The parsed NUMBERS of an operation, for the selected vertices.
 template <std::size_t D>
 class Operation {
 public:

@@ -119,7 +119,7 @@ std::string to_csv(const CageFile& cage);
 void draw_cage(SvgDocument& document, const std::vector<CageBlock>& blocks, double diagonal,
                const std::string& colour);
 
-/// The same cage with its vertices, by handle, at other places.
+/// Returns the cage with its vertices (by handle) at other positions.
 CageFile moved_cage(CageFile cage, std::span<const cageform::Vec<double, 2>> places);
 
 /// "(412, 88), …" for the first few of a list of points.
@@ -128,8 +128,8 @@ std::string name_points(std::span<const Point2> points, const std::vector<std::s
 /// "a chain of 3 points".
 std::string describe(const CageBlock& block);
 
-/// Gives a pose, read as a cage, the handles of the cage it is a pose of. Its blocks have to be those of the
-/// cage, and what is one vertex there has to be at one place.
+/// Gives a pose, read as a cage, the handles of the cage it is a pose of. Its blocks have to be those of
+/// the cage, and what is one vertex there has to be at one place.
 SvgResult<CageFile> make_pose(CageFile pose, const CageFile& cage);
 
 /// As make_pose(), from a file; fails also as load_cage() does.

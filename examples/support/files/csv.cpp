@@ -64,7 +64,7 @@ bool parse_block_head(std::string_view comment, CageBlock& block, std::string& w
     return true;
 }
 
-/// What is wrong with how many points a chain or a point has; empty where nothing is.
+/// Returns the fault if a chain or a point has a wrong number of points; otherwise empty.
 std::string fault_of_count(const CageBlock& block) {
     const std::size_t count = block.points.size();
     if (block.kind == CageBlock::Kind::loop) return {};

@@ -1,7 +1,7 @@
 #pragma once
 
-// Points as text: two or three numbers a line, separated by commas. Read in batches, so a file may be of any
-// length. And cages: blocks of such lines; and labels of their vertices.
+// Points as text: two or three numbers a line, separated by commas. Read in batches, so a file may be of
+// any length. And cages: blocks of such lines; and labels of their vertices.
 
 #include "files/input_file.hpp"
 #include "svg/path.hpp"
@@ -95,7 +95,7 @@ public:
 
     const std::string& error() const { return error_; }
 
-    /// Of the last point read, counted from 1.
+    /// Returns the line of the last point read, counted from 1.
     std::size_t line() const { return line_; }
 
     /// How much of the file has been read, in [0, 1].

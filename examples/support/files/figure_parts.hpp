@@ -26,14 +26,14 @@ struct ClipHeader {
     float length = 0;
 };
 
-/// What a figure holds of them.
+/// The parts that a figure holds.
 struct FigureParts {
     std::string fault; ///< why they cannot be used; empty where they can
     std::span<const std::array<std::uint32_t, 3>> triangles; ///< point into the figure
     cageform::CageClip<float, 3> clip;                       ///< of no vertices where there is none
 };
 
-/// Of the cage: the handles that are points, the first of all.
+/// Returns the number of the cage's vertices: the handles that are points, which come first.
 inline std::size_t vertices_of(const cageform::PackedFigureView<float, 3>& figure) {
     return figure.handle_count() - figure.handle_view().vector_count();
 }

@@ -2,9 +2,9 @@
 
 // Wavefront OBJ files: reading vertices, normals and faces, writing the same file with its vertices moved.
 //
-// tinyobjloader cuts the faces into triangles. It takes whatever it is given, so everything is read and
-// checked here first, and it sees only sound vertices and faces. What is not a vertex or a normal is written
-// as it was read, to the byte: groups, materials, texture coordinates, comments, colours behind a vertex.
+// tinyobjloader cuts the faces into triangles. It does not check its input, so this code reads and
+// checks everything first and passes on only sound vertices and faces. All other lines are written as
+// they were read, to the byte: groups, materials, texture coordinates, comments, colours after a vertex.
 
 #include "svg/path.hpp"
 
@@ -78,7 +78,8 @@ public:
         if (text_.starts_with("\xef\xbb\xbf")) at_ = 3; // a byte order mark
     }
 
-    /// The words of the next statement that has any, and the line it begins on; false at the end of the text.
+    /// The words of the next statement that has any, and the line it begins on; false at the end of the
+    /// text.
     bool next(std::vector<std::string_view>& words, std::size_t& line) {
         words.clear();
         while (at_ < text_.size() && words.empty()) {

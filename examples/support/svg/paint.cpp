@@ -198,7 +198,7 @@ struct Region {
 
 using Regions = std::map<std::size_t, Region>; // by the hash of their element
 
-/// What refers to a mask or a filter, in its own user space.
+/// An element that refers to a mask or a filter, in its own user space.
 struct Subject {
     const Reference& reference;
     const Box& before;

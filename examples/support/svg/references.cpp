@@ -1,4 +1,4 @@
-// What elements refer to: used elements become copies, clip paths, masks and filters are listed.
+// Expands references: used elements become copies; clip paths, masks and filters are listed.
 
 #include "svg/collector.hpp"
 

@@ -39,7 +39,7 @@ std::string_view without_comments_before(std::string_view text) {
     return text;
 }
 
-/// What a deformation or a cage asks for.
+/// Tests whether deforming or making a cage reads a property.
 bool is_read(std::string_view property) {
     for (const std::string_view known :
          {"fill",      "stroke",          "stroke-width",   "clip-path",         "mask",

@@ -143,7 +143,7 @@ void strip_to_texts(SvgDocument& document, const ViewBox& view, std::vector<Draw
                   write(view.x) + ' ' + write(view.y) + ' ' + write(view.width) + ' ' + write(view.height));
 }
 
-/// What rsvg-convert makes of a document: an SVG of outlines.
+/// Returns rsvg-convert's version of a document: an SVG of outlines.
 SvgResult<std::string> outlines(const std::string& text) {
     using File = std::unique_ptr<std::FILE, decltype(&std::fclose)>;
     const File in(std::tmpfile(), &std::fclose);
