@@ -70,7 +70,7 @@ TEST_CASE("the blocks of a cage file are loops, chains and points", "[examples][
     expect(3, CageBlock::Kind::loop, {{1, 1}, {2, 1}, {1, 1.5}});
     CHECK((*blocks)[2].radius == 0.5);
 
-    // What only resembles the head of a block is a comment.
+    // A line that only resembles the head of a block is a comment.
     CHECK(parse("# chains\n# points 3\n# Chain\n" + square)->size() == 1);
 }
 

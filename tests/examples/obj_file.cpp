@@ -58,7 +58,7 @@ const std::string cube =
     "f 4//1 3//1 2//1 1//1\nf 5//2 6//2 7//2 8//2\nf 1//3 2//3 6//3 5//3\n"
     "f 2//4 3//4 7//4 6//4\nf 3//5 4//5 8//5 7//5\nf 4//6 1//6 5//6 8//6\n";
 
-/// What files hold in practice, and what the format allows.
+/// Typical contents of files, and everything that the format allows.
 const std::string everything = "\xef\xbb\xbf# a comment that ends with a backslash \\\n"
                                "mtllib a b.mtl\r\n"
                                "v 1.000 2.50 -0.0 0.5 0.25 1 # a colour\r\n"

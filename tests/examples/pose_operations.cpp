@@ -194,7 +194,7 @@ TEMPLATE_TEST_CASE_SIG("a bend keeps the lengths of its axis", "[examples][pose]
         if (is_before) CHECK(pose[i] == axis[i]);
         if (D == 3) CHECK(pose[i][D - 1] == 0);
     }
-    // What lies beyond is turned by the whole angle, about one point: it is straight and keeps lengths.
+    // The part beyond is turned by the whole angle, about one point: it is straight and keeps lengths.
     const std::size_t end = backwards ? 0 : count - 1, near = backwards ? count / 3 - 1 : 2 * count / 3 + 1;
     const auto beyond = pose[end] - pose[near];
     const double length = std::fabs(axis[end][0] - axis[near][0]), sign = to > from ? 1 : -1;
