@@ -132,9 +132,9 @@ void bind_harmonic_mesh(benchmark::State& state) {
     state.counters["unknowns"] = double(solver.cells);
 }
 
-/// The same by the papers' own solver as they ran it: float, one function at a time, sweeps until the mean
-/// change is
-/// 1e-5, the nearest cell looked up. Joshi et al. 2007, table 1: 262 s, where mean value took 443 s.
+/// Binds the same mesh by the papers' own solver with their settings: float, one function at a time,
+/// sweeps until the mean change is 1e-5, and the nearest cell looked up. Joshi et al. 2007, table 1: 262
+/// s, where mean value took 443 s.
 void bind_papers_mesh(benchmark::State& state) {
     using Cage = cageform::TriangleMesh<float>;
     const auto cage = bumpy112<float>();
@@ -211,8 +211,8 @@ void bind_fingers(benchmark::State& state) {
     }
 }
 
-/// The same cage with its hands at 1 / argument of their size, bound to an accuracy of 2e-3: what finer
-/// parts cost.
+/// Binds the same cage with its hands at 1 / argument of their size, to an accuracy of 2e-3: the cost of
+/// finer parts.
 void bind_smaller_fingers(benchmark::State& state) {
     static const Fingers fingers(CAGEFORM_BENCH_FINGERS);
     auto vertices = fingers.vertices;
@@ -228,7 +228,7 @@ void bind_smaller_fingers(benchmark::State& state) {
         benchmark::DoNotOptimize(bind_on_grid(state, coordinates, fingers.points).view().weights.data);
 }
 
-/// The same bind on some threads: the grid is made by one, the functions are solved by all.
+/// Binds on several threads: one makes the grid, and all solve the functions.
 void bind_fingers_threads(benchmark::State& state) {
     static const Fingers fingers(CAGEFORM_BENCH_FINGERS);
     const AnyGrid coordinates(Mesh(fingers.vertices, fingers.faces), {.accuracy = 2e-3});

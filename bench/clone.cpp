@@ -164,7 +164,7 @@ void limit_read_memory(benchmark::State& state) {
     state.SetBytesProcessed(std::int64_t(state.iterations()) * (std::int64_t{256} << 20));
 }
 
-/// What it is to keep the `largest` weights of a point and to scale them so that they sum to one.
+/// Clones with the `largest` weights of each point, scaled to sum to one.
 template <class T>
 std::vector<cageform::Vec<T, 3>> renormalised(const cageform::Binding<T, 3>& binding, std::size_t largest,
                                               const std::vector<cageform::Vec<T, 3>>& pose) {
@@ -363,9 +363,8 @@ void pack_to_distance(benchmark::State& state) {
     state.counters["elsewhere"] = moved.distance(moved.elsewhere, cloned);
 }
 
-/// What others do: the largest weights, scaled to sum to one. Bytes as an engine stores them: a byte for
-/// the joint and
-/// two for the weight, and the point at rest.
+/// The usual method: keeps the largest weights, scaled to sum to one. The bytes are those of an engine:
+/// one for the joint, two for the weight, and the rest point.
 void renormalised_distance(benchmark::State& state) {
     const auto& moved = MovedFigure::of(int(state.range(0)));
     const auto largest = std::size_t(state.range(1));

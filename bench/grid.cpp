@@ -267,7 +267,7 @@ void limit_write_canvas(benchmark::State& state) {
 }
 
 #if defined(CAGEFORM_BENCH_CHOLMOD)
-/// The same strokes as marked cells, nothing through the rim.
+/// Solves the same strokes as marked cells, with no flow through the rim.
 void cholmod_strokes(benchmark::State& state) {
     const int n = int(state.range(0));
     const auto size = std::size_t(n) * std::size_t(n);

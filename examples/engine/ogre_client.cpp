@@ -1,5 +1,5 @@
-// A game's side of the library, in the OGRE engine: a figure in a cage plays a clip, lit, on a ground that it
-// shadows. Only run-time headers: no Eigen, no bind-time code.
+// A game's side of the library, in the OGRE engine: a figure in a cage plays a clip, lit, on a ground
+// that it shadows. Only run-time headers: no Eigen, no bind-time code.
 //
 //     ogre_client character.figure --pictures out/ogre_ --count 6
 //     ogre_client character.figure --width 320 --height 240 --frames 10000
@@ -95,13 +95,14 @@ public:
 
     std::size_t vertex_count() const { return figure_.point_count(); }
     std::span<const std::array<std::uint32_t, 3>> triangles() const { return parts_.triangles; }
-    /// Of the cage's vertices.
+    /// Returns the pose of the cage's vertices.
     std::span<const Vec3> pose() const {
         return std::span(pose_).first(cageform_examples::vertices_of(figure_));
     }
     float length() const { return parts_.clip.end(); }
 
-    /// Moves the cage to a time of the clip, which begins again at its end. Faces that are handles go along.
+    /// Moves the cage to a time of the clip, which begins again at its end. Faces that are handles go
+    /// along.
     void play(float time) {
         const std::span vertices = std::span(pose_).first(cageform_examples::vertices_of(figure_));
         parts_.clip.sample(time, cursor_, vertices);
@@ -169,7 +170,7 @@ struct Mesh {
     Ogre::HardwareVertexBuffer& buffer() { return *vertices->vertexBufferBinding->getBuffer(0); }
 };
 
-/// Runs `body`. What a plugin throws does not outlive the plugin; its words do.
+/// Runs `body`. Exceptions of a plugin must not outlive the plugin, so only their text is kept.
 template <class Body>
 void keep_words(const Body& body) {
     try {
@@ -264,7 +265,7 @@ std::size_t resident_bytes() {
     return resident * std::size_t(::sysconf(_SC_PAGESIZE));
 }
 
-/// What there is to see.
+/// The scene to render.
 class Stage {
 public:
     Stage(Engine& engine, Puppet& puppet)

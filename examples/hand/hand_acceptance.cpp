@@ -21,7 +21,7 @@ constexpr double eps = cageform::epsilon<double>;
 /// Prints lines, and counts them.
 class Lines {
 public:
-    /// Of what the next lines tell.
+    /// Sets the subject of the next lines.
     void set_subject(std::string subject) { subject_ = std::move(subject); }
 
     [[gnu::format(printf, 3, 4)]] void line(bool good, const char* format, ...) {

@@ -1,6 +1,6 @@
 #pragma once
 
-// What a hand moved by control points has to hold, measured.
+// Measures the requirements for a hand that control points move.
 
 #include "bound_hand.hpp"
 #include "hand_builds.hpp"

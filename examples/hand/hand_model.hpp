@@ -19,9 +19,9 @@
 
 namespace cageform_examples {
 
-/// What turns: four fingers of a metacarpal (which bends in the ring and the little finger alone) and three
-/// phalanges,
-/// and a thumb of three bones. The first joint of a finger's phalanges and of the thumb turns in two ways.
+/// The angles of the joints. Four fingers have a metacarpal (which bends only in the ring and the little
+/// finger) and three phalanges; the thumb has three bones. The first joint of each finger and of the
+/// thumb turns about two axes.
 enum class HandAngle : std::uint8_t {
     index_spread,
     index_mcp,
@@ -124,7 +124,7 @@ struct Hand {
     std::vector<double> weights(const HandPose& angles, double kappa) const;
 };
 
-/// What a hand may grasp: a rod with round ends, a ball where both ends are one.
+/// An object to grasp: a rod with round ends, or a ball if both ends are equal.
 struct HandObject {
     Point3 from, to;
     double radius = 0;

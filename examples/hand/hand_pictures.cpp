@@ -322,7 +322,7 @@ Point3 blended(const Hand& hand, const std::vector<RigidMotion3>& motions, std::
     return (1 / total) * sum;
 }
 
-/// Of the middle finger from its first joint on, closed towards this.
+/// Returns the volume of the middle finger from its first joint on, closed at the base.
 double finger_volume(const Hand& hand, const Skin& skin) {
     const Point3 joint = hand.joints[hand.rays[1][1]].place;
     double sum = 0;
@@ -432,7 +432,7 @@ Picture influence(const BoundHand& bound) {
     const Hand& hand = bound.hand;
     std::vector<Picture> parts;
     const auto add = [&](HandPointKind kind, double side, const auto& view, const char* name) {
-        // Of the middle finger's second joint, the point that looks most to the side that is seen.
+        // Chooses the point of the middle finger's second joint that faces the viewer most.
         std::size_t chosen = hand.points.size();
         for (std::size_t i = 0; i < hand.points.size(); ++i) {
             if (hand.points[i].kind != kind || hand.points[i].joint != hand.rays[1][2]) continue;
@@ -451,8 +451,8 @@ Picture influence(const BoundHand& bound) {
         const auto reached =
             std::size_t(std::count_if(values.begin(), values.end(), [](double w) { return w > 0; }));
         parts.push_back(with_bar(
-            draw_tiles({{model.mapped(view), words("%s\n%zu of %zu vertices listen to it, by %.2g at most",
-                                                   name, reached, values.size(), most)}},
+            draw_tiles({{model.mapped(view), words("%s\n%zu of %zu vertices follow it, by %.2g at most", name,
+                                                   reached, values.size(), most)}},
                        1, 700, 860),
             most, "u"));
     };

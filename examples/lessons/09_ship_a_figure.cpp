@@ -1,5 +1,5 @@
-// 9. What a game ships: a figure with normals and tangents, bound and packed in the editor, used where it
-// lies in memory.
+// 9. Ship a figure with a game: points with normals and tangents, bound and packed in the editor, and
+// used in place from the bytes of the file.
 #include <cageform/binding/pack.hpp>
 #include <cageform/coordinates/mean_value.hpp>
 #include <cageform/runtime.hpp> // all that a game includes

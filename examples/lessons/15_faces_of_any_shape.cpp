@@ -33,7 +33,8 @@ int main() {
           cageform::MeanValueCoordinates<double, 3, cageform::PolyhedralMesh<double>>(cage));
     print("mean value, triangles", cageform::MeanValueCoordinates<double, 3>(cage.triangles()));
 
-    // A face has to be planar. What is not is named; a third argument says how far off a corner may be.
+    // A face has to be planar. A report names the faces that are not; a third argument sets how far off
+    // a corner may be.
     auto bent = vertices;
     bent[6] = {1, 1, 1.01};
     for (const auto& fault : check(cageform::PolyhedralMesh<double>(bent, quads)).faults)

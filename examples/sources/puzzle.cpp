@@ -31,7 +31,7 @@ SvgResult<Puzzle> read_puzzle(const std::string& path, int neighbours) {
         const bool unknown = cell.empty() || cell == ".";
         puzzle.given.push_back(unknown ? 0 : 1);
         if (parse_fraction(unknown ? "0" : cell, puzzle.values.emplace_back())) return {};
-        return "\"" + std::string(cell.substr(0, 40)) + "\" is no whole number and no fraction a/b";
+        return "\"" + std::string(cell.substr(0, 40)) + "\" is not a whole number or a fraction a/b";
     });
     if (!size) return size.error();
     puzzle.rows = size->rows;
@@ -132,19 +132,21 @@ int run_program(int argc, char** argv) {
     std::vector<std::string> size, from;
     std::size_t walks = 0, seed = 1;
     line.add("table", path, "a CSV file: whole numbers, fractions a/b, and . or nothing for unknown cells");
-    line.add("--neighbours", neighbours, "4 beside a cell, or 8 with those across its corners")
+    line.add("--neighbours", neighbours, "the number of neighbours of a cell: 4, or 8 with the diagonal ones")
         .range(4, 8)
         .show_default();
-    line.add_flag("--exact", exact, "in fractions");
+    line.add_flag("--exact", exact, "solve in exact fractions");
     line.add("--csv", csv, "a CSV file to write the solved (with --make the unsolved) table to")
         .ends_with({".csv"});
     line.add("-o,--output", svg, "an SVG file to draw it to").ends_with({".svg"});
-    line.add("--walks", walks, "random walks from a cell, whose mean is printed beside its value")
+    line.add("--walks", walks,
+             "the number of random walks from a cell; their mean is printed beside its value")
         .range(1, 1'000'000'000);
-    line.add("--from", from, "its line and column, from 1").count(2, 2);
-    line.add("--make", size, "make a puzzle of so many lines and columns, whose answers are whole numbers")
+    line.add("--from", from, "the line and column of the cell, counted from 1").count(2, 2);
+    line.add("--make", size,
+             "make a puzzle with this many lines and columns, whose answers are whole numbers")
         .count(2, 2);
-    line.add("--seed", seed, "of walks and of --make").show_default();
+    line.add("--seed", seed, "the seed of --walks and --make").show_default();
     if (const auto code = line.parse(argc, argv)) return *code;
     if (neighbours != 4 && neighbours != 8) return fail("--neighbours is 4 or 8");
     const auto count_of = [](const std::string& word, std::size_t least, std::size_t most) {

@@ -171,7 +171,7 @@ TEST_CASE("a cursor with memory of its own is copied with it; one in the caller'
     clip.sample(3.0, given, expected);
     CHECK(b == expected);
     CHECK(given.memory().data() == memory.data());
-    // Of another clip it is made one in place.
+    // A cursor can be started again in place for another clip.
     const auto other = random_clip<double, 2>(random, 5);
     auto of_other = other.make_cursor();
     std::vector<Vec<double, 2>> few(5), few_expected(5);

@@ -142,7 +142,7 @@ TEMPLATE_TEST_CASE("packed bindings clone rationally as their weights in effect 
     const auto pose = random_points<T, 3>(60, 10, 44);
     const auto weights = random_weights<T>(60, 1, 45);
     const auto exact = rational(binding, pose, weights);
-    // What rounding a weight to 24, 11, 15 and 7 bits comes to with points that hear six handles.
+    // The error of rounding a weight to 24, 11, 15 and 7 bits, for points with six handles.
     const double bounds[] = {1e-4, 0.05, 0.05, 1.0};
     int formats = 0;
     for (const WeightFormat format :

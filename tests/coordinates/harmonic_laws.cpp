@@ -1,6 +1,5 @@
-// What every harmonic function does: it has no extremum inside, is the mean of its values around, and in
-// rectangles with
-// linear sides is bilinear.
+// Tests laws of harmonic functions: they have no extremum inside, equal the mean of their values around,
+// and are bilinear in rectangles with linear sides.
 #include "catch.hpp"
 #include "pictures/level_lines.hpp"
 #include "support/effort.hpp"

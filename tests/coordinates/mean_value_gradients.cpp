@@ -24,7 +24,7 @@ using cageform::TriangleMesh;
 namespace {
 
 using Real = long double;
-/// Of doubles differences would lose what long double has, where that is wider.
+/// The rounding of Real. Differences of doubles would lose the digits that a wider long double has.
 constexpr double real_rounding = double(std::numeric_limits<Real>::epsilon()) / 1.1e-19;
 
 /// The textbook's weights.

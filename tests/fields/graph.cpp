@@ -45,7 +45,7 @@ std::vector<Json> flatten(const Json& table) {
     return entries;
 }
 
-/// Of a table of `shape`, whose last index runs along the first axis of the grid.
+/// Returns the links of a table of `shape`, whose last index runs along the first axis of the grid.
 std::vector<GraphLink> links_of(const Json& shape, const Json& stencil) {
     const auto neighbours = stencil == "face" ? Stencil::face : Stencil::all;
     const auto n = [&](std::size_t k) { return shape[k].get<std::size_t>(); };

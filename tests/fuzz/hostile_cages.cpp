@@ -32,7 +32,7 @@ using cageform_tests::Random;
         std::abort();                                                                                        \
     }
 
-/// Of a cage in [-1, 1]^D: what is done to all numbers and to a few.
+/// Spoils a coordinate of a cage in [-1, 1]^D: some kinds change all numbers, some only a few.
 template <class T>
 T spoilt(Random& random, double x, std::size_t kind) {
     switch (kind) {

@@ -194,7 +194,7 @@ void check_estimate_and_bound(int seed) {
     auto block = multigrid.make_block();
     set_data(multigrid, domain, block, [&](std::size_t c, std::size_t k) { return data[c * width + k]; });
 
-    // The same equations, written down link by link and solved directly.
+    // Assembles the equations link by link and solves them directly.
     const auto n = Eigen::Index(multigrid.unknowns());
     std::vector<Eigen::Triplet<double>> entries;
     Eigen::MatrixXd right = Eigen::MatrixXd::Zero(n, Eigen::Index(width));

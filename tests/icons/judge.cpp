@@ -231,7 +231,7 @@ void draw(const std::array<Vertex, 3>& corner, const std::array<Vertex, 3>& text
     }
 }
 
-/// What the bend makes of the picture with its margin; of twice the size, then halved.
+/// Returns the bent picture with its margin, drawn at twice the size and then halved.
 Picture bent_picture(const Picture& wide, const ViewBox& view, std::size_t width, std::size_t height) {
     std::vector<Vertex> places, textures;
     for (std::size_t j = 0; j <= cells; ++j) {

@@ -57,7 +57,7 @@ void save(std::span<const std::byte> blob) {
     file_bytes += blob.size();
 }
 
-// What symbols.cpp finds of double's functions allocates nothing either.
+// The functions of double that symbols.cpp finds do not allocate either.
 int play(std::size_t points, std::size_t handles) {
     using T = float;
     using Vector = cageform::Vec<T, 3>;

@@ -16,9 +16,10 @@ namespace cageform_examples {
 
 /// For --help, behind what else --cage takes.
 inline constexpr const char* auto_cage_help =
-    "; or auto, hull or box, with vertices auto:N or hull:N: what make_cage makes";
+    "; or auto, hull or box (with N vertices auto:N or hull:N) to make one, as make_cage does";
 
-/// What --cage says: auto, hull, box, auto:N or hull:N, or else a file (one of that name is ./auto).
+/// The choice of --cage: auto, hull, box, auto:N or hull:N, otherwise a file (write ./auto for a file of
+/// that name).
 struct CageWord {
     bool is_auto = false;
     std::size_t vertices = 0; // 0: as many as make_cage takes
@@ -56,7 +57,7 @@ SvgResult<ObjFile> load_or_make_cage(const std::string& word, const ObjFile& fig
 ///   dimension   2 or 3
 std::string describe(const cageform::MakeCageReport& report, std::size_t dimension);
 
-/// What a user should know; empty where there is nothing.
+/// Returns warnings for the user; empty if there are none.
 std::vector<std::string> warnings_of(const cageform::MakeCageReport& report,
                                      const cageform::MakeCageOptions& options);
 

@@ -13,9 +13,9 @@ namespace {
 /// Why coordinates take no polygons for faces; empty where they do.
 std::string polygon_fault(const CoordinatesChoice& choice) {
     if (choice.name == "mean-value") return {};
-    if (choice.name != "harmonic") return choice.name + " takes triangles";
+    if (choice.name != "harmonic") return choice.name + " supports only triangles";
     const bool by_pyramid = choice.harmonic.solver == cageform::HarmonicSolver::averaging_pyramid;
-    return by_pyramid ? "harmonic by the papers' solver takes triangles" : "";
+    return by_pyramid ? "harmonic by the papers' solver supports only triangles" : "";
 }
 
 } // namespace

@@ -30,7 +30,7 @@ struct CageFaces {
 /// millionth of the cage's diagonal: what six digits of a file leave of a plane.
 CageFaces faces_of(const ObjFile& cage, bool keep_polygons);
 
-/// What has become of faces with more than three corners; empty where there are none.
+/// Describes how faces with more than three corners were treated; empty if there are none.
 ///
 ///   why   none of them is kept; empty where the user wants it so
 std::string describe_faces(const ObjFile& cage, const CageFaces& faces, const std::string& why);

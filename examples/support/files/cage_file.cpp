@@ -55,9 +55,9 @@ SvgResult<std::string> to_svg(const CageFile& cage, const ViewBox& view) {
     std::string path;
     for (const CageBlock& block : cage.blocks) {
         if (block.points.front() == block.points.back())
-            return SvgError{cage.name + ": two vertices lie at the same place, " +
+            return SvgError{cage.name + ": two vertices lie at the same position, " +
                             name_points(block.points, {0}) +
-                            ", which an SVG file does not hold; a CSV file does"};
+                            ", which an SVG file cannot store; a CSV file can"};
         for (const Point2& p : block.points)
             path += (path.empty() || path.back() == 'Z' ? "M" : " ") + digits_of(p);
         path += 'Z';

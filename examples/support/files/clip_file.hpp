@@ -35,37 +35,37 @@ namespace cageform_examples {
 
 /// For --help: the head of this file.
 inline constexpr const char* clip_format =
-    "A motion of a cage in the plane is a CSV file of controls, each of which moves\n"
-    "some vertices, and keys that say how far and when:\n"
+    "A motion of a cage in the plane is a CSV file of controls. Each control moves some\n"
+    "vertices, and its keys give the distances and times:\n"
     "\n"
-    "    length,2.4              of the clip, in seconds; then it begins again\n"
-    "    late,far-legs,0.6       the element of that id does the same 0.6 s later\n"
-    "    ground,744,166          a ground at y = 744 that passes by, units a second\n"
+    "    length,2.4              the clip's seconds; then it starts again\n"
+    "    late,far-legs,0.6       the element with this id moves 0.6 s later\n"
+    "    ground,744,166          a ground at y = 744 moves by, 166 units a second\n"
     "\n"
     "    control,the tail sways\n"
-    "    vertices,11:0.5,10,9    counted from 0; with weights, 1 where not given\n"
-    "    pivot,775,400           about which the vertices turn\n"
+    "    vertices,11:0.5,10,9    counted from 0; with weights, 1 by default\n"
+    "    pivot,775,400           the vertices turn about this point\n"
     "    time,x,y,turn,kind\n"
-    "    0.0,0,0,-6,ease         moved by x and y, turned by degrees\n"
+    "    0.0,0,0,-6,ease         moves by x and y, and turns by degrees\n"
     "    1.2,0,0,6,ease\n"
     "    2.4,0,0,-6,ease\n"
     "\n"
-    "A key is hold, linear, automatic or ease. A control begins again after its last\n"
-    "key; its time goes into the clip's a whole number of times. Several controls of\n"
-    "a vertex add up. late and ground may be missing; # begins a comment.\n";
+    "A key is hold, linear, automatic or ease. A control starts again after its last\n"
+    "key, and its duration has to divide the clip's. Several controls of a vertex add\n"
+    "up. late and ground can be left out; # begins a comment.\n";
 
 /// For --help: poses in space.
 inline constexpr const char* pose_clip_format =
     "A motion of a cage in space is a CSV file of its poses:\n"
     "\n"
-    "    length,2.4              in seconds; then the first pose comes again\n"
-    "    pose,0,smooth           its time; smooth, linear or ease\n"
+    "    length,2.4              the seconds until the first pose returns\n"
+    "    pose,0,smooth           the time of a pose; smooth, linear or ease\n"
     "    0.1,1.5,-0.2            x,y,z of every vertex, in the cage's order\n"
     "    …\n"
     "    pose,0.8,smooth\n"
     "    …\n"
     "\n"
-    "The first pose is at 0, times ascend; # begins a comment.\n";
+    "The first pose is at time 0, and times ascend; # begins a comment.\n";
 
 struct ClipControl {
     struct Share {

@@ -1,7 +1,7 @@
 #pragma once
 
-// Points as text: two or three numbers a line, separated by commas. Read in batches, so a file may be of any
-// length. And cages: blocks of such lines; and labels of their vertices.
+// Points as text: two or three numbers a line, separated by commas. Read in batches, so a file may be of
+// any length. And cages: blocks of such lines; and labels of their vertices.
 
 #include "files/input_file.hpp"
 #include "svg/path.hpp"
@@ -39,7 +39,8 @@ std::string parse_point(std::string_view line, std::array<double, D>& point) {
     const auto columns = std::size_t(std::count(line.begin(), line.end(), ',')) + 1;
     if (columns != D) {
         return std::to_string(columns) + (columns == 1 ? " column" : " columns") +
-               (D == 2 ? " where the plane takes two: x,y" : " where space takes three: x,y,z");
+               (D == 2 ? ", but a point in the plane has two: x,y"
+                       : ", but a point in space has three: x,y,z");
     }
     for (double& number : point) {
         const std::string_view field = line.substr(0, line.find(','));
@@ -94,7 +95,7 @@ public:
 
     const std::string& error() const { return error_; }
 
-    /// Of the last point read, counted from 1.
+    /// Returns the line of the last point read, counted from 1.
     std::size_t line() const { return line_; }
 
     /// How much of the file has been read, in [0, 1].
@@ -160,7 +161,7 @@ SvgResult<std::vector<CageBlock>> read_cage_csv(const std::string& path);
 
 /// For --help: how the labels of a cage's vertices are given.
 inline constexpr const char* labels_format =
-    "Labels are a text file of a line for every vertex of the cage, in its order. A\n"
+    "Labels are a text file with a line for every vertex of the cage, in its order. A\n"
     "vertex whose line is empty has no label; lines that begin with # are comments.\n";
 
 /// Labels of the vertices of a cage, from a file of a line for each; empty where a vertex has none. Lines

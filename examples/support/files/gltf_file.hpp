@@ -327,8 +327,7 @@ inline std::vector<std::string> add_materials(GltfDocument& document, const ObjP
         if (!is_png && !is_jpeg) {
             warnings.push_back(!bytes ? bytes.error().message
                                       : material.texture +
-                                            ": is neither PNG nor JPEG, which glTF takes: the "
-                                            "material " +
+                                            ": is neither PNG nor JPEG, the formats of glTF: the material " +
                                             detail::quoted(material.name) + " is written without it");
             return std::nullopt;
         }

@@ -20,7 +20,7 @@ std::string parse_index(std::string_view word, std::size_t so_far, std::size_t c
     const bool whole = end == digits.data() + digits.size() && !digits.empty();
     if (error == std::errc::invalid_argument || !whole) return "not an index: " + quoted(word);
     const bool fits = error == std::errc{};
-    if (fits && value == 0) return std::string("a ") + what + " index is 0; they count from 1";
+    if (fits && value == 0) return std::string("a ") + what + " index is 0; indices count from 1";
     const bool found = value > 0 ? static_cast<unsigned long long>(value) <= count
                                  : value >= -static_cast<long long>(so_far);
     if (!fits || !found) {
@@ -187,7 +187,7 @@ SvgResult<ObjFile> parse_obj(std::string text, std::string name) {
         if (words[0] == "v") ++so_far[0];
         if (words[0] == "vn") ++so_far[1];
         if (words[0] != "f") continue;
-        if (words.size() < 4) return refuse("a face has less than three corners");
+        if (words.size() < 4) return refuse("a face has fewer than three corners");
         ObjFace face{{}, line};
         for (const std::string_view word : std::span(words).subspan(1)) {
             const std::string why = detail::parse_corner(word, so_far, count, face.corners.emplace_back());

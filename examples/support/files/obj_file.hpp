@@ -2,9 +2,9 @@
 
 // Wavefront OBJ files: reading vertices, normals and faces, writing the same file with its vertices moved.
 //
-// tinyobjloader cuts the faces into triangles. It takes whatever it is given, so everything is read and
-// checked here first, and it sees only sound vertices and faces. What is not a vertex or a normal is written
-// as it was read, to the byte: groups, materials, texture coordinates, comments, colours behind a vertex.
+// tinyobjloader cuts the faces into triangles. It does not check its input, so this code reads and
+// checks everything first and passes on only sound vertices and faces. All other lines are written as
+// they were read, to the byte: groups, materials, texture coordinates, comments, colours after a vertex.
 
 #include "svg/path.hpp"
 
@@ -26,12 +26,12 @@ using Point3 = cageform::Vec<double, 3>;
 
 /// For --help.
 inline constexpr const char* obj_format =
-    "OBJ files: v, vn and f are read, faces of any number of corners, indices also\n"
-    "negative; what else there is stays as it is; glTF files get objects, materials\n"
-    "and textures, and leave the rest out. Numbers are finite. No curves, no binary files, at most\n"
-    "4,294,967,294 vertices. A cage is a closed mesh, faces counter-clockwise seen\n"
-    "from outside, of any genus, also several shells; a pose of it is the same mesh\n"
-    "with its vertices moved.\n";
+    "OBJ files can have faces of any number of corners, and negative indices. v, vn and\n"
+    "f are read, and all other lines are copied as they are; glTF files get objects,\n"
+    "materials and textures, and nothing else. Numbers have to be finite. Curves and\n"
+    "binary files are not supported, nor more than 4,294,967,294 vertices. A cage is a\n"
+    "closed mesh of any genus, with faces counter-clockwise seen from outside; it can\n"
+    "have several shells. A pose is the same mesh with its vertices moved.\n";
 
 struct ObjCorner {
     static constexpr std::uint32_t none = ~std::uint32_t{0};
@@ -78,7 +78,8 @@ public:
         if (text_.starts_with("\xef\xbb\xbf")) at_ = 3; // a byte order mark
     }
 
-    /// The words of the next statement that has any, and the line it begins on; false at the end of the text.
+    /// The words of the next statement that has any, and the line it begins on; false at the end of the
+    /// text.
     bool next(std::vector<std::string_view>& words, std::size_t& line) {
         words.clear();
         while (at_ < text_.size() && words.empty()) {

@@ -121,7 +121,8 @@ private:
     void read_library(const std::string& name) {
         const auto path = file_inside(folder_, name);
         if (!path)
-            return warn("its materials, " + detail::quoted(name) + ", are not in its folder: they are clay");
+            return warn("its materials, " + detail::quoted(name) +
+                        ", are not in its folder: a default material is used");
         const auto text = read_file(path->string());
         if (!text) return warn(text.error().message);
         std::map<std::string, int> numbers;
@@ -154,8 +155,8 @@ private:
             return;
         }
         if (!name.empty() && !library_.empty())
-            warn("no file of its says what the material " + detail::quoted(name) + " is (line " +
-                 std::to_string(line) + "): it is clay");
+            warn("none of its material files defines the material " + detail::quoted(name) + " (line " +
+                 std::to_string(line) + "): a default material is used");
         parts_.materials.emplace_back().name = name.empty() ? "clay" : name;
     }
 

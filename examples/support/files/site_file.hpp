@@ -26,12 +26,12 @@ struct SiteFile {
 
 /// For --help: how sites are given.
 inline constexpr const char* site_formats =
-    "The types sibson and sibson-c1 take control points anywhere on, in or about the\n"
-    "figure instead of a cage. In the plane they are the centres of the circles drawn\n"
-    "in an SVG file (radius above 0), in their order; in space the vertices of an\n"
-    "OBJ file, with or without faces; in both the lines x,y or x,y,z of a CSV file\n"
-    "(.csv), where empty lines and lines that begin with # are skipped. A pose has as\n"
-    "many points, in the same order. Only what lies in their convex hull can move.\n";
+    "The types sibson and sibson-c1 use control points anywhere on, in or about the\n"
+    "figure instead of a cage. In the plane these are the centres of the circles drawn\n"
+    "in an SVG file (radius above 0), in their order; in space they are the vertices of\n"
+    "an OBJ file, with or without faces. In both they can be the lines x,y or x,y,z of a\n"
+    "CSV file (.csv); empty lines and lines that begin with # are skipped. A pose has as\n"
+    "many points, in the same order. Only points inside the convex hull can move.\n";
 
 /// 2 or 3: what sites a file holds. An SVG has those of the plane, an OBJ those of space, a CSV file tells
 /// by its first
@@ -50,9 +50,9 @@ SvgResult<SiteFile<D>> load_site_pose(const std::string& path, const SiteFile<D>
 
 /// For --help: weights of sites.
 inline constexpr const char* site_weights_format =
-    "Weights of points are a text file of a number above 0 for each, a line each, in\n"
-    "their order; empty lines and lines that begin with # are skipped. A point heavier\n"
-    "than others draws the figure to it, though nothing has moved.\n";
+    "Weights of points are a text file with a number above 0 for each point, one per\n"
+    "line, in their order; empty lines and lines that begin with # are skipped. A\n"
+    "heavier point attracts the figure, even when no point has moved.\n";
 
 /// Reads weights of sites; fails also where there are not `count`, or one is not finite and above 0.
 SvgResult<std::vector<double>> load_site_weights(const std::string& path, std::size_t count);

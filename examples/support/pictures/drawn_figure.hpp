@@ -1,6 +1,6 @@
 #pragma once
 
-// What an SVG document paints, as the segments that make_cage takes.
+// Converts the painted parts of an SVG document to the segments that make_cage takes.
 
 #include "svg/document.hpp"
 

@@ -39,9 +39,8 @@ inline std::vector<std::vector<Point2>> level_lines(std::span<const double> valu
             for (std::size_t k = 0; k < 4; ++k) {
                 if ((corner[k] > level) != (corner[(k + 1) % 4] > level)) crossed.push_back(sides[k]);
             }
-            // Of four, the lines go round the corners that the middle is not like: the second and the
-            // fourth, or the
-            // first and the third.
+            // With four crossings, the lines separate the corners that differ from the mean: the second
+            // and the fourth, or the first and the third.
             if (crossed.size() == 4 && (corner[0] > level) != (mean > level))
                 std::swap(crossed[1], crossed[3]);
             for (std::size_t k = 0; k + 1 < crossed.size(); k += 2) {

@@ -209,7 +209,7 @@ private:
         return {inside(std::ceil(low - 0.5)), inside(std::floor(high - 0.5) + 1)};
     }
 
-    /// What a surface gives back of light, so that it is seen in a colour.
+    /// Returns the reflectance (linear light) of a surface that is seen in a colour.
     static Point3 linear(const Colour& colour) {
         return {std::pow(colour.r, 2.2), std::pow(colour.g, 2.2), std::pow(colour.b, 2.2)};
     }
@@ -255,7 +255,8 @@ private:
         return table[i] + float(at - double(i)) * (table[i + 1] - table[i]);
     }
 
-    /// A warm light from above and the left, a cool one from the right, and what the sky and the floor give.
+    /// A warm light from above and the left, a cool one from the right, and what the sky and the floor
+    /// give.
     static Colour shade(const Point3& normal, const Point3& own) {
         static const Point3 key = unit({-0.45, 0.75, 0.7}), cool = unit({0.9, 0.1, 0.35}),
                             half = unit(key + Point3{0, 0, 1}); // between the light and the eye

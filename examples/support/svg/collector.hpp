@@ -33,7 +33,7 @@ public:
 private:
     using Values = std::map<std::string, StyleValue, std::less<>>;
 
-    /// What an element takes from those it stands in.
+    /// The properties that an element inherits from its ancestors.
     struct Place {
         Affine2 to_root;
         Viewport viewport;
@@ -60,8 +60,8 @@ private:
     bool apply_transform(pugi::xml_node node, const Values& values, Affine2& to_root);
 
     // ---- nested svg ----
-    /// A nested svg clips what it holds. One that cuts nothing no longer does; one that does becomes a group
-    /// with a clip path, which is deformed. So does a symbol, whose copy `visit_use` made an svg.
+    /// A nested svg clips what it holds. One that cuts nothing no longer does; one that does becomes a
+    /// group with a clip path, which is deformed. So does a symbol, whose copy `visit_use` made an svg.
     bool visit_svg(pugi::xml_node node, const Values& values, Place& place);
     /// Writes a nested svg as a group with the same map.
     static void to_group(pugi::xml_node node, const Affine2& inside);
@@ -72,7 +72,7 @@ private:
 
     // ---- use (svg_references.cpp) ----
     bool visit_use(pugi::xml_node use, const Place& parent);
-    /// What is used: nothing, with a warning or an error, where it cannot be.
+    /// Returns the target of a `use`; if it cannot be used, returns nothing, with a warning or an error.
     pugi::xml_node used_element(pugi::xml_node use);
     /// In a clip path, which may hold no group: the copy takes the place of `use`.
     bool replace_use(pugi::xml_node use, pugi::xml_node target, std::string transform, const Place& parent);

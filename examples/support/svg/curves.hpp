@@ -19,7 +19,7 @@ namespace cageform_examples {
 
 namespace detail {
 
-/// What may be written: beyond it sums and products of coordinates overflow.
+/// Tests whether a coordinate may be written; beyond this range sums and products of coordinates overflow.
 inline bool in_range(const Point2& p) {
     return std::abs(p.x) <= 1e100 && std::abs(p.y) <= 1e100;
 }
@@ -153,7 +153,8 @@ private:
         return std::span(piece.samples).subspan(frame * n, n);
     }
 
-    /// At least six; so many that none is longer than a 64th of the diagonal, lest a narrow bulge be missed.
+    /// At least six; so many that none is longer than a 64th of the diagonal, lest a narrow bulge be
+    /// missed.
     std::size_t steps(const Point2& from, const Segment& s) const {
         const double length = distance(from, s.p1) + distance(s.p1, s.p2) + distance(s.p2, s.p3);
         std::size_t n = 6;
@@ -213,7 +214,7 @@ private:
         return true;
     }
 
-    /// Of all samples but the starts, each of which is a closed path's end again, or of no length.
+    /// Records all samples except starts, which repeat the end of a closed path, or have no length.
     void record_motions() {
         motions_.resize(paths_.size() * frames_);
         for (std::size_t p = 0; p < paths_.size(); ++p) {

@@ -100,7 +100,7 @@ void settle_markers(const SvgDocument& document, const StyleSheets& styles, cons
         }
     } else if (shape.marks_vertices) {
         warnings.push_back(label(document, shape.node) +
-                           ": its markers stand at vertices, also at those that were added");
+                           ": its markers are drawn at all vertices, also at added ones");
     }
 }
 

@@ -39,7 +39,7 @@ std::string_view without_comments_before(std::string_view text) {
     return text;
 }
 
-/// What a deformation or a cage asks for.
+/// Tests whether deforming or making a cage reads a property.
 bool is_read(std::string_view property) {
     for (const std::string_view known :
          {"fill",      "stroke",          "stroke-width",   "clip-path",         "mask",
@@ -419,7 +419,7 @@ void adapt_style_sheets(SvgDocument& document, const std::set<std::string>& type
     }
     if (met.erase(".") != 0 && !met.empty()) {
         warnings.emplace_back(
-            "style sheet: rules by type became rules by class, of equal weight with the others");
+            "style sheet: rules by type became rules by class, and have the same specificity as these");
     }
     for (pugi::xml_node node = root; node; node = next_node(node, root)) {
         const std::string kind = local_name(node);
