@@ -174,9 +174,9 @@ OutsideChoice::judge(const ChosenCoordinates<T, D>& coordinates, const cageform:
                 {}};
     if (!report.unreached.empty()) {
         return {figure + ": no weights can be computed for " + name_points(points, report.unreached) +
-                    (coordinates.takes_sites   ? ": their weights exceed the range of numbers"
+                    (coordinates.takes_sites     ? ": their weights exceed the range of numbers"
                      : coordinates.closed_form() ? ": they are too far from the cage"
-                                               : ": the grid is too coarse; raise --resolution"),
+                                                 : ": the grid is too coarse; raise --resolution"),
                 {}};
     }
     if (!some || word != "auto" || cage_is_made) return {};
