@@ -1,7 +1,9 @@
 // The library as the page calls it: WebAssembly without threads, exceptions or a file system.
 //
-// The page writes numbers into page_input() and calls a function, which returns a count, a status or the address of
-// numbers in memory. Figures in the plane are bound in double, as in the programs; the mesh is bound in float.
+// The page writes numbers into page_input() and calls a function, which returns a count, a status or the
+// address of
+// numbers in memory. Figures in the plane are bound in double, as in the programs; the mesh is bound in
+// float.
 // If a status is not 0, page_message() returns the fault.
 
 #include <cageform/animate/compile.hpp>
@@ -284,7 +286,8 @@ PAGE_EXPORT(page_fit) int page_fit(std::size_t keys, double tolerance) {
     return int(compiled.curve.pieces().size());
 }
 
-/// Makes a cage for a mesh. In: points, faces. Out: the numbers of vertices and faces, the clearance; then both.
+/// Makes a cage for a mesh. In: points, faces. Out: the numbers of vertices and faces, the clearance; then
+/// both.
 PAGE_EXPORT(page_make_shell)
 int page_make_shell(std::size_t points, std::size_t faces, std::size_t vertices) {
     Reader reader;
