@@ -30,5 +30,5 @@ template std::unique_ptr<AnyCoordinates<double, 2>> make_coordinates(const Coord
 
 } // namespace cageform_examples
 
-// That convergence.cpp looks into.
+// convergence.cpp uses this class directly.
 template class cageform::grid::Multigrid<2>;
