@@ -444,14 +444,19 @@ int run_program(int argc, char** argv) {
     CLI::App app("Plays a clip on a figure in a cage, in the OGRE engine.");
     Arguments given;
     app.add_option("figure", given.figure, "a file that bind_mesh wrote, with a clip")->required();
-    app.add_option("--pictures", given.pictures, "save pictures of the clip to files that begin so");
-    app.add_option("--count", given.count, "how many")->check(CLI::Range(1, 99))->capture_default_str();
-    app.add_option("--width", given.width, "of the pictures and of the window, in pixels")
+    app.add_option("--pictures", given.pictures,
+                   "save pictures of the clip to files whose names begin with this");
+    app.add_option("--count", given.count, "the number of pictures")
+        ->check(CLI::Range(1, 99))
+        ->capture_default_str();
+    app.add_option("--width", given.width, "the width of the pictures and of the window, in pixels")
         ->check(CLI::Range(16, 8192))
         ->capture_default_str();
-    app.add_option("--height", given.height, "the same")->check(CLI::Range(16, 8192))->capture_default_str();
+    app.add_option("--height", given.height, "the height of the pictures and of the window, in pixels")
+        ->check(CLI::Range(16, 8192))
+        ->capture_default_str();
     app.add_option("--frames", given.frames,
-                   "play so many frames, 60 to a second of the clip; fails where memory grows by 256 KiB")
+                   "play this many frames, 60 per second of the clip; fails if memory grows by 256 KiB")
         ->check(CLI::Range(2000, 100000000));
     CLI11_PARSE(app, argc, argv);
 
