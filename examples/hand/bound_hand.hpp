@@ -25,7 +25,7 @@ bind_to_sites(const char* type, std::vector<Point3> sites, const std::vector<Poi
     choice.name = type;
     SiteFile<3> file;
     file.points = std::move(sites);
-    return make_coordinates<T, 3>(choice, file)->bind(places);
+    return make_coordinates<T, 3>(choice, file).bind(places);
 }
 
 struct BoundHand {

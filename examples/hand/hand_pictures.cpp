@@ -495,7 +495,7 @@ Skin in_posed_cage(const Hand& hand, const ImplicitMesh& cage, const HandPose& a
     CoordinatesChoice choice;
     choice.name = "harmonic";
     choice.harmonic.accuracy = 0.005; // a uniform grid of 128 cells does not see all of the cage
-    const auto [binding, report] = make_coordinates<double>(choice, file)->bind(hand.skin.vertices);
+    const auto [binding, report] = make_coordinates<double>(choice, file).bind(hand.skin.vertices);
     if (report.status != cageform::Status::ok || !report.outside.empty())
         throw std::runtime_error(std::string("the cage of the hand: ") + cageform::to_string(report.status));
     const auto motions = hand.bones(angles);

@@ -81,7 +81,7 @@ Segments cut(const std::vector<Point3>& vertices, const std::vector<std::array<s
 
 /// Prints how many cells there are of each size. On failure the report says why.
 template <std::size_t D>
-std::vector<cageform::GridCell<double, D>> cells_of(const AnyCoordinates<double, D>& coordinates,
+std::vector<cageform::GridCell<double, D>> cells_of(const ChosenCoordinates<double, D>& coordinates,
                                                     cageform::BindReport& report) {
     struct Count {
         std::size_t all = 0, cut = 0;
@@ -96,7 +96,7 @@ std::vector<cageform::GridCell<double, D>> cells_of(const AnyCoordinates<double,
     });
     report.status = evaluation.status;
     report.solver = evaluation.solver;
-    report.cage = coordinates.cage_report;
+    report.cage = coordinates.cage_report();
     if (report.status != cageform::Status::ok) return cells;
     std::cout << cells.size() << " cells inside the cage or on its boundary\n";
     if (report.solver.tree.finest_size > 0) std::cout << describe_grid(report.solver) << '\n';
@@ -138,7 +138,7 @@ SvgResult<Section> in_plane(const Arguments& given) {
     }
     const auto coordinates = make_coordinates<double>(given.choice, *cage);
     cageform::BindReport report;
-    const auto cells = cells_of(*coordinates, report);
+    const auto cells = cells_of(coordinates, report);
     if (report.status != cageform::Status::ok) return SvgError{describe_faults(given.cage, report)};
     for (const auto& cell : cells) section.cells.push_back({{cell.low[0], cell.low[1]}, cell.size});
     return section;
@@ -165,7 +165,7 @@ SvgResult<Section> in_space(const Arguments& given) {
     }
     const auto coordinates = make_coordinates<double>(given.choice, *cage);
     cageform::BindReport report;
-    const auto cells = cells_of(*coordinates, report);
+    const auto cells = cells_of(coordinates, report);
     if (report.status != cageform::Status::ok) return SvgError{describe_mesh_faults(given.cage, report)};
     for (const auto& cell : cells) {
         const double above = slice->at - cell.low[slice->axis];

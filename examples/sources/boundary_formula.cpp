@@ -102,7 +102,7 @@ int run_program(int argc, char** argv) {
     if (!cage) return fail(to_string(cage.error()));
     CoordinatesChoice choice;
     choice.name = "harmonic";
-    const auto checked = make_coordinates<double>(choice, *cage)->cage_report;
+    const auto checked = make_coordinates<double>(choice, *cage).cage_report();
     if (checked.status != cageform::Status::ok) return fail(describe_faults(cage->name, checked));
     if (vertex >= cage->vertices.size()) {
         return fail("there is no vertex " + std::to_string(vertex) + ": " + cage_path + " has " +

@@ -103,7 +103,7 @@ constexpr std::size_t finest = 512; // cells shown
 cageform::Result<cageform::Binding<double, 2>, cageform::BindReport>
 weights_of(const CageFile& cage, const cageform::HarmonicOptions& options, std::size_t resolution) {
     return make_coordinates<double>({.name = "harmonic", .resolution = resolution, .harmonic = options}, cage)
-        ->bind(points_in(cage.polygon<double>(), 1000));
+        .bind(points_in(cage.polygon<double>(), 1000));
 }
 
 /// The largest difference of weights to those that are `exact` beside.
@@ -270,7 +270,7 @@ Measured measure(const Oracle<D>& oracle, const CoordinatesChoice& choice) {
     double spent = 0;
     do {
         const std::clock_t begin = std::clock();
-        const auto [binding, report] = make_coordinates<double>(choice, oracle.cage)->bind(oracle.points);
+        const auto [binding, report] = make_coordinates<double>(choice, oracle.cage).bind(oracle.points);
         const double seconds = double(std::clock() - begin) / CLOCKS_PER_SEC;
         measured.seconds = spent == 0 ? seconds : std::min(measured.seconds, seconds);
         spent += std::max(seconds, 1e-3);

@@ -47,7 +47,7 @@ std::string print_row(const std::string& figure_path, const std::string& cage_pa
     CoordinatesChoice choice;
     choice.name = coordinates_name;
     const auto coordinates = make_coordinates<double>(choice, *cage);
-    const auto [binding, report] = coordinates->bind(*figure);
+    const auto [binding, report] = coordinates.bind(*figure);
     if (report.status != cageform::Status::ok) return describe_faults(cage_path, report);
     if (!report.outside.empty()) {
         return figure_path + ": " + std::to_string(report.outside.size()) + " points lie outside the cage " +
@@ -59,7 +59,7 @@ std::string print_row(const std::string& figure_path, const std::string& cage_pa
     const auto at_rest = pose_of_handles(binding, cage->vertices, cage_path, warning);
     if (!at_rest) return to_string(at_rest.error());
     if (!warning.empty()) warn(warning);
-    const double bind_seconds = median_seconds(5, 1, [&] { (void)coordinates->bind(*figure); });
+    const double bind_seconds = median_seconds(5, 1, [&] { (void)coordinates.bind(*figure); });
     std::vector<Point2> out(figure->size());
     cageform::Status status = cageform::Status::ok;
     const double clone_seconds =

@@ -34,7 +34,7 @@ SvgResult<std::vector<double>> weights_of(const std::string& type, const CageFil
     choice.resolution = 256;
     const auto coordinates = make_coordinates<double>(choice, cage);
     const auto [binding, report] =
-        coordinates->bind(std::span(&p, 1), {.linear_precision = cageform::LinearPrecision::leave});
+        coordinates.bind(std::span(&p, 1), {.linear_precision = cageform::LinearPrecision::leave});
     if (report.status != cageform::Status::ok) return SvgError{describe_faults(cage.name, report)};
     if (!report.outside.empty() || !report.on_boundary.empty() || !report.unreached.empty())
         return SvgError{"the point is not inside " + cage.name};

@@ -140,8 +140,8 @@ int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& ca
                 const std::vector<std::string>& labels) {
     if (const auto why = fault_of_outputs({given.out})) return fail(*why);
     const auto coordinates = make_coordinates<float>(given.choice, cage);
-    warn_of_closed_gaps(cage.name, coordinates->cage_report);
-    if (!coordinates->note.empty()) note(coordinates->note);
+    warn_of_closed_gaps(cage.name, coordinates.cage_report());
+    if (!coordinates.note.empty()) note(coordinates.note);
     std::vector<cageform::PiecewiseCubic<float>> curves;
     PoseClip motion;
     SampledPoses poses;
@@ -155,12 +155,13 @@ int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& ca
         poses = sample_poses(motion);
     }
     cageform::BindOptions bind_options;
-    bind_options.outside = given.outside.policy(*coordinates);
+    bind_options.outside = given.outside.policy(coordinates);
     const std::vector<Point3> normals = normals_of(figure);
     cageform::Result<cageform::FigureBinding<float, 3>, cageform::FigureBindReport> bound;
     {
         ProgressBar bar("binding");
-        bound = coordinates->bind({figure.vertices, normals}, bind_options, {.progress = bar.callback()});
+        bound = coordinates.bind(cageform::FigurePoints{figure.vertices, normals}, bind_options,
+                                 {.progress = bar.callback()});
     }
     const cageform::BindReport& of_points = bound.report.points;
     if (!bound) {
@@ -168,8 +169,7 @@ int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& ca
         return fail(describe_mesh_faults(cage.name, fault_of_points ? of_points : bound.report.vectors));
     }
     warn_of_coarse_grid(cage.name, of_points.solver);
-    const auto outside =
-        given.outside.judge(*coordinates, of_points, figure.vertices, figure.name, cage.name);
+    const auto outside = given.outside.judge(coordinates, of_points, figure.vertices, figure.name, cage.name);
     if (!outside.fault.empty()) return fail(outside.fault);
     if (!outside.warning.empty()) warn(outside.warning);
     if (const auto& still = bound.report.vectors.unreached; !still.empty()) {

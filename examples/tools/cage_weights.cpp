@@ -86,16 +86,16 @@ SvgResult<std::string> header_line(const std::string& labels_path, std::size_t h
 using Describe = std::function<std::string(const cageform::BindReport&)>;
 
 template <class T, std::size_t D>
-int run(const Settings& settings, AnyCoordinates<T, D>& coordinates, const Describe& describe_faults) {
+int run(const Settings& settings, ChosenCoordinates<T, D> coordinates, const Describe& describe_faults) {
     PointReader<D, T> reader(settings.points_path);
     if (!reader.error().empty()) return fail(reader.error());
     const auto refuse = [&](const cageform::BindReport& report) { return fail(describe_faults(report)); };
     cageform::BindReport total;
-    total.cage = coordinates.cage_report;
+    total.cage = coordinates.cage_report();
     total.status = total.cage.status;
     if (total.status != cageform::Status::ok) return refuse(total);
-    const std::size_t handles = coordinates.handles;
-    auto header = header_line(settings.labels_path, handles, handles - coordinates.vectors);
+    const std::size_t handles = coordinates.handles().count;
+    auto header = header_line(settings.labels_path, handles, handles - coordinates.handles().vector_count());
     if (!header) return fail(to_string(header.error()));
     std::string text = std::move(*header);
     AtomicFile out(settings.out_path);
@@ -107,11 +107,11 @@ int run(const Settings& settings, AnyCoordinates<T, D>& coordinates, const Descr
                                                    : cageform::OutsidePoints::nearest_boundary;
     options.linear_precision = settings.linear_precision == "restore" ? cageform::LinearPrecision::restore
                                                                       : cageform::LinearPrecision::leave;
-    warn_of_closed_gaps(settings.cage_path, coordinates.cage_report);
+    warn_of_closed_gaps(settings.cage_path, coordinates.cage_report());
     if (!coordinates.note.empty()) note(coordinates.note);
     const std::size_t batch = std::clamp<std::size_t>((std::size_t{1} << 22) / handles, 1024, 65536);
     const bool weights_outside =
-        settings.outside == "nearest" || (settings.outside == "extend" && coordinates.has_extension);
+        settings.outside == "nearest" || (settings.outside == "extend" && coordinates.has_extension());
     ProgressBar bar("binding");
     const auto progress = bar.callback();
     std::vector<std::array<double, D>> numbers;
@@ -122,7 +122,7 @@ int run(const Settings& settings, AnyCoordinates<T, D>& coordinates, const Descr
     while (more) {
         more = reader.read(numbers, batch);
         if (!reader.error().empty()) return fail(reader.error());
-        if (first && numbers.size() == batch && !coordinates.closed_form) { // there may be more batches
+        if (first && numbers.size() == batch && !coordinates.closed_form()) { // there may be more batches
             const auto evaluation = coordinates.solve({.progress = progress});
             total.status = evaluation.status;
             total.solver = evaluation.solver;
@@ -183,7 +183,7 @@ int run_with_sites(const Settings& settings) {
     const auto sites = load_sites<D>(settings.cage_path);
     if (!sites) return fail(to_string(sites.error()));
     if (const auto why = single_precision_fault(*sites); !why.empty() && sizeof(T) == 4) return fail(why);
-    return run(settings, *make_coordinates<T>(settings.choice, *sites),
+    return run(settings, make_coordinates<T>(settings.choice, *sites),
                [&](const auto& report) { return describe_site_faults(*sites, report); });
 }
 
@@ -202,7 +202,7 @@ int run(const Settings& settings) {
         if (!file) return fail(to_string(file.error()));
         if (const auto fault = single_precision_fault(*file); fault && sizeof(T) == 4)
             return fail(to_string(*fault));
-        return run(settings, *make_coordinates<T>(settings.choice, *file),
+        return run(settings, make_coordinates<T>(settings.choice, *file),
                    [&](const auto& report) { return describe_mesh_faults(settings.cage_path, report); });
     }
     const auto file = load_cage(settings.cage_path);
@@ -214,7 +214,7 @@ int run(const Settings& settings) {
                 return fail(settings.cage_path + ": vertex " + std::to_string(i) + ": " + why);
         }
     }
-    return run(settings, *make_coordinates<T>(settings.choice, *file),
+    return run(settings, make_coordinates<T>(settings.choice, *file),
                [&](const auto& report) { return describe_faults(settings.cage_path, report); });
 }
 

@@ -79,10 +79,10 @@ public:
 
     /// Empty, or why there is no field.
     std::string solve(const std::string& cage_path) {
-        if (coordinates_->cage_report.status != cageform::Status::ok)
-            return describe_faults(cage_path, coordinates_->cage_report);
+        if (coordinates_.cage_report().status != cageform::Status::ok)
+            return describe_faults(cage_path, coordinates_.cage_report());
         ProgressBar bar("coordinate field");
-        const auto evaluation = coordinates_->solve({.progress = bar.callback()});
+        const auto evaluation = coordinates_.solve({.progress = bar.callback()});
         return evaluation.status == cageform::Status::ok ? "" : cageform::to_string(evaluation.status);
     }
 
@@ -95,7 +95,7 @@ public:
         std::vector<double> values(points.size());
         for (std::size_t first = 0; first < points.size(); first += most) {
             const auto part = points.subspan(first, std::min(most, points.size() - first));
-            const auto [binding, bound] = coordinates_->bind(
+            const auto [binding, bound] = coordinates_.bind(
                 part, {.outside = outside, .linear_precision = cageform::LinearPrecision::leave});
             if (bound.status != cageform::Status::ok) return SvgError{describe_faults(cage_path, bound)};
             for (std::size_t i = 0; i < part.size(); ++i) {
@@ -113,7 +113,7 @@ public:
 
 private:
     std::vector<std::pair<std::size_t, double>> terms_; // vertices with their values, where not 0
-    std::unique_ptr<AnyCoordinates<double, 2>> coordinates_;
+    ChosenCoordinates<double, 2> coordinates_;
 };
 
 /// The boundary's edges within a box, with the values on them: linear, or of coordinates that do not

@@ -45,7 +45,7 @@ struct Arguments {
 
 /// The control of the figure: coordinates, and the pose of their handles.
 struct Control {
-    std::unique_ptr<AnyCoordinates<double, 3>> coordinates;
+    ChosenCoordinates<double, 3> coordinates;
     ObjFile cage, pose;          // of sites with points alone
     std::vector<double> weights; // of sites, or none
     std::function<std::string(const cageform::BindReport&)> describe_faults;
@@ -140,19 +140,19 @@ Deformed deformed(const Arguments& given, const ObjFile& figure, const Control& 
     constexpr std::size_t most_bytes = std::size_t{256} << 20;
     const auto& [coordinates, cage, pose, weights, describe_faults] = control;
     const std::span<const Point3> rest(figure.vertices);
-    const std::size_t fits = most_bytes / (sizeof(double) * (coordinates->handles + 1));
+    const std::size_t fits = most_bytes / (sizeof(double) * (coordinates.handles().count + 1));
     const std::size_t together = rest.size() <= fits ? rest.size() : fits / 4 + 1;
     cageform::BindOptions options;
-    options.outside = given.outside.policy(*coordinates);
+    options.outside = given.outside.policy(coordinates);
     Deformed result;
     result.vertices.resize(rest.size());
     auto& report = result.report;
-    report.cage = coordinates->cage_report;
+    report.cage = coordinates.cage_report();
     ProgressBar bar("binding");
     const cageform::Running running{.progress = bar.callback()};
     const bool in_batches = together < rest.size();
     if (in_batches) {
-        const auto evaluation = coordinates->solve(running.part(0, 0.5));
+        const auto evaluation = coordinates.solve(running.part(0, 0.5));
         report.status = evaluation.status;
         report.solver = evaluation.solver;
     }
@@ -165,7 +165,7 @@ Deformed deformed(const Arguments& given, const ObjFile& figure, const Control& 
     while (report.status == cageform::Status::ok) {
         const auto batch = rest.subspan(first, std::min(together, rest.size() - first));
         const auto bound =
-            coordinates->bind(batch, options, binding.part(done(first), done(first + batch.size())));
+            coordinates.bind(batch, options, binding.part(done(first), done(first + batch.size())));
         if (first == 0) report.solver = bound.report.solver;
         add_batch(report, bound.report, first);
         report.status = bound.report.status;
@@ -199,13 +199,13 @@ Deformed deformed(const Arguments& given, const ObjFile& figure, const Control& 
 int deform_figure(const Arguments& given, const ObjFile& figure, const Control& control) {
     const auto& [coordinates, cage, pose, weights, describe_faults] = control;
     if (const auto why = fault_of_outputs({given.out, given.picture})) return fail(*why);
-    warn_of_closed_gaps(cage.name, coordinates->cage_report);
-    if (!coordinates->note.empty()) note(coordinates->note);
+    warn_of_closed_gaps(cage.name, coordinates.cage_report());
+    if (!coordinates.note.empty()) note(coordinates.note);
     const auto [moved, paint, report, fault, warning] = deformed(given, figure, control);
     if (!fault.empty()) return fail(fault);
     if (report.status != cageform::Status::ok) return fail(describe_faults(report));
     warn_of_coarse_grid(cage.name, report.solver);
-    const auto outside = given.outside.judge(*coordinates, report, figure.vertices, figure.name, cage.name);
+    const auto outside = given.outside.judge(coordinates, report, figure.vertices, figure.name, cage.name);
     if (!outside.fault.empty()) return fail(outside.fault);
     if (!outside.warning.empty()) warn(outside.warning);
     if (!warning.empty()) warn(warning);
@@ -218,7 +218,7 @@ int deform_figure(const Arguments& given, const ObjFile& figure, const Control& 
     if (!given.picture.empty()) {
         ObjFile rest_dots, moved_dots;
         const ObjFile *drawn = &cage, *drawn_pose = &pose;
-        if (coordinates->takes_sites) {
+        if (coordinates.takes_sites) {
             const double radius =
                 cageform::bounds_of(std::span<const Point3>(cage.vertices)).diagonal() / 150;
             rest_dots = dots(cage.vertices, radius);
@@ -244,7 +244,7 @@ int deform_figure(const Arguments& given, const ObjFile& figure, const Control& 
     if (given.report) {
         std::cout << "figure: " << figure.vertices.size() << " vertices, " << figure.normals.size()
                   << " normals, " << figure.faces.size() << " faces\n";
-        if (coordinates->takes_sites)
+        if (coordinates.takes_sites)
             std::cout << "control points: " << cage.vertices.size() << '\n';
         else
             std::cout << "cage: " << cage.vertices.size() << " vertices, " << cage.triangles.size()

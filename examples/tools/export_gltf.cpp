@@ -487,19 +487,19 @@ int export_figure(const Arguments& given, const Scene& scene) {
     const ObjFile &figure = scene.figure, &cage = scene.cage;
     if (const auto why = fault_of_outputs({given.out})) return fail(*why);
     const auto coordinates = make_coordinates<double>(given.choice, cage);
-    warn_of_closed_gaps(cage.name, coordinates->cage_report);
-    if (!coordinates->note.empty()) note(coordinates->note);
+    warn_of_closed_gaps(cage.name, coordinates.cage_report());
+    if (!coordinates.note.empty()) note(coordinates.note);
     cageform::BindOptions options;
-    options.outside = given.outside.policy(*coordinates);
+    options.outside = given.outside.policy(coordinates);
     cageform::Result<cageform::Binding<double, 3>, cageform::BindReport> bound;
     {
         ProgressBar bar("binding");
-        bound = coordinates->bind(figure.vertices, options, {.progress = bar.callback()});
+        bound = coordinates.bind(figure.vertices, options, {.progress = bar.callback()});
     }
     const auto& report = bound.report;
     if (report.status != Status::ok) return fail(describe_mesh_faults(cage.name, report));
     warn_of_coarse_grid(cage.name, report.solver);
-    const auto outside = given.outside.judge(*coordinates, report, figure.vertices, figure.name, cage.name);
+    const auto outside = given.outside.judge(coordinates, report, figure.vertices, figure.name, cage.name);
     if (!outside.fault.empty()) return fail(outside.fault);
     if (!outside.warning.empty()) warn(outside.warning);
     if (given.report) std::cout << describe(report);

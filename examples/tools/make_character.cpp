@@ -348,7 +348,7 @@ int run_program(int argc, char** argv) {
     shell.vertices = cage.mesh.vertices;
     shell.triangles = cage.mesh.faces;
     const auto coordinates = cageform_examples::make_coordinates<double>({}, shell);
-    const auto outside = coordinates->bind(figure.vertices).report.outside;
+    const auto outside = coordinates.bind(figure.vertices).report.outside;
     if (!outside.empty()) {
         const Point& p = figure.vertices[outside.front()];
         return fail(std::to_string(outside.size()) + " vertices of the figure lie outside the cage, first (" +

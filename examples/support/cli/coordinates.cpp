@@ -148,8 +148,8 @@ void OutsideChoice::add_option(CommandLine& line) {
 }
 
 template <cageform::Scalar T, std::size_t D>
-cageform::OutsidePoints OutsideChoice::policy(const AnyCoordinates<T, D>& coordinates) const {
-    if (word == "extend" || (word == "auto" && can_extend && coordinates.has_extension))
+cageform::OutsidePoints OutsideChoice::policy(const ChosenCoordinates<T, D>& coordinates) const {
+    if (word == "extend" || (word == "auto" && can_extend && coordinates.has_extension()))
         return cageform::OutsidePoints::extend;
     return word == "nearest" || (word == "auto" && !coordinates.takes_sites)
                ? cageform::OutsidePoints::nearest_boundary
@@ -157,10 +157,10 @@ cageform::OutsidePoints OutsideChoice::policy(const AnyCoordinates<T, D>& coordi
 }
 
 template <cageform::Scalar T, std::size_t D>
-OutsideChoice::Verdict OutsideChoice::judge(const AnyCoordinates<T, D>& coordinates,
-                                            const cageform::BindReport& report,
-                                            typename AnyCoordinates<T, D>::Points points,
-                                            const std::string& figure, const std::string& cage) const {
+OutsideChoice::Verdict
+OutsideChoice::judge(const ChosenCoordinates<T, D>& coordinates, const cageform::BindReport& report,
+                     std::span<const std::conditional_t<D == 2, Point2, Point3>> points,
+                     const std::string& figure, const std::string& cage) const {
     const std::string what = D == 2 ? " points of " : " vertices of ";
     const std::string found = std::to_string(report.outside.size()) + " of " + std::to_string(report.points) +
                               what + figure + " lie outside the " +
@@ -168,15 +168,15 @@ OutsideChoice::Verdict OutsideChoice::judge(const AnyCoordinates<T, D>& coordina
                               name_points(points, report.outside);
     const bool some = !report.outside.empty();
     if (some && word == "refuse") return {found + "; use --outside to choose what they do", {}};
-    if (some && word == "extend" && !coordinates.has_extension)
+    if (some && word == "extend" && !coordinates.has_extension())
         return {found + "; these coordinates are not defined outside" +
                     (coordinates.takes_sites ? "" : " the cage"),
                 {}};
     if (!report.unreached.empty()) {
         return {figure + ": no weights can be computed for " + name_points(points, report.unreached) +
-                    (coordinates.takes_sites   ? ": their weights exceed the range of numbers"
-                     : coordinates.closed_form ? ": they are too far from the cage"
-                                               : ": the grid is too coarse; raise --resolution"),
+                    (coordinates.takes_sites     ? ": their weights exceed the range of numbers"
+                     : coordinates.closed_form() ? ": they are too far from the cage"
+                                                 : ": the grid is too coarse; raise --resolution"),
                 {}};
     }
     if (!some || word != "auto" || cage_is_made) return {};
@@ -193,16 +193,16 @@ OutsideChoice::Verdict OutsideChoice::judge(const AnyCoordinates<T, D>& coordina
             (coordinates.takes_sites ? " (--surround, --outside)" : " (--outside)")};
 }
 
-template cageform::OutsidePoints OutsideChoice::policy(const AnyCoordinates<double, 2>&) const;
-template cageform::OutsidePoints OutsideChoice::policy(const AnyCoordinates<double, 3>&) const;
-template cageform::OutsidePoints OutsideChoice::policy(const AnyCoordinates<float, 3>&) const;
-template OutsideChoice::Verdict OutsideChoice::judge(const AnyCoordinates<double, 2>&,
+template cageform::OutsidePoints OutsideChoice::policy(const ChosenCoordinates<double, 2>&) const;
+template cageform::OutsidePoints OutsideChoice::policy(const ChosenCoordinates<double, 3>&) const;
+template cageform::OutsidePoints OutsideChoice::policy(const ChosenCoordinates<float, 3>&) const;
+template OutsideChoice::Verdict OutsideChoice::judge(const ChosenCoordinates<double, 2>&,
                                                      const cageform::BindReport&, std::span<const Point2>,
                                                      const std::string&, const std::string&) const;
-template OutsideChoice::Verdict OutsideChoice::judge(const AnyCoordinates<double, 3>&,
+template OutsideChoice::Verdict OutsideChoice::judge(const ChosenCoordinates<double, 3>&,
                                                      const cageform::BindReport&, std::span<const Point3>,
                                                      const std::string&, const std::string&) const;
-template OutsideChoice::Verdict OutsideChoice::judge(const AnyCoordinates<float, 3>&,
+template OutsideChoice::Verdict OutsideChoice::judge(const ChosenCoordinates<float, 3>&,
                                                      const cageform::BindReport&, std::span<const Point3>,
                                                      const std::string&, const std::string&) const;
 

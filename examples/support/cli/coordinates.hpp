@@ -1,17 +1,15 @@
 #pragma once
 
 // Coordinates chosen by name on the command line. The library consists of templates; the instances that
-// the programs need are compiled once, in coordinates_2d.cpp and coordinates_3d.cpp, behind an interface
-// that is not a template.
+// the programs need are compiled once, in coordinates_2d.cpp, coordinates_3d.cpp and coordinates_sites.cpp.
 
 #include "cli/command_line.hpp"
 #include "files/cage_file.hpp"
 #include "files/obj_file.hpp"
 #include "files/site_file.hpp"
 
-#include <cageform/binding/bind.hpp>
+#include <cageform/binding/any_coordinates.hpp>
 #include <cageform/clone/pose_handles.hpp>
-#include <cageform/coordinates/harmonic/cage_solver.hpp>
 #include <cageform/coordinates/harmonic/options.hpp>
 
 #include <functional>
@@ -99,44 +97,22 @@ load_posed_sites(const std::string& path, const std::string& pose_path, const Si
     return posed;
 }
 
-/// Coordinates of a type known when the program runs.
+/// Coordinates of the type that the options name.
 template <cageform::Scalar T, std::size_t D>
-class AnyCoordinates {
+class ChosenCoordinates : public cageform::AnyCoordinates<T, D> {
 public:
-    using Points = std::span<const std::conditional_t<D == 2, Point2, Point3>>;
+    using cageform::AnyCoordinates<T, D>::AnyCoordinates;
 
-    virtual ~AnyCoordinates() = default;
-
-    bool has_extension = false, closed_form = false; // as the library's types say
-    bool takes_sites = false;                        // control points without a cage
-    std::string note;                                // on the cage's faces; empty where there is none
-    std::size_t handles = 0, vectors = 0;            // edges or faces: the last of the handles
-    cageform::CageReport cage_report;
-
-    /// Solves the functions and keeps them for several batches of points; does nothing if closed_form.
-    virtual cageform::Evaluation solve(const cageform::Running& running = {}) = 0;
-    virtual cageform::Result<cageform::Binding<T, D>, cageform::BindReport>
-    bind(Points points, const cageform::BindOptions& options = {},
-         const cageform::Running& running = {}) const = 0;
-    /// Calls f for every cell of the adaptive grid; coordinates without one return solver_not_supported.
-    virtual cageform::Evaluation
-    for_each_cell(const std::function<void(const cageform::GridCell<T, D>&)>& f) const = 0;
-
-    using PointsAndNormals = cageform::FigurePoints<const std::vector<Point3>&, const std::vector<Point3>&>;
-    /// Binds points and normals, for float in space and types with gradients; others return
-    /// solver_not_supported.
-    virtual cageform::Result<cageform::FigureBinding<T, D>, cageform::FigureBindReport>
-    bind(const PointsAndNormals& figure, const cageform::BindOptions& options,
-         const cageform::Running& running) const = 0;
+    bool takes_sites = false; // control points without a cage
+    std::string note;         // on the cage's faces; empty where there is none
 };
 
 template <class T>
-std::unique_ptr<AnyCoordinates<T, 2>> make_coordinates(const CoordinatesChoice& choice, const CageFile& cage);
+ChosenCoordinates<T, 2> make_coordinates(const CoordinatesChoice& choice, const CageFile& cage);
 template <class T>
-std::unique_ptr<AnyCoordinates<T, 3>> make_coordinates(const CoordinatesChoice& choice, const ObjFile& cage);
+ChosenCoordinates<T, 3> make_coordinates(const CoordinatesChoice& choice, const ObjFile& cage);
 template <class T, std::size_t D>
-std::unique_ptr<AnyCoordinates<T, D>> make_coordinates(const CoordinatesChoice& choice,
-                                                       const SiteFile<D>& sites);
+ChosenCoordinates<T, D> make_coordinates(const CoordinatesChoice& choice, const SiteFile<D>& sites);
 
 /// Names the edge or face whose vector is a handle, by its vertices: "from vertex 1 to 2"; in space as
 /// an OBJ file counts them, "v 1, v 3, v 2".
@@ -186,7 +162,7 @@ struct OutsideChoice {
     void add_option(CommandLine& line);
 
     template <cageform::Scalar T, std::size_t D>
-    cageform::OutsidePoints policy(const AnyCoordinates<T, D>& coordinates) const;
+    cageform::OutsidePoints policy(const ChosenCoordinates<T, D>& coordinates) const;
 
     /// The messages after a bind.
     struct Verdict {
@@ -197,9 +173,9 @@ struct OutsideChoice {
     };
     ///   figure, cage   names of their files
     template <cageform::Scalar T, std::size_t D>
-    Verdict judge(const AnyCoordinates<T, D>& coordinates, const cageform::BindReport& report,
-                  typename AnyCoordinates<T, D>::Points points, const std::string& figure,
-                  const std::string& cage) const;
+    Verdict judge(const ChosenCoordinates<T, D>& coordinates, const cageform::BindReport& report,
+                  std::span<const std::conditional_t<D == 2, Point2, Point3>> points,
+                  const std::string& figure, const std::string& cage) const;
 };
 
 } // namespace cageform_examples

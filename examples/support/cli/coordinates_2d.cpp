@@ -8,25 +8,21 @@
 namespace cageform_examples {
 
 template <class T>
-std::unique_ptr<AnyCoordinates<T, 2>> make_coordinates(const CoordinatesChoice& choice,
-                                                       const CageFile& file) {
-    return file.visit<T>([&](const auto& cage) -> std::unique_ptr<AnyCoordinates<T, 2>> {
+ChosenCoordinates<T, 2> make_coordinates(const CoordinatesChoice& choice, const CageFile& file) {
+    return file.visit<T>([&](const auto& cage) -> ChosenCoordinates<T, 2> {
         if (choice.name == "harmonic") {
             using Cage = std::remove_cvref_t<decltype(cage)>;
-            return model_of(Harmonic<Cage>(cage, choice.harmonic_options(2)));
+            return Harmonic<Cage>(cage, choice.harmonic_options(2));
         }
-        if (choice.name == "mean-value") return model_of(cageform::MeanValueCoordinates<T, 2>(cage));
-        if (choice.name == "green") return model_of(cageform::GreenCoordinates<T, 2>(cage));
-        if (choice.name == "wachspress") return model_of(cageform::WachspressCoordinates<T>(cage));
-        if (choice.name == "discrete-harmonic")
-            return model_of(cageform::DiscreteHarmonicCoordinates<T>(cage));
-        return model_of(cageform::BarycentricCoordinates<T, 2>(cage));
+        if (choice.name == "mean-value") return cageform::MeanValueCoordinates<T, 2>(cage);
+        if (choice.name == "green") return cageform::GreenCoordinates<T, 2>(cage);
+        if (choice.name == "wachspress") return cageform::WachspressCoordinates<T>(cage);
+        if (choice.name == "discrete-harmonic") return cageform::DiscreteHarmonicCoordinates<T>(cage);
+        return cageform::BarycentricCoordinates<T, 2>(cage);
     });
 }
-template std::unique_ptr<AnyCoordinates<float, 2>> make_coordinates(const CoordinatesChoice&,
-                                                                    const CageFile&);
-template std::unique_ptr<AnyCoordinates<double, 2>> make_coordinates(const CoordinatesChoice&,
-                                                                     const CageFile&);
+template ChosenCoordinates<float, 2> make_coordinates(const CoordinatesChoice&, const CageFile&);
+template ChosenCoordinates<double, 2> make_coordinates(const CoordinatesChoice&, const CageFile&);
 
 } // namespace cageform_examples
 

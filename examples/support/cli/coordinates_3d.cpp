@@ -21,34 +21,32 @@ std::string polygon_fault(const CoordinatesChoice& choice) {
 } // namespace
 
 template <class T>
-std::unique_ptr<AnyCoordinates<T, 3>> make_coordinates(const CoordinatesChoice& choice, const ObjFile& file) {
-    if (choice.name == "barycentric")
-        return model_of(cageform::BarycentricCoordinates<T, 3>(std::span(file.vertices)));
+ChosenCoordinates<T, 3> make_coordinates(const CoordinatesChoice& choice, const ObjFile& file) {
+    if (choice.name == "barycentric") return cageform::BarycentricCoordinates<T, 3>(std::span(file.vertices));
     const cageform::HarmonicOptions options = choice.harmonic_options(3);
     const bool harmonic = choice.name == "harmonic";
     const std::string why_cut = polygon_fault(choice);
     const CageFaces faces = faces_of(file, why_cut.empty() && choice.faces == "polygons");
-    std::unique_ptr<AnyCoordinates<T, 3>> made;
+    ChosenCoordinates<T, 3> made;
     if (faces.polygons > 0) {
         cageform::PolyhedralMesh<T> cage(file.vertices, faces.loops, T(faces.off_plane));
         if (harmonic)
-            made = model_of(Harmonic<cageform::PolyhedralMesh<T>>(cage, options));
+            made = Harmonic<cageform::PolyhedralMesh<T>>(cage, options);
         else
-            made = model_of(cageform::MeanValueCoordinates<T, 3, cageform::PolyhedralMesh<T>>(cage));
+            made = cageform::MeanValueCoordinates<T, 3, cageform::PolyhedralMesh<T>>(cage);
     } else {
         const cageform::TriangleMesh<T> cage(file.vertices, file.triangles);
         if (harmonic)
-            made = model_of(Harmonic<cageform::TriangleMesh<T>>(cage, options));
+            made = Harmonic<cageform::TriangleMesh<T>>(cage, options);
         else if (choice.name == "mean-value")
-            made = model_of(cageform::MeanValueCoordinates<T, 3>(cage));
+            made = cageform::MeanValueCoordinates<T, 3>(cage);
         else
-            made = model_of(cageform::GreenCoordinates<T, 3>(cage));
+            made = cageform::GreenCoordinates<T, 3>(cage);
     }
-    made->note = describe_faces(file, faces, why_cut);
+    made.note = describe_faces(file, faces, why_cut);
     return made;
 }
-template std::unique_ptr<AnyCoordinates<float, 3>> make_coordinates(const CoordinatesChoice&, const ObjFile&);
-template std::unique_ptr<AnyCoordinates<double, 3>> make_coordinates(const CoordinatesChoice&,
-                                                                     const ObjFile&);
+template ChosenCoordinates<float, 3> make_coordinates(const CoordinatesChoice&, const ObjFile&);
+template ChosenCoordinates<double, 3> make_coordinates(const CoordinatesChoice&, const ObjFile&);
 
 } // namespace cageform_examples

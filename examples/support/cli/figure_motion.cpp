@@ -56,12 +56,12 @@ public:
         : figure_(figure)
         , control_(control)
         , outside_(outside) {
-        options_.outside = outside.policy(*control.coordinates);
+        options_.outside = outside.policy(control.coordinates);
     }
 
     /// False where it cannot be done: see `failure`.
     bool move(std::span<const Point2> in, std::span<const std::size_t> layers, std::span<Point2> out) {
-        const auto& coordinates = *control_.coordinates;
+        const auto& coordinates = control_.coordinates;
         const auto [binding, bound] = coordinates.bind(in, options_);
         if (bound.status != cageform::Status::ok) {
             failure = control_.describe_faults(bound);
@@ -121,12 +121,12 @@ SvgResult<MovedFigure> move_figure(const SvgDocument& document, const std::strin
                                    const FigureControl& control, const OutsideChoice& outside,
                                    const DeformOptions& options) {
     MovedFigure result;
-    if (!control.coordinates->closed_form) {
+    if (!control.coordinates.closed_form()) {
         // The points come in several batches; the functions are solved once.
         ProgressBar bar("solving");
-        const auto evaluation = control.coordinates->solve({.progress = bar.callback()});
+        const auto evaluation = control.coordinates.solve({.progress = bar.callback()});
         result.bound.status = evaluation.status;
-        result.bound.cage = control.coordinates->cage_report;
+        result.bound.cage = control.coordinates.cage_report();
         result.bound.solver = evaluation.solver;
         if (evaluation.status != cageform::Status::ok) return SvgError{control.describe_faults(result.bound)};
         warn_of_coarse_grid(control.name, evaluation.solver);

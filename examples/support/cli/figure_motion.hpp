@@ -14,7 +14,7 @@ namespace cageform_examples {
 
 /// Coordinates, and the poses of their handles in every frame: they move a figure.
 struct FigureControl {
-    std::unique_ptr<AnyCoordinates<double, 2>> coordinates;
+    ChosenCoordinates<double, 2> coordinates;
     std::string name;                       // of the cage's or the points' file, for messages
     std::string pose_name;                  // of the poses' file
     std::size_t frames = 1;                 // of a motion; of a pose 1

@@ -52,7 +52,7 @@ public:
     }
 
     /// Solves for the functions and keeps them, so that several binds solve only once.
-    Evaluation solve(const Running& running = {}) {
+    Evaluation solve(const Running& running = {}) const {
         if (!model_) return {Status::coordinates_empty, {}};
         return model_->solve(running);
     }

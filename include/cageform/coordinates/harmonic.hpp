@@ -55,8 +55,6 @@ struct HarmonicSolverChoice {
 ///             solver_not_supported
 ///
 /// Outside the cage they are not defined (no extension); every point inside has values.
-///
-/// Outside the cage they are not defined (no extension); every point inside has values.
 template <Scalar T, std::size_t D, class C = std::conditional_t<D == 2, Polygon<T>, TriangleMesh<T>>,
           class Solvers = HarmonicSolverChoice<C>>
     requires(D == 2 || D == 3)
