@@ -424,7 +424,7 @@ void clone_with_normals(benchmark::State& state) {
         benchmark::Counter(double(out.size()), benchmark::Counter::kIsIterationInvariantRate);
 }
 
-/// Points that listen to their 16 nearest handles, as natural neighbours are in space, packed.
+/// Points that follow their 16 nearest handles, as natural neighbours are in space, packed.
 template <class T>
 struct Neighbours {
     std::vector<cageform::Vec<T, 3>> pose;

@@ -56,7 +56,7 @@ Mesh closed_grid(std::uint32_t rings, std::uint32_t columns, const Place& place)
     }
     return mesh;
 }
-/// A torus, its tube as wavy as told.
+/// Makes a torus whose tube has waves of a given size.
 Mesh torus(std::uint32_t rings, std::uint32_t columns, double waves) {
     return closed_grid(rings, columns, [&](double u, double v) {
         const double r = 0.35 * (1 + waves * std::sin(9 * u) * std::cos(4 * v));

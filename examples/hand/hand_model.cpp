@@ -68,7 +68,7 @@ void take_mean(Point3& axis, double& angle, const Point3& other_axis, double oth
     angle = (angle + side * other_angle) / 2;
 }
 
-/// By the mean of both angles, about the mean axis.
+/// Returns the mean of two turns: the mean of both angles, about the mean axis.
 JointTurn mean(JointTurn a, const JointTurn& b) {
     a.place = 0.5 * (a.place + b.place);
     take_mean(a.bend_axis, a.bend, b.bend_axis, b.bend);
@@ -359,7 +359,7 @@ private:
     }
     static Point3 side_of(const HandJoint& joint) { return joint.place; }
 
-    /// From the wrist along the thenar eminence and over the web to the back.
+    /// Adds points from the wrist along the thenar eminence and over the web to the back.
     void add_thenar_line() {
         const std::size_t cmc = hand_.rays[4][0];
         const auto add = [&](const Point3& from, const Point3& direction, bool on) {

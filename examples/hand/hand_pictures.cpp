@@ -109,7 +109,7 @@ struct Line {
     bool closed = true;
 };
 
-/// Those chosen, in their order about an axis.
+/// Returns the chosen points in their order about an axis.
 template <class Which>
 Line around(const Hand& hand, const Point3& axis, const Which& which) {
     Line line;

@@ -23,7 +23,7 @@ int main() {
                                               {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}};
     const cageform::PolyhedralMesh<double> cage(vertices, quads);
 
-    // In the middle under the lid its four corners count alike, unless a diagonal cuts it.
+    // In the middle under the lid, its four corners have equal weights, unless a diagonal cuts it.
     std::puts("weights of the lid's corners:");
     cageform::HarmonicOptions options;
     options.resolution = 32;

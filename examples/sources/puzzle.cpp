@@ -39,7 +39,7 @@ SvgResult<Puzzle> read_puzzle(const std::string& path, int neighbours) {
     return puzzle;
 }
 
-/// By the library, in doubles.
+/// Solves by the library, in doubles.
 std::string solve(const Puzzle& puzzle, std::vector<double>& solution) {
     const cageform::CellBox<2> cells{{puzzle.columns, puzzle.rows}};
     const auto links = cageform::grid_links(cells, puzzle.neighbours == 8 ? cageform::Stencil::all
@@ -102,7 +102,7 @@ std::string short_decimal(double value) {
     return text_of("%.6g", value);
 }
 
-/// As figures 23 to 25 of the course text: given cells in grey, the others with their answers.
+/// Draws as in figures 23 to 25 of the course text: given cells in grey, the others with their answers.
 std::string picture(const Puzzle& puzzle, const std::vector<std::string>& words) {
     constexpr double side = 80;
     const auto number = [](double x) { return format_number(x, 2); };

@@ -78,7 +78,7 @@ std::string still_path(const Settings& settings, std::size_t n) {
     return settings.stills + (n < 9 ? "0" : "") + std::to_string(n + 1) + ".svg";
 }
 
-/// From rest to a pose and back, every vertex on a straight line.
+/// Makes a motion from rest to a pose and back, with every vertex on a straight line.
 ClipFile clip_to(const CageFile& pose, const CageFile& cage, double seconds) {
     ClipFile clip{pose.name == cage.name ? "the pose" : pose.name, seconds, {}, {}, {}};
     constexpr auto ease = cageform::KeyKind::bezier;
@@ -105,7 +105,7 @@ SvgResult<ClipFile> read_clip(const Settings& settings, const CageFile& cage) {
 /// The number of frames of a clip, and the way of its ground.
 struct Plan {
     std::size_t frames = 0;
-    double passed = 0; // what the ground passes by in the clip's length
+    double passed = 0; // how far the ground moves during the clip
 };
 
 SvgResult<Plan> plan_of(const Settings& settings, const ClipFile& file, const ViewBox& view) {

@@ -195,7 +195,7 @@ Deformed deformed(const Arguments& given, const ObjFile& figure, const Control& 
     return result;
 }
 
-/// Binds the figure, moves it and writes what was asked for.
+/// Binds the figure, moves it and writes the requested files.
 int deform_figure(const Arguments& given, const ObjFile& figure, const Control& control) {
     const auto& [coordinates, cage, pose, weights, describe_faults] = control;
     if (const auto why = fault_of_outputs({given.out, given.picture})) return fail(*why);

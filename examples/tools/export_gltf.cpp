@@ -457,9 +457,8 @@ make_skin(const Arguments& given, const Scene& scene, const Binding<double, 3>& 
     return made;
 }
 
-/// As make_skin(), of the fewest sets of four joints from `influences` on that keep the distance; where
-/// none does, of the
-/// most.
+/// Works as make_skin(), with the fewest sets of four joints from `influences` on that keep the
+/// distance; where none does, of the most.
 cageform::Result<cageform::SkinWeights, cageform::SkinWeightsReport>
 make_near_skin(const Arguments& given, const Scene& scene, const Binding<double, 3>& bound,
                std::size_t influences, SkinLoss& loss) {
@@ -470,7 +469,7 @@ make_near_skin(const Arguments& given, const Scene& scene, const Binding<double,
     }
 }
 
-/// Which skin would keep the distance that one of `influences` joints does not.
+/// Names the skin that keeps the distance, since one with `influences` joints does not.
 std::string what_would_do(const Arguments& given, const Scene& scene, const Binding<double, 3>& bound,
                           std::size_t influences) {
     if (influences >= most_joints) return "use a larger --max-distance or --morph";
@@ -483,7 +482,7 @@ std::string what_would_do(const Arguments& given, const Scene& scene, const Bind
            " is enough; use a larger --max-distance or --morph";
 }
 
-/// Binds the figure and writes what was asked for.
+/// Binds the figure and writes the requested files.
 int export_figure(const Arguments& given, const Scene& scene) {
     const ObjFile &figure = scene.figure, &cage = scene.cage;
     if (const auto why = fault_of_outputs({given.out})) return fail(*why);

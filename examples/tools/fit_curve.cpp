@@ -95,7 +95,7 @@ std::vector<double> numbers(const std::string& option, const std::string& text, 
     return result;
 }
 
-/// A curve, what is asked for, and what came of it.
+/// A curve, the requested fit, and its result.
 struct Case {
     std::string id, note;
     BezierCurve curve;

@@ -6,7 +6,7 @@
 //
 // The cage holds all that the figure paints, at the margin's distance, and passes every check of the
 // library. deform_svg and
-// the other programs make the same cage by themselves where they are told --cage auto.
+// the other programs make the same cage themselves if --cage auto is given.
 
 #include "cli/auto_cage.hpp"
 #include "cli/bind_report.hpp"

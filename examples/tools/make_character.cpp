@@ -242,7 +242,7 @@ Joints dancing(double part) {
 
 // ---- the bones ----
 
-/// Those of both sides and of the middle, as skin_mesh takes them. The left arm is bent.
+/// Returns the bones of both sides and of the middle in the format of skin_mesh. The left arm is bent.
 std::string bones_text() {
     std::string text = "# The puppet's bones\n"
                        "name,parent,head x,y,z,tail x,y,z,turn about x,y,z (degrees)\n"
@@ -295,7 +295,7 @@ std::string obj_text(const char* heading, const Mesh& mesh, const std::vector<Po
     return text;
 }
 
-/// Whether a mesh can serve as a cage; where not, why.
+/// Tests whether a mesh can serve as a cage; prints the reason if not.
 bool is_sound(const Mesh& mesh, const char* what) {
     const auto report = cageform::check(cageform::TriangleMesh<double>(mesh.vertices, mesh.faces));
     if (report.status != cageform::Status::ok)

@@ -20,7 +20,7 @@ namespace {
 
 using namespace cageform_examples;
 
-/// Such as ".svg", whatever its letters are.
+/// Returns the ending in lower case, such as ".svg".
 std::string ending_of(const std::string& path) {
     std::string ending = std::filesystem::path(path).extension().string();
     for (char& c : ending) c = c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c;

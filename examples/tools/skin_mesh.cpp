@@ -137,7 +137,7 @@ std::vector<Move> pose_of(const std::vector<Bone>& bones) {
 
 // ---- the skin ----
 
-/// Why there are no weights, naming the culprit.
+/// Explains why there are no weights, and names the culprit.
 std::string why_not(const Arguments& given, const ObjFile& figure, const std::vector<Bone>& bones,
                     const cageform::SurfaceSkinReport& report) {
     if (report.mesh.mesh.status != Status::ok) {

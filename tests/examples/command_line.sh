@@ -770,7 +770,7 @@ no_cage ': path: d at 1:9: number out of range' '<path d="M 5,5 L 1e999,50 z"/>'
 no_cage ': path: coordinates out of range' '<path d="M 5,5 L 1e300,50 L 3,1e300 z"/>'
 no_cage ': rect: transform at 1:1: transform out of range' '<rect transform="scale(1e308)" width="50" height="50"/>'
 no_cage ': a coordinate of the figure is not a finite number, or too large' '<path stroke="red" stroke-width="1e308" d="M 5,5 L 50,50"/>'
-no_cage ': no cage around the figure was found: 0.0353553 off it, at coordinates of 1e+15, is too little' '<path d="M 1e15,1e15 h 1 v 1 h -1 z"/>'
+no_cage ': no cage around the figure was found: a margin of 0.0353553 at coordinates of 1e+15 is below' '<path d="M 1e15,1e15 h 1 v 1 h -1 z"/>'
 no_cage ': the figure is a single point' '<path d="M 0,0 L 1e-300,0 L 0,1e-300 z"/>'
 no_cage ': use "u": uses itself' '<use id="u" href="#u"/>'
 : >hostile.svg
@@ -842,7 +842,7 @@ no_mesh_cage 'vertex index 9 is out of range: the file has 3 (line 4)' 'v 0 0 0'
 no_mesh_cage 'vertex index -4 is out of range: the file has 3 before this line (line 4)' 'v 0 0 0' 'v 1 0 0' 'v 0 1 0' 'f 1 2 -4'
 no_mesh_cage 'a vertex index is 0; indices count from 1 (line 4)' 'v 0 0 0' 'v 1 0 0' 'v 0 1 0' 'f 1 2 0'
 no_mesh_cage 'holds no vertices (lines "v x y z")' 'no mesh'
-no_mesh_cage 'no cage around the figure was found: 0.0282843 off it, at coordinates of 1e+15, is too little' 'v 1e15 0 0' 'v 1000000000000001 0 0' 'v 1e15 1 0' 'f 1 2 3'
+no_mesh_cage 'no cage around the figure was found: a margin of 0.0282843 at coordinates of 1e+15 is below' 'v 1e15 0 0' 'v 1000000000000001 0 0' 'v 1e15 1 0' 'f 1 2 3'
 no_mesh_cage 'a face has fewer than three corners (line 3)' 'v 0 0 0' 'v 1 0 0' 'f 1 2'
 printf '%s\n' 'v 0 0 0' 'v 1 0 0' 'v 2 0 0' 'f 1 2 3' >hostile.obj
 mesh_caged "a line"
@@ -1375,7 +1375,7 @@ refuses 'short_pose.csv:1: 3 numbers where a pose has 22' "$programs/pose_hand" 
 echo '0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,nan' >nan_pose.csv
 refuses 'nan_pose.csv:1: thumb_ip' "$programs/pose_hand" --pose nan_pose.csv --picture out.png
 echo '0,95,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0' >far_pose.csv
-refuses 'index_mcp is 95, and goes from -20 to 90' "$programs/pose_hand" --pose far_pose.csv --picture out.png
+refuses 'index_mcp is 95, but its range is from -20 to 90' "$programs/pose_hand" --pose far_pose.csv --picture out.png
 refuses 'no_such_file' "$programs/pose_hand" --pose no_such_file --picture out.png
 echo '0,30,60,,0,30,60,,0,30,60,,0,30,60,,0,0,0,0,0,0' >tendons.csv
 echo '0,30,60,40,0,30,60,40,0,30,60,40,0,30,60,40,0,0,0,0,0,0' >joints.csv
@@ -1385,8 +1385,8 @@ works "the last joint follows by two thirds" cmp tendons.obj joints.obj
 works "the hand as an OBJ file" "$programs/pose_hand" --pose rest -o hand_rest.obj
 grep '^v' hand_rest.obj >rest && grep '^v' folder/hand/hand.obj | cmp -s - rest && ok=yes || ok=no
 report $ok "at rest the hand is what make_hand writes"
-refuses 'hand_poses.csv: holds 7 poses, an OBJ file takes one' "$programs/pose_hand" --pose folder/hand/hand_poses.csv -o out.obj
-refuses '--picture or --output says what to write' "$programs/pose_hand" --pose fist
+refuses 'hand_poses.csv: holds 7 poses, but an OBJ file has one' "$programs/pose_hand" --pose folder/hand/hand_poses.csv -o out.obj
+refuses 'give --picture or --output to choose what to write' "$programs/pose_hand" --pose fist
 refuses '"out.jpg" does not end with .png' "$programs/pose_hand" --pose fist --picture out.jpg
 refuses '--pose is required' "$programs/pose_hand" --picture out.png
 refuses '--kappa' "$programs/pose_hand" --pose fist --kappa nan --picture out.png

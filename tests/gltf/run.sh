@@ -139,8 +139,8 @@ cat log
   works "as many joints as a distance takes" "$export" character.obj $cage $clip --coordinates mean-value --max-distance 0.02 --report -o near.glb
   says 'skin: 8 weights at most'
   refuses 'a skin of 16 joints per vertex is off by at most' "$export" character.obj $cage $clip --coordinates mean-value --max-distance 0.0001 -o out.glb
-  refuses 'not even --skin 16 keeps it' "$export" character.obj $cage $clip --coordinates mean-value --skin 4 --max-distance 0.001 --weights unorm8 -o out.glb
-  refuses '--skin 8 would do' "$export" character.obj $cage $clip --coordinates mean-value --skin 4 --max-distance 0.02 -o out.glb
+  refuses 'not even --skin 16 is enough' "$export" character.obj $cage $clip --coordinates mean-value --skin 4 --max-distance 0.001 --weights unorm8 -o out.glb
+  refuses '--skin 8 is enough' "$export" character.obj $cage $clip --coordinates mean-value --skin 4 --max-distance 0.02 -o out.glb
   refuses '--morph' "$export" character.obj $cage $clip --morph --max-distance 0.1 -o out.glb
   refuses '--max-distance' "$export" character.obj $cage $clip --max-distance 2 -o out.glb
   works "few joints without a distance" "$export" character.obj $cage $clip --coordinates mean-value --skin 4 -o few.glb
@@ -210,7 +210,7 @@ grep -q '^mtllib parts.mtl' posed/parts.obj && report yes mtllib || report no "g
 works "a cage that is made" "$export" parts.obj --cage hull:20 --bend all:zx,1,3,40 --skin 8 -o made.glb
 works "a cage that is made, packed" "$programs/bind_mesh" parts.obj --cage hull:20 --bend all:zx,1,3,40 -o made.figure
 refuses 'a box has 8 vertices' "$export" parts.obj --cage box:9 --skin 8 -o out.glb
-refuses 'but only one of them' "$export" parts.obj --cage box.obj --pose box_pose.obj --twist all:z,0,4,40 --skin 8 -o out.glb
+refuses 'give only one of --clip, --pose, and operations' "$export" parts.obj --cage box.obj --pose box_pose.obj --twist all:z,0,4,40 --skin 8 -o out.glb
 
 # ---- what is refused ----
 works "help" "$export" --help

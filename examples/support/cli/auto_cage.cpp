@@ -20,7 +20,7 @@ namespace cageform_examples {
 
 namespace {
 
-/// To as many decimals as tell a thousandth of `clearance`.
+/// Rounds to the decimals that resolve a thousandth of `clearance`.
 double rounded(double x, double clearance) {
     const double unit = std::pow(10.0, std::floor(std::log10(clearance / 1000)));
     const double steps = std::round(x / unit);
@@ -45,7 +45,7 @@ double farthest_coordinate(std::span<const double> coordinates, double before) {
     return before;
 }
 
-/// Why there is no cage, with what is known of the figure.
+/// Explains why there is no cage, with the facts about the figure.
 ///
 ///   farthest   the figure's largest coordinate
 std::string no_cage(const cageform::MakeCageReport& report, const cageform::MakeCageOptions& options,

@@ -12,7 +12,7 @@ namespace cageform_examples {
 
 constexpr std::size_t most_listed = 10; // faults or warnings
 
-/// How many of its two numbers mean something to a kind of fault.
+/// Returns how many of its two numbers a kind of fault uses.
 int numbers_of(cageform::CageFaultKind kind);
 
 /// "edges cross or touch (3, 7)", with only the numbers that mean something.
@@ -35,7 +35,8 @@ std::string describe_corners(const cageform::SolverReport& solver);
 /// Warns of that on stderr.
 void warn_of_coarse_grid(const std::string& cage, const cageform::SolverReport& solver);
 
-/// Adds the report of a batch of points to that of those before it; `first` is the number of its first point.
+/// Adds the report of a batch of points to that of those before it; `first` is the number of its first
+/// point.
 void add_batch(cageform::BindReport& total, const cageform::BindReport& part, std::size_t first);
 
 /// The report of a bind for people.

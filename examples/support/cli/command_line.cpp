@@ -34,7 +34,7 @@ CLI::Validator decimal(bool with_sign) {
 
 const char* const rare_options = "Rarely needed";
 
-/// Leaves out what is rarely needed, unless all is asked for.
+/// Leaves out rarely needed options, unless --help-all is given.
 class HelpFormatter : public CLI::Formatter {
 public:
     explicit HelpFormatter(bool all)

@@ -65,7 +65,7 @@ public:
                            const std::string& help);
     CommandOption add_number(const std::string& name, const std::function<void(double)>& take,
                              const std::string& help);
-    /// In the help: the program's name is put before each.
+    /// Sets the examples in the help; the program's name is put before each.
     void set_examples(std::vector<std::string> arguments);
     /// Below the options in --help-all: how the files look that the program takes.
     void set_footer(const std::string& text);

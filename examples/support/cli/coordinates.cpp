@@ -113,7 +113,7 @@ void CoordinatesChoice::add_options(CommandLine& line) {
         .rarely_needed();
 }
 
-/// In bytes, where the system tells (Linux).
+/// Returns the available memory in bytes, if the system reports it (Linux).
 std::optional<std::size_t> available_memory() {
     std::ifstream file("/proc/meminfo");
     std::string line;

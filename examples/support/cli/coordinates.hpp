@@ -36,7 +36,7 @@ struct CoordinatesChoice {
     cageform::HarmonicOptions harmonic;
 
     static const std::vector<std::string>& names(); // of polygons
-    /// Why `given` is none of `known`; empty where it is one.
+    /// Returns why `given` is none of `known`; empty if it is one.
     static std::string name_fault(const std::string& given, const std::vector<std::string>& known);
 
     void add_options(CommandLine& line);
@@ -72,7 +72,7 @@ struct PosedSites {
 
 /// Reads sites and a pose of them; fails also where the weights do, or no box can be had.
 ///
-///   figure   gives what the box has to hold, where one is asked for
+///   figure   returns the points that a requested box has to hold
 template <std::size_t D>
 SvgResult<PosedSites<D>>
 load_posed_sites(const std::string& path, const std::string& pose_path, const SiteChoice& choice,

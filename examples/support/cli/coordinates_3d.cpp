@@ -10,7 +10,7 @@ namespace cageform_examples {
 
 namespace {
 
-/// Why coordinates take no polygons for faces; empty where they do.
+/// Returns why coordinates do not support polygons as faces; empty if they do.
 std::string polygon_fault(const CoordinatesChoice& choice) {
     if (choice.name == "mean-value") return {};
     if (choice.name != "harmonic") return choice.name + " supports only triangles";

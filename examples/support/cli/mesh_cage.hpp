@@ -50,7 +50,7 @@ std::string name_points(std::span<const Point3> points, const std::vector<std::s
 SvgResult<PoseClip> clip_through_poses(const ObjFile& cage, const std::vector<std::string>& poses,
                                        double seconds);
 
-/// Why `pose` is no pose of `cage`; empty where it is one.
+/// Returns why `pose` is not a pose of `cage`; empty if it is one.
 std::string pose_difference(const ObjFile& cage, const ObjFile& pose);
 
 } // namespace cageform_examples

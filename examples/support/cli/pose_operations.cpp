@@ -16,7 +16,7 @@ using cageform::Vec;
 
 constexpr double degree = 3.14159265358979323846 / 180;
 
-/// Why a text cannot be taken, with the text.
+/// Returns why a text is refused, with the text.
 std::string refusal(std::string_view text, const std::string& why) {
     return detail::quoted(text) + " " + why;
 }
@@ -217,7 +217,7 @@ private:
         return from_ == to_ ? refusal(text_, "begins and ends at the same position") : "";
     }
 
-    /// In space by Rodrigues' formula.
+    /// Turns a vector; in space by Rodrigues' formula.
     Point turned(Point v) const {
         const Rotation rotation(degrees_);
         if constexpr (D == 2) {
@@ -229,7 +229,7 @@ private:
         }
     }
 
-    /// How far a point is beyond FROM on the way to TO.
+    /// Returns how far a point is beyond FROM on the way to TO.
     double beyond(const Point& p) const { return to_ > from_ ? p[along_] - from_ : from_ - p[along_]; }
 
     /// The line along the axis through the centre becomes a line, an arc of the same length and a line.
@@ -247,7 +247,7 @@ private:
             centre_[towards_] + chord * half.sine + (way - on_arc) * whole.sine + across * whole.cosine;
     }
 
-    /// About the axis through the centre, by an angle that grows along it.
+    /// Turns a point about the axis through the centre, by an angle that grows along the axis.
     void twist(Point& p) const {
         const double share = std::clamp(beyond(p) / std::fabs(to_ - from_), 0.0, 1.0);
         if (share == 0) return;

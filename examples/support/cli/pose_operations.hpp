@@ -16,7 +16,7 @@ namespace cageform_examples {
 
 enum class PoseOperation { move, turn, scale, bend, twist };
 
-/// For --help.
+/// The text for --help.
 inline constexpr const char* pose_operations_format =
     "An operation is WHICH:NUMBERS. It acts about the middle of the selected vertices;\n"
     "WHICH:NUMBERS@X,Y (in space @X,Y,Z) acts about a point, WHICH:NUMBERS@vWHICH about\n"

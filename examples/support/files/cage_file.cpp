@@ -10,7 +10,7 @@ namespace cageform_examples {
 
 namespace {
 
-/// With the fewest digits that give it back.
+/// Formats a number with the fewest digits that restore it.
 std::string digits_of(double x) {
     std::array<char, 32> digits;
     return {digits.data(), std::to_chars(digits.data(), digits.data() + digits.size(), x).ptr};

@@ -89,7 +89,7 @@ struct CageFile {
     }
 };
 
-/// For --help: how a cage in the plane, and a pose of it, is given.
+/// The text for --help on the formats of a cage in the plane and its pose.
 inline constexpr const char* cage_formats =
     "A cage in the plane is the first closed polygon of an SVG file (a polygon, a rect\n"
     "or a path of lines), or a CSV file (.csv) of blocks of lines x,y with empty lines\n"
@@ -132,7 +132,7 @@ std::string describe(const CageBlock& block);
 /// the cage, and what is one vertex there has to be at one place.
 SvgResult<CageFile> make_pose(CageFile pose, const CageFile& cage);
 
-/// As make_pose(), from a file; fails also as load_cage() does.
+/// Works as make_pose(), from a file; fails also as load_cage() does.
 SvgResult<CageFile> load_pose(const std::string& path, const CageFile& cage);
 
 } // namespace cageform_examples

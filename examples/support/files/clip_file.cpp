@@ -81,7 +81,7 @@ std::string add_row(const std::vector<std::string>& fields, ClipControl& control
     return {};
 }
 
-/// Why the keys of a control do not go into a clip of that length; empty where they do.
+/// Returns why the keys of a control do not fit a clip of that length; empty if they do.
 std::string fault_of_rows(const ClipControl& control, double length) {
     if (control.rows.size() < 2) return "it has fewer than two keys";
     const double begin = control.rows.front().time, period = control.rows.back().time - begin;

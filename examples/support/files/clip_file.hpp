@@ -1,6 +1,7 @@
 #pragma once
 
-// Motions of a cage as text: controls, each of which moves some vertices, and keys that say how far and when.
+// Motions of a cage as text: controls, each of which moves some vertices, and keys that say how far and
+// when.
 //
 //     length,2.4                  of the clip, in seconds; then it begins again
 //     late,far-legs,0.6           the element far-legs of the figure does the same 0.6 s later
@@ -14,10 +15,10 @@
 //     1.2,0,0,6,ease
 //     2.4,0,0,-6,ease
 //
-// A key moves the control's vertices by x and y and turns them by degrees, clockwise on the screen. Its kind
-// is hold, linear, automatic, or ease: Bézier handles that leave the key and come to it level. A control
-// begins again after its last key, so its time is a part of the clip's. Where several controls move a vertex,
-// it does all of it.
+// A key moves the control's vertices by x and y and turns them by degrees, clockwise on the screen. Its
+// kind is hold, linear, automatic, or ease: Bézier handles that leave the key and come to it level. A
+// control begins again after its last key, so its time is a part of the clip's. Where several controls
+// move a vertex, it does all of it.
 
 #include "svg/path.hpp"
 
@@ -33,7 +34,7 @@
 
 namespace cageform_examples {
 
-/// For --help: the head of this file.
+/// The text for --help: the format at the head of this file.
 inline constexpr const char* clip_format =
     "A motion of a cage in the plane is a CSV file of controls. Each control moves some\n"
     "vertices, and its keys give the distances and times:\n"
@@ -54,7 +55,7 @@ inline constexpr const char* clip_format =
     "key, and its duration has to divide the clip's. Several controls of a vertex add\n"
     "up. late and ground can be left out; # begins a comment.\n";
 
-/// For --help: poses in space.
+/// The text for --help on poses in space.
 inline constexpr const char* pose_clip_format =
     "A motion of a cage in space is a CSV file of its poses:\n"
     "\n"
@@ -106,13 +107,13 @@ struct ClipFile {
 ///           the times of a control do not ascend or are no part of the length
 SvgResult<ClipFile> parse_clip(std::string_view text, const std::string& name, std::size_t vertex_count);
 
-/// As parse_clip(), from a file; fails also where it cannot be read.
+/// Works as parse_clip(), from a file; fails also where it cannot be read.
 SvgResult<ClipFile> load_clip(const std::string& path, std::size_t vertex_count);
 
 /// The motion of a cage with these vertices. It begins again at its end.
 SvgResult<cageform::CageClip<double, 2>> make_clip(const ClipFile& file, std::span<const Point2> vertices);
 
-/// How a pose is come to and left.
+/// The interpolation into and out of a pose.
 enum class PoseWay { smooth, linear, ease };
 
 struct PoseKey {
@@ -136,7 +137,7 @@ struct PoseClip {
 ///           `vertex_count` lines, or times do not ascend from 0 to less than the length, in single precision
 SvgResult<PoseClip> parse_pose_clip(std::string_view text, const std::string& name, std::size_t vertex_count);
 
-/// As parse_pose_clip(), from a file; fails also where it cannot be read.
+/// Works as parse_pose_clip(), from a file; fails also where it cannot be read.
 SvgResult<PoseClip> load_pose_clip(const std::string& path, std::size_t vertex_count);
 
 /// The text of a clip in space, numbers to a millionth.

@@ -87,7 +87,7 @@ public:
         return json[array].size() - 1;
     }
 
-    /// The file's contents. Letters of names that are no UTF-8 are replaced.
+    /// Returns the file's contents. Bytes of names that are not UTF-8 are replaced.
     std::string text(bool binary) const {
         GltfJson whole = json;
         std::string bytes = bytes_;
@@ -128,7 +128,7 @@ private:
 
 /// A mesh as glTF has it: a vertex for every position, normal and texture coordinate that meet at a corner,
 /// in the order
-/// of the OBJ file; behind them those that are there once more, because their faces differ in normal or
+/// of the OBJ file; then the duplicates, whose faces differ in normal or
 /// texture
 /// coordinate. Where it is the only mesh of a file it has all vertices of that, else those that its faces
 /// have.

@@ -15,10 +15,9 @@
 
 namespace cageform_examples {
 
-/// From a keyframe to the next, of one component of a property.
+/// The curve from a keyframe to the next, for one component of a property.
 struct LottieCurve {
-    std::string
-        path; ///< "layers/0/ks/r/k/2:0": the keyframe in the file and, behind the colon, the component
+    std::string path; ///< "layers/0/ks/r/k/2:0": the keyframe in the file and, after the colon, the component
     std::string layer; ///< the names on the way there, as the artist gave them
     cageform::Result<cageform::KeyInterval> curve;
 };

@@ -43,7 +43,7 @@ std::string parse_corner(std::string_view word, const std::array<std::size_t, 2>
     return parse_index(word.substr(second + 1), so_far[1], count[1], "normal", corner.normal);
 }
 
-/// The three numbers behind "v" or "vn"; an empty reason is success.
+/// Reads the three numbers after "v" or "vn"; an empty reason is success.
 std::string parse_three_numbers(std::span<const std::string_view> words, std::string_view text, Point3& point,
                                 ObjNumbers& numbers) {
     if (words.size() < 4) return "three numbers are expected";
@@ -137,8 +137,8 @@ std::string triangulate(ObjFile& file) {
     return {};
 }
 
-/// `v` turned by the smallest rotation that takes the direction of `from` to that of `to`, as long as before.
-/// Where these are the same but for rounding, or there is none, `v` itself.
+/// `v` turned by the smallest rotation that takes the direction of `from` to that of `to`, as long as
+/// before. Where these are the same but for rounding, or there is none, `v` itself.
 Point3 turned(const Point3& v, const Point3& from, const Point3& to) {
     const auto length = [](const Point3& p) { return std::hypot(p[0], p[1], p[2]); };
     const double from_length = length(from), to_length = length(to);

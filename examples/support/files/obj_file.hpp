@@ -24,7 +24,7 @@ namespace cageform_examples {
 
 using Point3 = cageform::Vec<double, 3>;
 
-/// For --help.
+/// The text for --help.
 inline constexpr const char* obj_format =
     "OBJ files can have faces of any number of corners, and negative indices. v, vn and\n"
     "f are read, and all other lines are copied as they are; glTF files get objects,\n"
@@ -41,7 +41,7 @@ struct ObjCorner {
     friend bool operator==(const ObjCorner&, const ObjCorner&) = default;
 };
 
-/// A face as the file has it: three corners or more.
+/// A face of the file, with three corners or more.
 struct ObjFace {
     std::vector<ObjCorner> corners;
     std::size_t line = 0;
@@ -149,7 +149,7 @@ using Triangles = std::vector<std::array<std::uint32_t, 3>>;
 ///           face has less than three corners or an index that there is not
 SvgResult<ObjFile> parse_obj(std::string text, std::string name);
 
-/// As parse_obj(), from a file; fails also where it cannot be read.
+/// Works as parse_obj(), from a file; fails also where it cannot be read.
 SvgResult<ObjFile> load_obj(const std::filesystem::path& path);
 
 /// The first vertex that is beyond single precision, with its line and number; nothing where there is none.

@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The words behind the first, as one name.
+/// Returns all words after the first as one name.
 std::string name_of(std::span<const std::string_view> words) {
     std::string name;
     for (const std::string_view word : words.subspan(1)) (name += name.empty() ? "" : " ") += word;

@@ -62,7 +62,7 @@ struct PlaneBox {
 /// "x,y,width,height", as an option has it; empty where it is none, or has no area.
 std::optional<PlaneBox> parse_box(const std::string& text);
 
-/// For CommandOption::check(): why a text is no such box; empty where it is one.
+/// Returns why a text is not such a box, for CommandOption::check(); empty if it is one.
 std::string box_fault(const std::string& text);
 
 /// The part of a segment in a box: from which share of it to which; empty where it passes by.

@@ -241,7 +241,8 @@ private:
         }
     }
 
-    /// As a screen shows it: x^(1/2.2), from a table, within a third of one of 255 steps above 1/1000.
+    /// Returns the value for a screen: x^(1/2.2), from a table, within a third of one of 255 steps above
+    /// 1/1000.
     static float displayed(double x) {
         constexpr std::size_t steps = 4096;
         static const std::vector<float> table = [] {
@@ -255,8 +256,8 @@ private:
         return table[i] + float(at - double(i)) * (table[i + 1] - table[i]);
     }
 
-    /// A warm light from above and the left, a cool one from the right, and what the sky and the floor
-    /// give.
+    /// Returns the sum of a warm light from above and the left, a cool one from the right, and the light of
+    /// the sky and the floor.
     static Colour shade(const Point3& normal, const Point3& own) {
         static const Point3 key = unit({-0.45, 0.75, 0.7}), cool = unit({0.9, 0.1, 0.35}),
                             half = unit(key + Point3{0, 0, 1}); // between the light and the eye

@@ -26,8 +26,7 @@ struct MeshScene {
     MeshView cage;
 };
 
-/// Where meshes are seen from: turned from the front towards the figure's left, then from above, in
-/// degrees.
+/// The view direction of meshes: turned from the front towards the figure's left, then upwards, in degrees.
 struct MeshSight {
     double turn = 34.4, rise = 11.5;
     bool z_is_up = false; ///< the figure looks against y then; else y is up, and it looks along z

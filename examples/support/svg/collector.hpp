@@ -74,12 +74,12 @@ private:
     bool visit_use(pugi::xml_node use, const Place& parent);
     /// Returns the target of a `use`; if it cannot be used, returns nothing, with a warning or an error.
     pugi::xml_node used_element(pugi::xml_node use);
-    /// In a clip path, which may hold no group: the copy takes the place of `use`.
+    /// In a clip path, which must not hold a group, the copy replaces the `use`.
     bool replace_use(pugi::xml_node use, pugi::xml_node target, std::string transform, const Place& parent);
     /// Makes a group of `use`, with the copy inside.
     bool use_to_group(pugi::xml_node use, pugi::xml_node target, const std::string& transform,
                       const Place& parent);
-    /// Images in a copy become uses of one definition each, lest their bytes be repeated.
+    /// Images in a copy become uses of one definition each, so that their bytes are not repeated.
     void share_images(pugi::xml_node copy);
     bool count_copies(pugi::xml_node top);
     /// The nodes of an element after all uses in it have become copies, or more than the limit.

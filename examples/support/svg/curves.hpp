@@ -153,8 +153,8 @@ private:
         return std::span(piece.samples).subspan(frame * n, n);
     }
 
-    /// At least six; so many that none is longer than a 64th of the diagonal, lest a narrow bulge be
-    /// missed.
+    /// Returns the number of samples: at least six, and enough that none is longer than a 64th of the
+    /// diagonal, so that no narrow bulge is missed.
     std::size_t steps(const Point2& from, const Segment& s) const {
         const double length = distance(from, s.p1) + distance(s.p1, s.p2) + distance(s.p2, s.p3);
         std::size_t n = 6;

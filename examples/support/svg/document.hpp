@@ -67,7 +67,7 @@ struct SvgShape {
 /// a pure function of the point: curves meet because the same point always goes to the same place.
 using Deformer = std::function<bool(std::span<const Point2> in, std::span<Point2> out)>;
 
-/// As Deformer, into several frames: out[f * in.size() + i] is where point i is in frame f.
+/// Works as Deformer, into several frames: out[f * in.size() + i] is where point i is in frame f.
 ///
 ///   layers   of each point, as DeformOptions::layers has them
 using FrameDeformer = std::function<bool(std::span<const Point2> in, std::span<const std::size_t> layers,
@@ -116,7 +116,8 @@ SvgDocument copy_of(const SvgDocument& document);
 ///   encodings other than UTF-8 are read too, with lines unknown; writing is always UTF-8
 SvgResult<SvgDocument> parse_svg(std::string_view text, std::string name);
 
-/// As parse_svg(), from a file, packed by gzip or not; fails also where it cannot be read or unpacked.
+/// Works as parse_svg(), from a file, packed by gzip or not; fails also where it cannot be read or
+/// unpacked.
 SvgResult<SvgDocument> load_svg(const std::filesystem::path& path);
 
 /// The document's text in UTF-8; untouched parts are as they were read, but for the space inside tags, the
@@ -221,7 +222,8 @@ struct AnimatedSvg {
                                  double seconds, const std::string& values);
 };
 
-/// As deform(), in several frames. The pieces of a path are the same in all; the picture fits all frames.
+/// Works as deform(), in several frames. The pieces of a path are the same in all; the picture fits all
+/// frames.
 ///
 ///   frames   at least one
 SvgResult<AnimatedSvg> animate(const SvgDocument& document, const FrameDeformer& deformer, std::size_t frames,
