@@ -283,9 +283,8 @@ void pack_fingers(benchmark::State& state) {
 }
 
 /// BUMPY112, whose inside suits a uniform grid: the errors of weights at the 8,019 points, the largest of
-/// all and that of the
-/// middle point, beside a grid of 256 cells. That one differs by 4e-3 at most, 5e-5 in the middle, from one
-/// of 384.
+/// all and that of the middle point, beside a grid of 256 cells. That one differs by 4e-3 at most, 5e-5 in
+/// the middle, from one of 384.
 template <bool adaptive>
 void bind_bumpy(benchmark::State& state) {
     static const auto points = points_inside_bumpy112();
@@ -333,8 +332,7 @@ void bind_divided_bumpy(benchmark::State& state) {
 }
 
 /// Points, normals and tangents of as many vertices as the puppet of examples/make_character has, on a
-/// surface in
-/// BUMPY112. bind/solve is of processor time, beside `solve` alone (not in the time).
+/// surface in BUMPY112. bind/solve is of processor time, beside `solve` alone (not in the time).
 void bind_harmonic_figure(benchmark::State& state) {
     const auto cage = bumpy112<float>();
     std::vector<cageform::Vec<float, 3>> points, normals;
@@ -368,8 +366,8 @@ void bind_harmonic_figure(benchmark::State& state) {
 }
 
 /// Where the papers say that harmonic coordinates win, for many points: a bind of 10² to 10⁶ points in
-/// BUMPY112 into
-/// recycled memory. The second argument is the harmonic grid's cells; 0: mean value. All rows:
+/// BUMPY112 into recycled memory. The second argument is the harmonic grid's cells; 0: mean value. All
+/// rows:
 ///
 ///     bench_bind --benchmark_filter=crossing
 void crossing_of_types(benchmark::State& state) {

@@ -89,8 +89,7 @@ std::vector<cageform::Vec<double, D>> rings() {
 enum class Sites { anywhere, in_rings };
 
 /// Natural neighbours and their weights, a short list for each point, as CGAL gives them. `exact`: the
-/// share of
-/// points whose weights double could not give.
+/// share of points whose weights double could not give.
 template <std::size_t D, Sites kind>
 void sibson_neighbours(benchmark::State& state) {
     constexpr bool in_rings = kind == Sites::in_rings;

@@ -1,13 +1,10 @@
 // How near is a clone to merely reading its weights, and what is gained by storing fewer or smaller ones?
 //
 // Beside it: reading the same memory and adding it up (of 256 MB: what comes from memory at all), moving
-// all its bytes, on
-// one thread and on several, and Eigen's dense product W · C (the better of its two storage orders). Packed
-// bindings are of
-// BUMPY112, by mean value coordinates; beside their times stand the worst errors of a pose that bends, of
-// the projection
-// used here and of renormalising, and what renormalising does to the figure at rest, all relative to the
-// figure's size.
+// all its bytes, on one thread and on several, and Eigen's dense product W · C (the better of its two
+// storage orders). Packed bindings are of BUMPY112, by mean value coordinates; beside their times stand the
+// worst errors of a pose that bends, of the projection used here and of renormalising, and what
+// renormalising does to the figure at rest, all relative to the figure's size.
 //
 // pack_to_distance: how many bytes a distance takes, in 24 poses that bend and twist, of cages of 42, 112
 // and 300 vertices with

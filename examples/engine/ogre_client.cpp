@@ -5,10 +5,9 @@
 //     ogre_client character.figure --width 320 --height 240 --frames 10000
 //
 // Every frame the clip gives a pose of the cage, `pose_handles` the vectors of its faces, which Green
-// coordinates have
-// for handles too, and `clone` writes vertices and normals where the graphics card reads them: into the
-// locked vertex
-// buffer. With --frames it measures that and watches the memory of the process.
+// coordinates have for handles too, and `clone` writes vertices and normals where the graphics card reads
+// them: into the locked vertex buffer. With --frames it measures that and watches the memory of the
+// process.
 
 #include "files/figure_parts.hpp"
 

@@ -180,8 +180,7 @@ Flipped worse(const Flipped& a, const Flipped& b) {
 }
 
 /// Triangles whose normals turn past 90 degrees from where their bone turns them. One over a joint, whose
-/// corners are of
-/// two bones, may follow either.
+/// corners are of two bones, may follow either.
 Flipped flipped(const BoundHand& bound, std::size_t joint, double degrees) {
     const Hand& hand = bound.hand;
     const HandPose angles = bent(hand, joint, degrees);

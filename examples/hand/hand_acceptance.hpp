@@ -14,8 +14,7 @@ struct AcceptanceCount {
 };
 
 /// Prints a line a property, "ok" or "missed", with its bound in parentheses. A missed line is no error: it
-/// says what
-/// this hand does not do yet.
+/// says what this hand does not do yet.
 AcceptanceCount print_acceptance(const BoundHand& bound, const HandBuilder& builder);
 
 } // namespace cageform_examples

@@ -1,13 +1,11 @@
 #pragma once
 
 // A right hand in three layers (Moccozet, Magnenat-Thalmann, Dirichlet free-form deformations and their
-// application to
-// hand simulation, Computer Animation '97, sec. 3): joint angles move control points, and these move the
-// skin.
+// application to hand simulation, Computer Animation '97, sec. 3): joint angles move control points, and
+// these move the skin.
 //
 // Lengths are in hand lengths. The wrist is at the origin, the fingers point along y, the thumb to -x, the
-// back of the
-// hand faces z.
+// back of the hand faces z.
 
 #include "files/obj_file.hpp"
 #include "pictures/surface_nets.hpp"
@@ -135,8 +133,7 @@ const HandObject& hand_ball();
 const HandObject& hand_rod();
 
 /// Closes the fingers about an object, from the base outwards: a joint stops, by bisection, where a
-/// constraint point
-/// of its finger touches the object, or at the end of its range.
+/// constraint point of its finger touches the object, or at the end of its range.
 ///
 ///   open   where joints begin; other angles stay
 HandPose grasp(const Hand& hand, const HandPose& open, const HandObject& object);

@@ -471,8 +471,7 @@ std::size_t nearest_joint(const Hand& hand, const Point3& p) {
 }
 
 /// The most of what is measured of the skin, of fingers and thumb but for one of them, from so many radii
-/// of the finger
-/// beyond its first joint on.
+/// of the finger beyond its first joint on.
 double most_beside(const Hand& hand, const std::vector<double>& values, std::size_t ray, double radii) {
     double most = 0;
     for (std::size_t i = 0; i < values.size(); ++i) {

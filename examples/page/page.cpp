@@ -1,10 +1,8 @@
 // The library as the page calls it: WebAssembly without threads, exceptions or a file system.
 //
 // The page writes numbers into page_input() and calls a function, which returns a count, a status or the
-// address of
-// numbers in memory. Figures in the plane are bound in double, as in the programs; the mesh is bound in
-// float.
-// If a status is not 0, page_message() returns the fault.
+// address of numbers in memory. Figures in the plane are bound in double, as in the programs; the mesh is
+// bound in float. If a status is not 0, page_message() returns the fault.
 
 #include <cageform/animate/compile.hpp>
 #include <cageform/binding/bind.hpp>

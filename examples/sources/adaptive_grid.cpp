@@ -1,6 +1,5 @@
 // The cells of the adaptive grid that harmonic functions of a cage are solved on, coloured by their size:
-// in the plane all
-// of them, over the cage and a figure; in space those that a plane cuts.
+// in the plane all of them, over the cage and a figure; in space those that a plane cuts.
 //
 //     adaptive_grid --cage cat_cage.svg --figure cat.svg --accuracy 0.001 -o grid.svg --png
 //     adaptive_grid --cage character_cage.obj --figure character.obj --slice y=0 -o grid.svg --png

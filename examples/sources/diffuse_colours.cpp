@@ -3,9 +3,8 @@
 //     diffuse_colours cat_colours.svg -o cat_colours.png
 //
 // The attributes data-left and data-right give a stroke's colours on its two sides as it runs, else its own
-// is that of
-// both. Colours are diffused as light, in linear values, each times its alpha; --srgb takes the values as
-// displayed.
+// is that of both. Colours are diffused as light, in linear values, each times its alpha; --srgb takes the
+// values as displayed.
 
 #include "cli/command_line.hpp"
 #include "cli/guard.hpp"
@@ -52,8 +51,7 @@ struct Light {
 };
 
 /// The left and the right values of a line, on the screen, where y points down. In the drawing's units, y
-/// upwards as the
-/// library has it, these are the other way round.
+/// upwards as the library has it, these are the other way round.
 SvgResult<cageform::Stroke<double>> stroke_of(const DrawnLine& line, const Light& light) {
     cageform::Stroke<double> stroke{line.points, {}, {}, 0};
     const auto read = [&](const std::string& word) { return light.read(word); };

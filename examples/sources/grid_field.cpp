@@ -4,8 +4,7 @@
 //     grid_field hills.csv -o field.png --surface surface.png
 //
 // The grid is a CSV file of a row a line: numbers, or fractions as puzzle writes them; a cell that is
-// empty, ".", or "nan"
-// lies outside.
+// empty, ".", or "nan" lies outside.
 
 #include "cli/guard.hpp"
 #include "files/csv.hpp"

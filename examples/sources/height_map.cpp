@@ -3,8 +3,7 @@
 //     height_map hills.svg -o hills.png --lines hills_lines.svg --3d hills_3d.png --levels 0.1
 //
 // Each stroke of the SVG is a line of known height: its attribute data-height, else how light its colour
-// is. Between the
-// lines the field is harmonic, so it has no summit of its own: each is drawn.
+// is. Between the lines the field is harmonic, so it has no summit of its own: each is drawn.
 
 #include "cli/command_line.hpp"
 #include "cli/guard.hpp"

@@ -1,7 +1,6 @@
 // Two ways from a point to the boundary, and the coordinates that are means over them: straight rays give
-// mean value
-// coordinates, Brownian paths harmonic ones. A ray jumps over what is not inside; a Brownian path stays
-// inside.
+// mean value coordinates, Brownian paths harmonic ones. A ray jumps over what is not inside; a Brownian
+// path stays inside.
 //
 //     paths --cage biped_cage.svg --point 150,600 -o paths.svg --png
 

@@ -3,10 +3,9 @@
 //     puzzle grid.csv --exact -o solved.svg
 //
 // The answer exists and is the only one if every unknown cell is joined to a given one. With --exact it is
-// found in
-// fractions (by GMP), by elimination that never meets a zero: that is the proof for the table at hand.
-// Random walks
-// from a cell, which end at the first given one, have its value as the mean of what they find.
+// found in fractions (by GMP), by elimination that never meets a zero: that is the proof for the table at
+// hand. Random walks from a cell, which end at the first given one, have its value as the mean of what they
+// find.
 
 #include "cli/command_line.hpp"
 #include "cli/guard.hpp"
@@ -73,8 +72,7 @@ std::array<double, 2> walk(const Puzzle& puzzle, std::size_t from, std::size_t c
 }
 
 /// A table whose rim is given so that all within are whole numbers: a + bx + cy + dxy + e (x² − y²), which
-/// both kinds of
-/// neighbours reproduce.
+/// both kinds of neighbours reproduce.
 Puzzle make_puzzle(std::size_t rows, std::size_t columns, std::uint64_t seed) {
     std::mt19937_64 random(seed);
     std::array<int, 5> part{};

@@ -1,6 +1,5 @@
 // Relaxation on a line, drawn: every cell without a given value becomes the mean of its neighbours, sweep
-// after sweep,
-// once from zero and once from a good first guess.
+// after sweep, once from zero and once from a good first guess.
 //
 //     relaxation line.csv -o relaxation.svg --png --play relaxation_plays.svg
 

@@ -217,8 +217,7 @@ private:
         panels_.end();
     }
     /// The Bézier simplex of degree 2 over the neighbours: corners, and b_ij half-way between two of them,
-    /// which has the
-    /// weight 2 u_i u_j.
+    /// which has the weight 2 u_i u_j.
     void simplex(const std::string& caption, bool corners_moved) {
         panels_.begin(caption);
         const Vec2 inner_move{0.6, 2.2};

@@ -3,10 +3,9 @@
 //     animate_svg cat.svg --cage cat_cage.svg --clip cat_walk.csv --coordinates harmonic -o walk.svg
 //     animate_svg cat.svg --cage auto --turn 6-9:-20@v5,10 -o wag.svg
 //
-// The figure is bound once. Every frame samples the clip and clones; what is written plays in a browser.
-// A frame is what deform_svg draws of its pose, in the same pieces in every frame, as SVG asks. --help
-// tells what a
-// clip file holds.
+// The figure is bound once. Every frame samples the clip and clones; what is written plays in a browser. A
+// frame is what deform_svg draws of its pose, in the same pieces in every frame, as SVG asks. --help tells
+// what a clip file holds.
 
 #include "cli/auto_cage.hpp"
 #include "cli/command_line.hpp"
@@ -124,8 +123,7 @@ SvgResult<Plan> plan_of(const Settings& settings, const ClipFile& file, const Vi
 }
 
 /// The cage's vertices in all frames. A late layer has a player of its own, so that every player goes forth
-/// a frame at
-/// a time.
+/// a frame at a time.
 std::vector<std::vector<Point2>> poses_of(const cageform::CageClip<double, 2>& clip, const ClipFile& file,
                                           std::size_t frames, std::size_t vertices) {
     std::vector<std::vector<Point2>> poses;

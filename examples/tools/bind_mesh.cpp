@@ -1,6 +1,5 @@
 // Binds an OBJ figure to a cage, a closed mesh around it, and packs what a game needs of it into one file:
-// points and
-// normals, triangles, and a motion of the cage (cageform/binding/figure.hpp,
+// points and normals, triangles, and a motion of the cage (cageform/binding/figure.hpp,
 // support/files/figure_parts.hpp).
 //
 //     bind_mesh character.obj --cage character_cage.obj --clip character_clip.csv --max-distance 0.001

@@ -3,10 +3,8 @@
 //     cage_weights --cage cat_cage.svg --points points.csv --coordinates mean-value -o weights.csv
 //
 // A cage in the plane is the first closed polygon of an SVG, or a CSV of blocks of "x,y" lines with empty
-// lines
-// between them: loops (outer first, then holes) and, for harmonic coordinates, cells inside. These come in
-// any
-// place, each headed by a line of its own:
+// lines between them: loops (outer first, then holes) and, for harmonic coordinates, cells inside. These
+// come in any place, each headed by a line of its own:
 //
 //     # chain          edges from each point to the next; two points or more
 //     # point 12.5     one point; everything within the radius follows it
@@ -15,14 +13,12 @@
 // mesh. Points have "x,y" a line, or "x,y,z" in space.
 //
 // sibson and sibson-c1 take points instead of a cage: a CSV of "x,y" or "x,y,z" lines, the circles of an
-// SVG or
-// the vertices of an OBJ (site_file.hpp).
+// SVG or the vertices of an OBJ (site_file.hpp).
 //
 // The output has a header, then a line a point: status,w0,w1,… with 17 digits, "nan" where a point has no
 // weights. The columns are the vertices of the loops (or of the OBJ) as they come in the file, then the new
 // ones of chains and points, of green then the edges (or faces); --labels names those of vertices. Points
-// are read,
-// bound and written in batches, so a file may have any length.
+// are read, bound and written in batches, so a file may have any length.
 
 #include "cli/bind_report.hpp"
 #include "cli/command_line.hpp"
@@ -53,8 +49,7 @@ struct Settings {
 };
 
 /// "status" and a column for each handle: its label, or its number; edges and faces have no labels. Fails
-/// where two
-/// have one name.
+/// where two have one name.
 SvgResult<std::string> header_line(const std::string& labels_path, std::size_t handles,
                                    std::size_t vertices) {
     std::vector<std::string> labels;

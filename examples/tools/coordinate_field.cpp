@@ -1,8 +1,6 @@
 // Heat map of one coordinate over its cage: values inside with level lines, boundary values on the cage. Or
-// of the field
-// that has given values at the cage's vertices, linear between them: by harmonic coordinates, the solution
-// of Laplace's
-// equation.
+// of the field that has given values at the cage's vertices, linear between them: by harmonic coordinates,
+// the solution of Laplace's equation.
 //
 //     coordinate_field --cage CAGE.svg --vertex 8 --coordinates harmonic -o field.png
 //     coordinate_field --cage RECTANGLE.csv --values 1,2,3,2 --coordinates harmonic -o field.png --surface
@@ -117,8 +115,7 @@ private:
 };
 
 /// The boundary's edges within a box, with the values on them: linear, or of coordinates that do not
-/// interpolate
-/// piece by piece their limits from inside.
+/// interpolate piece by piece their limits from inside.
 SvgResult<std::vector<PlaneLine>> boundary_of(const Arguments& given, const CageFile& cage,
                                               const CoordinateField& field, const PlaneBox& box) {
     std::vector<PlaneLine> lines;

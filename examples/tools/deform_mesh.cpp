@@ -134,8 +134,7 @@ struct Deformed {
 };
 
 /// Binds the figure and moves it; where the weights of all vertices would take more than 256 MB, a batch of
-/// them after
-/// the other. Until `fault` is not empty, or the report's status not ok.
+/// them after the other. Until `fault` is not empty, or the report's status not ok.
 Deformed deformed(const Arguments& given, const ObjFile& figure, const Control& control) {
     constexpr std::size_t most_bytes = std::size_t{256} << 20;
     const auto& [coordinates, cage, pose, weights, describe_faults] = control;

@@ -18,11 +18,9 @@
 // the pose, and so do the curves between poses, so positions are those of the clone at all times.
 //
 // The motion is a clip (support/files/clip_file.hpp), or goes from the rest pose through those given, as
-// files or by operations
-// such as --twist, and back. Either way it is
-// written with CUBICSPLINE interpolation, without loss. Every object of the OBJ file is a node, every
-// material of it a
-// primitive with the colours and the texture that its MTL file gives.
+// files or by operations such as --twist, and back. Either way it is written with CUBICSPLINE
+// interpolation, without loss. Every object of the OBJ file is a node, every material of it a primitive
+// with the colours and the texture that its MTL file gives.
 
 #include "cli/auto_cage.hpp"
 #include "cli/bind_report.hpp"
@@ -186,8 +184,8 @@ void add_surface(const ObjFile& figure, std::span<const Point3> right, std::span
 }
 
 /// The differences between the figure as bound and as it is played from a skin, over the motion. Without a
-/// motion, over
-/// all poses that bend by no more than a tenth of the cage: then by the changes of weights alone.
+/// motion, over all poses that bend by no more than a tenth of the cage: then by the changes of weights
+/// alone.
 SkinLoss loss_of(const Scene& scene, const Binding<double, 3>& bound, const Binding<double, 3>& played) {
     LossMeter meter(scene.figure);
     SkinLoss loss;
@@ -350,8 +348,7 @@ std::string add_skin(GltfDocument& document, const Scene& scene, const Arguments
 }
 
 /// The motion of all handles, whose values between the keys go the way of the vertices' own. Warns of how
-/// far that is
-/// from the vectors of a moving face.
+/// far that is from the vectors of a moving face.
 SvgResult<PoseClip> clip_of_handles(const Scene& scene, const Binding<double, 3>& binding) {
     PoseClip motion = scene.clip;
     std::vector<std::string> warnings;

@@ -5,8 +5,7 @@
 //     make_cage character.obj --vertices 112 -o character_cage.obj --picture cage.png
 //
 // The cage holds all that the figure paints, at the margin's distance, and passes every check of the
-// library. deform_svg and
-// the other programs make the same cage themselves if --cage auto is given.
+// library. deform_svg and the other programs make the same cage themselves if --cage auto is given.
 
 #include "cli/auto_cage.hpp"
 #include "cli/bind_report.hpp"

@@ -4,10 +4,9 @@
 //     make_character out
 //
 // writes out/character.obj, out/character_cage.obj, out/character_pose.obj, out/character_clip.csv, a dance
-// of the
-// cage that begins again (support/files/clip_file.hpp), and out/character.bones.csv, a skeleton that bends
-// an arm (skin_mesh). The puppet is a smooth union of rounded bodies, meshed by surface
-// nets (support/pictures/surface_nets.hpp). It stands at y = 0 on the ground, y up, and faces along z.
+// of the cage that begins again (support/files/clip_file.hpp), and out/character.bones.csv, a skeleton that
+// bends an arm (skin_mesh). The puppet is a smooth union of rounded bodies, meshed by surface nets
+// (support/pictures/surface_nets.hpp). It stands at y = 0 on the ground, y up, and faces along z.
 
 #include "cli/command_line.hpp"
 #include "cli/coordinates.hpp"
@@ -215,8 +214,7 @@ Point posed(const Point& rest, const SheetPoint& origin, const Joints& joints) {
 constexpr double dance_length = 2.4; // seconds
 
 /// It steps from one foot to the other, which is lifted; one hand waves above, the other swings below, and
-/// they
-/// change places. `part` of the dance, in [0, 1]; at 1 it is where it was at 0.
+/// they change places. `part` of the dance, in [0, 1]; at 1 it is where it was at 0.
 Joints dancing(double part) {
     const double angle = 2 * std::numbers::pi * part;
     const double sway = std::cos(angle); // 1: on the left foot

@@ -3,9 +3,8 @@
 //     skin_mesh character.obj --bones character.bones.csv --weights heat -o skinned.glb --picture skinned.png
 //
 // Writes a skin with the skeleton for engines and viewers (glTF 2.0), which turns from rest into the pose
-// of the bones
-// file and back. Weights are those of bone heat (Baran, Popović 2007) or harmonic on the surface
-// (fields/skin.hpp).
+// of the bones file and back. Weights are those of bone heat (Baran, Popović 2007) or harmonic on the
+// surface (fields/skin.hpp).
 
 #include "cli/bind_report.hpp"
 #include "cli/command_line.hpp"

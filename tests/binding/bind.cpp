@@ -381,8 +381,7 @@ TEMPLATE_TEST_CASE("points outside can follow the nearest boundary point", "[bin
         CAPTURE(i);
         const auto offset = cageform::vec_cast<double>(outside[i]) - cageform::vec_cast<double>(nearest[i]);
         // The weights are those of an edge, so their rounding, of the places over the edge's length, does
-        // not count
-        // but along the edge.
+        // not count but along the edge.
         CHECK(distance(moved[i], cageform::vec_cast<double>(followed[i]) + offset) <=
               64 * double(epsilon<T>) * (size_of(pose) + size_of(outside)));
     }

@@ -183,8 +183,7 @@ private:
 };
 
 /// How far weights are from the boundary's data at distances of 10^-15, 10^-14, … 10^-3 diagonals, and how
-/// many
-/// points there are.
+/// many points there are.
 struct Approach {
     static constexpr std::size_t distances = 13;
     static double distance(std::size_t n) { return std::pow(10.0, double(n) - 15); }

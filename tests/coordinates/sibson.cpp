@@ -73,10 +73,8 @@ void check_weights(const SibsonCoordinates<T, D>& sibson, const Points<D>& sites
 }
 
 /// Its gradients at sites are left out. In the file rounding decides which of two sites has the facet
-/// between a cell
-/// and its mirror image, and that two sites of a flat face lie 1e-16 inside. Here they are those of the
-/// lattice that
-/// was turned, which "does not depend on motion" shows.
+/// between a cell and its mirror image, and that two sites of a flat face lie 1e-16 inside. Here they are
+/// those of the lattice that was turned, which "does not depend on motion" shows.
 constexpr const char* turned_lattice = "grid 2x2x4, turned and rounded to double";
 
 template <class T, std::size_t D>
@@ -105,8 +103,7 @@ void check_file(const std::string& file, int degree) {
 }
 
 /// The parts of degree 3: gradients at sites by the file's own judgement of what lies on the hull, and, by
-/// tips,
-/// what values and gradients count for at a point.
+/// tips, what values and gradients count for at a point.
 template <std::size_t D>
 void check_parts(const std::string& file) {
     for (const auto& set : read_sets(file)) {

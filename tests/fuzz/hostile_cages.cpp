@@ -1,6 +1,5 @@
 // Makes cages of every kind that no one should, and takes each through check, bind and clone: nothing may
-// crash,
-// and what is bound is finite. A program of its own, for sanitizers:
+// crash, and what is bound is finite. A program of its own, for sanitizers:
 //
 //     clang++ -std=c++20 -O1 -g1 -fsanitize=address,undefined -fno-sanitize-recover=all -Iinclude
 //             -isystem /usr/include/eigen3 -Itests tests/fuzz/hostile_cages.cpp -o hostile_cages

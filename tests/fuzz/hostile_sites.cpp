@@ -1,8 +1,6 @@
 // Makes point sets of every kind that no one should, and binds points to them: nothing may crash, and
-// either a
-// status says what is wrong or the weights are finite, sum to one and give the point back. A program of its
-// own,
-// for sanitizers:
+// either a status says what is wrong or the weights are finite, sum to one and give the point back. A
+// program of its own, for sanitizers:
 //
 //     clang++ -std=c++20 -O1 -g1 -fsanitize=address,undefined -fno-sanitize-recover=all -Iinclude -Itests
 //             -isystem /usr/include/eigen3 tests/fuzz/hostile_sites.cpp -o hostile_sites
@@ -29,8 +27,7 @@ using cageform_tests::Random;
     }
 
 /// Places in [-1, 1]^D: random, clustered, on a line or plane but for some, on a sphere, on a lattice, in a
-/// ring,
-/// almost so, or twice.
+/// ring, almost so, or twice.
 template <std::size_t D>
 std::vector<Vec<double, D>> places(Random& random, std::size_t count) {
     const std::size_t kind = random.below(9), thin = random.below(4);

@@ -46,8 +46,7 @@ std::array<double, D> place_of(const Index<D>& index, const CutLink& cut) {
 }
 
 /// A union of balls less some others. With `cut_inside`, every thirtieth link between unknowns is cut from
-/// both
-/// sides. `theta` draws the lengths of cut links.
+/// both sides. `theta` draws the lengths of cut links.
 template <std::size_t D, class Theta>
 Domain<D> random_domain(std::uint64_t seed, std::int32_t side, bool cut_inside, const Theta& theta) {
     Random random(seed);

@@ -11,8 +11,7 @@
 //     judge sheet OUT.png FOLDER…     a row each: at rest, expected, bent
 //
 // Differences are in steps of 1/255 over white. A picture cannot be bent without blur, so they are of means
-// of 2 x 2 pixels,
-// and edges of an icon without a fault differ by some.
+// of 2 x 2 pixels, and edges of an icon without a fault differ by some.
 
 #include "../support/larger.hpp"
 #include "svg/document.hpp"

@@ -105,8 +105,7 @@ int play(std::size_t points, std::size_t handles) {
 }
 
 /// A thousand frames of the clip in a file with a figure: nothing is allocated from before it is opened,
-/// and the cursor's
-/// memory is the player's.
+/// and the cursor's memory is the player's.
 int play_file(std::size_t points, std::size_t handles) {
     using Vector = cageform::Vec<float, 3>;
     const auto file_of_figure = made_up::figure<float>(WeightFormat::int8, true, points, handles, 5);

@@ -26,10 +26,8 @@ std::string describe_faults(const std::string& name, const cageform::CageReport&
 std::string describe_grid(const cageform::SolverReport& solver);
 
 /// "the grid is coarse for the edge between vertices 3 and 9 and 11 more, …": of what no grid that was used
-/// is fine
-/// enough for; empty where all errors are below CornerError::notable. Vertices are counted from 0 in the
-/// plane, from 1
-/// in space, as OBJ files do.
+/// is fine enough for; empty where all errors are below CornerError::notable. Vertices are counted from 0
+/// in the plane, from 1 in space, as OBJ files do.
 std::string describe_corners(const cageform::SolverReport& solver);
 
 /// Warns of that on stderr.
@@ -59,13 +57,11 @@ struct StoredLoss {
 };
 
 /// "at most 0.0041 (0.099 % of the figure's size), at v 18 after 0.5 s, 0.0013 in the mean, in 52 poses of
-/// the
-/// motion".
+/// the motion".
 std::string describe(const StoredLoss& loss);
 
 /// Says warnings on stderr. Those that say the same thing of several elements are one line, with the first
-/// of them
-/// and how many more there are; of lines the first ten.
+/// of them and how many more there are; of lines the first ten.
 void print_warnings(std::span<const std::string> warnings);
 
 } // namespace cageform_examples

@@ -26,8 +26,7 @@ struct CageFaces {
 };
 
 /// All faces, of which those of more than three corners are kept where that is wanted and they are planar,
-/// to a
-/// millionth of the cage's diagonal: what six digits of a file leave of a plane.
+/// to a millionth of the cage's diagonal: what six digits of a file leave of a plane.
 CageFaces faces_of(const ObjFile& cage, bool keep_polygons);
 
 /// Describes how faces with more than three corners were treated; empty if there are none.
@@ -45,8 +44,7 @@ void warn_of_closed_gaps(const std::string& name, const cageform::CageReport& re
 std::string name_points(std::span<const Point3> points, const std::vector<std::size_t>& indices);
 
 /// A motion from the cage at rest through poses, OBJ files, and back, smooth, `seconds` from each to the
-/// next. Fails
-/// where a file cannot be read, is no pose of the cage or is beyond single precision.
+/// next. Fails where a file cannot be read, is no pose of the cage or is beyond single precision.
 SvgResult<PoseClip> clip_through_poses(const ObjFile& cage, const std::vector<std::string>& poses,
                                        double seconds);
 

@@ -39,8 +39,8 @@ struct MotionChoice {
 
     bool is_given() const { return !clip.empty() || !poses.empty() || !operations.operations.empty(); }
     /// The motion; without keys where none is given. Fails where a file cannot be read or fits not, an
-    /// operation cannot
-    /// be done, numbers are beyond single precision, or more than one of the three is given.
+    /// operation cannot be done, numbers are beyond single precision, or more than one of the three is
+    /// given.
     SvgResult<PoseClip> motion(const ObjFile& cage) const;
 };
 

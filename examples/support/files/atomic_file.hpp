@@ -14,8 +14,7 @@ namespace cageform_examples {
 
 /// A file written piece by piece under a temporary name in the same folder; `commit` puts it in the place
 /// of `path`. Whatever fails, and without a commit, the old file stays and the temporary is removed, also
-/// where
-/// SIGINT, SIGTERM, SIGHUP, SIGPIPE or SIGXCPU ends the program.
+/// where SIGINT, SIGTERM, SIGHUP, SIGPIPE or SIGXCPU ends the program.
 ///
 ///   path    replaced if it is a regular file, whose permissions are kept; a link is followed; a folder,
 ///           pipe or device is refused, and so is a file that the program reads (input_at() names it), be

@@ -144,8 +144,7 @@ SvgResult<PoseClip> load_pose_clip(const std::string& path, std::size_t vertex_c
 std::string pose_clip_text(const PoseClip& clip, const std::string& heading);
 
 /// The curve of one number through the clip's keys, `values` (#keys), from 0 to its length: a piece from
-/// every key to
-/// the next. Linear in the values, so that whatever is linear in the poses goes the same way.
+/// every key to the next. Linear in the values, so that whatever is linear in the poses goes the same way.
 cageform::PiecewiseCubic<double> curve_through(const PoseClip& clip, std::span<const double> values);
 
 /// The motion of the vertices. It begins again at its end.

@@ -153,8 +153,8 @@ struct CageBlock {
 };
 
 /// A cage as blocks of "x,y" lines with empty lines between them: loops, the outer one first; chains,
-/// headed by
-/// a line "# chain"; points, headed by "# point RADIUS". Other lines that begin with '#' are skipped.
+/// headed by a line "# chain"; points, headed by "# point RADIUS". Other lines that begin with '#' are
+/// skipped.
 SvgResult<std::vector<CageBlock>> parse_cage_csv(std::string_view text, const std::string& name);
 
 /// Works as parse_cage_csv(), from a file; fails also where it cannot be read.
@@ -166,8 +166,7 @@ inline constexpr const char* labels_format =
     "vertex whose line is empty has no label; lines that begin with # are comments.\n";
 
 /// Labels of the vertices of a cage, from a file of a line for each; empty where a vertex has none. Lines
-/// that begin
-/// with '#' are skipped, blanks at both ends of a line are left out.
+/// that begin with '#' are skipped, blanks at both ends of a line are left out.
 ///
 ///   fails   where the file cannot be read, has not `count` lines or no labels, a label stands there twice
 ///           or holds a

@@ -95,8 +95,7 @@ inline void add_lottie_curves(const nlohmann::ordered_json& json, const std::str
 } // namespace detail
 
 /// All intervals of animated numbers, in the order of the file. Throws nlohmann's exceptions where a
-/// keyframe is not
-/// as it has to be, std::length_error where parts are nested deeper than 200.
+/// keyframe is not as it has to be, std::length_error where parts are nested deeper than 200.
 inline std::vector<LottieCurve> lottie_curves(const nlohmann::ordered_json& file) {
     std::vector<LottieCurve> curves;
     detail::add_lottie_curves(file, "", "", curves);

@@ -157,8 +157,7 @@ std::optional<SvgError> single_precision_fault(const ObjFile& file);
 
 /// The file's normals after its vertices have moved. Each is turned as the faces are that have it at a
 /// corner: by the smallest rotation between the sums of their normals, weighted by area, before and after.
-/// One
-/// that no face has, or whose faces sum up to nothing, stays.
+/// One that no face has, or whose faces sum up to nothing, stays.
 std::vector<Point3> deformed_normals(const ObjFile& file, std::span<const Point3> moved);
 
 /// The file's text with its vertices at `moved` and the normals turned with them. A number that has not

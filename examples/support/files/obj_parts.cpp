@@ -34,8 +34,7 @@ std::string single_spaced(const std::string& line) {
 }
 
 /// The file of a name inside a folder; one of another folder is looked for by the last part of its path.
-/// Links do not
-/// lead out of the folder either.
+/// Links do not lead out of the folder either.
 std::optional<fs::path> file_inside(const fs::path& folder, std::string name) {
     std::replace(name.begin(), name.end(), '\\', '/');
     const fs::path named(name);

@@ -34,8 +34,7 @@ inline constexpr const char* site_formats =
     "many points, in the same order. Only points inside the convex hull can move.\n";
 
 /// 2 or 3: what sites a file holds. An SVG has those of the plane, an OBJ those of space, a CSV file tells
-/// by its first
-/// point; load_sites() refuses what is not a point.
+/// by its first point; load_sites() refuses what is not a point.
 SvgResult<std::size_t> site_dimension(const std::string& path);
 
 /// Reads sites, of a CSV file, an SVG (D = 2) or an OBJ (D = 3).

@@ -104,8 +104,7 @@ Picture with_colour_bar(const Picture& picture, double from, double to, const Fi
 namespace {
 
 /// Appends the end of a side to a polygon, and before it where the side crosses columns: once for the two
-/// pieces that
-/// meet there, so that they share the place to the last bit.
+/// pieces that meet there, so that they share the place to the last bit.
 void append_cut(std::vector<Point2>& polygon, const Point2& end, const std::vector<double>& columns) {
     const Point2 start = polygon.back();
     const auto append = [&](double x) {

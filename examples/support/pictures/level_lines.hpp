@@ -14,10 +14,8 @@
 namespace cageform_examples {
 
 /// The lines on which a field has a value: linear along the sides of the squares between neighbouring
-/// values; of a
-/// square with four crossings the mean of its corners decides which belong together. Closed lines end at
-/// their first
-/// point. Squares with a corner that is not a number have none.
+/// values; of a square with four crossings the mean of its corners decides which belong together. Closed
+/// lines end at their first point. Squares with a corner that is not a number have none.
 ///
 ///   values   width · height, the first row first; value (x, y) lies at (x, y)
 ///   cost     O(#values + #crossings log #crossings)

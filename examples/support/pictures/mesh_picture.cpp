@@ -66,8 +66,7 @@ public:
     }
 
     /// The place in the picture, in its units, y downwards; and how near: linear in the picture along a
-    /// line, in the
-    /// picture's units too where rays are parallel.
+    /// line, in the picture's units too where rays are parallel.
     Point3 project(const Point3& v) const {
         const Point3 d = seen(v - middle_);
         const bool parallel = rays_ == Rays::parallel;
@@ -144,8 +143,7 @@ public:
     }
 
     /// A line as far as no surface hides it: half a pixel and its thickness nearer than it is, so that it
-    /// is seen on
-    /// one whose triangles are not quite at its place.
+    /// is seen on one whose triangles are not quite at its place.
     void draw_line(const SpaceLine& line, const Camera& camera) {
         for (std::size_t k = 1; k < line.points.size(); ++k) {
             for_each_sample(on_canvas(camera, line.points[k - 1]), on_canvas(camera, line.points[k]),

@@ -102,8 +102,7 @@ private:
     bool add(pugi::xml_node node, Path path, const Place& place, bool is_box = false);
     bool add_fixed(pugi::xml_node node, const std::string& kind, const Place& place);
     /// The paths that a text's letters stand on, which are shapes: where one is not drawn in the text's own
-    /// user space,
-    /// the text gets a copy.
+    /// user space, the text gets a copy.
     bool add_text_paths(pugi::xml_node text, const Place& place);
     bool add_text_path(pugi::xml_node text_path, const Place& place);
     /// How far the letters on a path reach: they are taken to be 0.6 em wide and to stand within 0.8 em of

@@ -34,14 +34,10 @@ inline bool in_range(const Path& path) {
 }
 
 /// Deforms paths in one or more frames and covers the result with cubics. Every segment is sampled at equal
-/// steps, a
-/// multiple of six; a piece takes the cubic through its samples at 0, 1/3, 2/3 and 1 if in every frame all
-/// other samples
-/// are within the tolerance of it at the same parameter, and is halved otherwise: a path has the same
-/// pieces in all
-/// frames. A line that stays straight in all stays one. All pieces of all paths go to the deformer
-/// together, so there
-/// are only as many calls as halvings.
+/// steps, a multiple of six; a piece takes the cubic through its samples at 0, 1/3, 2/3 and 1 if in every
+/// frame all other samples are within the tolerance of it at the same parameter, and is halved otherwise: a
+/// path has the same pieces in all frames. A line that stays straight in all stays one. All pieces of all
+/// paths go to the deformer together, so there are only as many calls as halvings.
 class CurveDeformer {
 public:
     CurveDeformer(const FrameDeformer& deformer, std::size_t frames, double tolerance, double diagonal,

@@ -244,8 +244,7 @@ Region region_of(pugi::xml_node node, const Viewport& viewport) {
 }
 
 /// Makes a region large enough for a subject: as far beyond the box as it was. Where it cuts the box, the
-/// cut goes where
-/// the best map takes it.
+/// cut goes where the best map takes it.
 void grow(const SvgDocument& document, Region& region, const Subject& subject,
           std::vector<std::string>& warnings) {
     const Box& before = subject.before;

@@ -77,8 +77,8 @@ struct MovedRegion {
 };
 
 /// Makes the regions of masks and filters large enough for what they are about in all frames; so the
-/// regions of
-/// primitives in user space. Lights of a filter go where the best map of its only user takes them.
+/// regions of primitives in user space. Lights of a filter go where the best map of its only user takes
+/// them.
 ///   regions   of the drawing's references
 void follow_regions(SvgDocument& document, const Drawing& rest, const std::vector<MovedRegion>& regions,
                     std::vector<AnimatedSvg::Track>& tracks, std::vector<std::string>& warnings);

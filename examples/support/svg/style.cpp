@@ -15,8 +15,7 @@ namespace detail {
 namespace {
 
 /// The place after what begins at `at` and belongs together: a comment, a quoted text, a character
-/// reference, or one
-/// character.
+/// reference, or one character.
 std::size_t after_token(std::string_view text, std::size_t at) {
     const auto beyond = [&](std::size_t found, std::size_t size) {
         return found == std::string_view::npos ? text.size() : found + size;

@@ -90,8 +90,7 @@ private:
 };
 
 /// Replaces selectors of these types by classes, see the head of svg_document.hpp. Nothing changes where
-/// there is no
-/// element of them.
+/// there is no element of them.
 void adapt_style_sheets(SvgDocument& document, const std::set<std::string>& types,
                         std::vector<std::string>& warnings);
 

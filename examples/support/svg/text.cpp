@@ -89,8 +89,7 @@ std::optional<std::size_t> number_of(const std::string& fill) {
 }
 
 /// Leaves of a document its texts and what they stand in, and paints every element of a text in a colour of
-/// its
-/// own. The picture shows three times the viewBox, in about 4096 pixels.
+/// its own. The picture shows three times the viewBox, in about 4096 pixels.
 void strip_to_texts(SvgDocument& document, const ViewBox& view, std::vector<DrawnText>& texts) {
     pugi::xml_node root = root_element(document.xml);
     std::size_t colour = 1;
