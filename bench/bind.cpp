@@ -1,11 +1,9 @@
 // How long does a bind by closed forms take, against points and handles, for each coordinate type?
 //
 // Beside mean value: Wachspress and discrete harmonic in a convex cage, the plain textbook loop (no
-// boundary cases,
-// no report), as beside Green coordinates, CGAL's mean value coordinates where that is installed, and the
-// time it takes
-// to merely write as many weights, which no bind can beat. The other types are in bind_harmonic.cpp and
-// bind_sibson.cpp.
+// boundary cases, no report), as beside Green coordinates, CGAL's mean value coordinates where that is
+// installed, and the time it takes to merely write as many weights, which no bind can beat. The other types
+// are in bind_harmonic.cpp and bind_sibson.cpp.
 #include "run_bind.hpp"
 #include "workloads.hpp"
 
@@ -258,8 +256,7 @@ void evaluate_green_mesh(benchmark::State& state) {
 }
 
 /// The closed form by solid angles (van Oosterom & Strackee 1983), one point and one face after the other:
-/// an angle and
-/// three logarithms each.
+/// an angle and three logarithms each.
 void plain_green_mesh(benchmark::State& state) {
     const auto cage = bumpy112<double>();
     const auto points = points_inside_bumpy112();

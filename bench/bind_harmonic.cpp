@@ -132,9 +132,9 @@ void bind_harmonic_mesh(benchmark::State& state) {
     state.counters["unknowns"] = double(solver.cells);
 }
 
-/// The same by the papers' own solver as they ran it: float, one function at a time, sweeps until the mean
-/// change is
-/// 1e-5, the nearest cell looked up. Joshi et al. 2007, table 1: 262 s, where mean value took 443 s.
+/// Binds the same mesh by the papers' own solver with their settings: float, one function at a time,
+/// sweeps until the mean change is 1e-5, and the nearest cell looked up. Joshi et al. 2007, table 1: 262
+/// s, where mean value took 443 s.
 void bind_papers_mesh(benchmark::State& state) {
     using Cage = cageform::TriangleMesh<float>;
     const auto cage = bumpy112<float>();
@@ -211,8 +211,8 @@ void bind_fingers(benchmark::State& state) {
     }
 }
 
-/// The same cage with its hands at 1 / argument of their size, bound to an accuracy of 2e-3: what finer
-/// parts cost.
+/// Binds the same cage with its hands at 1 / argument of their size, to an accuracy of 2e-3: the cost of
+/// finer parts.
 void bind_smaller_fingers(benchmark::State& state) {
     static const Fingers fingers(CAGEFORM_BENCH_FINGERS);
     auto vertices = fingers.vertices;
@@ -228,7 +228,7 @@ void bind_smaller_fingers(benchmark::State& state) {
         benchmark::DoNotOptimize(bind_on_grid(state, coordinates, fingers.points).view().weights.data);
 }
 
-/// The same bind on some threads: the grid is made by one, the functions are solved by all.
+/// Binds on several threads: one makes the grid, and all solve the functions.
 void bind_fingers_threads(benchmark::State& state) {
     static const Fingers fingers(CAGEFORM_BENCH_FINGERS);
     const AnyGrid coordinates(Mesh(fingers.vertices, fingers.faces), {.accuracy = 2e-3});
@@ -283,9 +283,8 @@ void pack_fingers(benchmark::State& state) {
 }
 
 /// BUMPY112, whose inside suits a uniform grid: the errors of weights at the 8,019 points, the largest of
-/// all and that of the
-/// middle point, beside a grid of 256 cells. That one differs by 4e-3 at most, 5e-5 in the middle, from one
-/// of 384.
+/// all and that of the middle point, beside a grid of 256 cells. That one differs by 4e-3 at most, 5e-5 in
+/// the middle, from one of 384.
 template <bool adaptive>
 void bind_bumpy(benchmark::State& state) {
     static const auto points = points_inside_bumpy112();
@@ -333,8 +332,7 @@ void bind_divided_bumpy(benchmark::State& state) {
 }
 
 /// Points, normals and tangents of as many vertices as the puppet of examples/make_character has, on a
-/// surface in
-/// BUMPY112. bind/solve is of processor time, beside `solve` alone (not in the time).
+/// surface in BUMPY112. bind/solve is of processor time, beside `solve` alone (not in the time).
 void bind_harmonic_figure(benchmark::State& state) {
     const auto cage = bumpy112<float>();
     std::vector<cageform::Vec<float, 3>> points, normals;
@@ -368,8 +366,8 @@ void bind_harmonic_figure(benchmark::State& state) {
 }
 
 /// Where the papers say that harmonic coordinates win, for many points: a bind of 10² to 10⁶ points in
-/// BUMPY112 into
-/// recycled memory. The second argument is the harmonic grid's cells; 0: mean value. All rows:
+/// BUMPY112 into recycled memory. The second argument is the harmonic grid's cells; 0: mean value. All
+/// rows:
 ///
 ///     bench_bind --benchmark_filter=crossing
 void crossing_of_types(benchmark::State& state) {

@@ -1,4 +1,5 @@
-// How long do Sibson coordinates take, beside CGAL's natural neighbours in the plane where that is installed?
+// How long do Sibson coordinates take, beside CGAL's natural neighbours in the plane where that is
+// installed?
 #include "run_bind.hpp"
 
 #include <cageform/coordinates/sibson.hpp>
@@ -54,7 +55,7 @@ void bind_sibson(benchmark::State& state) {
              anywhere<D>(std::size_t(state.range(0)), 0.9, 2), true);
 }
 
-/// The same in space, degree 1, on some threads.
+/// Binds in space at degree 1 on several threads.
 void bind_sibson_threads(benchmark::State& state) {
     run_bind(state, cageform::SibsonCoordinates<double, 3>(anywhere<3>(400, 1, 1)),
              anywhere<3>(100000, 0.9, 2), true,
@@ -88,8 +89,7 @@ std::vector<cageform::Vec<double, D>> rings() {
 enum class Sites { anywhere, in_rings };
 
 /// Natural neighbours and their weights, a short list for each point, as CGAL gives them. `exact`: the
-/// share of
-/// points whose weights double could not give.
+/// share of points whose weights double could not give.
 template <std::size_t D, Sites kind>
 void sibson_neighbours(benchmark::State& state) {
     constexpr bool in_rings = kind == Sites::in_rings;

@@ -1,13 +1,10 @@
 // How near is a clone to merely reading its weights, and what is gained by storing fewer or smaller ones?
 //
 // Beside it: reading the same memory and adding it up (of 256 MB: what comes from memory at all), moving
-// all its bytes, on
-// one thread and on several, and Eigen's dense product W · C (the better of its two storage orders). Packed
-// bindings are of
-// BUMPY112, by mean value coordinates; beside their times stand the worst errors of a pose that bends, of
-// the projection
-// used here and of renormalising, and what renormalising does to the figure at rest, all relative to the
-// figure's size.
+// all its bytes, on one thread and on several, and Eigen's dense product W · C (the better of its two
+// storage orders). Packed bindings are of BUMPY112, by mean value coordinates; beside their times stand the
+// worst errors of a pose that bends, of the projection used here and of renormalising, and what
+// renormalising does to the figure at rest, all relative to the figure's size.
 //
 // pack_to_distance: how many bytes a distance takes, in 24 poses that bend and twist, of cages of 42, 112
 // and 300 vertices with
@@ -164,7 +161,7 @@ void limit_read_memory(benchmark::State& state) {
     state.SetBytesProcessed(std::int64_t(state.iterations()) * (std::int64_t{256} << 20));
 }
 
-/// What it is to keep the `largest` weights of a point and to scale them so that they sum to one.
+/// Clones with the `largest` weights of each point, scaled to sum to one.
 template <class T>
 std::vector<cageform::Vec<T, 3>> renormalised(const cageform::Binding<T, 3>& binding, std::size_t largest,
                                               const std::vector<cageform::Vec<T, 3>>& pose) {
@@ -363,9 +360,8 @@ void pack_to_distance(benchmark::State& state) {
     state.counters["elsewhere"] = moved.distance(moved.elsewhere, cloned);
 }
 
-/// What others do: the largest weights, scaled to sum to one. Bytes as an engine stores them: a byte for
-/// the joint and
-/// two for the weight, and the point at rest.
+/// The usual method: keeps the largest weights, scaled to sum to one. The bytes are those of an engine:
+/// one for the joint, two for the weight, and the rest point.
 void renormalised_distance(benchmark::State& state) {
     const auto& moved = MovedFigure::of(int(state.range(0)));
     const auto largest = std::size_t(state.range(1));
@@ -425,7 +421,7 @@ void clone_with_normals(benchmark::State& state) {
         benchmark::Counter(double(out.size()), benchmark::Counter::kIsIterationInvariantRate);
 }
 
-/// Points that listen to their 16 nearest handles, as natural neighbours are in space, packed.
+/// Points that follow their 16 nearest handles, as natural neighbours are in space, packed.
 template <class T>
 struct Neighbours {
     std::vector<cageform::Vec<T, 3>> pose;

@@ -13,7 +13,8 @@
 
 namespace cageform_bench {
 
-/// What runs while it lives is counted. Not under callgrind it does nothing, and takes no time.
+/// Counts the instructions executed during its lifetime under callgrind; otherwise it does nothing and
+/// takes no time.
 struct Counted {
     Counted() {
         CALLGRIND_START_INSTRUMENTATION;

@@ -1,5 +1,5 @@
-// What the library's curves are compared with: other evaluators of Bézier curves, and the source's
-// search for a knot.
+// Comparators for the library's curves: other evaluators of Bézier curves, and the paper's search for a
+// knot.
 #pragma once
 
 #include <cageform/animate/fit/knots.hpp>

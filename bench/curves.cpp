@@ -52,7 +52,7 @@ std::vector<PiecewiseCubic<T>> cage_curves() {
         curves.push_back(compile<T>(random_keys(seconds + 1, k)).value.curve);
     return curves;
 }
-/// The same as functions that are solved for the parameter.
+/// Makes the curves as functions of time, which are solved for the parameter.
 template <class Function>
 std::vector<std::vector<Function>> cage_functions() {
     std::vector<std::vector<Function>> curves(curves_of_cage);

@@ -1,14 +1,12 @@
-// What does a cage cost that make_cage draws, how tight is it, and what does it keep off the figure?
+// Measures the cost of a cage of make_cage, its tightness, and its distance from the figure.
 //
-// Counters: `loose`, the area or volume over that of the figure grown by the margin; `clearance`, the exact
-// least
-// distance between cage and figure over the margin (0 or less: the cage cuts the figure); `angle`, the
-// least one of
-// the cage, in degrees. Beside it in space, where CGAL is installed: its alpha wrap with the margin for
-// offset, simplified
-// to as many vertices (Portaneri et al., Alpha wrapping with an offset, 2022; Garland & Heckbert 1997). A
-// mesh of your own
-// stands beside the others where the environment variable CAGEFORM_BENCH_OBJ names one, of triangles.
+// Counters: `loose` is the area or volume over that of the figure grown by the margin; `clearance` is
+// the exact least distance between cage and figure over the margin (0 or less: the cage cuts the
+// figure); `angle` is the smallest angle of the cage, in degrees. For comparison in space, if CGAL is
+// installed, its alpha wrap is measured with the margin as offset, simplified to as many vertices
+// (Portaneri et al., Alpha wrapping with an offset, 2022; Garland & Heckbert 1997). The environment
+// variable CAGEFORM_BENCH_OBJ names an own mesh of triangles to measure as well. stands beside the
+// others where the environment variable CAGEFORM_BENCH_OBJ names one, of triangles.
 
 #include <cageform/enclose/make_cage.hpp>
 #include <cageform/enclose/make_cage_3d.hpp>
@@ -58,7 +56,7 @@ Mesh closed_grid(std::uint32_t rings, std::uint32_t columns, const Place& place)
     }
     return mesh;
 }
-/// A torus, its tube as wavy as told.
+/// Makes a torus whose tube has waves of a given size.
 Mesh torus(std::uint32_t rings, std::uint32_t columns, double waves) {
     return closed_grid(rings, columns, [&](double u, double v) {
         const double r = 0.35 * (1 + waves * std::sin(9 * u) * std::cos(4 * v));

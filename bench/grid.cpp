@@ -2,14 +2,11 @@
 // usually done?
 //
 // The unknowns are the cells inside a star (2D, 25 functions) and a bumpy ball (3D, 112 functions); data is
-// given at the
-// cells around them, as on the staircase grids of the papers. Beside the multigrid (to an estimated error
-// of 1e-6): the
-// papers' averaging sweeps (to a mean change of 1e-5, which leaves errors of some hundredths), Eigen's and,
-// where it is
-// installed, CHOLMOD's factorisation, and what it takes to move the memory of the solution once. Then a
-// drawing of a hundred strokes
-// with two sides, its colours diffused over a canvas.
+// given at the cells around them, as on the staircase grids of the papers. Beside the multigrid (to an
+// estimated error of 1e-6): the papers' averaging sweeps (to a mean change of 1e-5, which leaves errors of
+// some hundredths), Eigen's and, where it is installed, CHOLMOD's factorisation, and what it takes to move
+// the memory of the solution once. Then a drawing of a hundred strokes with two sides, its colours diffused
+// over a canvas.
 #include "counted.hpp"
 
 #include <cageform/core/threads.hpp>
@@ -267,7 +264,7 @@ void limit_write_canvas(benchmark::State& state) {
 }
 
 #if defined(CAGEFORM_BENCH_CHOLMOD)
-/// The same strokes as marked cells, nothing through the rim.
+/// Solves the same strokes as marked cells, with no flow through the rim.
 void cholmod_strokes(benchmark::State& state) {
     const int n = int(state.range(0));
     const auto size = std::size_t(n) * std::size_t(n);

@@ -1,12 +1,10 @@
 // How much slower are clones where an engine is not compiled with -O3?
 //
 // Measures what the shared objects in the folder "levels" beside this program have (bench/level.cpp,
-// compiled by
-// bench/run.sh at several levels, by several compilers), in turns: benchmarks are called what/object.
-// STAR(25) in the
-// plane and BUMPY112 in space with 500 points inside, by mean value coordinates; packed ones keep eight
-// weights a
-// point. All of it lies in caches, where what surrounds the sums shows.
+// compiled by bench/run.sh at several levels, by several compilers), in turns: benchmarks are called
+// what/object. STAR(25) in the plane and BUMPY112 in space with 500 points inside, by mean value
+// coordinates; packed ones keep eight weights a point. All of it lies in caches, where what surrounds the
+// sums shows.
 #include "counted.hpp"
 #include "level.hpp"
 #include "workloads.hpp"

@@ -1,14 +1,11 @@
 // How long does it take to make the weights of bones on a mesh?
 //
 // A bumpy torus of 10,240 and 163,840 vertices, twenty bones along its core. Harmonic weights, bone heat
-// with and without
-// the question what a vertex sees, the cotangents and flips alone. The equations of the heat alone: ours,
-// by Eigen's
-// LDLT (which libigl's harmonic functions take) and by CHOLMOD where it is installed (OMP_THREAD_LIMIT=1
-// keeps it to one
-// thread, as the others). And what no solver of this order of elimination can do without: its
-// multiplications, done by
-// one product of dense matrices, and reading the factors forwards and backwards for every 16 bones.
+// with and without the question what a vertex sees, the cotangents and flips alone. The equations of the
+// heat alone: ours, by Eigen's LDLT (which libigl's harmonic functions take) and by CHOLMOD where it is
+// installed (OMP_THREAD_LIMIT=1 keeps it to one thread, as the others). And what no solver of this order of
+// elimination can do without: its multiplications, done by one product of dense matrices, and reading the
+// factors forwards and backwards for every 16 bones.
 #include <cageform/core/threads.hpp>
 #include <cageform/fields/skin.hpp>
 

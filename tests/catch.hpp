@@ -21,9 +21,8 @@ using Catch::Approx;
 #endif
 #endif
 
-/// The scalars that a test is made for. Of what sanitizers look for nothing depends on the scalar but the
-/// blocks' width, so
-/// there it is one: the other would double the time to compile.
+/// The scalars that a test is compiled for. Nothing that sanitizers detect depends on the scalar except
+/// the width of the blocks, so they test one scalar: the other would double the time to compile.
 #if defined(CAGEFORM_SANITIZED)
 #define CAGEFORM_SCALARS float
 #else

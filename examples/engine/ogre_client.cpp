@@ -1,14 +1,13 @@
-// A game's side of the library, in the OGRE engine: a figure in a cage plays a clip, lit, on a ground that it
-// shadows. Only run-time headers: no Eigen, no bind-time code.
+// A game's side of the library, in the OGRE engine: a figure in a cage plays a clip, lit, on a ground
+// that it shadows. Only run-time headers: no Eigen, no bind-time code.
 //
 //     ogre_client character.figure --pictures out/ogre_ --count 6
 //     ogre_client character.figure --width 320 --height 240 --frames 10000
 //
 // Every frame the clip gives a pose of the cage, `pose_handles` the vectors of its faces, which Green
-// coordinates have
-// for handles too, and `clone` writes vertices and normals where the graphics card reads them: into the
-// locked vertex
-// buffer. With --frames it measures that and watches the memory of the process.
+// coordinates have for handles too, and `clone` writes vertices and normals where the graphics card reads
+// them: into the locked vertex buffer. With --frames it measures that and watches the memory of the
+// process.
 
 #include "files/figure_parts.hpp"
 
@@ -72,7 +71,7 @@ private:
     std::size_t size_ = 0;
 };
 
-/// A vertex as the graphics card has it.
+/// The layout of a vertex on the graphics card.
 struct Vertex {
     float position[3];
     float normal[3];
@@ -95,13 +94,14 @@ public:
 
     std::size_t vertex_count() const { return figure_.point_count(); }
     std::span<const std::array<std::uint32_t, 3>> triangles() const { return parts_.triangles; }
-    /// Of the cage's vertices.
+    /// Returns the pose of the cage's vertices.
     std::span<const Vec3> pose() const {
         return std::span(pose_).first(cageform_examples::vertices_of(figure_));
     }
     float length() const { return parts_.clip.end(); }
 
-    /// Moves the cage to a time of the clip, which begins again at its end. Faces that are handles go along.
+    /// Moves the cage to a time of the clip, which begins again at its end. Faces that are handles go
+    /// along.
     void play(float time) {
         const std::span vertices = std::span(pose_).first(cageform_examples::vertices_of(figure_));
         parts_.clip.sample(time, cursor_, vertices);
@@ -110,7 +110,7 @@ public:
             throw std::runtime_error(cageform::to_string(report.status));
     }
 
-    /// Writes the figure as the cage has it to `out` (#vertices), which is only written to.
+    /// Writes the figure posed by the cage to `out` (#vertices), which is only written to.
     void write(std::span<Vertex> out) const {
         const auto view = [&](float* first) {
             return cageform::StridedPoints<float, 3>(first, out.size(), sizeof(Vertex));
@@ -169,7 +169,7 @@ struct Mesh {
     Ogre::HardwareVertexBuffer& buffer() { return *vertices->vertexBufferBinding->getBuffer(0); }
 };
 
-/// Runs `body`. What a plugin throws does not outlive the plugin; its words do.
+/// Runs `body`. Exceptions of a plugin must not outlive the plugin, so only their text is kept.
 template <class Body>
 void keep_words(const Body& body) {
     try {
@@ -264,7 +264,7 @@ std::size_t resident_bytes() {
     return resident * std::size_t(::sysconf(_SC_PAGESIZE));
 }
 
-/// What there is to see.
+/// The scene to render.
 class Stage {
 public:
     Stage(Engine& engine, Puppet& puppet)
@@ -287,7 +287,7 @@ public:
         const Ogre::Vector3 middle = box.getCenter(), size = box.getSize();
         const float ground = box.getMinimum().y, reach = 40 * size.y;
 
-        // The sun, behind the camera to its left; what shadows it throws is the figure laid on the ground.
+        // The sun, behind the camera to its left; its shadow is the figure projected onto the ground.
         const Ogre::Vector3 sun = Ogre::Vector3(0.45f, -1, -0.55f).normalisedCopy();
         Ogre::Light* light = scene.createLight();
         light->setType(Ogre::Light::LT_DIRECTIONAL);
@@ -311,7 +311,7 @@ public:
         for (Triangles* object : {&figure_, &shadow_, &floor_})
             scene.getRootSceneNode()->createChildSceneNode()->attachObject(object);
 
-        // From the front, somewhat from the figure's left and from above.
+        // The view is from the front, somewhat from the figure's left and from above.
         camera_ = scene.createCamera("camera");
         camera_->setAutoAspectRatio(true);
         camera_->setNearClipDistance(0.05f * size.y);
@@ -397,7 +397,7 @@ struct Arguments {
 void play(const Arguments& given, Puppet& puppet, Engine& engine) {
     Stage stage(engine, puppet);
     if (!given.pictures.empty()) {
-        // Into a texture, which has several samples a pixel whatever the window has.
+        // Renders into a texture, which has several samples per pixel whatever the window has.
         const auto texture = Ogre::TextureManager::getSingleton().createManual(
             "picture", Ogre::RGN_DEFAULT, Ogre::TEX_TYPE_2D, given.width, given.height, 0, Ogre::PF_BYTE_RGB,
             Ogre::TU_RENDERTARGET, nullptr, false, 4);
@@ -443,14 +443,19 @@ int run_program(int argc, char** argv) {
     CLI::App app("Plays a clip on a figure in a cage, in the OGRE engine.");
     Arguments given;
     app.add_option("figure", given.figure, "a file that bind_mesh wrote, with a clip")->required();
-    app.add_option("--pictures", given.pictures, "save pictures of the clip to files that begin so");
-    app.add_option("--count", given.count, "how many")->check(CLI::Range(1, 99))->capture_default_str();
-    app.add_option("--width", given.width, "of the pictures and of the window, in pixels")
+    app.add_option("--pictures", given.pictures,
+                   "save pictures of the clip to files whose names begin with this");
+    app.add_option("--count", given.count, "the number of pictures")
+        ->check(CLI::Range(1, 99))
+        ->capture_default_str();
+    app.add_option("--width", given.width, "the width of the pictures and of the window, in pixels")
         ->check(CLI::Range(16, 8192))
         ->capture_default_str();
-    app.add_option("--height", given.height, "the same")->check(CLI::Range(16, 8192))->capture_default_str();
+    app.add_option("--height", given.height, "the height of the pictures and of the window, in pixels")
+        ->check(CLI::Range(16, 8192))
+        ->capture_default_str();
     app.add_option("--frames", given.frames,
-                   "play so many frames, 60 to a second of the clip; fails where memory grows by 256 KiB")
+                   "play this many frames, 60 per second of the clip; fails if memory grows by 256 KiB")
         ->check(CLI::Range(2000, 100000000));
     CLI11_PARSE(app, argc, argv);
 

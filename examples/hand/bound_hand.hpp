@@ -12,8 +12,7 @@
 namespace cageform_examples {
 
 /// Some 7,000 vertices. Surface nets are manifold but where two sheets share a cell, between fingers or in
-/// a line: not
-/// every size will do, and make_hand checks.
+/// a line: not every size will do, and make_hand checks.
 inline constexpr double hand_cell = 1.0 / 62;
 inline constexpr double hand_kappa = 3; ///< of inflation
 
@@ -52,8 +51,7 @@ struct BoundHand {
 };
 
 /// A closed mesh of some 2,300 vertices about the hand, so near to it that no two fingers share a part of
-/// it. Throws where
-/// none is sound.
+/// it. Throws where none is sound.
 ImplicitMesh cage_of(const Hand& hand);
 
 /// Seen from the inner side.

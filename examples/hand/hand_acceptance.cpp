@@ -21,7 +21,7 @@ constexpr double eps = cageform::epsilon<double>;
 /// Prints lines, and counts them.
 class Lines {
 public:
-    /// Of what the next lines tell.
+    /// Sets the subject of the next lines.
     void set_subject(std::string subject) { subject_ = std::move(subject); }
 
     [[gnu::format(printf, 3, 4)]] void line(bool good, const char* format, ...) {
@@ -180,8 +180,7 @@ Flipped worse(const Flipped& a, const Flipped& b) {
 }
 
 /// Triangles whose normals turn past 90 degrees from where their bone turns them. One over a joint, whose
-/// corners are of
-/// two bones, may follow either.
+/// corners are of two bones, may follow either.
 Flipped flipped(const BoundHand& bound, std::size_t joint, double degrees) {
     const Hand& hand = bound.hand;
     const HandPose angles = bent(hand, joint, degrees);

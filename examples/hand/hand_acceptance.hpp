@@ -1,6 +1,6 @@
 #pragma once
 
-// What a hand moved by control points has to hold, measured.
+// Measures the requirements for a hand that control points move.
 
 #include "bound_hand.hpp"
 #include "hand_builds.hpp"
@@ -14,8 +14,7 @@ struct AcceptanceCount {
 };
 
 /// Prints a line a property, "ok" or "missed", with its bound in parentheses. A missed line is no error: it
-/// says what
-/// this hand does not do yet.
+/// says what this hand does not do yet.
 AcceptanceCount print_acceptance(const BoundHand& bound, const HandBuilder& builder);
 
 } // namespace cageform_examples

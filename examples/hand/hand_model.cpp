@@ -60,7 +60,7 @@ struct JointTurn {
     }
 };
 
-/// Of axes that may point to opposite sides, then angles about them have opposite signs.
+/// Averages two turns. The axes may point to opposite sides; the angles then have opposite signs.
 void take_mean(Point3& axis, double& angle, const Point3& other_axis, double other_angle) {
     const double side = dot(axis, other_axis) < 0 ? -1 : 1;
     const Point3 sum = axis + side * other_axis;
@@ -68,7 +68,7 @@ void take_mean(Point3& axis, double& angle, const Point3& other_axis, double oth
     angle = (angle + side * other_angle) / 2;
 }
 
-/// By the mean of both angles, about the mean axis.
+/// Returns the mean of two turns: the mean of both angles, about the mean axis.
 JointTurn mean(JointTurn a, const JointTurn& b) {
     a.place = 0.5 * (a.place + b.place);
     take_mean(a.bend_axis, a.bend, b.bend_axis, b.bend);
@@ -76,7 +76,7 @@ JointTurn mean(JointTurn a, const JointTurn& b) {
     return a;
 }
 
-/// What is measured of a ray, from the wrist outwards: typical proportions of a grown hand.
+/// Measurements of a ray, from the wrist outwards: typical proportions of an adult hand.
 struct Ray {
     Point3 root, base, along,
         back; ///< of the metacarpal, of the first joint; along the phalanges, to their backs
@@ -291,8 +291,8 @@ private:
                         {on_skin(from, direction, 0.1), HandPointKind::ring, joint, HandJoint::none, 0.5});
                 });
             }
-            // What is thicker is no finger but the web to the next. Half a step on, so that two of six look
-            // to the fingers beside.
+            // Anything thicker is not the finger but the web to its neighbour. The next ring is half a
+            // step on, so that two of six points face the neighbouring fingers.
             const double thick = 1.25 * hand_.joints[joint].radius;
             const bool is_last = k + 1 == joints.size();
             const auto shares = k == 1 && ray < 4 ? std::vector{0.24, 0.47, 0.72}
@@ -359,7 +359,7 @@ private:
     }
     static Point3 side_of(const HandJoint& joint) { return joint.place; }
 
-    /// From the wrist along the thenar eminence and over the web to the back.
+    /// Adds points from the wrist along the thenar eminence and over the web to the back.
     void add_thenar_line() {
         const std::size_t cmc = hand_.rays[4][0];
         const auto add = [&](const Point3& from, const Point3& direction, bool on) {

@@ -1,13 +1,11 @@
 #pragma once
 
 // A right hand in three layers (Moccozet, Magnenat-Thalmann, Dirichlet free-form deformations and their
-// application to
-// hand simulation, Computer Animation '97, sec. 3): joint angles move control points, and these move the
-// skin.
+// application to hand simulation, Computer Animation '97, sec. 3): joint angles move control points, and
+// these move the skin.
 //
 // Lengths are in hand lengths. The wrist is at the origin, the fingers point along y, the thumb to -x, the
-// back of the
-// hand faces z.
+// back of the hand faces z.
 
 #include "files/obj_file.hpp"
 #include "pictures/surface_nets.hpp"
@@ -19,9 +17,9 @@
 
 namespace cageform_examples {
 
-/// What turns: four fingers of a metacarpal (which bends in the ring and the little finger alone) and three
-/// phalanges,
-/// and a thumb of three bones. The first joint of a finger's phalanges and of the thumb turns in two ways.
+/// The angles of the joints. Four fingers have a metacarpal (which bends only in the ring and the little
+/// finger) and three phalanges; the thumb has three bones. The first joint of each finger and of the
+/// thumb turns about two axes.
 enum class HandAngle : std::uint8_t {
     index_spread,
     index_mcp,
@@ -124,7 +122,7 @@ struct Hand {
     std::vector<double> weights(const HandPose& angles, double kappa) const;
 };
 
-/// What a hand may grasp: a rod with round ends, a ball where both ends are one.
+/// An object to grasp: a rod with round ends, or a ball if both ends are equal.
 struct HandObject {
     Point3 from, to;
     double radius = 0;
@@ -135,8 +133,7 @@ const HandObject& hand_ball();
 const HandObject& hand_rod();
 
 /// Closes the fingers about an object, from the base outwards: a joint stops, by bisection, where a
-/// constraint point
-/// of its finger touches the object, or at the end of its range.
+/// constraint point of its finger touches the object, or at the end of its range.
 ///
 ///   open   where joints begin; other angles stay
 HandPose grasp(const Hand& hand, const HandPose& open, const HandObject& object);

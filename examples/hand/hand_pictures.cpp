@@ -109,7 +109,7 @@ struct Line {
     bool closed = true;
 };
 
-/// Those chosen, in their order about an axis.
+/// Returns the chosen points in their order about an axis.
 template <class Which>
 Line around(const Hand& hand, const Point3& axis, const Which& which) {
     Line line;
@@ -322,7 +322,7 @@ Point3 blended(const Hand& hand, const std::vector<RigidMotion3>& motions, std::
     return (1 / total) * sum;
 }
 
-/// Of the middle finger from its first joint on, closed towards this.
+/// Returns the volume of the middle finger from its first joint on, closed at the base.
 double finger_volume(const Hand& hand, const Skin& skin) {
     const Point3 joint = hand.joints[hand.rays[1][1]].place;
     double sum = 0;
@@ -432,7 +432,7 @@ Picture influence(const BoundHand& bound) {
     const Hand& hand = bound.hand;
     std::vector<Picture> parts;
     const auto add = [&](HandPointKind kind, double side, const auto& view, const char* name) {
-        // Of the middle finger's second joint, the point that looks most to the side that is seen.
+        // Chooses the point of the middle finger's second joint that faces the viewer most.
         std::size_t chosen = hand.points.size();
         for (std::size_t i = 0; i < hand.points.size(); ++i) {
             if (hand.points[i].kind != kind || hand.points[i].joint != hand.rays[1][2]) continue;
@@ -451,8 +451,8 @@ Picture influence(const BoundHand& bound) {
         const auto reached =
             std::size_t(std::count_if(values.begin(), values.end(), [](double w) { return w > 0; }));
         parts.push_back(with_bar(
-            draw_tiles({{model.mapped(view), words("%s\n%zu of %zu vertices listen to it, by %.2g at most",
-                                                   name, reached, values.size(), most)}},
+            draw_tiles({{model.mapped(view), words("%s\n%zu of %zu vertices follow it, by %.2g at most", name,
+                                                   reached, values.size(), most)}},
                        1, 700, 860),
             most, "u"));
     };
@@ -471,8 +471,7 @@ std::size_t nearest_joint(const Hand& hand, const Point3& p) {
 }
 
 /// The most of what is measured of the skin, of fingers and thumb but for one of them, from so many radii
-/// of the finger
-/// beyond its first joint on.
+/// of the finger beyond its first joint on.
 double most_beside(const Hand& hand, const std::vector<double>& values, std::size_t ray, double radii) {
     double most = 0;
     for (std::size_t i = 0; i < values.size(); ++i) {

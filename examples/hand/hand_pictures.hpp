@@ -18,7 +18,7 @@ namespace cageform_examples {
 ///   hand_bend.png       a finger bent by 90 degrees in four ways, and its volume
 ///   hand_inflation.png  without inflation and with it
 ///   hand_builds.png     other hands of the same binding
-///   hand_influence.png  how the skin listens to two control points
+///   hand_influence.png  how the skin follows two control points
 ///   hand_locality.png   how far a bent finger moves the others, and how far in a cage by harmonic
 ///                       coordinates
 void draw_hand(const BoundHand& bound, const HandBuilder& builder, const std::filesystem::path& folder,

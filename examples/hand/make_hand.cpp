@@ -3,10 +3,9 @@
 //     make_hand out
 //
 // writes out/hand.obj, out/hand_cage.obj (a cage of it), out/hand_points.csv (what each control point is,
-// and what moves it), out/hand_poses.csv (22
-// angles a line, as pose_hand takes them) and out/hand.glb: it opens, closes to a fist, points and grasps a
-// ball, in
-// 4 s. A clip is morph targets a quarter of a second apart: a rational clone is not linear in the pose.
+// and what moves it), out/hand_poses.csv (22 angles a line, as pose_hand takes them) and out/hand.glb: it
+// opens, closes to a fist, points and grasps a ball, in 4 s. A clip is morph targets a quarter of a second
+// apart: a rational clone is not linear in the pose.
 
 #include "bound_hand.hpp"
 #include "cli/command_line.hpp"

@@ -15,7 +15,7 @@ namespace cageform_examples {
 
 using Face = std::array<std::uint32_t, 3>;
 
-/// What printf makes of it, 199 letters at most: for captions.
+/// Formats like printf, with at most 199 characters, for captions.
 template <class... Values>
 std::string words(const char* format, Values... values) {
     std::array<char, 200> line;

@@ -37,8 +37,9 @@ std::string parse_angles(std::string_view line, HandPose& pose) {
         }
         const auto& range = hand_angle_ranges[i];
         if (!(range.least <= pose[i] && pose[i] <= range.most)) {
-            return std::string(range.name) + " is " + detail::short_number(pose[i]) + ", and goes from " +
-                   detail::short_number(range.least) + " to " + detail::short_number(range.most);
+            return std::string(range.name) + " is " + detail::short_number(pose[i]) +
+                   ", but its range is from " + detail::short_number(range.least) + " to " +
+                   detail::short_number(range.most);
         }
         line.remove_prefix(std::min(field.size() + 1, line.size()));
     }
@@ -58,7 +59,7 @@ SvgResult<std::vector<HandPose>> load_poses(const std::string& path) {
     }
     if (poses.empty()) return SvgError{path + ": holds no pose"};
     if (poses.size() > 16)
-        return SvgError{path + ": holds more than the 16 poses that a picture has room for"};
+        return SvgError{path + ": holds more than 16 poses, the most that a picture can show"};
     return poses;
 }
 
@@ -68,29 +69,32 @@ int run_program(int argc, char** argv) {
     line.set_examples({"--pose point -o point.obj", "--pose poses.csv --picture poses.png"});
     std::string pose, picture, out;
     double kappa = hand_kappa;
-    line.add("--pose", pose,
-             "a file of poses, 22 numbers a line, or one of rest, fist, point, ball, rod, spread, pinch")
+    line.add(
+            "--pose", pose,
+            "a file of poses with 22 numbers per line, or one of rest, fist, point, ball, rod, spread, pinch")
         .required();
-    line.add("--picture", picture, "PNG file to write").ends_with({".png"});
-    line.add("-o,--output", out, "OBJ file to write, of one pose").ends_with({".obj"});
-    line.add("--kappa", kappa, "of the inflation 1 + kappa (1 - cos angle)").range(0, 100).show_default();
+    line.add("--picture", picture, "the PNG file to write").ends_with({".png"});
+    line.add("-o,--output", out, "the OBJ file to write, for one pose").ends_with({".obj"});
+    line.add("--kappa", kappa, "the strength of the inflation 1 + kappa (1 - cos angle)")
+        .range(0, 100)
+        .show_default();
     std::string angles = "The angles of a line, in this order, with their ranges:\n";
     for (const auto& range : hand_angle_ranges) {
         angles += std::string("  ") + range.name + "  " + detail::short_number(range.least) + " to " +
                   detail::short_number(range.most) + '\n';
     }
-    angles += "The dip angle of a finger may be left empty: it is then two thirds of its pip angle.\n";
+    angles += "The dip angle of a finger can be left empty; it is then two thirds of its pip angle.\n";
     line.set_footer(angles);
     if (const auto code = line.parse(argc, argv)) return *code;
 
-    if (picture.empty() && out.empty()) return fail("--picture or --output says what to write");
+    if (picture.empty() && out.empty()) return fail("give --picture or --output to choose what to write");
     const auto named = std::find_if(hand_poses().begin(), hand_poses().end(),
                                     [&](const NamedHandPose& known) { return pose == known.name; });
     auto poses = named != hand_poses().end() ? SvgResult<std::vector<HandPose>>(std::vector{named->angles})
                                              : load_poses(pose);
     if (!poses) return fail(poses.error().message);
     if (!out.empty() && poses->size() > 1)
-        return fail(pose + ": holds " + std::to_string(poses->size()) + " poses, an OBJ file takes one");
+        return fail(pose + ": holds " + std::to_string(poses->size()) + " poses, but an OBJ file has one");
     if (const auto why = fault_of_outputs({out, picture})) return fail(*why);
     const BoundHand bound;
     if (named != hand_poses().end()) poses->front() = bound.closed(*named);

@@ -43,7 +43,7 @@ int main() {
         std::printf("%g %g  (u v: %g %g)\n", buffer[i], buffer[i + 1], buffer[i + 2], buffer[i + 3]);
     }
 
-    // The same into the rows of a matrix.
+    // The result can also go into the rows of a matrix.
     Eigen::MatrixXd rows(2, 2);
     if (cageform::clone(binding, pose, cageform::points_in_rows<2>(rows)) != cageform::Status::ok) return 1;
     std::printf("%g %g\n%g %g\n", rows(0, 0), rows(0, 1), rows(1, 0), rows(1, 1));

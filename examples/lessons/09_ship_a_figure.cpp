@@ -1,5 +1,5 @@
-// 9. What a game ships: a figure with normals and tangents, bound and packed in the editor, used where it
-// lies in memory.
+// 9. Ship a figure with a game: points with normals and tangents, bound and packed in the editor, and
+// used in place from the bytes of the file.
 #include <cageform/binding/pack.hpp>
 #include <cageform/coordinates/mean_value.hpp>
 #include <cageform/runtime.hpp> // all that a game includes
@@ -8,8 +8,8 @@
 
 using cageform::Status, cageform::StridedPoints;
 
-/// In the editor, once. HarmonicCoordinates<float, 3> would solve once for all three; all else stays the
-/// same.
+/// Runs in the editor, once. HarmonicCoordinates<float, 3> would solve once for all three; all else
+/// stays the same.
 int ship(std::FILE* file) {
     std::vector<std::array<float, 3>> box, points, normals; // a ball in a box
     std::vector<std::array<float, 4>>
@@ -42,7 +42,8 @@ struct Vertex {
     float position[3], normal[3], tangent[4];
 };
 
-/// In the game. The file lies at a multiple of 64, as mapped files do. Wrong or broken ones are refused.
+/// Runs in the game. The file has to lie at a multiple of 64, as mapped files do. Wrong or broken files
+/// are refused.
 int play(std::FILE* file) {
     std::vector<cageform::Lanes<float>> memory(4096); // of 64 bytes each
     std::rewind(file);

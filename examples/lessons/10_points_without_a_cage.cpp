@@ -1,6 +1,7 @@
 // 10. Points without a cage: a few control points, anywhere on or about the figure, and no faces between
 // them.
-// Their weights are natural neighbour (Sibson) coordinates: a point hears the control points around it alone.
+// Their weights are natural neighbour (Sibson) coordinates: a point follows only the control points
+// around it.
 #include <cageform/cageform.hpp>
 
 #include <array>
@@ -25,7 +26,7 @@ int main() {
     std::printf("%zu points: %zu of the figure's lie outside their hull, the first is %zu\n", sites.size(),
                 alone.outside.size(), alone.outside.front());
 
-    // So a box of points about both stands still, and the deformation fades towards it.
+    // So a box of points around both does not move, and the deformation fades towards it.
     std::vector<Point> all = fish;
     all.insert(all.end(), middle.begin(), middle.end());
     const auto box = cageform::surround(all);

@@ -29,8 +29,7 @@ int main() {
     }
 
     // With a weight a control point draws the figure to it, though nothing has moved. Weights that are all
-    // equal are
-    // the clone, bit for bit.
+    // equal are the clone, bit for bit.
     const auto bound = cageform::bind(cageform::SibsonCoordinates<double, 2>(sites), line);
     const auto [rational, status] = rational_view(bound.value.view());
     if (status != cageform::Status::ok) return std::puts(to_string(status));

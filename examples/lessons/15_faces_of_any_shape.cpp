@@ -23,7 +23,7 @@ int main() {
                                               {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}};
     const cageform::PolyhedralMesh<double> cage(vertices, quads);
 
-    // In the middle under the lid its four corners count alike, unless a diagonal cuts it.
+    // In the middle under the lid, its four corners have equal weights, unless a diagonal cuts it.
     std::puts("weights of the lid's corners:");
     cageform::HarmonicOptions options;
     options.resolution = 32;
@@ -33,7 +33,8 @@ int main() {
           cageform::MeanValueCoordinates<double, 3, cageform::PolyhedralMesh<double>>(cage));
     print("mean value, triangles", cageform::MeanValueCoordinates<double, 3>(cage.triangles()));
 
-    // A face has to be planar. What is not is named; a third argument says how far off a corner may be.
+    // A face has to be planar. A report names the faces that are not; a third argument sets how far off
+    // a corner may be.
     auto bent = vertices;
     bent[6] = {1, 1, 1.01};
     for (const auto& fault : check(cageform::PolyhedralMesh<double>(bent, quads)).faults)

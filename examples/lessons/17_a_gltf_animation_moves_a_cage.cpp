@@ -11,7 +11,8 @@
 
 using cageform::GltfInterpolation, cageform::Status;
 
-/// In the editor. Each vertex of the cage is a node of the glTF file; the sampler of one of them is given.
+/// Runs in the editor. Each vertex of the cage is a node of the glTF file; the sampler of one of them is
+/// given.
 Status ship(cageform::PackedFigure<float, 3>& file) {
     std::vector<std::array<float, 3>> box, points;
     const int faces[12][3] = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
@@ -21,7 +22,7 @@ Status ship(cageform::PackedFigure<float, 3>& file) {
     const auto [figure, bound] =
         cageform::bind(cageform::MeanValueCoordinates(box, faces), cageform::FigurePoints{points});
     if (bound.status != Status::ok) return bound.status;
-    // As they lie in the file: times, and of each key an in-tangent, a value and an out-tangent.
+    // The file holds times, and for each key an in-tangent, a value and an out-tangent.
     const float times[] = {0, 1, 2};
     const float swing[] = {0, 0, 0, 1, 1, 1, 0, 2.5f, 0, // node 7 swings up and comes back
                            0, 0, 0, 1, 2, 1, 0, 0,    0, //
@@ -47,7 +48,8 @@ Status ship(cageform::PackedFigure<float, 3>& file) {
     return packed.status();
 }
 
-/// In the game: runtime.hpp alone, nothing copied; what a frame needs is allocated here, once.
+/// Runs in the game: it needs only runtime.hpp, copies nothing, and allocates the memory of a frame
+/// once, here.
 Status play(std::span<const std::byte> file) {
     const auto opened = cageform::open<float, 3>(file);
     if (!opened) return opened.status();

@@ -1,9 +1,8 @@
 // 18. The API on one page: everything that most programs call, in the order of the flow.
 //
-// What makes something returns Result: a value, and a report whose status says why there is none. What
-// writes into
-// the caller's memory returns a Status. Arguments come as inputs, then options, then running (threads and
-// progress).
+// Functions that make something return Result: a value, and a report whose status says why there is no
+// value. Functions that write into the caller's memory return a Status. Arguments come in this order:
+// inputs, options, then running (threads and progress).
 #include <cageform/animate/compile.hpp>
 #include <cageform/binding/any_coordinates.hpp>
 #include <cageform/binding/pack.hpp>

@@ -1,9 +1,8 @@
 // The library as the page calls it: WebAssembly without threads, exceptions or a file system.
 //
-// The page writes numbers into page_input() and calls a function, which answers with a count, a status or the
-// place of numbers in memory. Figures in the plane are bound in double, as the programs do; the mesh in
-// float.
-// Where a status is not 0, page_message() says what is wrong.
+// The page writes numbers into page_input() and calls a function, which returns a count, a status or the
+// address of numbers in memory. Figures in the plane are bound in double, as in the programs; the mesh is
+// bound in float. If a status is not 0, page_message() returns the fault.
 
 #include <cageform/animate/compile.hpp>
 #include <cageform/binding/bind.hpp>
@@ -32,7 +31,7 @@ using Point2 = cageform::Vec<double, 2>;
 using Point3 = cageform::Vec<float, 3>;
 
 std::vector<double> input;
-std::vector<double> output; // what functions answer with
+std::vector<double> output; // results of functions
 std::string message;
 
 int refuse(Status status) {
@@ -40,7 +39,7 @@ int refuse(Status status) {
     return status == Status::ok ? 0 : 1;
 }
 
-/// Reads page_input() from its begin on.
+/// Reads page_input() from its beginning.
 class Reader {
 public:
     double number() { return input[at_++]; }
@@ -50,7 +49,7 @@ public:
         for (std::size_t& n : all) n = count();
         return all;
     }
-    /// Points as they lie in the input.
+    /// Points in the layout of the input.
     template <std::size_t D>
     std::span<const cageform::Vec<double, D>> points(std::size_t size) {
         static_assert(sizeof(cageform::Vec<double, D>) == D * sizeof(double));
@@ -65,10 +64,10 @@ private:
 
 // ---- figures in the plane ----
 
-/// Two batches of points by one solve: those of the figure, and nodes that weights are shown at.
+/// Two batches of points from one solve: the figure's, and the nodes where weights are shown.
 constexpr std::size_t batches = 2;
 
-/// A cage and what is bound to it.
+/// A cage and the points bound to it.
 class Plane {
 public:
     virtual ~Plane() = default;
@@ -109,7 +108,7 @@ public:
     }
     cageform::BindReport bind(std::size_t batch, std::span<const Point2> points) override {
         cageform::BindOptions options;
-        if (!C::has_extension) // as the programs do, unless told
+        if (!C::has_extension) // the default of the programs
             options.outside = is_sites && batch == 0 ? cageform::OutsidePoints::keep_in_place
                                                      : cageform::OutsidePoints::nearest_boundary;
         auto [binding, report] = cageform::bind(coordinates_, points, options);
@@ -151,7 +150,7 @@ struct Space {
 };
 Space space;
 
-/// Normals of the vertices: of the faces about them, by area.
+/// Returns the vertices' normals: means of the adjacent faces', weighted by area.
 void find_normals() {
     space.normals.assign(space.places.size(), Point3{});
     for (const auto& [a, b, c] : space.faces) {
@@ -179,9 +178,9 @@ std::vector<std::array<std::uint32_t, 3>> read_faces(Reader& reader, std::size_t
 
 #if defined(__wasm__)
 #define PAGE_EXPORT(name) extern "C" __attribute__((export_name(#name)))
-/// Told the fraction that is done of what takes long.
+/// Receives the fraction done of a long computation.
 extern "C" __attribute__((import_module("page"), import_name("progress"))) void page_progress(double done);
-#else // read natively, by a test
+#else // used natively, by a test
 #define PAGE_EXPORT(name) extern "C"
 extern "C" inline void page_progress(double) {}
 #endif
@@ -199,7 +198,7 @@ cageform::Running with_progress() {
 
 } // namespace
 
-/// Room for `numbers` doubles that the next call reads.
+/// Returns memory for `numbers` doubles, which the next call reads.
 PAGE_EXPORT(page_input) double* page_input(std::size_t numbers) {
     input.resize(numbers);
     return input.data();
@@ -211,7 +210,7 @@ PAGE_EXPORT(page_message) const char* page_message() {
     return message.c_str();
 }
 
-/// Coordinates of a type on a cage. In: sizes of the loops, vertices.
+/// Makes coordinates of a type on a cage. In: sizes of the loops, vertices.
 PAGE_EXPORT(page_cage) int page_cage(int type, std::size_t loops, std::size_t vertices) {
     Reader reader;
     const auto sizes = reader.counts(loops);
@@ -231,7 +230,7 @@ PAGE_EXPORT(page_bind) int page_bind(std::size_t type, std::size_t batch, std::s
     return refuse(report.status);
 }
 
-/// Moves bound points. In: a pose of the vertices. Answers the points' place in memory, or 0.
+/// Moves bound points. In: a pose of the vertices. Returns the address of the points, or 0.
 PAGE_EXPORT(page_clone) const Point2* page_clone(std::size_t type, std::size_t batch, std::size_t vertices) {
     Reader reader;
     const Status status = planes[type]->clone(batch, reader.points<2>(vertices));
@@ -246,9 +245,8 @@ PAGE_EXPORT(page_weights) std::size_t page_weights(std::size_t type, std::size_t
     return output.size();
 }
 
-/// A cage for what is drawn. In: segments, each two ends and a radius. Out: loops, clearance, seconds,
-/// sizes of the
-/// loops, vertices.
+/// Makes a cage for the drawing. In: segments, each two ends and a radius. Out: loops, clearance, seconds,
+/// sizes of the loops, vertices.
 PAGE_EXPORT(page_make_cage)
 int page_make_cage(std::size_t segments, std::size_t vertices) {
     std::vector<cageform::DrawnSegment<double>> drawn;
@@ -264,9 +262,8 @@ int page_make_cage(std::size_t segments, std::size_t vertices) {
     return refuse(report.status);
 }
 
-/// The cubic pieces of a track of Bézier keys. In: keys, each time, value, kind, in-handle, out-handle.
-/// Out: pieces, each
-/// its begin and four coefficients. Answers how many there are; the largest error stands before them.
+/// Compiles a track of Bézier keys to cubic pieces. In: keys, each time, value, kind, in-handle, out-handle.
+/// Out: the largest error, then the pieces, each with its begin and four coefficients. Returns their number.
 PAGE_EXPORT(page_fit) int page_fit(std::size_t keys, double tolerance) {
     std::vector<cageform::Key> track(keys);
     Reader reader;
@@ -287,7 +284,8 @@ PAGE_EXPORT(page_fit) int page_fit(std::size_t keys, double tolerance) {
     return int(compiled.curve.pieces().size());
 }
 
-/// A cage for a mesh. In: points, faces. Out: vertices, faces, clearance; then them.
+/// Makes a cage for a mesh. In: points, faces. Out: the numbers of vertices and faces, the clearance; then
+/// both.
 PAGE_EXPORT(page_make_shell)
 int page_make_shell(std::size_t points, std::size_t faces, std::size_t vertices) {
     Reader reader;
@@ -316,8 +314,8 @@ int page_mesh(std::size_t vertices, std::size_t cage_faces, std::size_t points, 
     return refuse(report.status);
 }
 
-/// Moves the mesh. In: a pose of the cage. Answers the place of the points, in float; page_mesh_normals()
-/// of normals.
+/// Moves the mesh. In: a pose of the cage. Returns the address of the points, in float; page_mesh_normals()
+/// returns that of the normals.
 PAGE_EXPORT(page_mesh_clone) const Point3* page_mesh_clone(std::size_t vertices) {
     Reader reader;
     space.pose.resize(vertices);
@@ -338,9 +336,8 @@ PAGE_EXPORT(page_mesh_field) std::size_t page_mesh_field(std::size_t vertex) {
     return output.size();
 }
 
-/// Makes a skin of the mesh for the graphics card. Answers 0, then joints and weights lie at
-/// page_mesh_joints() and
-/// page_mesh_weights(), `influences` a point.
+/// Makes a skin of the mesh for the graphics card. Returns 0 on success; then page_mesh_joints() and
+/// page_mesh_weights() return joints and weights, `influences` per point.
 PAGE_EXPORT(page_mesh_skin) int page_mesh_skin(std::size_t influences) {
     auto [skin, report] = cageform::skin_weights(space.binding, {.influences = influences});
     space.skin = std::move(skin);
@@ -354,7 +351,7 @@ PAGE_EXPORT(page_mesh_weights) const float* page_mesh_weights() {
     return space.skin.weights.data();
 }
 
-/// The library's text for the vertex shader of a skin.
+/// Returns the library's text for the vertex shader of a skin.
 PAGE_EXPORT(page_glsl) const char* page_glsl() {
     static const std::string text = std::string(cageform::glsl::displacements) + cageform::glsl::skin;
     return text.c_str();

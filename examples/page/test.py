@@ -315,7 +315,7 @@ def test_drop(page, folder):
     check(difference < 0.002, 'at rest it looks as it was: %.5f of the colours differ' % difference)
     page.drop([DATA + 'cat_walk.csv'])
     page.wait("document.getElementById('status').classList.contains('fault')")
-    check(page.run('page.figure.name') == 'hard', 'what is no SVG is refused: ' + page.run("document.getElementById('status').textContent"))
+    check(page.run('page.figure.name') == 'hard', 'a file that is not SVG is refused: ' + page.run("document.getElementById('status').textContent"))
 
 
 # The frame's address is a script; a page of its own asks for it as soon as the frame is part of it.

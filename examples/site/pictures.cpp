@@ -34,7 +34,7 @@ public:
             310 * panel_ + 15, title);
     }
 
-    /// What `value` is at the middles of small squares, -1 blue and 1 orange; NaN stays white.
+    /// Draws `value` at the middles of small squares, -1 in blue and 1 in orange; NaN stays white.
     template <class Value>
     void field(const Value& value) {
         constexpr int count = 100;

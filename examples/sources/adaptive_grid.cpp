@@ -1,6 +1,5 @@
 // The cells of the adaptive grid that harmonic functions of a cage are solved on, coloured by their size:
-// in the plane all
-// of them, over the cage and a figure; in space those that a plane cuts.
+// in the plane all of them, over the cage and a figure; in space those that a plane cuts.
 //
 //     adaptive_grid --cage cat_cage.svg --figure cat.svg --accuracy 0.001 -o grid.svg --png
 //     adaptive_grid --cage character_cage.obj --figure character.obj --slice y=0 -o grid.svg --png
@@ -31,7 +30,7 @@ struct Square {
 };
 using Segments = std::vector<std::array<Point2, 2>>;
 
-/// What is drawn, in the plane of the picture.
+/// The drawing, in the plane of the picture.
 struct Section {
     std::vector<Square> cells;
     Segments cage, figure;
@@ -59,7 +58,8 @@ std::optional<Slice> parse_slice(const std::string& text) {
     return slice;
 }
 std::string slice_fault(const std::string& text) {
-    return parse_slice(text) ? "" : detail::quoted(text) + " is no plane: x=NUMBER, y=NUMBER or z=NUMBER";
+    return parse_slice(text) ? ""
+                             : detail::quoted(text) + " is not a plane: write x=NUMBER, y=NUMBER or z=NUMBER";
 }
 
 /// Where a plane cuts a mesh.
@@ -97,7 +97,7 @@ std::vector<cageform::GridCell<double, D>> cells_of(const ChosenCoordinates<doub
     report.solver = evaluation.solver;
     report.cage = coordinates.cage_report();
     if (report.status != cageform::Status::ok) return cells;
-    std::cout << cells.size() << " cells inside the cage or passed by it\n";
+    std::cout << cells.size() << " cells inside the cage or on its boundary\n";
     if (report.solver.tree.finest_size > 0) std::cout << describe_grid(report.solver) << '\n';
     for (const auto& [size, count] : counts)
         std::cout << text_of("%12.4g", size) << " wide: " << count.all << ", passed " << count.cut << '\n';
@@ -170,7 +170,7 @@ SvgResult<Section> in_space(const Arguments& given) {
         const double above = slice->at - cell.low[slice->axis];
         if (above >= 0 && above < cell.size) section.cells.push_back({slice->flat(cell.low), cell.size});
     }
-    if (section.cells.empty()) return SvgError{"--slice: the plane passes the cage by"};
+    if (section.cells.empty()) return SvgError{"--slice: the plane does not meet the cage"};
     return section;
 }
 
@@ -239,8 +239,8 @@ std::string draw(const Section& section, const PlaneBox& box) {
 
 int run_program(int argc, char** argv) {
     CommandLine line(
-        "Draws the cells of the adaptive grid that harmonic functions of a cage are solved on, the finer "
-        "the darker, in the plane or cut by a plane in space, and prints how many there are of each size.");
+        "Draws the cells of the adaptive grid on which a cage's harmonic functions are solved, in the plane, "
+        "or cut by a plane in space; finer cells are darker. Prints the number of cells of each size.");
     line.set_examples({"--cage cat_cage.svg --figure cat.svg --accuracy 0.001 -o grid.svg --png",
                        "--cage character_cage.obj --figure character.obj --slice y=0 -o grid.svg"});
     Arguments given;
@@ -248,16 +248,18 @@ int run_program(int argc, char** argv) {
     line.add("--figure", given.figure, "an SVG or OBJ file, whose outlines are drawn over the cells");
     line.add("-o,--output", given.out, "the SVG file to write").required().ends_with({".svg"});
     line.add_flag("--png", given.png, "also render it, to the same name with .png");
-    line.add("--png-width", given.png_width, "in pixels").range(1, 16384).show_default();
-    line.add("--accuracy", given.choice.harmonic.accuracy, "the largest error wanted of a weight")
+    line.add("--png-width", given.png_width, "the width of the PNG file, in pixels")
+        .range(1, 16384)
+        .show_default();
+    line.add("--accuracy", given.choice.harmonic.accuracy, "the target for the largest error of a weight")
         .range(1e-5, 0.1)
         .show_default();
     line.add("--slice", given.slice,
-             "in space: the plane that cuts cage and cells, such as z=0.5; else through the middle of the "
-             "cage's shortest side")
+             "in space: the plane that cuts cage and cells, such as z=0.5; by default through the middle of "
+             "the cage's shortest side")
         .check(slice_fault);
     line.add("--zoom", given.zoom,
-             "x,y,width,height: only this part of the picture's plane, in the cage's units")
+             "x,y,width,height: draw only this part of the picture's plane, in the cage's units")
         .check(box_fault);
     line.set_footer(std::string(cage_formats) + "\n" + obj_format);
     given.choice.name = "harmonic";

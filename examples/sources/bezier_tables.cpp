@@ -322,7 +322,7 @@ const std::array<FitCondition, 27> configurations = [] {
                       c0 | end_d1 | knot_d1 | knot_c2,
                       c0 | end_d1 | knot_c1 | end_d2 | knot_c2};
 }();
-/// By its number.
+/// Returns the options of a configuration by its number.
 FitOptions configuration(std::size_t number, std::size_t degree = 3) {
     FitOptions options;
     options.conditions = configurations[number - 1];
@@ -409,7 +409,7 @@ double error_at(const BezierCurve& curve, const std::vector<double>& parameters,
     if (!fit) throw std::runtime_error(cageform::to_string(fit.status()));
     return fit.report.w12_error();
 }
-/// At the best knots among candidates.
+/// Fits at the best knots among candidates.
 double searched_error(const BezierCurve& curve, const std::vector<double>& candidates, std::size_t pieces,
                       const FitOptions& options) {
     const auto search = search_knots(curve, candidates, pieces, {options});

@@ -1,6 +1,6 @@
-// What one harmonic function of a cage is on the boundary, edge by edge, as formulas: 1 at its vertex,
-// linear along the
-// edges that meet there, 0 on all others. Inside it is the solution of Laplace's equation with these values.
+// Prints a cage's harmonic function on the boundary, edge by edge, as formulas. It is 1 at its vertex,
+// linear along the edges that meet there, and 0 on all others. Inside it solves Laplace's equation with
+// these values.
 //
 //     boundary_formula --cage square.csv --vertex 0 --at 1,0
 
@@ -93,8 +93,8 @@ int run_program(int argc, char** argv) {
     std::string cage_path, place;
     std::size_t vertex = 0;
     line.add("--cage", cage_path, "an SVG or CSV file").required();
-    line.add("--vertex", vertex, "whose function, from 0").required();
-    line.add("--at", place, "x,y: also its value at this place of the boundary");
+    line.add("--vertex", vertex, "the vertex whose function is printed, counted from 0").required();
+    line.add("--at", place, "x,y: also print its value at this point of the boundary");
     line.set_footer(cage_formats);
     if (const auto code = line.parse(argc, argv)) return *code;
 

@@ -1,9 +1,7 @@
-// How harmonic coordinates converge, drawn. Of cages in the plane: the error after each cycle of the
-// multigrid, and the
-// error of the weights against the cells of the uniform grid, with corners treated and not, and by the
-// papers' sweeps. Of
-// oracles, weights known to many digits: the error against unknowns and seconds, on the uniform grid and
-// the adaptive one.
+// Draws how harmonic coordinates converge. For cages in the plane it shows the error after each cycle of
+// the multigrid, and the error of the weights against the cells of the uniform grid, with and without
+// treatment of corners, and with the papers' sweeps. For oracles (weights known to many digits) it shows
+// the error against unknowns and seconds, on the uniform grid and on the adaptive one.
 //
 //     convergence --cage cat_cage.svg --cage biped_cage.svg -o convergence.svg --png
 //     convergence --oracle harmonic2d_cat.json --oracle harmonic3d_l_prism_triangulated.json -o errors.svg
@@ -192,10 +190,11 @@ struct Oracle {
 
 /// For --help.
 constexpr const char* oracle_format =
-    "An oracle is a JSON file: \"cage\" with \"vertices\" and, in the plane, \"loops\" of\n"
-    "their numbers, in space \"faces\"; \"points\", and \"coordinates\": of each point the\n"
-    "weights of all vertices. Or a text file (.txt) beside its cage.obj, each line\n"
-    "x,y,z;vertex:weight;vertex:weight;... with the weights that are not 0.\n";
+    "An oracle is a JSON file with \"cage\", \"points\" and \"coordinates\", which has the\n"
+    "weights of all vertices for each point. A cage has \"vertices\" and, in the plane,\n"
+    "\"loops\" of their numbers, in space \"faces\". An oracle can also be a text file\n"
+    "(.txt) beside its cage.obj with lines x,y,z;vertex:weight;vertex:weight;... for\n"
+    "the weights that are not 0.\n";
 
 /// Throws what nlohmann's functions throw.
 template <std::size_t D>
@@ -236,7 +235,7 @@ Oracle<D> oracle_of(const std::string& name, const nlohmann::json& json) {
     return oracle;
 }
 
-/// Of a text file.
+/// Reads an oracle from a text file.
 SvgResult<Oracle<3>> read_oracle(const std::filesystem::path& path, std::string text) {
     auto cage = load_obj(path.parent_path() / "cage.obj");
     if (!cage) return cage.error();
@@ -254,7 +253,7 @@ SvgResult<Oracle<3>> read_oracle(const std::filesystem::path& path, std::string 
         while (words >> vertex >> weight && vertex < row.size()) row[vertex] = weight;
         if (!words.eof())
             return SvgError{path.string() + ":" + std::to_string(oracle.points.size()) +
-                            ": no line of an oracle"};
+                            ": not a line of an oracle"};
     }
     return oracle;
 }
@@ -332,7 +331,7 @@ void add_oracle(const Oracle<D>& oracle, const char* colour, Diagrams& diagrams)
     }
 }
 
-/// Of a file; returns what is wrong with it.
+/// Adds the oracle of a file; returns the fault, or nothing.
 std::string add_oracle(const std::string& path, const char* colour, Diagrams& diagrams) {
     const auto text = read_file(path);
     if (!text) return to_string(text.error());
@@ -431,8 +430,8 @@ std::string draw(const Diagrams& diagrams, std::size_t resolution) {
 
 int run_program(int argc, char** argv) {
     CommandLine line(
-        "Draws how harmonic coordinates converge: of cages in the plane against cycles and cells, of oracles "
-        "against unknowns and seconds, on the uniform grid and the adaptive one.");
+        "Draws how harmonic coordinates converge: for cages in the plane against cycles and cells, for "
+        "oracles (known weights) against unknowns and seconds, on the uniform grid and the adaptive one.");
     line.set_examples({"--cage cat_cage.svg --cage biped_cage.svg -o convergence.svg --png",
                        "--oracle harmonic2d_cat.json -o errors.svg"});
     std::vector<std::string> cage_paths, oracle_paths;
@@ -440,9 +439,9 @@ int run_program(int argc, char** argv) {
     bool png = false;
     std::size_t resolution = 512;
     line.add("--cage", cage_paths, "SVG or CSV files, six at most").count(1, 6);
-    line.add("--oracle", oracle_paths, "files, six at most, of weights that are known").count(1, 6);
+    line.add("--oracle", oracle_paths, "files of known weights, six at most").count(1, 6);
     line.add("-o,--output", out_path, "the SVG file to write").required().ends_with({".svg"});
-    line.add("--resolution", resolution, "cells of the grid the cycles are shown on")
+    line.add("--resolution", resolution, "the number of cells of the grid whose cycles are shown")
         .range(16, 4096)
         .show_default();
     line.add_flag("--png", png, "also render it, to the same name with .png");

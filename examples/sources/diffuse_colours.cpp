@@ -3,9 +3,8 @@
 //     diffuse_colours cat_colours.svg -o cat_colours.png
 //
 // The attributes data-left and data-right give a stroke's colours on its two sides as it runs, else its own
-// is that of
-// both. Colours are diffused as light, in linear values, each times its alpha; --srgb takes the values as
-// displayed.
+// is that of both. Colours are diffused as light, in linear values, each times its alpha; --srgb takes the
+// values as displayed.
 
 #include "cli/command_line.hpp"
 #include "cli/guard.hpp"
@@ -27,7 +26,7 @@ struct Light {
 
     SvgResult<std::vector<double>> read(const std::string& word) const {
         const auto colour = parse_colour(word);
-        if (!colour) return SvgError{"\"" + word + "\" is no colour"};
+        if (!colour) return SvgError{"\"" + word + "\" is not a colour"};
         const double alpha = double(colour->alpha);
         std::vector<double> values;
         for (const float channel : {colour->colour.r, colour->colour.g, colour->colour.b})
@@ -35,7 +34,7 @@ struct Light {
         values.push_back(alpha);
         return values;
     }
-    /// Of the mean of `samples` places.
+    /// Returns the bytes of the mean of `samples` samples.
     std::array<char, channels> bytes(const double* values, std::size_t samples) const {
         std::array<double, channels> mean{};
         for (std::size_t i = 0; i < samples * channels; ++i)
@@ -52,8 +51,7 @@ struct Light {
 };
 
 /// The left and the right values of a line, on the screen, where y points down. In the drawing's units, y
-/// upwards as the
-/// library has it, these are the other way round.
+/// upwards as the library has it, these are the other way round.
 SvgResult<cageform::Stroke<double>> stroke_of(const DrawnLine& line, const Light& light) {
     cageform::Stroke<double> stroke{line.points, {}, {}, 0};
     const auto read = [&](const std::string& word) { return light.read(word); };
@@ -79,13 +77,12 @@ int run_program(int argc, char** argv) {
     line.add("drawing", drawing, "an SVG file").required();
     line.add("-o,--output", out_path, "the PNG file to write").required().ends_with({".png"});
     line.add("--size", size, "pixels along the longer side").range(16, 8192).show_default();
-    line.add_flag("--srgb", light.as_displayed, "diffuse the values that a display is sent, not light");
-    line.set_footer(
-        "Each stroke has the colours data-left and data-right on its sides as it runs; of one alone, or of "
-        "the\n"
-        "stroke's own colour, both sides are. An attribute is one colour, or two for the ends of the stroke, "
-        "or\n"
-        "one for each of its vertices, and linear between: #rgb, #rrggbb, #rrggbbaa, rgb(…), a name.\n");
+    line.add_flag("--srgb", light.as_displayed, "diffuse sRGB values, not linear light");
+    line.set_footer("Each stroke has the colours data-left and data-right on its sides, seen along its\n"
+                    "direction. If only one is given, or neither and the stroke has a colour of its own,\n"
+                    "it is the colour of both sides. An attribute is one colour, or two for the ends of\n"
+                    "the stroke, or one for each of its vertices, interpolated linearly. A colour is\n"
+                    "#rgb, #rrggbb, #rrggbbaa, rgb(…) or a name.\n");
     if (const auto code = line.parse(argc, argv)) return *code;
 
     const auto file = load_strokes(drawing, {"data-left", "data-right"});

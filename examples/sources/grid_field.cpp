@@ -4,8 +4,7 @@
 //     grid_field hills.csv -o field.png --surface surface.png
 //
 // The grid is a CSV file of a row a line: numbers, or fractions as puzzle writes them; a cell that is
-// empty, ".", or "nan"
-// lies outside.
+// empty, ".", or "nan" lies outside.
 
 #include "cli/guard.hpp"
 #include "files/csv.hpp"
@@ -95,7 +94,7 @@ FieldSurface surface_of(const Grid& grid, const PlaneBox& part) {
 }
 
 int run_program(int argc, char** argv) {
-    CommandLine line("Draws a field on a grid: a CSV file of a row of cells a line.");
+    CommandLine line("Draws a field on a grid, which a CSV file holds with a row of cells per line.");
     line.set_examples({"hills.csv -o field.png", "hills.csv -o field.png --surface surface.png"});
     std::string path, out, zoom;
     FieldStyle style;
@@ -105,7 +104,7 @@ int run_program(int argc, char** argv) {
         .required();
     line.add("-o,--output", out, "the PNG file to write").required().ends_with({".png"});
     style.add_options(line);
-    line.add("--zoom", zoom, "x,y,width,height: only this part of the grid, in cells").check(box_fault);
+    line.add("--zoom", zoom, "x,y,width,height: draw only this part of the grid, in cells").check(box_fault);
     view.add_options(line);
     if (const auto code = line.parse(argc, argv)) return *code;
 

@@ -3,8 +3,7 @@
 //     height_map hills.svg -o hills.png --lines hills_lines.svg --3d hills_3d.png --levels 0.1
 //
 // Each stroke of the SVG is a line of known height: its attribute data-height, else how light its colour
-// is. Between the
-// lines the field is harmonic, so it has no summit of its own: each is drawn.
+// is. Between the lines the field is harmonic, so it has no summit of its own: each is drawn.
 
 #include "cli/command_line.hpp"
 #include "cli/guard.hpp"
@@ -35,14 +34,15 @@ SvgResult<std::vector<double>> read_height(const std::string& word) {
     double value = 0;
     const auto [end, fault] = std::from_chars(word.data(), word.data() + word.size(), value);
     if (fault != std::errc() || end != word.data() + word.size() || !(value >= 0 && value <= 1))
-        return SvgError{"\"" + word + "\" is no height from 0 to 1"};
+        return SvgError{"\"" + word + "\" is not a height from 0 to 1"};
     return std::vector<double>{value};
 }
 SvgResult<std::vector<double>> heights_of(const DrawnLine& line) {
     const std::string text = line.attribute("data-height");
     if (!text.empty()) return values_along(line, text, 1, read_height);
     const auto colour = parse_colour(line.stroke);
-    if (!colour) return SvgError{"has no data-height, and its stroke \"" + line.stroke + "\" is no colour"};
+    if (!colour)
+        return SvgError{"has no data-height, and its stroke \"" + line.stroke + "\" is not a colour"};
     const auto& [r, g, b] = colour->colour;
     return std::vector<double>(line.points.size(),
                                0.2126 * double(r) + 0.7152 * double(g) + 0.0722 * double(b));
@@ -174,8 +174,7 @@ int run_program(int argc, char** argv) {
     line.set_examples({"hills.svg -o hills.png --lines hills_lines.svg",
                        "hills.svg -o hills.png --3d hills_3d.png --levels 0.1"});
     HeightOptions options;
-    line.add("drawing", options.strokes, "an SVG file; what has a stroke is a line of known height")
-        .required();
+    line.add("drawing", options.strokes, "an SVG file; every stroke is a line of known height").required();
     line.add("-o,--output", options.outputs,
              "the height map: .png or .pgm with 16 bits a pixel, .csv with all digits; several may be given")
         .required()
@@ -190,11 +189,9 @@ int run_program(int argc, char** argv) {
     line.add("--rim", options.rim, "the rim of the picture: nothing flows through it, or a frame of height 0")
         .one_of({"mirrored", "frame"})
         .show_default();
-    line.set_footer("The height of a stroke is its attribute data-height, from 0 to 1: one number, or two "
-                    "for its ends, or\n"
-                    "one for each of its vertices, and linear between. Without it, it is how light the "
-                    "colour of the stroke\n"
-                    "is: black 0, white 1.\n");
+    line.set_footer("The height of a stroke is its attribute data-height, from 0 to 1: one number, or two\n"
+                    "for its ends, or one for each of its vertices, interpolated linearly. Without it, the\n"
+                    "height is the lightness of the stroke's colour: black is 0, white is 1.\n");
     if (const auto code = line.parse(argc, argv)) return *code;
 
     const auto file = load_strokes(options.strokes, {"data-height"});

@@ -1,7 +1,6 @@
 // Two ways from a point to the boundary, and the coordinates that are means over them: straight rays give
-// mean value
-// coordinates, Brownian paths harmonic ones. A ray jumps over what is not inside; a Brownian path stays
-// inside.
+// mean value coordinates, Brownian paths harmonic ones. A ray jumps over what is not inside; a Brownian
+// path stays inside.
 //
 //     paths --cage biped_cage.svg --point 150,600 -o paths.svg --png
 
@@ -43,7 +42,7 @@ SvgResult<std::vector<double>> weights_of(const std::string& type, const CageFil
     return weights;
 }
 
-/// What one picture shows: the cage, what goes out from the point, and the point.
+/// One picture: the cage, the paths from the point, and the point.
 class Panel {
 public:
     Panel(const cageform::Bounds<double, 2>& bounds, double left, const std::string& title)
@@ -135,13 +134,13 @@ int run_program(int argc, char** argv) {
     line.add("--cage", given.cage, "an SVG or CSV file").required();
     line.add("--point", given.point, "x,y: where paths begin, inside the cage").required();
     line.add("-o,--output", given.out, "the SVG file to write").required().ends_with({".svg"});
-    line.add_flag("--png", given.png, "also a PNG file of the same name");
-    line.add("--rays", given.rays, "how many rays the mean is taken over")
-        .range(1, 100'000'000)
+    line.add_flag("--png", given.png, "also write a PNG file of the same name");
+    line.add("--rays", given.rays, "the number of rays in the mean").range(1, 100'000'000).show_default();
+    line.add("--paths", given.paths, "the number of Brownian paths").range(2, 100'000'000).show_default();
+    line.add("--drawn", given.drawn, "the number of rays and of paths to draw")
+        .range(1, 10'000)
         .show_default();
-    line.add("--paths", given.paths, "how many Brownian paths").range(2, 100'000'000).show_default();
-    line.add("--drawn", given.drawn, "how many of each are drawn").range(1, 10'000).show_default();
-    line.add("--seed", given.seed, "of the random numbers").show_default();
+    line.add("--seed", given.seed, "the seed of the random numbers").show_default();
     line.set_footer(cage_formats);
     if (const auto code = line.parse(argc, argv)) return *code;
 
@@ -152,7 +151,7 @@ int run_program(int argc, char** argv) {
     if (!std::isfinite(p.x) || !std::isfinite(p.y)) return fail("--point: a coordinate is not finite");
     const auto cage = load_cage(given.cage);
     if (!cage) return fail(to_string(cage.error()));
-    if (cage->has_cells()) return fail(given.cage + ": paths are of cages without chains and points inside");
+    if (cage->has_cells()) return fail(given.cage + ": paths need a cage without chains and points inside");
     const auto mean_value = weights_of("mean-value", *cage, p), harmonic = weights_of("harmonic", *cage, p);
     if (!mean_value) return fail(to_string(mean_value.error()));
     if (!harmonic) return fail(to_string(harmonic.error()));

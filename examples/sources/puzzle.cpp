@@ -3,10 +3,9 @@
 //     puzzle grid.csv --exact -o solved.svg
 //
 // The answer exists and is the only one if every unknown cell is joined to a given one. With --exact it is
-// found in
-// fractions (by GMP), by elimination that never meets a zero: that is the proof for the table at hand.
-// Random walks
-// from a cell, which end at the first given one, have its value as the mean of what they find.
+// found in fractions (by GMP), by elimination that never meets a zero: that is the proof for the table at
+// hand. Random walks from a cell, which end at the first given one, have its value as the mean of what they
+// find.
 
 #include "cli/command_line.hpp"
 #include "cli/guard.hpp"
@@ -31,7 +30,7 @@ SvgResult<Puzzle> read_puzzle(const std::string& path, int neighbours) {
         const bool unknown = cell.empty() || cell == ".";
         puzzle.given.push_back(unknown ? 0 : 1);
         if (parse_fraction(unknown ? "0" : cell, puzzle.values.emplace_back())) return {};
-        return "\"" + std::string(cell.substr(0, 40)) + "\" is no whole number and no fraction a/b";
+        return "\"" + std::string(cell.substr(0, 40)) + "\" is not a whole number or a fraction a/b";
     });
     if (!size) return size.error();
     puzzle.rows = size->rows;
@@ -39,7 +38,7 @@ SvgResult<Puzzle> read_puzzle(const std::string& path, int neighbours) {
     return puzzle;
 }
 
-/// By the library, in doubles.
+/// Solves by the library, in doubles.
 std::string solve(const Puzzle& puzzle, std::vector<double>& solution) {
     const cageform::CellBox<2> cells{{puzzle.columns, puzzle.rows}};
     const auto links = cageform::grid_links(cells, puzzle.neighbours == 8 ? cageform::Stencil::all
@@ -73,8 +72,7 @@ std::array<double, 2> walk(const Puzzle& puzzle, std::size_t from, std::size_t c
 }
 
 /// A table whose rim is given so that all within are whole numbers: a + bx + cy + dxy + e (x² − y²), which
-/// both kinds of
-/// neighbours reproduce.
+/// both kinds of neighbours reproduce.
 Puzzle make_puzzle(std::size_t rows, std::size_t columns, std::uint64_t seed) {
     std::mt19937_64 random(seed);
     std::array<int, 5> part{};
@@ -102,7 +100,7 @@ std::string short_decimal(double value) {
     return text_of("%.6g", value);
 }
 
-/// As figures 23 to 25 of the course text: given cells in grey, the others with their answers.
+/// Draws as in figures 23 to 25 of the course text: given cells in grey, the others with their answers.
 std::string picture(const Puzzle& puzzle, const std::vector<std::string>& words) {
     constexpr double side = 80;
     const auto number = [](double x) { return format_number(x, 2); };
@@ -132,19 +130,21 @@ int run_program(int argc, char** argv) {
     std::vector<std::string> size, from;
     std::size_t walks = 0, seed = 1;
     line.add("table", path, "a CSV file: whole numbers, fractions a/b, and . or nothing for unknown cells");
-    line.add("--neighbours", neighbours, "4 beside a cell, or 8 with those across its corners")
+    line.add("--neighbours", neighbours, "the number of neighbours of a cell: 4, or 8 with the diagonal ones")
         .range(4, 8)
         .show_default();
-    line.add_flag("--exact", exact, "in fractions");
+    line.add_flag("--exact", exact, "solve in exact fractions");
     line.add("--csv", csv, "a CSV file to write the solved (with --make the unsolved) table to")
         .ends_with({".csv"});
     line.add("-o,--output", svg, "an SVG file to draw it to").ends_with({".svg"});
-    line.add("--walks", walks, "random walks from a cell, whose mean is printed beside its value")
+    line.add("--walks", walks,
+             "the number of random walks from a cell; their mean is printed beside its value")
         .range(1, 1'000'000'000);
-    line.add("--from", from, "its line and column, from 1").count(2, 2);
-    line.add("--make", size, "make a puzzle of so many lines and columns, whose answers are whole numbers")
+    line.add("--from", from, "the line and column of the cell, counted from 1").count(2, 2);
+    line.add("--make", size,
+             "make a puzzle with this many lines and columns, whose answers are whole numbers")
         .count(2, 2);
-    line.add("--seed", seed, "of walks and of --make").show_default();
+    line.add("--seed", seed, "the seed of --walks and --make").show_default();
     if (const auto code = line.parse(argc, argv)) return *code;
     if (neighbours != 4 && neighbours != 8) return fail("--neighbours is 4 or 8");
     const auto count_of = [](const std::string& word, std::size_t least, std::size_t most) {

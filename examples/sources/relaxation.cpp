@@ -1,6 +1,5 @@
 // Relaxation on a line, drawn: every cell without a given value becomes the mean of its neighbours, sweep
-// after sweep,
-// once from zero and once from a good first guess.
+// after sweep, once from zero and once from a good first guess.
 //
 //     relaxation line.csv -o relaxation.svg --png --play relaxation_plays.svg
 
@@ -54,7 +53,7 @@ SvgResult<Line> load_line(const std::string& path) {
     return line;
 }
 
-/// What the sweeps are on their way to: linear between given cells, constant beyond the last.
+/// Returns the limit of the sweeps: linear between given cells, constant beyond the last one.
 std::vector<double> solution_of(const Line& line) {
     std::vector<std::size_t> places;
     for (std::size_t c = 0; c < line.given.size(); ++c) {
@@ -152,7 +151,7 @@ public:
         if (y_.from == y_.to) y_.to = y_.from + 1;
     }
 
-    /// What all frames have: the axis, and the solution as a dashed line.
+    /// Draws the common part of all frames: the axis, and the solution as a dashed line.
     std::string ground() const {
         std::string svg;
         for (const auto& [value, number] : marks_of(y_, 4)) {
@@ -276,7 +275,7 @@ int run_program(int argc, char** argv) {
     words.add("line", path, "a CSV file of one row, or one column; cells . are unknown").required();
     words.add("-o,--output", sheet, "the SVG file of all frames to write").required().ends_with({".svg"});
     words.add_flag("--png", png, "also render it, to the same name with .png");
-    words.add("--play", film, "an SVG file to write that plays").ends_with({".svg"});
+    words.add("--play", film, "an animated SVG file to write").ends_with({".svg"});
     words
         .add("--guess", guess,
              "the good guess: the solution on cells twice as long, the nearest value, or "
@@ -285,12 +284,12 @@ int run_program(int argc, char** argv) {
         .show_default();
     words
         .add("--tolerance", tolerance,
-             "steady: cells change less in the mean, as a part of the largest value")
+             "stop when the mean change of a cell is below this share of the largest value")
         .range(1e-12, 0.1)
         .show_default("1e-06");
-    words.set_footer("Sweeps are in place, from the first cell to the last. The dashed line is the solution, "
-                     "which sweeps\n"
-                     "that change little may still be far off: how far is in the last caption.\n");
+    words.set_footer("Sweeps work in place, from the first cell to the last. The dashed line is the\n"
+                     "solution. Sweeps that change little can still be far from it; the last caption\n"
+                     "gives the distance.\n");
     if (const auto code = words.parse(argc, argv)) return *code;
 
     const auto line = load_line(path);

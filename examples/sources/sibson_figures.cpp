@@ -6,8 +6,8 @@
 // do: figure 1
 //                    of Moccozet and Magnenat-Thalmann, Dirichlet free-form deformations (Computer
 //                    Animation '97)
-// sibson_types.png   one control point's influence, and a pose of it: degree 1, degree 3, harmonic in a cage
-// sibson_legs.png    what distance alone knows: a point on one leg moves the other
+// sibson_types.png   one control point's influence, and a pose of it: degree 1, degree 3, harmonic in a
+// cage sibson_legs.png    what distance alone knows: a point on one leg moves the other
 //
 // Prints how far unit displacements are amplified by each rule of gradients, and the error of a wave that
 // is followed.
@@ -217,8 +217,7 @@ private:
         panels_.end();
     }
     /// The Bézier simplex of degree 2 over the neighbours: corners, and b_ij half-way between two of them,
-    /// which has the
-    /// weight 2 u_i u_j.
+    /// which has the weight 2 u_i u_j.
     void simplex(const std::string& caption, bool corners_moved) {
         panels_.begin(caption);
         const Vec2 inner_move{0.6, 2.2};
@@ -416,7 +415,7 @@ Picture draw_legs() {
                                                       {.resolution = 256}};
     if (harmonic.solve().status != cageform::Status::ok) throw std::runtime_error("not solved");
     draw_type(tiles, 1, harmonic, 5, {-0.05, 0.3});
-    // The same points of the figure, that is, those in the outline, by control points alone.
+    // Binds the points of the figure inside the outline by control points alone.
     const auto inside = bind_inside(harmonic, Tiles::pixels()).inside;
     const cageform::SibsonCoordinates<double, 2> sibson(outline);
     const auto on_pixels = bind_inside(sibson, Tiles::pixels());
@@ -545,11 +544,12 @@ void print_table() {
 }
 
 int run_program(int argc, char** argv) {
-    CommandLine line("Draws how natural neighbour coordinates come about and what they do, and prints "
-                     "figures of their degrees.");
+    CommandLine line("Draws how natural neighbour coordinates are defined and how they behave, and prints "
+                     "measurements of their degrees.");
     line.set_examples({"out", "pictures"});
     std::string folder;
-    line.add("folder", folder, "where to write sibson_cells.svg and .png, sibson_types.png, sibson_legs.png")
+    line.add("folder", folder,
+             "the folder to write sibson_cells.svg and .png, sibson_types.png, sibson_legs.png to")
         .required();
     if (const auto code = line.parse(argc, argv)) return *code;
 

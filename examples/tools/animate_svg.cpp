@@ -3,10 +3,9 @@
 //     animate_svg cat.svg --cage cat_cage.svg --clip cat_walk.csv --coordinates harmonic -o walk.svg
 //     animate_svg cat.svg --cage auto --turn 6-9:-20@v5,10 -o wag.svg
 //
-// The figure is bound once. Every frame samples the clip and clones; what is written plays in a browser.
-// A frame is what deform_svg draws of its pose, in the same pieces in every frame, as SVG asks. --help
-// tells what a
-// clip file holds.
+// The figure is bound once. Every frame samples the clip and clones; what is written plays in a browser. A
+// frame is what deform_svg draws of its pose, in the same pieces in every frame, as SVG asks. --help tells
+// what a clip file holds.
 
 #include "cli/auto_cage.hpp"
 #include "cli/command_line.hpp"
@@ -78,7 +77,7 @@ std::string still_path(const Settings& settings, std::size_t n) {
     return settings.stills + (n < 9 ? "0" : "") + std::to_string(n + 1) + ".svg";
 }
 
-/// From rest to a pose and back, every vertex on a straight line.
+/// Makes a motion from rest to a pose and back, with every vertex on a straight line.
 ClipFile clip_to(const CageFile& pose, const CageFile& cage, double seconds) {
     ClipFile clip{pose.name == cage.name ? "the pose" : pose.name, seconds, {}, {}, {}};
     constexpr auto ease = cageform::KeyKind::bezier;
@@ -105,27 +104,26 @@ SvgResult<ClipFile> read_clip(const Settings& settings, const CageFile& cage) {
 /// The number of frames of a clip, and the way of its ground.
 struct Plan {
     std::size_t frames = 0;
-    double passed = 0; // what the ground passes by in the clip's length
+    double passed = 0; // how far the ground moves during the clip
 };
 
 SvgResult<Plan> plan_of(const Settings& settings, const ClipFile& file, const ViewBox& view) {
     const double frames = std::max(1.0, std::round(file.length * settings.rate));
     const double most = settings.films.empty() ? 1e5 : 3600;
     if (!(frames <= most))
-        return SvgError{settings.clip + ": its length takes " + detail::short_number(frames) + " frames; " +
-                        (settings.films.empty() ? "" : "a film has ") + std::to_string(int(most)) +
-                        " at most, a smaller --rate takes fewer"};
+        return SvgError{settings.clip + ": its length needs " + detail::short_number(frames) + " frames; " +
+                        (settings.films.empty() ? "at most " : "a film has at most ") +
+                        std::to_string(int(most)) + "; a smaller --rate needs fewer"};
     const double passed = file.ground ? file.ground->speed * file.length : 0;
     if (passed != 0 && !(std::fabs(passed) >= 1e-3 * view.width && std::fabs(passed) <= 1e3 * view.width))
-        return SvgError{settings.clip + ": in the clip's length the ground passes by " +
+        return SvgError{settings.clip + ": during the clip the ground passes by " +
                         detail::short_number(passed) +
-                        " units; from a thousandth to a thousand times the picture's width is drawn"};
+                        " units; it can be a thousandth to a thousand times the picture's width"};
     return Plan{std::size_t(frames), passed};
 }
 
 /// The cage's vertices in all frames. A late layer has a player of its own, so that every player goes forth
-/// a frame at
-/// a time.
+/// a frame at a time.
 std::vector<std::vector<Point2>> poses_of(const cageform::CageClip<double, 2>& clip, const ClipFile& file,
                                           std::size_t frames, std::size_t vertices) {
     std::vector<std::vector<Point2>> poses;
@@ -218,7 +216,7 @@ int animate(const Settings& settings, const SvgDocument& document, const CageFil
 }
 
 int run_program(int argc, char** argv) {
-    CommandLine line("Animates an SVG figure by a cage and a motion of it.");
+    CommandLine line("Animates an SVG figure by a moving cage.");
     line.set_examples({"cat.svg --cage auto --turn 6-9:-20@v5,10 -o wag.svg",
                        "cat.svg --cage cat_cage.svg --clip cat_walk.csv -o walk.gif --fit"});
     Settings settings;
@@ -229,59 +227,60 @@ int run_program(int argc, char** argv) {
         .required();
     CommandOption clip = line.add("--clip", settings.clip, "its motion: a CSV file of controls and keys");
     line.add("--pose", settings.pose,
-             "instead of a motion: to this moved cage and back; or operations, or with --cage auto nothing: "
-             "half the figure bends and returns")
+             "instead of --clip: move to this pose of the cage and back; or give operations such as --turn; "
+             "with --cage auto and none of these, half the figure bends and returns")
         .excludes(clip);
     settings.operations.add_options(line);
-    line.add("--seconds", settings.seconds, "to the pose and back")
+    line.add("--seconds", settings.seconds, "the seconds to the pose and back")
         .range(0.01, 1000.0)
         .show_default()
         .excludes(clip);
     line.add("-o,--output", settings.out,
-             "the file to write: an SVG that browsers play, or, by ffmpeg where it is installed, a GIF, an "
-             "animated PNG "
-             "or a video")
+             "the file to write: an SVG that browsers play, or, if ffmpeg is installed, a GIF, an animated "
+             "PNG or a video")
         .required()
         .ends_with({".svg", ".gif", ".apng", ".png", ".mp4"});
     line.add("--rate", settings.rate,
-             "frames a second written; a browser goes straight between them; 0: 60, of films alone 25")
+             "the frames per second; a browser interpolates linearly between them; 0 means 60, or 25 for "
+             "films alone")
         .check([](const std::string& text) {
             const double rate = std::strtod(text.c_str(), nullptr);
             return rate == 0 || (rate >= 1 && rate <= 240) ? "" : text + " is not 0 nor from 1 to 240";
         })
         .show_default();
     line.add("--flatness", settings.options.tolerance,
-             "how far curves may miss the shape, in user units; 0: a five-thousandth of the picture's "
-             "diagonal")
+             "the largest distance between drawn and exact curves, in user units; 0 means 1/5000 of the "
+             "picture's diagonal")
         .range(0.0, 1e100)
         .show_default();
     line.add_flag("--fit", settings.options.fit,
-                  "grow the viewBox and the size of the picture to what moves, in all frames");
+                  "enlarge the viewBox and the size of the picture so that all frames fit");
     line.add_flag(
         "--text-as-paths", settings.text_as_paths,
-        "deform the outlines of letters (as rsvg-convert draws them); else a text moves as a whole");
-    line.add("--stills", settings.stills, "also write frames to files that begin so: 01.svg, 02.svg, …");
-    line.add("--still-count", settings.still_count, "how many, equally far apart")
+        "deform the outlines of letters (as rsvg-convert draws them); otherwise a text moves as a whole");
+    line.add("--stills", settings.stills,
+             "also write frames to files whose names begin with this: 01.svg, 02.svg, …");
+    line.add("--still-count", settings.still_count, "the number of these frames, equally spaced")
         .range(1, 99)
         .show_default();
     const auto add_film = [&](const std::string& name, const std::string& help,
                               const std::vector<std::string>& endings) {
         line.add_text(
                 "--" + name, [&](const std::string& path) { settings.films.push_back(path); },
-                "also write " + help + ", by ffmpeg where it is installed")
+                "also write " + help + ", if ffmpeg is installed")
             .ends_with(endings);
     };
     add_film("gif", "a GIF of the frames", {".gif"});
     add_film("apng", "an animated PNG", {".png", ".apng"});
     add_film("mp4", "a video", {".mp4"});
-    line.add("--width", settings.width, "of these, in pixels").range(16, 8192).show_default();
+    line.add("--width", settings.width, "the width of films, in pixels").range(16, 8192).show_default();
     settings.outside.add_option(line);
     settings.choice.in_plane = settings.choice.with_normals = true;
     settings.choice.add_options(line);
     line.set_footer(cage_formats + std::string("\n") + pose_operations_format + "\n" + clip_format);
     if (const auto code = line.parse(argc, argv)) return *code;
     if (!settings.clip.empty() && !settings.operations.operations.empty())
-        return fail("--clip, or operations such as --turn, but not both");
+        return fail("give --clip or operations such as --turn, but not both");
     if (ending_of(settings.out) != ".svg") {
         settings.films.insert(settings.films.begin(), settings.out);
         settings.out.clear();

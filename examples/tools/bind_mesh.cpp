@@ -1,6 +1,6 @@
 // Binds an OBJ figure to a cage, a closed mesh around it, and packs what a game needs of it into one file:
-// points and
-// normals, triangles, and a motion of the cage (cageform/binding/figure.hpp, support/files/figure_parts.hpp).
+// points and normals, triangles, and a motion of the cage (cageform/binding/figure.hpp,
+// support/files/figure_parts.hpp).
 //
 //     bind_mesh character.obj --cage character_cage.obj --clip character_clip.csv --max-distance 0.001
 //               -o character.figure
@@ -83,7 +83,7 @@ SvgResult<std::vector<cageform::PiecewiseCubic<float>>> curves_of(const PoseClip
                 if (std::isfinite(float(number))) continue;
                 return SvgError{clip.name + ": vertex " + std::to_string(n / 3 + 1) +
                                 " moves too fast after " + std::to_string(begin) +
-                                " s: single precision does not hold its curve"};
+                                " s: single precision cannot represent its curve"};
             }
         }
         curves.emplace_back(std::move(pieces), float(clip.length));
@@ -94,7 +94,7 @@ SvgResult<std::vector<cageform::PiecewiseCubic<float>>> curves_of(const PoseClip
 constexpr double of_vectors =
     10; ///< as much may be lost of unit vectors (FigurePackOptions::tangent_tolerance)
 
-/// What a packing has lost. Warns where that is much.
+/// Describes the error of a packing, and warns if it is large.
 std::string describe_loss(const ObjFile& figure, const cageform::PackReport& report,
                           const SampledPoses& poses, bool is_vector, bool has_faces) {
     StoredLoss loss;
@@ -109,7 +109,7 @@ std::string describe_loss(const ObjFile& figure, const cageform::PackReport& rep
     if (report.distance_pose < poses.times.size()) loss.time = poses.times[report.distance_pose];
     const std::string text = describe(loss);
     if (loss.share() > StoredLoss::worth_a_warning * (is_vector ? of_vectors : 1))
-        warn(figure.name + ": what is packed is off by " + text + "; --max-distance bounds it" +
+        warn(figure.name + ": the packed figure is off by " + text + "; --max-distance bounds this" +
              (report.poses == 0 && has_faces ? " over a motion" : ""));
     return text;
 }
@@ -207,7 +207,7 @@ int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& ca
             std::ostringstream least;
             least << std::setprecision(3) << part.distance.value / (is_vector ? of_vectors : size);
             return fail(figure.name + ": " + cageform::to_string(part.status) + ", " + least.str() +
-                        " is within reach: a larger --max-distance, or another --format");
+                        " can be reached: raise --max-distance or choose another --format");
         }
         if (part.status != Status::ok) return fail(cageform::to_string(part.status));
         const std::string loss = describe_loss(figure, part, poses, is_vector, given.choice.takes_normals());
@@ -230,7 +230,7 @@ int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& ca
 }
 
 int run_program(int argc, char** argv) {
-    CommandLine line("Binds an OBJ figure to a cage and packs what a game needs of it into one file.");
+    CommandLine line("Binds an OBJ figure to a cage and packs the data that a game needs into one file.");
     line.set_examples({"character.obj --cage auto:112 -o character.figure",
                        "character.obj --cage character_cage.obj --clip character_clip.csv --max-distance "
                        "0.001 -o character.figure"});
@@ -242,23 +242,25 @@ int run_program(int argc, char** argv) {
                  std::string(auto_cage_help))
         .required();
     given.moves.add_options(line);
-    line.add("--labels", given.labels, "names of the cage's vertices, kept in the file: a text file");
+    line.add("--labels", given.labels,
+             "a text file with names of the cage's vertices, which are stored in the output");
     line.add("-o,--output", given.out, "the file to write").required().ends_with({".figure"});
     given.choice.with_normals = given.choice.in_space = true;
     given.choice.add_options(line);
     given.outside.add_option(line);
     line.add("--largest", given.largest,
-             "weights of its place that a vertex keeps at least, 4 or more; 0: all")
+             "the number of a vertex's largest weights to keep, 4 or more; 0 keeps all")
         .show_default();
     line.add("--max-distance", given.distance,
-             "no vertex farther from where all weights put it, as a share of the figure's size, in the "
-             "poses of the motion, or in all that bend by up to a tenth of the cage; unit vectors that "
-             "carry normals may change by ten times as much; of green over a motion alone. 0: no bound")
+             "the largest distance of a vertex from its position with all weights, as a share of the "
+             "figure's size, in the poses of the motion, or in all poses that bend by up to a tenth of the "
+             "cage; unit vectors that carry normals may change by ten times as much; green needs a motion; 0 "
+             "means no bound")
         .range(0.0, 1.0)
         .show_default();
-    line.add("--format", format, "of weights: float, half, int16 or int8")
+    line.add("--format", format, "the format of weights: float, half, int16 or int8")
         .one_of({"float", "half", "int16", "int8"})
-        .show_default("float; with --max-distance, the one of the fewest bytes");
+        .show_default("float; with --max-distance, the smallest that suffices");
     line.add_flag("--report", given.report, "print sizes and errors");
     line.set_footer(obj_format + std::string("\n") + pose_clip_format + "\n" + pose_operations_format + "\n" +
                     labels_format);
@@ -269,7 +271,7 @@ int run_program(int argc, char** argv) {
         given.choice.harmonic.solver == cageform::HarmonicSolver::averaging_pyramid)
         return fail("--solver averaging-pyramid: normals are bound by the multigrid alone");
     if (given.choice.takes_normals() && given.distance > 0 && !given.moves.is_given())
-        return fail("--max-distance with --coordinates green is kept over a motion: --clip, --pose, or "
+        return fail("--max-distance with --coordinates green needs a motion: give --clip, --pose, or "
                     "operations such as --turn");
     for (const WeightFormat known :
          {WeightFormat::scalar, WeightFormat::half, WeightFormat::int16, WeightFormat::int8}) {

@@ -3,10 +3,8 @@
 //     cage_weights --cage cat_cage.svg --points points.csv --coordinates mean-value -o weights.csv
 //
 // A cage in the plane is the first closed polygon of an SVG, or a CSV of blocks of "x,y" lines with empty
-// lines
-// between them: loops (outer first, then holes) and, for harmonic coordinates, cells inside. These come in
-// any
-// place, each headed by a line of its own:
+// lines between them: loops (outer first, then holes) and, for harmonic coordinates, cells inside. These
+// come in any place, each headed by a line of its own:
 //
 //     # chain          edges from each point to the next; two points or more
 //     # point 12.5     one point; everything within the radius follows it
@@ -15,14 +13,12 @@
 // mesh. Points have "x,y" a line, or "x,y,z" in space.
 //
 // sibson and sibson-c1 take points instead of a cage: a CSV of "x,y" or "x,y,z" lines, the circles of an
-// SVG or
-// the vertices of an OBJ (site_file.hpp).
+// SVG or the vertices of an OBJ (site_file.hpp).
 //
 // The output has a header, then a line a point: status,w0,w1,… with 17 digits, "nan" where a point has no
 // weights. The columns are the vertices of the loops (or of the OBJ) as they come in the file, then the new
 // ones of chains and points, of green then the edges (or faces); --labels names those of vertices. Points
-// are read,
-// bound and written in batches, so a file may have any length.
+// are read, bound and written in batches, so a file may have any length.
 
 #include "cli/bind_report.hpp"
 #include "cli/command_line.hpp"
@@ -53,8 +49,7 @@ struct Settings {
 };
 
 /// "status" and a column for each handle: its label, or its number; edges and faces have no labels. Fails
-/// where two
-/// have one name.
+/// where two have one name.
 SvgResult<std::string> header_line(const std::string& labels_path, std::size_t handles,
                                    std::size_t vertices) {
     std::vector<std::string> labels;
@@ -225,26 +220,33 @@ int run_program(int argc, char** argv) {
          "--cage character_cage.obj --points places.csv --coordinates harmonic -o weights.csv"});
     Settings settings;
     line.add("--cage", settings.cage_path,
-             "in the plane a CSV or an SVG, in space an OBJ of a closed mesh; of sibson and sibson-c1 points")
+             "the cage: in the plane a CSV or SVG file, in space an OBJ file of a closed mesh; for sibson "
+             "and sibson-c1 a file of points")
         .required();
-    line.add("--points", settings.points_path, "CSV, x,y a line, or x,y,z in space").required();
-    line.add("--labels", settings.labels_path, "names of the cage's vertices, for the columns: a text file");
-    line.add("-o,--output", settings.out_path, "CSV to write: status,w0,w1,…").required().ends_with({".csv"});
+    line.add("--points", settings.points_path, "a CSV file with a line x,y for each point, in space x,y,z")
+        .required();
+    line.add("--labels", settings.labels_path,
+             "a text file with names of the cage's vertices, which head the columns");
+    line.add("-o,--output", settings.out_path, "the CSV file to write: status,w0,w1,…")
+        .required()
+        .ends_with({".csv"});
     line.set_footer(cage_formats + std::string("\n") + obj_format + "\n" + site_formats +
-                    "\nw0, w1, … belong to the vertices of the loops (or of the OBJ), then to the new ones\n"
-                    "of chains and points, or to those given instead of a cage, as they come in the\n"
-                    "file; of green then to the edges, in the order of the vertices they begin at (or to\n"
-                    "the faces): to normals of their length (the root of their area). nan where a point\n"
-                    "has no weights.\n"
+                    "\nw0, w1, … belong to the vertices of the loops (or of the OBJ), then to the new\n"
+                    "vertices of chains and points; for sibson they belong to the points. The order is\n"
+                    "that of the file. For green, the columns of the edges (or faces) follow; an edge\n"
+                    "has the number of the vertex it begins at. They multiply normals as long as the\n"
+                    "edge (in space, as the root of the face's area). nan means that a point has no\n"
+                    "weights.\n"
                     "\n" +
                     labels_format);
     line.add("--scalar", settings.scalar, "float or double").one_of({"float", "double"}).show_default();
     line.add("--outside", settings.outside,
-             "points outside: extend (where the coordinates are defined), keep or nearest")
+             "what points outside do: extend (if the coordinates are defined there), keep or nearest")
         .one_of({"extend", "keep", "nearest"})
         .show_default();
     line.add("--linear-precision", settings.linear_precision,
-             "restore or leave what weights miss of it: a solver's, and those about interior points")
+             "restore or leave the weights that miss it, such as those of a solver and those near interior "
+             "points")
         .one_of({"restore", "leave"})
         .show_default();
     line.add_flag("--report", settings.report, "print the bind report");

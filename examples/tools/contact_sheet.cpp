@@ -36,7 +36,8 @@ SvgResult<SvgDocument> wrap_png(const std::string& path) {
     const auto file = read_file(path);
     if (!file) return file.error();
     const std::string& bytes = *file;
-    if (bytes.size() < 24 || !bytes.starts_with("\x89PNG\r\n\x1a\n")) return SvgError{path + ": is no PNG"};
+    if (bytes.size() < 24 || !bytes.starts_with("\x89PNG\r\n\x1a\n"))
+        return SvgError{path + ": is not a PNG file"};
     const auto number = [&](std::size_t at) { // four bytes, the highest first
         std::uint32_t n = 0;
         for (std::size_t k = 0; k < 4; ++k) n = n << 8 | std::uint8_t(bytes[at + k]);
@@ -62,13 +63,14 @@ int run_program(int argc, char** argv) {
     line.add("--columns", columns, "tiles in a row").range(1, 64).show_default();
     line.add("--tile", tile, "width of a tile, in user units").range(10, 10000).show_default();
     line.add_flag("--png", png, "also render it, to the same name with .png");
-    line.add("--png-width", png_width, "in pixels").range(1, 16384).show_default();
-    line.add("tiles", words, "CAPTION FILE, alternately; an SVG, or a PNG by its name").required();
+    line.add("--png-width", png_width, "the width of the PNG file, in pixels").range(1, 16384).show_default();
+    line.add("tiles", words, "CAPTION FILE, alternately; files are SVG, or PNG if their name says so")
+        .required();
     if (const auto code = line.parse(argc, argv)) return *code;
     if (words.size() % 2 != 0) return fail("captions and files have to alternate");
     for (std::size_t n = 0; n < words.size(); n += 2) {
         if (printable(words[n]) != words[n])
-            return fail("the caption \"" + words[n] + "\" holds control characters, or is no UTF-8");
+            return fail("the caption \"" + words[n] + "\" holds control characters, or is not UTF-8");
     }
 
     SvgDocument sheet;

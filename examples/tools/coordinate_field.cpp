@@ -1,8 +1,6 @@
 // Heat map of one coordinate over its cage: values inside with level lines, boundary values on the cage. Or
-// of the field
-// that has given values at the cage's vertices, linear between them: by harmonic coordinates, the solution
-// of Laplace's
-// equation.
+// of the field that has given values at the cage's vertices, linear between them: by harmonic coordinates,
+// the solution of Laplace's equation.
 //
 //     coordinate_field --cage CAGE.svg --vertex 8 --coordinates harmonic -o field.png
 //     coordinate_field --cage RECTANGLE.csv --values 1,2,3,2 --coordinates harmonic -o field.png --surface
@@ -61,8 +59,8 @@ SvgResult<std::vector<double>> parse_values(const std::string& text, const CageF
         rest.remove_prefix(std::min(end + 1, rest.size()));
     }
     if (values.size() != cage.vertices.size()) {
-        return SvgError{"--values: " + std::to_string(values.size()) + " of them, and " + cage.name +
-                        " has " + std::to_string(cage.vertices.size()) + " vertices"};
+        return SvgError{"--values: " + std::to_string(values.size()) + " values, but " + cage.name + " has " +
+                        std::to_string(cage.vertices.size()) + " vertices"};
     }
     return values;
 }
@@ -86,8 +84,8 @@ public:
         return evaluation.status == cageform::Status::ok ? "" : cageform::to_string(evaluation.status);
     }
 
-    /// The values at points, not a number outside. Of the weights only one column is kept, so points are
-    /// bound in parts.
+    /// Returns the values at points, NaN outside. Only one column of the weights is kept, so points are
+    /// bound in batches.
     SvgResult<std::vector<double>>
     at(std::span<const Point2> points, const std::string& cage_path,
        cageform::OutsidePoints outside = cageform::OutsidePoints::keep_in_place) const {
@@ -117,8 +115,7 @@ private:
 };
 
 /// The boundary's edges within a box, with the values on them: linear, or of coordinates that do not
-/// interpolate
-/// piece by piece their limits from inside.
+/// interpolate piece by piece their limits from inside.
 SvgResult<std::vector<PlaneLine>> boundary_of(const Arguments& given, const CageFile& cage,
                                               const CoordinateField& field, const PlaneBox& box) {
     std::vector<PlaneLine> lines;
@@ -260,7 +257,7 @@ Picture draw_classes(const Arguments& given, const CageFile& cage) {
 
 SvgResult<CageFile> cage_about(const std::string& figure, const std::string& word) {
     if (!CageWord::of(word).is_auto) return load_cage(word);
-    if (figure.empty()) return SvgError{"--cage " + word + " takes a --figure, around which it is made"};
+    if (figure.empty()) return SvgError{"--cage " + word + " needs a --figure, around which it is made"};
     const auto document = load_svg(figure);
     return document ? load_or_make_cage(word, *document) : document.error();
 }
@@ -278,19 +275,20 @@ int run_program(int argc, char** argv) {
              "an SVG or CSV file" + std::string(auto_cage_help) + " around the --figure")
         .required();
     line.add("--figure", figure, "an SVG file, for --cage auto");
-    const CommandOption vertex = line.add("--vertex", given.vertex, "whose coordinate, from 0");
+    const CommandOption vertex =
+        line.add("--vertex", given.vertex, "the vertex whose coordinate is drawn, counted from 0");
     std::string values;
-    CommandOption of_values = line.add(
-        "--values", values, "v0,v1,...: instead of a coordinate the field of these values at the vertices");
+    CommandOption of_values =
+        line.add("--values", values,
+                 "v0,v1,...: draw the field of these values at the vertices instead of a coordinate");
     of_values.excludes(vertex);
     line.add("-o,--output", given.out, "the PNG file to write").required().ends_with({".png"});
     given.style.add_options(line);
-    line.add("--zoom", given.zoom, "x,y,width,height: only this part of the plane, in the cage's units")
+    line.add("--zoom", given.zoom, "x,y,width,height: draw only this part of the plane, in the cage's units")
         .check(box_fault);
     line.add("--classes", given.classes,
-             "a PNG file to draw the papers' grid to, with --resolution cells, else 128: orange are those "
-             "that "
-             "the boundary passes, blue those inside")
+             "a PNG file to draw the papers' grid to, with --resolution cells (128 by default): cells on the "
+             "boundary are orange, cells inside are blue")
         .ends_with({".png"});
     line.add_flag("--y-up", given.y_up, "the cage's y axis points up (as in most CSV files)");
     given.view.add_options(line);
@@ -304,9 +302,10 @@ int run_program(int argc, char** argv) {
     given.cage = cage->name;
     if (!given.classes.empty() && cage->has_cells())
         return fail("--classes: " + given.cage +
-                    ": the papers' grid is of cages without chains and points inside");
+                    ": the papers' grid needs a cage without chains and points inside");
     given.is_coordinate = vertex.is_given();
-    if (vertex.is_given() == of_values.is_given()) return fail("--vertex or --values says what to draw");
+    if (vertex.is_given() == of_values.is_given())
+        return fail("give --vertex or --values to choose what to draw");
     if (given.vertex >= cage->vertices.size()) {
         return fail("there is no vertex " + std::to_string(given.vertex) + ": " + given.cage + " has " +
                     std::to_string(cage->vertices.size()));

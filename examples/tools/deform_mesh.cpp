@@ -43,7 +43,7 @@ struct Arguments {
     ViewChoice view;
 };
 
-/// What moves the figure: coordinates, and the pose of their handles.
+/// The control of the figure: coordinates, and the pose of their handles.
 struct Control {
     ChosenCoordinates<double, 3> coordinates;
     ObjFile cage, pose;          // of sites with points alone
@@ -89,7 +89,7 @@ SvgResult<Control> read_sites(const Arguments& given, const ObjFile& figure) {
 SvgResult<ObjFile> read_pose(const Arguments& given, const ObjFile& cage) {
     const bool operated = !given.operations.operations.empty();
     if (!given.pose.empty() && operated)
-        return SvgError{"--pose, or operations such as --turn, but not both"};
+        return SvgError{"give --pose or operations such as --turn, but not both"};
     if (!given.pose.empty()) {
         auto pose = load_obj(given.pose);
         if (!pose) return pose;
@@ -111,7 +111,7 @@ SvgResult<ObjFile> read_pose(const Arguments& given, const ObjFile& cage) {
 }
 
 SvgResult<Control> read_control(const Arguments& given, const ObjFile& figure) {
-    if (given.choice.takes_sites() && given.pose.empty()) return SvgError{"--pose is required, of points"};
+    if (given.choice.takes_sites() && given.pose.empty()) return SvgError{"--pose is required for points"};
     if (given.choice.takes_sites()) return read_sites(given, figure);
     auto cage = load_or_make_cage(given.cage, figure);
     if (!cage) return cage.error();
@@ -134,8 +134,7 @@ struct Deformed {
 };
 
 /// Binds the figure and moves it; where the weights of all vertices would take more than 256 MB, a batch of
-/// them after
-/// the other. Until `fault` is not empty, or the report's status not ok.
+/// them after the other. Until `fault` is not empty, or the report's status not ok.
 Deformed deformed(const Arguments& given, const ObjFile& figure, const Control& control) {
     constexpr std::size_t most_bytes = std::size_t{256} << 20;
     const auto& [coordinates, cage, pose, weights, describe_faults] = control;
@@ -195,7 +194,7 @@ Deformed deformed(const Arguments& given, const ObjFile& figure, const Control& 
     return result;
 }
 
-/// Binds the figure, moves it and writes what was asked for.
+/// Binds the figure, moves it and writes the requested files.
 int deform_figure(const Arguments& given, const ObjFile& figure, const Control& control) {
     const auto& [coordinates, cage, pose, weights, describe_faults] = control;
     if (const auto why = fault_of_outputs({given.out, given.picture})) return fail(*why);
@@ -210,7 +209,7 @@ int deform_figure(const Arguments& given, const ObjFile& figure, const Control& 
     if (!outside.warning.empty()) warn(outside.warning);
     if (!warning.empty()) warn(warning);
     for (const Point3& p : moved) {
-        if (!cageform::is_finite(p)) return fail(figure.name + ": a vertex has moved beyond all numbers");
+        if (!cageform::is_finite(p)) return fail(figure.name + ": a vertex has left the range of numbers");
     }
 
     OutputFiles outputs;
@@ -239,7 +238,7 @@ int deform_figure(const Arguments& given, const ObjFile& figure, const Control& 
         !materials.empty() && folder_of(given.out) != folder_of(given.figure)) {
         note(given.out + " names its materials as " + given.figure +
              " does: " + detail::quoted(materials[0]) + (materials.size() > 1 ? " and more" : "") +
-             ", and their textures, have to lie beside it");
+             " (and their textures), which have to be in the same folder");
     }
     if (given.report) {
         std::cout << "figure: " << figure.vertices.size() << " vertices, " << figure.normals.size()
@@ -261,14 +260,13 @@ int run_program(int argc, char** argv) {
     Arguments given;
     line.add("figure", given.figure, "the OBJ file to deform").required();
     line.add("--cage", given.cage,
-             "its cage: an OBJ file of a closed mesh, faces counter-clockwise seen from outside; of sibson "
-             "and sibson-c1 points" +
+             "its cage: an OBJ file of a closed mesh, faces counter-clockwise seen from outside; for sibson "
+             "and sibson-c1 a file of points" +
                  std::string(auto_cage_help))
         .required();
     line.add("--pose", given.pose,
-             "the same mesh with its vertices moved, or the points; or operations, or with --cage auto "
-             "nothing: half "
-             "the figure bends");
+             "the pose: the same mesh or points with vertices moved; or give operations such as --turn; with "
+             "--cage auto and none of these, half the figure bends");
     given.operations.add_options(line);
     line.add("-o,--output", given.out, "the OBJ file to write").required().ends_with({".obj"});
     given.outside.with_sites = given.choice.with_sites = given.choice.with_normals = true;

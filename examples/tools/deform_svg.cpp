@@ -62,7 +62,7 @@ struct Control {
 
 SvgResult<Control> read_sites(const CoordinatesChoice& choice, const CagePaths& paths,
                               const SiteChoice& of_sites, const SvgDocument& figure) {
-    if (paths.pose.empty()) return SvgError{"--pose is required, of points"};
+    if (paths.pose.empty()) return SvgError{"--pose is required for points"};
     auto posed =
         load_posed_sites<2>(paths.cage, paths.pose, of_sites, [&] { return control_points(figure); });
     if (!posed) return posed.error();
@@ -139,9 +139,8 @@ void draw_rest(SvgDocument& document, const std::string& rest, const ViewBox& vi
 }
 
 int run_program(int argc, char** argv) {
-    CommandLine line(
-        "Deforms an SVG figure by a cage and a pose of it. Strokes keep their width; gradients and "
-        "patterns follow by the affine map nearest to what moves their shape.");
+    CommandLine line("Deforms an SVG figure by a cage and a pose of it. Strokes keep their width; gradients "
+                     "and patterns follow the affine map that fits the motion of their shape best.");
     line.set_examples({"icon.svg --cage auto -o look.svg --png --show-cage",
                        "icon.svg --cage auto --turn 5-10:-30 --move 3:0,12 -o pose.svg --png --fit"});
     std::string figure_path, out_path;
@@ -156,34 +155,35 @@ int run_program(int argc, char** argv) {
     DeformOptions options;
     line.add("figure", figure_path, "the SVG file to deform").required();
     line.add("--cage", cage_path,
-             "its cage: the first closed polygon of an SVG, or a CSV file of loops, chains and points; "
-             "of sibson and sibson-c1 points" +
+             "its cage: the first closed polygon of an SVG, or a CSV file of loops, chains and points; for "
+             "sibson and sibson-c1 a file of points" +
                  std::string(auto_cage_help))
         .required();
-    line.add(
-        "--pose", pose_path,
-        "the moved cage: the same blocks, vertex by vertex, or points; or operations, or with --cage auto "
-        "nothing: half the figure bends, and the picture grows to it");
+    line.add("--pose", pose_path,
+             "the pose: the same blocks or points with vertices moved; or give operations such as --turn; "
+             "with --cage auto and none of these, half the figure bends, and the picture is enlarged to fit");
     operations.add_options(line);
     line.add("-o,--output", out_path, "the SVG file to write").required().ends_with({".svg"});
     line.add_flag("--png", png, "also render it, to the same name with .png");
-    line.add("--png-width", png_width, "in pixels").range(1, 16384).show_default();
+    line.add("--png-width", png_width, "the width of the PNG file, in pixels").range(1, 16384).show_default();
     outside.with_sites = choice.with_sites = choice.in_plane = choice.with_normals = true;
     outside.add_option(line);
     of_sites.add_options(line);
     line.add_flag(
         "--text-as-paths", text_as_paths,
-        "deform the outlines of letters (as rsvg-convert draws them); else a text moves as a whole");
-    line.add_flag("--fit", options.fit, "grow the viewBox and the size of the picture to what has moved");
+        "deform the outlines of letters (as rsvg-convert draws them); otherwise a text moves as a whole");
+    line.add_flag("--fit", options.fit,
+                  "enlarge the viewBox and the size of the picture so that the deformed figure fits");
     line.add("--flatness", options.tolerance,
-             "how far curves may miss the deformed shape, in user units; 0: invisibly little")
+             "the largest distance between drawn and exact deformed curves, in user units; 0 means too "
+             "little to be seen")
         .range(0.0, 1e100)
         .show_default();
     line.add_flag("--show-cage", show_cage,
                   "draw the posed cage over the figure, with the numbers of its vertices");
     line.add_flag("--show-cage-lines", show_lines, "draw the posed cage without numbers").rarely_needed();
-    line.add_flag("--show-rest", show_rest, "draw the figure at rest under it, in white");
-    line.add_flag("--report", report, "print the bind report and what became of the shapes");
+    line.add_flag("--show-rest", show_rest, "draw the figure at rest below, in white");
+    line.add_flag("--report", report, "print the bind report and the numbers of shapes and points");
     choice.add_options(line);
     line.set_footer(cage_formats + std::string("\n") + pose_operations_format + "\n" + site_formats + "\n" +
                     site_weights_format);

@@ -18,11 +18,9 @@
 // the pose, and so do the curves between poses, so positions are those of the clone at all times.
 //
 // The motion is a clip (support/files/clip_file.hpp), or goes from the rest pose through those given, as
-// files or by operations
-// such as --twist, and back. Either way it is
-// written with CUBICSPLINE interpolation, without loss. Every object of the OBJ file is a node, every
-// material of it a
-// primitive with the colours and the texture that its MTL file gives.
+// files or by operations such as --twist, and back. Either way it is written with CUBICSPLINE
+// interpolation, without loss. Every object of the OBJ file is a node, every material of it a primitive
+// with the colours and the texture that its MTL file gives.
 
 #include "cli/auto_cage.hpp"
 #include "cli/bind_report.hpp"
@@ -186,8 +184,8 @@ void add_surface(const ObjFile& figure, std::span<const Point3> right, std::span
 }
 
 /// The differences between the figure as bound and as it is played from a skin, over the motion. Without a
-/// motion, over
-/// all poses that bend by no more than a tenth of the cage: then by the changes of weights alone.
+/// motion, over all poses that bend by no more than a tenth of the cage: then by the changes of weights
+/// alone.
 SkinLoss loss_of(const Scene& scene, const Binding<double, 3>& bound, const Binding<double, 3>& played) {
     LossMeter meter(scene.figure);
     SkinLoss loss;
@@ -350,8 +348,7 @@ std::string add_skin(GltfDocument& document, const Scene& scene, const Arguments
 }
 
 /// The motion of all handles, whose values between the keys go the way of the vertices' own. Warns of how
-/// far that is
-/// from the vectors of a moving face.
+/// far that is from the vectors of a moving face.
 SvgResult<PoseClip> clip_of_handles(const Scene& scene, const Binding<double, 3>& binding) {
     PoseClip motion = scene.clip;
     std::vector<std::string> warnings;
@@ -374,8 +371,8 @@ SvgResult<PoseClip> clip_of_handles(const Scene& scene, const Binding<double, 3>
     }
     const StoredLoss loss = meter.loss();
     if (loss.share() > StoredLoss::worth_a_warning) {
-        warn(scene.figure.name + ": between the keys targets are off by " + describe(loss) +
-             "; more keys bring them nearer");
+        warn(scene.figure.name + ": between the keys the targets are off by " + describe(loss) +
+             "; more keys reduce this");
     }
     return motion;
 }
@@ -402,14 +399,14 @@ std::string add_targets(GltfDocument& document, const Scene& scene, const Argume
         if (status != Status::ok) return scene.clip.name + ": " + cageform::to_string(status);
         for (const Point3& p : moved) {
             if (!std::isfinite(float(p[0]) + float(p[1]) + float(p[2])))
-                return scene.figure.name + ": a vertex has moved beyond all numbers";
+                return scene.figure.name + ": a vertex has left the range of numbers";
         }
         keys.push_back(k);
         names.push_back(given.moves.poses.empty() ? "key " + std::to_string(k)
                                                   : stem(given.moves.poses[k - 1]));
         zeros.push_back(0.0);
     }
-    if (keys.empty()) return scene.clip.name + ": every pose is that at rest";
+    if (keys.empty()) return scene.clip.name + ": every pose equals the rest pose";
     for (const GltfMesh& mesh : scene.meshes) {
         const auto rest = gltf_positions(mesh, scene.figure.vertices);
         const auto rest_normals = gltf_normals(mesh, scene.figure, scene.figure.vertices);
@@ -457,9 +454,8 @@ make_skin(const Arguments& given, const Scene& scene, const Binding<double, 3>& 
     return made;
 }
 
-/// As make_skin(), of the fewest sets of four joints from `influences` on that keep the distance; where
-/// none does, of the
-/// most.
+/// Works as make_skin(), with the fewest sets of four joints from `influences` on that keep the
+/// distance; where none does, of the most.
 cageform::Result<cageform::SkinWeights, cageform::SkinWeightsReport>
 make_near_skin(const Arguments& given, const Scene& scene, const Binding<double, 3>& bound,
                std::size_t influences, SkinLoss& loss) {
@@ -470,19 +466,20 @@ make_near_skin(const Arguments& given, const Scene& scene, const Binding<double,
     }
 }
 
-/// Which skin would keep the distance that one of `influences` joints does not.
+/// Names the skin that keeps the distance, since one with `influences` joints does not.
 std::string what_would_do(const Arguments& given, const Scene& scene, const Binding<double, 3>& bound,
                           std::size_t influences) {
-    if (influences >= most_joints) return "a larger --max-distance or --morph";
+    if (influences >= most_joints) return "use a larger --max-distance or --morph";
     SkinLoss loss;
     const std::size_t next = influences / joint_set * joint_set + joint_set;
     const auto made = make_near_skin(given, scene, bound, next, loss);
     if (made && loss.places.share() <= given.distance)
-        return "--skin " + std::to_string(made.value.influences) + " would do";
-    return "not even --skin " + std::to_string(most_joints) + " keeps it; a larger --max-distance or --morph";
+        return "--skin " + std::to_string(made.value.influences) + " is enough";
+    return "not even --skin " + std::to_string(most_joints) +
+           " is enough; use a larger --max-distance or --morph";
 }
 
-/// Binds the figure and writes what was asked for.
+/// Binds the figure and writes the requested files.
 int export_figure(const Arguments& given, const Scene& scene) {
     const ObjFile &figure = scene.figure, &cage = scene.cage;
     if (const auto why = fault_of_outputs({given.out})) return fail(*why);
@@ -518,20 +515,20 @@ int export_figure(const Arguments& given, const Scene& scene) {
                                            : make_skin(given, scene, bound.value, given.influences, loss);
         if (made.status != Status::ok) return fail(cage.name + ": " + cageform::to_string(made.status));
         const std::string is_off = "a skin of " + std::to_string(skin.influences) +
-                                   " joints a vertex is off by " + describe(loss.places);
+                                   " joints per vertex is off by " + describe(loss.places);
         if (given.distance > 0 && loss.places.share() > given.distance) {
             return fail(figure.name + ": " + is_off + ": " +
                         what_would_do(given, scene, bound.value, skin.influences));
         }
         if (loss.places.share() > StoredLoss::worth_a_warning || loss.turn > worth_a_warning_of_turns) {
             warn(figure.name + ": " + is_off + "; " + describe_surface(loss) +
-                 (skin.influences < most_joints ? "; more joints lose less, and --max-distance bounds it"
+                 (skin.influences < most_joints ? "; more joints lose less, and --max-distance bounds this"
                                                 : "; --morph loses nothing"));
         }
         if (!made.not_reproduced.empty()) {
             warn(std::to_string(skin.influences) + " weights are too few for " +
                  std::to_string(made.not_reproduced.size()) + " vertices of " + figure.name +
-                 ", which affine poses will move otherwise, by up to " +
+                 ", so affine poses are not reproduced there, with errors of up to " +
                  detail::short_number(made.reproduction_error.value) + ", first " +
                  name_points(figure.vertices, made.not_reproduced));
         }
@@ -569,7 +566,7 @@ int export_figure(const Arguments& given, const Scene& scene) {
 
 int run_program(int argc, char** argv) {
     CommandLine line(
-        "Writes an OBJ figure that moves with its cage as glTF 2.0: as a skin or as morph targets.");
+        "Writes an OBJ figure that moves with its cage as glTF 2.0, with a skin or with morph targets.");
     line.set_examples(
         {"character.obj --cage auto --turn 5-9:30,z --skin 16 -o character.glb",
          "character.obj --cage character_cage.obj --clip character_clip.csv --skin 16 -o character.glb"});
@@ -582,24 +579,27 @@ int run_program(int argc, char** argv) {
     given.moves.add_options(line);
     const CommandOption labels =
         line.add("--labels", given.labels,
-                 "of a skin: names of the joints, which are the cage's vertices: a text file");
+                 "skin: a text file with names of the joints, which are the cage's vertices");
     const CommandOption skin =
-        line.add("--skin", given.influences, "a skin of at most so many joints a vertex").range(1, 16);
+        line.add("--skin", given.influences, "write a skin with at most this many joints per vertex")
+            .range(1, 16);
     const CommandOption distance =
         line.add("--max-distance", given.distance,
-                 "of a skin: no vertex farther from where all weights put it, as a share of the figure's "
-                 "size, in the poses of the motion, or in all that bend by up to a tenth of the cage; "
-                 "without --skin, 4, 8, 12 or 16 joints, as few as do. 0: no bound")
+                 "skin: the largest distance of a vertex from its position with all weights, as a share of "
+                 "the figure's size, in the poses of the motion, or in all poses that bend by up to a tenth "
+                 "of the cage; without --skin the fewest of 4, 8, 12 or 16 joints that suffice; 0 means no "
+                 "bound")
             .range(0.0, 1.0)
             .show_default();
-    line.add_flag("--morph", given.morph, "morph targets, one a pose")
+    line.add_flag("--morph", given.morph, "write morph targets, one per pose")
         .excludes(skin)
         .excludes(distance)
         .excludes(labels);
-    line.add("--weights", given.weights, "of a skin: float, unorm8 or unorm16 (normalised integers)")
+    line.add("--weights", given.weights,
+             "skin: the format of weights: float, unorm8 or unorm16 (normalised integers)")
         .one_of({"float", "unorm8", "unorm16"})
         .show_default();
-    line.add("--threshold", given.threshold, "of a skin: lesser weights are left out")
+    line.add("--threshold", given.threshold, "skin: leave out smaller weights")
         .range(0.0, 1.0)
         .show_default();
     line.add("-o,--output", given.out, "the file to write: .glb or .gltf")
@@ -608,19 +608,19 @@ int run_program(int argc, char** argv) {
     given.choice.with_normals = given.choice.in_space = true;
     given.choice.add_options(line);
     given.outside.add_option(line);
-    line.add_flag("--report", given.report, "print the bind report, and what the skin loses");
+    line.add_flag("--report", given.report, "print the bind report and the error of the skin");
     line.set_footer(
         obj_format +
-        std::string("Vertices keep the order of the file: a vertex that needs several normals or\n"
-                    "texture coordinates is there once more, behind all others.\n\n") +
+        std::string("Vertices keep the order of the file. A vertex that needs several normals or\n"
+                    "texture coordinates is duplicated; the copies follow all other vertices.\n\n") +
         pose_clip_format + "\n" + pose_operations_format + "\n" + labels_format);
     if (const auto code = line.parse(argc, argv)) return *code;
     if (!given.morph && given.influences == 0 && given.distance == 0)
-        return fail("--skin, --max-distance or --morph says what to write");
+        return fail("give --skin, --max-distance or --morph to choose what to write");
     if (!given.morph && given.choice.takes_normals())
         return fail("--coordinates green: joints carry no normals of faces; --morph writes targets");
     if (given.morph && !given.moves.is_given())
-        return fail("morph targets are made of poses: --clip, --pose, or operations such as --turn");
+        return fail("morph targets need poses: give --clip, --pose, or operations such as --turn");
 
     Scene scene;
     auto figure = load_obj(given.figure);

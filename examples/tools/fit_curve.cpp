@@ -40,7 +40,7 @@ using cageform::FitOptions;
 using cageform::Status;
 using Json = nlohmann::ordered_json;
 
-/// What is wrong with what the user gave, for stderr.
+/// A fault in the user's input, for stderr.
 struct Refused : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
@@ -95,7 +95,7 @@ std::vector<double> numbers(const std::string& option, const std::string& text, 
     return result;
 }
 
-/// A curve, what is asked for, and what came of it.
+/// A curve, the requested fit, and its result.
 struct Case {
     std::string id, note;
     BezierCurve curve;
@@ -129,7 +129,7 @@ std::vector<double> parameters_at(const BezierCurve& curve, const std::vector<do
 
 constexpr std::size_t most_pieces = 1000, most_candidates = 1000;
 
-/// What nlohmann's exceptions say, less their number in brackets.
+/// Returns the text of nlohmann's exceptions without their number in brackets.
 std::string plain(const Json::exception& error) {
     const std::string text = error.what();
     return text.substr(std::min(text.find("] ") + 2, text.size()));
@@ -470,16 +470,15 @@ BezierCurve css_curve(const std::string& text) {
     if (easing) return easing.value;
     for (const std::string_view other : {"steps(", "step-start", "step-end", "linear("}) {
         if (words.starts_with(other))
-            throw Refused(
-                "--css: " + std::string(words) +
-                ": holds and straight lines are no curve to fit; keys of kind hold and linear say them");
+            throw Refused("--css: " + std::string(words) +
+                          ": holds and straight lines need no fit; use keys of kind hold and linear");
     }
     if (easing.status() != Status::input_malformed)
         throw Refused("--css: " + std::string(words) + ": " +
                       (easing.status() == Status::handle_not_allowed ? "x1 and x2 lie between 0 and 1"
                                                                      : cageform::to_string(easing.status())));
     throw Refused("--css: \"" + std::string(words) +
-                  "\" is no easing: linear, ease, ease-in, ease-out, ease-in-out, " +
+                  "\" is not an easing: write linear, ease, ease-in, ease-out, ease-in-out, " +
                   "cubic-bezier(x1, y1, x2, y2) or x1,y1,x2,y2" +
                   (words.starts_with("cubic-bezier")
                        ? "; character " + std::to_string(easing.report.error_at + 1) + " is not expected"
@@ -514,8 +513,8 @@ BezierCurve lottie_curve(const Arguments& given) {
             throw Refused(given.lottie + ": " + one.path + ": the value is held; there is no curve to fit");
         return one.curve.value.curve;
     }
-    throw Refused(given.lottie + ": no curve is \"" + given.lottie_curve +
-                  "\"; without --curve they are listed");
+    throw Refused(given.lottie + ": there is no curve \"" + given.lottie_curve +
+                  "\"; leave out --curve to list all");
 }
 
 Case run_one(const Arguments& given) {
@@ -555,7 +554,8 @@ Case run_one(const Arguments& given) {
     const bool named =
         given.knots.empty() || given.knots == "uniform" || given.knots == "arcs" || given.knots == "optimal";
     if (int(given.pieces > 0) + int(by_tolerance) + int(!named) != 1)
-        throw Refused("how many pieces is said by one of --pieces, --tolerance and --knots with times");
+        throw Refused(
+            "choose how many pieces there are with one of --pieces, --tolerance and --knots with times");
     if (by_tolerance && !(given.tolerance > 0)) require(Status::tolerance_not_positive, "--tolerance");
     const auto knots = [&](std::size_t pieces) {
         if (given.knots == "uniform") return cageform::uniform_in_time(one.curve, pieces);
@@ -608,25 +608,29 @@ int run_program(int argc, char** argv) {
     line.add("--bezier", given.bezier,
              "x0,y0,x1,y1,x2,y2,x3,y3: keys and handles (--bezier=-1,… if negative)");
     line.add("--css", given.css,
-             "an easing of CSS, from (0, 0) to (1, 1): linear, ease, ease-in, ease-out, ease-in-out, "
+             "a CSS easing, from (0, 0) to (1, 1): linear, ease, ease-in, ease-out, ease-in-out, "
              "'cubic-bezier(x1, y1, x2, y2)', or the four numbers alone");
-    line.add("--lottie", given.lottie, "a Lottie file: lists what is animated, or takes one --curve of it");
-    line.add("--curve", given.lottie_curve, "which, by its name in the list");
+    line.add("--lottie", given.lottie,
+             "a Lottie file: list its animated values, or fit the one given by --curve");
+    line.add("--curve", given.lottie_curve, "the name of the curve in the list");
     line.add("--cases", given.cases, "a JSON file of curves (bezier-sobolev-cases/1); needs --json");
-    line.add("--pieces", given.pieces, "how many polynomials").range(1, int(most_pieces));
-    const CommandOption tolerance = line.add(
-        "--tolerance", given.tolerance, "the largest error, in units of the value; as few pieces as meet it");
+    line.add("--pieces", given.pieces, "the number of polynomials").range(1, int(most_pieces));
+    const CommandOption tolerance =
+        line.add("--tolerance", given.tolerance,
+                 "the largest error, in units of the value; the fewest pieces that meet it are used");
     line.add("--degree", given.degree, "3, 4 or 5").show_default();
     line.add("--knots", given.knots,
-             "where pieces meet: optimal (the default), uniform (in time), arcs (of the curve's "
-             "parameter), or times, the keys' included");
+             "where pieces meet: optimal (the default), uniform (in time), arcs (of the curve's parameter), "
+             "or a list of times that includes both keys");
     line.add("--conditions", given.conditions,
-             "of end_value, knot_c0, knot_value, end_d1, knot_c1, knot_d1, end_d2, knot_c2, knot_d2")
+             "the conditions, any of end_value, knot_c0, knot_value, end_d1, knot_c1, knot_d1, end_d2, "
+             "knot_c2, knot_d2")
         .show_default();
-    line.add("--norm", given.norm, "what is least: w12, l2, sup, or W0,W1: the weights of value and slope")
+    line.add("--norm", given.norm,
+             "the norm to minimise: w12, l2, sup, or W0,W1, the weights of value and slope")
         .show_default();
     line.add_flag("--in-units", given.in_units,
-                  "weights count in the curve's unit of time, not where the interval is 1 long");
+                  "apply the weights in the curve's unit of time, not on an interval of length 1");
     line.add("--json", given.json, "the JSON file to write").ends_with({".json"});
     line.add("--plot", given.plot, "the SVG file to draw to").ends_with({".svg"});
     line.add_flag("--png", given.png, "also render the plot, to the same name with .png");

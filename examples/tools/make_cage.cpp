@@ -5,8 +5,7 @@
 //     make_cage character.obj --vertices 112 -o character_cage.obj --picture cage.png
 //
 // The cage holds all that the figure paints, at the margin's distance, and passes every check of the
-// library. deform_svg and
-// the other programs make the same cage by themselves where they are told --cage auto.
+// library. deform_svg and the other programs make the same cage themselves if --cage auto is given.
 
 #include "cli/auto_cage.hpp"
 #include "cli/bind_report.hpp"
@@ -51,18 +50,18 @@ std::string parse_margin(const std::string& word, double& margin) {
 /// "x" or "y=12.5".
 std::string parse_mirror(const std::string& word, cageform::MirrorPlane& mirror) {
     if (word.empty() || word[0] < 'x' || word[0] > 'z' || (word.size() > 1 && word[1] != '='))
-        return "an axis, x, y or z, or with its place x=12.5";
+        return "write an axis, x, y or z, or with its position x=12.5";
     mirror.axis = std::size_t(word[0] - 'x');
     if (word.size() == 1) return {};
     double place = 0;
     if (const std::string why = detail::parse_number(std::string_view(word).substr(2), place); !why.empty())
         return why;
-    if (!std::isfinite(place)) return "its place is not finite";
+    if (!std::isfinite(place)) return "its position is not finite";
     mirror.place = place;
     return {};
 }
 
-/// What the picture shows: all of the cage.
+/// Enlarges the view of the picture to hold the whole cage.
 ViewBox view_about(const CageFile& cage, const ViewBox& view) {
     Point2 low{view.x, view.y}, high{view.x + view.width, view.y + view.height};
     for (const Point2& p : cage.vertices) {
@@ -102,8 +101,9 @@ int cage_in_plane(const Arguments& given) {
 }
 
 int cage_in_space(const Arguments& given) {
-    if (given.options.holes) return fail("--holes is for figures in the plane; in space tunnels stay anyway");
-    if (given.png) return fail("--png: in space the picture is a .png file as it is");
+    if (given.options.holes)
+        return fail("--holes is for figures in the plane; in space tunnels are always kept");
+    if (given.png) return fail("--png: in space the picture is a .png file already");
     const auto figure = load_obj(given.figure);
     if (!figure) return fail(to_string(figure.error()));
     if (const auto why = fault_of_outputs({given.out, given.picture})) return fail(*why);
@@ -126,17 +126,17 @@ int cage_in_space(const Arguments& given) {
 
 int run_program(int argc, char** argv) {
     CommandLine line("Makes a cage around any figure: an SVG drawing of filled shapes, strokes and scattered "
-                     "parts, or a mesh, with holes or "
-                     "in pieces as it may be.");
+                     "parts, or a mesh, which may have holes or several pieces.");
     line.set_examples({"icon.svg --vertices 16 -o cage.svg --picture numbers.svg --png",
                        "character.obj --vertices 112 -o cage.obj --picture cage.png"});
     Arguments given;
     auto& options = given.options;
     line.add("figure", given.figure, "an SVG file, or in space an OBJ file: any faces").required();
-    line.add("--vertices", options.vertices, "of the cage; 24 unless told, in space 112").range(3, 1000000);
+    line.add("--vertices", options.vertices, "the number of the cage's vertices; 24 by default, in space 112")
+        .range(3, 1000000);
     line.add_text(
             "--margin", [&](const std::string& word) { (void)parse_margin(word, options.margin); },
-            "distance from the figure, as a share of its diagonal: 2.5% unless told, in space 2%")
+            "the distance from the figure, as a share of its diagonal: 2.5% by default, in space 2%")
         .check([](const std::string& word) {
             double margin = 0;
             return parse_margin(word, margin);
@@ -147,20 +147,21 @@ int run_program(int argc, char** argv) {
                 options.mirror.emplace();
                 (void)parse_mirror(word, *options.mirror);
             },
-            "make the cage its own mirror image across an axis: x, y, z, or with its place x=12.5")
+            "make the cage symmetric by a mirror across an axis: x, y, z, or with its position x=12.5")
         .check([](const std::string& word) {
             cageform::MirrorPlane mirror;
             return parse_mirror(word, mirror);
         });
     line.add_text(
             "--cage", [&](const std::string& word) { options.shape = CageWord::of(word).shape; },
-            "auto, following the figure, unless told; hull: about its convex hull; box: its bounds")
+            "auto follows the figure (the default), hull its convex hull, box its bounds")
         .one_of({"auto", "hull", "box"});
     bool parts = false;
-    line.add_flag("--parts", parts, "a loop for each part of the figure; else bridges join the parts");
-    line.add_flag("--holes", options.holes, "keep what the figure encloses and leaves free as holes");
-    line.add_flag("--fill-tunnels", options.fill_tunnels, "in space: no tunnels through the cage");
-    line.add("--regular", options.regular, "what even angles and lengths are worth against a tight fit")
+    line.add_flag("--parts", parts,
+                  "make a loop for each part of the figure; otherwise bridges join the parts");
+    line.add_flag("--holes", options.holes, "keep empty regions that the figure encloses as holes");
+    line.add_flag("--fill-tunnels", options.fill_tunnels, "in space: make no tunnels through the cage");
+    line.add("--regular", options.regular, "the weight of even angles and lengths against a tight fit")
         .range(0.0, 1000.0)
         .show_default();
     line.add("-o,--output", given.out, "the cage to write: .svg or .csv; in space .obj")
@@ -184,11 +185,10 @@ int run_program(int argc, char** argv) {
     for (const std::string& path : {given.out, given.picture}) {
         const bool is_of_space = path.ends_with(".obj") || path.ends_with(".png");
         if (!path.empty() && is_of_space != in_space)
-            return fail(path +
-                        (in_space
-                             ? ": of a figure in space the cage is an .obj file, the picture a .png file"
-                             : ": of a figure in the plane the cage is an .svg or .csv file, the picture an "
-                               ".svg file"));
+            return fail(
+                path + (in_space ? ": for a figure in space the cage is an .obj file, the picture a .png file"
+                                 : ": for a figure in the plane the cage is an .svg or .csv file, the "
+                                   "picture an .svg file"));
     }
     return in_space ? cage_in_space(given) : cage_in_plane(given);
 }

@@ -4,10 +4,9 @@
 //     make_character out
 //
 // writes out/character.obj, out/character_cage.obj, out/character_pose.obj, out/character_clip.csv, a dance
-// of the
-// cage that begins again (support/files/clip_file.hpp), and out/character.bones.csv, a skeleton that bends
-// an arm (skin_mesh). The puppet is a smooth union of rounded bodies, meshed by surface
-// nets (support/pictures/surface_nets.hpp). It stands at y = 0 on the ground, y up, and faces along z.
+// of the cage that begins again (support/files/clip_file.hpp), and out/character.bones.csv, a skeleton that
+// bends an arm (skin_mesh). The puppet is a smooth union of rounded bodies, meshed by surface nets
+// (support/pictures/surface_nets.hpp). It stands at y = 0 on the ground, y up, and faces along z.
 
 #include "cli/command_line.hpp"
 #include "cli/coordinates.hpp"
@@ -215,8 +214,7 @@ Point posed(const Point& rest, const SheetPoint& origin, const Joints& joints) {
 constexpr double dance_length = 2.4; // seconds
 
 /// It steps from one foot to the other, which is lifted; one hand waves above, the other swings below, and
-/// they
-/// change places. `part` of the dance, in [0, 1]; at 1 it is where it was at 0.
+/// they change places. `part` of the dance, in [0, 1]; at 1 it is where it was at 0.
 Joints dancing(double part) {
     const double angle = 2 * std::numbers::pi * part;
     const double sway = std::cos(angle); // 1: on the left foot
@@ -242,7 +240,7 @@ Joints dancing(double part) {
 
 // ---- the bones ----
 
-/// Those of both sides and of the middle, as skin_mesh takes them. The left arm is bent.
+/// Returns the bones of both sides and of the middle in the format of skin_mesh. The left arm is bent.
 std::string bones_text() {
     std::string text = "# The puppet's bones\n"
                        "name,parent,head x,y,z,tail x,y,z,turn about x,y,z (degrees)\n"
@@ -295,7 +293,7 @@ std::string obj_text(const char* heading, const Mesh& mesh, const std::vector<Po
     return text;
 }
 
-/// Whether a mesh can serve as a cage; where not, why.
+/// Tests whether a mesh can serve as a cage; prints the reason if not.
 bool is_sound(const Mesh& mesh, const char* what) {
     const auto report = cageform::check(cageform::TriangleMesh<double>(mesh.vertices, mesh.faces));
     if (report.status != cageform::Status::ok)

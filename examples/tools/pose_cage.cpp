@@ -20,7 +20,7 @@ namespace {
 
 using namespace cageform_examples;
 
-/// Such as ".svg", whatever its letters are.
+/// Returns the ending in lower case, such as ".svg".
 std::string ending_of(const std::string& path) {
     std::string ending = std::filesystem::path(path).extension().string();
     for (char& c : ending) c = c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c;
@@ -51,7 +51,7 @@ SvgResult<std::vector<cageform::Vec<double, D>>> posed(const Arguments& given,
     return pose;
 }
 
-/// Of the cage's document; of a CSV file its bounds.
+/// Returns the view of the cage's document; for a CSV file its bounds.
 SvgResult<ViewBox> view_of(const CageFile& cage) {
     if (cage.name.ends_with(".csv")) {
         PlaneBox box;
@@ -68,11 +68,12 @@ int pose_in_plane(const Arguments& given) {
     if (!cage) return fail(to_string(cage.error()));
     const bool is_svg = ending_of(given.out) == ".svg";
     if (ending_of(given.out) == ".obj")
-        return fail("-o " + given.out + ": the cage lies in the plane: .svg or .csv");
+        return fail("-o " + given.out + ": the cage lies in the plane: write .svg or .csv");
     if (is_svg && cage->has_cells())
-        return fail("-o " + given.out + ": " + given.cage + " has chains or points, which a .csv file holds");
+        return fail("-o " + given.out + ": " + given.cage + " has chains or points, which need a .csv file");
     if (ending_of(given.picture) == ".png")
-        return fail("--picture " + given.picture + ": in the plane an .svg file, with --png also that");
+        return fail("--picture " + given.picture +
+                    ": in the plane the picture is an .svg file; --png renders it too");
     SvgDocument below;
     if (!given.figure.empty()) {
         auto figure = load_svg(given.figure);
@@ -105,7 +106,7 @@ int pose_in_space(const Arguments& given) {
     const auto cage = load_mesh_cage(given.cage);
     if (!cage) return fail(to_string(cage.error()));
     if (!given.out.empty() && ending_of(given.out) != ".obj")
-        return fail("-o " + given.out + ": the cage lies in space: .obj");
+        return fail("-o " + given.out + ": the cage lies in space: write .obj");
     if (ending_of(given.picture) == ".svg" || given.png || !given.figure.empty())
         return fail(given.cage + " lies in space: --picture takes a .png file, without --figure and --png");
     if (const auto why = fault_of_outputs({given.out, given.picture})) return fail(*why);
@@ -119,9 +120,8 @@ int pose_in_space(const Arguments& given) {
 }
 
 int run_program(int argc, char** argv) {
-    CommandLine line("Poses a cage: moves, turns, scales, bends and twists vertices by their numbers or "
-                     "places, in the order "
-                     "given, and draws the numbers.");
+    CommandLine line("Poses a cage: moves, turns, scales, bends and twists vertices, selected by their "
+                     "numbers or positions, in the order given, and draws the numbers.");
     line.set_examples(
         {"cage.svg --figure icon.svg --picture numbers.svg",
          "cage.svg --turn 7-11:-30@v6,12 --move 3:20,40 -o pose.svg --picture pose_numbers.svg"});
@@ -134,7 +134,7 @@ int run_program(int argc, char** argv) {
              "draw the pose and the numbers of its vertices over the cage at rest, to an .svg file; in space "
              "a .png file")
         .ends_with({".svg", ".png"});
-    line.add("--figure", given.figure, "an SVG file that the picture shows below");
+    line.add("--figure", given.figure, "an SVG file to draw below the cage in the picture");
     line.add_flag("--png", given.png, "also render the picture, to the same name with .png");
     line.set_footer(pose_operations_format + std::string("\n") + cage_formats + "\n" + obj_format);
     if (const auto code = line.parse(argc, argv)) return *code;

@@ -3,9 +3,8 @@
 //     skin_mesh character.obj --bones character.bones.csv --weights heat -o skinned.glb --picture skinned.png
 //
 // Writes a skin with the skeleton for engines and viewers (glTF 2.0), which turns from rest into the pose
-// of the bones
-// file and back. Weights are those of bone heat (Baran, Popović 2007) or harmonic on the surface
-// (fields/skin.hpp).
+// of the bones file and back. Weights are those of bone heat (Baran, Popović 2007) or harmonic on the
+// surface (fields/skin.hpp).
 
 #include "cli/bind_report.hpp"
 #include "cli/command_line.hpp"
@@ -33,10 +32,11 @@ using Move = cageform::Transform<double, 3>;
 using Use = GltfDocument::Use;
 
 constexpr const char* bones_format =
-    "A bones file has a line for every bone: name,parent,x,y,z of its head, x,y,z of\n"
-    "its tail, and of its pose x,y,z: an axis through the head, as long as the turn\n"
-    "in degrees; 0,0,0 is no turn. Parents stand before their children, a bone\n"
-    "without one leaves the field empty. Lines that begin with # are skipped.\n";
+    "A bones file has a line for every bone: its name, its parent, x,y,z of its head,\n"
+    "x,y,z of its tail, and x,y,z of its pose. The pose is a turn about the head: the\n"
+    "vector is the axis, and its length is the angle in degrees; 0,0,0 is no turn.\n"
+    "Parents come before their children; a bone without a parent leaves that field\n"
+    "empty. Lines that begin with # are skipped.\n";
 
 constexpr std::size_t no_parent = ~std::size_t{0};
 
@@ -78,7 +78,7 @@ std::string parse_bone(std::string_view line, const std::vector<Bone>& bones, Bo
     if (bone.name.empty()) return "the bone has no name";
     if (number_of(fields[0]) != no_parent) return "there are two bones " + detail::quoted(fields[0]);
     if (!fields[1].empty() && (bone.parent = number_of(fields[1])) == no_parent)
-        return "the parent " + detail::quoted(fields[1]) + " does not stand before its child";
+        return "the parent " + detail::quoted(fields[1]) + " has to come before its child";
     std::array<Point3*, 3> places{&bone.segment.head, &bone.segment.tail, &bone.turn};
     for (std::size_t n = 0; n < 9; ++n) {
         double& number = (*places[n / 3])[n % 3];
@@ -136,7 +136,7 @@ std::vector<Move> pose_of(const std::vector<Bone>& bones) {
 
 // ---- the skin ----
 
-/// Why there are no weights, naming the culprit.
+/// Explains why there are no weights, and names the culprit.
 std::string why_not(const Arguments& given, const ObjFile& figure, const std::vector<Bone>& bones,
                     const cageform::SurfaceSkinReport& report) {
     if (report.mesh.mesh.status != Status::ok) {
@@ -293,7 +293,7 @@ int skin_figure(const Arguments& given, const ObjFile& figure, const std::vector
     if (report.status != Status::ok) return fail(why_not(given, figure, bones, report));
     for (const std::size_t b : report.idle_bones) {
         warn(given.bones + ": " + bones[b].name +
-             " is nearest to no vertex that it could move: all its weights are 0");
+             " is not the nearest bone of any vertex that it could move: all its weights are 0");
     }
     const auto [skin, kept] = cageform::skin_weights(std::span<const double>(made.value), bones.size(),
                                                      {.influences = given.influences});
@@ -316,7 +316,7 @@ int skin_figure(const Arguments& given, const ObjFile& figure, const std::vector
         loss.largest = std::max(loss.largest, off);
     }
     if (loss.share() > StoredLoss::worth_a_warning) {
-        warn(figure.name + ": a skin of " + std::to_string(most) + " bones a vertex is off by " +
+        warn(figure.name + ": a skin of " + std::to_string(most) + " bones per vertex is off by " +
              describe(loss) + "; a larger --skin loses less");
     }
     const auto text = gltf_text(figure, parts, *meshes, bones, skin,
@@ -363,25 +363,29 @@ int run_program(int argc, char** argv) {
         {"character.obj --bones character.bones.csv -o skinned.glb",
          "character.obj --bones character.bones.csv --weights heat -o skinned.glb --picture skinned.png"});
     Arguments given;
-    line.add("figure", given.figure, "the OBJ file: a mesh, best a closed one").required();
+    line.add("figure", given.figure, "the OBJ file: a mesh, preferably closed").required();
     line.add("--bones", given.bones, "its bones: a CSV file").required();
     line.add("--weights", given.weights,
-             "heat (of the nearest bone that a vertex sees) or harmonic (1 on the middle "
-             "third of each bone, harmonic between)")
+             "heat (from the nearest bone that a vertex sees) or harmonic (1 on the middle third of each "
+             "bone, harmonic between)")
         .one_of({"heat", "harmonic"})
         .show_default();
-    line.add("--skin", given.influences, "bones a vertex at most, in the file").range(1, 16).show_default();
+    line.add("--skin", given.influences, "the largest number of bones per vertex in the file")
+        .range(1, 16)
+        .show_default();
     line.add_flag("--see-through", given.sees_through,
-                  "of heat: every vertex sees its nearest bone, as where the mesh is not closed");
+                  "heat: every vertex sees its nearest bone, as if the mesh were not closed");
     line.add("-o,--output", given.out, "the file to write: .glb or .gltf")
         .required()
         .ends_with({".glb", ".gltf"});
     line.add("--picture", given.picture, "also draw the figure at rest and posed to a PNG file")
         .ends_with({".png"});
     given.view.add_options(line);
-    line.add("--blue", given.blue, "the bone whose weight is painted blue; else the one that turns the most");
-    line.add("--red", given.red, "the bone whose weight is painted red; else the parent of the blue one");
-    line.add_flag("--report", given.report, "print flips, hidden vertices, what the file's skin leaves out");
+    line.add("--blue", given.blue,
+             "the bone whose weight is painted blue; by default the one that turns most");
+    line.add("--red", given.red,
+             "the bone whose weight is painted red; by default the parent of the blue one");
+    line.add_flag("--report", given.report, "print flips, hidden vertices and the error of the file's skin");
     line.set_footer(obj_format + std::string("\n") + bones_format);
     if (const auto code = line.parse(argc, argv)) return *code;
 

@@ -189,7 +189,7 @@ TEST_CASE("a handle on its key has the slope towards the next point", "[animate]
     const auto slope_of = [](const auto& p, const auto& q) { return (q[1] - p[1]) / (q[0] - p[0]); };
     CHECK(BezierFunction(curve).derivative(curve.begin()) ==
           Approx(slope_of(curve.points[0], curve.points[2])).epsilon(1e-9));
-    // The same from the other end.
+    // Repeats this from the other end.
     BezierCurve back;
     for (std::size_t k = 0; k < 4; ++k)
         back.points[k] = {curve.points[0][0] + curve.points[3][0] - curve.points[3 - k][0],

@@ -366,7 +366,7 @@ TEST_CASE("a turn in the plane: by the angle, about the pivot, as stiff as it wa
 }
 
 TEST_CASE("half way between turned poses a cage keeps its size", "[animate][clip][rigid]") {
-    // What tracks of vertices alone would not do.
+    // Tests a case that tracks of vertices alone do not cover.
     std::vector<PiecewiseCubic<double>> curves;
     for (const double x : {-1.0, 0.0, 1.0, 0.0})
         curves.push_back(track_of<double>({key(0, x), key(1, x)}).curve);

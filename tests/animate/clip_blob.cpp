@@ -120,11 +120,11 @@ TEMPLATE_TEST_CASE("an opened clip plays the bits of the clip, without an alloca
         const auto clip = random_clip<T, D>(random, vertices, seed % 3 == 0);
         const auto packed = pack_clip(clip);
         REQUIRE(packed.report.status == Status::ok);
-        CHECK(packed.report.bytes == packed.clip.bytes().size());
+        CHECK(packed.report.bytes == packed.value.bytes().size());
         CHECK(packed.report.unquantised_bytes == packed.report.bytes);
         CHECK(packed.report.quantised == 0);
         CHECK(packed.report.distance == 0);
-        Aligned file(packed.clip.bytes()); // elsewhere, exactly as long
+        Aligned file(packed.value.bytes()); // elsewhere, exactly as long
         const auto times = times_of_play<T>(random);
         std::vector<cageform::Lanes<T>> memory(clip.view().cursor_rows());
         std::vector<Vec<T, D>> expected(vertices), pose(vertices);
@@ -132,9 +132,9 @@ TEMPLATE_TEST_CASE("an opened clip plays the bits of the clip, without an alloca
         bool same = true;
         const std::size_t before = allocations;
         const auto opened = open_clip<T, D>(file.bytes());
-        auto player = opened.clip.make_cursor(memory);
+        auto player = opened.value.make_cursor(memory);
         for (const T time : times) {
-            opened.clip.sample(time, player, pose);
+            opened.value.sample(time, player, pose);
             clip.sample(time, cursor, expected);
             same = same && std::memcmp(pose.data(), expected.data(), vertices * sizeof(pose[0])) == 0;
         }
@@ -142,11 +142,11 @@ TEMPLATE_TEST_CASE("an opened clip plays the bits of the clip, without an alloca
         CHECK(after == before);
         REQUIRE(opened.status() == Status::ok);
         CHECK(same);
-        CHECK(opened.bytes == packed.clip.bytes().size());
-        CHECK(opened.clip.vertex_count() == vertices);
-        CHECK(opened.clip.begin() == clip.begin());
-        CHECK(opened.clip.end() == clip.end());
-        CHECK(opened.clip.cursor_rows() == memory.size());
+        CHECK(opened.report.bytes == packed.value.bytes().size());
+        CHECK(opened.value.vertex_count() == vertices);
+        CHECK(opened.value.begin() == clip.begin());
+        CHECK(opened.value.end() == clip.end());
+        CHECK(opened.value.cursor_rows() == memory.size());
     };
     for (const std::size_t vertices : std::array<std::size_t, 3>{1, 5, 24}) {
         test(std::integral_constant<std::size_t, 2>{}, vertices);
@@ -171,7 +171,7 @@ TEST_CASE("a cursor with memory of its own is copied with it; one in the caller'
     clip.sample(3.0, given, expected);
     CHECK(b == expected);
     CHECK(given.memory().data() == memory.data());
-    // Of another clip it is made one in place.
+    // A cursor can be started again in place for another clip.
     const auto other = random_clip<double, 2>(random, 5);
     auto of_other = other.make_cursor();
     std::vector<Vec<double, 2>> few(5), few_expected(5);

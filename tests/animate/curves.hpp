@@ -97,8 +97,7 @@ inline BezierCurve random_curve(Random& random, double margin = 0.02) {
 }
 
 /// The axis-wise map of a curve to keys at (0, 0) and (1, 1), and back. Where both keys have the same
-/// value, time
-/// is added to the value instead, which changes no error of a fit.
+/// value, time is added to the value instead, which changes no error of a fit.
 struct NormalForm {
     BezierCurve curve;
     double begin = 0, length = 1; ///< of time

@@ -65,7 +65,7 @@ TEST_CASE("every tolerance is met", "[animate][fit][tolerance][property]") {
     const Eigen::VectorXd v =
         Eigen::Map<const Eigen::VectorXd>(result.value.bernstein.data(), long(result.value.bernstein.size()));
     CHECK((conditions.a * v - conditions.d).lpNorm<Eigen::Infinity>() <= 1e-9 * height);
-    // The same as of those knots.
+    // The result equals that of a fit with those knots given.
     const auto again = cageform::fit_pieces(curve, result.value.parameters, options);
     REQUIRE(again.status() == Status::ok);
     CHECK(again.report.sup_error == Approx(result.report.sup_error).epsilon(1e-9).margin(1e-14 * height));

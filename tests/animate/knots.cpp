@@ -19,8 +19,8 @@ namespace {
 
 using Row = std::array<double, 6>; // for 1 … 6 pieces
 
-/// W12 errors of the source's Figs 5.7-5.16, values 10 times as large. One misprint corrected (9, one piece:
-/// 7.0822398) and one rounding tie (5, six pieces: 0.325160).
+/// W12 errors of the source's Figs 5.7-5.16, values 10 times as large. One misprint corrected (9, one
+/// piece: 7.0822398) and one rounding tie (5, six pieces: 0.325160).
 constexpr std::array<Row, 10> captions{{{0.332205, 0.139628, 0.020630, 0.012149, 0.005250, 0.003255},
                                         {3.155436, 0.762679, 0.174709, 0.047817, 0.030304, 0.017030},
                                         {5.550946, 1.480575, 0.447404, 0.227038, 0.126482, 0.055435},
@@ -252,7 +252,8 @@ TEST_CASE("the source's heuristic comes near the optimum of two pieces", "[anima
         REQUIRE(search.status() == Status::ok);
         REQUIRE(search.value.parameters.size() == 3);
         const auto fit = cageform::fit_pieces(test_curves[c], search.value.parameters, options);
-        // Of several valleys it may follow a wrong one: curves 3, 5, 7, 9, 10, steep in the middle.
+        // With several minima it may follow a wrong one: curves 3, 5, 7, 9, 10, which are steep in the
+        // middle.
         const bool steep = c == 2 || c == 4 || c == 6 || c >= 8;
         CHECK(fit.report.w12_error() <= optimum[c][1] * (steep ? 1.2 : 1) + 1e-5);
         CHECK(search.report.trials <= 8 * 9);

@@ -58,7 +58,7 @@ constexpr T not_a_number = std::numeric_limits<T>::quiet_NaN();
 template <class T>
 constexpr T infinity = std::numeric_limits<T>::infinity();
 
-/// Of each state some, at known indices.
+/// Makes some points of each state, at known indices.
 template <class T>
 Points2<T> mixed_points() {
     return {{1, 1},                          // 0
@@ -190,8 +190,8 @@ private:
     cageform::CageReport report_;
 };
 
-/// Mean value coordinates made worse: weights below a threshold are dropped, as sparsification does, and the
-/// first is changed by a little.
+/// Mean value coordinates made worse: weights below a threshold are dropped, as sparsification does, and
+/// the first is changed by a little.
 template <class T>
 class Thinned : public Mean<T> {
 public:
@@ -381,8 +381,7 @@ TEMPLATE_TEST_CASE("points outside can follow the nearest boundary point", "[bin
         CAPTURE(i);
         const auto offset = cageform::vec_cast<double>(outside[i]) - cageform::vec_cast<double>(nearest[i]);
         // The weights are those of an edge, so their rounding, of the places over the edge's length, does
-        // not count
-        // but along the edge.
+        // not count but along the edge.
         CHECK(distance(moved[i], cageform::vec_cast<double>(followed[i]) + offset) <=
               64 * double(epsilon<T>) * (size_of(pose) + size_of(outside)));
     }
@@ -495,8 +494,8 @@ TEMPLATE_TEST_CASE("restoring linear precision changes weights as little as can 
     REQUIRE(left.report.status == Status::ok);
     REQUIRE(restored.report.status == Status::ok);
 
-    // The change of least norm, by another way: the minimum-norm solution of the three equations. Lengths are
-    // taken from the middle of the cage in its size, as the library says it does.
+    // The change of least norm, by another way: the minimum-norm solution of the three equations.
+    // Lengths are taken from the middle of the cage in its size, as the library says it does.
     const auto bounds = cageform::bounds_of(cage.vertices());
     const auto middle = cageform::vec_cast<double>(T(0.5) * (bounds.lower + bounds.upper));
     const double size = double(bounds.diagonal());

@@ -81,8 +81,8 @@ void check_same(const C& coordinates, const Points& points, StreamedPackOptions 
 
 } // namespace
 
-TEMPLATE_TEST_CASE("pack of coordinates and points makes what bind and pack make", "[binding][pack][property]",
-                   CAGEFORM_SCALARS) {
+TEMPLATE_TEST_CASE("pack of coordinates and points makes what bind and pack make",
+                   "[binding][pack][property]", CAGEFORM_SCALARS) {
     using T = TestType;
     for (std::uint64_t seed = 0; seed < 3; ++seed) {
         CAPTURE(seed);
@@ -132,7 +132,7 @@ TEST_CASE("few points are bound packed without keeping functions", "[binding][pa
                                          PackOptions{.format = WeightFormat::scalar, .threshold = 1e-3});
     CHECK(std::equal(packed.value.bytes().begin(), packed.value.bytes().end(), expected.value.bytes().begin(),
                      expected.value.bytes().end()));
-    // What is told beforehand: no functions, and a result that is no larger.
+    // The memory estimated beforehand has no functions, and a result that is no larger.
     const auto memory = pack_memory(coordinates, points.size());
     CHECK(memory.solver > 0);
     CHECK(memory.functions == 0);

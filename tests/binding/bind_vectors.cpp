@@ -84,7 +84,7 @@ TEMPLATE_TEST_CASE("an affine pose moves every bound vector by its linear part",
     auto points = points_within(coordinates, seed);
     // Into a sharp corner the grid sees no way.
     if constexpr (std::is_same_v<TestType, Harmonic<T>>) points.front() = points.back();
-    // Of whatever length: what is lost is relative to it, and to what the weights are made of.
+    // Vectors have any length: the error is relative to it, and to the terms of the weights.
     const double length = seed % 2 == 0 ? 1 : 1e-4;
     const auto vectors = random_points<T, D>(points.size(), length, seed + 1);
     const auto [binding, report] = bind_vectors(coordinates, points, vectors);
@@ -109,7 +109,7 @@ TEMPLATE_TEST_CASE("an affine pose moves every bound vector by its linear part",
                   64 * double(epsilon<T>) * gross);
         }
     }
-    // What the weights miss of Σw = 0 and Σwc = t is in the report.
+    // The report has the residuals of Σw = 0 and Σwc = t.
     for (std::size_t i = 0; i < points.size(); ++i) {
         std::vector<T> row;
         for (std::size_t h = 0; h < handles.size(); ++h) row.push_back(binding.weight(i, h));

@@ -203,7 +203,7 @@ TEST_CASE("a figure is solved once, and the report says by whom", "[figure][harm
         CHECK(report.points.solver.seconds > 0);
         CHECK(report.points.solver.seconds == report.vectors.solver.seconds);
         CHECK(report.points.solver.solves == coordinates.handles().size());
-        // What was solved before is not solved again.
+        // Functions that are solved already are not solved again.
         const auto before = coordinates.solve();
         const auto again = cageform::bind(coordinates, FigurePoints{points, normals});
         CHECK(again.report.points.solver.seconds == before.solver.seconds);

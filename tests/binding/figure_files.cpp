@@ -1,5 +1,5 @@
-// What else one file of a figure holds: clips, levels of less detail, and bindings in full precision that
-// an editor goes on with.
+// Tests the other contents of a figure file: clips, levels of less detail, and bindings in full
+// precision for editors.
 #include "../support/allocation_count.hpp"
 #include "../support/figures.hpp"
 #include "../support/keys.hpp"

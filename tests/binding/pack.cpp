@@ -1,4 +1,5 @@
-// Packing: what must stay (rest, affine poses, the largest weights), and that the report tells what did not.
+// Packing: what must stay (rest, affine poses, the largest weights), and that the report tells what did
+// not.
 #include "../support/larger.hpp"
 #include "../support/meshes.hpp"
 #include "../support/packed.hpp"
@@ -385,7 +386,7 @@ std::vector<double> distances(const Binding<T, D>& binding, const cageform::Pack
     return largest;
 }
 
-/// What the sums of two clones may round: as in the test of errors above.
+/// The rounding of the sums of two clones, as in the test of errors above.
 template <class T, std::size_t D>
 double rounding_of_clones(const std::vector<Vec<T, D>>& handles,
                           const std::vector<std::vector<Vec<T, D>>>& poses, double error) {
@@ -419,7 +420,7 @@ TEMPLATE_TEST_CASE("a tolerance over poses is kept by the clones, in every forma
         const auto [packed, report] = pack(bound.binding, options);
         CHECK(report.poses == poses.size());
         if (format && *format != WeightFormat::scalar && report.status != Status::ok) {
-            // What is said to be reachable is.
+            // The distance reported as reachable can be reached.
             REQUIRE(report.status == Status::format_too_coarse);
             CHECK(packed.bytes().empty());
             CHECK(report.distance.value > tolerance);

@@ -1,4 +1,4 @@
-// What functions that bind tell of their progress; core/running.cpp has the others.
+// Tests the progress of functions that bind; core/running.cpp tests the others.
 #include "../support/progress.hpp"
 #include "../catch.hpp"
 #include "../support/bindings.hpp"

@@ -1,6 +1,5 @@
 // Rebinding: what stands where it stood keeps its weights bit for bit, the rest is near what a new bind
-// would give, linear
-// functions are met, and the report tells where not to rely on it.
+// would give, linear functions are met, and the report tells where not to rely on it.
 #include "../support/bindings.hpp"
 #include "../support/larger.hpp"
 #include "../support/meshes.hpp"
@@ -38,8 +37,8 @@ using Points = std::vector<Vec<T, D>>;
 constexpr double clearance = 0.05; // diagonals between a plane figure and its cage
 
 /// A random cage and a figure in it: in the plane a lattice shaken by a quarter of its width `spacing`,
-/// away from the cage; in
-/// space a bumpy sphere. `middles` are those of its edges; in the plane, of points and one that is near.
+/// away from the cage; in space a bumpy sphere. `middles` are those of its edges; in the plane, of points
+/// and one that is near.
 template <class T, std::size_t D>
 struct Figure {
     Points<T, D> handles, points, middles;
@@ -272,12 +271,9 @@ TEST_CASE("of old points in one place the one of the same number is taken, else 
 }
 
 // The error of interpolation is at most Σ|s| |q − p|² / 2 times the second derivatives of the weights; mean
-// value coordinates
-// have some of c / δ² at the distance δ from the cage, c about one in all. So it is a small multiple of
-// (spacing / δ)², and a
-// figure twice as dense has a quarter of it. 0.25 was measured at most in the plane, 0.08 in space, and 3.8
-// to 4.1 for the
-// ratio of means.
+// value coordinates have some of c / δ² at the distance δ from the cage, c about one in all. So it is a
+// small multiple of (spacing / δ)², and a figure twice as dense has a quarter of it. 0.25 was measured at
+// most in the plane, 0.08 in space, and 3.8 to 4.1 for the ratio of means.
 TEMPLATE_TEST_CASE("added points have weights near those of a new bind, to second order in the spacing",
                    "[rebind][order]", Float2, Double2, Float3, Double3) {
     using T = typename TestType::T;

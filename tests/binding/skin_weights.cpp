@@ -76,7 +76,7 @@ bool contains(const Indices& list, std::size_t i) {
     return std::find(list.begin(), list.end(), i) != list.end();
 }
 
-/// What holds for every skin, and the figures of its report worked out again.
+/// Checks laws of every skin, and computes the numbers of its report again.
 template <class T, std::size_t D>
 void check_skin(const Binding<T, D>& binding, const SkinWeights& skin, const SkinWeightsReport& report,
                 std::size_t influences) {

@@ -448,7 +448,7 @@ TEMPLATE_TEST_CASE("check accepts walls a little more than rounding apart", "[ca
         const Points2<T> wedge{{0, 0}, {1, 0}, {1, 1}, {x + g, 1}, {x, T(0.2)}, {x, 1}, {0, 1}};
         check_faults<T>(cut, {}, Status::ok, {});
         check_faults<T>(wedge, {}, Status::ok, {});
-        // The same, turned on its side and slanted.
+        // Repeats this with the shape turned on its side and slanted.
         for (auto shape : {cut, wedge}) {
             for (auto& p : shape) p = {p[1] - p[0] / 3, -p[0]};
             check_faults<T>(shape, {}, Status::ok, {});

@@ -77,7 +77,7 @@ TEST_CASE("orientation is that of whole numbers", "[cage][orientation][property]
         zeros += expected == 0;
         CHECK(orientation(a, b, c) == expected);
         CHECK(orientation(b, a, c) == -expected);
-        // The same at the ends of the range, where products leave it.
+        // Repeats this at the ends of the range, where products overflow or underflow.
         for (const int exponent : {-900, -400, 400, 900}) {
             const double scale = std::ldexp(1.0, exponent);
             CHECK(orientation(scale * a, scale * b, scale * c) == expected);

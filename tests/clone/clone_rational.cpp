@@ -142,7 +142,7 @@ TEMPLATE_TEST_CASE("packed bindings clone rationally as their weights in effect 
     const auto pose = random_points<T, 3>(60, 10, 44);
     const auto weights = random_weights<T>(60, 1, 45);
     const auto exact = rational(binding, pose, weights);
-    // What rounding a weight to 24, 11, 15 and 7 bits comes to with points that hear six handles.
+    // The error of rounding a weight to 24, 11, 15 and 7 bits, for points with six handles.
     const double bounds[] = {1e-4, 0.05, 0.05, 1.0};
     int formats = 0;
     for (const WeightFormat format :
@@ -179,17 +179,17 @@ TEMPLATE_TEST_CASE("rational clones by threads and in pieces are the same bits",
     const auto check = [&](const auto& any) {
         const auto fit = rational_view(any);
         REQUIRE(fit.status() == Status::ok);
-        const auto expected = rational(fit.binding, pose, weights);
+        const auto expected = rational(fit.value, pose, weights);
         std::vector<Vec<T, 2>> out(3000);
-        CHECK(cageform::clone_rational(fit.binding, pose, weights, out, cageform::ThreadedFor{3}) ==
+        CHECK(cageform::clone_rational(fit.value, pose, weights, out, cageform::ThreadedFor{3}) ==
               Status::ok);
         CHECK(out == expected);
         std::fill(out.begin(), out.end(), Vec<T, 2>{});
         const auto before = allocations.load();
-        CHECK(cageform::clone_rational(fit.binding, pose, weights, out, backwards) == Status::ok);
+        CHECK(cageform::clone_rational(fit.value, pose, weights, out, backwards) == Status::ok);
         CHECK(allocations.load() == before);
         CHECK(out == expected);
-        STATIC_REQUIRE(noexcept(cageform::clone_rational(fit.binding, pose, weights, out)));
+        STATIC_REQUIRE(noexcept(cageform::clone_rational(fit.value, pose, weights, out)));
     };
     check(binding);
     check(packed);

@@ -142,7 +142,7 @@ TEST_CASE("normals are those of the deformed surface, mean value", "[clone][norm
     for (auto& v : cage.vertices) v = random.uniform(1.0, 1.3) * v;
     Mean3<double> coordinates(cage.mesh<double>());
     CHECK(worst_angle(coordinates, 1e-4, 0.3, seed) <= 1e-4);
-    // Of float points differences are too rough themselves to ask for more.
+    // Differences of float points are too inexact for a stricter bound.
     Mean3<float> of_floats(cage.mesh<float>());
     CHECK(worst_angle(of_floats, 1e-2, 0.3, seed) <= 0.1);
 }
@@ -427,7 +427,7 @@ TEST_CASE("bindings that do not belong together are refused, and outputs are lef
     CHECK(clone_jacobians(std::array{view, another_cage.view(), view}, pose, jacobians) ==
           Status::pose_size_differs);
     CHECK(matrices == std::vector<float>(9 * 70));
-    // The same numbers elsewhere in memory are the same order.
+    // Equal numbers elsewhere in memory are the same order.
     auto second = view;
     second.order = order.data();
     CHECK(clone_normals(std::array{view, second}, pose, normals) == Status::ok);

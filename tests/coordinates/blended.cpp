@@ -136,8 +136,7 @@ TEMPLATE_TEST_CASE(
 
 TEST_CASE("blended weights are smooth across the boundary of a cage", "[coordinates][blended]") {
     // Second differences across x = 1, where the second cage begins: bounded where the slope is continuous,
-    // of order
-    // 1/h where it jumps.
+    // of order 1/h where it jumps.
     const auto coordinates = pair_of_cages<MeanValueCoordinates<double, 2>>();
     for (const double h : {1e-2, 1e-3}) {
         const Points2<double> points{{1 - h, 0.4}, {1, 0.4}, {1 + h, 0.4}};

@@ -49,7 +49,8 @@ void check_bind(const C& coordinates, const Points3<double>& points, bool exact)
     const double size = double(bounds.diagonal()) + double(bounds.magnitude());
     CHECK(report.partition_error.value <= 1e-11);
     CHECK(report.reproduction_error.value <= 1e-11 * size);
-    // What the weights missed before they were restored: closed forms nothing, solvers their tolerance.
+    // Before restoring, weights of closed forms are exact, and those of solvers miss their tolerance at
+    // most.
     CHECK(report.residual_restored.value <=
           (exact ? 1e-7 : 1e-5 * double(coordinates.handles().size())) * size);
     if (!exact) CHECK(report.least_weight.value >= -1e-4);

@@ -148,8 +148,7 @@ TEMPLATE_TEST_CASE("weights are the unit row on a vertex", "[coordinates][proper
         CHECK(weights.states[i] == PointState::on_boundary);
         if constexpr (is_barycentric<TestType>) {
             // An affine function evaluated: roundings of vertices up to 3 diagonals from the origin, over
-            // heights
-            // of a third of it.
+            // heights of a third of it.
             CHECK(difference(weights.rows[i], unit) <= 32 * double(epsilon<T>));
         } else {
             CHECK(weights.rows[i] == unit);
@@ -252,8 +251,7 @@ TEMPLATE_TEST_CASE("weights go with a cage that is moved, turned, scaled or mirr
     REQUIRE(after.status() == Status::ok);
     CHECK(before.states == after.states);
     // Both places are rounded by epsilon · size, and a weight changes by at most a small multiple of 1 /
-    // clearance
-    // per diagonal.
+    // clearance per diagonal.
     const double rounding =
         double(epsilon<T>) * (size_of(vertices) / diagonal + size_of(moved_vertices) / (scale * diagonal));
     for (std::size_t i = 0; i < points.size(); ++i) {
@@ -293,13 +291,11 @@ TEMPLATE_TEST_CASE("weights go with a loop that runs backwards or starts elsewhe
             CAPTURE(back, n, text(expected), text(after.rows[n]));
             if constexpr (is_harmonic<TestType>) {
                 // Values of the boundary data differ in their last bits, and with them the last cycle,
-                // which may end
-                // with an error of 1e-12 or somewhat more.
+                // which may end with an error of 1e-12 or somewhat more.
                 CHECK(difference(expected, after.rows[n]) <= 1e-8);
             } else {
                 // No place is rounded anew; what remains is the order of sums and products. Outside points
-                // see the
-                // cage from at most 15 diagonals.
+                // see the cage from at most 15 diagonals.
                 CHECK(difference(expected, after.rows[n]) <=
                       128 * double(epsilon<T>) * absolute_sum(expected));
             }
@@ -310,8 +306,7 @@ TEMPLATE_TEST_CASE("weights go with a loop that runs backwards or starts elsewhe
 TEST_CASE("harmonic weights go with a cage that is mirrored or turned by a right angle",
           "[coordinates][harmonic][invariance]") {
     // The grid turns with the cage; other angles give another staircase. In float the cage's extreme
-    // vertices,
-    // which lie on lines of the grid, may fall into other cells.
+    // vertices, which lie on lines of the grid, may fall into other cells.
     const auto seed = GENERATE(seeds(effort(10, 2)));
     CAPTURE(seed);
     Random random(std::uint64_t(seed) + 500);
@@ -369,8 +364,7 @@ TEMPLATE_TEST_CASE("in a triangle every type is barycentric", "[coordinates][pro
         CHECK(difference(expected.rows[i], mean.rows[i]) <=
               16 * double(epsilon<T>) * size_of(cage.vertices()) / height);
         // Boundary cells hold values from up to √½ cells off, a sample leaves out cells up to √2 off; 1e-3
-        // for the
-        // sweeps.
+        // for the sweeps.
         CHECK(difference(expected.rows[i], harmonic.rows[i]) <= 2.13 * spacing / height + 1e-3);
     }
 }

@@ -17,8 +17,7 @@ template <class T>
 using Green2 = GreenCoordinates<T, 2>;
 
 /// A plane file of reference values: the weights of the vertices and of the edges' unit normals, with
-/// lengths in the
-/// file's unit.
+/// lengths in the file's unit.
 struct PlaneFile {
     Points2<double> vertices, points;
     std::vector<std::size_t> loops;

@@ -38,9 +38,8 @@ std::vector<double> expected_row(const Green3<double>& green, const std::vector<
 }
 
 /// The closed form in long double, number by number: of points inside. Both faces of an edge take their
-/// distances from
-/// the vector to the edge's line, seen from its nearer end, without which even this loses half its digits
-/// there.
+/// distances from the vector to the edge's line, seen from its nearer end, without which even this loses
+/// half its digits there.
 template <class T>
 std::vector<L> by_definition(const Green3<T>& green, const Vec<T, 3>& at) {
     const auto unit = [](const Vec<L, 3>& v) { return (1 / std::sqrt(dot(v, v))) * v; };

@@ -61,10 +61,9 @@ const Points2<T> square{{0, 0}, {1, 0}, {1, 1}, {0, 1}};
 TEMPLATE_TEST_CASE("harmonic weights come near the oracle as the grid becomes finer",
                    "[coordinates][harmonic][oracle]", CAGEFORM_SCALARS) {
     // A boundary cell holds data from up to √½ cells off, so the error is of first order at points a few
-    // cells away
-    // from the boundary. Next to a corner it does not fall before the cells are smaller than the distance
-    // (the
-    // oracle has points at 1e-4 of the cage). Largest errors measured at these resolutions, over all points:
+    // cells away from the boundary. Next to a corner it does not fall before the cells are smaller than the
+    // distance (the oracle has points at 1e-4 of the cage). Largest errors measured at these resolutions,
+    // over all points:
     //   triangle, squares, rectangle: 0.027, 0.021, 0.014     hexagon: 0.036, 0.021, 0.0071
     //   others, not next to corners:  0.17,  0.063, 0.045     next to corners: 0.31, 0.072, 0.11
     // They follow from the cages' place on the grid, not from the seed of anything; the bounds are twice as
@@ -136,12 +135,10 @@ TEMPLATE_TEST_CASE("harmonic weights are in [0, 1] and sum to 1", "[coordinates]
         CHECK(*std::min_element(weights.rows[i].begin(), weights.rows[i].end()) >= T(0));
         CHECK(*std::max_element(weights.rows[i].begin(), weights.rows[i].end()) <= 1 + 4 * epsilon<T>);
         // The sweeps end when a cell changes by `tolerance` in the mean; the way left is longer than that
-        // by the
-        // square of the cells across.
+        // by the square of the cells across.
         CHECK(std::fabs(double(sum_of(weights.rows[i]) - 1)) <= 40 * 40 * tolerance);
         // Values lie up to √½ cells off their place at the boundary, a sample leaves out cells up to √2 off
-        // or
-        // looks up one up to √½ off; the maximum principle does the rest.
+        // or looks up one up to √½ off; the maximum principle does the rest.
         CHECK(distance(combine(weights.rows[i], cage.vertices()), points[i]) <= (2.13 + 0.01) * h);
     }
 }
@@ -284,8 +281,7 @@ TEST_CASE("every point inside is reached, by the coarsest grid too", "[coordinat
 TEST_CASE("harmonic coordinates sample the nearest cell or between cells",
           "[coordinates][harmonic][sample]") {
     // 20 cells, margin of 2 on each side: the unit square takes 16 cells a side, the 16 about its border
-    // and the
-    // ones beyond being boundary.
+    // and the ones beyond being boundary.
     const auto weight = [](Interpolation interpolation, Vec<double, 2> p) {
         const Harmonic<double> coordinates(square<double>, {.solver = pyramid,
                                                             .resolution = 20,
@@ -310,8 +306,7 @@ TEST_CASE("harmonic coordinates sample the nearest cell or between cells",
 
 TEST_CASE("a square's harmonic weights are bilinear but for the staircase", "[coordinates][harmonic]") {
     // The boundary cells at either side of the border (the border runs along cell faces) hold its data, so
-    // the
-    // solution is that of a square smaller by half a cell.
+    // the solution is that of a square smaller by half a cell.
     const Harmonic<double> coordinates(
         square<double>, {.solver = pyramid, .resolution = 36, .averaging = {.tolerance = 1e-13}});
     const auto points = points_inside(Polygon<double>(square<double>), 200, 4);
@@ -568,8 +563,8 @@ TEST_CASE("in space the papers' weights are in [0, 1], sum to 1 and are a diagon
     REQUIRE(weights.status() == Status::ok);
     const double h = cell_of(mesh, 20), size = size_of(mesh.vertices());
     // Values lie up to half a diagonal off their place at the boundary, as does what is looked up in a
-    // cell; between
-    // cells a sample leaves out some up to a diagonal off. The maximum principle does the rest.
+    // cell; between cells a sample leaves out some up to a diagonal off. The maximum principle does the
+    // rest.
     const double most = interpolation == Interpolation::nearest_cell ? std::sqrt(3.0) : 1.5 * std::sqrt(3.0);
     std::size_t inside = 0;
     for (std::size_t i = 0; i < points.size(); ++i) {

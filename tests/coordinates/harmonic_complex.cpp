@@ -132,8 +132,8 @@ TEST_CASE("on interior cells the weights are their hat functions", "[coordinates
 TEST_CASE("a ball in a ball, and a disc in a disc, have the known potential",
           "[coordinates][harmonic][complex]") {
     // The weight of a vertex of radius a in the middle of a circle of radius b is ln(r/b)/ln(a/b); of a
-    // sphere,
-    // (1/r − 1/b)/(1/a − 1/b). The outlines are polygons of many corners, as large as circle and sphere.
+    // sphere, (1/r − 1/b)/(1/a − 1/b). The outlines are polygons of many corners, as large as circle and
+    // sphere.
     Points2<double> circle;
     constexpr double turn = std::numbers::pi / 24;
     const double outer = std::sqrt(turn / std::sin(turn));

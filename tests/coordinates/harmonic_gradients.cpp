@@ -90,7 +90,8 @@ TEST_CASE("gradients in boxes keep linear precision up to the boundary",
 }
 
 TEST_CASE("gradients converge", "[coordinates][harmonic][gradients]") {
-    // Of the unit square the functions are bilinear; of the hexagon, differences of a finer grid serve.
+    // On the unit square the functions are bilinear; on the hexagon, differences of a finer grid are the
+    // reference.
     const Polygon<double> square(Points2<double>{{0, 0}, {1, 0}, {1, 1}, {0, 1}});
     const std::vector<Vec<double, 2>> points{{0.3, 0.4}, {0.01, 0.7}, {0.99, 0.002}, {0.5, 0}, {0, 0}};
     const auto of_square =

@@ -1,6 +1,5 @@
-// What every harmonic function does: it has no extremum inside, is the mean of its values around, and in
-// rectangles with
-// linear sides is bilinear.
+// Tests laws of harmonic functions: they have no extremum inside, equal the mean of their values around,
+// and are bilinear in rectangles with linear sides.
 #include "catch.hpp"
 #include "pictures/level_lines.hpp"
 #include "support/effort.hpp"
@@ -223,8 +222,8 @@ TEST_CASE("level lines of harmonic functions neither close nor end inside",
 TEST_CASE("harmonic weights are the mean of those on a circle around, and in a disc",
           "[coordinates][harmonic][property]") {
     // Gauss's mean value theorem. A circle by 64 points misses the harmonics from the 64th on, which the
-    // factor 0.9^64
-    // makes small; a disc by rings, by Gauss's rule of two points in the square of the radius.
+    // factor 0.9^64 makes small; a disc by rings, by Gauss's rule of two points in the square of the
+    // radius.
     const double root = std::sqrt(1.0 / 3);
     const std::array rings{std::sqrt((1 - root) / 2), std::sqrt((1 + root) / 2)};
     for (const char* name : names) {

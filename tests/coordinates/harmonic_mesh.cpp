@@ -205,8 +205,8 @@ TEMPLATE_TEST_CASE("the grid tells where points lie as the cage does",
 
 TEST_CASE("weights in meshes converge to the oracle", "[coordinates][harmonic][mesh][oracle]") {
     // Linear data has a crease at every edge, on flat faces as well, and next to a crease or a reflex edge
-    // the grid
-    // is only of order h: the nearest points are within half a cell. A tetrahedron's weights are linear.
+    // the grid is only of order h: the nearest points are within half a cell. A tetrahedron's weights are
+    // linear.
     struct Case {
         const char* name;
         double allowed;

@@ -38,8 +38,8 @@ Points2<T> points_in(const Polygon<T>& cage, std::size_t count, std::uint64_t se
 
 TEST_CASE("multigrid weights converge to the oracle", "[coordinates][harmonic][oracle]") {
     // Largest errors measured at 64, 256 and 1024 cells, and room of a fifth and of the solver's tolerance,
-    // at points
-    // as near as 1e-5 diagonals to a corner. At 64 cells the gap between the biped's legs is two cells wide.
+    // at points as near as 1e-5 diagonals to a corner. At 64 cells the gap between the biped's legs is two
+    // cells wide.
     struct Case {
         const char* name;
         double error_64, error_256, error_1024;

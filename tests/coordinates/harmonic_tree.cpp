@@ -89,8 +89,8 @@ TEST_CASE("adaptive weights are as accurate as asked, in space", "[coordinates][
     for (const char* name : {"cube_triangulated", "box_mixed_diagonals_triangulated", "l_prism_triangulated"})
         CHECK(error_of_oracle(name, 0, 2e-4) <= 2e-4);
 }
-// What one cage has where most of it is large and a part is small: 762 handles, fingers 1.7 thick on a
-// body of 180. Reference values by walks on spheres, to 2.5e-4.
+// Tests a large cage with a small part: 762 handles, fingers 1.7 thick on a body of 180. Reference
+// values come from walks on spheres, to 2.5e-4.
 TEST_CASE("adaptive weights see fingers", "[coordinates][harmonic][tree][oracle]") {
     const Fingers fingers(CAGEFORM_TEST_DATA "/fingers");
     constexpr double accuracy = 5e-3;
@@ -183,8 +183,7 @@ private:
 };
 
 /// How far weights are from the boundary's data at distances of 10^-15, 10^-14, … 10^-3 diagonals, and how
-/// many
-/// points there are.
+/// many points there are.
 struct Approach {
     static constexpr std::size_t distances = 13;
     static double distance(std::size_t n) { return std::pow(10.0, double(n) - 15); }
@@ -214,8 +213,8 @@ struct Approach {
             ++points[at[i]];
         }
     }
-    /// Weights differ from the data by no more than functions rise, and those of these cages do by less than
-    /// 200 a diagonal.
+    /// Weights differ from the data by no more than functions rise, and those of these cages do by less
+    /// than 200 a diagonal.
     void check() const {
         for (std::size_t n = 0; n < distances; ++n) {
             CAPTURE(distance(n));
@@ -257,7 +256,8 @@ TEST_CASE("towards the boundary adaptive weights tend to its data: a table", "[.
     plane.check();
     space.check();
 }
-// What lies on its cage and went through text lies on either side of the boundary, and has its data.
+// After a round trip through text, a point on its cage lies on either side of the boundary, and gets its
+// data.
 TEST_CASE("a figure on its own cage has the data of the boundary, after text of 7 to 17 digits",
           "[coordinates][harmonic][tree][property]") {
     const auto check_figure = [](const auto& cage, std::uint64_t seed, double accuracy) {
@@ -314,7 +314,8 @@ TEST_CASE("adaptive weights of places that see no node of their leaf are as accu
     check_place(1012, {0.008007936337821828, 0.0025524405685436323}, 1e-3);
 }
 
-/// What holds of all weights. On a bone they are those of its axis: about it they reproduce no point.
+/// Checks laws of all weights. On a bone the weights are those of its axis; near the axis they reproduce
+/// no point.
 template <class C, class Points>
 void check_laws(const C& cage, const Points& points, bool has_bones = false) {
     constexpr std::size_t D = C::dimension;
@@ -343,8 +344,8 @@ void check_laws(const C& cage, const Points& points, bool has_bones = false) {
         CHECK(cageform::detail::length(p - vec_cast<double>(points[i])) <= 0.5 * accuracy * size);
     }
     CHECK(inside > 5);
-    // The same bits on any number of threads; from functions that are kept without what is below a
-    // five hundredth of the accuracy, but for float.
+    // The bits are equal on any number of threads. Stored functions drop values below a five hundredth
+    // of the accuracy, except for float.
     const auto threaded = evaluate_all(coordinates, points, {.parallel = cageform::ThreadedFor{3}});
     CHECK(threaded.rows == weights.rows);
     REQUIRE(coordinates.solve().status == Status::ok);
@@ -442,8 +443,8 @@ TEST_CASE("on interior cells adaptive weights are their hat functions",
 }
 TEST_CASE("about a ball in a ball, and a disc in a disc, adaptive weights are the known potential",
           "[coordinates][harmonic][tree][complex]") {
-    // Of a vertex of radius a in the middle of a circle of radius 1: ln r / ln a; of a sphere,
-    // (1/r - 1)/(1/a - 1). The outlines are polygons as large as circle and sphere.
+    // The function of a vertex of radius a in the middle of a circle of radius 1 is ln r / ln a; in a
+    // sphere it is (1/r - 1)/(1/a - 1). The outlines are polygons as large as circle and sphere.
     constexpr double accuracy = 2e-3;
     constexpr int corners = 48;
     constexpr double half = std::numbers::pi / corners;
@@ -803,7 +804,7 @@ TEST_CASE("what an adaptive grid cannot do is refused by name", "[coordinates][h
     CHECK(status(mesh, {.accuracy = -1e-3}) == Status::accuracy_not_supported);
     CHECK(status(mesh, {.accuracy = 1e-9}) == Status::accuracy_not_supported);
     CHECK(status(mesh, {.resolution = 16}) == Status::ok); // the uniform grid
-    // What takes more memory than allowed, with the bytes that it takes.
+    // A cage that needs more memory than allowed is refused with the number of bytes.
     auto plate = divided_box({1, 1, 1}, 1.0);
     for (auto& p : plate.vertices) p[2] *= 1e-5;
     for (const auto& cage : {mesh, plate.mesh<double>()}) {

@@ -121,8 +121,7 @@ TEST_CASE("mean value weights in float are those of the oracle up to the roundin
         REQUIRE(weights.status() == Status::ok);
         // Points and cage move by half an epsilon of their coordinates when they are rounded to float, and
         // weights next to a corner change by 1 over the length of the shorter side; what gets nearer than 8
-        // epsilon
-        // to an edge counts as on it.
+        // epsilon to an edge counts as on it.
         const auto bounds = cageform::bounds_of(cage.vertices());
         double shortest = double(bounds.diagonal());
         cage.for_each_edge(
@@ -160,8 +159,7 @@ TEMPLATE_TEST_CASE("mean value weights are those of the definition", "[coordinat
         const double away = distance(points[i], middle_of(cage)) / diagonal;
         CAPTURE(i, away, text(weights.rows[i]), text(expected));
         // Far away the sum of the w_i is what is left of terms larger by the distance. (The oracle loses
-        // likewise,
-        // but from the epsilon of long double.)
+        // likewise, but from the epsilon of long double.)
         CHECK(difference(weights.rows[i], expected) <=
               8 * std::max(1.0, away) * eps * relative_size * absolute_sum(expected));
     }
@@ -286,8 +284,7 @@ TEMPLATE_TEST_CASE("mean value weights pass continuously into their limits on ed
             if (away > room / 4) continue;
             CAPTURE(n, s, room, away, text(weights.rows[i]), text(limit));
             // 16: how fast weights change, in units of the room; `rounding` for the place, which is off the
-            // edge by
-            // as much, and for the 8 roundings next to the boundary that count as on it.
+            // edge by as much, and for the 8 roundings next to the boundary that count as on it.
             CHECK(difference(weights.rows[i], limit) <=
                   16 * (away + rounding) / room + 8 * double(epsilon<T>));
         }
@@ -339,8 +336,7 @@ TEMPLATE_TEST_CASE("a point in the middle of a thin cage is inside", "[coordinat
 
 TEST_CASE("mean value weights have a continuous derivative", "[coordinates][mean_value][smooth]") {
     // Among the points are those where the implementation changes between its formulas: where the angle
-    // over an
-    // edge is right (on the circle about the edge), and on the edge's line beyond its ends.
+    // over an edge is right (on the circle about the edge), and on the edge's line beyond its ends.
     const auto seed = GENERATE(seeds(effort(40, 8)));
     CAPTURE(seed);
     Random random(std::uint64_t(seed) + 5000);

@@ -1,6 +1,5 @@
 // Gradients of mean value and barycentric coordinates: differences of long double, the laws, and the places
-// where
-// formulas fail.
+// where formulas fail.
 #include "../catch.hpp"
 #include "../support/effort.hpp"
 #include "../support/gradients.hpp"
@@ -24,7 +23,7 @@ using cageform::TriangleMesh;
 namespace {
 
 using Real = long double;
-/// Of doubles differences would lose what long double has, where that is wider.
+/// The rounding of Real. Differences of doubles would lose the digits that a wider long double has.
 constexpr double real_rounding = double(std::numeric_limits<Real>::epsilon()) / 1.1e-19;
 
 /// The textbook's weights.
@@ -73,8 +72,7 @@ std::vector<Real> by_definition(const TriangleMesh<T>& cage, const Vec<Real, 3>&
 }
 
 /// Central differences of fourth order, with a step that is small beside the distance to the boundary. By
-/// row, times the
-/// diagonal.
+/// row, times the diagonal.
 template <class Cage, class T, std::size_t D>
 std::vector<Vec<double, D>> differences(const Cage& cage, const Vec<T, D>& p) {
     const Real size = Real(bounds_of(cage.vertices()).diagonal());

@@ -164,7 +164,7 @@ TEMPLATE_TEST_CASE("on a face the weights are those in its plane", "[coordinates
                   (sizeof(T) == 4 ? 2e-5 : 1e-10));
         }
         if (!seen || by_harmonic.states[i] != PointState::on_boundary) continue;
-        // The same solve in the plane: a lattice as fine gives the same.
+        // Solving in the plane on a lattice of equal cell size gives equal values.
         const auto extent = bounds_of(cage.vertices()).upper - bounds_of(cage.vertices()).lower;
         const auto flat = bounds_of(polygon.vertices()).upper - bounds_of(polygon.vertices()).lower;
         const double longest = double(std::max({extent[0], extent[1], extent[2]}));

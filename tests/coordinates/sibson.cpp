@@ -48,8 +48,8 @@ bool is_exact(const Points<D>& points) {
                        [](const auto& p) { return vec_cast<double>(vec_cast<T>(p)) == p; });
 }
 
-/// Compared in double, and in float. Sites and points that are no floats are moved by rounding, which costs a
-/// digit; places within float's tolerance of a site have that site's row.
+/// Compared in double, and in float. Sites and points that are no floats are moved by rounding, which
+/// costs a digit; places within float's tolerance of a site have that site's row.
 template <class T, std::size_t D>
 void check_weights(const SibsonCoordinates<T, D>& sibson, const Points<D>& sites,
                    const nlohmann::json& entry) {
@@ -73,10 +73,8 @@ void check_weights(const SibsonCoordinates<T, D>& sibson, const Points<D>& sites
 }
 
 /// Its gradients at sites are left out. In the file rounding decides which of two sites has the facet
-/// between a cell
-/// and its mirror image, and that two sites of a flat face lie 1e-16 inside. Here they are those of the
-/// lattice that
-/// was turned, which "does not depend on motion" shows.
+/// between a cell and its mirror image, and that two sites of a flat face lie 1e-16 inside. Here they are
+/// those of the lattice that was turned, which "does not depend on motion" shows.
 constexpr const char* turned_lattice = "grid 2x2x4, turned and rounded to double";
 
 template <class T, std::size_t D>
@@ -105,8 +103,7 @@ void check_file(const std::string& file, int degree) {
 }
 
 /// The parts of degree 3: gradients at sites by the file's own judgement of what lies on the hull, and, by
-/// tips,
-/// what values and gradients count for at a point.
+/// tips, what values and gradients count for at a point.
 template <std::size_t D>
 void check_parts(const std::string& file) {
     for (const auto& set : read_sets(file)) {
@@ -270,7 +267,7 @@ void check_laws(std::uint64_t seed) {
     for (const SibsonOptions options :
          {SibsonOptions{}, SibsonOptions{.degree = 3}, SibsonOptions{.degree = 3, .tips = true}}) {
         CAPTURE(options.degree, options.tips);
-        // Of degree 3 the gradients of many sites meet in a weight, larger than it is.
+        // At degree 3 a weight sums the gradients of many sites, whose terms are larger than the weight.
         const double tolerance = (options.degree == 1 ? 4 : 12) * double(epsilon<T>);
         const SibsonCoordinates<T, D> sibson(sites, options);
         const auto rows = rows_of(sibson, points);
@@ -340,7 +337,7 @@ double clipped_area(const Points<2>& sites, const Vec<double, 2>& p, std::size_t
     return area;
 }
 
-/// The same weights for sites moved, turned, scaled and in another order; to the bit in another order.
+/// Expects equal weights for sites moved, turned, scaled and in another order; in another order to the bit.
 template <std::size_t D>
 void check_invariance(std::uint64_t seed) {
     CAPTURE(seed, D);
@@ -1067,7 +1064,7 @@ TEST_CASE("sibson names what is wrong with its sites", "[coordinates][sibson]") 
     CHECK(bind(taken, sound).report.status == Status::ok);
     CHECK(bind(given, sound).report.status == // NOLINT(bugprone-use-after-move): what is tested
           Status::coordinates_empty);
-    // What is refused binds nothing.
+    // Refused sites bind nothing.
     CHECK(bind(SibsonCoordinates<double, 2>(Points<2>{}), sound).report.status == Status::too_few_vertices);
 }
 

@@ -1,6 +1,5 @@
 // Three-point coordinates: Wachspress, discrete harmonic and those of other functions, against exact
-// values, other types
-// and the laws they share.
+// values, other types and the laws they share.
 #include "catch.hpp"
 #include "support/effort.hpp"
 #include "support/gradients.hpp"
@@ -72,8 +71,7 @@ static_assert(cageform::GradientCoordinates<cageform::DiscreteHarmonicCoordinate
 static_assert(cageform::GradientCoordinates<ThreePointCoordinates<double, Hyperbola>>);
 
 /// A strictly convex polygon of 3 to 12 vertices from edges in the order of their directions; of either
-/// orientation,
-/// moved and scaled (10^-3 … 10^3).
+/// orientation, moved and scaled (10^-3 … 10^3).
 template <class T>
 Polygon<T> random_convex(std::uint64_t seed) {
     Random random(seed);
@@ -98,8 +96,7 @@ Polygon<T> random_convex(std::uint64_t seed) {
 }
 
 /// One over the least sine of an outer angle: A_i and A_{i−1}, each off by a rounding, are those of no
-/// common point, but
-/// of one off by a rounding over that sine.
+/// common point, but of one off by a rounding over that sine.
 template <class T>
 double flatness(const Polygon<T>& cage) {
     double least = 1;

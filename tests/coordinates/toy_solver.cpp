@@ -1,6 +1,5 @@
 // A solver of one's own, added by this file alone: the driver, HarmonicCoordinates, gradients and bind take
-// it as they take
-// the library's.
+// it as they take the library's.
 #include "../catch.hpp"
 #include "../support/effort.hpp"
 #include "../support/gradients.hpp"

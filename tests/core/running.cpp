@@ -1,4 +1,4 @@
-// What every function that may take long tells of its progress, but those that bind (binding/progress.cpp).
+// Tests the progress of all long functions, except those that bind (binding/progress.cpp).
 #include "../catch.hpp"
 #include "../support/keys.hpp"
 #include "../support/meshes.hpp"

@@ -39,7 +39,7 @@ Lanes<T> random_lanes(Random& random) {
     return lanes;
 }
 
-/// The same bits, or both not a number.
+/// Tests whether both have equal bits, or both are not a number.
 template <class T>
 bool same(T a, T b) {
     using Bits = std::conditional_t<sizeof(T) == 4, std::uint32_t, std::uint64_t>;
@@ -75,7 +75,7 @@ TEMPLATE_TEST_CASE("register arithmetic is that of its lanes", "[core][simd][pro
     check_lanes<T>(sqrt(x), [&](std::size_t i) { return std::sqrt(a[i]); });
     check_lanes<T>(max(x, y), [&](std::size_t i) { return a[i] < b[i] ? b[i] : a[i]; });
     check_lanes<T>(min(x, y), [&](std::size_t i) { return a[i] < b[i] ? a[i] : b[i]; });
-    // Of abs only the value is promised: the sign of a zero may stay.
+    // For abs only the value is promised: the sign of a zero may stay.
     const Simd<T> size = abs(x) + Simd<T>(T(0));
     check_lanes<T>(size, [&](std::size_t i) { return std::fabs(a[i]); });
     check_lanes<T>(sqrt(size), [&](std::size_t i) { return std::sqrt(std::fabs(a[i])); });
@@ -136,7 +136,8 @@ TEMPLATE_TEST_CASE("angles of registers", "[core][simd][property]", CAGEFORM_SCA
     Random random{std::uint64_t(seed)};
     Lanes<T> sine, cosine, angles;
     for (std::size_t i = 0; i < lane_count<T>; ++i) {
-        // Of all sizes; and next to the directions where the formula changes: multiples of π/8.
+        // Values have all sizes, and some are next to the directions where the formula changes:
+        // multiples of π/8.
         const double around = random.below(2) == 0 ? random.uniform(0, 3.14159265358979)
                                                    : 0.39269908169872414 * double(random.below(9)) +
                                                          9 * double(epsilon<T>) * random.uniform(-1, 1);
@@ -192,7 +193,8 @@ TEMPLATE_TEST_CASE("logarithms of registers", "[core][simd][property]", CAGEFORM
     Random random{std::uint64_t(seed)};
     Lanes<T> numbers, logs;
     for (T& x : numbers.v) {
-        // Of all sizes; and next to 1, and to where the mantissa is halved.
+        // Values have all sizes, and some are next to 1, and next to the point where the mantissa is
+        // halved.
         const double size = std::pow(2.0, random.uniform(limits::min_exponent, limits::max_exponent - 1));
         x = T(random.below(2) == 0 ? size
                                    : (1 + double(epsilon<T>) * random.uniform(-9, 9)) *

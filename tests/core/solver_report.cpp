@@ -1,4 +1,4 @@
-// What solvers report: sums and worsts over parts, reasons in words.
+// Tests reports of solvers: sums and maxima over parts, and reasons in words.
 #include "../catch.hpp"
 
 #include <cageform/core/types/solver_report.hpp>

@@ -60,7 +60,8 @@ Figure<T> random_figure(std::uint64_t seed) {
     return figure;
 }
 
-/// Sampled along every segment, all places of the figure: the least distance from the cage, negative outside.
+/// Sampled along every segment, all places of the figure: the least distance from the cage, negative
+/// outside.
 template <class T>
 double sampled_clearance(const Polygon<T>& cage, const Figure<T>& figure) {
     double least = std::numeric_limits<double>::infinity();
@@ -108,7 +109,7 @@ TEMPLATE_TEST_CASE("a cage holds its figure at the distance asked for", "[enclos
         const auto box = bounds_of(made.value.vertices());
         CHECK(sampled >= report.clearance - double(coincidence_tolerance(box)));
         CHECK(sampled <= report.clearance + 0.5 * double(box.diagonal())); // a number about this cage
-        // Of a line nearly all is margin, of which a cage may lack a 20th.
+        // Nearly all of the area around a line is margin; the cage may be a 20th smaller.
         CHECK(report.area >= 0.95 * report.tightest_area);
         CHECK(report.least_angle > 10);
         CHECK(report.bridges + 1 >= report.parts);

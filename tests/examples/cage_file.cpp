@@ -70,7 +70,7 @@ TEST_CASE("the blocks of a cage file are loops, chains and points", "[examples][
     expect(3, CageBlock::Kind::loop, {{1, 1}, {2, 1}, {1, 1.5}});
     CHECK((*blocks)[2].radius == 0.5);
 
-    // What only resembles the head of a block is a comment.
+    // A line that only resembles the head of a block is a comment.
     CHECK(parse("# chains\n# points 3\n# Chain\n" + square)->size() == 1);
 }
 
@@ -88,8 +88,9 @@ TEST_CASE("the file and line of a faulty block are named", "[examples][cage]") {
     CHECK(refusal(square + "# chain\n1,1\n2,2\n") == "c.csv:5: an empty line is missing before # chain");
     CHECK(refusal(square + "\n# chain\n# point 1\n1,1\n") ==
           "c.csv:7: an empty line is missing before # point 1");
-    CHECK(refusal(square + "\n# chain\n1,1\n2\n") == "c.csv:8: 1 column where the plane takes two: x,y");
-    CHECK(refusal("0,0,0\n") == "c.csv:1: 3 columns where the plane takes two: x,y");
+    CHECK(refusal(square + "\n# chain\n1,1\n2\n") ==
+          "c.csv:8: 1 column, but a point in the plane has two: x,y");
+    CHECK(refusal("0,0,0\n") == "c.csv:1: 3 columns, but a point in the plane has two: x,y");
     CHECK(refusal("0,\n") == "c.csv:1: not a number: \"\"");
     CHECK(refusal("# chain\n1,1\n2,2\n") == "c.csv: holds no loop");
     CHECK(refusal("# nothing\n\n") == "c.csv: holds no points");
@@ -143,7 +144,7 @@ TEST_CASE("points are read with the columns of the cage", "[examples][cage]") {
     std::array<double, 3> p{};
     CHECK(detail::parse_point<3>("1, +2 ,-3e1", p).empty());
     CHECK(p == std::array<double, 3>{1, 2, -30});
-    CHECK(detail::parse_point<3>("1,2", p) == "2 columns where space takes three: x,y,z");
+    CHECK(detail::parse_point<3>("1,2", p) == "2 columns, but a point in space has three: x,y,z");
     CHECK(detail::parse_point<3>("1,2,", p) == "not a number: \"\"");
 }
 

@@ -72,16 +72,16 @@ svg paint.svg '<path stroke="url(#g)" d="M1,1 L9,9"/>'
 svg far.svg '<path stroke="white" d="M1,1 L9,99"/>'
 : >nothing.svg
 for program in "$heights" "$colours"; do
-  refuses "none.svg: no stroke" "$program" none.svg -o out.png
+  refuses "none.svg: holds no stroke" "$program" none.svg -o out.png
   refuses "dot.svg: path \"dot\" (line 1) is smaller than a pixel" "$program" dot.svg -o out.png
   refuses "far.svg: path (line 1) reaches beyond the picture" "$program" far.svg -o out.png
   refuses "url(#g)" "$program" paint.svg -o out.png
-  refuses "values for 2 vertices: one, two for the ends, or one for each" "$program" counts.svg -o out.png
+  refuses "values for 2 vertices: give one, two for the ends, or one for each" "$program" counts.svg -o out.png
   refuses "nothing.svg: the file is empty" "$program" nothing.svg -o out.png
   refuses "missing.svg" "$program" missing.svg -o out.png
   refuses "--output is required" "$program" far.svg
 done
-refuses "\"high\" is no height from 0 to 1" "$heights" word.svg -o out.png
+refuses "\"high\" is not a height from 0 to 1" "$heights" word.svg -o out.png
 refuses "does not end with" "$heights" "$data/hills.svg" -o out.txt
 refuses "--levels" "$heights" "$data/hills.svg" -o out.png --levels 0
 
@@ -134,17 +134,17 @@ refuses_table() { # MESSAGE TABLE
   printf '%b' "$2" >table.csv
   refuses "$1" "$puzzle" table.csv --exact --csv out.csv -o out.svg
 }
-refuses_table 'table.csv:1: column 2: "x" is no whole number' '1,x\n2,3\n'
-refuses_table 'table.csv:1: column 2: "1/0" is no whole number' '1,1/0\n'
-refuses_table 'table.csv:2: column 1: "nan" is no whole number' '1,2\nnan,3\n'
+refuses_table 'table.csv:1: column 2: "x" is not a whole number' '1,x\n2,3\n'
+refuses_table 'table.csv:1: column 2: "1/0" is not a whole number' '1,1/0\n'
+refuses_table 'table.csv:2: column 1: "nan" is not a whole number' '1,2\nnan,3\n'
 refuses_table 'table.csv:2: 1 columns, and the first line has 2' '1,2\n3\n'
 refuses_table 'table.csv:1: column 1: some unknown cells touch no given value' '.,.\n.,.\n'
 refuses_table 'table.csv: holds no table' ''
 refuses "missing.csv" "$puzzle" missing.csv --csv out.csv
 refuses "--neighbours is 4 or 8" "$puzzle" table.csv --neighbours 5
 refuses "--walks needs --from" "$puzzle" "$data/puzzle.csv" --walks 5
-refuses '"-1" is no whole number from 0' timeout 20 "$puzzle" "$data/puzzle.csv" --walks -1 --from 2 2
-refuses '"1e3" is no whole number from 0' "$puzzle" "$data/puzzle.csv" --walks 1e3 --from 2 2
+refuses '"-1" is not a whole number from 0' timeout 20 "$puzzle" "$data/puzzle.csv" --walks -1 --from 2 2
+refuses '"1e3" is not a whole number from 0' "$puzzle" "$data/puzzle.csv" --walks 1e3 --from 2 2
 refuses 'is too large' "$puzzle" "$data/puzzle.csv" --walks 10 --from 2 2 --seed 99999999999999999999
 refuses 'not in range' "$puzzle" "$data/puzzle.csv" --walks 0 --from 2 2
 works "leading zeros mean nothing" "$puzzle" "$data/puzzle.csv" --walks 010 --from 2 2
@@ -318,7 +318,7 @@ works "weights of a point" "$weights" --cage head.csv --points points.csv --coor
 [ "$(sed -n 2p w.csv)" = on_boundary,0,0,0,0,1 ] && ok=yes || ok=no
 report $ok "what lies within the radius of a point follows it alone"
 for type in mean-value barycentric; do
-  refuses 'interior cells not supported (1): --coordinates harmonic takes them' "$weights" --cage head.csv --points points.csv --coordinates $type -o out.csv
+  refuses 'interior cells not supported (1): --coordinates harmonic supports them' "$weights" --cage head.csv --points points.csv --coordinates $type -o out.csv
 done
 refuses 'the solver does not exist' "$weights" --cage head.csv --points points.csv --coordinates harmonic --solver averaging-pyramid -o out.csv
 cells() { # CELLS: bad.csv with them from line 6
@@ -335,7 +335,7 @@ faulty 'bad.csv:6: a chain has two points or more' '# chain\n2,2\n'
 faulty 'bad.csv:6: no points follow' '# chain\n\n2,2\n3,3\n'
 faulty 'bad.csv:6: "# chain" stands alone on its line' '# chain 3\n2,2\n3,3\n'
 faulty 'bad.csv:8: an empty line is missing before # point 1' '# chain\n1,1\n# point 1\n2,2\n'
-faulty 'bad.csv:7: 3 columns where the plane takes two: x,y' '# chain\n1,1,1\n2,2\n'
+faulty 'bad.csv:7: 3 columns, but a point in the plane has two: x,y' '# chain\n1,1,1\n2,2\n'
 faulty 'radius not positive (4)' '# point 0\n2,2\n'
 faulty 'interior cell outside (4)' '# point 0.5\n9,2\n'
 faulty 'interior cells touch (4, ' '# point 3\n2,2\n'
@@ -413,19 +413,19 @@ sed '8s/.*/v 1.3 1.2 1.1/' box.obj >bent_box.obj
 printf 'v 0.25 0.25 0.25\nv 0.75 0.25 0.5\nv 0.5 0.75 0.5\nf 1 2 3\n' >inner.obj
 for type in mean-value harmonic; do
   works "polygons, $type" "$mesh" inner.obj --cage box.obj --pose bent_box.obj --coordinates $type -o polygons.obj --report
-  grep -q 'note: box.obj: 6 faces of more than three corners taken as polygons' log && ok=yes || ok=no
+  grep -q 'note: box.obj: 6 faces with more than three corners are kept as polygons' log && ok=yes || ok=no
   report $ok "what becomes of faces of four corners is said, $type"
   works "triangles, $type" "$mesh" inner.obj --cage box.obj --pose bent_box.obj --coordinates $type --faces triangles -o triangles.obj
-  grep -q 'note: box.obj: 6 faces cut into triangles, first in line 9$' log && ok=yes || ok=no
+  grep -q 'note: box.obj: 6 faces are cut into triangles, first in line 9$' log && ok=yes || ok=no
   report $ok "the cut is said, $type"
   cmp -s polygons.obj triangles.obj && ok=no || ok=yes
   report $ok "the choice is heard, $type"
 done
 works "polygons that coordinates do not take" "$mesh" inner.obj --cage box.obj --pose bent_box.obj --coordinates green -o polygons.obj
-grep -q 'note: box.obj: 6 faces cut into triangles, first in line 9: green takes triangles' log && ok=yes || ok=no
+grep -q 'note: box.obj: 6 faces are cut into triangles, first in line 9: green supports only triangles' log && ok=yes || ok=no
 report $ok "why they are cut is said"
 works "an accuracy in space" "$mesh" inner.obj --cage box.obj --pose bent_box.obj --coordinates harmonic --accuracy 0.01 -o accurate.obj --report
-grep -q 'note: box.obj: 6 faces of more than three corners taken as polygons' log && grep -q '^solver: .* unknowns' log && ok=yes || ok=no
+grep -q 'note: box.obj: 6 faces with more than three corners are kept as polygons' log && grep -q '^solver: .* unknowns' log && ok=yes || ok=no
 report $ok "the adaptive grid is used, with the polygons as they are"
 refuses '--accuracy excludes --resolution' "$mesh" inner.obj --cage box.obj --pose box.obj --coordinates harmonic --accuracy 0.01 --resolution 32 -o out.obj
 refuses '--accuracy excludes --solver' "$mesh" inner.obj --cage box.obj --pose box.obj --coordinates harmonic --accuracy 0.01 --solver multigrid -o out.obj
@@ -435,10 +435,10 @@ for wrong in -1 nan inf 1e-9 0.5 little; do
 done
 refuses '--accuracy: ' "$mesh" inner.obj --cage box.obj --pose box.obj --coordinates harmonic --accuracy 0 -o out.obj
 works "polygons for the papers' solver" "$mesh" inner.obj --cage box.obj --pose bent_box.obj --coordinates harmonic --solver averaging-pyramid -o polygons.obj
-grep -q "first in line 9: harmonic by the papers' solver takes triangles" log && ok=yes || ok=no
+grep -q "first in line 9: harmonic by the papers' solver supports only triangles" log && ok=yes || ok=no
 report $ok "that they are cut for it is said"
 works "faces that are not planar" "$mesh" inner.obj --cage bent_box.obj --pose box.obj -o polygons.obj
-grep -q 'note: bent_box.obj: 3 faces of more.*; 3 faces cut into triangles, first in line 10: not in a plane' log && ok=yes || ok=no
+grep -q 'note: bent_box.obj: 3 faces with more.*; 3 faces are cut into triangles, first in line 10: not planar' log && ok=yes || ok=no
 report $ok "which of them is cut, and why, is said"
 head -n 11 box.obj >open_box.obj
 refuses 'the cage is not closed' "$mesh" inner.obj --cage open_box.obj --pose open_box.obj -o out.obj
@@ -456,7 +456,7 @@ works "a packed character" "$bind" character.obj --cage character_cage.obj --cli
   --largest 8 --format int16 -o character.figure --report
 grep -q '^points: ' log && grep -q '^tangents: ' log && grep -q '^bitangents: ' log && ok=yes || ok=no
 report $ok "the report tells the sizes"
-grep -q 'warning: character.obj: what is packed is off by at most .* poses of the motion' log && ok=yes || ok=no
+grep -q 'warning: character.obj: the packed figure is off by at most .* poses of the motion' log && ok=yes || ok=no
 report $ok "more than a hundredth of the size is warned of"
 works "a distance that is kept" "$bind" character.obj --cage character_cage.obj --pose character_pose.obj --max-distance 0.002 -o near.figure --report
 ! grep -q warning log && [ "$(grep -c '^  off by at most .* % of .* 8 poses of the motion' log)" = 3 ] && ok=yes || ok=no
@@ -484,7 +484,7 @@ refuses 'points.obj: holds no faces (lines "f a b c"); a cage is a closed mesh' 
 works "a packed character by Green coordinates" "$bind" character.obj --cage character_cage.obj --pose character_pose.obj --coordinates green --max-distance 0.005 -o green.figure --report
 [ "$(grep -c '^  off by at most .* 8 poses of the motion' log)" = 3 ] && ok=yes || ok=no
 report $ok "poses of the faces are among those that the distance is over"
-refuses '--max-distance with --coordinates green is kept over a motion' "$bind" character.obj --cage character_cage.obj --coordinates green --max-distance 0.05 -o out.figure
+refuses '--max-distance with --coordinates green needs a motion' "$bind" character.obj --cage character_cage.obj --coordinates green --max-distance 0.05 -o out.figure
 works "Green coordinates without a motion" "$bind" inner.obj --cage box.obj --coordinates green -o green.figure --report
 grep -q 'a tenth of the cage, vectors of its faces too$' log && ok=yes || ok=no
 report $ok "what is off is over faces as well"
@@ -556,7 +556,7 @@ refuses_labels ': has 3 lines of labels, the cage 4 vertices' ': has 3 lines of 
 printf 'a\nb\nc\n\n\n' >labels.txt
 refuses_labels ': has 5 lines of labels, the cage 4 vertices' ': has 5 lines of labels, the cage 112 vertices'
 printf 'a\nb\n# c\n a\nd\n' >labels.txt
-refuses_labels ':4: the label "a" stands in line 1 already' ':4: the label "a" stands in line 1 already'
+refuses_labels ':4: the label "a" occurs in line 1 already' ':4: the label "a" occurs in line 1 already'
 printf 'a\nb\001\nc\nd\n' >labels.txt
 refuses_labels ':2: the label "b?" holds a control character' ':2: the label "b?" holds a control character'
 printf '# none\n\n\n\n\n' >labels.txt
@@ -569,7 +569,7 @@ printf 'w1\n\n\n\n' >labels.txt
 refuses_labels ': two columns would have the name "w1"'
 awk '$1 == "v" { print "v", 2 - $3, $2, $4 - 1; next } { print }' box.obj >turned_box.obj # by a right angle
 works "targets by Green coordinates" "$programs/export_gltf" inner.obj --cage box.obj --pose turned_box.obj --morph --coordinates green -o green.glb
-grep -q 'warning: inner.obj: between the keys targets are off by ' log && ok=yes || ok=no
+grep -q 'warning: inner.obj: between the keys the targets are off by ' log && ok=yes || ok=no
 report $ok "what targets lose between the keys is said"
 refuses 'joints carry no normals of faces; --morph writes targets' "$programs/export_gltf" character.obj --cage character_cage.obj --skin 4 --coordinates green -o out.glb
 refuses '--labels' "$programs/export_gltf" character.obj --cage character_cage.obj --pose character_pose.obj --morph --labels character.txt -o out.glb
@@ -667,8 +667,8 @@ sed -n 2p w.csv | awk -F, '{ split("0.125 0.25 0.125 0.5", w, " "); for (k = 1; 
   END { exit bad || NR != 1 || NF != 5 || $1 != "inside" }' && ok=yes || ok=no # to rounding: a solve by orthonormal rows
 report $ok "barycentric coordinates of a tetrahedron"
 refuses 'not a simplex (8, 4)' "$weights" --cage box.obj --points points.csv --coordinates barycentric -o out.csv
-refuses 'middle.csv:1: 2 columns where space takes three: x,y,z' "$weights" --cage box.obj --points middle.csv -o out.csv
-refuses 'points.csv:1: 3 columns where the plane takes two: x,y' "$weights" --cage square.csv --points points.csv -o out.csv
+refuses 'middle.csv:1: 2 columns, but a point in space has three: x,y,z' "$weights" --cage box.obj --points middle.csv -o out.csv
+refuses 'points.csv:1: 3 columns, but a point in the plane has two: x,y' "$weights" --cage square.csv --points points.csv -o out.csv
 refuses 'nowhere.obj' "$weights" --cage nowhere.obj --points points.csv -o out.csv
 refuses 'box_bow_tie.obj: a face cannot be cut into triangles' "$weights" --cage box_bow_tie.obj --points points.csv -o out.csv
 refuses 'counted from 0' "$weights" --cage box_wide_open.obj --points points.csv -o out.csv
@@ -713,13 +713,13 @@ refuses_pose '--turn "5-25:30": there is no vertex 25: the cage has 25, 0 to 24'
 refuses_pose '--turn "9-5:30": "9-5" counts backwards' --turn 9-5:30
 refuses_pose '"x>2000" holds for no vertex of the cage' --turn 'x>2000:30'
 refuses_pose '"left" selects nothing' --scale left:2
-refuses_pose '"z>0" selects nothing: a number, 5-9, all, or a condition such as x>10; the plane has x and y' --scale 'z>0:2'
+refuses_pose '"z>0" selects nothing: write a number, 5-9, all, or a condition such as x>10; the plane has x and y' --scale 'z>0:2'
 refuses_pose 'not a number: "far"' --move 1:far,0
-refuses_pose '"nan" is no finite number' --scale 1:nan
+refuses_pose '"nan" is not a finite number' --scale 1:nan
 refuses_pose '"1,2,3" is not x,y' --move 1:1,2,3
-refuses_pose '"5" is no point: x,y, or v and vertices' --turn 1:5@5
+refuses_pose '"5" is not a point: write x,y, or v and vertices' --turn 1:5@5
 refuses_pose '--twist "all:y,0,1,30": "y,0,1,30" is for cages in space' --twist all:y,0,1,30
-refuses_pose '"xz,0,1,30" begins with no axes: xy or yx' --bend all:xz,0,1,30
+refuses_pose '"xz,0,1,30" must begin with xy or yx' --bend all:xz,0,1,30
 refuses_pose 'vertex 0 leaves the range of numbers' --scale all:1e300@1e300,0 --scale all:1e300
 refuses_pose 'were not expected' --grow all:2
 refuses 'nothing to write: give -o, --picture or both' "$pose_cage" "$cage" --move 0:1,1
@@ -727,13 +727,13 @@ refuses 'cage is required' "$pose_cage" -o out.svg
 refuses 'nowhere.svg' "$pose_cage" nowhere.svg -o out.svg
 refuses '--png and --figure are for --picture' "$pose_cage" "$cage" -o out.svg --png
 refuses 'nowhere.svg' "$pose_cage" "$cage" --picture out.svg --figure nowhere.svg
-refuses 'the cage lies in the plane: .svg or .csv' "$pose_cage" "$cage" -o out.obj
-refuses 'the cage lies in space: .obj' "$pose_cage" character_cage.obj -o out.csv
+refuses 'the cage lies in the plane: write .svg or .csv' "$pose_cage" "$cage" -o out.obj
+refuses 'the cage lies in space: write .obj' "$pose_cage" character_cage.obj -o out.csv
 refuses '--picture takes a .png file' "$pose_cage" character_cage.obj -o out.obj --picture out.svg
-refuses 'in the plane an .svg file' "$pose_cage" "$cage" -o out.svg --picture out.png
-refuses 'blocks.csv has chains or points, which a .csv file holds' "$pose_cage" blocks.csv -o out.svg
+refuses 'in the plane the picture is an .svg file' "$pose_cage" "$cage" -o out.svg --picture out.png
+refuses 'blocks.csv has chains or points, which need a .csv file' "$pose_cage" blocks.csv -o out.svg
 refuses 'is not an angle and an axis' "$pose_cage" character_cage.obj --turn 3:30 -o out.obj
-refuses 'two vertices lie at the same place, (4, 4)' "$pose_cage" square.csv --scale all:0@4,4 -o out.svg
+refuses 'two vertices lie at the same position, (4, 4)' "$pose_cage" square.csv --scale all:0@4,4 -o out.svg
 printf '%s\n' 1,1 1,1 1,1 >dot.csv
 refuses 'cannot be drawn: its size is not finite, or zero' "$pose_cage" dot.csv --picture out.svg
 cp square.csv kept.csv
@@ -770,7 +770,7 @@ no_cage ': path: d at 1:9: number out of range' '<path d="M 5,5 L 1e999,50 z"/>'
 no_cage ': path: coordinates out of range' '<path d="M 5,5 L 1e300,50 L 3,1e300 z"/>'
 no_cage ': rect: transform at 1:1: transform out of range' '<rect transform="scale(1e308)" width="50" height="50"/>'
 no_cage ': a coordinate of the figure is not a finite number, or too large' '<path stroke="red" stroke-width="1e308" d="M 5,5 L 50,50"/>'
-no_cage ': no cage around the figure was found: 0.0353553 off it, at coordinates of 1e+15, is too little' '<path d="M 1e15,1e15 h 1 v 1 h -1 z"/>'
+no_cage ': no cage around the figure was found: a margin of 0.0353553 at coordinates of 1e+15 is below' '<path d="M 1e15,1e15 h 1 v 1 h -1 z"/>'
 no_cage ': the figure is a single point' '<path d="M 0,0 L 1e-300,0 L 0,1e-300 z"/>'
 no_cage ': use "u": uses itself' '<use id="u" href="#u"/>'
 : >hostile.svg
@@ -810,7 +810,7 @@ works "a first look" "$deform" "$cat" --cage auto -o first.svg
 [ ! -s log ] && ok=yes || ok=no
 report $ok "it is not cut off, and all lies in the cage"
 works "a cage of its own and operations" "$deform" "$cat" --cage auto:16 --turn 'y<200:10' --coordinates harmonic --outside refuse -o first.svg
-refuses 'auto:2: no such file; of a cage to be made: auto, hull, box, or with 3 to 1000000 vertices auto:N, hull:N' "$deform" "$cat" --cage auto:2 -o out.svg
+refuses 'auto:2: no such file; to make a cage, write auto, hull or box, or for 3 to 1000000 vertices auto:N or hull:N' "$deform" "$cat" --cage auto:2 -o out.svg
 refuses 'auto:x: no such file' "$animate" "$cat" --cage auto:x -o out.svg
 refuses '--turn "16:5": there is no vertex 16: the cage has 16' "$deform" "$cat" --cage auto:16 --turn 16:5 -o out.svg
 refuses 'cat.svg: the pose holds a number that is not finite' "$deform" "$cat" --cage auto --move 1:1e300,0 -o out.svg
@@ -840,10 +840,10 @@ no_mesh_cage 'the figure is a single point' 'v 0 0 0' 'v 1e-300 0 0' 'v 0 1e-300
 no_mesh_cage 'the figure has nothing to enclose (it holds no faces)' 'v 0 0 0' 'v 1 0 0' 'l 1 2'
 no_mesh_cage 'vertex index 9 is out of range: the file has 3 (line 4)' 'v 0 0 0' 'v 1 0 0' 'v 0 1 0' 'f 1 2 9'
 no_mesh_cage 'vertex index -4 is out of range: the file has 3 before this line (line 4)' 'v 0 0 0' 'v 1 0 0' 'v 0 1 0' 'f 1 2 -4'
-no_mesh_cage 'a vertex index is 0; they count from 1 (line 4)' 'v 0 0 0' 'v 1 0 0' 'v 0 1 0' 'f 1 2 0'
+no_mesh_cage 'a vertex index is 0; indices count from 1 (line 4)' 'v 0 0 0' 'v 1 0 0' 'v 0 1 0' 'f 1 2 0'
 no_mesh_cage 'holds no vertices (lines "v x y z")' 'no mesh'
-no_mesh_cage 'no cage around the figure was found: 0.0282843 off it, at coordinates of 1e+15, is too little' 'v 1e15 0 0' 'v 1000000000000001 0 0' 'v 1e15 1 0' 'f 1 2 3'
-no_mesh_cage 'a face has less than three corners (line 3)' 'v 0 0 0' 'v 1 0 0' 'f 1 2'
+no_mesh_cage 'no cage around the figure was found: a margin of 0.0282843 at coordinates of 1e+15 is below' 'v 1e15 0 0' 'v 1000000000000001 0 0' 'v 1e15 1 0' 'f 1 2 3'
+no_mesh_cage 'a face has fewer than three corners (line 3)' 'v 0 0 0' 'v 1 0 0' 'f 1 2'
 printf '%s\n' 'v 0 0 0' 'v 1 0 0' 'v 2 0 0' 'f 1 2 3' >hostile.obj
 mesh_caged "a line"
 printf '%s\n' 'v 0 0 0' 'v 1e9 0 0' 'v 0 1e9 0' 'f 1 2 3' 'v 0 0 1e-3' 'v 1e-3 0 1e-3' 'v 0 1e-3 1e-3' 'f 4 5 6' >hostile.obj
@@ -853,8 +853,8 @@ awk 'BEGIN { srand(1); for (n = 0; n < 1000; n++) { x = 99 * rand(); y = 99 * ra
 mesh_caged "a thousand parts in space"
 works "operations in space" "$mesh" hostile.obj --cage hostile_cage.obj --turn 'x>50:20,y@50,50,50' -o posed.obj
 refuses '--holes is for figures in the plane' "$make_cage" character.obj --holes -o out.obj
-refuses 'of a figure in space the cage is an .obj file' "$make_cage" character.obj -o out.svg
-refuses 'of a figure in the plane the cage is an .svg or .csv file' "$make_cage" "$cat" -o out.obj
+refuses 'for a figure in space the cage is an .obj file' "$make_cage" character.obj -o out.svg
+refuses 'for a figure in the plane the cage is an .svg or .csv file' "$make_cage" "$cat" -o out.obj
 for margin in 0 -1% nan 1e9 5x; do
   refuses '--margin' "$make_cage" "$cat" --margin $margin -o out.svg
 done
@@ -875,9 +875,9 @@ works "a field as a surface" "$field" --cage "$cage" --vertex 8 --size 120 -o fi
 report $ok "the surface is there"
 printf '0,0\n4,0\n4,3\n0,3\n' >rectangle.csv
 works "a field of values" "$field" --cage rectangle.csv --values 1,2,3,2 --coordinates harmonic --resolution 32 --size 60 -o field.png --surface surface.png
-refuses '--values: 3 of them, and rectangle.csv has 4 vertices' "$field" --cage rectangle.csv --values 1,2,3 -o out.png
+refuses '--values: 3 values, but rectangle.csv has 4 vertices' "$field" --cage rectangle.csv --values 1,2,3 -o out.png
 refuses '--values: not a number: "x"' "$field" --cage rectangle.csv --values 1,2,x,4 -o out.png
-refuses '--vertex or --values says what to draw' "$field" --cage rectangle.csv -o out.png
+refuses 'give --vertex or --values to choose what to draw' "$field" --cage rectangle.csv -o out.png
 refuses 'excludes' "$field" --cage rectangle.csv --vertex 1 --values 1,2,3,4 -o out.png
 works "rays and Brownian paths" "$programs/paths" --cage "$data/biped_cage.svg" --point 150,540 --rays 1000 --paths 100 -o paths.svg --png
 [ -s paths.png ] && ok=yes || ok=no
@@ -908,20 +908,20 @@ refuses 'is not on the boundary, which is 1 away' "$formula" --cage square_4.csv
 refuses 'there is no vertex 4: square_4.csv has 4' "$formula" --cage square_4.csv --vertex 4
 refuses '--at: 1 column' "$formula" --cage square_4.csv --vertex 0 --at 1
 refuses 'cross' "$formula" --cage bow_tie.svg --vertex 0
-refuses '"-1" is no whole number from 0' "$formula" --cage square_4.csv --vertex -1
+refuses '"-1" is not a whole number from 0' "$formula" --cage square_4.csv --vertex -1
 printf '0,0\n0,0\n1,1\n1,0\n' >twice.csv
 refuses 'duplicate vertices (0, 1)' "$formula" --cage twice.csv --vertex 0
 refuses 'nowhere.csv' "$formula" --cage nowhere.csv --vertex 0
 works "the papers' grid" "$field" --cage "$cage" --vertex 8 --size 120 -o field.png --resolution 40 --classes classes.png
 [ -s classes.png ] && ok=yes || ok=no
 report $ok "the cells are drawn"
-refuses 'the papers'"'"' grid is of cages without chains and points inside' "$field" --cage "$data/cat_cage_spine.csv" --vertex 1 --coordinates harmonic -o field.png --classes out.png
+refuses 'the papers'"'"' grid needs a cage without chains and points inside' "$field" --cage "$data/cat_cage_spine.csv" --vertex 1 --coordinates harmonic -o field.png --classes out.png
 works "the figure at rest under the posed one" "$deform" "$data/biped.svg" --cage "$data/biped_cage.svg" --pose "$data/biped_pose.svg" -o biped.svg --show-rest --png
 grep -q '<image .*white-at-rest' biped.svg && ok=yes || ok=no
 report $ok "--show-rest draws the figure at rest"
 works "a part of a field by signs" "$field" --cage "$cage" --vertex 8 --size 120 -o field.png --zoom 100,100,300,200 --signs root --levels 0 --no-colour-bar
-refuses 'is no part of the plane' "$field" --cage "$cage" --vertex 8 -o out.png --zoom 1,2,0,5
-refuses 'is no part of the plane' "$field" --cage "$cage" --vertex 8 -o out.png --zoom here
+refuses 'is not a part of the plane' "$field" --cage "$cage" --vertex 8 -o out.png --zoom 1,2,0,5
+refuses 'is not a part of the plane' "$field" --cage "$cage" --vertex 8 -o out.png --zoom here
 refuses '--surface' "$field" --cage "$cage" --vertex 8 -o out.png --surface out.svg
 refuses '--signs' "$field" --cage "$cage" --vertex 8 -o out.png --signs minus
 works "a negative field" "$field" --cage "$data/biped_cage.svg" --vertex 2 --size 120 -o field.png
@@ -932,7 +932,7 @@ refuses 'there is no vertex 29' "$field" --cage "$data/cat_cage_spine.csv" --ver
 refuses 'interior cells not supported' "$field" --cage "$data/cat_cage_head.csv" --vertex 0 -o out.png
 grid="$programs/adaptive_grid"
 works "the grid of a cat" "$grid" --cage "$cage" --figure "$cat" --accuracy 0.01 -o grid.svg --png
-grep -q 'cells inside the cage or passed by it' log && [ -s grid.png ] && ok=yes || ok=no
+grep -q 'cells inside the cage or on its boundary' log && [ -s grid.png ] && ok=yes || ok=no
 report $ok "its cells are counted and drawn"
 works "a part of it" "$grid" --cage "$data/cat_cage_spine.csv" --zoom 254,518,16,14 -o grid.svg
 refuses 'no part of the grid is at --zoom' "$grid" --cage "$cage" --zoom 5000,0,1,1 -o out.svg
@@ -940,8 +940,8 @@ works "of a vertex inside" "$grid" --cage "$data/cat_cage_head.csv" -o grid.svg
 refuses 'cross' "$grid" --cage bow_tie.svg -o out.svg
 refuses '--accuracy' "$grid" --cage "$cage" --accuracy 1e-9 -o out.svg
 refuses '--slice: ' "$grid" --cage "$cage" --slice z=1 -o out.svg
-refuses '"z" is no plane' "$grid" --cage box.obj --slice z -o out.svg
-refuses 'the plane passes the cage by' "$grid" --cage box.obj --slice x=7 -o out.svg
+refuses '"z" is not a plane' "$grid" --cage box.obj --slice z -o out.svg
+refuses 'the plane does not meet the cage' "$grid" --cage box.obj --slice x=7 -o out.svg
 works "a slice" "$grid" --cage box.obj --figure inner.obj --accuracy 0.02 --slice y=0.5 -o grid.svg
 refuses 'cells inside' "$programs/convergence" --cage "$data/cat_cage_head.csv" -o out.svg
 refuses '--cage or --oracle is required' "$programs/convergence" -o out.svg
@@ -956,7 +956,7 @@ printf '0.2,0.2,0.2;0:x\n' >word.txt
 cp box.obj cage.obj
 refuses 'short.json: a weight of each vertex is missing' "$programs/convergence" --oracle short.json -o out.svg
 refuses 'box.obj: ' "$programs/convergence" --oracle box.obj -o out.svg
-refuses 'word.txt:1: no line of an oracle' "$programs/convergence" --oracle word.txt -o out.svg
+refuses 'word.txt:1: not a line of an oracle' "$programs/convergence" --oracle word.txt -o out.svg
 refuses 'there is no vertex 25' "$field" --cage "$cage" --vertex 25 -o out.png
 refuses 'cross' "$field" --cage bow_tie.svg --vertex 0 -o out.png
 works "the table" "$table" "$cat" "$cage" "$pose" mean-value,harmonic,green
@@ -970,7 +970,7 @@ works "a sheet of pictures" "$programs/contact_sheet" -o sheet.svg "a field" fie
 grep -q 'image/png;base64,iVBORw0KGgo' sheet.svg && ok=yes || ok=no
 report $ok "a sheet holds the pictures"
 cp "$cat" cat.png
-refuses 'cat.png: is no PNG' "$programs/contact_sheet" -o out.svg caption cat.png
+refuses 'cat.png: is not a PNG file' "$programs/contact_sheet" -o out.svg caption cat.png
 refuses 'nowhere.png: no such file' "$programs/contact_sheet" -o out.svg caption nowhere.png
 works "a caption with signs" "$programs/contact_sheet" -o sheet.svg "a < b & c" "$cat"
 grep -q 'a &lt; b &amp; c' sheet.svg && ok=yes || ok=no
@@ -979,7 +979,7 @@ for caption in 'bad\377' 'bad\033[7m' 'bad\001'; do
   # shellcheck disable=SC2059 # the caption is meant to be a format
   caption=$(printf "$caption")
   refuses 'the caption "bad\x' "$programs/contact_sheet" -o out.svg "$caption" "$cat"
-  grep -q 'holds control characters, or is no UTF-8' log && ok=yes || ok=no
+  grep -q 'holds control characters, or is not UTF-8' log && ok=yes || ok=no
   report $ok "and why is said"
 done
 works "help of the table" "$table" --help
@@ -987,7 +987,7 @@ refuses 'outside the cage' "$table" "$cat" "$data/man_cage.svg" "$data/man_pose.
 refuses 'alternate' "$programs/contact_sheet" -o out.svg lonely
 refuses 'nowhere.svg' "$programs/contact_sheet" -o out.svg caption nowhere.svg
 works "a coordinate of a cage that is made" "$field" --cage auto:12 --figure "$cat" --vertex 11 -o field.png --size 64
-refuses '--cage auto takes a --figure, around which it is made' "$field" --cage auto --vertex 1 -o out.png
+refuses '--cage auto needs a --figure, around which it is made' "$field" --cage auto --vertex 1 -o out.png
 refuses 'there is no vertex 12: the cage of cat.svg has 12' "$field" --cage auto:12 --figure "$cat" --vertex 12 -o out.png
 
 # ---- fit_curve, bezier_tables ----
@@ -1032,8 +1032,8 @@ works "an easing by its name" "$curve" --css ease-in-out --pieces 3 --json named
 works "and by its numbers" "$curve" --css 0.42,0,0.58,1 --pieces 3 --json numbers.json
 [ "$(sed 1,2d named.json)" = "$(sed 1,2d numbers.json)" ] && ok=yes || ok=no
 report $ok "the name says the numbers"
-refuses '"ease-inout" is no easing: linear, ease,' "$curve" --css ease-inout --pieces 3 --json out.json
-refuses 'steps(4): holds and straight lines are no curve' "$curve" --css 'steps(4)' --pieces 3 --json out.json
+refuses '"ease-inout" is not an easing: write linear, ease,' "$curve" --css ease-inout --pieces 3 --json out.json
+refuses 'steps(4): holds and straight lines need no fit' "$curve" --css 'steps(4)' --pieces 3 --json out.json
 refuses 'x1 and x2 lie between 0 and 1' "$curve" --css 'cubic-bezier(0, 0, 1.2, 1)' --pieces 3 --json out.json
 refuses 'character 17 is not expected' "$curve" --css 'cubic-bezier(0, x, 1, 1)' --pieces 3 --json out.json
 refuses '--css: number out of range: "1e999"' "$curve" --css 0,1e999,1,1 --pieces 3 --json out.json
@@ -1063,7 +1063,7 @@ works "the same curve by its handles" "$curve" --bezier 0,0,12.6,0,17.4,90,30,90
 [ "$(sed -n '/"knots_x"/,/\]/p' lottie.json)" = "$(sed -n '/"knots_x"/,/\]/p' bezier.json)" ] && ok=yes || ok=no
 report $ok "is fitted as that"
 refuses 'the value is held' "$curve" --lottie ball.json --curve layers/0/ks/r/k/1:0 --pieces 3 --json out.json
-refuses 'no curve is "layers"' "$curve" --lottie ball.json --curve layers --pieces 3 --json out.json
+refuses 'there is no curve "layers"' "$curve" --lottie ball.json --curve layers --pieces 3 --json out.json
 refuses '--lottie needs --curve' "$curve" --lottie ball.json --pieces 3 --json out.json
 refuses '--curve needs --lottie' "$curve" --css ease --curve x --pieces 3 --json out.json
 awk 'BEGIN { for (i = 0; i < 100000; ++i) printf "["; for (i = 0; i < 100000; ++i) printf "]" }' >deep.json
@@ -1263,7 +1263,7 @@ for rule in gentle mirrored; do
 done
 refuses 'steep not in' "$weights" --cage sites.csv --points point.csv --coordinates sibson-c1 --gradients steep -o out.csv
 printf '# two\n0,0\n1,0\n' >bad.csv
-refuses 'bad.csv: holds too few points, 2: the plane takes three' "$weights" --cage bad.csv --points point.csv --coordinates sibson -o out.csv
+refuses 'bad.csv: holds too few points, 2: in the plane three are needed' "$weights" --cage bad.csv --points point.csv --coordinates sibson -o out.csv
 printf 'x,y\n0,0\n1,0\n\n1,1\n1,0\n' >bad.csv
 refuses 'line 3 and line 6' "$weights" --cage bad.csv --points point.csv --coordinates sibson -o out.csv
 printf '0,0\n# a hole\n1,nan\n1,1\n' >bad.csv
@@ -1322,7 +1322,7 @@ for type in sibson sibson-c1; do
 done
 printf 'v 0 0 0\nv 1 0 0\n' >bad.obj
 refuses 'bad.obj: the pose has 2 points, sites.obj 9' "$mesh" figure.obj --cage sites.obj --pose bad.obj --coordinates sibson -o out.obj
-refuses 'bad.obj: holds too few points, 2: space takes four' "$mesh" figure.obj --cage bad.obj --pose bad.obj --coordinates sibson -o out.obj
+refuses 'bad.obj: holds too few points, 2: in space four are needed' "$mesh" figure.obj --cage bad.obj --pose bad.obj --coordinates sibson -o out.obj
 sed '5s/.*/v 0 1 1/' sites.obj >bad.obj
 refuses 'line 4 and line 5' "$mesh" figure.obj --cage bad.obj --pose bad.obj --coordinates sibson -o out.obj
 refuses 'sites.obj: holds no faces' "$mesh" figure.obj --cage sites.obj --pose sites.obj -o out.obj
@@ -1375,7 +1375,7 @@ refuses 'short_pose.csv:1: 3 numbers where a pose has 22' "$programs/pose_hand" 
 echo '0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,nan' >nan_pose.csv
 refuses 'nan_pose.csv:1: thumb_ip' "$programs/pose_hand" --pose nan_pose.csv --picture out.png
 echo '0,95,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0' >far_pose.csv
-refuses 'index_mcp is 95, and goes from -20 to 90' "$programs/pose_hand" --pose far_pose.csv --picture out.png
+refuses 'index_mcp is 95, but its range is from -20 to 90' "$programs/pose_hand" --pose far_pose.csv --picture out.png
 refuses 'no_such_file' "$programs/pose_hand" --pose no_such_file --picture out.png
 echo '0,30,60,,0,30,60,,0,30,60,,0,30,60,,0,0,0,0,0,0' >tendons.csv
 echo '0,30,60,40,0,30,60,40,0,30,60,40,0,30,60,40,0,0,0,0,0,0' >joints.csv
@@ -1385,8 +1385,8 @@ works "the last joint follows by two thirds" cmp tendons.obj joints.obj
 works "the hand as an OBJ file" "$programs/pose_hand" --pose rest -o hand_rest.obj
 grep '^v' hand_rest.obj >rest && grep '^v' folder/hand/hand.obj | cmp -s - rest && ok=yes || ok=no
 report $ok "at rest the hand is what make_hand writes"
-refuses 'hand_poses.csv: holds 7 poses, an OBJ file takes one' "$programs/pose_hand" --pose folder/hand/hand_poses.csv -o out.obj
-refuses '--picture or --output says what to write' "$programs/pose_hand" --pose fist
+refuses 'hand_poses.csv: holds 7 poses, but an OBJ file has one' "$programs/pose_hand" --pose folder/hand/hand_poses.csv -o out.obj
+refuses 'give --picture or --output to choose what to write' "$programs/pose_hand" --pose fist
 refuses '"out.jpg" does not end with .png' "$programs/pose_hand" --pose fist --picture out.jpg
 refuses '--pose is required' "$programs/pose_hand" --picture out.png
 refuses '--kappa' "$programs/pose_hand" --pose fist --kappa nan --picture out.png
@@ -1501,15 +1501,15 @@ clip() { # LENGTH TIMES…   a control whose keys have these times
   for time in "$@"; do echo "$time,0,0,0,linear"; done
 }
 clip 1e9 0 1 >many.csv
-refuses 'many.csv: "a": repeated through the clip it has 1e+09 keys' "$animate" "$cat" --cage "$cage" --clip many.csv -o out.svg
+refuses 'many.csv: "a": repeated over the clip it has 1e+09 keys' "$animate" "$cat" --cage "$cage" --clip many.csv -o out.svg
 clip 1e300 0 1e-300 >many.csv
-refuses 'many.csv: "a": its time is no part of the clip' "$animate" "$cat" --cage "$cage" --clip many.csv -o out.svg
+refuses 'many.csv: "a": its duration does not divide the clip' "$animate" "$cat" --cage "$cage" --clip many.csv -o out.svg
 clip 1 1e9 1000000001 >many.csv
 refuses 'many.csv: "a": its first key, at 1e+09, is a million of its periods' "$animate" "$cat" --cage "$cage" --clip many.csv -o out.svg
 clip 1e9 0 1e9 >many.csv
-refuses 'many.csv: its length takes 6e+10 frames' "$animate" "$cat" --cage "$cage" --clip many.csv -o out.svg
+refuses 'many.csv: its length needs 6e+10 frames' "$animate" "$cat" --cage "$cage" --clip many.csv -o out.svg
 clip 1 0 1 | sed '1aground,1,1e-300' >many.csv
-refuses 'many.csv: in the clip'"'"'s length the ground passes by 1e-300 units' "$animate" "$cat" --cage "$cage" --clip many.csv -o out.svg
+refuses 'many.csv: during the clip the ground passes by 1e-300 units' "$animate" "$cat" --cage "$cage" --clip many.csv -o out.svg
 clip 1 0 0.25 0.5 1 | sed 's/^0.25,0/0.25,1e308/; s/linear/automatic/' >many.csv
 refuses 'many.csv: "a": the key at 0: a given value' "$animate" "$cat" --cage "$cage" --clip many.csv -o out.svg
 
@@ -1521,14 +1521,14 @@ works "the pose as a file" "$pose_cage" "$cage" --turn 7-11:-25@v6,12 -o turned.
 works "says the same" "$animate" "$cat" --cage "$cage" --pose turned.svg --seconds 1 --rate 10 -o there_by_file.svg --stills file_ --still-count 2
 cmp -s there.svg there_by_file.svg && ! cmp -s there_01.svg there_02.svg && ok=yes || ok=no
 report $ok "half the time takes the figure there"
-refuses '--clip, or operations such as --turn, but not both' "$animate" "$cat" --cage "$cage" --clip "$data/cat_walk.csv" --turn 1:1 -o out.svg
+refuses 'give --clip or operations such as --turn, but not both' "$animate" "$cat" --cage "$cage" --clip "$data/cat_walk.csv" --turn 1:1 -o out.svg
 refuses '--clip excludes --pose' "$animate" "$cat" --cage "$cage" --clip "$data/cat_walk.csv" --pose "$pose" -o out.svg
-refuses '--pose, or operations such as --turn, but not both' "$animate" "$cat" --cage "$cage" --pose "$pose" --turn 1:1 -o out.svg
+refuses 'give --pose or operations such as --turn, but not both' "$animate" "$cat" --cage "$cage" --pose "$pose" --turn 1:1 -o out.svg
 refuses '--pose is required, or operations such as --turn' "$animate" "$cat" --cage "$cage" -o out.svg
 refuses '--turn "99:1": there is no vertex 99' "$animate" "$cat" --cage auto --turn 99:1 -o out.svg
 for program in "$deform" "$animate"; do
   works "a pose whose cage crosses itself" "$program" "$cat" --cage "$cage" --move 0:500,0 -o out.svg
-  grep -q 'warning: .*: of the posed cage edges cross or touch (.*: the figure may fold over itself there' log && ok=yes || ok=no
+  grep -q 'warning: .*: in the posed cage edges cross or touch (.*: the figure may fold over itself there' log && ok=yes || ok=no
   report $ok "is drawn, and the crossing is named"
 done
 works "a film alone" env PATH="$work/films:$PATH" "$animate" "$cat" --cage auto --seconds 0.2 --width 64 -o alone.gif

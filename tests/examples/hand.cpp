@@ -23,8 +23,7 @@ const Hand& hand() {
     return made;
 }
 
-/// The same hand, thicker, and longer to the fingertips: a build, as by an affine map of all that it is
-/// made of.
+/// Makes the hand thicker, and longer to the fingertips: a build, made by an affine map of all its parts.
 const Hand& built_hand() {
     static const Hand made = [] {
         Hand other = hand();
@@ -71,7 +70,7 @@ Point3 rotated(const Point3& p, const Point3& place, const Point3& axis, double 
     return place + std::cos(angle) * d + std::sin(angle) * cross(axis, d) +
            (1 - std::cos(angle)) * dot(axis, d) * axis;
 }
-/// What a joint does to a place before its parents move it, by a part of its angles.
+/// Applies a share of a joint's angles to a point, before the turns of its parents.
 Point3 by_joint(const HandJoint& joint, const HandPose& angles, double part, Point3 p) {
     if (joint.bend != HandJoint::none)
         p = rotated(p, joint.place, joint.bend_axis, part * angles[joint.bend]);

@@ -58,7 +58,7 @@ const std::string cube =
     "f 4//1 3//1 2//1 1//1\nf 5//2 6//2 7//2 8//2\nf 1//3 2//3 6//3 5//3\n"
     "f 2//4 3//4 7//4 6//4\nf 3//5 4//5 8//5 7//5\nf 4//6 1//6 5//6 8//6\n";
 
-/// What files hold in practice, and what the format allows.
+/// Typical contents of files, and everything that the format allows.
 const std::string everything = "\xef\xbb\xbf# a comment that ends with a backslash \\\n"
                                "mtllib a b.mtl\r\n"
                                "v 1.000 2.50 -0.0 0.5 0.25 1 # a colour\r\n"
@@ -204,8 +204,8 @@ TEST_CASE("what is wrong with an OBJ file is named with its line", "[examples][o
     CHECK(refusal("v 1 2 nan") == "file.obj: the coordinates of a vertex are not finite (line 1)");
     CHECK(refusal("v 1 -inf 0") == "file.obj: the coordinates of a vertex are not finite (line 1)");
     CHECK(refusal(three + "vn 0 z 1") == "file.obj: not a number: \"z\" (line 4)");
-    CHECK(refusal(three + "f 1 2") == "file.obj: a face has less than three corners (line 4)");
-    CHECK(refusal(three + "f 0 1 2") == "file.obj: a vertex index is 0; they count from 1 (line 4)");
+    CHECK(refusal(three + "f 1 2") == "file.obj: a face has fewer than three corners (line 4)");
+    CHECK(refusal(three + "f 0 1 2") == "file.obj: a vertex index is 0; indices count from 1 (line 4)");
     CHECK(refusal(three + "f 1 2 4") == "file.obj: vertex index 4 is out of range: the file has 3 (line 4)");
     CHECK(refusal("v 0 0 0\nf -1 -2 -1\nv 1 0 0") ==
           "file.obj: vertex index -2 is out of range: the file has 1 before this line (line 2)");
@@ -220,7 +220,7 @@ TEST_CASE("what is wrong with an OBJ file is named with its line", "[examples][o
     CHECK(refusal(three + "f 1//1 2 3") ==
           "file.obj: normal index 1 is out of range: the file has 0 (line 4)");
     CHECK(refusal(three + "vn 0 0 1\r\nf 1//0 2 3") ==
-          "file.obj: a normal index is 0; they count from 1 (line 5)");
+          "file.obj: a normal index is 0; indices count from 1 (line 5)");
 }
 
 TEST_CASE("OBJ files that cannot be read are named", "[examples][obj]") {

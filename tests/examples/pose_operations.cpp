@@ -97,14 +97,14 @@ TEST_CASE("selections are numbers, spans and places", "[examples][pose]") {
     CHECK(why("5") == "there is no vertex 5: the cage has 5, 0 to 4");
     CHECK(why("99999999999999999999") == "there is no vertex 99999999999999999999: the cage has 5, 0 to 4");
     CHECK(why("3-1") == "\"3-1\" counts backwards");
-    CHECK(why("1-") == "\"\" is no number of a vertex");
-    CHECK(why("1x") == "\"1x\" is no number of a vertex");
+    CHECK(why("1-") == "\"\" is not a vertex number");
+    CHECK(why("1x") == "\"1x\" is not a vertex number");
     CHECK(why("x>20") == "\"x>20\" holds for no vertex of the cage");
     CHECK(why("x>far") == "not a number: \"far\"");
-    CHECK(why("x>nan") == "\"nan\" is no finite number");
+    CHECK(why("x>nan") == "\"nan\" is not a finite number");
     for (const char* word : {"", "1,", "z>0", "left", "x", "x=3", "-1", "all&x>0", "x>0&"}) {
         CHECK_THAT(why(word),
-                   Catch::Matchers::Contains("selects nothing: a number, 5-9, all, or a condition"));
+                   Catch::Matchers::Contains("selects nothing: write a number, 5-9, all, or a condition"));
     }
 }
 
@@ -194,7 +194,7 @@ TEMPLATE_TEST_CASE_SIG("a bend keeps the lengths of its axis", "[examples][pose]
         if (is_before) CHECK(pose[i] == axis[i]);
         if (D == 3) CHECK(pose[i][D - 1] == 0);
     }
-    // What lies beyond is turned by the whole angle, about one point: it is straight and keeps lengths.
+    // The part beyond is turned by the whole angle, about one point: it is straight and keeps lengths.
     const std::size_t end = backwards ? 0 : count - 1, near = backwards ? count / 3 - 1 : 2 * count / 3 + 1;
     const auto beyond = pose[end] - pose[near];
     const double length = std::fabs(axis[end][0] - axis[near][0]), sign = to > from ? 1 : -1;
@@ -244,26 +244,27 @@ TEST_CASE("what is no operation is named", "[examples][pose]") {
     CHECK(refusal<2>(move, "1:1") == "\"1\" is not x,y");
     CHECK(refusal<3>(move, "1:1,2") == "\"1,2\" is not x,y,z");
     CHECK(refusal<2>(move, "1:1,b") == "not a number: \"b\"");
-    CHECK(refusal<2>(move, "1:1,inf") == "\"inf\" is no finite number");
-    CHECK(refusal<2>(move, "1:1,2@0,0") == "\"1:1,2@0,0\" moves about no point");
+    CHECK(refusal<2>(move, "1:1,inf") == "\"inf\" is not a finite number");
+    CHECK(refusal<2>(move, "1:1,2@0,0") == "\"1:1,2@0,0\" has a point, which a move does not use");
     CHECK(refusal<2>(turn, "1:") == "not a number: \"\"");
     CHECK(refusal<2>(turn, "1:30,x") == "\"30,x\" is not one angle");
-    CHECK(refusal<2>(turn, "1:30@1") == "\"1\" is no point: x,y, or v and vertices such as v2,7");
-    CHECK(refusal<3>(turn, "1:30@1,2") == "\"1,2\" is no point: x,y,z, or v and vertices such as v2,7");
+    CHECK(refusal<2>(turn, "1:30@1") == "\"1\" is not a point: write x,y, or v and vertices such as v2,7");
+    CHECK(refusal<3>(turn, "1:30@1,2") ==
+          "\"1,2\" is not a point: write x,y,z, or v and vertices such as v2,7");
     CHECK(refusal<2>(turn, "1:30@v12") == "there is no vertex 12: the cage has 12, 0 to 11");
     CHECK(refusal<2>(turn, "1:30@1,c") == "not a number: \"c\"");
     CHECK(refusal<3>(turn, "1:30") == "\"30\" is not an angle and an axis, such as 30,y or 30,1,1,0");
     CHECK(refusal<3>(turn, "1:30,w") == "\"30,w\" has no axis x, y or z");
-    CHECK(refusal<3>(turn, "1:30,0,0,0") == "\"30,0,0,0\" has an axis of no length");
+    CHECK(refusal<3>(turn, "1:30,0,0,0") == "\"30,0,0,0\" has an axis of length zero");
     CHECK(refusal<2>(scale, "1:1,2,3") == "\"1,2,3\" is neither a factor nor x,y");
     CHECK(refusal<2>(bend, "1:xy,0,1") == "\"xy,0,1\" is not AXES,FROM,TO,DEGREES");
     for (const char* axes : {"x", "xx", "xz", "xyx", "", "ab"}) {
         CHECK_THAT(refusal<2>(bend, std::string("1:") + axes + ",0,1,30"),
-                   Catch::Matchers::EndsWith("begins with no axes: xy or yx"));
+                   Catch::Matchers::EndsWith("must begin with xy or yx"));
     }
-    CHECK(refusal<2>(bend, "1:xy,1,1,30") == "\"xy,1,1,30\" begins and ends at the same place");
+    CHECK(refusal<2>(bend, "1:xy,1,1,30") == "\"xy,1,1,30\" begins and ends at the same position");
     CHECK(refusal<2>(twist, "1:x,0,1,30") == "\"x,0,1,30\" is for cages in space");
-    CHECK_THAT(refusal<3>(twist, "1:xy,0,1,30"), Catch::Matchers::EndsWith("begins with no axes: x, y or z"));
+    CHECK_THAT(refusal<3>(twist, "1:xy,0,1,30"), Catch::Matchers::EndsWith("must begin with x, y or z"));
     CHECK(refusal<2>(scale, "all:1e300@1e300,1e300") == "vertex 0 leaves the range of numbers");
 }
 
@@ -299,7 +300,7 @@ TEST_CASE("cages are read back to the bit", "[examples][cage]") {
     blocks[1].points.back() = blocks[1].points.front();
     const auto closed = to_svg(make_cage("cage", {blocks[1]}), {0, 0, 1, 1});
     REQUIRE_FALSE(closed);
-    CHECK_THAT(to_string(closed.error()), Catch::Matchers::Contains("two vertices lie at the same place"));
+    CHECK_THAT(to_string(closed.error()), Catch::Matchers::Contains("two vertices lie at the same position"));
 }
 
 } // namespace pose_operations_tests

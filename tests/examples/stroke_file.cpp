@@ -78,7 +78,7 @@ TEST_CASE("a drawing's strokes have values along them", "[examples][strokes]") {
     CHECK(*values_along(path, "0 3 1", 1, number) == std::vector<double>{0, 3, 1});
     CHECK(*values_along(path, "7", 1, number) == std::vector<double>{7, 7, 7});
     CHECK(values_along(path, "1 2 3 4", 1, number).error().message ==
-          "4 values for 3 vertices: one, two for the ends, or one for each");
+          "4 values for 3 vertices: give one, two for the ends, or one for each");
     CHECK(values_along(path, "1 x", 1, number).error().message == "no number");
     CHECK(!values_along(path, "", 1, number));
 
@@ -92,7 +92,7 @@ TEST_CASE("a drawing's strokes have values along them", "[examples][strokes]") {
     CHECK(!values_along(circle, "0 1", 1, number)); // no ends
 
     CHECK(strokes_of("<rect width=\"5\" height=\"5\"/>").error().message ==
-          "stroke_file_test.svg: no stroke");
+          "stroke_file_test.svg: holds no stroke");
     CHECK(strokes_of("<path id=\"far\" stroke=\"red\" d=\"M0,0 L101,4\"/>").error().message ==
           "stroke_file_test.svg: path \"far\" (line 1) reaches beyond the picture (its viewBox)");
 }

@@ -529,7 +529,7 @@ TEST_CASE("uses that cannot be expanded", "[examples][svg_document][use][error]"
         const std::string use = "<use href='#u" + std::to_string(i - 1) + "'/>";
         laughs += "<g id='u" + std::to_string(i) + "'>" + use + use + "</g>";
     }
-    CHECK(contains(error_of(svg(laughs + "</defs><use href='#u39'/>")), "expand to too much"));
+    CHECK(contains(error_of(svg(laughs + "</defs><use href='#u39'/>")), "expand to too many elements"));
 }
 
 TEST_CASE("clip paths and masks follow what they clip", "[examples][svg_document][clip]") {
@@ -606,7 +606,7 @@ TEST_CASE("what cannot be deformed is named", "[examples][svg_document][warnings
     CHECK(all[3] == "path \"flat\" (line 2): has a transform without inverse and stays as it is");
     CHECK(contains(all[4], "style"));
     CHECK(all[5] == "style sheet: \"g:hover\" refers to an element and is not read");
-    CHECK(all[6] == "path (line 3): its markers stand at vertices, also at those that were added");
+    CHECK(all[6] == "path (line 3): its markers are drawn at all vertices, also at added ones");
 }
 
 TEST_CASE("malformed attributes are errors with their place", "[examples][svg_document][error]") {
@@ -616,7 +616,7 @@ TEST_CASE("malformed attributes are errors with their place", "[examples][svg_do
           "test.svg: g: transform at 1:1: no transform turn with 1 numbers (line 3)");
     CHECK(contains(error_of("<svg><rect width='3 apples' height='1'/></svg>"),
                    "rect: width at 1:2: unknown unit"));
-    CHECK(contains(error_of("<svg><polygon points='1 2 3'/></svg>"), "an odd number of coordinates"));
+    CHECK(contains(error_of("<svg><polygon points='1 2 3'/></svg>"), "the number of coordinates is odd"));
     CHECK(contains(error_of("<svg><polygon points='1 2 x'/></svg>"), "points at 1:5"));
     CHECK(contains(error_of("<svg><svg viewBox='1 2'/></svg>"), "viewBox is not four numbers"));
     CHECK(contains(error_of("<svg><path transform='scale(1e99)' d='M0 0L1e99 0'/></svg>"), "out of range"));

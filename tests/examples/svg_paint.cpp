@@ -1,4 +1,4 @@
-// What a shape takes from elsewhere follows it: gradients, patterns, regions; and what is seen stays in view.
+// Tests that gradients, patterns and regions follow their shapes, and that visible parts stay visible.
 
 #include "svg/motion.hpp"
 #include "svg/style.hpp"

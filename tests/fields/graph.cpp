@@ -45,7 +45,7 @@ std::vector<Json> flatten(const Json& table) {
     return entries;
 }
 
-/// Of a table of `shape`, whose last index runs along the first axis of the grid.
+/// Returns the links of a table of `shape`, whose last index runs along the first axis of the grid.
 std::vector<GraphLink> links_of(const Json& shape, const Json& stencil) {
     const auto neighbours = stencil == "face" ? Stencil::face : Stencil::all;
     const auto n = [&](std::size_t k) { return shape[k].get<std::size_t>(); };
@@ -347,8 +347,7 @@ TEST_CASE("solve_graph refuses by name, names the culprit and leaves the values"
 
 TEST_CASE("solve_graph: the factors stay small about hubs", "[grid][puzzle]") {
     // A ring and two hubs that all of it is linked to: a level of a search from a hub is the whole ring.
-    // Then each
-    // hub linked to half of the ring, a chain that begins at the hubs, and a star.
+    // Then each hub linked to half of the ring, a chain that begins at the hubs, and a star.
     constexpr std::uint32_t count = 2000;
     const auto ring = [](std::uint32_t i) { return 2 + i % count; };
     for (const int kind : {0, 1, 2, 3}) {

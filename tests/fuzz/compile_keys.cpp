@@ -1,8 +1,6 @@
 // Feeds numbers of any kind to compile_track, compile_clip and the fits of one interval, and plays what
-// compiles: for
-// libFuzzer. No input may take a minute of the processor: of a million the slowest, optimal knots in the
-// sup norm, took 4 s
-// without sanitizers.
+// compiles: for libFuzzer. No input may take a minute of the processor: of a million the slowest, optimal
+// knots in the sup norm, took 4 s without sanitizers.
 //
 //     clang++ -std=c++20 -O1 -g1 -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all -Iinclude
 //             -isystem /usr/include/eigen3 tests/fuzz/compile_keys.cpp -o fuzz_compile_keys

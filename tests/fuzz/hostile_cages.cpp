@@ -1,6 +1,5 @@
 // Makes cages of every kind that no one should, and takes each through check, bind and clone: nothing may
-// crash,
-// and what is bound is finite. A program of its own, for sanitizers:
+// crash, and what is bound is finite. A program of its own, for sanitizers:
 //
 //     clang++ -std=c++20 -O1 -g1 -fsanitize=address,undefined -fno-sanitize-recover=all -Iinclude
 //             -isystem /usr/include/eigen3 -Itests tests/fuzz/hostile_cages.cpp -o hostile_cages
@@ -32,7 +31,7 @@ using cageform_tests::Random;
         std::abort();                                                                                        \
     }
 
-/// Of a cage in [-1, 1]^D: what is done to all numbers and to a few.
+/// Spoils a coordinate of a cage in [-1, 1]^D: some kinds change all numbers, some only a few.
 template <class T>
 T spoilt(Random& random, double x, std::size_t kind) {
     switch (kind) {

@@ -1,8 +1,6 @@
 // Makes point sets of every kind that no one should, and binds points to them: nothing may crash, and
-// either a
-// status says what is wrong or the weights are finite, sum to one and give the point back. A program of its
-// own,
-// for sanitizers:
+// either a status says what is wrong or the weights are finite, sum to one and give the point back. A
+// program of its own, for sanitizers:
 //
 //     clang++ -std=c++20 -O1 -g1 -fsanitize=address,undefined -fno-sanitize-recover=all -Iinclude -Itests
 //             -isystem /usr/include/eigen3 tests/fuzz/hostile_sites.cpp -o hostile_sites
@@ -29,8 +27,7 @@ using cageform_tests::Random;
     }
 
 /// Places in [-1, 1]^D: random, clustered, on a line or plane but for some, on a sphere, on a lattice, in a
-/// ring,
-/// almost so, or twice.
+/// ring, almost so, or twice.
 template <std::size_t D>
 std::vector<Vec<double, D>> places(Random& random, std::size_t count) {
     const std::size_t kind = random.below(9), thin = random.below(4);
@@ -104,10 +101,10 @@ Status try_sites(Random& random, unsigned long long seed) {
     const auto weights = result.value.view().weights;
     const double size = double(bounds_of(std::span<const Vec<T, D>>(sites)).magnitude());
     const double extent = double(bounds_of(std::span<const Vec<T, D>>(sites)).diagonal());
-    // What bind says that was not restored: a point within tolerance of the hull, which is relative to the
-    // coordinates, may lie off the plane of its sites by that, and the sum misses as much relative to the
-    // extent.
-    // At degree 3, sites so near to a line or plane that rounding leaves no gradient across it.
+    // Points that bind reports as not restored: a point within tolerance of the hull (which is relative
+    // to the coordinates) may lie off the plane of its sites by that, and the sum misses as much
+    // relative to the extent. At degree 3 they also occur for sites so near to a line or plane that
+    // rounding leaves no gradient across it.
     const auto unrestored = [&](std::size_t i) {
         const auto& list = result.report.not_restored;
         if (std::find(list.begin(), list.end(), i) == list.end()) return 1.0;
@@ -117,7 +114,7 @@ Status try_sites(Random& random, unsigned long long seed) {
         double sum = 0, sizes = 0;
         for (std::size_t h = 0; h < weights.rows; ++h) {
             REQUIRE(is_finite(weights(i, h)));
-            // What was restored may be negative: of points within tolerance of a thin hull.
+            // Restored weights may be negative, for points within tolerance of a thin hull.
             REQUIRE(options.degree == 3 ||
                     double(weights(i, h)) >=
                         -16 * double(epsilon<T>) - 2 * result.report.weight_change.value);

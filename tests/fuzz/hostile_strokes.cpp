@@ -1,6 +1,6 @@
 // Draws strokes and walls that no one should, and diffuses them: nothing may crash, and either a status
-// says what is wrong
-// or all values are finite and between the least and the largest given. A program of its own, for sanitizers:
+// says what is wrong or all values are finite and between the least and the largest given. A program of its
+// own, for sanitizers:
 //
 //     clang++ -std=c++20 -O1 -g1 -fsanitize=address,undefined -fno-sanitize-recover=all -Iinclude -Itests
 //             tests/fuzz/hostile_strokes.cpp -o hostile_strokes

@@ -1,7 +1,6 @@
-// Makes meshes and bones of every kind that no one should, and takes them through cotangent weights, harmonic
-// functions, weights of bones, skins and bindings to bones: nothing may crash; what is refused is named,
-// and what is
-// made keeps its laws. A program of its own, for sanitizers:
+// Makes meshes and bones of every kind that no one should, and takes them through cotangent weights,
+// harmonic functions, weights of bones, skins and bindings to bones: nothing may crash; what is refused
+// is named, and what is made keeps its laws. A program of its own, for sanitizers:
 //
 //     clang++ -std=c++20 -O1 -g1 -fsanitize=address,undefined -fno-sanitize-recover=all -Iinclude
 //             -isystem /usr/include/eigen3 -Itests tests/fuzz/hostile_surfaces.cpp -o hostile_surfaces
@@ -43,7 +42,8 @@ double any_size(Random& random) {
     return std::pow(10.0, random.uniform(least, most));
 }
 
-/// Of a mesh in [-1, 1]³: what is done to all numbers and to a few. Half of the kinds do nothing.
+/// Spoils a coordinate of a mesh in [-1, 1]³: some kinds change all numbers, some only a few, and half
+/// change nothing.
 template <class T>
 T spoilt(Random& random, double x, std::size_t kind) {
     switch (kind) {

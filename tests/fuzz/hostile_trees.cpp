@@ -1,9 +1,7 @@
 // Makes cages that are hard for an adaptive grid: sharp wedges of many faces, bodies that all but touch,
-// slits,
-// plates, gaps down to 1e-9, numbers near the ends of float. Nothing may crash, the memory allowed is kept,
-// what
-// is refused is refused by name and with the bytes, and weights are a mean. A program of its own, for
-// sanitizers:
+// slits, plates, gaps down to 1e-9, numbers near the ends of float. Nothing may crash, the memory allowed
+// is kept, what is refused is refused by name and with the bytes, and weights are a mean. A program of its
+// own, for sanitizers:
 //
 //     clang++ -std=c++20 -O1 -g1 -fsanitize=address,undefined -fno-sanitize-recover=all -Iinclude
 //             -isystem /usr/include/eigen3 -Itests tests/fuzz/hostile_trees.cpp -o hostile_trees

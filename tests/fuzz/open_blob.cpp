@@ -1,6 +1,5 @@
 // Feeds bytes to open_blob, open_figure and open_clip, and whatever opens to clones and players, in buffers
-// exactly as long as
-// promised: for libFuzzer.
+// exactly as long as promised: for libFuzzer.
 //
 //     clang++ -std=c++20 -O1 -g1 -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all -Iinclude
 //             -isystem /usr/include/eigen3 tests/fuzz/open_blob.cpp -o fuzz_open_blob

@@ -132,7 +132,7 @@ void read_css(const std::string& text) {
     REQUIRE(easing.report.error_at <= text.size());
     if (easing.status() != cageform::Status::ok) return;
     const auto written = cageform::to_css(easing.value);
-    // What is told level or too large by the difference of the keys has no text.
+    // An easing whose keys are level, or differ by too much, has no text.
     if (written.status() != cageform::Status::ok) return;
     const auto again = cageform::parse_css_easing(written.value);
     REQUIRE(again.status() == cageform::Status::ok && again.value.points == easing.value.points);

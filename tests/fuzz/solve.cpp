@@ -1,6 +1,6 @@
 // Harmonic coordinates of hostile polygons and meshes on tiny grids: a bind ends with a status, and what it
-// says is ok
-// keeps the laws. Not a part of the tests; compile with clang and run for as long as there is time:
+// says is ok keeps the laws. Not a part of the tests; compile with clang and run for as long as there is
+// time:
 //
 //     clang++ -std=c++20 -O1 -g1 -fsanitize=address,undefined -fno-sanitize-recover=all -Iinclude
 //             -isystem /usr/include/eigen3 tests/fuzz/solve.cpp -o fuzz_solve

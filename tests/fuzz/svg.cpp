@@ -29,7 +29,7 @@ using namespace cageform_examples;
         std::abort();                                                                                        \
     }
 
-/// What SVG is made of; a mutation puts one in.
+/// Pieces of SVG, which a mutation inserts.
 constexpr std::array pieces{
     R"x(<svg viewBox="0 0 9 9">)x",
     R"x(<svg x="1" width="5%" height="2" viewBox="0 0 3 4" overflow="visible">)x",

@@ -82,7 +82,7 @@ works "an open mesh, unasked" "$skin" open_character.obj --bones character.bones
 says 'note: open_character.obj: the mesh is not closed'
 cmp bones_open.glb bones_unasked.glb && report yes unasked || report no "as with --see-through"
 works "a picture of what is written" "$skin" character.obj --bones character.bones.csv --weights harmonic --skin 1 -o bones_few.glb --picture few.png
-says 'warning: character.obj: a skin of 1 bones a vertex is off by at most'
+says 'warning: character.obj: a skin of 1 bones per vertex is off by at most'
 works "a picture of more" "$skin" character.obj --bones character.bones.csv --weights harmonic --skin 4 -o bones_more.glb --picture more.png
 cmp -s few.png more.png && report no "pictures draw the skin that is written" || report yes drawn
 works "from another side" "$skin" character.obj --bones character.bones.csv --weights harmonic -o bones_up.glb --picture up.png --up z --view 20,30
@@ -103,7 +103,7 @@ faulty_bones 'bones.csv:2: 10 columns, where a bone has 11' '# a comment' 'a,,0,
 faulty_bones 'bones.csv:1: column 11: not a number: "x"' 'a,,0,0,0,0,1,0,0,0,x'
 faulty_bones 'bones.csv:1: column 3: a number is not finite' 'a,,inf,0,0,0,1,0,0,0,0'
 faulty_bones 'bones.csv:1: column 3: ' 'a,,1e99,0,0,0,1,0,0,0,0'
-faulty_bones 'bones.csv:1: the parent "b" does not stand before its child' 'a,b,0,0,0,0,1,0,0,0,0' 'b,,0,0,0,0,1,0,0,0,0'
+faulty_bones 'bones.csv:1: the parent "b" has to come before its child' 'a,b,0,0,0,0,1,0,0,0,0' 'b,,0,0,0,0,1,0,0,0,0'
 faulty_bones 'bones.csv:2: there are two bones "a"' 'a,,0,0,0,0,1,0,0,0,0' 'a,,0,0,0,0,1,0,0,0,0'
 faulty_bones 'bones.csv:1: the bone has no name' ',,0,0,0,0,1,0,0,0,0'
 
@@ -138,13 +138,13 @@ cat log
   says 'poses of the motion'
   works "as many joints as a distance takes" "$export" character.obj $cage $clip --coordinates mean-value --max-distance 0.02 --report -o near.glb
   says 'skin: 8 weights at most'
-  refuses 'a skin of 16 joints a vertex is off by at most' "$export" character.obj $cage $clip --coordinates mean-value --max-distance 0.0001 -o out.glb
-  refuses 'not even --skin 16 keeps it' "$export" character.obj $cage $clip --coordinates mean-value --skin 4 --max-distance 0.001 --weights unorm8 -o out.glb
-  refuses '--skin 8 would do' "$export" character.obj $cage $clip --coordinates mean-value --skin 4 --max-distance 0.02 -o out.glb
+  refuses 'a skin of 16 joints per vertex is off by at most' "$export" character.obj $cage $clip --coordinates mean-value --max-distance 0.0001 -o out.glb
+  refuses 'not even --skin 16 is enough' "$export" character.obj $cage $clip --coordinates mean-value --skin 4 --max-distance 0.001 --weights unorm8 -o out.glb
+  refuses '--skin 8 is enough' "$export" character.obj $cage $clip --coordinates mean-value --skin 4 --max-distance 0.02 -o out.glb
   refuses '--morph' "$export" character.obj $cage $clip --morph --max-distance 0.1 -o out.glb
   refuses '--max-distance' "$export" character.obj $cage $clip --max-distance 2 -o out.glb
   works "few joints without a distance" "$export" character.obj $cage $clip --coordinates mean-value --skin 4 -o few.glb
-  says 'warning: character.obj: a skin of 4 joints a vertex is off by at most'
+  says 'warning: character.obj: a skin of 4 joints per vertex is off by at most'
   works "through a pose" "$export" character.obj $cage --pose character_pose.obj --skin 4 --seconds 0.5 -o pose.glb
   works "a target a pose" "$export" character.obj $cage --pose character_pose.obj character_pose.obj --morph -o poses.gltf
   grep -q '"character_pose"' poses.gltf && report yes name || report no "a target has the name of its pose"
@@ -210,7 +210,7 @@ grep -q '^mtllib parts.mtl' posed/parts.obj && report yes mtllib || report no "g
 works "a cage that is made" "$export" parts.obj --cage hull:20 --bend all:zx,1,3,40 --skin 8 -o made.glb
 works "a cage that is made, packed" "$programs/bind_mesh" parts.obj --cage hull:20 --bend all:zx,1,3,40 -o made.figure
 refuses 'a box has 8 vertices' "$export" parts.obj --cage box:9 --skin 8 -o out.glb
-refuses 'but only one of them' "$export" parts.obj --cage box.obj --pose box_pose.obj --twist all:z,0,4,40 --skin 8 -o out.glb
+refuses 'give only one of --clip, --pose, and operations' "$export" parts.obj --cage box.obj --pose box_pose.obj --twist all:z,0,4,40 --skin 8 -o out.glb
 
 # ---- what is refused ----
 works "help" "$export" --help
@@ -225,8 +225,8 @@ corner_lines() { sed 's/^v //; s/ /,/g' corners; }
   refuses 'nowhere.obj' "$export" $figure --pose nowhere.obj --skin 4 -o out.glb
   refuses 'nowhere.csv: no such file' "$export" $figure --clip nowhere.csv --skin 4 -o out.glb
   refuses 'point.obj: holds no faces' "$export" point.obj --cage box.obj --skin 4 -o out.glb
-  refuses '--skin, --max-distance or --morph says what to write' "$export" $figure -o out.glb
-  refuses 'morph targets are made of poses' "$export" $figure --morph -o out.glb
+  refuses 'give --skin, --max-distance or --morph to choose what to write' "$export" $figure -o out.glb
+  refuses 'morph targets need poses' "$export" $figure --morph -o out.glb
   refuses '--skin' "$export" $figure --skin 0 -o out.glb
   refuses '--skin' "$export" $figure --skin 17 -o out.glb
   refuses '--skin' "$export" $figure --skin 4 --morph --pose box_pose.obj -o out.glb
@@ -238,7 +238,7 @@ corner_lines() { sed 's/^v //; s/ /,/g' corners; }
   refuses '--resolution' "$export" $figure --skin 4 --resolution few -o out.glb
   refuses 'does not end with .glb or .gltf' "$export" $figure --skin 4 -o out.obj
   refuses 'missing/out.glb' "$export" $figure --skin 4 -o missing/out.glb
-  refuses 'every pose is that at rest' "$export" $figure --morph --clip rest.csv -o out.glb
+  refuses 'every pose equals the rest pose' "$export" $figure --morph --clip rest.csv -o out.glb
   refuses '112 vertices' "$export" $figure --pose character_cage.obj --skin 4 -o out.glb
   refuses '1 of 8 vertices of stray.obj lie outside the cage box.obj' "$export" stray.obj --cage box.obj --outside refuse --skin 4 -o out.glb
   sed 's|1/4|1/9|' textured.obj >texture.obj
@@ -253,10 +253,10 @@ faulty_clip() { # MESSAGE SED-COMMAND
   # shellcheck disable=SC2086
   refuses "$1" "$export" $figure --clip clip.csv --skin 4 -o out.glb
 }
-faulty_clip 'clip.csv: no "length,SECONDS"' 1d
+faulty_clip 'clip.csv: the line "length,SECONDS" is missing' 1d
 faulty_clip 'clip.csv:1: the length is not positive' 's/length,2/length,0/'
 faulty_clip 'clip.csv: the last pose is not before the end' 's/length,2/length,1/'
-faulty_clip 'clip.csv:2: the first pose is at 0' 's/pose,0/pose,0.5/'
+faulty_clip 'clip.csv:2: the first pose has to be at time 0' 's/pose,0/pose,0.5/'
 faulty_clip 'clip.csv:11: a pose is not later' 's/pose,1/pose,0/'
 faulty_clip 'clip.csv:11: a pose is smooth, linear or ease, not "hold"' 's/pose,1/pose,1,hold/'
 faulty_clip 'clip.csv:11: a number is not finite' 's/pose,1/pose,nan/'

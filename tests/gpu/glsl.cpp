@@ -75,7 +75,7 @@ struct Figure {
         binding = bound<D>(points, handles, seed + 3);
     }
 
-    /// What sums of so many products may differ by, in whatever order they are taken.
+    /// The largest difference of sums of so many products, in any order.
     double tolerance() const {
         double largest = 0, farthest = 0;
         for (std::size_t i = 0; i < binding.point_count(); ++i) {
@@ -106,7 +106,7 @@ std::vector<std::array<float, 4>> displacements_of(const cageform::PackedBinding
 
 std::string buffers = "#define CAGEFORM_BLOB 0\n#define CAGEFORM_DISPLACEMENTS 1\n#define CAGEFORM_OUT 2\n";
 
-/// What a shader says to know of its blob.
+/// A shader's description of its blob.
 template <std::size_t D>
 std::string known(WeightFormat format) {
     return "#define CAGEFORM_FORMAT " + std::to_string(int(format)) + "u\n#define CAGEFORM_DIMENSION " +
@@ -167,7 +167,7 @@ void check_compute() {
         REQUIRE(clone(binding, figure.pose, expected) == Status::ok);
         const auto told = clone_by_compute<D>(packed.bytes(), binding, figure.pose, known<D>(format));
         CHECK(largest_difference(told, expected) <= figure.tolerance());
-        // The same where the shader looks for itself, and in the language of mobile devices.
+        // Repeats this with a shader that searches itself, and in the language of mobile devices.
         CHECK(largest_difference(clone_by_compute<D>(packed.bytes(), binding, figure.pose, ""), expected) <=
               figure.tolerance());
         CHECK(largest_difference(clone_by_compute<D>(packed.bytes(), binding, figure.pose, known<D>(format),

@@ -46,7 +46,7 @@ void check_numbering(const CellBox<D>& box) {
     CHECK(seen.size() == box.size());
 }
 
-/// What lattice_about promises, for any bounds.
+/// Checks the promises of lattice_about, for any bounds.
 template <class T, std::size_t D>
 void check_about(const Bounds<T, D>& bounds, std::size_t resolution) {
     const auto lattice = lattice_about(bounds, resolution);
@@ -59,7 +59,8 @@ void check_about(const Bounds<T, D>& bounds, std::size_t resolution) {
         CAPTURE(k);
         reached = reached || lattice.cells[k] == resolution;
         CHECK(lattice.cells[k] <= resolution);
-        // At least the margin, but for the thousandth of a cell that is rounded away; less than a cell more.
+        // At least the margin, but for the thousandth of a cell that is rounded away; less than a cell
+        // more.
         const T margin = T(papers_margin) * lattice.spacing;
         const T below = bounds.lower[k] - lattice.origin[k];
         const T above = lattice.origin[k] + T(lattice.cells[k]) * lattice.spacing - bounds.upper[k];

@@ -46,8 +46,7 @@ std::array<double, D> place_of(const Index<D>& index, const CutLink& cut) {
 }
 
 /// A union of balls less some others. With `cut_inside`, every thirtieth link between unknowns is cut from
-/// both
-/// sides. `theta` draws the lengths of cut links.
+/// both sides. `theta` draws the lengths of cut links.
 template <std::size_t D, class Theta>
 Domain<D> random_domain(std::uint64_t seed, std::int32_t side, bool cut_inside, const Theta& theta) {
     Random random(seed);
@@ -194,7 +193,7 @@ void check_estimate_and_bound(int seed) {
     auto block = multigrid.make_block();
     set_data(multigrid, domain, block, [&](std::size_t c, std::size_t k) { return data[c * width + k]; });
 
-    // The same equations, written down link by link and solved directly.
+    // Assembles the equations link by link and solves them directly.
     const auto n = Eigen::Index(multigrid.unknowns());
     std::vector<Eigen::Triplet<double>> entries;
     Eigen::MatrixXd right = Eigen::MatrixXd::Zero(n, Eigen::Index(width));

@@ -285,7 +285,7 @@ TEST_CASE("sizes are bounded at wedges and narrow gaps", "[grid][tree][sizing]")
 
 // ---- sizes in space -------------------------------------------------------------------------------
 
-/// What is asked of the cells about a mesh, of those that hold places inside.
+/// Checks the sizes of the cells around a mesh, for cells with points inside.
 void check_sizes(const TriangleMesh<double>& mesh, const RefinementOptions& options, std::uint64_t seed) {
     const TreeBoundary<3> boundary(mesh, 12);
     CutTree<3> tree(boundary);

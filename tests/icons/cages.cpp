@@ -2,11 +2,10 @@
 //
 //     cages < LIST    the files' names; prints a table of a row for each number of vertices and way of making
 //
-// made: make_cage gave a cage, verified against the icon; exact: with as many vertices as asked for; bound:
-// harmonic
-// coordinates at their default accuracy take it and all ends of segments are inside. Of area over the
-// tightest, least
-// angles in degrees and milliseconds: median, 95th percentile and worst.
+// made: make_cage returned a cage, verified against the icon. exact: it has the requested number of
+// vertices. bound: harmonic coordinates at their default accuracy accept it, and all ends of segments
+// are inside. Area over the tightest, least angles in degrees, and milliseconds have median, 95th
+// percentile and worst.
 
 #include "pictures/drawn_figure.hpp"
 

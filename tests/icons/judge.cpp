@@ -11,8 +11,7 @@
 //     judge sheet OUT.png FOLDER…     a row each: at rest, expected, bent
 //
 // Differences are in steps of 1/255 over white. A picture cannot be bent without blur, so they are of means
-// of 2 x 2 pixels,
-// and edges of an icon without a fault differ by some.
+// of 2 x 2 pixels, and edges of an icon without a fault differ by some.
 
 #include "../support/larger.hpp"
 #include "svg/document.hpp"
@@ -231,7 +230,7 @@ void draw(const std::array<Vertex, 3>& corner, const std::array<Vertex, 3>& text
     }
 }
 
-/// What the bend makes of the picture with its margin; of twice the size, then halved.
+/// Returns the bent picture with its margin, drawn at twice the size and then halved.
 Picture bent_picture(const Picture& wide, const ViewBox& view, std::size_t width, std::size_t height) {
     std::vector<Vertex> places, textures;
     for (std::size_t j = 0; j <= cells; ++j) {

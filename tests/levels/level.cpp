@@ -1,4 +1,4 @@
-// What an engine calls every frame, compiled once for each level of processors. LEVEL is its name.
+// The functions that an engine calls every frame, compiled once per level of processors. LEVEL is its name.
 #include <cageform/binding/types/blob.hpp>
 #include <cageform/clone/clone.hpp>
 

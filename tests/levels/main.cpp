@@ -1,6 +1,5 @@
 // One program with a clone for each level of processors: those that this one has agree to rounding, or to
-// the bit
-// under CAGEFORM_DETERMINISTIC. Compiled for the lowest level.
+// the bit under CAGEFORM_DETERMINISTIC. Compiled for the lowest level.
 #include "../runtime/made_up.hpp"
 
 #include <cmath>

@@ -1,4 +1,4 @@
-// What the rewritten headers call where a mutant lies: run.py puts this before all of a test program.
+// The functions that rewritten headers call at a mutant; run.py puts this before all of a test program.
 #pragma once
 
 #include <cstdlib>

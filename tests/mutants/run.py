@@ -16,7 +16,7 @@ five times as long as without the mutant, and two seconds, has failed.
   --count    how many mutants are drawn from all places
   --seed     of the draw; it is printed, so that a run can be repeated
   --folders  of include/cageform; all unless told
-  --at       all mutants of these lines as well, as in enclose/make_cage.hpp:199
+  --at       all mutants of these lines as well, as in enclose/plane/cage_maker.hpp:190
   --only     of those drawn, only these numbers, as in 3,17
   --most     seconds of test cases in each program that a mutant passes before it counts as survived
   --flags    more for the compiler, as -fsanitize=address,undefined

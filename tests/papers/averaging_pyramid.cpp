@@ -122,9 +122,10 @@ AveragingOptions to_rounding(const Problem<T, D>& problem, Stencil stencil, std:
             .max_sweeps = 1000000};
 }
 
-/// How far a value may be off when each cell is the mean of its neighbours within `residual`: by as much as a
-/// random walk from the cell picks up before it ends on a fixed cell. In a box of which two opposite borders
-/// are fixed, n cells apart, that are n²/4 steps along this axis, which every D-th step takes at least.
+/// How far a value may be off when each cell is the mean of its neighbours within `residual`: by as much
+/// as a random walk from the cell picks up before it ends on a fixed cell. In a box of which two
+/// opposite borders are fixed, n cells apart, that are n²/4 steps along this axis, which every D-th step
+/// takes at least.
 double walk(std::size_t n, std::size_t dimension) {
     return double(dimension) * double(n * n) / 4;
 }
@@ -233,8 +234,9 @@ TEMPLATE_TEST_CASE("the solver agrees with elimination", "[grid][averaging_pyram
     CAPTURE(seed);
     Random random{std::uint64_t(seed)};
     const auto check = [&](auto problem) {
-        // The values are in [−1, 1]; a fixed cell is never farther away than the box is long, but the way may
-        // wind, so the walk is taken as long as in a corridor of all cells. Far above what is seen.
+        // The values are in [−1, 1]; a fixed cell is never farther away than the box is long, but the
+        // way may wind, so the walk is taken as long as in a corridor of all cells. Far above what is
+        // seen.
         const double tolerance = 4 * mean_rounding<TestType> * double(problem.box.size());
         for (const auto stencil : {Stencil::face_neighbours, Stencil::all_neighbours}) {
             const auto expected = eliminate(problem, stencil);
@@ -478,7 +480,7 @@ TEMPLATE_TEST_CASE("from the linear guess on a line the first sweep changes noth
     const auto outcome = solve(from_zero, {.coarsest = 1000, .tolerance = 1e-7});
     CHECK(outcome.converged);
     CHECK(outcome.sweeps > 2000);
-    // What a sweep makes of a guess is what it makes of the sweep before: n sweeps are n times one.
+    // A sweep continues from the sweep before: n sweeps together equal n single sweeps.
     auto together = problem, apart = problem;
     for (std::size_t c = 1; c < 100; ++c) together.values[c] = apart.values[c] = c % 7 == 0 ? T(1) : T(0.25);
     (void)solve(together, {.tolerance = 0, .max_sweeps = 5, .first_guess = true});
@@ -533,8 +535,8 @@ TEMPLATE_TEST_CASE("cells beyond the grid are mirrored", "[grid][averaging_pyram
     const auto seed = GENERATE(seeds(15));
     CAPTURE(seed);
     Random random{std::uint64_t(seed)};
-    // Fixed cells anywhere, interior ones at the border; and the same four times, mirrored left and up. With
-    // face neighbours a cell's mirror image is the cell itself, which adds nothing to its mean.
+    // Fixed cells anywhere, interior ones at the border; and the same four times, mirrored left and up.
+    // With face neighbours a cell's mirror image is the cell itself, which adds nothing to its mean.
     const std::size_t columns = 3 + random.below(6);
     const std::size_t rows = 3 + random.below(6);
     auto quarter = random_problem<T, 2>(random, {columns, rows}, -1, 1, 6);

@@ -55,8 +55,9 @@ bool meets_square(const Vec<double, 2>& a, const Vec<double, 2>& b, const Vec<do
     return from <= to;
 }
 
-/// How much the test shrinks or grows a cell, in cells. The rasteriser itself reaches 1e-6 cells too far, and
-/// the vertices' places in the lattice are rounded relative to the largest of their coordinates.
+/// How much the test shrinks or grows a cell, in cells. The rasteriser itself reaches 1e-6 cells too
+/// far, and the vertices' places in the lattice are rounded relative to the largest of their
+/// coordinates.
 template <class T>
 double slack_of(const Polygon<T>& polygon, const Lattice<T, 2>& lattice) {
     double largest = bounds_of(polygon.vertices()).magnitude();
@@ -69,7 +70,7 @@ double slack_of(const Polygon<T>& polygon, const Lattice<T, 2>& lattice) {
 
 using CellData = std::vector<std::pair<std::uint32_t, double>>; // handles and values
 
-/// What a domain says of every cell, whose sums it checks.
+/// Returns the data of every cell of a domain, and checks the domain's sums.
 template <class T, std::size_t D>
 std::vector<CellData> data_by_cell(const GridDomain<T, D>& domain, std::size_t handles) {
     std::vector<CellData> data(domain.tags.size());

@@ -1,6 +1,5 @@
 // The promise of CAGEFORM_DETERMINISTIC: whatever compiler, level of optimisation and registers this is
-// built with, it
-// prints the same hashes of clones and clips.
+// built with, it prints the same hashes of clones and clips.
 #include "made_up.hpp"
 
 #include <cageform/animate/detail/quantised_cubic.hpp>

@@ -57,7 +57,7 @@ void save(std::span<const std::byte> blob) {
     file_bytes += blob.size();
 }
 
-// What symbols.cpp finds of double's functions allocates nothing either.
+// The functions of double that symbols.cpp finds do not allocate either.
 int play(std::size_t points, std::size_t handles) {
     using T = float;
     using Vector = cageform::Vec<T, 3>;
@@ -105,8 +105,7 @@ int play(std::size_t points, std::size_t handles) {
 }
 
 /// A thousand frames of the clip in a file with a figure: nothing is allocated from before it is opened,
-/// and the cursor's
-/// memory is the player's.
+/// and the cursor's memory is the player's.
 int play_file(std::size_t points, std::size_t handles) {
     using Vector = cageform::Vec<float, 3>;
     const auto file_of_figure = made_up::figure<float>(WeightFormat::int8, true, points, handles, 5);

@@ -1,6 +1,5 @@
 // Bindings, poses and clips out of thin air, without bind time: every number is made of whole ones, and is
-// the same on every
-// machine.
+// the same on every machine.
 #pragma once
 
 #include <cageform/animate/clip_blob.hpp>

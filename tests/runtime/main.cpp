@@ -1,5 +1,5 @@
 // The run-time headers as an engine uses them: no exceptions, no RTTI, no dependency, no bind-time header.
-// The same program also runs under -ffast-math.
+// This program also runs under -ffast-math.
 #include "made_up.hpp"
 
 #include <cageform/runtime.hpp>

@@ -1,5 +1,5 @@
-// What an engine calls every frame, and nothing else: cmake/check_symbols.cmake looks at what the compiler
-// makes of it.
+// The functions that an engine calls every frame, and nothing else: cmake/check_symbols.cmake checks the
+// compiled code.
 #include <cageform/runtime.hpp>
 
 namespace frame {

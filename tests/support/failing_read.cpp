@@ -1,6 +1,5 @@
 // Loaded before a program, by LD_PRELOAD: reading the file that $FAILING_FILE names fails after
-// $FAILING_AFTER bytes, as a
-// disk does that is broken there.
+// $FAILING_AFTER bytes, as a disk does that is broken there.
 #include <algorithm>
 #include <array>
 #include <cerrno>

@@ -58,8 +58,7 @@ namespace cageform_tests {
     X(PFNGLVERTEXATTRIBIPOINTERPROC, VertexAttribIPointer)                                                   \
     X(PFNGLVERTEXATTRIBPOINTERPROC, VertexAttribPointer)
 
-/// A buffer that a shader reads and writes, by `layout(std430, binding = …)`. What it wrote is in `bytes`
-/// afterwards.
+/// A buffer that a shader reads and writes, by `layout(std430, binding = …)`. `bytes` holds the result.
 struct GlStorage {
     GLuint binding = 0;
     std::span<std::byte> bytes;

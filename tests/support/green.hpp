@@ -1,4 +1,4 @@
-// What tests of Green coordinates share in the plane and in space.
+// Shared parts of the tests of Green coordinates in the plane and in space.
 #pragma once
 
 #include "../catch.hpp"
@@ -10,7 +10,7 @@
 
 namespace cageform_tests {
 
-/// What Σ w κ misses of 1, and Σ w H of p over the size of both.
+/// The residuals of Σ w κ = 1, and of Σ w H = p relative to the size of both.
 template <class C, class T, std::size_t D>
 double missed(const C& green, const std::vector<T>& row, const Vec<T, D>& p) {
     const auto moved = combine(row, green.handles());
@@ -20,7 +20,7 @@ double missed(const C& green, const std::vector<T>& row, const Vec<T, D>& p) {
     return std::max(double(std::fabs(sum)) / absolute_sum(row), distance(moved, p) / size);
 }
 
-/// Of the map that poses give at a place: J = Σ H' ∇wᵀ.
+/// Returns the Jacobian of the map of a pose at a point: J = Σ H' ∇wᵀ.
 template <class T, std::size_t D>
 Vec<Vec<long double, D>, D> jacobian(const std::vector<Vec<T, D>>& gradients,
                                      const std::vector<Vec<T, D>>& posed) {

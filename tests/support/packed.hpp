@@ -1,4 +1,4 @@
-// What a packed binding says, read number by number as its documentation has it.
+// Reads a packed binding number by number, as its documentation describes it.
 #pragma once
 
 #include "aligned.hpp"

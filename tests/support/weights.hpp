@@ -1,4 +1,5 @@
-// Batches of weights as plain rows, sums over them in long double, and the random figures they are tested on.
+// Batches of weights as plain rows, sums over them in long double, and the random figures they are
+// tested on.
 #pragma once
 
 #include "cages.hpp"
@@ -14,7 +15,7 @@ namespace cageform_tests {
 using cageform::PointState;
 using cageform::Status;
 
-/// What `evaluate` makes of a batch of points.
+/// The result of `evaluate` for a batch of points.
 template <class T>
 struct Weights {
     cageform::Evaluation evaluation;

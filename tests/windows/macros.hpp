@@ -1,6 +1,6 @@
-// What windows.h and what it includes do to plain words; included by force before anything else. The
-// headers of
-// others come first: libstdc++ would undefine min and max again, and theirs are not ours to mend.
+// The macros that windows.h and its includes define on plain words; included by force before anything
+// else. Headers of other projects come first: libstdc++ would undefine min and max again, and their use
+// of these words is not ours to mend.
 #pragma once
 
 #include <Eigen/Cholesky>

@@ -1,6 +1,6 @@
 // Every header behind windows.h itself and what programs include with it, and a harmonic bind, by
-// mingw-w64. Its library
-// has neither GLM nor, of one of its thread models, threads. It defines neither min nor max in C++.
+// mingw-w64. Its library has neither GLM nor, of one of its thread models, threads. It defines neither min
+// nor max in C++.
 #include <winsock2.h>
 
 #include <windows.h>

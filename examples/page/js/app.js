@@ -1,4 +1,4 @@
-// What the page shows: a figure, its cage and pose, what is bound to it, and the way back (undo).
+// The state of the page: a figure, its cage and pose, the bindings, and undo.
 
 class App {
   constructor(engine) {
@@ -11,19 +11,19 @@ class App {
     this.showsCage = true;
     this.isEditing = false;
     this.history = new History(this);
-    this.sessions = new Map(); // of figures that were left, by name
+    this.sessions = new Map(); // of figures shown before, by name
     this.timings = TYPE_NAMES.map(() => ({ bind: 0, clone: 0, clones: 0 }));
     new ResizeObserver(() => this.redraw()).observe(document.getElementById('views'));
   }
 
   // ---- the figure ----
 
-  /** What is shown, with its way back: show() goes on with it. */
+  /** Returns the state with its undo history; show() continues from it. */
   session() {
     const { figure, cage, pose, clip, window, history: { earlier, later } } = this;
     return { figure, cage, pose, clip, window, earlier, later };
   }
-  /** Shows a figure in its cage, as new or as session() left it. Throws where it cannot be bound, and nothing changes. */
+  /** Shows a figure in its cage, as new or from a session. Throws if it cannot be bound; then nothing changes. */
   show({ figure, cage, pose = cage.rest.slice(), clip = new Clip(), window = null, earlier = [], later = [] }) {
     const before = [this.figure, this.cage, this.pose, this.clip];
     [this.figure, this.cage, this.pose, this.clip] = [figure, cage, pose, clip];
@@ -45,7 +45,7 @@ class App {
     this.onClip?.();
     this.redraw();
   }
-  /** Shows all of the figure and its cage, as they are posed. */
+  /** Fits the posed figure and its cage into the views. */
   fit() {
     const pose = this.shownPose, box = boundsOf([...pairs(pose), ...pairs(this.cloneFigure(this.types?.[0] ?? 0, pose))]);
     const pad = 0.07 * Math.hypot(box[2] - box[0], box[3] - box[1]);
@@ -53,7 +53,7 @@ class App {
     this.redraw();
   }
 
-  /** Which coordinate types are shown, a view each. */
+  /** Chooses the coordinate types to show, one view for each. */
   setTypes(types) {
     this.types = types;
     const parent = document.getElementById('views');
@@ -66,7 +66,7 @@ class App {
 
   // ---- binding ----
 
-  /** Coordinates of a type on the cage as it is, with the figure bound. */
+  /** Returns coordinates of a type on the current cage, with the figure bound. */
   ensureBound(type) {
     if (this.bound[type]) return;
     const start = performance.now();
@@ -83,13 +83,13 @@ class App {
     }
     return this.fields[type];
   }
-  /** After an edit of the cage. Throws what is wrong with it; nothing is bound then. */
+  /** Binds again after the cage was edited. Throws the cage's fault; then nothing is bound. */
   rebind() {
     this.bound = TYPE_NAMES.map(() => null);
     for (const type of this.types) this.ensureBound(type);
   }
 
-  /** The points of the figure moved by the pose. */
+  /** Returns the figure's points, moved by the pose. */
   cloneFigure(type, pose) {
     const start = performance.now(), places = this.engine.clone(type, 0, pose, this.figure.points.length / 2);
     const timing = this.timings[type];
@@ -102,7 +102,7 @@ class App {
   // ---- drawing ----
 
   get shownPose() { return this.isEditing ? this.cage.rest : this.pose; }
-  /** The vertex whose weights show: under the pointer, else the only one selected; -1: none. */
+  /** Returns the vertex whose weights are shown: the one under the pointer, else the only selected one; -1 if none. */
   get weightVertex() {
     if (!this.showsWeights || this.drag) return this.showsWeights && this.selection.size === 1 ? [...this.selection][0] : -1;
     return this.hovered >= 0 ? this.hovered : this.selection.size === 1 ? [...this.selection][0] : -1;
@@ -131,7 +131,7 @@ class App {
     this.tell();
   }
 
-  /** What was measured, under the views and in them. */
+  /** Writes the measurements below the views and in them. */
   tell() {
     const number = new Intl.NumberFormat('en');
     for (const view of this.views) {
@@ -152,7 +152,7 @@ class App {
              (this.weightVertex >= 0 ? `; weights of vertex ${this.weightVertex}` : '') +
              (this.isEditing ? '; the cage at rest is being edited' : ''), false);
   }
-  /** A sentence under the views; a fault or a notice stays for some seconds. */
+  /** Writes a sentence below the views; a fault or a notice stays for some seconds. */
   say(text, stays = true, isFault = false) {
     const place = document.getElementById('status');
     if (place.textContent !== text) place.textContent = text;
@@ -165,7 +165,7 @@ class App {
 
   // ---- changes ----
 
-  /** Moves vertices: f(x, y, i) gives the place of each that is selected. */
+  /** Moves the selected vertices; f(x, y, i) returns the new position of each. */
   moveSelected(f, from = this.shownPose) {
     const moved = from.slice();
     for (const i of this.selection) [moved[2 * i], moved[2 * i + 1]] = f(from[2 * i], from[2 * i + 1], i);
@@ -182,7 +182,7 @@ class App {
     }
     this.redraw();
   }
-  /** Binds anew after the cage was edited; goes back where that cannot be. */
+  /** Binds again after the cage was edited; undoes the edit if binding fails. */
   finishEdit() {
     if (!this.isStale) return;
     this.isStale = false;
@@ -195,7 +195,7 @@ class App {
     }
     this.redraw();
   }
-  /** Another cage, with the pose that goes on; throws nothing. */
+  /** Replaces the cage, and keeps the pose; does not throw. */
   replaceCage({ cage, pose }, selection, editClip) {
     this.history.remember();
     [this.cage, this.pose] = [cage, pose];
@@ -215,16 +215,16 @@ class App {
   }
   removeSelected() {
     const next = withoutVertices(this.cage, this.pose, this.selection);
-    if (!next) return this.sayFault(new Error('A loop keeps three vertices at least'));
+    if (!next) return this.sayFault(new Error('A loop needs at least three vertices'));
     const gone = this.selection;
     this.replaceCage(next, [], () => this.clip.removeVertices(gone));
   }
-  /** Selects the next vertex, or that before; `adds` keeps those selected. */
+  /** Selects the next or the previous vertex; `adds` keeps the current selection. */
   stepVertex(by, adds) {
     const count = this.pose.length / 2, last = [...this.selection].pop();
     const next = last === undefined ? (by > 0 ? 0 : count - 1) : (last + by + count) % count;
     if (!adds) this.selection.clear();
-    this.selection.delete(next); // the last of a set is the one put in last
+    this.selection.delete(next); // a set keeps the order of insertion
     this.selection.add(next);
     this.hovered = -1;
     this.onSelect?.(next);
@@ -250,7 +250,7 @@ class App {
     this.redraw();
   }
 
-  /** The box about the selection with its corners to scale by and the place to turn by; null for less than two. */
+  /** Returns the box around the selection, with its corners for scaling and its point for turning; null for fewer than two vertices. */
   gripsOf(pose, unit) {
     if (this.selection.size < 2 || !this.showsCage || this.lasso) return null;
     const pad = 16 * unit, box = boundsOf([...this.selection].map(i => [pose[2 * i], pose[2 * i + 1]]));
@@ -262,11 +262,11 @@ class App {
   }
 }
 
-/** Undo and redo: states that the owner's state() and restore() give and take. */
+/** Undo and redo. The owner's state() returns a state, and restore() sets it. */
 class History {
   constructor(owner) { this.owner = owner; this.set([], []); }
   set(earlier, later) { [this.earlier, this.later] = [earlier, later]; this.changed(); }
-  /** Before a change. */
+  /** Stores the state before a change. */
   remember() {
     this.earlier.push(this.owner.state());
     if (this.earlier.length > 200) this.earlier.shift();
@@ -284,8 +284,8 @@ class History {
   changed() { this.onChange?.(); }
 }
 
-/** Says what the colours of weights mean, and whose they are; -1: of none yet. */
+/** Shows the legend of the weights' colours, with the vertex they belong to; -1 if there is none yet. */
 function tellLegend(app, vertex) {
   document.getElementById('legend').hidden = !app.showsWeights;
-  document.getElementById('legend-vertex').textContent = vertex < 0 ? 'the vertex that is pointed at or selected' : 'vertex ' + vertex;
+  document.getElementById('legend-vertex').textContent = vertex < 0 ? 'the vertex under the pointer or selected' : 'vertex ' + vertex;
 }

@@ -8,20 +8,20 @@ function forEachEdge(loops, f) {
     begin += size;
   }
 }
-/** The loop that a vertex belongs to, and where it begins. */
+/** Returns the loop of a vertex, and the loop's first vertex. */
 function loopOf(loops, vertex) {
   let begin = 0, loop = 0;
   while (vertex >= begin + loops[loop]) begin += loops[loop++];
   return { loop, begin };
 }
 
-/** The first closed polygon of an SVG document: how the project's own cages are written. */
+/** Reads the first closed polygon of an SVG document, the format of the project's own cages. */
 function cageOfSvg(text) {
   const polygon = parseSvg(text).querySelector('polygon');
   const rest = Float64Array.from(numbersIn(polygon.getAttribute('points')));
   return { loops: [rest.length / 2], rest };
 }
-/** Blocks of lines x,y with empty lines between: what the programs read as --cage and --pose. */
+/** Writes blocks of lines x,y with empty lines between them, which the programs read as --cage and --pose. */
 function cageCsv(loops, places, heading) {
   let at = 0;
   const blocks = loops.map(size => {
@@ -32,7 +32,7 @@ function cageCsv(loops, places, heading) {
   return `# ${heading}\n${blocks.join('\n\n')}\n`;
 }
 
-/** A cage and a pose with a vertex more, behind `vertex`, at a share of the edge to the next. */
+/** Returns a cage and a pose with one more vertex, after `vertex`, at a share of the edge to the next. */
 function withVertex(cage, pose, vertex, share) {
   const { loop, begin } = loopOf(cage.loops, vertex);
   const next = begin + (vertex + 1 - begin) % cage.loops[loop];
@@ -43,7 +43,7 @@ function withVertex(cage, pose, vertex, share) {
   };
   return { cage: { loops: cage.loops.map((n, k) => n + (k === loop ? 1 : 0)), rest: insert(cage.rest) }, pose: insert(pose) };
 }
-/** Without some vertices; null where a loop would have fewer than three. */
+/** Removes some vertices; returns null if a loop would have fewer than three. */
 function withoutVertices(cage, pose, gone) {
   const keep = points => points.filter((x, k) => !gone.has(k >> 1));
   const loops = [];
@@ -57,7 +57,7 @@ function withoutVertices(cage, pose, gone) {
   return loops.length > 0 ? { cage: { loops, rest: keep(cage.rest) }, pose: keep(pose) } : null;
 }
 
-/** Whether a place is inside loops, by the even-odd rule. */
+/** Tests whether a point is inside loops, by the even-odd rule. */
 function isInside(loops, points, x, y) {
   let inside = false;
   forEachEdge(loops, (i, j) => {

@@ -1,11 +1,11 @@
-// Motions of a cage: tracks of key frames, each of which moves some vertices along directions of theirs. The library makes
-// the cubic pieces that play a track (compile), and says how far they are from the keys' curve at most.
+// Motions of a cage: tracks of key frames. Each track moves some vertices along directions of their own. The library compiles
+// a track to cubic pieces, and certifies their largest distance from the keys' curve.
 
 const KIND = { hold: 0, linear: 1, bezier: 4, automatic: 5 };
 const KIND_OF_WORD = { hold: KIND.hold, linear: KIND.linear, automatic: KIND.automatic, ease: KIND.bezier };
 const EASE = 0.42; // of an interval, as CSS has it
 
-/** The keys of a track repeated until they cover a clip, and a turn more at both ends, so that slopes agree there. */
+/** Repeats the keys of a track until they cover a clip, plus one period at both ends, so that slopes agree there. */
 function repeatedKeys(track, length) {
   const { keys, period } = track, begin = keys[0].t, all = [];
   const first = Math.floor(-begin / period) - 1, last = Math.ceil((length - begin) / period) + 1;
@@ -13,14 +13,14 @@ function repeatedKeys(track, length) {
     const shift = p => p && [p[0] + turn * period, p[1]];
     keys.forEach((key, index) => all.push({ ...key, t: key.t + turn * period, in: shift(key.in), out: shift(key.out), index, turn }));
   }
-  all.forEach((key, i) => { // level handles where there are none
+  all.forEach((key, i) => { // missing handles are level
     const before = i > 0 ? key.t - all[i - 1].t : 0, after = i + 1 < all.length ? all[i + 1].t - key.t : 0;
     key.in ??= [key.t - EASE * before, key.v];
     key.out ??= [key.t + EASE * after, key.v];
   });
   return all;
 }
-/** The slope of an automatic key, as the library has it (Fritsch, Butland 1984). */
+/** Returns the slope of an automatic key, as the library does (Fritsch, Butland 1984). */
 function automaticSlope(keys, i) {
   const length = k => keys[k + 1].t - keys[k].t, chord = k => (keys[k + 1].v - keys[k].v) / length(k);
   const isEnd = i === 0 || i + 1 === keys.length;
@@ -30,7 +30,7 @@ function automaticSlope(keys, i) {
   const h = length(i - 1), k = length(i), part = (h + 2 * k) / (3 * (h + k));
   return before * after / (part * after + (1 - part) * before);
 }
-/** The Bézier curve from key i to the next: four points of time and value. */
+/** Returns the Bézier curve from key i to the next: four points of time and value. */
 function keyInterval(keys, i) {
   const a = keys[i], b = keys[i + 1], third = (b.t - a.t) / 3;
   if (a.kind === KIND.hold) return [[a.t, a.v], [a.t + third, a.v], [b.t - third, a.v], [b.t, a.v]];
@@ -57,10 +57,10 @@ class Clip {
   }
   get isEmpty() { return this.tracks.length === 0; }
   get poseTracks() { return this.tracks.filter(track => track.vertex !== undefined); }
-  /** Times of the key frames of poses. */
+  /** Returns the times of the key frames of poses. */
   get keyTimes() { return this.poseTracks[0]?.keys.map(key => key.t) ?? []; }
 
-  /** The pieces of a track and their error; made when first asked for. */
+  /** Returns the pieces of a track and their error; they are made at the first call. */
   fitOf(track, engine) {
     if (!track.fitted || track.fitted.tolerance !== this.tolerance) {
       const keys = repeatedKeys(track, this.length);
@@ -91,7 +91,7 @@ class Clip {
     return pose;
   }
 
-  /** A pose becomes a key frame: what other tracks do not do of it. */
+  /** Makes a pose a key frame: the part of it that other tracks do not contribute. */
   setKey(time, pose, rest, engine) {
     time = Math.min(time, this.length * (1 - 1e-6));
     const others = this.poseAt(time, rest, engine, this.tracks.filter(track => track.vertex === undefined));
@@ -117,7 +117,7 @@ class Clip {
     this.tracks = this.tracks.filter(track => track.keys.length > 0);
     return true;
   }
-  /** Moves the key frames of one time to another that none has. */
+  /** Moves the key frames of one time to another time without key frames. */
   moveKeys(from, to) {
     to = Math.max(0, Math.min(this.length * 0.999, to));
     if (this.keyTimes.some(t => t !== from && Math.abs(t - to) < 0.01)) return from;
@@ -138,7 +138,7 @@ class Clip {
     this.length = length;
   }
 
-  /** A vertex is put behind `vertex`, at a share of the edge to `next` (numbers before that): it moves with both. */
+  /** Inserts a vertex after `vertex`, at a share of the edge to `next` (in the old numbering); it moves with both. */
   insertVertex(vertex, next, share) {
     const at = vertex + 1, number = i => i + (i >= at ? 1 : 0), added = [];
     for (const track of this.tracks) {
@@ -164,7 +164,7 @@ class Clip {
       : { ...track, targets: track.targets.filter(([i]) => !gone.has(i)).map(([i, dx, dy]) => [number(i), dx, dy]) });
   }
 
-  /** A clip file of the programs (support/clip_file.hpp). */
+  /** Reads a clip file of the programs (support/files/clip_file.hpp). */
   static fromCsv(text, rest) {
     const clip = new Clip();
     let control = null;
@@ -186,7 +186,7 @@ function poseTrack(vertex, axis, period, keys) {
   const name = `vertex ${vertex}, ${'xy'[axis]}`;
   return { name, vertex, axis, period, keys, targets: [[vertex, axis === 0 ? 1 : 0, axis]] };
 }
-/** The tracks of a control: it moves by x and y and turns; small turns go along the tangent. */
+/** Returns the tracks of a control, which moves by x and y and turns; small turns move along the tangent. */
 function tracksOf(control, rest) {
   if (!control) return [];
   const { rows, pivot, shares } = control, period = rows[rows.length - 1].t - rows[0].t;

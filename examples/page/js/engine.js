@@ -1,15 +1,15 @@
-// The library: page.cpp compiled to WebAssembly, behind functions that take and give arrays of numbers.
+// The library: page.cpp compiled to WebAssembly. Its functions take and return arrays of numbers.
 
 const TYPE_NAMES = ['Mean value', 'Harmonic', 'Green', 'Sibson'];
 
-/** The bytes of gzip data in base64. */
+/** Returns the bytes of gzip data in base64. */
 async function unpack(text) {
   const packed = Uint8Array.from(atob(text), c => c.charCodeAt(0));
   const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream('gzip'));
   return new Uint8Array(await new Response(stream).arrayBuffer());
 }
 
-/** What WASI's C library asks its host for: a clock, and nowhere to write to; and what is told how much is done. */
+/** The imports of WASI's C library: a clock, and no output; and the callback for progress. */
 function wasiHost(memory, onProgress) {
   const view = () => new DataView(memory().buffer);
   const known = {
@@ -31,7 +31,7 @@ function wasiHost(memory, onProgress) {
 }
 
 class Engine {
-  /** The library in an instance of its own; `onProgress` is told the fraction done of what takes long. */
+  /** The library in an instance of its own; `onProgress` gets the fraction done of long computations. */
   static async start(module, onProgress = () => {}) {
     const engine = new Engine();
     const host = wasiHost(() => engine.calls.memory, onProgress);
@@ -43,7 +43,7 @@ class Engine {
   }
 
   bytes() { return this.calls.memory.buffer.byteLength; }
-  /** Hands over numbers, of several arrays one after the other. */
+  /** Writes numbers to the input, several arrays one after the other. */
   give(...arrays) {
     const size = arrays.reduce((sum, a) => sum + a.length, 0);
     let at = this.calls.page_input(size);
@@ -52,7 +52,7 @@ class Engine {
       at += 8 * array.length;
     }
   }
-  /** `size` numbers that the last call answered with; a view that the next call may change. */
+  /** Returns `size` numbers that the last call wrote; a view that the next call may change. */
   taken(size, from = 0) { return new Float64Array(this.calls.memory.buffer, this.calls.page_output() + 8 * from, size); }
   text(at) {
     const bytes = new Uint8Array(this.calls.memory.buffer, at);
@@ -62,7 +62,7 @@ class Engine {
     if (status !== 0) throw new Error(this.text(this.calls.page_message()));
   }
 
-  /** Coordinates of a type on the cage of these loops; throws what is wrong with it. */
+  /** Makes coordinates of a type on the cage of these loops; throws the cage's fault. */
   makeCoordinates(type, cage) {
     this.give(cage.loops, cage.rest);
     this.check(this.calls.page_cage(type, cage.loops.length, cage.rest.length / 2));
@@ -73,7 +73,7 @@ class Engine {
     const [outside, unreached, notFinite, leastWeight] = this.taken(4);
     return { outside, unreached, notFinite, leastWeight };
   }
-  /** The points of a batch moved, `count` of them; a view that the next call may change. */
+  /** Returns the `count` moved points of a batch; a view that the next call may change. */
   clone(type, batch, pose, count) {
     this.give(pose);
     const at = this.calls.page_clone(type, batch, pose.length / 2);
@@ -82,7 +82,7 @@ class Engine {
   }
   weights(type, batch, vertex) { return this.taken(this.calls.page_weights(type, batch, vertex)); }
 
-  /** A cage for segments (ax, ay, bx, by, radius each). */
+  /** Makes a cage for segments (ax, ay, bx, by, radius each). */
   makeCage(segments, vertices) {
     this.give(segments);
     this.check(this.calls.page_make_cage(segments.length / 5, vertices));
@@ -91,7 +91,7 @@ class Engine {
     const count = sizes.reduce((sum, n) => sum + n, 0);
     return { loops: sizes, rest: this.taken(2 * count, 3 + loops).slice(), clearance, seconds };
   }
-  /** The cubic pieces of keys (time, value, kind, in-handle, out-handle each), and their certified error. */
+  /** Compiles keys (time, value, kind, in-handle, out-handle each) to cubic pieces with a certified error. */
   fit(keys, tolerance) {
     this.give(keys);
     const count = this.calls.page_fit(keys.length / 7, tolerance);
@@ -99,7 +99,7 @@ class Engine {
     return { error: this.taken(1)[0], pieces: this.taken(5 * count, 1).slice() };
   }
 
-  /** A cage for a mesh; some seconds. */
+  /** Makes a cage for a mesh, which takes some seconds. */
   makeShell(mesh, vertices) {
     this.give(mesh.vertices, mesh.faces);
     this.check(this.calls.page_make_shell(mesh.vertices.length / 3, mesh.faces.length / 3, vertices));
@@ -118,7 +118,7 @@ class Engine {
     if (at === 0) throw new Error(this.text(this.calls.page_message()));
     return new Float32Array(this.calls.memory.buffer, at, 3 * count);
   }
-  /** The weight of a vertex at every point of the mesh. */
+  /** Returns the weight of a vertex at every point of the mesh. */
   meshField(vertex) { return this.taken(this.calls.page_mesh_field(vertex)); }
   meshNormals(count) { return new Float32Array(this.calls.memory.buffer, this.calls.page_mesh_normals(), 3 * count); }
   meshSkin(influences, count) {
@@ -131,11 +131,11 @@ class Engine {
   glsl() { return this.text(this.calls.page_glsl()); }
 }
 
-/** Makes cages in a thread of its own, so that the page goes on meanwhile. One at a time. */
+/** Makes cages in its own thread, one at a time, so that the page stays responsive. */
 class CageMaker {
   constructor(module) { this.module = module; }
 
-  /** Calls makeCage() or makeShell() there; throws what is wrong, and where it is stopped. */
+  /** Calls makeCage() or makeShell() there; throws on a fault, or if it is stopped. */
   make(method, given, vertices, onProgress) {
     this.stop();
     const text = `${wasiHost}\n${Engine}
@@ -166,5 +166,5 @@ class CageMaker {
       worker.postMessage({ module: this.module, method, given, vertices });
     });
   }
-  stop() {} // nothing is at work
+  stop() {} // nothing is running
 }

@@ -1,6 +1,6 @@
-// Weights of a vertex over the inside of the cage, as colours with level lines: triangles moved with the figure.
+// Draws the weights of a vertex inside the cage as colours with level lines, on triangles that move with the figure.
 
-/** Nodes of a lattice inside a cage and next to it, and the triangles between them. */
+/** Returns the nodes of a lattice inside a cage and next to it, and the triangles between them. */
 function fieldMesh(cage, size) {
   const box = boundsOf(pairs(cage.rest)), h = Math.max(box[2] - box[0], box[3] - box[1]) / size;
   const nx = Math.ceil((box[2] - box[0]) / h) + 3, ny = Math.ceil((box[3] - box[1]) / h) + 3;
@@ -12,7 +12,7 @@ function fieldMesh(cage, size) {
     if (number[at] < 0) { number[at] = nodes.length / 2; nodes.push(x(i), y(j)); }
     return number[at];
   };
-  // Cells about any place inside, and one more all round, so that triangles cover the cage's edge.
+  // Keeps all cells with a point inside, and one more layer, so that triangles cover the cage's edge.
   const near = (i, j) => {
     for (let v = Math.max(0, j - 1); v <= Math.min(ny - 1, j + 2); ++v)
       for (let u = Math.max(0, i - 1); u <= Math.min(nx - 1, i + 2); ++u) if (inside[v * nx + u]) return true;
@@ -47,7 +47,7 @@ precision highp float;
 in float w;
 out vec4 colour;
 const vec3 pink = vec3(0.95, 0.42, 0.66), plum = vec3(0.5, 0.02, 0.36), blue = vec3(0.1, 0.32, 0.8);
-/// 1 where x is nearer to 0 than so many pixels, by its change a pixel.
+/// Returns 1 where x is nearer to 0 than this many pixels, by its change per pixel.
 float line_at(float x, float change, float width) { return 1.0 - smoothstep(width - 0.6, width + 0.6, abs(x) / max(change, 1e-9)); }
 void main() {
   float size = clamp(abs(w), 0.0, 1.0), level = w * 10.0, change = fwidth(w);
@@ -73,7 +73,7 @@ function compileProgram(gl, vertexText, fragmentText) {
   return program;
 }
 
-/** Draws fields with WebGL into a canvas of its own, from which views take them. */
+/** Draws fields with WebGL into its own canvas, from which views copy them. */
 class FieldPainter {
   constructor() {
     this.canvas = document.createElement('canvas');

@@ -1,13 +1,13 @@
 // A figure: an SVG document, and the points of its shapes that are bound to a cage.
 //
-// Every segment of a shape becomes some pieces; of each its ends and the places at one and two thirds are bound. Moved,
-// the four points make a cubic again (that through them), so lines bend and curves stay smooth.
+// Every segment of a shape is cut into pieces. The ends of each piece and the points at one and two thirds are bound. After
+// the move, the cubic through these four points replaces the piece, so lines bend and curves stay smooth.
 
 const NOT_DRAWN = 'defs,clipPath,mask,pattern,marker,symbol,filter,linearGradient,radialGradient';
 const PAINT = ['fill', 'fill-opacity', 'fill-rule', 'stroke', 'stroke-width', 'stroke-opacity', 'stroke-linecap', 'stroke-linejoin',
   'stroke-miterlimit', 'stroke-dasharray', 'stroke-dashoffset', 'opacity', 'marker-start', 'marker-mid', 'marker-end'];
-const MOST_POINTS = 400000;  // of a figure: with more, a frame takes seconds
-const MANY_POINTS = 60000;  // beyond these, pieces get longer
+const MOST_POINTS = 400000;  // per figure; with more, a frame takes seconds
+const MANY_POINTS = 60000;  // with more, pieces get longer
 
 function svgElement(name, attributes = {}, parent = null) {
   const element = document.createElementNS(SVG_NS, name);
@@ -16,13 +16,13 @@ function svgElement(name, attributes = {}, parent = null) {
   return element;
 }
 
-/** Copies attributes and style, but for some attributes. A style is set by script, which the page's policy allows. */
+/** Copies attributes and style, except some attributes. The style is set by script, which the page's policy allows. */
 function copyLook(from, to, left) {
   for (const { name, namespaceURI, value } of from.attributes) if (name !== 'style' && !left.test(name)) to.setAttributeNS(namespaceURI, name, value);
   to.style.cssText = from.style.cssText;
 }
 
-/** Puts what `use` elements point to in their place; readSafeSvg() has counted it. */
+/** Replaces `use` elements by copies of their targets; readSafeSvg() has counted these. */
 function expandUses(root) {
   for (let uses = drawnUses(root); uses.length > 0; uses = drawnUses(root)) {
     for (const use of uses) {
@@ -37,7 +37,7 @@ function expandUses(root) {
   }
 }
 const drawnUses = root => [...root.querySelectorAll('use')].filter(use => !use.closest(NOT_DRAWN));
-/** A copy of what a `use` points to; a symbol becomes a nested picture, as large as the `use` says. */
+/** Returns a copy of the target of a `use`; a symbol becomes a nested picture, as large as the `use` says. */
 function usedCopy(use, target) {
   if (target.localName !== 'symbol' && target.localName !== 'svg') return target.cloneNode(true);
   const copy = svgElement('svg', { overflow: 'visible' });
@@ -47,7 +47,7 @@ function usedCopy(use, target) {
   return copy;
 }
 
-/** The map from an element's coordinates to the document's, as [a, b, c, d, e, f]. */
+/** Returns the map from an element's coordinates to the document's, as [a, b, c, d, e, f]. */
 function mapToRoot(root, element) {
   const m = root.getScreenCTM().inverse().multiply(element.getScreenCTM());
   const map = [m.a, m.b, m.c, m.d, m.e, m.f];
@@ -59,7 +59,7 @@ function inverted([a, b, c, d, e, f]) {
   const det = a * d - b * c;
   return [d / det, -b / det, -c / det, a / det, (c * f - d * e) / det, (b * e - a * f) / det];
 }
-/** How much a map stretches at most: the larger singular value. */
+/** Returns the largest stretch of a map: its larger singular value. */
 function largestScale([a, b, c, d]) {
   const sum = a * a + b * b + c * c + d * d, det = a * d - b * c;
   return Math.sqrt((sum + Math.sqrt(Math.max(0, sum * sum - 4 * det * det))) / 2);
@@ -72,7 +72,7 @@ const cubicAt = (p, s, t) => {
 const distance = (a, b) => Math.hypot(a[0] - b[0], a[1] - b[1]);
 
 class Figure {
-  /** From the text of an SVG document; throws a sentence where it is none, or draws nothing. */
+  /** Reads the text of an SVG document; throws a sentence if it is not one, or draws nothing. */
   constructor(text, name) {
     const { root, css } = readSafeSvg(text, name);
     this.name = name;
@@ -89,7 +89,7 @@ class Figure {
     } finally {
       shadow.replaceChildren();
     }
-    if (this.points.length === 0) throw new Error(name + ' draws nothing that a cage could hold');
+    if (this.points.length === 0) throw new Error(name + ' draws nothing that a cage could enclose');
   }
 
   readShapes() {
@@ -108,7 +108,7 @@ class Figure {
     this.filters = filtersOf(this.root, this.shapes);
   }
 
-  /** A shape's outline in the document's coordinates, and what its stroke adds; of text and images the box. */
+  /** Returns a shape's outline in the document's coordinates, with its stroke; for text and images, the box. */
   readShape(element) {
     const map = mapToRoot(this.root, element), style = getComputedStyle(element);
     if (element.localName === 'text' || element.localName === 'image') {
@@ -129,12 +129,12 @@ class Figure {
       miter: style.strokeLinejoin === 'miter' ? parseFloat(style.strokeMiterlimit) : 0,
       square: style.strokeLinecap === 'square',
       marker: style.markerMid,
-      paint: PAINT.map(name => [name, style.getPropertyValue(name)]), // style sheets may go by a shape's kind
+      paint: PAINT.map(name => [name, style.getPropertyValue(name)]), // style sheets may select by a shape's kind
       corners: outline.flatMap(({ start, segments }) => [start, ...segments.map(s => s.to)]),
     };
   }
 
-  /** What is drawn, as segments with radii (ax, ay, bx, by, radius), for make_cage. */
+  /** Returns the drawing as segments with radii (ax, ay, bx, by, radius), for make_cage. */
   drawnSegments() {
     const segments = [], tolerance = 5e-4 * this.size;
     for (const shape of this.shapes) {
@@ -148,7 +148,7 @@ class Figure {
     return segments;
   }
 
-  /** A copy of the document whose shapes are paths, to be moved by write(). */
+  /** Returns a copy of the document whose shapes are paths, which write() moves. */
   makeCopy() {
     const copy = this.root.cloneNode(true);
     const originals = [...this.root.querySelectorAll('*')], copies = [...copy.querySelectorAll('*')];
@@ -191,7 +191,7 @@ class Figure {
   }
 }
 
-/** Whether an element shows at all; `known` says it of groups. */
+/** Tests whether an element is visible; `known` caches this for groups. */
 function isShown(element, known) {
   const style = getComputedStyle(element);
   const isVisible = e => {
@@ -206,7 +206,7 @@ function isShown(element, known) {
   return isPainted && isVisible(element);
 }
 
-/** The gradients in user space that paint a shape: they follow the affine map nearest to what moves it. */
+/** Returns the gradients in user space that paint a shape. They follow the affine map that fits its motion best. */
 function userSpaceGradients(root, shape, index) {
   if (!shape.outline) return [];
   return ['fill', 'stroke'].flatMap(paint => {
@@ -226,7 +226,7 @@ function userSpaceGradients(root, shape, index) {
     return [{ element, index, paint, base: m ? [m.a, m.b, m.c, m.d, m.e, m.f] : [1, 0, 0, 1, 0, 0] }];
   });
 }
-/** The affine map that fits best to how a shape's points move; on lines it keeps the size across. */
+/** Returns the affine map that fits the motion of a shape's points best; for lines it keeps the size across. */
 function affineFit(shape, rest, places) {
   const begin = 2 * shape.begin, end = begin + 2 * shape.pieces.reduce((sum, n) => sum + 3 * n + 1, 0), count = (end - begin) / 2;
   const mean = points => [0, 1].map(axis => { let sum = 0; for (let k = begin + axis; k < end; k += 2) sum += points[k]; return sum / count; });
@@ -254,17 +254,17 @@ function boundsOf(points) {
 
 const polygonLength = (from, { c1, c2, to }) => distance(from, c1) + distance(c1, c2) + distance(c2, to);
 const pieceCount = (length, step) => Math.min(400, Math.max(1, Math.ceil(length / step)));
-/** How long pieces may be: longer where they were too many. Throws where even whole segments are. */
+/** Returns the longest allowed piece, which is larger if there were too many. Throws if even whole segments are too many. */
 function stepOf(shapes, step, name) {
   const lengths = shapes.flatMap(({ outline }) => outline ?? []).flatMap(({ start, segments }) =>
     segments.map((segment, k) => polygonLength(k === 0 ? start : segments[k - 1].to, segment)));
-  if (3 * lengths.length > MOST_POINTS) throw new Error(name + ' is drawn by more points than can be moved here');
+  if (3 * lengths.length > MOST_POINTS) throw new Error(name + ' has more points than this page can move');
   const count = () => lengths.reduce((sum, length) => sum + 3 * pieceCount(length, step), 0);
   for (let k = 0; k < 10 && count() > MANY_POINTS; ++k) step *= 2;
   return step;
 }
 
-/** Puts the points of a shape's pieces, no longer than `step`, behind `points`. */
+/** Appends the points of a shape's pieces, no longer than `step`, to `points`. */
 function bindOutline(shape, points, step) {
   const begin = points.length;
   const counts = shape.outline.map(({ start, segments }) => {
@@ -290,7 +290,7 @@ function bindBox(shape, points) {
   return { ...shape, begin, back: inverted(shape.map), transform: shape.element.getAttribute('transform') ?? '' };
 }
 
-/** The control points of the cubic through the four points from the `at`th on, and its end; along one axis. */
+/** Returns the control points and the end of the cubic through the four points from the `at`th on, along one axis. */
 const controlsAt = (of, at) => {
   const p = of(at), q = of(at + 1), r = of(at + 2), s = of(at + 3);
   return [(-5 * p + 18 * q - 9 * r + 2 * s) / 6, (2 * p - 9 * q + 18 * r - 5 * s) / 6, s];
@@ -298,7 +298,7 @@ const controlsAt = (of, at) => {
 function pathData(shape, places, decimals) {
   return writePath(shape, places, decimals, shape.counts.map(each => each.flatMap(n => Array(n).fill(1))));
 }
-/** The same with a segment for each of the original path, whatever its pieces: markers stand at the ends of these. */
+/** Returns the path with one segment for each of the original path, so that markers are drawn at its vertices only. */
 function vertexData(shape, places, decimals) { return writePath(shape, places, decimals, shape.counts); }
 function writePath(shape, places, decimals, counts) {
   const [a, b, c, d, e, f] = shape.back;
@@ -319,7 +319,7 @@ function writePath(shape, places, decimals, counts) {
   return data.join(' ');
 }
 
-/** A path over a shape's own that shows the markers at its vertices, which the shape's own leaves out. */
+/** Returns a path over a shape that draws the markers at its vertices; the shape itself draws none. */
 function markVertices(shape, target) {
   const path = target.cloneNode(false);
   path.removeAttribute('id');
@@ -349,7 +349,7 @@ function reachOf(primitive) {
   const most = (...names) => Math.max(0, ...names.flatMap(name => numbersIn(primitive.getAttribute(name) ?? '').map(Math.abs)));
   return 3 * most('stdDeviation') + most('dx', 'dy') + most('radius') + (primitive.localName === 'feDisplacementMap' ? most('scale') / 2 : 0);
 }
-/** A region in user space holds what has moved, as it held what was at rest. */
+/** Enlarges a region in user space so that it holds the moved element, as it held the one at rest. */
 function growRegion({ own, inside, back, reach, rest }, places) {
   const corners = inside.flatMap(shape => {
     const end = shape.begin + (shape.outline ? shape.pieces.reduce((sum, n) => sum + 3 * n + 1, 0) : 4), r = shape.radius ?? 0;
@@ -361,7 +361,7 @@ function growRegion({ own, inside, back, reach, rest }, places) {
   for (const [name, value] of [['x', box[0]], ['y', box[1]], ['width', box[2] - box[0]], ['height', box[3] - box[1]]]) own.setAttribute(name, value);
 }
 
-/** The affine map that takes the rest corners of a box nearest to where they are now, behind the element's own transform. */
+/** Returns the affine map that fits the motion of a box's corners best, applied after the element's own transform. */
 function boxMap(shape, places) {
   const p = k => [places[2 * (shape.begin + k)], places[2 * (shape.begin + k) + 1]], r = shape.corners;
   const half = (i, j, k, l, of) => [0, 1].map(n => (of(i)[n] - of(j)[n] + of(k)[n] - of(l)[n]) / 2);
@@ -376,7 +376,7 @@ function product([a, b, c, d, e, f], [g, h, i, j, k, l]) {
   return [a * g + c * h, b * g + d * h, a * i + c * j, b * i + d * j, a * k + c * l + e, b * k + d * l + f];
 }
 
-/** Segments of a subpath's outline, with its stroke's mitres and square caps. */
+/** Returns the segments of a subpath's outline, with its stroke's mitres and square caps. */
 function drawSubpath(shape, { start, segments: curves, closed }, tolerance, segments) {
   const points = [start], corner = [true];
   for (const s of curves) {

@@ -4,12 +4,12 @@ const byId = id => document.getElementById(id);
 
 const isInSpace = () => document.body.classList.contains('in-space');
 
-/** Lets the browser draw before what takes long. */
+/** Lets the browser draw before a long computation. */
 const nextFrame = () => new Promise(done => requestAnimationFrame(() => setTimeout(done)));
 
 // ---- figures ----
 
-/** A dropped or opened file gets a cage by make_cage. */
+/** Opens a dropped or chosen file, and makes its cage with make_cage. */
 async function openFile(app, file) {
   await attempt(app, async () => {
     const name = file.name.replace(/\.(svg|obj)$/i, '');
@@ -30,7 +30,7 @@ const wantedVertices = () => Math.max(4, Math.min(80, Math.round(Number(byId('co
 const tellMade = ({ milliseconds }, count) =>
   `make_cage took ${milliseconds < 1000 ? milliseconds.toFixed(0) + ' ms' : (milliseconds / 1000).toFixed(1) + ' s'} for ${count} vertices`;
 
-/** A cage by make_cage, with a bar that can be stopped. */
+/** Makes a cage with make_cage; shows a progress bar with a button to stop. */
 async function makeCage(app, method, given, vertices) {
   byId('work').hidden = false;
   const tell = done => {
@@ -45,7 +45,7 @@ async function makeCage(app, method, given, vertices) {
   }
 }
 
-/** Shows a figure in the plane, as new; the one before is kept as it is, to come back to. */
+/** Shows a new figure in the plane; the previous one keeps its state for later. */
 function showFigure(app, name, session) {
   app.pause();
   if (app.current && app.current !== name) app.sessions.set(app.current, app.session());
@@ -79,7 +79,7 @@ function showPlane(app) {
   markFigure(app);
   app.redraw();
 }
-/** Shows a mesh, as new where a session is given, else as it was left. */
+/** Shows a mesh: as new if a session is given, otherwise as it was left. */
 function showSpace(app, name, session) {
   app.pause();
   dance(app, false);
@@ -92,7 +92,7 @@ function dance(app, isOn) {
   byId('mesh-dance').setAttribute('aria-pressed', isOn);
   app.mesh.toggleDance(isOn);
 }
-/** Shows a figure as it was left: the project's own ones with their own cages. */
+/** Shows a figure as it was left; the project's own figures have their own cages. */
 async function chooseFigure(app, name) {
   await attempt(app, async () => {
     if (name === 'character' || name === 'mesh') {
@@ -196,7 +196,7 @@ function connectKeys(app) {
   addEventListener('keydown', event => {
     if (/^(INPUT|SELECT|TEXTAREA)$/.test(event.target.tagName)) return;
     const key = event.key.length === 1 ? event.key.toLowerCase() : event.key, plane = !isInSpace();
-    const isPress = /^(BUTTON|SUMMARY)$/.test(event.target.tagName) && key === ' '; // that of the button
+    const isPress = /^(BUTTON|SUMMARY)$/.test(event.target.tagName) && key === ' '; // the button's own key
     if (isPress || event.altKey) return;
     if (event.ctrlKey || event.metaKey) {
       if (key !== 'z' && key !== 'y') return;
@@ -213,7 +213,7 @@ function connectKeys(app) {
     event.preventDefault();
   });
 }
-/** What a key does to a figure in the plane; false: nothing. */
+/** Handles a key for a figure in the plane; returns false if it has no effect. */
 function pressInPlane(app, key, event) {
   const step = app.figure.size / 400 * (event.shiftKey ? 10 : 1);
   if (ARROWS[key]) {
@@ -242,7 +242,7 @@ function pressInPlane(app, key, event) {
   }
   return true;
 }
-/** What a key does in space; false: nothing. */
+/** Handles a key in space; returns false if it has no effect. */
 function pressInSpace(mesh, key, event) {
   if (ARROWS[key]) {
     const [dx, dy] = ARROWS[key], step = event.shiftKey ? 20 : 2;
@@ -270,7 +270,7 @@ function connectDrops(app) {
   byId('open').onchange = event => { if (event.target.files[0]) openFile(app, event.target.files[0]); event.target.value = ''; };
 }
 
-/** The first scene moves by itself until anything is touched; not for who asked for less motion. */
+/** Moves the first scene until the user touches anything; does nothing for users who prefer less motion. */
 function playFirstScene(app) {
   if (matchMedia('(prefers-reduced-motion: reduce)').matches) return;
   byId('walk').click();
@@ -299,7 +299,7 @@ async function startPage() {
   app.draw();
   app.timeline.update();
   playFirstScene(app);
-  window.page = app; // for tests, and for who looks
+  window.page = app; // for tests and for the console
   app.readyAfter = performance.now();
   document.documentElement.dataset.ready = 'yes';
 }

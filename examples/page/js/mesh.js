@@ -1,6 +1,7 @@
-// The character in space: orbit, drag vertices of its cage. Cloned by WebAssembly, or on the graphics card by the library's GLSL.
+// The character in space. The user orbits the view and drags vertices of the cage. The mesh is cloned by WebAssembly, or on
+// the graphics card by the library's GLSL.
 
-/** Vertices and triangles of an OBJ text; of larger faces a fan. Throws where there are none. */
+/** Reads vertices and triangles of an OBJ text; larger faces become fans. Throws if there are none. */
 function parseObj(text, name) {
   const vertices = [], faces = [];
   for (const line of text.split('\n')) {
@@ -11,11 +12,11 @@ function parseObj(text, name) {
     for (let k = 2; k < corners.length; ++k) faces.push(corners[0], corners[k - 1], corners[k]);
   }
   if (faces.length === 0 || !faces.every(i => i >= 0 && 3 * i < vertices.length) || !vertices.every(Number.isFinite))
-    throw new Error(name + ' is no OBJ of faces');
+    throw new Error(name + ' is not an OBJ file with faces');
   return { text, vertices: Float64Array.from(vertices), faces: Float64Array.from(faces) };
 }
 
-/** A dance of the cage: its poses in time (support/clip_file.hpp, poses in space). */
+/** A dance of the cage: its poses over time (support/files/clip_file.hpp, poses in space). */
 class Dance {
   constructor(text) {
     this.keys = [];
@@ -26,7 +27,7 @@ class Dance {
       else this.keys[this.keys.length - 1].places.push(...line.split(',').map(Number));
     }
   }
-  /** The pose at a time: cubics through the keys, with the slopes of parabolas. */
+  /** Returns the pose at a time, by cubics through the keys with the slopes of parabolas. */
   poseAt(time) {
     const { keys, length } = this, count = keys.length;
     const at = time % length, k = keys.findLastIndex(key => key.time <= at);
@@ -50,7 +51,7 @@ in vec3 at, normal;
 out vec4 colour;
 uniform float smooth_normals, shows_weights;
 in float w;
-/// As in the plane: blue where negative, from white by pink to plum, a line every tenth.
+/// Colours weights as in the plane: blue where negative, from white by pink to plum, with a line every tenth.
 vec3 weight_colour() {
   float size = clamp(abs(w), 0.0, 1.0), change = max(fwidth(w), 1e-9), level = 10.0 * w;
   vec3 c = w < 0.0 ? vec3(0.1, 0.32, 0.8) : mix(vec3(0.95, 0.42, 0.66), vec3(0.5, 0.02, 0.36), smoothstep(0.35, 1.0, size));
@@ -96,7 +97,7 @@ ${Array.from({ length: sets }, (x, k) => `  moved += cageform_skin(joints${k}, w
   gl_Position = to_clip * vec4(moved, 1.0);
 }`;
 
-/** Columns of a 4 × 4 matrix product. */
+/** Returns the columns of a 4 × 4 matrix product. */
 function matrixProduct(a, b) {
   const c = new Float32Array(16);
   for (let j = 0; j < 4; ++j) for (let i = 0; i < 4; ++i) for (let k = 0; k < 4; ++k) c[4 * j + i] += a[4 * k + i] * b[4 * j + k];
@@ -122,12 +123,12 @@ class MeshView {
     this.turn = 0.3; this.rise = 0.12; this.far = 1; this.near = this.selected = -1;
     this.skinSets = 4;
     this.history = new History(this);
-    this.sessions = new Map(); // of meshes that were left, by name
+    this.sessions = new Map(); // of meshes shown before, by name
     attachOrbit(this);
     new ResizeObserver(() => this.redraw()).observe(this.canvas);
   }
 
-  /** Shows a mesh, as new or as it was left; the one before is kept. */
+  /** Shows a mesh, as new or as it was left; the previous one is kept. */
   leave(current, session) {
     if (this.current && this.current !== current) {
       const { name, mesh, cage, pose, examplePose, dance, history: { earlier, later } } = this;
@@ -136,7 +137,7 @@ class MeshView {
     this.show(session);
     this.current = current;
   }
-  /** A mesh in its cage, bound; throws where it cannot be. */
+  /** Binds a mesh to its cage; throws if this is not possible. */
   show({ name, mesh, cage, pose = cage.vertices.slice(), examplePose = null, dance = null, earlier = [], later = [] }) {
     const start = performance.now();
     this.app.engine.bindMesh(mesh, cage);
@@ -148,7 +149,7 @@ class MeshView {
     this.makeBuffers();
     this.fit();
   }
-  /** Looks at all of the posed cage. */
+  /** Fits the posed cage into the view. */
   fit() {
     const box = [0, 1, 2].map(axis => {
       const values = this.pose.filter((v, k) => k % 3 === axis);
@@ -176,7 +177,7 @@ class MeshView {
     this.near = this.selected;
     this.redraw();
   }
-  /** Moves the vertex selected by pixels, as one step of undo. */
+  /** Moves the selected vertex by pixels, as one step of undo. */
   nudge(dx, dy) {
     this.history.remember();
     dragMeshVertex(this, this.selected)(dx, dy);
@@ -187,7 +188,7 @@ class MeshView {
     this.dancing = 0;
     if (!isOn || !this.dance) return;
     this.history.remember();
-    let begin = null; // by the clock of frames, which is behind that of performance.now()
+    let begin = null; // by the clock of frames, which is later than performance.now()
     const step = now => {
       if (!this.dance || !document.body.classList.contains('in-space')) return;
       begin ??= now;
@@ -211,7 +212,7 @@ class MeshView {
     gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, Uint32Array.from(this.mesh.faces), gl.STATIC_DRAW);
   }
 
-  /** Joints and weights for the card, by skin_weights of the library. */
+  /** Makes joints and weights for the graphics card with skin_weights of the library. */
   makeSkin() {
     const { gl, skinSets } = this, count = this.mesh.vertices.length / 3, handles = this.cage.vertices.length / 3;
     const start = performance.now(), { joints, weights } = this.app.engine.meshSkin(4 * skinSets, count);
@@ -259,7 +260,7 @@ class MeshView {
     this.tell();
   }
 
-  /** The matrices of an orbit about the character. */
+  /** Returns the matrices of an orbit about the character. */
   aim(aspect) {
     const [c, s] = [Math.cos(this.turn), Math.sin(this.turn)], [cr, sr] = [Math.cos(this.rise), Math.sin(this.rise)];
     const [x, y, z] = this.middle, away = this.size * 1.35 * this.far * Math.max(1, 0.8 / aspect);
@@ -268,7 +269,7 @@ class MeshView {
     this.toEye = matrixProduct([1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, -away, 1], matrixProduct(rotation, shift));
     this.toClip = matrixProduct(perspective(aspect, away / 50, away * 4), this.toEye);
   }
-  /** Where a place is on the canvas in pixels, and how deep. */
+  /** Projects a point to pixels of the canvas and a depth. */
   project(x, y, z, width, height) {
     const m = this.toClip, w = m[3] * x + m[7] * y + m[11] * z + m[15];
     return [width / 2 * (1 + (m[0] * x + m[4] * y + m[8] * z + m[12]) / w), height / 2 * (1 - (m[1] * x + m[5] * y + m[9] * z + m[13]) / w), w];
@@ -315,7 +316,7 @@ class MeshView {
     gl.bindBufferBase(gl.UNIFORM_BUFFER, 0, block);
   }
 
-  /** The vertex whose weights show; -1: none. */
+  /** Returns the vertex whose weights are shown; -1 if none. */
   get weightVertex() { return this.app.showsWeights ? this.near >= 0 ? this.near : this.selected : -1; }
   feedWeights(program) {
     const { gl } = this, vertex = this.weightVertex;
@@ -366,7 +367,7 @@ function uniqueEdges(faces) {
   return edges;
 }
 
-/** One pointer drags a vertex or turns the view; two move apart to come nearer; so does the wheel. */
+/** Handles pointers: one drags a vertex or turns the view; two zoom by moving apart, as the wheel does. */
 function attachOrbit(view) {
   const { canvas } = view, fingers = new Map();
   let gesture = null;
@@ -415,14 +416,14 @@ const orbit = view => (dx, dy) => {
   view.turn += dx * 0.008;
   view.rise = Math.max(-1.5, Math.min(1.5, view.rise + dy * 0.008));
 };
-/** In the plane of the screen, at the vertex's depth. */
+/** Drags a vertex in the plane of the screen, at its depth. */
 function dragMeshVertex(view, vertex) {
   return (dx, dy) => {
     const unit = view.places[vertex][2] * Math.tan(0.3) * 2 / view.canvas.clientHeight, m = view.toEye;
     for (let k = 0; k < 3; ++k) view.pose[3 * vertex + k] += unit * (dx * m[4 * k] - dy * m[4 * k + 1]);
   };
 }
-/** The same, as one step of undo; a dance ends. */
+/** Drags a vertex as one step of undo, and ends a dance. */
 function rememberedDrag(view, vertex) {
   const drag = dragMeshVertex(view, vertex);
   let moved = false;

@@ -1,5 +1,5 @@
 // Outlines of SVG shapes as subpaths of cubic segments, in the shape's own coordinates. Numbers are read from the
-// text: the browser's own lists hold single precision.
+// text, because the browser's own lists have single precision.
 
 const NUMBERS = /[+-]?(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?/gi;
 const numbersIn = text => (text.match(NUMBERS) ?? []).map(Number);
@@ -25,7 +25,7 @@ class PathBuilder {
     this.current.closed = true;
     this.move(start);
   }
-  /** An elliptic arc by its end points (SVG 2, appendix B.2.4), as cubics of a quarter turn at most. */
+  /** Converts an elliptic arc from its end points (SVG 2, appendix B.2.4) to cubics of at most a quarter turn. */
   arc(rx, ry, degrees, large, sweep, to) {
     const [x0, y0] = this.at;
     rx = Math.abs(rx); ry = Math.abs(ry);
@@ -55,7 +55,7 @@ class PathBuilder {
   }
 }
 
-/** Numbers of arcs, whose flags may stand without a space: "a1 1 0 01.5.5". */
+/** Reads the numbers of arcs, whose flags need no space: "a1 1 0 01.5.5". */
 function arcNumbers(text) {
   const numbers = [];
   const token = /[+-]?(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?/giy;
@@ -74,7 +74,7 @@ function arcNumbers(text) {
 
 const COMMAND_SIZE = { m: 2, l: 2, h: 1, v: 1, c: 6, s: 4, q: 4, t: 2, a: 7, z: 0 };
 
-/** The subpaths of a path's data; what stands behind a fault is left out, as SVG asks for. */
+/** Returns the subpaths of a path's data, up to the first fault, as SVG requires. */
 function parsePath(text) {
   const path = new PathBuilder();
   let smooth = null; // the last control point, for S and T
@@ -102,7 +102,7 @@ function parsePath(text) {
   }
   return path.subpaths;
 }
-/** A length of a shape: as written where it is a number, else as the browser resolves it. */
+/** Returns a length of a shape: a number as written, or another length as the browser resolves it. */
 function lengthOf(element, name) {
   const text = element.getAttribute(name) ?? '';
   return /^\s*[+-]?[\d.]+(e[+-]?\d+)?(px)?\s*$/i.test(text) ? parseFloat(text) : element[name]?.baseVal?.value ?? 0;
@@ -133,7 +133,7 @@ function rectPath(x, y, width, height, rx, ry) {
   return path.subpaths;
 }
 
-/** The outline of a basic shape or path, in its own coordinates. */
+/** Returns the outline of a basic shape or path, in its own coordinates. */
 function outlineOf(element) {
   const get = name => lengthOf(element, name);
   switch (element.localName) {

@@ -2,7 +2,7 @@
 
 function attachPointer(view, app) {
   const { div } = view, fingers = new Map();
-  let gesture = null; // what the pressed pointer does: { move(place, event), end() }
+  let gesture = null; // of the pressed pointer: { move(place, event), end() }
 
   const reach = event => (event.pointerType === 'touch' ? 26 : 13) / view.frame().scale;
   div.addEventListener('pointerdown', event => {
@@ -77,7 +77,7 @@ function zoom(app, [x, y], factor) {
   app.redraw();
 }
 
-/** What a press at a place begins. */
+/** Starts the gesture of a press at a point. */
 function startGesture(app, view, place, reach, event) {
   const grips = app.gripsOf(app.shownPose, 1 / view.frame().scale);
   if (grips) {
@@ -110,7 +110,7 @@ const scaleAbout = (fixed, from) => to => {
   return (x, y) => [fixed[0] + fx * (x - fixed[0]), fixed[1] + fy * (y - fixed[1])];
 };
 
-/** Moves the selection by mapTo(place) of where the pointer is. */
+/** Moves the selection by mapTo(place) for the pointer's position. */
 function dragSelection(app, mapTo) {
   const begin = app.shownPose;
   let moved = false;
@@ -145,7 +145,7 @@ function startLasso(app, view, place, adds) {
   };
 }
 
-/** Two fingers: the places under them stay under them, but for turning. */
+/** Handles two fingers: the points under them stay there, except for turning. */
 function startPinch(app, view, fingers) {
   const span = () => {
     const [a, b] = [...fingers.values()];

@@ -1,10 +1,9 @@
-// A document from elsewhere becomes one that can be shown: a copy of what is known to be harmless, made before anything
-// of it is part of the page. It holds no script, asks for nothing elsewhere, and does not expand to more than a browser
-// can draw.
+// Makes a foreign document safe to show: it copies only parts that are known to be harmless, before any of them is in the
+// page. The copy holds no script, loads nothing, and does not expand to more than a browser can draw.
 
 const SVG_NS = 'http://www.w3.org/2000/svg', XLINK_NS = 'http://www.w3.org/1999/xlink';
 const INKSCAPE_NS = 'http://www.inkscape.org/namespaces/inkscape', XML_NS = 'http://www.w3.org/XML/1998/namespace';
-const MOST_INSTANCES = 8000, DEEPEST = 200, MOST_PIXELS = 1e8; // the first beyond what stands in the text itself
+const MOST_INSTANCES = 8000, DEEPEST = 200, MOST_PIXELS = 1e8; // the first counts instances beyond those in the text itself
 
 const SHAPES = 'path,rect,circle,ellipse,line,polyline,polygon';
 const words = text => new Set(text.trim().split(/\s+/));
@@ -21,7 +20,7 @@ const SAFE_ATTRIBUTES = words(`viewBox preserveAspectRatio x y width height rx r
   kernelUnitLength preserveAlpha surfaceScale diffuseConstant specularConstant specularExponent azimuth elevation z pointsAtX pointsAtY
   pointsAtZ limitingConeAngle scale xChannelSelector yChannelSelector stdDeviation radius baseFrequency numOctaves seed stitchTiles
   startOffset method spacing textLength lengthAdjust rotate systemLanguage requiredFeatures version`);
-// Properties of styles, most of which are attributes too.
+// These are the properties of styles; most of them are attributes too.
 const SAFE_PROPERTY = new RegExp(`^(--[\\w-]+|(fill|stroke|marker|mask|clip|flood|stop|color|font|text|transform|overflow)(-[a-z-]+)?|
   filter|lighting-color|opacity|visibility|display|letter-spacing|word-spacing|white-space(-collapse)?|line-height|direction|
   unicode-bidi|writing-mode|dominant-baseline|alignment-baseline|baseline-shift|rotate|scale|translate|shape-rendering|
@@ -30,19 +29,19 @@ const SAFE_FUNCTIONS = words(`url rgb rgba hsl hsla hwb lab lch oklab oklch colo
   translate translatex translatey scale scalex scaley rotate skew skewx skewy blur brightness contrast drop-shadow grayscale hue-rotate
   invert opacity saturate sepia circle ellipse inset polygon path rect`);
 
-/** Whether a value of a style or an attribute calls nothing but what is known, and refers to this document alone. */
+/** Tests whether a value of a style or an attribute calls only known functions, and refers only to this document. */
 function isSafeValue(text) {
   if (/[\\{}@]/.test(text)) return false;
   for (const [, name] of text.matchAll(/([\w-]*)\s*\(/g)) if (name && !SAFE_FUNCTIONS.has(name.toLowerCase())) return false;
   return !/url\s*\(/i.test(text.replace(/url\(\s*(["']?)#[^"'()\s]+\1\s*\)/gi, ''));
 }
 
-/** The declarations of a style that are safe: [name, value, priority]. A variable refers to nothing: it could do so anywhere. */
+/** Returns the safe declarations of a style: [name, value, priority]. Variables may not refer to anything, since they can be used anywhere. */
 function safeDeclarations(style) {
   return Array.from(style, name => [name, style.getPropertyValue(name).trim(), style.getPropertyPriority(name)])
     .filter(([name, value]) => SAFE_PROPERTY.test(name) && isSafeValue(value) && !(name.startsWith('--') && /url\s*\(/i.test(value)));
 }
-/** Style rules without what is not safe; other rules (of fonts, imports, animations) are left out. */
+/** Returns the safe parts of style rules; other rules (fonts, imports, animations) are left out. */
 function safeRules(rules) {
   return Array.from(rules, rule => {
     if (rule instanceof CSSMediaRule) return `@media ${rule.conditionText} {\n${safeRules(rule.cssRules)}\n}`;
@@ -51,14 +50,14 @@ function safeRules(rules) {
     return `${rule.selectorText} { ${declarations.join(' ')} }`;
   }).filter(text => text).join('\n');
 }
-/** A style sheet of a text; built by script, so that no policy against styles in documents forbids it. */
+/** Makes a style sheet from a text by script, so that no policy against styles in documents forbids it. */
 function sheetOf(text) {
   const sheet = new CSSStyleSheet();
   sheet.replaceSync(text);
   return sheet;
 }
 
-/** A data URI of a picture with the type that its first bytes show; null where they show none, or a picture too large. */
+/** Returns a data URI of a picture with the type that its first bytes show; null if they show none, or the picture is too large. */
 function pictureUri(text) {
   const found = /^\s*data:[^,]*?base64\s*,/i.exec(text);
   if (!found) return null;
@@ -66,7 +65,7 @@ function pictureUri(text) {
   try {
     head = atob(decodeURIComponent(text.slice(found[0].length, found[0].length + 400)).replace(/\s/g, '').slice(0, 64));
   } catch {
-    return null; // these are no bytes
+    return null; // this is not base64
   }
   const byte = k => head.charCodeAt(k), type = head.startsWith('\x89PNG') ? 'png' : head.startsWith('\xff\xd8\xff') ? 'jpeg'
     : head.startsWith('GIF8') ? 'gif' : head.startsWith('RIFF') && head.slice(8, 12) === 'WEBP' ? 'webp' : null;
@@ -75,15 +74,15 @@ function pictureUri(text) {
   return type && pixels <= MOST_PIXELS ? `data:image/${type};base64,` + text.slice(found[0].length) : null;
 }
 
-/** What an element refers to by its href: "#id" or a picture's data; null for all else. */
+/** Returns the target of an element's href: "#id" or a picture's data; null for anything else. */
 function safeReference(kind, text) {
   if (kind === 'a') return null;
   if (/^\s*#/.test(text)) return text.trim();
   return kind === 'image' || kind === 'feImage' ? pictureUri(text) : null;
 }
 
-const LARGEST = { radius: 200, numOctaves: 10, order: 30 }; // of filters, which work on every pixel so often
-/** Whether a filter works on no more pixels than somebody may have meant: its region is given in widths of what it filters, too. */
+const LARGEST = { radius: 200, numOctaves: 10, order: 30 }; // limits of filters, whose cost per pixel grows with them
+/** Tests whether a filter has a sensible number of pixels; its region may be given in widths of the filtered element. */
 function isSmallEnough(element, name, value) {
   const most = LARGEST[name] ?? (element.localName === 'filter' && /^(x|y|width|height)$/.test(name) ?
     element.getAttribute('filterUnits') === 'userSpaceOnUse' ? 1e5 : /%/.test(value) ? 2000 : 20 : Infinity);
@@ -111,12 +110,12 @@ function copyAttributes(from, to) {
   for (const declaration of safeDeclarations(scratch)) to.style.setProperty(...declaration);
 }
 
-// A parser applies the page's policy to styles and handlers of a text, inert as it is, with a complaint for each: they are read
+// A parser applies the page's policy even to styles and handlers of an inert text, and reports each. They are therefore read
 // under other names.
 const aside = text => text.replace(/(\s)(style|on\w+)(\s*=\s*["'])/gi, '$1cageform-$2$3').replace(/(<\/?(?:[\w-]+:)?)(style|base)(?=[\s>\/])/gi, '$1cageform-$2');
 const notAside = text => text.replaceAll('cageform-', '');
 
-/** Copies an element that is safe, with what it holds; the rules of styles are put into `rules`. */
+/** Copies a safe element with its children; style rules are collected in `rules`. */
 function copySafe(from, parent, rules, depth) {
   if (depth > DEEPEST) throw new Error('elements are nested too deeply');
   const kind = notAside(from.localName);
@@ -140,19 +139,19 @@ function copySafe(from, parent, rules, depth) {
 // ---- how much a document draws ----
 
 const referenced = text => [...text.matchAll(/url\(\s*["']?#([^"')]+)/gi)].map(([, id]) => id);
-/** How often what a property refers to is drawn: with every shape, at every vertex, or once. */
+/** How often the target of a property is drawn: with every shape, at every vertex, or once. */
 const multiplier = name => /^(fill|stroke)/.test(name) ? 'shapes' : name.startsWith('marker') ? 'vertices' : null;
-/** What an element costs to draw, as a number of shapes: filters work on every pixel. */
+/** The cost of drawing an element, as a number of shapes; filters work on every pixel. */
 const ownCost = kind => /^fe(Turbulence|Morphology|ConvolveMatrix)$/.test(kind) ? 300 : kind === 'feGaussianBlur' || /Lighting$/.test(kind) ? 60
   : kind.startsWith('fe') || kind === 'mask' || kind === 'clipPath' || kind === 'pattern' ? 15 : 1;
 
-/** Counts the instances of elements that a document draws once all it refers to is in its place. */
+/** Counts the instances of elements that a document draws after all references are expanded. */
 class InstanceCount {
   constructor(root, css) {
     this.ids = new Map();
     this.most = MOST_INSTANCES + 2 * root.querySelectorAll('*').length;
     for (const element of root.querySelectorAll('[id]')) if (!this.ids.has(element.id)) this.ids.set(element.id, element);
-    this.ruled = new Map(); // what rules of styles refer to, by element
+    this.ruled = new Map(); // the targets of style rules, by element
     const visit = rules => {
       for (const rule of rules) {
         if (rule instanceof CSSMediaRule) { visit(rule.cssRules); continue; }
@@ -167,7 +166,7 @@ class InstanceCount {
     this.active = new Set();
   }
 
-  /** { all, shapes, vertices, height } of an element, with what it holds and refers to. */
+  /** Returns { all, shapes, vertices, height } of an element, with its children and targets. */
   of(element, depth = 0) {
     const known = this.known.get(element);
     if (known && depth + known.height <= DEEPEST) return known;
@@ -206,22 +205,22 @@ const referencesOf = style => Array.from(style, name => referenced(style.getProp
 
 // ---- reading ----
 
-/** Text with the namespaces that were left out. */
+/** Returns the text with missing namespaces added. */
 function withNamespaces(text) {
   return text.replace(/<svg(?=[\s>])[^>]*>/, tag => [['xmlns', SVG_NS], ['xmlns:xlink', XLINK_NS], ['xmlns:inkscape', INKSCAPE_NS]]
     .reduce((all, [name, space]) => new RegExp(`\\s${name}\\s*=`).test(all) ? all : all.replace('<svg', `<svg ${name}="${space}"`), tag));
 }
-/** The root of an inert document; null where the text is no SVG. */
+/** Returns the root of an inert document; null if the text is not SVG. */
 function parseSvg(text) {
   if (!/<([\w-]+:)?svg[\s>]/.test(text)) return null;
   const root = new DOMParser().parseFromString(aside(text), 'image/svg+xml').documentElement;
   return root.localName === 'svg' && root.namespaceURI === SVG_NS && !root.querySelector('parsererror') ? root : null;
 }
 
-/** The safe part of an SVG document: { root, css }. Throws a sentence where it is none, or draws too much. */
+/** Returns the safe part of an SVG document: { root, css }. Throws a sentence if it is not SVG, or draws too much. */
 function readSafeSvg(text, name) {
   const parsed = parseSvg(withNamespaces(text)) ?? parseSvg(text);
-  if (!parsed) throw new Error(name + ' is no SVG document');
+  if (!parsed) throw new Error(name + ' is not an SVG document');
   const inert = document.implementation.createDocument(null, 'holder'), rules = [];
   try {
     const root = copySafe(parsed, inert.documentElement, rules, 0), css = rules.filter(text => text).join('\n');

@@ -1,4 +1,4 @@
-// What is saved: downloads in the formats of the programs.
+// Saves downloads in the formats of the programs.
 
 function download(name, parts, type) {
   const link = document.createElement('a');
@@ -60,21 +60,21 @@ function saveCage(app) {
 
 // ---- animations ----
 
-/** An affine map as a product: moved, turned (degrees), skewed along x (degrees), scaled. */
+/** Splits an affine map into a translation, a rotation (degrees), a skew along x (degrees) and a scale. */
 function affineParts([a, b, c, d, e, f]) {
   const angle = Math.atan2(b, a), [cos, sin] = [Math.cos(angle), Math.sin(angle)], sx = Math.hypot(a, b), sy = cos * d - sin * c;
   const skew = sy === 0 ? 0 : Math.atan((cos * c + sin * d) / sy);
   return [[e, f], [angle * 180 / Math.PI], [skew * 180 / Math.PI], [sx, sy]];
 }
-/** Animates an attribute through values, one a frame, and round again. */
+/** Animates an attribute through values, one per frame, in a cycle. */
 function animate(element, kind, attributes, values, seconds) {
   if (values.every(value => value === values[0])) return;
   svgElement(kind, { ...attributes, dur: seconds + 's', repeatCount: 'indefinite', values: [...values, values[0]].join(';') }, element);
 }
-/** Animates a transform through maps; `additive` says what becomes of the element's own. */
+/** Animates a transform through maps; `additive` says how they combine with the element's own transform. */
 function animateMaps(element, name, maps, seconds, additive) {
   const parts = maps.map(affineParts);
-  parts.forEach((part, k) => { // angles go on where a turn ends
+  parts.forEach((part, k) => { // angles continue past a full turn
     if (k > 0) part[1][0] += 360 * Math.round((parts[k - 1][1][0] - part[1][0]) / 360);
   });
   ['translate', 'rotate', 'skewX', 'scale'].forEach((type, n) => {
@@ -84,7 +84,7 @@ function animateMaps(element, name, maps, seconds, additive) {
   });
 }
 
-/** The animation as SVG text, which every browser plays: frames of outlines, between which the browser goes straight. */
+/** The animation as SVG text, which every browser plays: frames of outlines, between which the browser interpolates linearly. */
 function animatedSvg(app, framesPerSecond = 15) {
   const { clip, figure, engine } = app, count = Math.max(2, Math.min(600, Math.round(framesPerSecond * clip.length)));
   const poses = Array.from({ length: count }, (x, k) => clip.poseAt(k * clip.length / count, app.cage.rest, engine));
@@ -104,12 +104,12 @@ function animatedSvg(app, framesPerSecond = 15) {
   return new XMLSerializer().serializeToString(copy.root);
 }
 function saveAnimation(app) {
-  if (app.clip.isEmpty) return app.say('Nothing to save: set key frames (K) at two times');
+  if (app.clip.isEmpty) return app.say('There is nothing to save: set key frames (K) at two times');
   download(app.figure.name + '_animated.svg', [animatedSvg(app), '\n'], 'image/svg+xml');
 }
 
 const WORD_OF_KIND = Object.fromEntries(Object.entries(KIND_OF_WORD).map(([word, kind]) => [kind, word]));
-/** The rows time, value, kind of a track, and that at which it begins again. Curves with handles become many rows. */
+/** Returns the rows time, value, kind of a track, including the row at which it starts again. Curves with handles become many rows. */
 function rowsOf(track, clip, engine) {
   const { keys, period } = track, [first] = keys;
   const rows = keys.some(key => key.in || key.out)
@@ -117,7 +117,7 @@ function rowsOf(track, clip, engine) {
     : keys.map(({ t, v, kind }) => [t, v, WORD_OF_KIND[kind]]);
   return [...rows, [first.t + period, rows[0][1], rows[0][2]]];
 }
-/** The animation in the format of the programs: a control for every track and axis. */
+/** Returns the animation in the format of the programs, with a control for every track and axis. */
 function clipCsv(clip, engine, heading) {
   const lines = ['# ' + heading, 'length,' + clip.length];
   for (const track of clip.tracks) {
@@ -131,13 +131,13 @@ function clipCsv(clip, engine, heading) {
   return lines.join('\n') + '\n';
 }
 function saveClip(app) {
-  if (app.clip.isEmpty) return app.say('Nothing to save: set key frames (K) at two times');
+  if (app.clip.isEmpty) return app.say('There is nothing to save: set key frames (K) at two times');
   download(app.figure.name + '_clip.csv', [clipCsv(app.clip, app.engine, `an animation of the cage of ${app.figure.name}`)], 'text/csv');
 }
 
 // ---- in space ----
 
-/** The posed mesh as OBJ: the text it came from with other places, and without normals, which are others now. */
+/** Returns the posed mesh as OBJ: the original text with new positions, and without normals, which have changed. */
 function objText(mesh, places) {
   let at = 0;
   return mesh.text.split('\n').filter(line => !/^\s*vn\s/.test(line)).map(line => {
@@ -148,7 +148,7 @@ function objText(mesh, places) {
 function posedPlaces(view) { return view.app.engine.cloneMesh(view.pose, view.mesh.vertices.length / 3).slice(); }
 function saveObj(view) { download(view.name + '_posed.obj', [objText(view.mesh, posedPlaces(view)), '\n'], 'model/obj'); }
 
-/** A cage as OBJ. */
+/** Returns a cage as OBJ. */
 function saveShell(view, places, what) {
   const { faces } = view.cage, lines = [];
   for (let k = 0; k < places.length; k += 3) lines.push(`v ${places[k]} ${places[k + 1]} ${places[k + 2]}`);
@@ -156,7 +156,7 @@ function saveShell(view, places, what) {
   download(`${view.name}_${what}.obj`, [lines.join('\n'), '\n'], 'model/obj');
 }
 
-/** A mesh as binary glTF: a node, a mesh, one material. */
+/** Returns a mesh as binary glTF with one node, one mesh and one material. */
 function glbBytes(name, places, normals, faces) {
   const least = [0, 1, 2].map(axis => places.reduce((m, x, k) => k % 3 === axis ? Math.min(m, x) : m, Infinity));
   const most = [0, 1, 2].map(axis => places.reduce((m, x, k) => k % 3 === axis ? Math.max(m, x) : m, -Infinity));

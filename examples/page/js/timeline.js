@@ -29,9 +29,9 @@ class Timeline {
 
   toggle() {
     if (this.playing) return this.pause();
-    if (this.app.clip.isEmpty) return this.app.say('Nothing to play: make key frames (K) at two times, or let the cat walk');
+    if (this.app.clip.isEmpty) return this.app.say('There is nothing to play: set key frames (K) at two times, or let the cat walk');
     this.app.isEditing = false;
-    let begin = null; // by the clock of frames, which is behind that of performance.now()
+    let begin = null; // by the clock of frames, which is later than performance.now()
     const step = now => {
       begin ??= now - 1000 * this.time;
       this.setTime(((now - begin) / 1000) % this.app.clip.length);
@@ -85,16 +85,16 @@ class Timeline {
   }
   removeKey() {
     this.change(() => {
-      if (!this.app.clip.removeKey(this.time, this.app.clip.length / 100)) this.app.say('No key frame of a pose at this time');
+      if (!this.app.clip.removeKey(this.time, this.app.clip.length / 100)) this.app.say('There is no key frame of a pose at this time');
     });
   }
 
-  /** To the key frame behind this time, or before it. */
+  /** Goes to the next or the previous key frame. */
   goToKey(isNext) {
     const { time } = this, times = this.app.clip.keyTimes.filter(t => isNext ? t > time + 1e-6 : t < time - 1e-6);
     if (times.length > 0) this.setTime(isNext ? times[0] : times[times.length - 1]);
   }
-  /** An arrow on the time line moves the time, with Shift the key frame; in the chart the choice of a key, or its value. */
+  /** Handles an arrow key: on the time line it moves the time, or with Shift the key frame; in the chart it chooses a key or moves its value. */
   pressArrow({ target, shiftKey }, dx, dy) {
     const { app } = this, to = this.time + dx * app.clip.length / 48;
     if (target === this.strip) {
@@ -162,7 +162,7 @@ class Timeline {
 
   get track() { return this.app.clip.tracks[document.getElementById('track').value] ?? this.app.clip.tracks[0]; }
 
-  /** The curve of a vertex that was selected. */
+  /** Chooses the curve of the selected vertex. */
   showVertex(vertex) {
     const index = this.app.clip.tracks.findIndex(track => track.vertex === vertex);
     const menu = document.getElementById('track');
@@ -186,7 +186,7 @@ class Timeline {
     this.drawChart();
   }
 
-  /** From time and value to pixels of the chart, and back. */
+  /** Maps time and value to pixels of the chart, and back. */
   chartFrame() {
     const { clip } = this.app, keys = repeatedKeys(this.track, clip.length);
     const values = this.track.keys.map(key => key.v);
@@ -206,7 +206,7 @@ class Timeline {
     document.getElementById('fit').textContent = '';
     if (!document.getElementById('curves').open || !chart.clientWidth) return;
     if (!this.track) {
-      svgElement('text', { x: 20, y: 40, fill: 'currentColor' }, chart).textContent = 'No key frames: set some (K), or let the cat walk.';
+      svgElement('text', { x: 20, y: 40, fill: 'currentColor' }, chart).textContent = 'There are no key frames: set some (K), or let the cat walk.';
       return;
     }
     const f = this.chartFrame(), { length } = app.clip;

@@ -19,7 +19,7 @@ class View {
     attachPointer(this, app);
   }
 
-  /** Takes over the figure and the cage of the app. */
+  /** Shows the figure and the cage of the app. */
   rebuild() {
     this.copy = this.app.figure.makeCopy();
     const { root } = this.copy;
@@ -42,13 +42,13 @@ class View {
     parts.dots = Array.from({ length: this.app.pose.length / 2 }, () => svgElement('circle', {}, this.overlay));
   }
 
-  /** Pixels of this view from the figure's coordinates: p · scale + (x, y). */
+  /** Returns the map from the figure's coordinates to pixels of this view: p · scale + (x, y). */
   frame() {
     const { x, y, w, h } = this.app.window, width = this.div.clientWidth, height = this.div.clientHeight;
     const scale = Math.min(width / w, height / h);
     return { scale, x: width / 2 - scale * (x + w / 2), y: height / 2 - scale * (y + h / 2), width, height };
   }
-  /** The place under a pointer in the figure's coordinates. */
+  /** Returns the point under a pointer in the figure's coordinates. */
   placeOf(event) {
     const { scale, x, y } = this.frame(), box = this.div.getBoundingClientRect();
     return [(event.clientX - box.left - this.div.clientLeft - x) / scale, (event.clientY - box.top - this.div.clientTop - y) / scale];
@@ -92,7 +92,7 @@ class View {
     for (const [name, value] of Object.entries({ cx: grips.turn[0], cy: grips.turn[1], r: 6 * unit })) marks[4].setAttribute(name, value);
   }
 
-  /** Weights of a vertex over the posed cage; nothing where `vertex` is -1. */
+  /** Draws the weights of a vertex over the posed cage; nothing if `vertex` is -1. */
   drawField(vertex, pose) {
     const { app } = this, canvas = this.field, sharp = Math.min(2, devicePixelRatio || 1), f = this.frame();
     const width = Math.round(f.width * sharp), height = Math.round(f.height * sharp);

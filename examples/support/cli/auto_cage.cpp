@@ -20,11 +20,11 @@ namespace cageform_examples {
 
 namespace {
 
-/// To as many decimals as tell a thousandth of `clearance`.
+/// Rounds to the decimals that resolve a thousandth of `clearance`.
 double rounded(double x, double clearance) {
     const double unit = std::pow(10.0, std::floor(std::log10(clearance / 1000)));
     const double steps = std::round(x / unit);
-    // Of units below 1 the inverse is exact, so that 0.1 does not become 0.1000000001.
+    // For units below 1 the inverse is exact, so that 0.1 does not become 0.1000000001.
     return std::fabs(steps) < 1e15 && std::isfinite(unit) && unit > 0
                ? (unit < 1 ? steps / std::round(1 / unit) : steps * unit)
                : x;
@@ -45,7 +45,7 @@ double farthest_coordinate(std::span<const double> coordinates, double before) {
     return before;
 }
 
-/// Why there is no cage, with what is known of the figure.
+/// Explains why there is no cage, with the facts about the figure.
 ///
 ///   farthest   the figure's largest coordinate
 std::string no_cage(const cageform::MakeCageReport& report, const cageform::MakeCageOptions& options,
@@ -53,10 +53,10 @@ std::string no_cage(const cageform::MakeCageReport& report, const cageform::Make
     using Status = cageform::Status;
     std::string why = cageform::to_string(report.status);
     if (report.status == Status::cage_not_found && farthest > 1e14 * report.margin)
-        why += ": " + detail::short_number(report.margin) + " off it, at coordinates of " +
-               detail::short_number(farthest) + ", is too little for their 16 digits";
+        why += ": a margin of " + detail::short_number(report.margin) + " at coordinates of " +
+               detail::short_number(farthest) + " is below the precision of their 16 digits";
     else if (report.status == Status::cage_not_found && report.clearance > 0)
-        why += ": the last one tried comes as near as " + detail::short_number(report.clearance) +
+        why += ": the last attempt comes as near as " + detail::short_number(report.clearance) +
                ", and the margin is " + detail::short_number(report.margin);
     if (report.status == Status::margin_too_small && options.mirror && options.mirror->place)
         why += ": it spans the figure and its image across the mirror at " +
@@ -147,17 +147,17 @@ auto made_by_word(const CageWord& word, const Figure& figure) {
     return made;
 }
 
-/// Of a file that is not there: whether its name was meant to be a word.
+/// Extends the error of a missing file if its name may have been meant as a keyword.
 SvgError with_words(SvgError error, const std::string& word) {
     std::error_code unknown;
     if (std::filesystem::exists(word, unknown)) return error;
     if (word.starts_with("box:"))
-        error.message = "--cage " + detail::quoted(word) +
-                        ": a box has 8 vertices, in the plane 4: --cage box, or with N "
-                        "vertices hull:N or auto:N";
+        error.message =
+            "--cage " + detail::quoted(word) +
+            ": a box has 8 vertices, in the plane 4; write --cage box, or for N vertices hull:N or auto:N";
     else if (word.starts_with("auto") || word.starts_with("hull") || word.starts_with("box"))
         error.message +=
-            "; of a cage to be made: auto, hull, box, or with 3 to 1000000 vertices auto:N, hull:N";
+            "; to make a cage, write auto, hull or box, or for 3 to 1000000 vertices auto:N or hull:N";
     return error;
 }
 
@@ -210,7 +210,7 @@ std::vector<std::string> warnings_of(const cageform::MakeCageReport& report,
     const std::size_t wanted = options.vertices;
     if (wanted != 0 && report.vertices > wanted + (options.mirror ? wanted % 2 : 0))
         warnings.push_back("the cage has " + std::to_string(report.vertices) +
-                           " vertices, as no fewer would do");
+                           " vertices; fewer are not enough");
     return warnings;
 }
 

@@ -14,11 +14,12 @@
 
 namespace cageform_examples {
 
-/// For --help, behind what else --cage takes.
+/// Text for --help, after the other values of --cage.
 inline constexpr const char* auto_cage_help =
-    "; or auto, hull or box, with vertices auto:N or hull:N: what make_cage makes";
+    "; or auto, hull or box (with N vertices auto:N or hull:N) to make one, as make_cage does";
 
-/// What --cage says: auto, hull, box, auto:N or hull:N, or else a file (one of that name is ./auto).
+/// The choice of --cage: auto, hull, box, auto:N or hull:N, otherwise a file (write ./auto for a file of
+/// that name).
 struct CageWord {
     bool is_auto = false;
     std::size_t vertices = 0; // 0: as many as make_cage takes
@@ -27,23 +28,22 @@ struct CageWord {
     static CageWord of(const std::string& word);
 };
 
-/// A cage made, and what there is to say of it.
+/// A cage made by make_cage, and its report.
 template <class Cage>
 struct AutoCage {
     Cage cage;
     cageform::MakeCageReport report;
 };
 
-/// About all that a document paints, in root user space; its coordinates are rounded, within a thousandth
-/// of what it keeps
-/// off the figure.
+/// Makes a cage around everything that a document paints, in root user space; its coordinates are
+/// rounded, within a thousandth of what it keeps off the figure.
 ///
 ///   options   margins as shares; the mirror's place in root user space
 ///   fails     with a sentence that names the document
 SvgResult<AutoCage<CageFile>> make_cage_for(const SvgDocument& figure,
                                             const cageform::MakeCageOptions& options);
 
-/// About all faces of a mesh.
+/// Makes a cage around all faces of a mesh.
 SvgResult<AutoCage<ObjFile>> make_cage_for(const ObjFile& figure, const cageform::MakeCageOptions& options,
                                            const cageform::Running& running = {});
 
@@ -56,7 +56,7 @@ SvgResult<ObjFile> load_or_make_cage(const std::string& word, const ObjFile& fig
 ///   dimension   2 or 3
 std::string describe(const cageform::MakeCageReport& report, std::size_t dimension);
 
-/// What a user should know; empty where there is nothing.
+/// Returns warnings for the user; empty if there are none.
 std::vector<std::string> warnings_of(const cageform::MakeCageReport& report,
                                      const cageform::MakeCageOptions& options);
 

@@ -60,7 +60,7 @@ std::string describe_faults(const std::string& name, const cageform::BindReport&
     if (report.solver.unseen_handle != report.solver.none) {
         text += " (vertex " + std::to_string(report.solver.unseen_handle) + ")";
         if (report.solver.sufficient_resolution != 0)
-            text += "; --resolution " + std::to_string(report.solver.sufficient_resolution) + " sees it";
+            text += "; --resolution " + std::to_string(report.solver.sufficient_resolution) + " resolves it";
     }
     if (report.status == cageform::Status::out_of_memory && report.solver.bytes != 0) {
         std::ostringstream need;
@@ -81,7 +81,7 @@ std::string describe_faults(const std::string& name, const cageform::BindReport&
         ++listed;
         text += "\n  " + describe_fault(fault);
         if (fault.kind == cageform::CageFaultKind::interior_cells_not_supported)
-            text += ": --coordinates harmonic takes them";
+            text += ": --coordinates harmonic supports them";
     }
     if (report.cage.fault_count > listed)
         text += "\n  and " + std::to_string(report.cage.fault_count - listed) + " more";
@@ -120,7 +120,7 @@ std::string describe_corners(const cageform::SolverReport& solver) {
 std::string describe_grid(const cageform::SolverReport& solver) {
     const auto& place = solver.tree.finest_place;
     std::ostringstream text;
-    text << std::setprecision(2) << "cells down to " << solver.tree.finest_size << ", by "
+    text << std::setprecision(2) << "smallest cell " << solver.tree.finest_size << ", caused by "
          << to_string(solver.tree.finest_reason) << " at " << std::setprecision(4) << place[0] << ' '
          << place[1];
     if (place[2] != 0) text << ' ' << place[2];
@@ -258,7 +258,7 @@ void print_warnings(std::span<const std::string> warnings) {
         warn(who.empty() ? text : who + more + ": " + text);
     }
     if (kinds.size() > most_listed)
-        warn("and " + std::to_string(kinds.size() - most_listed) + " more kinds of these");
+        warn("and " + std::to_string(kinds.size() - most_listed) + " more kinds of warnings");
 }
 
 } // namespace cageform_examples

@@ -12,7 +12,7 @@ namespace cageform_examples {
 
 constexpr std::size_t most_listed = 10; // faults or warnings
 
-/// How many of its two numbers mean something to a kind of fault.
+/// Returns how many of its two numbers a kind of fault uses.
 int numbers_of(cageform::CageFaultKind kind);
 
 /// "edges cross or touch (3, 7)", with only the numbers that mean something.
@@ -26,16 +26,15 @@ std::string describe_faults(const std::string& name, const cageform::CageReport&
 std::string describe_grid(const cageform::SolverReport& solver);
 
 /// "the grid is coarse for the edge between vertices 3 and 9 and 11 more, …": of what no grid that was used
-/// is fine
-/// enough for; empty where all errors are below CornerError::notable. Vertices are counted from 0 in the
-/// plane, from 1
-/// in space, as OBJ files do.
+/// is fine enough for; empty where all errors are below CornerError::notable. Vertices are counted from 0
+/// in the plane, from 1 in space, as OBJ files do.
 std::string describe_corners(const cageform::SolverReport& solver);
 
 /// Warns of that on stderr.
 void warn_of_coarse_grid(const std::string& cage, const cageform::SolverReport& solver);
 
-/// Adds the report of a batch of points to that of those before it; `first` is the number of its first point.
+/// Adds the report of a batch of points to that of those before it; `first` is the number of its first
+/// point.
 void add_batch(cageform::BindReport& total, const cageform::BindReport& part, std::size_t first);
 
 /// The report of a bind for people.
@@ -58,13 +57,11 @@ struct StoredLoss {
 };
 
 /// "at most 0.0041 (0.099 % of the figure's size), at v 18 after 0.5 s, 0.0013 in the mean, in 52 poses of
-/// the
-/// motion".
+/// the motion".
 std::string describe(const StoredLoss& loss);
 
 /// Says warnings on stderr. Those that say the same thing of several elements are one line, with the first
-/// of them
-/// and how many more there are; of lines the first ten.
+/// of them and how many more there are; of lines the first ten.
 void print_warnings(std::span<const std::string> warnings);
 
 } // namespace cageform_examples

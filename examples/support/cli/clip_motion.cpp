@@ -1,4 +1,4 @@
-// Of clip_file.hpp: make_clip() of a motion in the plane, which compiles key-frame tracks. One program's.
+// Defines make_clip() of clip_file.hpp for a motion in the plane, which compiles key-frame tracks.
 #include "files/clip_file.hpp"
 #include "files/csv.hpp"
 
@@ -82,7 +82,7 @@ SvgResult<cageform::CageClip<double, 2>> make_clip(const ClipFile& file, std::sp
                 tolerance = std::max(tolerance, 1e-6 * std::fabs(key.value));
             const auto compiled = cageform::compile<double>(keys, {.tolerance = tolerance});
             if (!compiled) {
-                // Of the keys that are repeated: a time in the file.
+                // The culprit counts repeated keys; its row has the time in the file.
                 const std::size_t row = compiled.report.culprit % (control.rows.size() - 1);
                 return SvgError{file.name + ": " + detail::quoted(control.name) + ": the key at " +
                                 detail::short_number(control.rows[row].time) + ": " +

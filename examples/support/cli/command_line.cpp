@@ -23,7 +23,7 @@ CLI::Validator decimal(bool with_sign) {
     const auto fault = [with_sign](std::string& text) -> std::string {
         const std::size_t first = with_sign && text.starts_with('-') ? 1 : 0;
         const bool digits = first < text.size() && text.find_first_not_of("0123456789", first) == text.npos;
-        if (!digits) return "\"" + text + "\" is no whole number" + (with_sign ? "" : " from 0");
+        if (!digits) return "\"" + text + "\" is not a whole number" + (with_sign ? "" : " from 0");
         const std::size_t zeros = std::min(text.find_first_not_of('0', first), text.size() - 1) - first;
         if (text.size() - first - zeros > 18) return text + " is too large";
         text.erase(first, zeros);
@@ -34,7 +34,7 @@ CLI::Validator decimal(bool with_sign) {
 
 const char* const rare_options = "Rarely needed";
 
-/// Leaves out what is rarely needed, unless all is asked for.
+/// Leaves out rarely needed options, unless --help-all is given.
 class HelpFormatter : public CLI::Formatter {
 public:
     explicit HelpFormatter(bool all)
@@ -101,7 +101,7 @@ CommandOption& CommandOption::ends_with(const std::vector<std::string>& endings)
             if (ending == one) return {};
             known += (known.empty() ? "" : " or ") + one;
         }
-        return "\"" + path + "\" does not end with " + known + ", which says what is written";
+        return "\"" + path + "\" does not end with " + known + "; the ending selects the format";
     });
     return *this;
 }
@@ -122,7 +122,7 @@ CommandLine::CommandLine(const std::string& description)
                    CAGEFORM_VERSION_STRING;
         },
         "Print the version and exit");
-    app_->set_help_all_flag("--help-all", "Print this and what is rarely needed, and exit");
+    app_->set_help_all_flag("--help-all", "Print this help with the rarely needed options, and exit");
     app_->failure_message([](const CLI::App* app, const CLI::Error& error) {
         const CLI::Error shown(error.get_name(), printable(error.what()), error.get_exit_code());
         return CLI::FailureMessage::simple(app, shown);
@@ -177,9 +177,9 @@ std::string CommandLine::footer(bool all) const {
         app_->get_options([](const CLI::Option* option) { return option->get_group() == rare_options; });
     if (rare.empty() && formats_.empty()) return text;
     return text + "\n--help-all " +
-           (rare.empty() ? "also tells" : "lists " + std::to_string(rare.size()) + " more options") +
-           (rare.empty() || formats_.empty() ? "" : ", and tells") +
-           (formats_.empty() ? ".\n" : " how the files look.\n");
+           (rare.empty() ? "also describes" : "lists " + std::to_string(rare.size()) + " more options") +
+           (rare.empty() || formats_.empty() ? "" : " and describes") +
+           (formats_.empty() ? ".\n" : " the file formats.\n");
 }
 
 std::optional<int> CommandLine::parse(int argc, char** argv) {

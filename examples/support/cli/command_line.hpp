@@ -1,8 +1,7 @@
 #pragma once
 
 // A program's options, read by CLI11. Its headers take longer to compile than most programs, so only
-// command_line.cpp
-// includes them.
+// command_line.cpp includes them.
 
 #include <cstddef>
 #include <functional>
@@ -45,8 +44,7 @@ private:
 };
 
 /// Every program has --help, --help-all, which lists rare options and formats of files too, and --version,
-/// which prints
-/// its name and the library's version.
+/// which prints its name and the library's version.
 class CommandLine {
 public:
     explicit CommandLine(const std::string& description);
@@ -65,7 +63,7 @@ public:
                            const std::string& help);
     CommandOption add_number(const std::string& name, const std::function<void(double)>& take,
                              const std::string& help);
-    /// In the help: the program's name is put before each.
+    /// Sets the examples in the help; the program's name is put before each.
     void set_examples(std::vector<std::string> arguments);
     /// Below the options in --help-all: how the files look that the program takes.
     void set_footer(const std::string& text);

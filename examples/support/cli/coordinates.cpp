@@ -23,62 +23,64 @@ std::string CoordinatesChoice::name_fault(const std::string& given, const std::v
 }
 
 void SiteChoice::add_options(CommandLine& line) {
-    line.add("--weights", weights, "of sibson: how much each point draws the figure, a text file");
+    line.add("--weights", weights,
+             "sibson: a text file with a weight for each point; heavier points attract the figure more");
     line.add("--surround", surround,
-             "of sibson and sibson-c1: add corners of a box around all that stand still, "
-             "so that nothing is outside; its margin, in diagonals of figure and points; 0: none")
+             "sibson and sibson-c1: add the corners of a box around everything as points that do not move, "
+             "so that nothing is outside; the value is the box's margin, in diagonals of figure and points; "
+             "0 adds no box")
         .range(0.0, 1e6)
         .show_default();
 }
 
 std::string SiteChoice::fault(const CoordinatesChoice& choice) const {
     if (!choice.takes_sites() && (!weights.empty() || surround > 0))
-        return "--weights and --surround are of points without a cage: --coordinates sibson";
+        return "--weights and --surround apply to points without a cage: use --coordinates sibson";
     if (choice.name == "sibson-c1" && !weights.empty())
-        return "--weights: sibson-c1 has negative weights, --coordinates sibson has none";
+        return "--weights: sibson-c1 has negative weights; use --coordinates sibson, which has none";
     return {};
 }
 
 void CoordinatesChoice::add_options(CommandLine& line) {
     std::vector<std::string> known{"barycentric", "mean-value", "harmonic"};
-    std::string help = "barycentric (of a triangle or tetrahedron), mean-value, harmonic";
+    std::string help = "barycentric (for a triangle or tetrahedron), mean-value, harmonic";
     if (in_plane) {
         known = names();
-        help += "; of a convex polygon wachspress or discrete-harmonic";
+        help += "; for a convex polygon wachspress or discrete-harmonic";
     }
     if (with_normals) {
         known.emplace_back("green");
-        help += "; green, which keeps angles and leaves the cage's boundary";
+        help += "; green, which preserves angles, but does not follow the cage's boundary exactly";
     }
     if (with_sites) {
         known.insert(known.end(), {"sibson", "sibson-c1"});
-        help += "; of points without a cage sibson, or sibson-c1, which is smooth at the points too";
+        help += "; for points without a cage sibson, or sibson-c1, which is smooth at the points too";
     }
     line.add("--coordinates", name, help)
         .check([known](const std::string& given) { return name_fault(given, known); })
         .show_default();
     if (in_space) {
         line.add("--faces", faces,
-                 "mean-value and harmonic in space, faces of more than three corners: polygons, with the "
-                 "coordinates in the plane of each, where they are planar; or triangles")
+                 "mean-value and harmonic in space: polygons keeps planar faces of more than three corners "
+                 "and uses plane coordinates in each; triangles cuts them")
             .one_of({"polygons", "triangles"})
             .show_default();
     }
     if (with_sites) {
         line.add("--gradients", gradients,
-                 "sibson-c1: how gradients at the points are estimated: facets, gentle (less negative "
+                 "sibson-c1: the estimate of the gradients at the points: facets, gentle (less negative "
                  "weights) or mirrored (for rings of points)")
             .one_of({"facets", "gentle", "mirrored"})
             .show_default()
             .rarely_needed();
     }
     const CommandOption accuracy = line.add("--accuracy", harmonic.accuracy,
-                                            "harmonic: the largest error wanted of a weight, 1e-5 to 0.1, on "
-                                            "a grid as fine as the cage is narrow")
+                                            "harmonic: the target for the largest error of a weight, 1e-5 to "
+                                            "0.1; the grid adapts to the cage's narrow parts")
                                        .range(1e-5, 0.1)
                                        .show_default();
     line.add("--resolution", resolution,
-             "harmonic: a uniform grid of so many cells along the cage's longest side")
+             "harmonic: use a uniform grid with this many cells along the cage's longest side")
         .range(8, 16384)
         .excludes(accuracy)
         .show_default("none; with --tolerance or averaging-pyramid 128 in the plane, 64 in space")
@@ -89,9 +91,8 @@ void CoordinatesChoice::add_options(CommandLine& line) {
                 harmonic.multigrid.tolerance = harmonic.averaging.tolerance = t;
                 is_uniform = true;
             },
-            "harmonic: where the solver of the uniform grid ends; the error (multigrid) or the mean change "
-            "of a "
-            "cell")
+            "harmonic: the solver of the uniform grid stops below this error (multigrid) or mean change of a "
+            "cell (averaging-pyramid)")
         .excludes(accuracy)
         .show_default("1e-06")
         .rarely_needed();
@@ -101,7 +102,7 @@ void CoordinatesChoice::add_options(CommandLine& line) {
                 harmonic.solver = given == "multigrid" ? cageform::HarmonicSolver::multigrid
                                                        : cageform::HarmonicSolver::averaging_pyramid;
             },
-            "harmonic: multigrid, or the papers' averaging-pyramid")
+            "harmonic: the solver of the uniform grid: multigrid, or the papers' averaging-pyramid")
         .check([](const std::string& given) {
             return given == "multigrid" || given == "averaging-pyramid"
                        ? std::string()
@@ -112,7 +113,7 @@ void CoordinatesChoice::add_options(CommandLine& line) {
         .rarely_needed();
 }
 
-/// In bytes, where the system tells (Linux).
+/// Returns the available memory in bytes, if the system reports it (Linux).
 std::optional<std::size_t> available_memory() {
     std::ifstream file("/proc/meminfo");
     std::string line;
@@ -136,12 +137,12 @@ void OutsideChoice::add_option(CommandLine& line) {
     std::vector<std::string> words{"auto", "refuse", "keep", "nearest"};
     if (can_extend) words.push_back("extend");
     line.add("--outside", word,
-             std::string("points outside the cage: refuse, keep (in place), nearest (follow the nearest "
-                         "boundary point)") +
-                 (can_extend ? ", extend (by the coordinates, where they are defined outside) or auto "
-                               "(extend, else nearest"
+             std::string("what points outside the cage do: refuse (an error), keep (stay in place), nearest "
+                         "(follow the nearest boundary point)") +
+                 (can_extend ? ", extend (use the coordinates, if they are defined outside) or auto (extend "
+                               "if possible, else nearest"
                              : " or auto (nearest") +
-                 (with_sites ? "; with sibson keep; with a warning)" : ", with a warning)"))
+                 (with_sites ? "; keep with sibson; with a warning)" : ", with a warning)"))
         .one_of(words)
         .show_default();
 }
@@ -166,21 +167,21 @@ OutsideChoice::judge(const ChosenCoordinates<T, D>& coordinates, const cageform:
                               (coordinates.takes_sites ? "convex hull of " : "cage ") + cage + ", first " +
                               name_points(points, report.outside);
     const bool some = !report.outside.empty();
-    if (some && word == "refuse") return {found + "; --outside says what to do with them", {}};
+    if (some && word == "refuse") return {found + "; use --outside to choose what they do", {}};
     if (some && word == "extend" && !coordinates.has_extension())
         return {found + "; these coordinates are not defined outside" +
                     (coordinates.takes_sites ? "" : " the cage"),
                 {}};
     if (!report.unreached.empty()) {
-        return {figure + ": no weights can be had for " + name_points(points, report.unreached) +
-                    (coordinates.takes_sites     ? ": their weights are beyond all numbers"
-                     : coordinates.closed_form() ? ": too far from the cage"
-                                                 : ": the grid is too coarse, raise --resolution"),
+        return {figure + ": no weights can be computed for " + name_points(points, report.unreached) +
+                    (coordinates.takes_sites     ? ": their weights exceed the range of numbers"
+                     : coordinates.closed_form() ? ": they are too far from the cage"
+                                                 : ": the grid is too coarse; raise --resolution"),
                 {}};
     }
     if (!some || word != "auto" || cage_is_made) return {};
     if (2 * report.outside.size() > report.points && !coordinates.takes_sites)
-        return {found + ": is it the cage of another figure? --outside says what to do with them", {}};
+        return {found + ": is it the cage of another figure? Use --outside to choose what they do", {}};
     const auto done = policy(coordinates);
     return {
         {},

@@ -1,8 +1,7 @@
 #pragma once
 
-// Coordinates by the name that a user gave. The library is a set of templates: what the programs need of it
-// is compiled
-// once, in coordinates_2d.cpp, coordinates_3d.cpp and coordinates_sites.cpp.
+// Coordinates chosen by name on the command line. The library consists of templates; the instances that
+// the programs need are compiled once, in coordinates_2d.cpp, coordinates_3d.cpp and coordinates_sites.cpp.
 
 #include "cli/command_line.hpp"
 #include "files/cage_file.hpp"
@@ -22,7 +21,7 @@
 
 namespace cageform_examples {
 
-/// What --coordinates, --resolution, --tolerance and --solver say. The same in all programs.
+/// The choice of --coordinates, --resolution, --tolerance and --solver, which is common to all programs.
 struct CoordinatesChoice {
     /// One of names(); with with_sites sibson, sibson-c1; with with_normals green.
     std::string name = "mean-value";
@@ -37,7 +36,7 @@ struct CoordinatesChoice {
     cageform::HarmonicOptions harmonic;
 
     static const std::vector<std::string>& names(); // of polygons
-    /// Why `given` is none of `known`; empty where it is one.
+    /// Returns why `given` is none of `known`; empty if it is one.
     static std::string name_fault(const std::string& given, const std::vector<std::string>& known);
 
     void add_options(CommandLine& line);
@@ -51,11 +50,11 @@ struct CoordinatesChoice {
     /// Whether the type takes polygons alone.
     bool takes_polygons() const { return name == "wachspress" || name == "discrete-harmonic"; }
 
-    /// Of harmonic coordinates, in the plane (2) or in space (3).
+    /// Returns the options of harmonic coordinates in the plane (2) or in space (3).
     cageform::HarmonicOptions harmonic_options(std::size_t dimension) const;
 };
 
-/// What --weights and --surround say of sites.
+/// The choice of --weights and --surround for sites.
 struct SiteChoice {
     std::string weights; // a file; empty: none
     double surround = 0; // the margin of points around all that stand still; 0: none
@@ -73,7 +72,7 @@ struct PosedSites {
 
 /// Reads sites and a pose of them; fails also where the weights do, or no box can be had.
 ///
-///   figure   gives what the box has to hold, where one is asked for
+///   figure   returns the points that a requested box has to hold
 template <std::size_t D>
 SvgResult<PosedSites<D>>
 load_posed_sites(const std::string& path, const std::string& pose_path, const SiteChoice& choice,
@@ -115,9 +114,8 @@ ChosenCoordinates<T, 3> make_coordinates(const CoordinatesChoice& choice, const 
 template <class T, std::size_t D>
 ChosenCoordinates<T, D> make_coordinates(const CoordinatesChoice& choice, const SiteFile<D>& sites);
 
-/// The edge or face whose vector is a handle, by its vertices: "from vertex 1 to 2"; in space as an OBJ
-/// file counts
-/// them, "v 1, v 3, v 2".
+/// Names the edge or face whose vector is a handle, by its vertices: "from vertex 1 to 2"; in space as
+/// an OBJ file counts them, "v 1, v 3, v 2".
 template <cageform::Scalar T, std::size_t D>
 std::string name_of_face(const cageform::HandleView<T, D>& handles, std::size_t handle) {
     std::size_t vectors_before = 0;
@@ -153,7 +151,7 @@ SvgResult<std::vector<P>> pose_of_handles(const cageform::Binding<T, D>& binding
     return handles;
 }
 
-/// What --outside says. The same in all programs that move a figure.
+/// The choice of --outside, which is common to all programs that move a figure.
 struct OutsideChoice {
     std::string word =
         "auto"; // extend where the coordinates are defined outside, keep with sites, else nearest
@@ -166,11 +164,10 @@ struct OutsideChoice {
     template <cageform::Scalar T, std::size_t D>
     cageform::OutsidePoints policy(const ChosenCoordinates<T, D>& coordinates) const;
 
-    /// What there is to say after a bind.
+    /// The messages after a bind.
     struct Verdict {
-        /// Why the program has to end; empty where it has not. It has where most points are outside and
-        /// nothing was said
-        /// about them: they may be of another figure.
+        /// The reason to stop; empty if there is none. The program stops if most points are outside and
+        /// --outside is not given, since the cage may be of another figure.
         std::string fault;
         std::string warning; ///< of points outside that nothing was said about; empty where there are none
     };

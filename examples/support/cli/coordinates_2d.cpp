@@ -26,5 +26,5 @@ template ChosenCoordinates<double, 2> make_coordinates(const CoordinatesChoice&,
 
 } // namespace cageform_examples
 
-// That convergence.cpp looks into.
+// convergence.cpp uses this class directly.
 template class cageform::grid::Multigrid<2>;

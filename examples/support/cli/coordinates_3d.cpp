@@ -10,12 +10,12 @@ namespace cageform_examples {
 
 namespace {
 
-/// Why coordinates take no polygons for faces; empty where they do.
+/// Returns why coordinates do not support polygons as faces; empty if they do.
 std::string polygon_fault(const CoordinatesChoice& choice) {
     if (choice.name == "mean-value") return {};
-    if (choice.name != "harmonic") return choice.name + " takes triangles";
+    if (choice.name != "harmonic") return choice.name + " supports only triangles";
     const bool by_pyramid = choice.harmonic.solver == cageform::HarmonicSolver::averaging_pyramid;
-    return by_pyramid ? "harmonic by the papers' solver takes triangles" : "";
+    return by_pyramid ? "harmonic by the papers' solver supports only triangles" : "";
 }
 
 } // namespace

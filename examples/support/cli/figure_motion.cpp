@@ -37,7 +37,7 @@ std::string pose_faults(const FigureControl& control, const CageFile& cage) {
         if (report.status == cageform::Status::ok || ++count > 1) continue;
         for (const auto& fault : report.faults) {
             if (cageform::status_of(fault.kind) == cageform::Status::ok) continue;
-            first = control.name_of(i % control.frames) + ": of the posed cage " + describe_fault(fault);
+            first = control.name_of(i % control.frames) + ": in the posed cage " + describe_fault(fault);
             break;
         }
         if (report.fault_count > 1) first += " and " + std::to_string(report.fault_count - 1) + " more";
@@ -144,11 +144,11 @@ SvgResult<MovedFigure> move_figure(const SvgDocument& document, const std::strin
     print_warnings(report.warnings);
     if (report.cut_off > 0) {
         warn(std::to_string(report.cut_off) + (report.cut_off == 1 ? " shape is" : " shapes are") +
-             " cut off at the edge of the picture; --fit grows it");
+             " cut off at the edge of the picture; --fit enlarges it");
     }
     if (report.coarse > 0) {
         warn(std::to_string(report.coarse) + " of " + std::to_string(report.segments) +
-             " segments miss the --flatness asked for");
+             " segments do not meet --flatness");
     }
     result.drawing = std::move(*drawing);
     return result;

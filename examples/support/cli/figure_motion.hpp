@@ -30,7 +30,7 @@ struct FigureControl {
 /// A control by a cage that has no pose yet.
 FigureControl control_of(const CoordinatesChoice& choice, const CageFile& cage);
 
-/// Which edges of the posed cage cross, in how many frames; empty where it is sound in all.
+/// Describes which edges of the posed cage cross, and in how many frames; empty if it is sound in all.
 ///
 ///   cage   what the poses are of
 std::string pose_faults(const FigureControl& control, const CageFile& cage);

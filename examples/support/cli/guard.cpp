@@ -34,8 +34,7 @@ std::size_t printable_bytes(std::string_view text) {
 }
 
 /// Puts one that fails in the place of a standard stream that is closed: else the next file to be opened
-/// would
-/// be that stream, and what is printed would go into it.
+/// would be that stream, and what is printed would go into it.
 void keep_streams_apart() {
     for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
         if (fcntl(stream, F_GETFD) < 0) (void)open("/dev/null", O_RDONLY); // takes the lowest number

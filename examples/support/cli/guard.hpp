@@ -19,8 +19,7 @@ void warn(const std::string& text); ///< "program: warning: text", printable
 void note(const std::string& text); ///< "program: note: text", printable
 
 /// The exit code of run(), or 1 and a line on stderr when memory or the standard library gives out, or what
-/// was
-/// printed cannot be written. The program is named in all that it says.
+/// was printed cannot be written. The program is named in all that it says.
 int guarded(const char* program, const std::function<int()>& run);
 
 } // namespace cageform_examples

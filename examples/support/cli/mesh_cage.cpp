@@ -55,14 +55,16 @@ std::string describe_faces(const ObjFile& cage, const CageFaces& faces, const st
     std::string text;
     const auto count = [](std::size_t n) { return std::to_string(n) + (n == 1 ? " face" : " faces"); };
     if (faces.polygons > 0) {
-        text = count(faces.polygons) +
-               " of more than three corners taken as polygons, by the coordinates in " +
-               (faces.polygons == 1 ? "its plane" : "their planes") + " (--faces triangles cuts them)";
+        const bool one = faces.polygons == 1;
+        text = count(faces.polygons) + " with more than three corners " + (one ? "is" : "are") + " kept as " +
+               (one ? "a polygon" : "polygons") + ", with the coordinates in " +
+               (one ? "its plane" : "their planes") + " (--faces triangles cuts " + (one ? "it)" : "them)");
     }
     if (!faces.cut.empty()) {
-        text += (text.empty() ? "" : "; ") + count(faces.cut.size()) + " cut into triangles, first in line " +
+        text += (text.empty() ? "" : "; ") + count(faces.cut.size()) +
+                (faces.cut.size() == 1 ? " is" : " are") + " cut into triangles, first in line " +
                 std::to_string(cage.faces[faces.cut.front()].line) +
-                (!faces.bent.empty() ? ": not in a plane"
+                (!faces.bent.empty() ? ": not planar"
                  : why.empty()       ? ""
                                      : ": " + why);
     }
@@ -71,9 +73,8 @@ std::string describe_faces(const ObjFile& cage, const CageFaces& faces, const st
 
 std::string describe_mesh_faults(const std::string& name, const cageform::BindReport& report) {
     return describe_faults(name, report) +
-           (report.cage.faults.empty()
-                ? ""
-                : "\n  (vertices and faces are counted from 0, faces as they are cut)");
+           (report.cage.faults.empty() ? ""
+                                       : "\n  (vertices and faces are counted from 0, faces after cutting)");
 }
 
 void warn_of_closed_gaps(const std::string& name, const cageform::CageReport& report) {

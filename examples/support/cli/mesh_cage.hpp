@@ -26,11 +26,10 @@ struct CageFaces {
 };
 
 /// All faces, of which those of more than three corners are kept where that is wanted and they are planar,
-/// to a
-/// millionth of the cage's diagonal: what six digits of a file leave of a plane.
+/// to a millionth of the cage's diagonal: what six digits of a file leave of a plane.
 CageFaces faces_of(const ObjFile& cage, bool keep_polygons);
 
-/// What has become of faces with more than three corners; empty where there are none.
+/// Describes how faces with more than three corners were treated; empty if there are none.
 ///
 ///   why   none of them is kept; empty where the user wants it so
 std::string describe_faces(const ObjFile& cage, const CageFaces& faces, const std::string& why);
@@ -45,12 +44,11 @@ void warn_of_closed_gaps(const std::string& name, const cageform::CageReport& re
 std::string name_points(std::span<const Point3> points, const std::vector<std::size_t>& indices);
 
 /// A motion from the cage at rest through poses, OBJ files, and back, smooth, `seconds` from each to the
-/// next. Fails
-/// where a file cannot be read, is no pose of the cage or is beyond single precision.
+/// next. Fails where a file cannot be read, is no pose of the cage or is beyond single precision.
 SvgResult<PoseClip> clip_through_poses(const ObjFile& cage, const std::vector<std::string>& poses,
                                        double seconds);
 
-/// Why `pose` is no pose of `cage`; empty where it is one.
+/// Returns why `pose` is not a pose of `cage`; empty if it is one.
 std::string pose_difference(const ObjFile& cage, const ObjFile& pose);
 
 } // namespace cageform_examples

@@ -17,11 +17,11 @@ void PoseChoice::add_options(CommandLine& line) {
                 help)
             .in_order();
     };
-    add("--move", PoseOperation::move, "WHICH:X,Y or X,Y,Z");
-    add("--turn", PoseOperation::turn, "WHICH:DEGREES, in space with ,AXIS");
-    add("--scale", PoseOperation::scale, "WHICH:FACTOR or a factor an axis");
-    add("--bend", PoseOperation::bend, "WHICH:AXES,FROM,TO,DEGREES");
-    add("--twist", PoseOperation::twist, "in space: WHICH:AXIS,FROM,TO,DEGREES");
+    add("--move", PoseOperation::move, "move vertices: WHICH:X,Y, in space WHICH:X,Y,Z");
+    add("--turn", PoseOperation::turn, "turn vertices: WHICH:DEGREES, in space WHICH:DEGREES,AXIS");
+    add("--scale", PoseOperation::scale, "scale vertices: WHICH:FACTOR, or one factor per axis");
+    add("--bend", PoseOperation::bend, "bend vertices: WHICH:AXES,FROM,TO,DEGREES");
+    add("--twist", PoseOperation::twist, "in space, twist vertices: WHICH:AXIS,FROM,TO,DEGREES");
 }
 
 template <std::size_t D>
@@ -45,11 +45,12 @@ template SvgResult<std::vector<cageform::Vec<double, 3>>>
 PoseChoice::posed(const std::vector<cageform::Vec<double, 3>>&) const;
 
 void MotionChoice::add_options(CommandLine& line) {
-    const CommandOption of_clip = line.add("--clip", clip, "a motion of the cage: a CSV file of poses");
-    line.add("--pose", poses, "or poses of the cage, OBJ files: from rest through these and back")
+    const CommandOption of_clip = line.add("--clip", clip, "a CSV file of poses, the motion of the cage");
+    line.add("--pose", poses,
+             "OBJ files of poses of the cage; the motion goes from rest through these and back")
         .excludes(of_clip);
     operations.add_options(line);
-    line.add("--seconds", seconds, "from one pose to the next").range(0.001, 1e5).show_default();
+    line.add("--seconds", seconds, "the seconds from one pose to the next").range(0.001, 1e5).show_default();
 }
 
 SvgResult<PoseClip> MotionChoice::motion(const ObjFile& cage) const {
@@ -58,7 +59,7 @@ SvgResult<PoseClip> MotionChoice::motion(const ObjFile& cage) const {
         return poses.empty() ? SvgResult<PoseClip>(PoseClip{}) : clip_through_poses(cage, poses, seconds);
     }
     if (!clip.empty() || !poses.empty())
-        return SvgError{"--clip, --pose, or operations such as --turn, but only one of them"};
+        return SvgError{"give only one of --clip, --pose, and operations such as --turn"};
     auto posed = operations.posed(cage.vertices);
     if (!posed) return posed.error();
     for (std::size_t i = 0; i < posed->size(); ++i) {
@@ -77,7 +78,7 @@ SvgResult<CageFile> read_pose(const std::string& path, const PoseChoice& choice,
                               bool is_made) {
     const auto& operations = choice.operations;
     if (!path.empty() && operations.empty()) return load_pose(path, cage);
-    if (!path.empty()) return SvgError{"--pose, or operations such as --turn, but not both"};
+    if (!path.empty()) return SvgError{"give --pose or operations such as --turn, but not both"};
     if (operations.empty() && !is_made) return SvgError{"--pose is required, or operations such as --turn"};
     if (operations.empty()) return moved_cage(cage, first_pose(cage.places()));
     const auto moved = choice.posed(cage.places());

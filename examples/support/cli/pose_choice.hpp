@@ -1,6 +1,6 @@
 #pragma once
 
-// The options that pose a cage by operations. The same in all programs.
+// The options that pose a cage by operations, which are common to all programs.
 
 #include "cli/command_line.hpp"
 #include "cli/pose_operations.hpp"
@@ -14,7 +14,7 @@
 
 namespace cageform_examples {
 
-/// What --move, --turn, --scale, --bend and --twist say, in the order given.
+/// The operations --move, --turn, --scale, --bend and --twist, in the order given.
 struct PoseChoice {
     std::vector<std::pair<PoseOperation, std::string>> operations;
 
@@ -39,12 +39,13 @@ struct MotionChoice {
 
     bool is_given() const { return !clip.empty() || !poses.empty() || !operations.operations.empty(); }
     /// The motion; without keys where none is given. Fails where a file cannot be read or fits not, an
-    /// operation cannot
-    /// be done, numbers are beyond single precision, or more than one of the three is given.
+    /// operation cannot be done, numbers are beyond single precision, or more than one of the three is
+    /// given.
     SvgResult<PoseClip> motion(const ObjFile& cage) const;
 };
 
-/// A pose by a file or by operations; of a cage that the program made, where neither is given, first_pose().
+/// A pose by a file or by operations; of a cage that the program made, where neither is given,
+/// first_pose().
 ///
 ///   path    of the file; empty: none
 ///   fails   as load_pose() does, with the operation that cannot be done, and where both or none are given

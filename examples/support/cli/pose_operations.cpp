@@ -16,7 +16,7 @@ using cageform::Vec;
 
 constexpr double degree = 3.14159265358979323846 / 180;
 
-/// Why a text cannot be taken, with the text.
+/// Returns why a text is refused, with the text.
 std::string refusal(std::string_view text, const std::string& why) {
     return detail::quoted(text) + " " + why;
 }
@@ -33,7 +33,7 @@ std::vector<std::string_view> parts_of(std::string_view text, char separator) {
 
 std::string parse_finite(std::string_view text, double& number) {
     const std::string why = detail::parse_number(text, number);
-    return why.empty() && !std::isfinite(number) ? refusal(text, "is no finite number") : why;
+    return why.empty() && !std::isfinite(number) ? refusal(text, "is not a finite number") : why;
 }
 
 std::string parse_all(std::span<const std::string_view> parts, std::span<double> numbers) {
@@ -58,7 +58,7 @@ std::string keep_where(std::string_view condition, std::span<const Vec<double, D
     const std::size_t axis = axis_of<D>(detail::trim(condition.substr(0, sign)));
     if (sign == condition.size() || axis == D) {
         return refusal(condition,
-                       std::string("selects nothing: a number, 5-9, all, or a condition such as x>10") +
+                       std::string("selects nothing: write a number, 5-9, all, or a condition such as x>10") +
                            (D == 2 ? "; the plane has x and y" : ""));
     }
     double bound = 0;
@@ -71,7 +71,7 @@ std::string keep_where(std::string_view condition, std::span<const Vec<double, D
 
 std::string parse_vertex(std::string_view text, std::size_t count, std::size_t& vertex) {
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), vertex);
-    if (end != text.data() + text.size() || text.empty()) return refusal(text, "is no number of a vertex");
+    if (end != text.data() + text.size() || text.empty()) return refusal(text, "is not a vertex number");
     if (error == std::errc{} && vertex < count) return {};
     return "there is no vertex " + std::string(text.substr(0, 40)) + ": the cage has " +
            std::to_string(count) + ", 0 to " + std::to_string(count - 1);
@@ -127,7 +127,7 @@ struct Rotation {
     }
 };
 
-/// What NUMBERS of an operation say, for the vertices selected.
+/// The parsed NUMBERS of an operation, for the selected vertices.
 template <std::size_t D>
 class Operation {
 public:
@@ -194,7 +194,7 @@ private:
         if (std::string why = parse_all(parts.subspan(1), vector_.v); !why.empty()) return why;
         double largest = 0;
         for (const double x : vector_.v) largest = std::max(largest, std::fabs(x));
-        if (largest == 0) return refusal(text_, "has an axis of no length");
+        if (largest == 0) return refusal(text_, "has an axis of length zero");
         for (double& x : vector_.v) x /= largest; // so that its square is in range
         vector_ = (1 / std::sqrt(dot(vector_, vector_))) * vector_;
         return {};
@@ -208,16 +208,16 @@ private:
         towards_ = letters == 2 ? axis_of<D>(parts[0].substr(std::min<std::size_t>(1, parts[0].size())))
                                 : (along_ + 1) % D;
         if (parts[0].size() != letters || along_ == D || towards_ == D || along_ == towards_)
-            return refusal(text_, "begins with no axes: " + axes);
+            return refusal(text_, "must begin with " + axes);
         std::array<double, 3> numbers{};
         if (std::string why = parse_all(parts.subspan(1), numbers); !why.empty()) return why;
         from_ = numbers[0];
         to_ = numbers[1];
         degrees_ = numbers[2];
-        return from_ == to_ ? refusal(text_, "begins and ends at the same place") : "";
+        return from_ == to_ ? refusal(text_, "begins and ends at the same position") : "";
     }
 
-    /// In space by Rodrigues' formula.
+    /// Turns a vector; in space by Rodrigues' formula.
     Point turned(Point v) const {
         const Rotation rotation(degrees_);
         if constexpr (D == 2) {
@@ -229,7 +229,7 @@ private:
         }
     }
 
-    /// How far a point is beyond FROM on the way to TO.
+    /// Returns how far a point is beyond FROM on the way to TO.
     double beyond(const Point& p) const { return to_ > from_ ? p[along_] - from_ : from_ - p[along_]; }
 
     /// The line along the axis through the centre becomes a line, an arc of the same length and a line.
@@ -247,7 +247,7 @@ private:
             centre_[towards_] + chord * half.sine + (way - on_arc) * whole.sine + across * whole.cosine;
     }
 
-    /// About the axis through the centre, by an angle that grows along it.
+    /// Turns a point about the axis through the centre, by an angle that grows along the axis.
     void twist(Point& p) const {
         const double share = std::clamp(beyond(p) / std::fabs(to_ - from_), 0.0, 1.0);
         if (share == 0) return;
@@ -284,7 +284,7 @@ std::string parse_centre(std::string_view text, std::span<const Vec<double, D>> 
     }
     const auto parts = parts_of(text, ',');
     if (parts.size() == D) return parse_all(parts, centre.v);
-    return refusal(text, std::string("is no point: ") + (D == 2 ? "x,y" : "x,y,z") +
+    return refusal(text, std::string("is not a point: write ") + (D == 2 ? "x,y" : "x,y,z") +
                              ", or v and vertices such as v2,7");
 }
 
@@ -316,7 +316,7 @@ std::string apply_operation(PoseOperation operation, std::string_view word,
     const std::span<const Vec<double, D>> before(pose);
     auto centre = mean_of(before, *selected);
     if (at < numbers.size()) {
-        if (operation == PoseOperation::move) return refusal(word, "moves about no point");
+        if (operation == PoseOperation::move) return refusal(word, "has a point, which a move does not use");
         if (std::string why = parse_centre(detail::trim(numbers.substr(at + 1)), rest, before, centre);
             !why.empty())
             return why;

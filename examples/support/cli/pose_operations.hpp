@@ -16,30 +16,30 @@ namespace cageform_examples {
 
 enum class PoseOperation { move, turn, scale, bend, twist };
 
-/// For --help.
+/// The text for --help.
 inline constexpr const char* pose_operations_format =
-    "An operation is WHICH:NUMBERS or, about a point, WHICH:NUMBERS@X,Y (in space\n"
-    "@X,Y,Z) or, about the middle of other vertices, WHICH:NUMBERS@vWHICH; else about\n"
-    "the middle of the selected ones. WHICH is a list of\n"
+    "An operation is WHICH:NUMBERS. It acts about the middle of the selected vertices;\n"
+    "WHICH:NUMBERS@X,Y (in space @X,Y,Z) acts about a point, WHICH:NUMBERS@vWHICH about\n"
+    "the middle of other vertices. WHICH is a list of\n"
     "\n"
-    "    7          the vertex of that number, from 0, as --picture draws them\n"
-    "    5-9        vertices of 5 to 9\n"
-    "    all\n"
-    "    x>10&y<5   vertices whose place in CAGE is there; any number of conditions\n"
+    "    7          the vertex with this number, from 0, as --picture draws it\n"
+    "    5-9        the vertices 5 to 9\n"
+    "    all        all vertices\n"
+    "    x>10&y<5   vertices whose position in CAGE meets all these conditions\n"
     "\n"
     "such as 0,5-9. Angles are in degrees, from x towards y (clockwise on the screen\n"
-    "in an SVG file); in space counter-clockwise seen from the axis' tip.\n"
+    "in an SVG file); in space counter-clockwise if the axis points at the viewer.\n"
     "\n"
     "    --move 3:10,0            by x,y or x,y,z\n"
     "    --turn 5-9:30@v4,10      in the plane, about the middle of vertices 4 and 10\n"
     "    --turn 5-9:30,y          in space: about x, y, z or a vector, 30,1,1,0\n"
-    "    --scale all:1.5          or a factor an axis: 2,1; -1,1 mirrors\n"
-    "    --bend all:xy,10,30,90   what lies from x = 10 to 30 becomes an arc towards\n"
-    "                             y, what lies beyond turns by 90; 30,10: what lies\n"
-    "                             below. The line that keeps its length passes\n"
-    "                             through the point\n"
-    "    --twist all:y,0,5,90     in space: turns about y from 0 at y = 0 to 90 at 5\n"
-    "                             and beyond\n";
+    "    --scale all:1.5          or one factor per axis: 2,1; -1,1 mirrors\n"
+    "    --bend all:xy,10,30,90   the part from x = 10 to 30 becomes an arc towards\n"
+    "                             y, the part beyond turns by 90; with 30,10 the\n"
+    "                             part below turns. The line that keeps its length\n"
+    "                             passes through the point\n"
+    "    --twist all:y,0,5,90     in space: turns about y, by 0 at y = 0 up to 90 at\n"
+    "                             y = 5 and beyond\n";
 
 /// The vertices that a word selects, in rising order.
 ///

@@ -26,7 +26,7 @@ std::string parse_view(std::string_view word, MeshSight& sight) {
 void ViewChoice::add_options(CommandLine& line) {
     line.add_text(
             "--view", [this](const std::string& word) { (void)parse_view(word, sight); },
-            "of the picture: TURN,RISE, degrees from the front towards the figure's left, and from above")
+            "the picture's view: TURN,RISE in degrees, from the front towards the figure's left, and upwards")
         .check([](const std::string& word) {
             MeshSight ignored;
             return parse_view(word, ignored);
@@ -34,7 +34,7 @@ void ViewChoice::add_options(CommandLine& line) {
         .show_default("34,11");
     line.add_text(
             "--up", [this](const std::string& word) { sight.z_is_up = word == "z"; },
-            "of the picture: the axis that points up, y or z; the front is then towards z, or against y")
+            "the picture's up axis, y or z; the front then faces along z, or along -y")
         .one_of({"y", "z"})
         .show_default("y");
 }

@@ -1,6 +1,6 @@
 #pragma once
 
-// Where pictures of meshes are seen from. All programs that draw some share it.
+// The view direction of pictures of meshes, shared by all programs that draw them.
 
 #include "cli/command_line.hpp"
 #include "pictures/mesh_picture.hpp"

@@ -13,9 +13,8 @@
 
 namespace cageform_examples {
 
-/// Names of temporaries, for the handler of signals, which may call no more than unlink(). Of more files at
-/// once than
-/// there are places, the last ones stay when a signal ends the program.
+/// Names of temporary files for the signal handler, which may call little more than unlink(). If there
+/// are more files than slots, the last ones remain when a signal ends the program.
 static std::array<std::atomic<const char*>, 128> temporaries;
 
 extern "C" void remove_temporaries_and_end(int number) {

@@ -14,8 +14,7 @@ namespace cageform_examples {
 
 /// A file written piece by piece under a temporary name in the same folder; `commit` puts it in the place
 /// of `path`. Whatever fails, and without a commit, the old file stays and the temporary is removed, also
-/// where
-/// SIGINT, SIGTERM, SIGHUP, SIGPIPE or SIGXCPU ends the program.
+/// where SIGINT, SIGTERM, SIGHUP, SIGPIPE or SIGXCPU ends the program.
 ///
 ///   path    replaced if it is a regular file, whose permissions are kept; a link is followed; a folder,
 ///           pipe or device is refused, and so is a file that the program reads (input_at() names it), be
@@ -29,11 +28,11 @@ public:
     ~AtomicFile() { abandon(); }
 
     const std::filesystem::path& path() const { return path_; }
-    /// Where it will be: `path` without links and detours.
+    /// The final path: `path` without links and detours.
     const std::filesystem::path& target() const { return target_; }
-    /// Where it is until then. Another program may read it after finish().
+    /// The temporary path until then. Another program may read the file after finish().
     const std::filesystem::path& temporary() const { return temporary_; }
-    /// For another program to write to, before anything is written here; -1 after a failure.
+    /// A descriptor that another program can write to, before anything is written here; -1 after a failure.
     int descriptor() const { return file_ != nullptr ? fileno(file_) : -1; }
 
     /// Appends; a failure is remembered, later calls do nothing.
@@ -43,7 +42,8 @@ public:
     /// The first failure so far.
     const std::optional<std::string>& error() const { return error_; }
 
-    /// Completes the temporary: what can fail has failed, but for the renaming. Nothing is written after it.
+    /// Completes the temporary: what can fail has failed, but for the renaming. Nothing is written after
+    /// it.
     [[nodiscard]] std::optional<std::string> finish();
 
     /// Finishes the file and puts it in its place; returns nothing, or the reason of the failure.

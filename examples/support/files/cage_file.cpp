@@ -10,7 +10,7 @@ namespace cageform_examples {
 
 namespace {
 
-/// With the fewest digits that give it back.
+/// Formats a number with the fewest digits that restore it.
 std::string digits_of(double x) {
     std::array<char, 32> digits;
     return {digits.data(), std::to_chars(digits.data(), digits.data() + digits.size(), x).ptr};
@@ -55,9 +55,9 @@ SvgResult<std::string> to_svg(const CageFile& cage, const ViewBox& view) {
     std::string path;
     for (const CageBlock& block : cage.blocks) {
         if (block.points.front() == block.points.back())
-            return SvgError{cage.name + ": two vertices lie at the same place, " +
+            return SvgError{cage.name + ": two vertices lie at the same position, " +
                             name_points(block.points, {0}) +
-                            ", which an SVG file does not hold; a CSV file does"};
+                            ", which an SVG file cannot store; a CSV file can"};
         for (const Point2& p : block.points)
             path += (path.empty() || path.back() == 'Z' ? "M" : " ") + digits_of(p);
         path += 'Z';

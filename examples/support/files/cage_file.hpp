@@ -89,15 +89,15 @@ struct CageFile {
     }
 };
 
-/// For --help: how a cage in the plane, and a pose of it, is given.
+/// The text for --help on the formats of a cage in the plane and its pose.
 inline constexpr const char* cage_formats =
-    "A cage in the plane is the first closed polygon of an SVG file: a polygon, a\n"
-    "rect or a path of lines; or a CSV file (.csv): blocks of lines x,y with empty\n"
-    "lines between them. A block is a loop, the outer one first, then holes and\n"
-    "islands; or, for harmonic coordinates, a chain of points inside, headed by a\n"
+    "A cage in the plane is the first closed polygon of an SVG file (a polygon, a rect\n"
+    "or a path of lines), or a CSV file (.csv) of blocks of lines x,y with empty lines\n"
+    "between them. A block is a loop: the outer one comes first, then holes and islands.\n"
+    "For harmonic coordinates a block can also be a chain of points inside, headed by a\n"
     "line \"# chain\", or one point, headed by \"# point RADIUS\". A point of a chain\n"
-    "that equals a vertex given before is that vertex. Other lines that begin with #\n"
-    "are comments. A pose is a file of the same blocks with the points moved.\n";
+    "that equals an earlier vertex is that vertex. Other lines that begin with # are\n"
+    "comments. A pose is a file of the same blocks with the points moved.\n";
 
 CageFile make_cage(std::string name, std::vector<CageBlock> blocks);
 
@@ -119,7 +119,7 @@ std::string to_csv(const CageFile& cage);
 void draw_cage(SvgDocument& document, const std::vector<CageBlock>& blocks, double diagonal,
                const std::string& colour);
 
-/// The same cage with its vertices, by handle, at other places.
+/// Returns the cage with its vertices (by handle) at other positions.
 CageFile moved_cage(CageFile cage, std::span<const cageform::Vec<double, 2>> places);
 
 /// "(412, 88), …" for the first few of a list of points.
@@ -128,11 +128,11 @@ std::string name_points(std::span<const Point2> points, const std::vector<std::s
 /// "a chain of 3 points".
 std::string describe(const CageBlock& block);
 
-/// Gives a pose, read as a cage, the handles of the cage it is a pose of. Its blocks have to be those of the
-/// cage, and what is one vertex there has to be at one place.
+/// Gives a pose, read as a cage, the handles of the cage it is a pose of. Its blocks have to be those of
+/// the cage, and what is one vertex there has to be at one place.
 SvgResult<CageFile> make_pose(CageFile pose, const CageFile& cage);
 
-/// As make_pose(), from a file; fails also as load_cage() does.
+/// Works as make_pose(), from a file; fails also as load_cage() does.
 SvgResult<CageFile> load_pose(const std::string& path, const CageFile& cage);
 
 } // namespace cageform_examples

@@ -81,19 +81,20 @@ std::string add_row(const std::vector<std::string>& fields, ClipControl& control
     return {};
 }
 
-/// Why the keys of a control do not go into a clip of that length; empty where they do.
+/// Returns why the keys of a control do not fit a clip of that length; empty if they do.
 std::string fault_of_rows(const ClipControl& control, double length) {
-    if (control.rows.size() < 2) return "fewer than two keys";
+    if (control.rows.size() < 2) return "it has fewer than two keys";
     const double begin = control.rows.front().time, period = control.rows.back().time - begin;
     const double turns = length / period, keys = turns * double(control.rows.size() - 1);
     if (!(std::fabs(turns - std::round(turns)) <= 1e-9) || turns < 0.5)
-        return "its time is no part of the clip's";
+        return "its duration does not divide the clip's";
     if (keys > 1e5)
-        return "repeated through the clip it has " + detail::short_number(keys) + " keys; 100000 at most";
+        return "repeated over the clip it has " + detail::short_number(keys) +
+               " keys; at most 100000 are allowed";
     // Moved into the clip by whole periods, its times would lose their digits.
     if (std::fabs(begin) > 1e6 * period)
         return "its first key, at " + detail::short_number(begin) +
-               ", is a million of its periods from the clip's begin";
+               ", is a million of its periods from the clip's start";
     return {};
 }
 
@@ -131,7 +132,7 @@ SvgResult<ClipFile> parse_clip(std::string_view file, const std::string& path, s
         }
         if (!why.empty()) return SvgError{path + ":" + std::to_string(number) + ": " + why};
     }
-    if (clip.length == 0) return SvgError{path + ": no \"length,SECONDS\""};
+    if (clip.length == 0) return SvgError{path + ": the line \"length,SECONDS\" is missing"};
     for (const ClipControl& control : clip.controls) {
         const std::string why = fault_of_rows(control, clip.length);
         if (!why.empty()) return SvgError{path + ": " + detail::quoted(control.name) + ": " + why};
@@ -174,7 +175,7 @@ SvgResult<PoseClip> parse_pose_clip(std::string_view file, const std::string& pa
                 key.way = PoseWay::ease;
             else if (way != "smooth" && !way.empty() && why.empty())
                 why = "a pose is smooth, linear or ease, not " + detail::quoted(way);
-            if (why.empty() && clip.keys.empty() && key.time != 0) why = "the first pose is at 0";
+            if (why.empty() && clip.keys.empty() && key.time != 0) why = "the first pose has to be at time 0";
             if (why.empty() && !clip.keys.empty() && !(float(key.time) > float(clip.keys.back().time)))
                 why = "a pose is not later than the one before it";
             clip.keys.push_back(std::move(key));
@@ -193,12 +194,12 @@ SvgResult<PoseClip> parse_pose_clip(std::string_view file, const std::string& pa
         }
         if (!why.empty()) return SvgError{path + ":" + std::to_string(number) + ": " + why};
     }
-    if (clip.length == 0) return SvgError{path + ": no \"length,SECONDS\""};
-    if (clip.keys.size() < 2) return SvgError{path + ": fewer than two poses"};
+    if (clip.length == 0) return SvgError{path + ": the line \"length,SECONDS\" is missing"};
+    if (clip.keys.size() < 2) return SvgError{path + ": holds fewer than two poses"};
     const std::string why = count_fault();
     if (!why.empty()) return SvgError{path + ":" + std::to_string(number) + ": " + why};
     if (!(float(clip.keys.back().time) < float(clip.length)))
-        return SvgError{path + ": the last pose is not before the end, where the first comes again"};
+        return SvgError{path + ": the last pose is not before the end, where the first pose returns"};
     return clip;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
-// Motions of a cage as text: controls, each of which moves some vertices, and keys that say how far and when.
+// Motions of a cage as text: controls, each of which moves some vertices, and keys that say how far and
+// when.
 //
 //     length,2.4                  of the clip, in seconds; then it begins again
 //     late,far-legs,0.6           the element far-legs of the figure does the same 0.6 s later
@@ -14,10 +15,10 @@
 //     1.2,0,0,6,ease
 //     2.4,0,0,-6,ease
 //
-// A key moves the control's vertices by x and y and turns them by degrees, clockwise on the screen. Its kind
-// is hold, linear, automatic, or ease: Bézier handles that leave the key and come to it level. A control
-// begins again after its last key, so its time is a part of the clip's. Where several controls move a vertex,
-// it does all of it.
+// A key moves the control's vertices by x and y and turns them by degrees, clockwise on the screen. Its
+// kind is hold, linear, automatic, or ease: Bézier handles that leave the key and come to it level. A
+// control begins again after its last key, so its time is a part of the clip's. Where several controls
+// move a vertex, it does all of it.
 
 #include "svg/path.hpp"
 
@@ -33,39 +34,39 @@
 
 namespace cageform_examples {
 
-/// For --help: the head of this file.
+/// The text for --help: the format at the head of this file.
 inline constexpr const char* clip_format =
-    "A motion of a cage in the plane is a CSV file of controls, each of which moves\n"
-    "some vertices, and keys that say how far and when:\n"
+    "A motion of a cage in the plane is a CSV file of controls. Each control moves some\n"
+    "vertices, and its keys give the distances and times:\n"
     "\n"
-    "    length,2.4              of the clip, in seconds; then it begins again\n"
-    "    late,far-legs,0.6       the element of that id does the same 0.6 s later\n"
-    "    ground,744,166          a ground at y = 744 that passes by, units a second\n"
+    "    length,2.4              the clip's seconds; then it starts again\n"
+    "    late,far-legs,0.6       the element with this id moves 0.6 s later\n"
+    "    ground,744,166          a ground at y = 744 moves by, 166 units a second\n"
     "\n"
     "    control,the tail sways\n"
-    "    vertices,11:0.5,10,9    counted from 0; with weights, 1 where not given\n"
-    "    pivot,775,400           about which the vertices turn\n"
+    "    vertices,11:0.5,10,9    counted from 0; with weights, 1 by default\n"
+    "    pivot,775,400           the vertices turn about this point\n"
     "    time,x,y,turn,kind\n"
-    "    0.0,0,0,-6,ease         moved by x and y, turned by degrees\n"
+    "    0.0,0,0,-6,ease         moves by x and y, and turns by degrees\n"
     "    1.2,0,0,6,ease\n"
     "    2.4,0,0,-6,ease\n"
     "\n"
-    "A key is hold, linear, automatic or ease. A control begins again after its last\n"
-    "key; its time goes into the clip's a whole number of times. Several controls of\n"
-    "a vertex add up. late and ground may be missing; # begins a comment.\n";
+    "A key is hold, linear, automatic or ease. A control starts again after its last\n"
+    "key, and its duration has to divide the clip's. Several controls of a vertex add\n"
+    "up. late and ground can be left out; # begins a comment.\n";
 
-/// For --help: poses in space.
+/// The text for --help on poses in space.
 inline constexpr const char* pose_clip_format =
     "A motion of a cage in space is a CSV file of its poses:\n"
     "\n"
-    "    length,2.4              in seconds; then the first pose comes again\n"
-    "    pose,0,smooth           its time; smooth, linear or ease\n"
+    "    length,2.4              the seconds until the first pose returns\n"
+    "    pose,0,smooth           the time of a pose; smooth, linear or ease\n"
     "    0.1,1.5,-0.2            x,y,z of every vertex, in the cage's order\n"
     "    …\n"
     "    pose,0.8,smooth\n"
     "    …\n"
     "\n"
-    "The first pose is at 0, times ascend; # begins a comment.\n";
+    "The first pose is at time 0, and times ascend; # begins a comment.\n";
 
 struct ClipControl {
     struct Share {
@@ -106,13 +107,13 @@ struct ClipFile {
 ///           the times of a control do not ascend or are no part of the length
 SvgResult<ClipFile> parse_clip(std::string_view text, const std::string& name, std::size_t vertex_count);
 
-/// As parse_clip(), from a file; fails also where it cannot be read.
+/// Works as parse_clip(), from a file; fails also where it cannot be read.
 SvgResult<ClipFile> load_clip(const std::string& path, std::size_t vertex_count);
 
 /// The motion of a cage with these vertices. It begins again at its end.
 SvgResult<cageform::CageClip<double, 2>> make_clip(const ClipFile& file, std::span<const Point2> vertices);
 
-/// How a pose is come to and left.
+/// The interpolation into and out of a pose.
 enum class PoseWay { smooth, linear, ease };
 
 struct PoseKey {
@@ -136,15 +137,14 @@ struct PoseClip {
 ///           `vertex_count` lines, or times do not ascend from 0 to less than the length, in single precision
 SvgResult<PoseClip> parse_pose_clip(std::string_view text, const std::string& name, std::size_t vertex_count);
 
-/// As parse_pose_clip(), from a file; fails also where it cannot be read.
+/// Works as parse_pose_clip(), from a file; fails also where it cannot be read.
 SvgResult<PoseClip> load_pose_clip(const std::string& path, std::size_t vertex_count);
 
 /// The text of a clip in space, numbers to a millionth.
 std::string pose_clip_text(const PoseClip& clip, const std::string& heading);
 
 /// The curve of one number through the clip's keys, `values` (#keys), from 0 to its length: a piece from
-/// every key to
-/// the next. Linear in the values, so that whatever is linear in the poses goes the same way.
+/// every key to the next. Linear in the values, so that whatever is linear in the poses goes the same way.
 cageform::PiecewiseCubic<double> curve_through(const PoseClip& clip, std::span<const double> values);
 
 /// The motion of the vertices. It begins again at its end.

@@ -64,7 +64,7 @@ bool parse_block_head(std::string_view comment, CageBlock& block, std::string& w
     return true;
 }
 
-/// What is wrong with how many points a chain or a point has; empty where nothing is.
+/// Returns the fault if a chain or a point has a wrong number of points; otherwise empty.
 std::string fault_of_count(const CageBlock& block) {
     const std::size_t count = block.points.size();
     if (block.kind == CageBlock::Kind::loop) return {};
@@ -170,7 +170,7 @@ SvgResult<std::vector<std::string>> read_labels(const std::string& path, std::si
         if (std::any_of(label.begin(), label.end(), [](char c) { return (c >= 0 && c < ' ') || c == 127; }))
             return refuse(" holds a control character");
         if (const auto [first, is_new] = lines.emplace(label, number); !is_new)
-            return refuse(" stands in line " + std::to_string(first->second) + " already");
+            return refuse(" occurs in line " + std::to_string(first->second) + " already");
     }
     if (lines.empty()) return SvgError{path + ": holds no labels"};
     if (labels.size() != count)

@@ -1,7 +1,8 @@
 #pragma once
 
-// Points as text: two or three numbers a line, separated by commas. Read in batches, so a file may be of any
-// length. And cages: blocks of such lines; and labels of their vertices.
+// Reads points from text: two or three numbers per line, separated by commas. They are read in batches, so
+// a file may have any length. Also reads cages, which are blocks of such lines, and labels of their
+// vertices.
 
 #include "files/input_file.hpp"
 #include "svg/path.hpp"
@@ -26,10 +27,10 @@ std::string quoted(std::string_view word);
 /// Anything std::from_chars takes for a number, "nan" and "inf" included; an empty reason is success.
 std::string parse_number(std::string_view field, double& number);
 
-/// For messages: six digits at most.
+/// Formats a number for messages, with at most six digits.
 std::string short_number(double number);
 
-/// Why a number is no finite one of single precision; empty where it is.
+/// Returns why a number is not finite in single precision; empty if it is.
 std::string single_precision_fault(double number);
 
 /// "x,y" or "x,y,z"; an empty reason is success.
@@ -39,7 +40,8 @@ std::string parse_point(std::string_view line, std::array<double, D>& point) {
     const auto columns = std::size_t(std::count(line.begin(), line.end(), ',')) + 1;
     if (columns != D) {
         return std::to_string(columns) + (columns == 1 ? " column" : " columns") +
-               (D == 2 ? " where the plane takes two: x,y" : " where space takes three: x,y,z");
+               (D == 2 ? ", but a point in the plane has two: x,y"
+                       : ", but a point in space has three: x,y,z");
     }
     for (double& number : point) {
         const std::string_view field = line.substr(0, line.find(','));
@@ -94,10 +96,10 @@ public:
 
     const std::string& error() const { return error_; }
 
-    /// Of the last point read, counted from 1.
+    /// Returns the line of the last point read, counted from 1.
     std::size_t line() const { return line_; }
 
-    /// How much of the file has been read, in [0, 1].
+    /// Returns the share of the file that has been read, in [0, 1].
     double fraction() const {
         return file_.size() > 0 ? std::min(double(file_.bytes_read()) / double(file_.size()), 1.0) : 1.0;
     }
@@ -151,21 +153,20 @@ struct CageBlock {
 };
 
 /// A cage as blocks of "x,y" lines with empty lines between them: loops, the outer one first; chains,
-/// headed by
-/// a line "# chain"; points, headed by "# point RADIUS". Other lines that begin with '#' are skipped.
+/// headed by a line "# chain"; points, headed by "# point RADIUS". Other lines that begin with '#' are
+/// skipped.
 SvgResult<std::vector<CageBlock>> parse_cage_csv(std::string_view text, const std::string& name);
 
-/// As parse_cage_csv(), from a file; fails also where it cannot be read.
+/// Works as parse_cage_csv(), from a file; fails also where it cannot be read.
 SvgResult<std::vector<CageBlock>> read_cage_csv(const std::string& path);
 
-/// For --help: how the labels of a cage's vertices are given.
+/// The text for --help on the labels of a cage's vertices.
 inline constexpr const char* labels_format =
-    "Labels are a text file of a line for every vertex of the cage, in its order. A\n"
+    "Labels are a text file with a line for every vertex of the cage, in its order. A\n"
     "vertex whose line is empty has no label; lines that begin with # are comments.\n";
 
 /// Labels of the vertices of a cage, from a file of a line for each; empty where a vertex has none. Lines
-/// that begin
-/// with '#' are skipped, blanks at both ends of a line are left out.
+/// that begin with '#' are skipped, blanks at both ends of a line are left out.
 ///
 ///   fails   where the file cannot be read, has not `count` lines or no labels, a label stands there twice
 ///           or holds a

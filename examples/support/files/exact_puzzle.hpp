@@ -62,10 +62,8 @@ inline bool parse_fraction(std::string_view text, mpq_class& value) {
 }
 
 /// Solves a puzzle whose unknown cells are all joined to given ones: elimination in whole numbers (Bareiss
-/// 1968) along
-/// the narrower side, in which each division is exact, and each pivot is the determinant of the cells so
-/// far. Empty, or
-/// why it was not tried.
+/// 1968) along the narrower side, in which each division is exact, and each pivot is the determinant of the
+/// cells so far. Empty, or why it was not tried.
 ///
 ///   cost   O(#unknown · band²) operations on numbers of some two bits a cell, band the cells of the
 ///          narrower side and two;
@@ -115,8 +113,8 @@ private:
         }
     }
     /// The matrix is symmetric: what stands right of the diagonal is all of it. A column that the pivot's
-    /// row has not
-    /// reached is only scaled, by pivot over pivot before: so by the last one, when it is reached.
+    /// row has not reached is only scaled, by pivot over pivot before: so by the last one, when it is
+    /// reached.
     void eliminate() {
         const std::size_t n = rows_.size();
         mpz_class before = 1, factor;

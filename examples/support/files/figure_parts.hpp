@@ -26,14 +26,14 @@ struct ClipHeader {
     float length = 0;
 };
 
-/// What a figure holds of them.
+/// The parts that a figure holds.
 struct FigureParts {
     std::string fault; ///< why they cannot be used; empty where they can
     std::span<const std::array<std::uint32_t, 3>> triangles; ///< point into the figure
     cageform::CageClip<float, 3> clip;                       ///< of no vertices where there is none
 };
 
-/// Of the cage: the handles that are points, the first of all.
+/// Returns the number of the cage's vertices: the handles that are points, which come first.
 inline std::size_t vertices_of(const cageform::PackedFigureView<float, 3>& figure) {
     return figure.handle_count() - figure.handle_view().vector_count();
 }
@@ -45,7 +45,8 @@ inline FigureParts read_parts(const cageform::PackedFigureView<float, 3>& figure
     parts.triangles = figure.part_as<std::array<std::uint32_t, 3>>("TRIS");
     for (const auto& triangle : parts.triangles) {
         for (const std::uint32_t corner : triangle) {
-            if (corner >= figure.point_count()) return refused("a triangle names a point that there is not");
+            if (corner >= figure.point_count())
+                return refused("a triangle refers to a point that does not exist");
         }
     }
     std::span<const std::byte> data = figure.part("CLIP");
@@ -59,7 +60,7 @@ inline FigureParts read_parts(const cageform::PackedFigureView<float, 3>& figure
     };
     ClipHeader header;
     if (!take(&header, sizeof header) || header.curves != 3 * vertices_of(figure))
-        return refused("the clip is one of another cage");
+        return refused("the clip belongs to another cage");
     std::vector<std::uint32_t> counts(header.curves);
     if (!take(counts.data(), counts.size() * sizeof counts[0])) return refused("the clip is cut short");
     std::vector<cageform::PiecewiseCubic<float>> curves;

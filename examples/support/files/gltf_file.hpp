@@ -4,8 +4,7 @@
 // move.
 //
 // A file is a JSON object and a buffer of bytes; both end in one file, .gltf (the bytes as text in the
-// JSON) or .glb
-// (the bytes as they are). References are to the sections of the glTF 2.0 specification.
+// JSON) or .glb (the bytes as they are). References are to the sections of the glTF 2.0 specification.
 
 #include "files/base64.hpp"
 #include "files/clip_file.hpp"
@@ -87,7 +86,7 @@ public:
         return json[array].size() - 1;
     }
 
-    /// The file's contents. Letters of names that are no UTF-8 are replaced.
+    /// Returns the file's contents. Bytes of names that are not UTF-8 are replaced.
     std::string text(bool binary) const {
         GltfJson whole = json;
         std::string bytes = bytes_;
@@ -127,11 +126,8 @@ private:
 };
 
 /// A mesh as glTF has it: a vertex for every position, normal and texture coordinate that meet at a corner,
-/// in the order
-/// of the OBJ file; behind them those that are there once more, because their faces differ in normal or
-/// texture
-/// coordinate. Where it is the only mesh of a file it has all vertices of that, else those that its faces
-/// have.
+/// in the order of the OBJ file; then the duplicates, whose faces differ in normal or texture coordinate.
+/// Where it is the only mesh of a file it has all vertices of that, else those that its faces have.
 struct GltfMesh {
     struct Corner {
         std::uint32_t vertex, normal, texture; // of the OBJ file; ObjCorner::none where there is none
@@ -188,8 +184,7 @@ inline SvgResult<ObjTexture> read_texture(const ObjFile& file) {
 }
 
 /// The meshes of a file, one an object: splits vertices as glTF needs it. Fails where the file has no
-/// faces, or as
-/// read_texture() does.
+/// faces, or as read_texture() does.
 inline SvgResult<std::vector<GltfMesh>> gltf_meshes(const ObjFile& file, const ObjParts& parts) {
     if (file.triangles.empty()) return SvgError{file.name + ": holds no faces"};
     const auto texture = read_texture(file);
@@ -256,8 +251,7 @@ inline std::vector<std::array<float, 3>> gltf_positions(const GltfMesh& mesh,
 }
 
 /// Its normals then, of unit length: the file's turned with their faces; where there are none, the mean of
-/// the faces about
-/// the vertex, weighted by area.
+/// the faces about the vertex, weighted by area.
 inline std::vector<std::array<float, 3>> gltf_normals(const GltfMesh& mesh, const ObjFile& file,
                                                       std::span<const Point3> places) {
     const std::vector<Point3> turned = deformed_normals(file, places);
@@ -311,8 +305,7 @@ inline GltfJson gltf_primitives(GltfDocument& document, const GltfMesh& mesh, co
 }
 
 /// Appends the materials, with the pictures of their textures, which the file then holds. Returns warnings,
-/// of pictures
-/// that are left out.
+/// of pictures that are left out.
 ///
 ///   textured   whether the meshes have texture coordinates
 inline std::vector<std::string> add_materials(GltfDocument& document, const ObjParts& parts, bool textured) {
@@ -327,8 +320,7 @@ inline std::vector<std::string> add_materials(GltfDocument& document, const ObjP
         if (!is_png && !is_jpeg) {
             warnings.push_back(!bytes ? bytes.error().message
                                       : material.texture +
-                                            ": is neither PNG nor JPEG, which glTF takes: the "
-                                            "material " +
+                                            ": is neither PNG nor JPEG, the formats of glTF: the material " +
                                             detail::quoted(material.name) + " is written without it");
             return std::nullopt;
         }
@@ -370,8 +362,7 @@ inline std::vector<std::string> add_materials(GltfDocument& document, const ObjP
 }
 
 /// Some numbers through the keys of a clip as a sampler of an animation, CUBICSPLINE. Nothing is lost but
-/// what single
-/// precision rounds.
+/// what single precision rounds.
 ///
 ///   values   of every key, `components` numbers
 ///   returns  as to_gltf_cubicspline()
@@ -397,8 +388,7 @@ gltf_track(const PoseClip& clip, std::span<const double> values, std::size_t com
 }
 
 /// Appends the attributes of a skin, four joints a set: JOINTS_0, WEIGHTS_0, JOINTS_1, … Points without
-/// weights are given to
-/// the joint `still`.
+/// weights are given to the joint `still`.
 ///
 ///   Index    std::uint8_t or std::uint16_t
 ///   weights  #points · influences, of a point's skin: float, or normalised integers

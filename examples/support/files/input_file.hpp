@@ -38,8 +38,7 @@ private:
 };
 
 /// The path by which this program has opened, as an InputFile, the file at `path`; empty where it has not.
-/// Both
-/// paths may lead to it by links, hard ones too, and detours.
+/// Both paths may lead to it by links, hard ones too, and detours.
 std::string input_at(const std::filesystem::path& path);
 
 /// All bytes of a file, or of a pipe; fails as InputFile does.

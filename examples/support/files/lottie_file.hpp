@@ -15,10 +15,9 @@
 
 namespace cageform_examples {
 
-/// From a keyframe to the next, of one component of a property.
+/// The curve from a keyframe to the next, for one component of a property.
 struct LottieCurve {
-    std::string
-        path; ///< "layers/0/ks/r/k/2:0": the keyframe in the file and, behind the colon, the component
+    std::string path; ///< "layers/0/ks/r/k/2:0": the keyframe in the file and, after the colon, the component
     std::string layer; ///< the names on the way there, as the artist gave them
     cageform::Result<cageform::KeyInterval> curve;
 };
@@ -96,8 +95,7 @@ inline void add_lottie_curves(const nlohmann::ordered_json& json, const std::str
 } // namespace detail
 
 /// All intervals of animated numbers, in the order of the file. Throws nlohmann's exceptions where a
-/// keyframe is not
-/// as it has to be, std::length_error where parts are nested deeper than 200.
+/// keyframe is not as it has to be, std::length_error where parts are nested deeper than 200.
 inline std::vector<LottieCurve> lottie_curves(const nlohmann::ordered_json& file) {
     std::vector<LottieCurve> curves;
     detail::add_lottie_curves(file, "", "", curves);

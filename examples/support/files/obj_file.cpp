@@ -20,7 +20,7 @@ std::string parse_index(std::string_view word, std::size_t so_far, std::size_t c
     const bool whole = end == digits.data() + digits.size() && !digits.empty();
     if (error == std::errc::invalid_argument || !whole) return "not an index: " + quoted(word);
     const bool fits = error == std::errc{};
-    if (fits && value == 0) return std::string("a ") + what + " index is 0; they count from 1";
+    if (fits && value == 0) return std::string("a ") + what + " index is 0; indices count from 1";
     const bool found = value > 0 ? static_cast<unsigned long long>(value) <= count
                                  : value >= -static_cast<long long>(so_far);
     if (!fits || !found) {
@@ -43,7 +43,7 @@ std::string parse_corner(std::string_view word, const std::array<std::size_t, 2>
     return parse_index(word.substr(second + 1), so_far[1], count[1], "normal", corner.normal);
 }
 
-/// The three numbers behind "v" or "vn"; an empty reason is success.
+/// Reads the three numbers after "v" or "vn"; an empty reason is success.
 std::string parse_three_numbers(std::span<const std::string_view> words, std::string_view text, Point3& point,
                                 ObjNumbers& numbers) {
     if (words.size() < 4) return "three numbers are expected";
@@ -137,8 +137,8 @@ std::string triangulate(ObjFile& file) {
     return {};
 }
 
-/// `v` turned by the smallest rotation that takes the direction of `from` to that of `to`, as long as before.
-/// Where these are the same but for rounding, or there is none, `v` itself.
+/// `v` turned by the smallest rotation that takes the direction of `from` to that of `to`, as long as
+/// before. Where these are the same but for rounding, or there is none, `v` itself.
 Point3 turned(const Point3& v, const Point3& from, const Point3& to) {
     const auto length = [](const Point3& p) { return std::hypot(p[0], p[1], p[2]); };
     const double from_length = length(from), to_length = length(to);
@@ -187,7 +187,7 @@ SvgResult<ObjFile> parse_obj(std::string text, std::string name) {
         if (words[0] == "v") ++so_far[0];
         if (words[0] == "vn") ++so_far[1];
         if (words[0] != "f") continue;
-        if (words.size() < 4) return refuse("a face has less than three corners");
+        if (words.size() < 4) return refuse("a face has fewer than three corners");
         ObjFace face{{}, line};
         for (const std::string_view word : std::span(words).subspan(1)) {
             const std::string why = detail::parse_corner(word, so_far, count, face.corners.emplace_back());

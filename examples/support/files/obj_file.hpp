@@ -2,9 +2,9 @@
 
 // Wavefront OBJ files: reading vertices, normals and faces, writing the same file with its vertices moved.
 //
-// tinyobjloader cuts the faces into triangles. It takes whatever it is given, so everything is read and
-// checked here first, and it sees only sound vertices and faces. What is not a vertex or a normal is written
-// as it was read, to the byte: groups, materials, texture coordinates, comments, colours behind a vertex.
+// tinyobjloader cuts the faces into triangles. It does not check its input, so this code reads and
+// checks everything first and passes on only sound vertices and faces. All other lines are written as
+// they were read, to the byte: groups, materials, texture coordinates, comments, colours after a vertex.
 
 #include "svg/path.hpp"
 
@@ -24,14 +24,14 @@ namespace cageform_examples {
 
 using Point3 = cageform::Vec<double, 3>;
 
-/// For --help.
+/// The text for --help.
 inline constexpr const char* obj_format =
-    "OBJ files: v, vn and f are read, faces of any number of corners, indices also\n"
-    "negative; what else there is stays as it is; glTF files get objects, materials\n"
-    "and textures, and leave the rest out. Numbers are finite. No curves, no binary files, at most\n"
-    "4,294,967,294 vertices. A cage is a closed mesh, faces counter-clockwise seen\n"
-    "from outside, of any genus, also several shells; a pose of it is the same mesh\n"
-    "with its vertices moved.\n";
+    "OBJ files can have faces of any number of corners, and negative indices. v, vn and\n"
+    "f are read, and all other lines are copied as they are; glTF files get objects,\n"
+    "materials and textures, and nothing else. Numbers have to be finite. Curves and\n"
+    "binary files are not supported, nor more than 4,294,967,294 vertices. A cage is a\n"
+    "closed mesh of any genus, with faces counter-clockwise seen from outside; it can\n"
+    "have several shells. A pose is the same mesh with its vertices moved.\n";
 
 struct ObjCorner {
     static constexpr std::uint32_t none = ~std::uint32_t{0};
@@ -41,7 +41,7 @@ struct ObjCorner {
     friend bool operator==(const ObjCorner&, const ObjCorner&) = default;
 };
 
-/// A face as the file has it: three corners or more.
+/// A face of the file, with three corners or more.
 struct ObjFace {
     std::vector<ObjCorner> corners;
     std::size_t line = 0;
@@ -78,7 +78,8 @@ public:
         if (text_.starts_with("\xef\xbb\xbf")) at_ = 3; // a byte order mark
     }
 
-    /// The words of the next statement that has any, and the line it begins on; false at the end of the text.
+    /// The words of the next statement that has any, and the line it begins on; false at the end of the
+    /// text.
     bool next(std::vector<std::string_view>& words, std::size_t& line) {
         words.clear();
         while (at_ < text_.size() && words.empty()) {
@@ -148,7 +149,7 @@ using Triangles = std::vector<std::array<std::uint32_t, 3>>;
 ///           face has less than three corners or an index that there is not
 SvgResult<ObjFile> parse_obj(std::string text, std::string name);
 
-/// As parse_obj(), from a file; fails also where it cannot be read.
+/// Works as parse_obj(), from a file; fails also where it cannot be read.
 SvgResult<ObjFile> load_obj(const std::filesystem::path& path);
 
 /// The first vertex that is beyond single precision, with its line and number; nothing where there is none.
@@ -156,8 +157,7 @@ std::optional<SvgError> single_precision_fault(const ObjFile& file);
 
 /// The file's normals after its vertices have moved. Each is turned as the faces are that have it at a
 /// corner: by the smallest rotation between the sums of their normals, weighted by area, before and after.
-/// One
-/// that no face has, or whose faces sum up to nothing, stays.
+/// One that no face has, or whose faces sum up to nothing, stays.
 std::vector<Point3> deformed_normals(const ObjFile& file, std::span<const Point3> moved);
 
 /// The file's text with its vertices at `moved` and the normals turned with them. A number that has not

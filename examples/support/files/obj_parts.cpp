@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The words behind the first, as one name.
+/// Returns all words after the first as one name.
 std::string name_of(std::span<const std::string_view> words) {
     std::string name;
     for (const std::string_view word : words.subspan(1)) (name += name.empty() ? "" : " ") += word;
@@ -34,8 +34,7 @@ std::string single_spaced(const std::string& line) {
 }
 
 /// The file of a name inside a folder; one of another folder is looked for by the last part of its path.
-/// Links do not
-/// lead out of the folder either.
+/// Links do not lead out of the folder either.
 std::optional<fs::path> file_inside(const fs::path& folder, std::string name) {
     std::replace(name.begin(), name.end(), '\\', '/');
     const fs::path named(name);
@@ -121,7 +120,8 @@ private:
     void read_library(const std::string& name) {
         const auto path = file_inside(folder_, name);
         if (!path)
-            return warn("its materials, " + detail::quoted(name) + ", are not in its folder: they are clay");
+            return warn("its materials, " + detail::quoted(name) +
+                        ", are not in its folder: a default material is used");
         const auto text = read_file(path->string());
         if (!text) return warn(text.error().message);
         std::map<std::string, int> numbers;
@@ -154,8 +154,8 @@ private:
             return;
         }
         if (!name.empty() && !library_.empty())
-            warn("no file of its says what the material " + detail::quoted(name) + " is (line " +
-                 std::to_string(line) + "): it is clay");
+            warn("none of its material files defines the material " + detail::quoted(name) + " (line " +
+                 std::to_string(line) + "): a default material is used");
         parts_.materials.emplace_back().name = name.empty() ? "clay" : name;
     }
 

@@ -30,12 +30,9 @@ struct ObjParts {
 };
 
 /// Reads the statements o, usemtl and mtllib of a file, and g where it has no o. A name that comes again
-/// goes on with
-/// what has that name. Materials are read from MTL files, of which and of whose textures only those are
-/// opened that
-/// lie in the folder of the OBJ file or in folders in it: one that is named by a path to elsewhere is
-/// looked for
-/// beside the OBJ file.
+/// goes on with what has that name. Materials are read from MTL files, of which and of whose textures only
+/// those are opened that lie in the folder of the OBJ file or in folders in it: one that is named by a path
+/// to elsewhere is looked for beside the OBJ file.
 ObjParts read_parts(const ObjFile& file);
 
 /// The names of the MTL files that a file names, as it names them.

@@ -32,7 +32,7 @@ SvgResult<SiteFile<2>> read_site_circles(const std::string& path) {
     for (SvgShape& shape : *all) {
         if (!shape.is_circle) continue;
         if (shape.path.empty())
-            return SvgError{path + ": " + shape.label + ": has no radius above 0, so it draws no point"};
+            return SvgError{path + ": " + shape.label + ": has no radius above 0, so it marks no point"};
         const Subpath& outline = shape.path.front(); // of four arcs, or fewer where they are too small
         const Point2 &a = outline.start, &b = outline.segments.size() == 4 ? outline.segments[1].p3 : a;
         sites.points.push_back({a.x + (b.x - a.x) / 2, a.y + (b.y - a.y) / 2});
@@ -108,7 +108,8 @@ SvgResult<std::vector<double>> load_site_weights(const std::string& path, std::s
         if (line.empty() || line.front() == '#') continue;
         double weight = 0;
         std::string why = detail::parse_number(line, weight);
-        if (why.empty() && !(std::isfinite(weight) && weight > 0)) why = "a weight is a number above 0";
+        if (why.empty() && !(std::isfinite(weight) && weight > 0))
+            why = "a weight has to be a number above 0";
         if (!why.empty()) return SvgError{path + ":" + std::to_string(number) + ": " + why};
         weights.push_back(weight);
     }
@@ -124,7 +125,8 @@ std::string surround_sites(double margin, const std::vector<typename SiteFile<D>
     std::vector<Point> inside = figure;
     inside.insert(inside.end(), sites.points.begin(), sites.points.end());
     const auto around = cageform::surround(inside, {.margin = margin});
-    if (!around) return sites.name + ": no box around the points: " + cageform::to_string(around.status());
+    if (!around)
+        return sites.name + ": there is no box around the points: " + cageform::to_string(around.status());
     for (std::size_t i = 0; i < around.value.size(); ++i) {
         std::array<double, D> corner{};
         for (std::size_t k = 0; k < D; ++k) corner[k] = around.value[i][k];
@@ -153,7 +155,7 @@ template <std::size_t D>
 std::string describe_site_faults(const SiteFile<D>& sites, const cageform::BindReport& report) {
     if (report.status == cageform::Status::too_few_vertices) {
         return sites.name + ": holds too few points, " + std::to_string(sites.points.size()) + ": " +
-               (D == 2 ? "the plane takes three" : "space takes four");
+               (D == 2 ? "in the plane three are needed" : "in space four are needed");
     }
     std::string text = sites.name + ": " + cageform::to_string(report.status);
     std::size_t listed = 0;

@@ -24,18 +24,17 @@ struct SiteFile {
     std::vector<std::string> places; // #points: "line 7", "circle \"nose\" (line 4)", for messages
 };
 
-/// For --help: how sites are given.
+/// The text for --help on sites.
 inline constexpr const char* site_formats =
-    "The types sibson and sibson-c1 take control points anywhere on, in or about the\n"
-    "figure instead of a cage. In the plane they are the centres of the circles drawn\n"
-    "in an SVG file (radius above 0), in their order; in space the vertices of an\n"
-    "OBJ file, with or without faces; in both the lines x,y or x,y,z of a CSV file\n"
-    "(.csv), where empty lines and lines that begin with # are skipped. A pose has as\n"
-    "many points, in the same order. Only what lies in their convex hull can move.\n";
+    "The types sibson and sibson-c1 use control points anywhere on, in or about the\n"
+    "figure instead of a cage. In the plane these are the centres of the circles drawn\n"
+    "in an SVG file (radius above 0), in their order; in space they are the vertices of\n"
+    "an OBJ file, with or without faces. In both they can be the lines x,y or x,y,z of a\n"
+    "CSV file (.csv); empty lines and lines that begin with # are skipped. A pose has as\n"
+    "many points, in the same order. Only points inside the convex hull can move.\n";
 
 /// 2 or 3: what sites a file holds. An SVG has those of the plane, an OBJ those of space, a CSV file tells
-/// by its first
-/// point; what is no point there is for load_sites() to refuse.
+/// by its first point; load_sites() refuses what is not a point.
 SvgResult<std::size_t> site_dimension(const std::string& path);
 
 /// Reads sites, of a CSV file, an SVG (D = 2) or an OBJ (D = 3).
@@ -48,20 +47,20 @@ SvgResult<SiteFile<D>> load_sites(const std::string& path);
 template <std::size_t D>
 SvgResult<SiteFile<D>> load_site_pose(const std::string& path, const SiteFile<D>& sites);
 
-/// For --help: weights of sites.
+/// The text for --help on weights of sites.
 inline constexpr const char* site_weights_format =
-    "Weights of points are a text file of a number above 0 for each, a line each, in\n"
-    "their order; empty lines and lines that begin with # are skipped. A point heavier\n"
-    "than others draws the figure to it, though nothing has moved.\n";
+    "Weights of points are a text file with a number above 0 for each point, one per\n"
+    "line, in their order; empty lines and lines that begin with # are skipped. A\n"
+    "heavier point attracts the figure, even when no point has moved.\n";
 
 /// Reads weights of sites; fails also where there are not `count`, or one is not finite and above 0.
 SvgResult<std::vector<double>> load_site_weights(const std::string& path, std::size_t count);
 
-/// Adds the corners of a box around the sites and a figure, which stand still in the pose. See surround() of
-/// cageform/cage/control_points.hpp.
+/// Adds the corners of a box around the sites and a figure, which stand still in the pose. See
+/// surround() of cageform/cage/control_points.hpp.
 ///
 ///   margin   of the box, in diagonals of what is inside; above 0
-///   returns  why there is no such box; empty where there is one
+///   returns  why there is no such box; empty if there is one
 template <std::size_t D>
 std::string surround_sites(double margin, const std::vector<typename SiteFile<D>::Point>& figure,
                            SiteFile<D>& sites, SiteFile<D>& pose);

@@ -94,7 +94,7 @@ SvgResult<StrokeFile> load_strokes(const std::string& path, const std::vector<co
             if (line.part.back() > 0) file.lines.push_back(std::move(line));
         }
     }
-    if (file.lines.empty()) return SvgError{document->name + ": no stroke"};
+    if (file.lines.empty()) return SvgError{document->name + ": holds no stroke"};
     return file;
 }
 
@@ -110,7 +110,8 @@ values_along(const DrawnLine& line, const std::string& text, std::size_t count,
     const bool of_vertices = given.size() == line.vertices, of_ends = given.size() == 2 && !line.closed;
     if (given.size() != 1 && !of_vertices && !of_ends)
         return SvgError{std::to_string(given.size()) + " values for " + std::to_string(line.vertices) +
-                        " vertices: one, " + (line.closed ? "" : "two for the ends, ") + "or one for each"};
+                        " vertices: give one, " + (line.closed ? "" : "two for the ends, ") +
+                        "or one for each"};
     std::vector<double> values;
     for (std::size_t i = 0; i < line.points.size(); ++i) {
         const double at = given.size() == 1 ? 0 : of_vertices ? line.along[i] : line.part[i];

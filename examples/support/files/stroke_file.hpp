@@ -40,8 +40,7 @@ struct StrokeFile {
 SvgResult<StrokeFile> load_strokes(const std::string& path, const std::vector<const char*>& attributes);
 
 /// The values of an attribute at the points of a line: one for all of it, two for its ends and linear in
-/// its length
-/// between, or one for each of its vertices and linear between these.
+/// its length between, or one for each of its vertices and linear between these.
 ///
 ///   read    one value of `count` numbers from a word; an error where it is none
 ///   text    words parted by white space, outside brackets

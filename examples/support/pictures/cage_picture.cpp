@@ -69,8 +69,7 @@ void set_view(pugi::xml_node node, const ViewBox& box) {
 }
 
 /// A figure under all else, as a picture of its own, so that nothing in it meets the document; also what
-/// lies beyond its
-/// viewBox, since a cage holds that too.
+/// lies beyond its viewBox, since a cage holds that too.
 void draw_figure(SvgDocument& document, const SvgDocument& figure, const ViewBox& view, const ViewBox& box) {
     SvgDocument copy = detail::copy_of(figure);
     const auto inner = detail::root_element(copy.xml);

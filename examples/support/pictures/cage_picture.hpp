@@ -27,8 +27,7 @@ SvgResult<SvgDocument> draw_pose(const CageFile& cage, const CageFile& pose, con
 void draw_numbers(SvgDocument& document, const CageFile& cage, double letter);
 
 /// A cage in space from the front and from behind: its faces, the edges at rest in grey, and the numbers of
-/// the vertices
-/// of faces turned here.
+/// the vertices of faces turned here.
 Picture draw_pose(const ObjFile& cage, const std::vector<Point3>& pose);
 
 } // namespace cageform_examples

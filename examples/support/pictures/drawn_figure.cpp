@@ -51,7 +51,8 @@ Vec2 direction(const Vec2& from, const Vec2& to) {
     return size > 0 ? (1 / size) * e : Vec2{0, 0};
 }
 
-/// From a corner to the tip of its mitre, unless the limit cuts it off (SVG 2, "Line join shape").
+/// Adds the segment from a corner to the tip of its mitre, unless the limit cuts it off (SVG 2, "Line
+/// join shape").
 void add_miter(const Vec2& before, const Vec2& corner, const Vec2& after, double radius, double limit,
                DrawnFigure& figure) {
     const Vec2 u = direction(before, corner), v = direction(corner, after);

@@ -38,7 +38,8 @@ std::optional<PlaneBox> parse_box(const std::string& text) {
 }
 
 std::string box_fault(const std::string& text) {
-    return parse_box(text) ? "" : detail::quoted(text) + " is no part of the plane: x,y,width,height";
+    return parse_box(text) ? ""
+                           : detail::quoted(text) + " is not a part of the plane: write x,y,width,height";
 }
 
 std::optional<std::array<double, 2>> clip_segment(const Point2& a, const Point2& b, const PlaneBox& box) {
@@ -103,8 +104,7 @@ Picture with_colour_bar(const Picture& picture, double from, double to, const Fi
 namespace {
 
 /// Appends the end of a side to a polygon, and before it where the side crosses columns: once for the two
-/// pieces that
-/// meet there, so that they share the place to the last bit.
+/// pieces that meet there, so that they share the place to the last bit.
 void append_cut(std::vector<Point2>& polygon, const Point2& end, const std::vector<double>& columns) {
     const Point2 start = polygon.back();
     const auto append = [&](double x) {
@@ -281,7 +281,7 @@ std::vector<PlaneLine> rim_of(const PlaneMesh& mesh, std::span<const double> val
 
 namespace {
 
-/// What stands around a surface: where its values and its domain end, and how values become heights.
+/// The box around a surface: the limits of its values and its domain, and the scale from values to heights.
 struct PlotBox {
     PlaneBox domain;
     double least = 0, largest = 0, floor = 0, scale = 1;
@@ -333,7 +333,8 @@ void add_level_lines(const FieldSurface& surface, const PlotBox& box, const Fiel
     }
 }
 
-/// The floor, the sides behind the surface, and marks along the floor's near sides and the leftmost upright.
+/// The floor, the sides behind the surface, and marks along the floor's near sides and the leftmost
+/// upright.
 void add_box(const PlotBox& box, const ViewDirections& view, SpacePlot& plot) {
     static constexpr Colour grey{0.62f, 0.62f, 0.62f}, dark{0.35f, 0.35f, 0.35f};
     const double reach = 0.02 * box.domain.extent(); // of a mark

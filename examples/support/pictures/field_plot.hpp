@@ -35,7 +35,7 @@ struct FieldStyle {
     /// After parsing: sets zero and one, and the step by the number of levels.
     void set_range(double from, double to);
     double share(double value) const { return (value - zero) / (one - zero); }
-    /// Of lines over the colours.
+    /// Returns the colour of lines over the colours.
     Colour ink() const { return signs == "root" ? Colour{0.8f, 0.8f, 0.8f} : Colour{0.2f, 0.13f, 0.12f}; }
     Colour colour(double value) const {
         return signs == "root" ? sign_root(share(value)) : heat(share(value));
@@ -62,16 +62,17 @@ struct PlaneBox {
 /// "x,y,width,height", as an option has it; empty where it is none, or has no area.
 std::optional<PlaneBox> parse_box(const std::string& text);
 
-/// For CommandOption::check(): why a text is no such box; empty where it is one.
+/// Returns why a text is not such a box, for CommandOption::check(); empty if it is one.
 std::string box_fault(const std::string& text);
 
 /// The part of a segment in a box: from which share of it to which; empty where it passes by.
 std::optional<std::array<double, 2>> clip_segment(const Point2& a, const Point2& b, const PlaneBox& box);
 
-/// Of those that are numbers; 0 and 0 where none is.
+/// Returns the extremes of all values that are numbers; 0 and 0 if there are none.
 std::array<double, 2> least_and_largest(std::span<const double> values);
 
-/// A map of colours, a pixel a value, with a level line wherever two neighbours lie on two sides of a level.
+/// A map of colours, a pixel a value, with a level line wherever two neighbours lie on two sides of a
+/// level.
 ///
 ///   values   width · height; what is not a number lies outside
 Picture draw_field(std::span<const double> values, std::size_t width, const FieldStyle& style);
@@ -85,9 +86,8 @@ struct PlaneMesh {
     std::vector<std::array<std::uint32_t, 3>> triangles;
 };
 
-/// What lies in a box and inside loops by the even-odd rule, cut along a lattice and along the loops, so
-/// that its rim
-/// is that of the loops.
+/// Triangulates the part of a box inside loops (even-odd rule), cut along a lattice and along the loops,
+/// so that its boundary is exactly that of the loops.
 ///
 ///   cells   of the lattice along the longer side of the box
 ///   cost    O(#edges · #rows + #cells)
@@ -102,7 +102,8 @@ struct PlaneLine {
     std::vector<double> values;
 };
 
-/// The rim of a mesh: the edges of one triangle alone, of those without a corner whose value is not a number.
+/// The rim of a mesh: the edges of one triangle alone, of those without a corner whose value is not a
+/// number.
 std::vector<PlaneLine> rim_of(const PlaneMesh& mesh, std::span<const double> values);
 
 /// A field over a mesh. Triangles with a corner whose value is not a number are left out.
@@ -131,23 +132,24 @@ Picture draw_surface(const FieldSurface& surface, const SurfaceView& view, const
 
 inline void FieldStyle::add_options(CommandLine& line) {
     line.add("--size", size, "pixels along the longer side").range(16, 8192).show_default();
-    line.add("--levels", levels, "steps between level lines from 0 to 1; 0: no lines")
+    line.add("--levels", levels, "the number of steps between level lines from 0 to 1; 0 draws no lines")
         .range(0, 1000)
         .show_default();
     line.add("--signs", signs,
-             "colours: heat, or root: the root of the size of the value, yellow where it is positive, green "
-             "where it is negative, red outside")
+             "the colours: heat, or root, which shows the root of the absolute value: yellow where it is "
+             "positive, green where it is negative, red outside")
         .one_of({"heat", "root"})
         .show_default();
-    line.add_flag("--colour-bar,!--no-colour-bar", colour_bar, "the bar that colours are read by (default)");
+    line.add_flag("--colour-bar,!--no-colour-bar", colour_bar, "draw the colour bar (default)");
 }
 
 inline void SurfaceView::add_options(CommandLine& line, const std::string& name) {
     line.add(name, path, "a PNG file to draw the field to as a surface over its domain").ends_with({".png"});
-    line.add("--turn", turns, "the surface turned about the vertical, in degrees; several: a view each")
+    line.add("--turn", turns,
+             "the turn of the surface about the vertical, in degrees; several values give one view each")
         .count(1, 8)
         .show_default("35 -126");
-    line.add("--rise", rise, "how far above the floor the eye is, in degrees")
+    line.add("--rise", rise, "the elevation of the view above the floor, in degrees")
         .range(-90.0, 90.0)
         .show_default();
     line.add("--height", height, "the surface's height, as a share of the domain's longer side")

@@ -14,10 +14,8 @@
 namespace cageform_examples {
 
 /// The lines on which a field has a value: linear along the sides of the squares between neighbouring
-/// values; of a
-/// square with four crossings the mean of its corners decides which belong together. Closed lines end at
-/// their first
-/// point. Squares with a corner that is not a number have none.
+/// values; of a square with four crossings the mean of its corners decides which belong together. Closed
+/// lines end at their first point. Squares with a corner that is not a number have none.
 ///
 ///   values   width · height, the first row first; value (x, y) lies at (x, y)
 ///   cost     O(#values + #crossings log #crossings)
@@ -39,9 +37,8 @@ inline std::vector<std::vector<Point2>> level_lines(std::span<const double> valu
             for (std::size_t k = 0; k < 4; ++k) {
                 if ((corner[k] > level) != (corner[(k + 1) % 4] > level)) crossed.push_back(sides[k]);
             }
-            // Of four, the lines go round the corners that the middle is not like: the second and the
-            // fourth, or the
-            // first and the third.
+            // With four crossings, the lines separate the corners that differ from the mean: the second
+            // and the fourth, or the first and the third.
             if (crossed.size() == 4 && (corner[0] > level) != (mean > level))
                 std::swap(crossed[1], crossed[3]);
             for (std::size_t k = 0; k + 1 < crossed.size(); k += 2) {

@@ -66,8 +66,7 @@ public:
     }
 
     /// The place in the picture, in its units, y downwards; and how near: linear in the picture along a
-    /// line, in the
-    /// picture's units too where rays are parallel.
+    /// line, in the picture's units too where rays are parallel.
     Point3 project(const Point3& v) const {
         const Point3 d = seen(v - middle_);
         const bool parallel = rays_ == Rays::parallel;
@@ -144,8 +143,7 @@ public:
     }
 
     /// A line as far as no surface hides it: half a pixel and its thickness nearer than it is, so that it
-    /// is seen on
-    /// one whose triangles are not quite at its place.
+    /// is seen on one whose triangles are not quite at its place.
     void draw_line(const SpaceLine& line, const Camera& camera) {
         for (std::size_t k = 1; k < line.points.size(); ++k) {
             for_each_sample(on_canvas(camera, line.points[k - 1]), on_canvas(camera, line.points[k]),
@@ -209,7 +207,7 @@ private:
         return {inside(std::ceil(low - 0.5)), inside(std::floor(high - 0.5) + 1)};
     }
 
-    /// What a surface gives back of light, so that it is seen in a colour.
+    /// Returns the reflectance (linear light) of a surface that is seen in a colour.
     static Point3 linear(const Colour& colour) {
         return {std::pow(colour.r, 2.2), std::pow(colour.g, 2.2), std::pow(colour.b, 2.2)};
     }
@@ -241,7 +239,8 @@ private:
         }
     }
 
-    /// As a screen shows it: x^(1/2.2), from a table, within a third of one of 255 steps above 1/1000.
+    /// Returns the value for a screen: x^(1/2.2), from a table, within a third of one of 255 steps above
+    /// 1/1000.
     static float displayed(double x) {
         constexpr std::size_t steps = 4096;
         static const std::vector<float> table = [] {
@@ -255,7 +254,8 @@ private:
         return table[i] + float(at - double(i)) * (table[i + 1] - table[i]);
     }
 
-    /// A warm light from above and the left, a cool one from the right, and what the sky and the floor give.
+    /// Returns the sum of a warm light from above and the left, a cool one from the right, and the light of
+    /// the sky and the floor.
     static Colour shade(const Point3& normal, const Point3& own) {
         static const Point3 key = unit({-0.45, 0.75, 0.7}), cool = unit({0.9, 0.1, 0.35}),
                             half = unit(key + Point3{0, 0, 1}); // between the light and the eye

@@ -20,19 +20,20 @@ struct MeshView {
     std::span<const Colour> colours{}; ///< one a vertex; empty: of clay
 };
 
-/// What one part of the picture shows.
+/// The contents of one tile of the picture.
 struct MeshScene {
     MeshView figure;
     MeshView cage;
 };
 
-/// Where meshes are seen from: turned from the front towards the figure's left, then from above, in degrees.
+/// The view direction of meshes: turned from the front towards the figure's left, then upwards, in degrees.
 struct MeshSight {
     double turn = 34.4, rise = 11.5;
     bool z_is_up = false; ///< the figure looks against y then; else y is up, and it looks along z
 };
 
-/// Draws scenes side by side, each in an equal part of the width, all at the same scale from the same place.
+/// Draws scenes side by side, each in an equal part of the width, all at the same scale from the same
+/// place.
 Picture draw_meshes(std::span<const MeshScene> scenes, std::size_t width, std::size_t height,
                     const MeshSight& sight = {});
 

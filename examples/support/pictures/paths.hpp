@@ -1,8 +1,8 @@
 #pragma once
 
 // Coordinates as means over paths from a point to the boundary: mean value ones by straight rays, harmonic
-// ones by
-// Brownian paths (H: Joshi et al., Harmonic Coordinates for Character Articulation, 2007, section 2, fig. 3).
+// ones by Brownian paths (H: Joshi et al., Harmonic Coordinates for Character Articulation, 2007, section
+// 2, fig. 3).
 
 #include "svg/path.hpp"
 
@@ -86,8 +86,8 @@ private:
 };
 
 /// Mean value coordinates by rays: of the vertices' hat functions where a ray crosses the boundary,
-/// weighted by one over
-/// the distance, those where it comes in taken off. The error falls with the square of the number of rays.
+/// weighted by one over the distance, those where it comes in taken off. The error falls with the square of
+/// the number of rays.
 ///
 ///   p      inside
 ///   cost   O(#rays · #edges)
@@ -136,8 +136,7 @@ struct PathWeights {
 };
 
 /// Harmonic coordinates by Brownian paths: the mean of the hat functions where they end. The errors fall
-/// with the root of
-/// their number.
+/// with the root of their number.
 ///
 ///   p      inside
 ///   near   of a path's end to the boundary; 1e-4 of the cage's size biases the mean by no more than that

@@ -34,7 +34,7 @@ Colour heat(double value) {
                                                  {0.99f, 0.6f, 0.25f},
                                                  {0.85f, 0.22f, 0.12f},
                                                  {0.42f, 0.02f, 0.1f}}};
-    // From the same white on; steeper, since coordinates are seldom much below zero.
+    // This side starts from the same white, and is steeper, since coordinates are seldom much below zero.
     static constexpr std::array<Colour, 4> cold{
         {warm[0], {0.55f, 0.75f, 0.95f}, {0.2f, 0.42f, 0.8f}, {0.07f, 0.12f, 0.42f}}};
     return value >= 0 ? ramp(warm, value) : ramp(cold, -2.5 * value);

@@ -45,8 +45,7 @@ struct AxisMark {
 };
 
 /// Marks at round values, `most` + 1 at most, their steps `least_step` at least. None where doubles do not
-/// tell them
-/// apart.
+/// tell them apart.
 inline std::vector<AxisMark> marks_of(const Axis& axis, int most, double least_step = 0) {
     const double low = std::fmin(axis.from, axis.to), high = std::fmax(axis.from, axis.to);
     const double least = std::fmax((high - low) / most, least_step);

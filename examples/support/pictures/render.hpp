@@ -31,8 +31,7 @@ void add_png(OutputFiles& outputs, AtomicFile& svg, int width);
 std::string run_rsvg(std::vector<std::string> options, int in, int out);
 
 /// A film that repeats without end, by the ending of its name: .gif, .mp4, else an animated PNG. Frames go
-/// from
-/// rsvg-convert to ffmpeg by a pipe: nothing lies about in between.
+/// from rsvg-convert to ffmpeg by a pipe: nothing lies about in between.
 ///
 ///   rate    frames a second; a GIF has 25 at most
 ///   width   in pixels; on white

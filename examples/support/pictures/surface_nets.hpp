@@ -53,7 +53,7 @@ inline double join(double a, double b, double blend) {
     return std::min(a, b) - near * near / (4 * blend);
 }
 
-/// What is in `a` and not in `b`.
+/// The difference of two solids: the part of `a` outside `b`.
 inline double carve(double a, double b, double blend) {
     return -join(-a, b, blend);
 }

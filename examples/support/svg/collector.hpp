@@ -33,7 +33,7 @@ public:
 private:
     using Values = std::map<std::string, StyleValue, std::less<>>;
 
-    /// What an element takes from those it stands in.
+    /// The properties that an element inherits from its ancestors.
     struct Place {
         Affine2 to_root;
         Viewport viewport;
@@ -60,8 +60,8 @@ private:
     bool apply_transform(pugi::xml_node node, const Values& values, Affine2& to_root);
 
     // ---- nested svg ----
-    /// A nested svg clips what it holds. One that cuts nothing no longer does; one that does becomes a group
-    /// with a clip path, which is deformed. So does a symbol, whose copy `visit_use` made an svg.
+    /// A nested svg clips what it holds. One that cuts nothing no longer does; one that does becomes a
+    /// group with a clip path, which is deformed. So does a symbol, whose copy `visit_use` made an svg.
     bool visit_svg(pugi::xml_node node, const Values& values, Place& place);
     /// Writes a nested svg as a group with the same map.
     static void to_group(pugi::xml_node node, const Affine2& inside);
@@ -72,14 +72,14 @@ private:
 
     // ---- use (svg_references.cpp) ----
     bool visit_use(pugi::xml_node use, const Place& parent);
-    /// What is used: nothing, with a warning or an error, where it cannot be.
+    /// Returns the target of a `use`; if it cannot be used, returns nothing, with a warning or an error.
     pugi::xml_node used_element(pugi::xml_node use);
-    /// In a clip path, which may hold no group: the copy takes the place of `use`.
+    /// In a clip path, which must not hold a group, the copy replaces the `use`.
     bool replace_use(pugi::xml_node use, pugi::xml_node target, std::string transform, const Place& parent);
     /// Makes a group of `use`, with the copy inside.
     bool use_to_group(pugi::xml_node use, pugi::xml_node target, const std::string& transform,
                       const Place& parent);
-    /// Images in a copy become uses of one definition each, lest their bytes be repeated.
+    /// Images in a copy become uses of one definition each, so that their bytes are not repeated.
     void share_images(pugi::xml_node copy);
     bool count_copies(pugi::xml_node top);
     /// The nodes of an element after all uses in it have become copies, or more than the limit.
@@ -102,8 +102,7 @@ private:
     bool add(pugi::xml_node node, Path path, const Place& place, bool is_box = false);
     bool add_fixed(pugi::xml_node node, const std::string& kind, const Place& place);
     /// The paths that a text's letters stand on, which are shapes: where one is not drawn in the text's own
-    /// user space,
-    /// the text gets a copy.
+    /// user space, the text gets a copy.
     bool add_text_paths(pugi::xml_node text, const Place& place);
     bool add_text_path(pugi::xml_node text_path, const Place& place);
     /// How far the letters on a path reach: they are taken to be 0.6 em wide and to stand within 0.8 em of

@@ -186,7 +186,7 @@ std::optional<PaintColour> of_hex(std::string_view digits) {
     return of_bytes(channel[0] << 16 | channel[1] << 8 | channel[2], channel[3]);
 }
 
-/// What stands in the brackets of rgb() or rgba().
+/// Reads the arguments of rgb() or rgba().
 std::optional<PaintColour> of_numbers(std::string text) {
     std::array<double, 4> value{0, 0, 0, 1};
     std::size_t count = 0;

@@ -15,8 +15,7 @@ struct PaintColour {
 };
 
 /// #rgb, #rgba, #rrggbb, #rrggbbaa, rgb() and rgba() of numbers or percentages, the names of CSS,
-/// transparent. Nothing
-/// where the text is none of these: `none`, a gradient, `currentColor`.
+/// transparent. Nothing where the text is none of these: `none`, a gradient, `currentColor`.
 std::optional<PaintColour> parse_colour(std::string_view text);
 
 /// Light, in proportion to its energy, from what a display is sent, and back: IEC 61966-2-1 (sRGB).

@@ -19,7 +19,7 @@ namespace cageform_examples {
 
 namespace detail {
 
-/// What may be written: beyond it sums and products of coordinates overflow.
+/// Tests whether a coordinate may be written; beyond this range sums and products of coordinates overflow.
 inline bool in_range(const Point2& p) {
     return std::abs(p.x) <= 1e100 && std::abs(p.y) <= 1e100;
 }
@@ -34,14 +34,10 @@ inline bool in_range(const Path& path) {
 }
 
 /// Deforms paths in one or more frames and covers the result with cubics. Every segment is sampled at equal
-/// steps, a
-/// multiple of six; a piece takes the cubic through its samples at 0, 1/3, 2/3 and 1 if in every frame all
-/// other samples
-/// are within the tolerance of it at the same parameter, and is halved otherwise: a path has the same
-/// pieces in all
-/// frames. A line that stays straight in all stays one. All pieces of all paths go to the deformer
-/// together, so there
-/// are only as many calls as halvings.
+/// steps, a multiple of six; a piece takes the cubic through its samples at 0, 1/3, 2/3 and 1 if in every
+/// frame all other samples are within the tolerance of it at the same parameter, and is halved otherwise: a
+/// path has the same pieces in all frames. A line that stays straight in all stays one. All pieces of all
+/// paths go to the deformer together, so there are only as many calls as halvings.
 class CurveDeformer {
 public:
     CurveDeformer(const FrameDeformer& deformer, std::size_t frames, double tolerance, double diagonal,
@@ -153,7 +149,8 @@ private:
         return std::span(piece.samples).subspan(frame * n, n);
     }
 
-    /// At least six; so many that none is longer than a 64th of the diagonal, lest a narrow bulge be missed.
+    /// Returns the number of samples: at least six, and enough that none is longer than a 64th of the
+    /// diagonal, so that no narrow bulge is missed.
     std::size_t steps(const Point2& from, const Segment& s) const {
         const double length = distance(from, s.p1) + distance(s.p1, s.p2) + distance(s.p2, s.p3);
         std::size_t n = 6;
@@ -213,7 +210,7 @@ private:
         return true;
     }
 
-    /// Of all samples but the starts, each of which is a closed path's end again, or of no length.
+    /// Records all samples except starts, which repeat the end of a closed path, or have no length.
     void record_motions() {
         motions_.resize(paths_.size() * frames_);
         for (std::size_t p = 0; p < paths_.size(); ++p) {

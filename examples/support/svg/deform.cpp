@@ -17,8 +17,7 @@ int decimals_for(const Affine2& to_root, double tolerance) {
 }
 
 /// Moves a text or an image as a whole: its transform is P⁻¹ best P before its own one, where P is that of
-/// what it
-/// stands in.
+/// what it stands in.
 ///
 ///   best   of every frame
 void carry(const DrawnShape& shape, const std::vector<Affine2>& best,
@@ -100,7 +99,7 @@ void settle_markers(const SvgDocument& document, const StyleSheets& styles, cons
         }
     } else if (shape.marks_vertices) {
         warnings.push_back(label(document, shape.node) +
-                           ": its markers stand at vertices, also at those that were added");
+                           ": its markers are drawn at all vertices, also at added ones");
     }
 }
 

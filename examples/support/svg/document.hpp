@@ -3,22 +3,21 @@
 // SVG documents: reading, finding the shapes, deforming them, writing back. The XML is pugixml's; what is
 // not touched is written as it was read, comments, white space and character references included.
 //
-// What is deformed: path, rect, circle, ellipse, line, polyline and polygon wherever they are drawn, also
-// through g, a, switch and nested svg, through `use` of an element of the same file (each use becomes a
-// group with its own copy), and inside a clipPath or mask that a drawn element refers to (copied where
-// elements under different transforms share it, or where it is in units of their boxes). Each becomes a
-// <path> in place. What has not moved stays as it was written.
+// Deformed shapes: path, rect, circle, ellipse, line, polyline and polygon are deformed wherever they
+// are drawn, also inside g, a, switch and nested svg, by `use` of an element of the same file (each use
+// becomes a group with its own copy), and inside a clipPath or mask of a drawn element (copied if
+// elements under different transforms share it, or if it is in units of their boxes). Each becomes a
+// <path> in its place. Shapes that do not move are not rewritten.
 //
-// What follows a shape by the affine map that fits its points best, in the sense of least squares: its
-// gradients and patterns, in user space or in units of its box (svg_paint.hpp), and of text, image and
-// foreignObject the whole: under a strong bend the nearest such map is not near. Regions of filters, of their
-// primitives and of masks grow to hold what has moved; lights of filters follow. A nested svg or a used
-// symbol that
-// cuts off what it holds becomes a group with a clip path.
+// Affine followers: gradients and patterns of a shape, in user space or in units of its box (paint.hpp),
+// and a whole text, image or foreignObject follow the affine map that fits the motion of their points
+// best, by least squares. Under a strong bend this fit is poor. Regions of filters, of their primitives
+// and of masks are enlarged to hold the moved shapes; lights of filters follow. A nested svg or a used
+// symbol that clips becomes a group with a clip path.
 //
-// What stays: the width of strokes, and lengths and angles in filters (of a blur, of an offset); markers at
-// vertices, also at those that are added; shapes under a transform without inverse; transforms given by CSS.
-// Warnings name the last three.
+// Unchanged: the width of strokes, and lengths and angles in filters (of a blur, of an offset). Markers
+// are drawn at all vertices, also at added ones; shapes under a transform without inverse stay;
+// transforms given by CSS are not read. Warnings name these last three cases.
 //
 // Style sheets: where a <style> selects shapes by type ("rect"), all shapes of that type get a class
 // ("cageform-rect") and the selector names the class instead, so that it still matches after the
@@ -68,7 +67,7 @@ struct SvgShape {
 /// a pure function of the point: curves meet because the same point always goes to the same place.
 using Deformer = std::function<bool(std::span<const Point2> in, std::span<Point2> out)>;
 
-/// As Deformer, into several frames: out[f * in.size() + i] is where point i is in frame f.
+/// Works as Deformer, into several frames: out[f * in.size() + i] is where point i is in frame f.
 ///
 ///   layers   of each point, as DeformOptions::layers has them
 using FrameDeformer = std::function<bool(std::span<const Point2> in, std::span<const std::size_t> layers,
@@ -117,7 +116,8 @@ SvgDocument copy_of(const SvgDocument& document);
 ///   encodings other than UTF-8 are read too, with lines unknown; writing is always UTF-8
 SvgResult<SvgDocument> parse_svg(std::string_view text, std::string name);
 
-/// As parse_svg(), from a file, packed by gzip or not; fails also where it cannot be read or unpacked.
+/// Works as parse_svg(), from a file, packed by gzip or not; fails also where it cannot be read or
+/// unpacked.
 SvgResult<SvgDocument> load_svg(const std::filesystem::path& path);
 
 /// The document's text in UTF-8; untouched parts are as they were read, but for the space inside tags, the
@@ -129,9 +129,8 @@ SvgResult<ViewBox> view_box(const SvgDocument& document);
 
 namespace detail {
 
-/// A shape as the walk finds it. What is no shape (text, an image) but is asked for has the outline of its
-/// box
-/// for a path.
+/// A shape found by the walk. Other requested elements (text, an image) have the outline of their box as
+/// path.
 struct DrawnShape {
     pugi::xml_node node;
     Affine2 to_root;
@@ -154,9 +153,9 @@ struct DrawnShape {
     bool is_extent = false; // about where letters stand on a path: says how far they reach, is not written
 };
 
-/// What is drawn, in document order. The document is changed on the way, without changing what it shows:
-/// every `use`
-/// becomes a group with a copy, and clip paths and masks needed under several transforms are copied.
+/// Returns the drawn shapes in document order. The document is changed without changing its appearance:
+/// every `use` becomes a group with a copy, and clip paths and masks needed under several transforms are
+/// copied.
 SvgResult<std::vector<DrawnShape>> drawn_shapes(SvgDocument& document, std::vector<std::string>& warnings);
 
 /// See the head of this file.
@@ -223,7 +222,8 @@ struct AnimatedSvg {
                                  double seconds, const std::string& values);
 };
 
-/// As deform(), in several frames. The pieces of a path are the same in all; the picture fits all frames.
+/// Works as deform(), in several frames. The pieces of a path are the same in all; the picture fits all
+/// frames.
 ///
 ///   frames   at least one
 SvgResult<AnimatedSvg> animate(const SvgDocument& document, const FrameDeformer& deformer, std::size_t frames,

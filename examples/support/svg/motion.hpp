@@ -21,9 +21,8 @@ public:
 
     /// The affine map from the points at rest to the moved points that misses them by the least sum of
     /// squares. Where the points lie along one line, the map across it is taken from the best turn and
-    /// scale; so it is
-    /// the more, the less the points spread across it compared with what the map misses them by.
-    /// Nothing where all have come to one place or the map would flatten the plane.
+    /// scale; so it is the more, the less the points spread across it compared with what the map misses
+    /// them by. Nothing where all have come to one place or the map would flatten the plane.
     std::optional<Affine2> best_map() const;
 
 private:

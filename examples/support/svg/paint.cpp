@@ -198,7 +198,7 @@ struct Region {
 
 using Regions = std::map<std::size_t, Region>; // by the hash of their element
 
-/// What refers to a mask or a filter, in its own user space.
+/// An element that refers to a mask or a filter, in its own user space.
 struct Subject {
     const Reference& reference;
     const Box& before;
@@ -244,8 +244,7 @@ Region region_of(pugi::xml_node node, const Viewport& viewport) {
 }
 
 /// Makes a region large enough for a subject: as far beyond the box as it was. Where it cuts the box, the
-/// cut goes where
-/// the best map takes it.
+/// cut goes where the best map takes it.
 void grow(const SvgDocument& document, Region& region, const Subject& subject,
           std::vector<std::string>& warnings) {
     const Box& before = subject.before;
@@ -264,7 +263,7 @@ void grow(const SvgDocument& document, Region& region, const Subject& subject,
             for (const Point2& p : old.corners()) now.add(apply(*subject.maps[f], p));
             if (!warned)
                 warnings.push_back(label(document, region.node) +
-                                   ": cuts off what it is about at a rectangle, which stays one");
+                                   ": clips at a rectangle, which is not deformed");
             warned = true;
             region.wanted = region.changed ? region.wanted : Box();
             region.changed = true;

@@ -1,6 +1,6 @@
 #pragma once
 
-// What a deformed shape takes from elsewhere: gradients, patterns, and the regions of masks and filters.
+// Updates a deformed shape's references: gradients, patterns, and the regions of masks and filters.
 
 #include "svg/motion.hpp"
 #include "svg/walk.hpp"
@@ -23,9 +23,9 @@ struct PaintServer {
     Affine2 transform;  // its own
 };
 
-/// Makes paint follow the shapes. Where a gradient or pattern, as it is written, would not go where the best
-/// affine map of its shape takes it, the shape gets a copy of it with that map, and an id of its own. A copy
-/// refers to the original, so stops and tiles are not repeated.
+/// Makes paint follow the shapes. Where a gradient or pattern, as it is written, would not go where the
+/// best affine map of its shape takes it, the shape gets a copy of it with that map, and an id of its
+/// own. A copy refers to the original, so stops and tiles are not repeated.
 class PaintFollower {
 public:
     using Tracks = std::vector<AnimatedSvg::Track>;
@@ -67,7 +67,8 @@ private:
     std::map<std::string, std::string> copies_; // by what they are of, and how they were moved
 };
 
-/// The box that a mask or filter of a drawing lies about, in the user space of the element that refers to it.
+/// The box that a mask or filter of a drawing lies about, in the user space of the element that refers
+/// to it.
 struct MovedRegion {
     Box before;
     std::vector<Box> after;                   // in every frame
@@ -76,8 +77,8 @@ struct MovedRegion {
 };
 
 /// Makes the regions of masks and filters large enough for what they are about in all frames; so the
-/// regions of
-/// primitives in user space. Lights of a filter go where the best map of its only user takes them.
+/// regions of primitives in user space. Lights of a filter go where the best map of its only user takes
+/// them.
 ///   regions   of the drawing's references
 void follow_regions(SvgDocument& document, const Drawing& rest, const std::vector<MovedRegion>& regions,
                     std::vector<AnimatedSvg::Track>& tracks, std::vector<std::string>& warnings);

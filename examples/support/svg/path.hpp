@@ -21,7 +21,7 @@ struct Point2 {
     friend bool operator==(const Point2&, const Point2&) = default;
 };
 
-/// What was wrong, and where: both counted from one, in bytes; zero means not known.
+/// An error and its position. Line and column count from one, in bytes; zero means unknown.
 struct SvgError {
     std::string message;
     std::size_t line = 0;
@@ -78,8 +78,8 @@ inline Point2 place_on(const Point2& from, const Segment& s, double t) {
             a * from.y + b * s.p1.y + c * s.p2.y + d * s.p3.y};
 }
 
-/// Into how many pieces, equal in t, a curve has to be cut so that none is farther than `tolerance` from its
-/// chord; at most 1000.
+/// Returns the number of pieces, equal in t, into which a curve has to be cut so that none is farther than
+/// `tolerance` from its chord; at most 1000.
 std::size_t pieces_of(const Point2& from, const Segment& s, double tolerance);
 
 /// (x, y) -> (a x + c y + e, b x + d y + f), in the order of SVG's matrix().
@@ -137,7 +137,7 @@ public:
 
     void cubic_to(const Point2& p1, const Point2& p2, const Point2& p) { add(p1, p2, p, false); }
 
-    /// At most a quarter turn to a cubic, so that the radius is met to 2.8e-4 of itself. The ellipse is
+    /// Uses cubics of at most a quarter turn, so that the radius is met to 2.8e-4 of itself. The ellipse is
     /// mapped to the unit circle, where `h` is half the chord: its length is the sine of half the
     /// turn, and beyond one the radii are too small and grow by it.
     void arc_to(double rx, double ry, double degrees, bool large, bool sweep, const Point2& end) {

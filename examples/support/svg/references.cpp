@@ -1,4 +1,4 @@
-// What elements refer to: used elements become copies, clip paths, masks and filters are listed.
+// Expands references: used elements become copies; clip paths, masks and filters are listed.
 
 #include "svg/collector.hpp"
 
@@ -40,7 +40,7 @@ pugi::xml_node ShapeCollector::used_element(pugi::xml_node use) {
         return {};
     }
     if (!count_copies(target) || copies_ + expanded_size(target) > max_svg_copies) {
-        fail(use, "the uses of this file expand to too much");
+        fail(use, "the uses of this file expand to too many elements");
         return {};
     }
     return target;
@@ -215,7 +215,7 @@ bool ShapeCollector::visit_reference(const char* property, const std::string& id
         std::string content_id = id;
         if (!claims.empty() || of_box) {
             if (!count_copies(target)) {
-                return fail(reference.node, "the clip paths of this file expand to too much");
+                return fail(reference.node, "the clip paths of this file expand to too many elements");
             }
             content = target.parent().insert_copy_after(target, target);
             drop_ids(content);

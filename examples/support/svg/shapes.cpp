@@ -159,7 +159,7 @@ private:
         const auto numbers = parse_numbers(attribute_text(node_, "points"));
         if (!numbers) return error_in(document_, node_, "points", numbers.error());
         if (numbers->size() % 2 != 0) {
-            return error_at(document_, node_, "points: an odd number of coordinates");
+            return error_at(document_, node_, "points: the number of coordinates is odd");
         }
         PathBuilder builder;
         for (std::size_t i = 0; i < numbers->size(); i += 2) {

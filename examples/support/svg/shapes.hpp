@@ -22,7 +22,7 @@ bool is_shape(const std::string& kind);
 bool is_group(const std::string& kind);
 bool is_fixed(const std::string& kind); ///< drawn, but no shape
 
-/// What percentages are of.
+/// The size that percentages refer to.
 struct Viewport {
     double width = 0;
     double height = 0;

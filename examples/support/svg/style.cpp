@@ -15,8 +15,7 @@ namespace detail {
 namespace {
 
 /// The place after what begins at `at` and belongs together: a comment, a quoted text, a character
-/// reference, or one
-/// character.
+/// reference, or one character.
 std::size_t after_token(std::string_view text, std::size_t at) {
     const auto beyond = [&](std::size_t found, std::size_t size) {
         return found == std::string_view::npos ? text.size() : found + size;
@@ -39,7 +38,7 @@ std::string_view without_comments_before(std::string_view text) {
     return text;
 }
 
-/// What a deformation or a cage asks for.
+/// Tests whether deforming or making a cage reads a property.
 bool is_read(std::string_view property) {
     for (const std::string_view known :
          {"fill",      "stroke",          "stroke-width",   "clip-path",         "mask",
@@ -419,7 +418,7 @@ void adapt_style_sheets(SvgDocument& document, const std::set<std::string>& type
     }
     if (met.erase(".") != 0 && !met.empty()) {
         warnings.emplace_back(
-            "style sheet: rules by type became rules by class, of equal weight with the others");
+            "style sheet: rules by type became rules by class, and have the same specificity as these");
     }
     for (pugi::xml_node node = root; node; node = next_node(node, root)) {
         const std::string kind = local_name(node);

@@ -30,7 +30,7 @@ std::vector<Declaration> declarations(std::string_view text);
 /// The id that a value names as url(#id), with or without quotes; empty if none.
 std::string referenced_id(std::string_view value);
 
-/// A value with another id in its url(#id). What follows it, such as a fallback colour, stays.
+/// Returns a value with another id in its url(#id). Text after it, such as a fallback colour, stays.
 std::string with_referenced_id(std::string_view value, const std::string& id);
 
 /// The value that an element is given for a property, not inherited, and where it stands.
@@ -43,10 +43,9 @@ struct StyleValue {
 
 /// The values of the properties that matter to a deformation (paints, references, markers, sizes of text).
 ///
-/// Selectors may be made of types, classes, ids, "*", " " and ">". Of @media the blocks are read that every
-/// screen takes. Rules of other selectors and other blocks are not; `unread` names those that would set a
-/// reference
-/// to an element.
+/// Style sheets whose selectors consist of types, classes, ids, "*", " " and ">". Blocks of @media are
+/// read if they apply to every screen. Rules with other selectors and other blocks are ignored; `unread`
+/// names those that would set a reference to an element.
 class StyleSheets {
 public:
     explicit StyleSheets(pugi::xml_node root);
@@ -91,8 +90,7 @@ private:
 };
 
 /// Replaces selectors of these types by classes, see the head of svg_document.hpp. Nothing changes where
-/// there is no
-/// element of them.
+/// there is no element of them.
 void adapt_style_sheets(SvgDocument& document, const std::set<std::string>& types,
                         std::vector<std::string>& warnings);
 

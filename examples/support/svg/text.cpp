@@ -89,8 +89,7 @@ std::optional<std::size_t> number_of(const std::string& fill) {
 }
 
 /// Leaves of a document its texts and what they stand in, and paints every element of a text in a colour of
-/// its
-/// own. The picture shows three times the viewBox, in about 4096 pixels.
+/// its own. The picture shows three times the viewBox, in about 4096 pixels.
 void strip_to_texts(SvgDocument& document, const ViewBox& view, std::vector<DrawnText>& texts) {
     pugi::xml_node root = root_element(document.xml);
     std::size_t colour = 1;
@@ -143,12 +142,12 @@ void strip_to_texts(SvgDocument& document, const ViewBox& view, std::vector<Draw
                   write(view.x) + ' ' + write(view.y) + ' ' + write(view.width) + ' ' + write(view.height));
 }
 
-/// What rsvg-convert makes of a document: an SVG of outlines.
+/// Returns rsvg-convert's version of a document: an SVG of outlines.
 SvgResult<std::string> outlines(const std::string& text) {
     using File = std::unique_ptr<std::FILE, decltype(&std::fclose)>;
     const File in(std::tmpfile(), &std::fclose);
     const File out(std::tmpfile(), &std::fclose);
-    const SvgError failure{"texts cannot become paths: no temporary file can be written"};
+    const SvgError failure{"texts cannot become paths: a temporary file cannot be written"};
     if (!in || !out) return failure;
     if (std::fwrite(text.data(), 1, text.size(), in.get()) != text.size()) return failure;
     if (std::fflush(in.get()) != 0) return failure;
@@ -285,7 +284,7 @@ SvgResult<std::size_t> text_to_paths(SvgDocument& document, std::vector<std::str
             replace_text(text, drawn->outlines, tolerance);
             ++count;
         } else if (drawn->seen[n]) {
-            warnings.push_back(label(work, text.node) + ": rsvg-convert draws no letters of it");
+            warnings.push_back(label(work, text.node) + ": rsvg-convert draws no letters for it");
         }
     }
     if (count > 0) document = std::move(work);

@@ -19,14 +19,12 @@ namespace cageform_examples {
 SvgResult<std::size_t> text_to_paths(SvgDocument& document, std::vector<std::string>& warnings);
 
 /// Finds how far the letters of texts reach, as rsvg-convert draws them: SvgDocument::text_boxes. Texts
-/// that are not
-/// measured (copies by <use>, where rsvg-convert is not installed or draws no letters) keep the estimate of
-/// walk().
+/// that are not measured (copies by <use>, where rsvg-convert is not installed or draws no letters) keep
+/// the estimate of walk().
 void measure_texts(SvgDocument& document);
 
 /// A figure for a program that asks where its texts are: load_svg(), and either text_to_paths(), whose
-/// warnings go to
-/// stderr, or measure_texts().
+/// warnings go to stderr, or measure_texts().
 SvgResult<SvgDocument> load_figure(const std::string& path, bool text_as_paths = false);
 
 } // namespace cageform_examples

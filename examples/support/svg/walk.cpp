@@ -282,7 +282,7 @@ bool ShapeCollector::add_fixed(pugi::xml_node node, const std::string& kind, con
         return true;
     }
     warn(node, kind == "text" ? "keeps its letters, and moves and turns as a whole"
-                              : "is not bent, and moves and turns as a whole");
+                              : "is not deformed; it moves and turns as a whole");
     PathBuilder outline;
     outline.move_to({box.x0, box.y0});
     for (const Point2& p : box.corners()) {
@@ -381,7 +381,8 @@ bool ShapeCollector::add_text_path(pugi::xml_node text_path, const Place& place)
     there.style.fill = there.style.stroke = "none";
     there.style.marks_ends = there.style.marks_vertices = false;
     if (!is_drawn_under(target, there.to_root)) {
-        if (!count_copies(target)) return fail(text_path, "the texts of this file expand to too much");
+        if (!count_copies(target))
+            return fail(text_path, "the texts of this file expand to too many elements");
         pugi::xml_node text = text_path;
         while (local_name(text) != "text") text = text.parent();
         pugi::xml_node defs = text.parent().insert_child_before((name_prefix(text) + "defs").c_str(), text);

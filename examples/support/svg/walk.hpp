@@ -25,7 +25,7 @@ struct Reference {
     std::size_t first_inside = 0, end_inside = 0; // the shapes of the clip path
 };
 
-/// What a document draws.
+/// The drawn shapes of a document.
 struct Drawing {
     std::vector<DrawnShape> shapes; // in document order, clip paths and masks after what they belong to
     std::vector<Reference> references;

@@ -40,7 +40,7 @@ void add_class(pugi::xml_node node, const std::string& name);
 std::string reference_of(pugi::xml_node node);
 void set_reference(pugi::xml_node node, const std::string& id); ///< of all attributes that refer
 
-/// Such as: rect "wall" (line 12).
+/// Returns a label such as: rect "wall" (line 12).
 std::string label(const SvgDocument& document, pugi::xml_node node);
 
 SvgError error_at(const SvgDocument& document, pugi::xml_node node, const std::string& why);

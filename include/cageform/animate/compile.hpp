@@ -1,152 +1,26 @@
 // Compiles key frames to motion at bind time: the keys of one value to a track, those of all coordinates of
 // a cage to a clip.
 //
-// The order of reading: key.hpp (keys) → fit.hpp (few cubics for each Bézier curve) → here
-// → clip.hpp (played)
+// The order of reading: curves/key.hpp (keys) → fit.hpp (few cubics for each Bézier curve)
+// → detail/track_compiler.hpp (all intervals of a curve) → here → clip.hpp (played)
 // → pack_clip.hpp (shipped), clip_blob.hpp (its format).
 #pragma once
 
 #include <cageform/animate/clip.hpp>
 #include <cageform/animate/curves/key.hpp>
 #include <cageform/animate/curves/track.hpp>
+#include <cageform/animate/detail/track_compiler.hpp>
 #include <cageform/animate/fit.hpp>
+#include <cageform/animate/types/track_options.hpp>
 #include <cageform/core/result.hpp>
 #include <cageform/core/running.hpp>
 
 #include <algorithm>
-#include <cmath>
-#include <concepts>
-#include <limits>
-#include <optional>
 #include <ranges>
 #include <span>
+#include <vector>
 
 namespace cageform::inline CAGEFORM_ABI {
-
-/// Converts a piece of degree 3 of a fit to its run-time form. It uses times rounded to T, so that
-/// it still meets the next piece. T must resolve its length; its coefficients may overflow T.
-template <Scalar T>
-CubicPiece<T> cubic_piece(const BezierFit& fitted, std::size_t piece) noexcept {
-    const auto b = fitted.coefficients(piece);
-    const T begin = static_cast<T>(fitted.knots[piece]);
-    const double h = double(static_cast<T>(fitted.knots[piece + 1])) - double(begin);
-    const double c1 = 3 * (b[1] - b[0]), c2 = 3 * (b[2] - 2 * b[1] + b[0]),
-                 c3 = b[3] - 3 * b[2] + 3 * b[1] - b[0];
-    return {begin, static_cast<T>(b[0]), static_cast<T>(c1 / h), static_cast<T>(c2 / (h * h)),
-            static_cast<T>(c3 / (h * h * h))};
-}
-
-struct TrackOptions {
-    /// The largest error of a value, in its units. By default screen_tolerance for a track; for a
-    /// clip, this share of the diagonal of the bounding box of all keys' values.
-    std::optional<double> tolerance{};
-    FitOptions fit{}; ///< the degree is always 3
-    Extrapolation before = Extrapolation::constant, after = Extrapolation::constant;
-};
-
-/// How the compilation of a track or of a clip went.
-struct CompileReport {
-    Status status = Status::ok;
-    std::size_t curve = 0;   ///< of a clip: the refused curve
-    std::size_t culprit = 0; ///< the refused key, or the first key of the refused interval
-    double sup_error = 0;    ///< the largest of all intervals and curves, without the rounding of T
-    double seconds = 0;      ///< wall-clock time
-};
-
-namespace detail {
-
-/// Keys of one curve: a vector, an array or a span of Key.
-template <class R>
-concept Keys = std::convertible_to<const R&, std::span<const Key>>;
-
-template <Scalar T>
-class TrackCompiler {
-public:
-    TrackCompiler(std::span<const Key> keys, const TrackOptions& options,
-                  Result<Track<T>, CompileReport>& result)
-        : keys_(keys)
-        , tolerance_(options.tolerance.value_or(screen_tolerance))
-        , fit_(options.fit)
-        , result_(result) {
-        fit_.degree = 3;
-    }
-
-    Status run(const Running& running) {
-        if (keys_.empty()) return Status::keys_missing;
-        for (std::size_t i = 0; i < keys_.size(); ++i) {
-            if (const Status status = check_key(i); status != Status::ok) return refuse(status, i);
-        }
-        for (std::size_t i = 0; i + 1 < keys_.size(); ++i) {
-            if (i % 1000 == 0 && !running.keep_going(double(i) / double(keys_.size() - 1)))
-                return refuse(Status::cancelled, i);
-            const Status status = keys_[i].kind == KeyKind::hold ? add_constant(i) : add_interval(i, running);
-            if (status != Status::ok) return refuse(status, i);
-        }
-        if (!running.keep_going(1)) return Status::cancelled;
-        const Key& last = keys_.back();
-        if (keys_.size() == 1) (void)add_constant(0);
-        // After a hold the value jumps to the last key's; otherwise it has already arrived there.
-        result_.value.curve =
-            PiecewiseCubic<T>(std::move(pieces_), static_cast<T>(last.time), static_cast<T>(last.value));
-        return Status::ok;
-    }
-
-private:
-    Status refuse(Status status, std::size_t key) {
-        result_.report.culprit = key;
-        return status;
-    }
-    Status check_key(std::size_t i) const {
-        const Key& key = keys_[i];
-        for (const double x :
-             {key.time, key.value, key.in_slope, key.out_slope, key.tension, key.continuity, key.bias,
-              key.in_handle[0], key.in_handle[1], key.out_handle[0], key.out_handle[1]}) {
-            if (!is_finite(x)) return Status::value_not_finite;
-        }
-        // Values, times and the track's length must also be finite in T.
-        if (!is_finite(static_cast<T>(key.value)) || !is_finite(static_cast<T>(key.time - keys_[0].time)) ||
-            !is_finite(static_cast<T>(key.time)))
-            return Status::value_not_finite;
-        const bool later = i == 0 || static_cast<T>(key.time) > static_cast<T>(keys_[i - 1].time);
-        return later ? Status::ok : Status::keys_not_ascending;
-    }
-    Status add_constant(std::size_t i) {
-        pieces_.push_back({static_cast<T>(keys_[i].time), static_cast<T>(keys_[i].value), T(0), T(0), T(0)});
-        return Status::ok;
-    }
-    Status add_interval(std::size_t i, const Running& running) {
-        const FewestPieces search(key_interval(keys_, i), tolerance_, fit_);
-        const double intervals = double(keys_.size() - 1);
-        const auto [fitted, report] = search.find(
-            search.tied() ? running.part(double(i) / intervals, double(i + 1) / intervals) : Running{});
-        if (report.status != Status::ok) return report.status;
-        result_.report.sup_error = (std::max)(result_.report.sup_error, report.sup_error);
-        for (std::size_t k = 0; k < fitted.pieces(); ++k) {
-            const T begin = static_cast<T>(fitted.knots[k]), end = static_cast<T>(fitted.knots[k + 1]);
-            if (!(begin < end)) continue; // T does not resolve its length
-            const auto piece = cubic_piece<T>(fitted, k);
-            if (!stays_finite(piece, end - begin)) return Status::value_not_finite;
-            pieces_.push_back(piece);
-        }
-        return Status::ok;
-    }
-
-    /// Whether the evaluation of a piece up to `length` never overflows. The piece with absolute
-    /// coefficients bounds every intermediate result.
-    static bool stays_finite(const CubicPiece<T>& piece, T length) noexcept {
-        const CubicPiece<T> bound{T(0), std::fabs(piece.c0), std::fabs(piece.c1), std::fabs(piece.c2),
-                                  std::fabs(piece.c3)};
-        return is_finite(bound(length)) && is_finite(bound.derivative(length));
-    }
-
-    std::span<const Key> keys_;
-    double tolerance_;
-    FitOptions fit_;
-    Result<Track<T>, CompileReport>& result_;
-    std::vector<CubicPiece<T>> pieces_;
-};
-
-} // namespace detail
 
 /// Compiles keys, ascending by time, to a track. A single key is a constant. Reports progress every
 /// thousand keys; if pieces are tied, for every fit.
@@ -166,31 +40,6 @@ Result<Track<T>, CompileReport> compile(const R& keys, const TrackOptions& optio
     });
     return result;
 }
-
-namespace detail {
-
-/// The keys of many curves: a vector, an array or a span of any of the `Keys`.
-template <class R>
-concept KeysOfCurves = std::ranges::random_access_range<const R> && Keys<std::ranges::range_value_t<const R>>;
-
-/// The size of a pixel if the keys of all coordinates just fill a screen. Without motion any tolerance does.
-template <std::size_t D>
-double pixel_of_clip(std::span<const std::span<const Key>> keys) noexcept {
-    double diagonal = 0;
-    for (std::size_t axis = 0; axis < D; ++axis) {
-        double lower = std::numeric_limits<double>::infinity(), upper = -lower;
-        for (std::size_t curve = axis; curve < keys.size(); curve += D) {
-            for (const Key& key : keys[curve]) {
-                lower = (std::min)(lower, key.value);
-                upper = (std::max)(upper, key.value);
-            }
-        }
-        if (lower < upper) diagonal = std::hypot(diagonal, upper - lower);
-    }
-    return screen_tolerance * (diagonal > 0 ? diagonal : 1);
-}
-
-} // namespace detail
 
 /// Compiles key frames to a clip, curve by curve, in parallel if `running` says so.
 ///

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cageform/binding/binding.hpp>
+#include <cageform/binding/detail/sparse_rows.hpp>
 #include <cageform/core/detail/guard_memory.hpp>
 #include <cageform/core/detail/huge_pages.hpp>
 #include <cageform/core/result.hpp>
@@ -13,42 +14,6 @@ struct ComposeReport {
     Status status = Status::ok;
     std::vector<std::uint32_t> still; ///< sites without weights on coarse handles, which never move
 };
-
-namespace detail {
-
-/// The non-zero weights of each site on the coarse handles, site after site.
-template <Scalar T>
-struct SparseRows {
-    std::vector<std::size_t> begin; ///< #sites + 1
-    std::vector<std::size_t> handle;
-    std::vector<double> weight;
-
-    template <std::size_t D>
-    explicit SparseRows(const Binding<T, D>& binding) {
-        begin.push_back(0);
-        for (std::size_t i = 0; i < binding.point_count(); ++i) {
-            for (std::size_t h = 0; h < binding.handle_count(); ++h) {
-                const T w = binding.weight(i, h);
-                if (w == T(0)) continue;
-                handle.push_back(h);
-                weight.push_back(double(w));
-            }
-            begin.push_back(handle.size());
-        }
-    }
-};
-
-template <Scalar T, std::size_t D>
-Status check_compose(const Binding<T, D>& fine, const Binding<T, D>& coarse) noexcept {
-    if (fine.handle_view().vector_count() != 0) return Status::handles_not_points;
-    if (coarse.point_count() != fine.handle_count()) return Status::bindings_differ;
-    for (std::size_t i = 0; i < fine.handle_count(); ++i) {
-        if (coarse.rest_point(i) != fine.rest_handle(i)) return Status::bindings_differ;
-    }
-    return Status::ok;
-}
-
-} // namespace detail
 
 /// Replaces two consecutive clones by one binding. U are the weights of a figure bound to sites, V
 /// the weights of the sites bound to coarser handles; the result has the weights U V.

@@ -2,69 +2,16 @@
 #pragma once
 
 #include <cageform/clone/detail/block_cloner.hpp>
+#include <cageform/clone/detail/check_clone.hpp>
 #include <cageform/core/detail/parallel.hpp>
 #include <cageform/core/status.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 
-namespace detail {
-
-/// Returns the view of a binding; a view is returned as it is.
-template <class B>
-auto view_of(const B& binding) noexcept {
-    if constexpr (requires { binding.view(); }) {
-        return binding.view();
-    } else {
-        return binding;
-    }
-}
-
-template <class View>
-inline constexpr bool is_binding_view = false;
-template <class T, std::size_t D>
-inline constexpr bool is_binding_view<BindingView<T, D>> = true;
-template <class T, std::size_t D>
-inline constexpr bool is_binding_view<PackedBindingView<T, D>> = true;
-
-} // namespace detail
-
 /// A bound figure: a BindingView, a PackedBindingView, or any type whose view() returns one, such
 /// as Binding and PackedBinding.
 template <class B>
 concept AnyBinding = detail::is_binding_view<decltype(detail::view_of(std::declval<const B&>()))>;
-
-namespace detail {
-
-template <class View, class Pose>
-Status check_pose(const View& binding, const Pose& pose) noexcept {
-    if (std::size(pose) != binding.handle_count()) return Status::pose_size_differs;
-    for (std::size_t i = 0; i < binding.handle_count(); ++i) {
-        if (!is_finite(to_vec<typename View::scalar>(pose[i]) - binding.rest_handles[i]))
-            return Status::pose_not_finite;
-    }
-    return Status::ok;
-}
-
-template <class View, class Pose, class Out>
-Status check_clone(const View& binding, const Pose& pose, const Out& out,
-                   const CloneOptions<typename View::scalar>& options = {}) noexcept {
-    if (std::size(out) < binding.point_count()) return Status::output_too_small;
-    if (options.mask.size() != 0 && options.mask.size() < binding.point_count())
-        return Status::mask_too_small;
-    return check_pose(binding, pose);
-}
-
-/// Checks bindings that are processed together, block by block.
-template <class View, std::size_t K, class Pose, class Out>
-Status check_clone(const std::array<View, K>& views, const Pose& pose, const Out& out) noexcept {
-    using Packed = PackedBindingView<typename View::scalar, View::dimension>;
-    for (std::size_t k = 1; k < K; ++k) {
-        if (!bindings_match(Packed(views[0]), Packed(views[k]))) return Status::bindings_differ;
-    }
-    return check_clone(views[0], pose, out);
-}
-
-} // namespace detail
 
 /// Moves the points of a binding with a pose of its handles: p' = p + Σ w_i (C'_i − C_i).
 ///

@@ -3,124 +3,14 @@
 #pragma once
 
 #include <cageform/clone/clone.hpp>
+#include <cageform/clone/detail/rational_slack.hpp>
+#include <cageform/clone/detail/rational_sums.hpp>
+#include <cageform/clone/types/rational_view.hpp>
 #include <cageform/core/result.hpp>
 
 #include <span>
 
 namespace cageform::inline CAGEFORM_ABI {
-
-/// A binding whose weights are suitable for rational clones; owns nothing. Made by `rational_view`.
-template <class View>
-class RationalView {
-public:
-    using scalar = typename View::scalar;
-    static constexpr std::size_t dimension = View::dimension;
-
-    RationalView() = default;
-    RationalView(const View& binding, scalar slack) noexcept
-        : binding_(binding)
-        , slack_(slack) {}
-
-    std::size_t handle_count() const noexcept { return binding_.handle_count(); }
-    std::size_t point_count() const noexcept { return binding_.point_count(); }
-    const View& binding() const noexcept { return binding_; }
-    /// Returns the largest absolute sum of a point's negative weights.
-    scalar slack() const noexcept { return slack_; }
-
-private:
-    View binding_;
-    scalar slack_ = 0;
-};
-
-namespace detail {
-
-/// Sums max(−w, 0) for the points of a block, given their weights one handle after the other.
-template <Scalar T>
-struct BlockSlack {
-    Simd<T> negative = Simd<T>(T(0)), sum = Simd<T>(T(0));
-
-    void add(const Simd<T>& w) noexcept {
-        sum += w;
-        negative -= (min)(w, Simd<T>(T(0)));
-    }
-
-    /// Returns the largest sum of the first `used` points, or infinity if one of their weights is
-    /// not finite.
-    T largest(std::size_t used) const noexcept {
-        Lanes<T> negatives, sums;
-        negative.store(negatives);
-        sum.store(sums);
-        T most = 0;
-        for (std::size_t lane = 0; lane < used; ++lane) {
-            if (!is_finite(negatives[lane]) || !is_finite(sums[lane]))
-                return std::numeric_limits<T>::infinity();
-            if (negatives[lane] > most) most = negatives[lane];
-        }
-        return most;
-    }
-};
-
-/// Loads a block's row of weights from their storage format.
-template <WeightFormat Format, Scalar T>
-Simd<T> load_row(const std::byte* row) noexcept {
-    constexpr std::size_t part_bytes = lane_count<T> * weight_bytes<T>(Format) / Simd<T>::count;
-    Simd<T> w;
-    for (std::size_t part = 0; part < Simd<T>::count; ++part)
-        w.r[part] = load_weights<Format, T>(row + part * part_bytes);
-    return w;
-}
-
-/// Returns the slack of one block, for the weights in effect, which include the residual of the format.
-template <WeightFormat Format, Scalar T, std::size_t D>
-T block_slack(const PackedBindingView<T, D>& binding, std::size_t block) noexcept {
-    constexpr std::size_t row_bytes = lane_count<T> * weight_bytes<T>(Format);
-    BlockSlack<T> slack;
-    std::size_t row = binding.first_row(block);
-    const std::size_t end = binding.first_row(block + 1);
-    if (binding.scale == nullptr) {
-        for (; row < end; ++row) slack.add(load_row<Format, T>(binding.weights + row * row_bytes));
-    } else {
-        for (std::size_t handle = 0; handle < binding.handles; ++handle) {
-            Simd<T> w(T(0));
-            if (row < end && binding.handle_of_row(block, row) == handle)
-                w = Simd<T>(binding.scale[block]) * load_row<Format, T>(binding.weights + row++ * row_bytes);
-            for (std::size_t r = 0; r <= D; ++r)
-                w = multiply_add<T>(Simd<T>::load(binding.residual[block * (D + 1) + r]),
-                                    Simd<T>(binding.affine_fit[handle][r]), w);
-            slack.add(w);
-        }
-    }
-    const std::size_t left = binding.points - block * lane_count<T>;
-    return slack.largest(left < lane_count<T> ? left : lane_count<T>);
-}
-
-/// Returns the largest slack of all points; not finite if a weight is not.
-template <Scalar T, std::size_t D>
-T largest_slack(const PackedBindingView<T, D>& binding) noexcept {
-    const auto of_block = [&](std::size_t b) {
-        switch (binding.format) {
-        case WeightFormat::half: return block_slack<WeightFormat::half>(binding, b);
-        case WeightFormat::int16: return block_slack<WeightFormat::int16>(binding, b);
-        case WeightFormat::int8: return block_slack<WeightFormat::int8>(binding, b);
-        case WeightFormat::scalar: break;
-        }
-        return block_slack<WeightFormat::scalar>(binding, b);
-    };
-    T most = 0;
-    for (std::size_t b = 0; b < binding.block_count(); ++b) {
-        const T slack = of_block(b);
-        if (!is_finite(slack)) return slack;
-        if (slack > most) most = slack;
-    }
-    return most;
-}
-
-template <class View>
-inline constexpr bool is_rational_view = false;
-template <class View>
-inline constexpr bool is_rational_view<RationalView<View>> = true;
-
-} // namespace detail
 
 /// Checks once, for all frames, whether a binding is suitable for rational clones.
 ///
@@ -152,90 +42,6 @@ auto rational_view(const B& binding) noexcept {
 /// The input of `clone_rational`: a binding, or a view that was checked before.
 template <class B>
 concept RationalBinding = AnyBinding<B> || detail::is_rational_view<B>;
-
-namespace detail {
-
-template <class B>
-auto as_rational(const B& binding) noexcept {
-    if constexpr (is_rational_view<B>) {
-        return Result<RationalView<std::remove_cvref_t<decltype(binding.binding())>>>{binding, Status::ok};
-    } else {
-        return rational_view(binding);
-    }
-}
-
-/// The range of the weights of handles.
-template <Scalar T>
-struct WeightRange {
-    T least, most;
-};
-
-/// Checks the weights of handles. Their ratio is bounded, so that 1 + Ω of every point is at least
-/// 1/2 and no product overflows unless the pose itself is out of range.
-template <Scalar T>
-Status check_weights(std::span<const T> weights, std::size_t handles, T slack,
-                     WeightRange<T>& range) noexcept {
-    if (weights.size() != handles) return Status::weights_do_not_match;
-    range = {1, 1};
-    for (std::size_t i = 0; i < handles; ++i) {
-        const T w = weights[i];
-        if (!is_finite(w) || !(w > 0)) return Status::weights_not_positive;
-        if (i == 0) range = {w, w};
-        if (w < range.least) range.least = w;
-        if (w > range.most) range.most = w;
-    }
-    const T gap = range.most - range.least;
-    if (T(0x1p-60) * range.most > range.least || slack * gap > range.least / 2)
-        return Status::weights_too_far_apart;
-    return Status::ok;
-}
-
-/// Returns the mean of a pose.
-template <Scalar T, std::size_t D, class Pose>
-Vec<T, D> middle_of(const Pose& pose, std::size_t handles) noexcept {
-    Vec<T, D> middle{};
-    for (std::size_t i = 0; i < handles; ++i) middle = middle + (T(1) / T(handles)) * to_vec<T>(pose[i]);
-    return middle;
-}
-
-/// Returns the terms of a handle in the numerator and denominator of a rational clone: d + (ω −
-/// 1)(C' − g) and ω − 1. ω is relative to the smallest weight, so nothing cancels.
-template <Scalar T, std::size_t D, class Pose>
-struct RationalDisplacements {
-    TakenDisplacements<T, D, Pose> taken;
-    const T* weights;
-    T least;
-    Vec<T, D> middle;
-
-    Vec<T, D + 1> operator()(std::size_t i) const noexcept {
-        const Vec<T, D> d = taken(i), from_middle = to_vec<T>(taken.pose[i]) - middle;
-        Vec<T, D + 1> sum;
-        sum[D] = (weights[i] - least) / least;
-        for (std::size_t k = 0; k < D; ++k) sum[k] = multiply_add<T>(sum[D], from_middle[k], d[k]);
-        return sum;
-    }
-};
-
-/// Writes the points of a rational clone: p + (N − Ω (p − g)) / (1 + Ω).
-template <Scalar T, std::size_t D, class Out>
-struct RationalTarget {
-    static constexpr std::size_t columns = D + 1;
-
-    CloneTarget<T, D, Out> target;
-    const Lanes<T>* rest;
-    Vec<T, D> middle;
-
-    void write(std::size_t block, Lanes<T>* sums) const noexcept {
-        const Simd<T> omega = Simd<T>::load(sums[D]), whole = Simd<T>(T(1)) + omega;
-        for (std::size_t k = 0; k < D; ++k) {
-            const Simd<T> from_middle = Simd<T>::load(rest[block * D + k]) - Simd<T>(middle[k]);
-            ((Simd<T>::load(sums[k]) - omega * from_middle) / whole).store(sums[k]);
-        }
-        target.write(block, sums);
-    }
-};
-
-} // namespace detail
 
 /// Moves the points of a binding with a pose of its handles and a weight ω_i for each:
 ///

@@ -18,7 +18,8 @@
 namespace cageform::inline CAGEFORM_ABI::detail {
 
 /// The interpolation of a node from the coarse cell that it lies in: a weight for each corner (see
-/// `corner_offset`). Along an axis on which its index is even, a node lies at the cell's lower end.
+/// `corner_offset`). The cell's lower corner is coarse node ⌊index / 2⌋. Along an axis on which the
+/// node's index is even, it lies at that corner, and the cell's upper corners have weight 0.
 template <std::size_t D>
 using Interpolation = std::array<double, power(2, D)>;
 

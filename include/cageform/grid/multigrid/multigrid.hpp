@@ -2,36 +2,37 @@
 // once.
 //
 // The method is Dendy's black box multigrid (J. Comput. Phys. 48 (1982)); one code serves two and
-// three dimensions. To learn it read this page, and then multigrid/relax.hpp (one pass over a
-// level), multigrid/transfer.hpp (prolongation P and restriction Pᵀ at work) and
-// multigrid/coarsen.hpp (how P and the coarse equations are made).
+// three dimensions. To learn it read this page, then relax.hpp, transfer.hpp and coarsen.hpp.
 //
 // The idea: a few sweeps of relaxation remove the rough part of the error. The remaining error e is
 // smooth and satisfies A e = r, where r = b − A u is the residual. So r is restricted to a lattice
 // of every second node, e is found there in the same way, and prolonged back as a correction of u.
 // On the coarsest level the equations are solved directly.
 //
-// One cycle (`cycle`), with level 0 the finest:
+// Before a cycle (`cycle`) the residual of level 0, the finest, has been restricted to level 1.
 //
-//   1. The residual of level 0 has been restricted at the end of the cycle before.
-//   2. `w_cycle` solves level 1 for the correction, from zero: relax, restrict the residual,
+//   1. `w_cycle` solves level 1 for the correction, from zero: relax, restrict the residual,
 //      w_cycle of the next level, prolong, relax, and all of that once more.
-//   3. `finish` prolongs the correction to level 0, relaxes five (plane) or seven (space) sweeps,
+//   2. `finish` prolongs the correction to level 0, relaxes five (plane) or seven (space) sweeps,
 //      restricts the new residual, and estimates the error from it.
 //
-// The first solution (`start`) is full multigrid: it restricts the right-hand side down to the
-// coarsest level, solves there, and on the way up prolongs the solution and runs half a cycle on
-// each level.
+// `start` is an F-cycle with W-cycles inside: on the way down each level from 1 on relaxes once and
+// restricts its residual; on the way up each adds the correction and runs the second half of a
+// W-cycle. groups.hpp repeats cycles until they have refined (below), which takes two (one after a
+// guess), and the error estimate is within the tolerance. The error bound is only reported.
 //
-// The pieces, in multigrid/:
+// Irregular nodes, such as those at cut links, have a stencil or interpolation of their own. A run
+// is consecutive regular nodes of a row; a slab is all nodes of one index along the last axis. Data
+// are boundary values; they are part of the source, the right-hand side that the caller sets. Reach
+// is the largest error of an interior node for a residual of 1.
 //
-//   equations        the finest equations, of Shortley and Weller at cut links
+//   equations        the finest equations: Shortley and Weller's, made symmetric (Gibou et al.)
 //   coarsen          P from the equations, and the coarse equations Pᵀ A P
 //   level            a level in the layout that the cycles read
 //   relax            Gauss–Seidel, red-black on the finest level, and the pass that fuses all steps
 //   transfer         restriction and prolongation
 //   dense_solver     Cholesky factors for the coarsest level
-//   error_estimate   the error estimate and error bound that stop the cycles
+//   error_estimate   the error estimate, which stops the cycles, and the error bound
 //   high_low         the solution to twice float's digits
 //   tridiagonal      elimination in one dimension, where no levels are needed
 //
@@ -181,8 +182,8 @@ public:
         block.guessed_ = true;
     }
 
-    /// Computes a first solution by full multigrid, for the `source` of the block. Given a guess,
-    /// it solves for the difference from it.
+    /// Computes a first solution by an F-cycle (see above), for the `source` of the block. Given a
+    /// guess, it solves for the difference from it.
     ///
     ///   share  threads that take part in the work; the result does not depend on them by a single
     ///          bit

@@ -2,8 +2,9 @@
 // fused.
 //
 // The finest level is relaxed by Gauss–Seidel in red-black order: its regular stencil couples a
-// node only with nodes of the other colour. Coarser levels have all 3^D neighbours and are relaxed
-// by Gauss–Seidel along the rows. In each row the irregular nodes come before the regular ones.
+// node only with nodes of the other colour. The half sweep of colour 0 also relaxes the irregular
+// nodes of both colours. Coarser levels have all 3^D neighbours and are relaxed by Gauss–Seidel
+// along the rows. The irregular nodes of a range of rows come before its regular ones.
 //
 // A `Pass` names the steps. `run` at the end of this file executes them in a single walk through
 // memory: each step follows the one before it at the distance that the stencil requires.

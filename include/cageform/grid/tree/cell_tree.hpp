@@ -1,10 +1,29 @@
 // A binary tree, quadtree or octree: a cube that is halved along all axes where cells must be
 // finer.
 //
-// This folder solves the Laplace equation on such a tree. To learn the idea, read four headers:
-// this one; links.hpp (how the equation of a node is made, in the plane and in space); star.hpp
-// (the plane) or leaf_gather.hpp (space and interpolation); hierarchy.hpp (the levels of
-// multigrid). Then grid/tree/multigrid.hpp runs the cycles.
+// This folder solves the Laplace equation on such a tree. To learn how it is discretised, read this
+// header, links.hpp (how the equation of a node is made), and star.hpp (the plane) or
+// leaf_gather.hpp (space, and interpolation). To learn how the equations are solved, read
+// hierarchy.hpp (the levels) and grid/tree/multigrid.hpp (the cycles).
+//
+// Terms:
+//
+//   unit      the side of the smallest possible cell; the cube has 2^depth units a side
+//   family    the children of one cell
+//   rim       the boundary of a cell
+//   handle    a control point of the cage; the solver computes one harmonic function for each
+//   wall      a facet of a cell inside the cage: it carries boundary values on both sides, but does
+//             not separate inside from outside; the rim of a wall is where it ends
+//   bone      a point or an edge with a radius inside the cage, whose interior is not in the domain
+//   node      a corner of a leaf inside the domain, an unknown; a corner of a cut leaf within 1e-6
+//             units of the boundary is none (nodes.hpp)
+//   counts    a leaf counts if it is not outside the domain
+//
+// Facets are rounded to 2⁻³⁰ of the cube, so that integer arithmetic decides what is inside
+// (boundary.hpp). Close to the cage a value is not interpolated from nodes alone: within 0.01
+// (plane) or 0.3 (space) of a leaf from the boundary, coordinates/harmonic/tree_cage.hpp
+// interpolates linearly between the nearest point of the unrounded boundary and a point farther
+// inside.
 //
 // All headers, in the order of the work:
 //

@@ -1,12 +1,15 @@
 // Weights for the points of a star whose mean is exact for harmonic polynomials, in the plane.
 //
 // Standard finite differences are exact for all cubics. A harmonic function needs less: only the
-// real and imaginary parts of the powers of z have to be exact. If non-negative weights are exact
-// up to the fourth power, equations and samples are of order four and remain means: they never
-// exceed the values that they are made of. On a square of equal cells the result is the nine-point
-// formula (Collatz, The Numerical Treatment of Differential Equations, 1960, ch. V). Next to
-// smaller cells and to the boundary the weights come from a small constrained least-squares
-// problem.
+// real and imaginary parts of the powers of z have to be exact. Equations take non-negative weights,
+// exact up to the third or fourth power, so a node's value is a mean: it never exceeds the values
+// that it is made of. Samples first try weights of either sign with Σ |weight| ≤ 4, which reach a
+// higher power (harmonic_mean_of in grid/tree/star.hpp). They can exceed the values at the nodes;
+// coordinates/harmonic/cut_samples.hpp clamps the results to [0, 1].
+//
+// On a square of equal cells the result is the nine-point formula (Collatz, The Numerical Treatment
+// of Differential Equations, 1960, ch. V). Next to smaller cells and to the boundary the weights
+// come from a small constrained least-squares problem.
 #pragma once
 
 #include <cageform/core/vec.hpp>

@@ -98,7 +98,8 @@ private:
             }
             rows.entries.push_back({node, float(share)});
         }
-        // The prolongation interpolates errors, which vanish on the boundary.
+        // The prolongation interpolates corrections, which vanish on the boundary. For the solution
+        // itself, in TreeMultigrid::take_over, the missing shares are made up by relax_data.
         void at_place(const BoundaryValue<D>&, const Vec<double, D>&, double) noexcept {}
     };
 

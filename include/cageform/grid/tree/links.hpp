@@ -2,25 +2,30 @@
 //
 // A node is a corner of a leaf that lies inside the domain (grid/tree/nodes.hpp). Every row has the
 // form diagonal · u(node) − Σ weight · u(neighbour) = Σ weight · (boundary value), and every weight
-// is positive. LinkMaker::add_equation picks one of three formulas:
+// is positive. The matrix is not symmetric: stars and ghost values are not mutual.
+// LinkMaker::add_equation picks one of three formulas:
 //
 // 1. Plane, four equal leaves about the node and no facet in them: the nine-point formula of
-// Collatz (order four).
+// Collatz. Its mean is exact for the powers of z up to the seventh, so for the Laplace equation it
+// is of order six.
 //
 // 2. Plane, everywhere else, if it succeeds: generalised finite differences. The node collects the
 // corners of the leaves about it and, in the directions where a facet hides them, points on the
 // boundary (grid/tree/star.hpp). Non-negative weights are then chosen such that the mean is exact
-// for harmonic polynomials up to degree three or four (grid/tree/harmonic_mean.hpp).
+// for harmonic polynomials up to degree three or four (grid/tree/harmonic_mean.hpp). These
+// equations limit the order of the solution in the plane to four.
 //
 // 3. Space, and the plane where 2 fails: along each axis the second difference of Shortley and
 // Weller (J. Appl. Phys. 9 (1938)), which allows two links of different lengths. A link ends on the
-// boundary or on a node. If a larger leaf lies beside the node, the link may end inside the
-// opposite face of that leaf, where no node is: the node is a hanging node. The end then takes a
-// ghost value, interpolated in that face by LeafGather (grid/tree/leaf_gather.hpp). Interpolating a
-// ghost value adds error terms along the other axes. The second differences are scaled to cancel
-// them (shares_of_axes below; Min, Gibou, Ceniceros, J. Comput. Phys. 218 (2006); here the error
-// terms are second moments of the interpolation, which also covers interpolation that ends on the
-// boundary). Linear functions are exact and the order is two.
+// boundary or on a node. A node on a face of a larger leaf, but not at one of its corners, is a
+// hanging node. Its link through that leaf may end inside the opposite face, where no node is. The
+// end then takes a ghost value, interpolated in that face by LeafGather (grid/tree/leaf_gather.hpp).
+// Interpolating a ghost value adds error terms along the other axes. The second differences are
+// scaled to cancel them (shares_of_axes below; Min, Gibou, Ceniceros, J. Comput. Phys. 218 (2006);
+// here the error terms are second moments of the interpolation, which also covers interpolation
+// that ends on the boundary). Linear functions are exact, and the order at the nodes is two. Samples
+// near the cage are linear between the boundary and the inside
+// (coordinates/harmonic/tree_cage.hpp).
 //
 // grid/tree/hierarchy.hpp makes coarser levels from these rows, and grid/tree/multigrid.hpp solves
 // them.
@@ -87,7 +92,8 @@ private:
     /// The link from a node along an axis, in one direction.
     struct Side {
         double length;
-        // Whether the end is a ghost value: neither a node nor on the boundary.
+        // Whether the end is a ghost value: neither a node nor on the boundary. The hanging node is
+        // then the one where the link begins.
         bool hangs;
         /// Second moments of the interpolation about the end, by axis; only if it hangs.
         Vec<double, D> moments;
@@ -262,9 +268,12 @@ private:
         row_.push_back({column, weight});
     }
 
-    /// The factors of the second differences along the axes. A ghost value on axis a adds σ(a, k)
-    /// times the second derivative along axis k ≠ a. With the factors share_k = 1 − Σ share_a σ(a,
-    /// k), a ≠ k, every second derivative has coefficient 1 again, so all squares are exact.
+    /// The factors of the second differences along the axes. The ghost values of axis a add σ(a, k)
+    /// times the second derivative along axis k ≠ a to its second difference. Here σ(a, k) = Σ c · m
+    /// / 2 over the ends of axis a that are ghost values, with c the weight of the end in the second
+    /// difference (`c` below) and m its second moment along k (Side::moments). With the factors
+    /// share_k = 1 − Σ share_a σ(a, k), a ≠ k, every second derivative has coefficient 1 again, so
+    /// all squares are exact.
     std::array<double, D> shares_of_axes(const std::array<std::array<double, 2>, D>& c) {
         std::array<double, D> shares{};
         shares.fill(1);

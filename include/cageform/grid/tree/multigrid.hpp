@@ -1,15 +1,19 @@
 // Multigrid on a tree of cells, for sixteen functions at a time.
 //
 // `start` is a full multigrid start: it solves the coarsest level and goes up level by level, each
-// time interpolating the solution and running one cycle. After that the caller repeats `cycle`
-// until the change is small. One V-cycle (`descend`) relaxes twice by Gauss-Seidel, restricts the
-// residual to the next coarser level, solves there for a correction in the same way, adds the
-// interpolated correction, and relaxes once more. The rows, the prolongation and its transpose come
-// from grid/tree/hierarchy.hpp.
+// time interpolating the solution and running one cycle. After that the caller repeats `cycle`;
+// coordinates/harmonic/tree_solver.hpp does so until the change of the last cycle, times its ratio
+// to the change before (within 0.2 … 0.9), is at most accuracy/100 in the plane and accuracy/10 in
+// space.
+//
+// One V-cycle (`descend`) relaxes twice by Gauss-Seidel, restricts the residual to the next coarser
+// level, solves there for a correction in the same way, adds the interpolated correction, and
+// relaxes once more. The rows, the prolongation and its transpose come from grid/tree/hierarchy.hpp.
 //
 // Most boundary functions are nearly zero in most of the domain. With a cutoff the cycles therefore
 // visit only the active nodes: those where some function exceeds the cutoff, those with boundary
-// data, and a ring of neighbours. The set grows when a function exceeds the cutoff at its rim.
+// data, and a ring of neighbours. The outermost of them, which may have neighbours that are not
+// active, form the rim. The set grows when a function exceeds the cutoff there.
 #pragma once
 
 #include <cageform/core/detail/flush_denormals.hpp>
@@ -108,11 +112,13 @@ public:
     /// Starts a group with functions first … first + width − 1: one cycle on each coarse level
     /// from the coarsest up. The finest level then holds the interpolated solution; call `cycle`.
     ///
-    ///   cutoff  the functions are solved at nodes where any of them is larger. Other nodes keep
-    ///           the values interpolated from the next level, where the cutoff is a quarter as
-    ///           large, and so on down the levels; values below a thousandth of the cutoff become
-    ///           zero. An unsolved value has the relative error of the next level; at most a
-    ///           quarter of the cutoff was measured. 0: solve everywhere
+    ///   cutoff  the functions are solved at nodes where any of them is larger; 0: everywhere
+    ///
+    /// Nodes that are not solved for keep the values interpolated from the next coarser level. Each
+    /// coarser level has a quarter of the cutoff, so its values are solved for farther out. Where
+    /// all functions are below a thousandth of the cutoff, they become zero. A value that is not
+    /// solved for has the relative error of the coarser level. The largest error measured was a
+    /// quarter of the cutoff.
     void start(Block& block, std::size_t first, double cutoff = 0) const {
         const detail::FlushDenormals flush;
         block.first_ = first;
@@ -255,8 +261,8 @@ private:
         }
     }
     /// Interpolates the functions from the next coarser level and sets them to zero there, where
-    /// corrections will be stored. Activates nodes with data and nodes where a function exceeds the
-    /// cutoff.
+    /// corrections will be stored. The interpolation lacks the boundary values, so relax_data
+    /// follows. Activates nodes with data and nodes where a function exceeds the cutoff.
     void take_over(Block& block, std::size_t l) const {
         auto& level = block.levels_[l];
         auto& coarse = block.levels_[l + 1];
@@ -342,8 +348,10 @@ private:
             u.store(at.u[n]);
         }
     }
-    /// Relaxes only the nodes next to the boundary, which have data; the coarse level approximates
-    /// them worst.
+    /// Relaxes only the nodes next to the boundary, which have data. The prolongation leaves out
+    /// the shares of boundary values. That is right for corrections, but take_over applies it to the
+    /// solution, which comes out too small beside data. These sweeps solve the equations there,
+    /// whose right-hand sides have the boundary values.
     void relax_data(Block& block, std::size_t l) const noexcept {
         auto& at = block.levels_[l];
         for (std::size_t sweep = 0; sweep < data_sweeps; ++sweep) {

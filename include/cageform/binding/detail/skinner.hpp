@@ -1,0 +1,265 @@
+// Makes a skin point by point: finds a few non-negative weights of each point, and measures how far
+// they are from the binding's.
+#pragma once
+
+#include <cageform/binding/binding.hpp>
+#include <cageform/binding/detail/convex_weights.hpp>
+#include <cageform/binding/types/skin_weights.hpp>
+#include <cageform/core/result.hpp>
+#include <cageform/core/running.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+namespace detail {
+
+/// The result for one point of a skin.
+struct SkinnedPoint {
+    enum class Kind : std::uint8_t { reproduced, not_reproduced, without_weights };
+    Kind kind = Kind::without_weights;
+    double error = 0, partition = 0, reproduction = 0, added = 0;
+    std::size_t used = 0;
+};
+
+inline void gather_skin(const std::vector<SkinnedPoint>& points, SkinWeightsReport& report) {
+    report.weight_errors.resize(points.size());
+    std::size_t used = 0;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const SkinnedPoint& point = points[i];
+        if (point.kind == SkinnedPoint::Kind::without_weights) {
+            report.without_weights.push_back(i);
+            continue;
+        }
+        if (point.kind == SkinnedPoint::Kind::not_reproduced) report.not_reproduced.push_back(i);
+        report.weight_errors[i] = static_cast<float>(point.error);
+        report.weight_error.raise({point.error, i});
+        report.partition_error.raise({point.partition, i});
+        report.reproduction_error.raise({point.reproduction, i});
+        report.weight_added.raise({point.added, i});
+        report.mean_weight_error += point.error;
+        used += point.used;
+    }
+    const std::size_t bound = points.size() - report.without_weights.size();
+    if (bound == 0) return;
+    report.mean_weight_error /= double(bound);
+    report.mean_influences = double(used) / double(bound);
+}
+
+/// Lets the first, largest weight absorb all rounding, so the sum is 1. If the second was as large,
+/// the order is corrected afterwards.
+inline void make_up_for_rounding(std::span<std::uint16_t> joints, std::span<float> weights) noexcept {
+    double others = 0;
+    for (std::size_t k = 1; k < weights.size(); ++k) others += double(weights[k]);
+    weights[0] = static_cast<float>(1 - others);
+    for (std::size_t k = 0; k + 1 < weights.size() && weights[k] < weights[k + 1]; ++k) {
+        std::swap(weights[k], weights[k + 1]);
+        std::swap(joints[k], joints[k + 1]);
+    }
+}
+
+/// Keeps the largest shares of a point, divided by their sum; none if no share is positive or one
+/// is not finite. `order` is working memory, an entry per bone.
+template <Scalar W>
+SkinnedPoint keep_largest(std::span<const W> shares, double threshold, std::span<std::uint16_t> order,
+                          std::span<std::uint16_t> joints, std::span<float> weights) {
+    SkinnedPoint result;
+    double sum = 0;
+    for (std::size_t b = 0; b < shares.size(); ++b) {
+        if (!is_finite(shares[b])) return result;
+        order[b] = static_cast<std::uint16_t>(b);
+    }
+    const std::size_t most = (std::min)(joints.size(), shares.size());
+    std::partial_sort(order.begin(), order.begin() + std::ptrdiff_t(most), order.end(),
+                      [&](std::uint16_t a, std::uint16_t b) {
+                          return shares[a] != shares[b] ? shares[a] > shares[b] : a < b;
+                      });
+    const auto keeps = [&](std::size_t k) {
+        return shares[order[k]] > W(0) && (k == 0 || double(shares[order[k]]) >= threshold);
+    };
+    for (; result.used < most && keeps(result.used); ++result.used) sum += double(shares[order[result.used]]);
+    if (result.used == 0 || !is_finite(sum)) return {};
+    result.kind = SkinnedPoint::Kind::reproduced;
+    for (std::size_t k = 0; k < result.used; ++k) {
+        joints[k] = order[k];
+        weights[k] = static_cast<float>(double(shares[order[k]]) / sum);
+    }
+    make_up_for_rounding(joints.first(result.used), weights.first(result.used));
+    for (const W share : shares) result.error += std::fabs(double(share));
+    result.partition = -1;
+    for (std::size_t k = 0; k < result.used; ++k) {
+        const double w = weights[k], w0 = double(shares[joints[k]]);
+        result.partition += w;
+        result.error += std::fabs(w - w0) - std::fabs(w0);
+        result.added = (std::max)(result.added, w - w0);
+    }
+    result.partition = std::fabs(result.partition);
+    result.error = (std::max)(result.error, 0.0);
+    return result;
+}
+
+/// Computes the points that a binding's weights reproduce, and how far a skin is from them.
+template <Scalar T, std::size_t D>
+class SkinMeasure {
+public:
+    explicit SkinMeasure(const BindingView<T, D>& binding)
+        : binding_(binding) {
+        if (binding.handle_count() == 0) return;
+        const auto bounds = bounds_of(std::span(binding.rest_handles, binding.handle_count()));
+        size_ = (std::max)(double(bounds.diagonal()), (std::numeric_limits<double>::min)());
+    }
+
+    double size() const noexcept { return size_; } ///< of the cage
+
+    /// A point of the binding, and the offset of the point that its weights reproduce.
+    struct Place {
+        Vec<double, D> p, offset{}; ///< to the reproduced point, in units of the size
+        double whole = 0;           ///< Σ|w|
+        bool is_bound = false;
+    };
+
+    Place place_of(std::size_t i) const {
+        Place place{vec_cast<double>(block_point<D>(binding_.rest, i))};
+        for (std::size_t h = 0; h < binding_.handle_count(); ++h) {
+            const double w = binding_.weights(i, h);
+            place.whole += std::fabs(w);
+            place.offset = place.offset + w * from(place.p, h);
+        }
+        place.is_bound =
+            is_finite(place.p) && is_finite(place.whole) && is_finite(place.offset) && place.whole != 0;
+        // Points that follow their nearest boundary point reproduce that one. A smaller offset is a
+        // solver's residual or rounding, and is ignored.
+        if (dot(place.offset, place.offset) < 1e-8) place.offset = {};
+        return place;
+    }
+    AffineFrame<double, D> frame_of(const Place& place) const {
+        return {place.p + size_ * place.offset, size_};
+    }
+
+    /// Stores weights in falling order, and compares them with the binding's.
+    ///
+    ///   weight    of a handle
+    ///   support   handles, in falling order; storing stops at the first weight that single precision
+    ///             rounds away
+    template <class Weight>
+    void store(std::size_t i, const Place& place, std::span<const std::size_t> support, const Weight& weight,
+               std::span<std::uint16_t> joints, std::span<float> weights, SkinnedPoint& result) const {
+        for (const std::size_t h : support) {
+            constexpr double rounding = 0x1p-26; // of 1, in single precision
+            if (!(weight(h) > rounding)) break;
+            joints[result.used] = static_cast<std::uint16_t>(h);
+            weights[result.used++] = static_cast<float>(weight(h));
+        }
+        if (result.used == 0) { // numbers too large to compute with
+            result.kind = SkinnedPoint::Kind::not_reproduced;
+            result.used = 1;
+            for (std::size_t h = 1; h < binding_.handle_count(); ++h) {
+                if (binding_.weights(i, h) > binding_.weights(i, joints[0]))
+                    joints[0] = static_cast<std::uint16_t>(h);
+            }
+        }
+        make_up_for_rounding(joints.first(result.used), weights.first(result.used));
+        Vec<double, D> missed = -1.0 * place.offset;
+        result.error = place.whole;
+        result.partition = -1;
+        for (std::size_t k = 0; k < result.used; ++k) {
+            const double w = weights[k], w0 = binding_.weights(i, joints[k]);
+            missed = missed + w * from(place.p, joints[k]);
+            result.partition += w;
+            result.error += std::fabs(w - w0) - std::fabs(w0);
+            result.added = (std::max)(result.added, w - w0);
+        }
+        result.partition = std::fabs(result.partition);
+        result.error = (std::max)(result.error, 0.0);
+        result.reproduction = size_ * std::sqrt(dot(missed, missed));
+    }
+
+private:
+    /// Returns a handle relative to a point, in units of the cage's size.
+    Vec<double, D> from(const Vec<double, D>& p, std::size_t handle) const {
+        return (1 / size_) * (vec_cast<double>(binding_.rest_handles[handle]) - p);
+    }
+
+    const BindingView<T, D>& binding_;
+    double size_ = 1;
+};
+
+/// Makes one skin. As in Binder, the results of each point are stored separately and combined at
+/// the end.
+template <Scalar T, std::size_t D>
+class Skinner {
+public:
+    Skinner(const BindingView<T, D>& binding, const SkinWeightsOptions& options, const Running& running)
+        : binding_(binding)
+        , options_(options)
+        , running_(running)
+        , measure_(binding)
+        , count_(binding.point_count()) {}
+
+    Status run(SkinWeights& skin, SkinWeightsReport& report) {
+        const std::size_t most = options_.influences;
+        points_.assign(count_, {});
+        const Status status = for_each_block(count_, running_, [&](std::size_t begin, std::size_t end) {
+            ConvexWeights<D> solver;
+            for (std::size_t i = begin; i < end; ++i) {
+                points_[i] = make(solver, i, std::span(skin.joints).subspan(i * most, most),
+                                  std::span(skin.weights).subspan(i * most, most));
+            }
+        });
+        if (status != Status::ok) return status;
+        gather_skin(points_, report);
+        return Status::ok;
+    }
+
+private:
+    SkinnedPoint make(ConvexWeights<D>& solver, std::size_t i, std::span<std::uint16_t> joints,
+                      std::span<float> weights) const {
+        const auto place = measure_.place_of(i);
+        if (!place.is_bound) return {};
+        solver.load(binding_.handle_view(), measure_.frame_of(place),
+                    [&](std::size_t h) { return double(binding_.weights(i, h)); });
+        SkinnedPoint result;
+        result.kind = solver.reduce(joints.size(), options_.threshold) ? SkinnedPoint::Kind::reproduced
+                                                                       : SkinnedPoint::Kind::not_reproduced;
+        measure_.store(
+            i, place, solver.support(), [&](std::size_t h) { return solver.weight(h); }, joints, weights,
+            result);
+        return result;
+    }
+
+    const BindingView<T, D>& binding_;
+    const SkinWeightsOptions& options_;
+    const Running& running_;
+    SkinMeasure<T, D> measure_;
+    std::size_t count_;
+    std::vector<SkinnedPoint> points_;
+};
+
+/// Calls make(skin, report), which returns a Status, if the binding can have a skin.
+template <Scalar T, std::size_t D, class Make>
+Result<SkinWeights, SkinWeightsReport> make_skin(const BindingView<T, D>& binding,
+                                                 const SkinWeightsOptions& options, const Make& make) {
+    Result<SkinWeights, SkinWeightsReport> result;
+    result.report.points = binding.point_count();
+    run_into(result.report, [&] {
+        if (binding.handle_view().vector_count() > 0) return Status::handles_not_points;
+        if (options.influences < 1) return Status::too_few_influences;
+        if ((std::max)(binding.handle_count(), options.influences) > 65535) return Status::too_many_handles;
+        if (!is_finite(options.threshold)) return Status::value_not_finite;
+        result.value.influences = options.influences;
+        result.value.joints.assign(binding.point_count() * options.influences, 0);
+        result.value.weights.assign(binding.point_count() * options.influences, 0.0F);
+        return make(result.value, result.report);
+    });
+    if (result.report.status != Status::ok) result.value = {};
+    return result;
+}
+
+} // namespace detail
+
+} // namespace cageform::inline CAGEFORM_ABI

@@ -1,0 +1,139 @@
+// Makes a smooth skin: solves for the weights of all points together, then lets those of each point
+// reproduce its position.
+#pragma once
+
+#include <cageform/binding/detail/near_weights.hpp>
+#include <cageform/binding/detail/skinner.hpp>
+#include <cageform/binding/detail/smooth_weights.hpp>
+#include <cageform/cage/triangle_mesh.hpp>
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <span>
+#include <vector>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+namespace detail {
+
+template <Scalar T, std::size_t D>
+class SmoothSkinner {
+public:
+    SmoothSkinner(const BindingView<T, D>& binding, const SkinWeightsOptions& options, const Running& running)
+        : binding_(binding)
+        , options_(options)
+        , running_(running)
+        , measure_(binding) {}
+
+    template <FaceRange F>
+    Status run(const F& faces, SkinWeights& skin, SkinWeightsReport& report) {
+        std::vector<MeshFace> triangles;
+        for (std::size_t f = 0; f < std::size(faces); ++f) {
+            triangles.push_back(checked_face(faces[f], binding_.point_count()));
+            for (const auto corner : triangles.back()) {
+                if (corner == no_vertex) return Status::index_out_of_range;
+            }
+        }
+        weld();
+        SmoothWeights<D> weights(handle_places(), options_.influences);
+        for (std::size_t n = 0; n < first_.size(); ++n) {
+            const auto frame = measure_.frame_of(places_[first_[n]]);
+            weights.add_node(frame.centre,
+                             [&](std::size_t h) { return double(binding_.weights(first_[n], h)); });
+        }
+        for (const auto& triangle : triangles) {
+            for (std::size_t k = 0; k < 3; ++k)
+                weights.add_edge(node_[triangle[k]], node_[triangle[(k + 1) % 3]]);
+        }
+        const Running solving = running_.part(0, 0.9), storing = running_.part(0.9, 1);
+        if (const Status status = weights.solve(solving); status != Status::ok) return status;
+
+        std::vector<SkinnedPoint> points(binding_.point_count());
+        const std::size_t most = options_.influences;
+        const Status status = for_each_block(points.size(), storing, [&](std::size_t begin, std::size_t end) {
+            NearWeights<D> nearest;
+            ConvexWeights<D> convex;
+            for (std::size_t i = begin; i < end; ++i) {
+                if (!places_[i].is_bound) continue;
+                points[i] = make(nearest, convex, i, weights, std::span(skin.joints).subspan(i * most, most),
+                                 std::span(skin.weights).subspan(i * most, most));
+            }
+        });
+        if (status == Status::ok) gather_skin(points, report);
+        return status;
+    }
+
+private:
+    std::vector<Vec<double, D>> handle_places() const {
+        std::vector<Vec<double, D>> places;
+        for (std::size_t h = 0; h < binding_.handle_count(); ++h)
+            places.push_back(vec_cast<double>(binding_.rest_handles[h]));
+        return places;
+    }
+
+    /// Merges points at the same position with the same weights into one node, so that seams stay
+    /// closed.
+    void weld() {
+        std::map<std::array<double, D>, std::vector<std::size_t>> at; // nodes at a position
+        for (std::size_t i = 0; i < binding_.point_count(); ++i) {
+            const auto& place = places_.emplace_back(measure_.place_of(i));
+            node_.push_back(SmoothWeights<D>::no_node);
+            if (!place.is_bound) continue;
+            std::array<double, D> key{};
+            for (std::size_t k = 0; k < D; ++k) key[k] = place.p[k];
+            auto& nodes = at[key];
+            const auto same = std::find_if(nodes.begin(), nodes.end(), [&](std::size_t n) {
+                for (std::size_t h = 0; h < binding_.handle_count(); ++h) {
+                    if (binding_.weights(i, h) != binding_.weights(first_[n], h)) return false;
+                }
+                return true;
+            });
+            if (same == nodes.end()) {
+                node_[i] = first_.size();
+                nodes.push_back(first_.size());
+                first_.push_back(i);
+            } else {
+                node_[i] = *same;
+            }
+        }
+    }
+
+    /// Returns the smooth weights of a point. If they do not reproduce its position, it returns the
+    /// closest weights that do, starting from the smooth weights on twice as many handles.
+    SkinnedPoint make(NearWeights<D>& nearest, ConvexWeights<D>& convex, std::size_t i,
+                      const SmoothWeights<D>& smooth, std::span<std::uint16_t> joints,
+                      std::span<float> weights) const {
+        const auto frame = measure_.frame_of(places_[i]);
+        const auto store = [&](auto& found, bool is_exact) {
+            SkinnedPoint result;
+            result.kind = is_exact ? SkinnedPoint::Kind::reproduced : SkinnedPoint::Kind::not_reproduced;
+            measure_.store(
+                i, places_[i], found.support(), [&](std::size_t h) { return found.weight(h); }, joints,
+                weights, result);
+            return result;
+        };
+        nearest.load(smooth.row(node_[i]), binding_.handle_view(), frame);
+        if (nearest.reproduce(options_.threshold)) return store(nearest, true);
+        if (options_.influences <= D) return store(nearest, false);
+        const auto wide = smooth.wide_row(node_[i]);
+        convex.load(binding_.handle_view(), frame, [&](std::size_t h) {
+            const auto at = std::find_if(wide.begin(), wide.end(),
+                                         [&](const HandleWeight& entry) { return entry.handle == h; });
+            return at == wide.end() ? 0.0 : at->weight;
+        });
+        return store(convex, convex.reduce(options_.influences, options_.threshold));
+    }
+
+    const BindingView<T, D>& binding_;
+    const SkinWeightsOptions& options_;
+    const Running& running_;
+    SkinMeasure<T, D> measure_;
+    std::vector<typename SkinMeasure<T, D>::Place> places_; // #points
+    std::vector<std::size_t> node_;                         // #points
+    std::vector<std::size_t> first_;                        // #nodes: a point of each
+};
+
+} // namespace detail
+
+} // namespace cageform::inline CAGEFORM_ABI

@@ -1,0 +1,63 @@
+// Checks what is given to the clone of a figure, and writes tangents with their handedness.
+#pragma once
+
+#include <cageform/binding/figure.hpp>
+#include <cageform/clone/detail/check_clone.hpp>
+#include <cageform/core/view.hpp>
+
+#include <cstdint>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+namespace detail {
+
+template <class V>
+inline constexpr bool is_figure_view = false;
+template <class T, std::size_t D>
+inline constexpr bool is_figure_view<PackedFigureView<T, D>> = true;
+
+template <class Out, std::size_t D>
+concept NormalsOut = !is_wanted<Out> || MutablePointRangeIn<Out, D>;
+template <class Out, std::size_t D>
+concept TangentsOut =
+    !is_wanted<Out> || (D == 3 && (MutablePointRangeIn<Out, 3> || MutablePointRangeIn<Out, 4>));
+
+/// Writes tangents of four numbers, the last of which is the handedness, or of three.
+template <class Out>
+struct SignedTangents {
+    Out& out;
+    const std::int8_t* handedness;
+
+    template <class T>
+    void store(std::size_t i, const Vec<T, 3>& t) const noexcept {
+        if constexpr (range_dimension<Out> == 4) {
+            store_point(out, i, Vec<T, 4>{t[0], t[1], t[2], T(handedness[i])});
+        } else {
+            store_point(out, i, t);
+        }
+    }
+};
+
+/// Checks everything for which a clone of the figure can be refused.
+template <Scalar T, std::size_t D, class Pose, class Output>
+Status check_figure_clone(const PackedFigureView<T, D>& figure, const Pose& pose,
+                          const Output& out) noexcept {
+    constexpr bool normals = is_wanted<decltype(out.normals)>, tangents = is_wanted<decltype(out.tangents)>;
+    if constexpr (normals) {
+        if (!figure.has_normals()) return Status::vectors_missing;
+        if (std::size(out.normals) < figure.point_count()) return Status::output_too_small;
+        for (const auto& vectors : figure.tangents) {
+            if (!bindings_match(figure.points, vectors)) return Status::bindings_differ;
+        }
+    }
+    if constexpr (tangents) {
+        static_assert(normals, "tangents are orthogonal to normals, and come with them");
+        if (!figure.has_tangents()) return Status::vectors_missing;
+        if (std::size(out.tangents) < figure.point_count()) return Status::output_too_small;
+    }
+    return check_clone(figure.points, pose, out.points);
+}
+
+} // namespace detail
+
+} // namespace cageform::inline CAGEFORM_ABI

@@ -1,0 +1,404 @@
+// Runs the steps of make_cage.hpp for a figure in the plane, and measures the exact clearance of the cage.
+#pragma once
+
+#include <cageform/cage/polygon.hpp>
+#include <cageform/enclose/detail/cage_frame.hpp>
+#include <cageform/enclose/detail/join_parts.hpp>
+#include <cageform/enclose/plane/reduce_loop.hpp>
+#include <cageform/enclose/plane/relax_loop.hpp>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+namespace detail {
+
+/// Runs steps 1 to 5 for one figure.
+class PlaneCageMaker {
+public:
+    using Point = Vec<double, 2>;
+
+    PlaneCageMaker(std::span<const DrawnSegment<double>> figure, std::span<const PaintedArea> areas,
+                   const MakeCageOptions& options)
+        : figure_(figure)
+        , areas_(areas)
+        , options_(options) {}
+
+    /// Makes the loops, in local coordinates and outer ones counter-clockwise. They keep the distance
+    /// `level` from the figure, up to the lattice's resolution. Reports parts, bridges and, the first time,
+    /// the tightest area.
+    Status make(double level, const Running& running, MakeCageReport& report, std::vector<Loop>& cage) {
+        if (options_.shape == CageShape::box) {
+            const auto box = bounds().widened(level);
+            cage = {{box.lower, {box.upper[0], box.lower[1]}, box.upper, {box.lower[0], box.upper[1]}}};
+            report.tightest_area = signed_area(cage[0]);
+            return Status::ok;
+        }
+        if (const Status status = fill_lattice(level); status != Status::ok) return status;
+        if (!running.keep_going(0.2)) return Status::cancelled;
+        report.parts = LatticeParts(lattice_, lattice_.outside(0)).count;
+        report.bridges = options_.one_cage ? join_parts(lattice_, level, is_mirrored()) : 0;
+        close_slits(lattice_, 0.6 * level, options_.holes);
+        if (is_mirrored()) lattice_.mirror();
+        find_contours(level);
+        if (contours_.empty()) return Status::cage_not_found;
+        if (report.tightest_area == 0) {
+            for (const auto& loop : contours_)
+                report.tightest_area += copies_of(loop) * signed_area(loop.points) * (loop.half ? 2 : 1);
+        }
+        if (!running.keep_going(0.4)) return Status::cancelled;
+        const auto shares = share_vertices();
+        for (std::size_t k = 0; k < contours_.size(); ++k) {
+            contours_[k] = reduced(k, shares[k], level);
+            if (!running.keep_going(0.4 + 0.6 * double(k + 1) / double(contours_.size())))
+                return Status::cancelled;
+        }
+        cage.clear();
+        for (const auto& loop : contours_) add_whole(loop, cage);
+        return Status::ok;
+    }
+
+private:
+    bool is_mirrored() const noexcept { return options_.mirror.has_value(); }
+
+    /// The bounds of everything drawn; in a mirrored cage, of the figure and its mirror image.
+    Bounds<double, 2> bounds() const noexcept {
+        Bounds<double, 2> all = bounds_of(std::span<const Point>());
+        for (const auto& s : figure_) {
+            for (std::size_t k = 0; k < 2; ++k) {
+                all.lower[k] = (std::min)({all.lower[k], s.a[k] - s.radius, s.b[k] - s.radius});
+                all.upper[k] = (std::max)({all.upper[k], s.a[k] + s.radius, s.b[k] + s.radius});
+            }
+        }
+        if (is_mirrored()) {
+            all.upper[0] = (std::max)(all.upper[0], -all.lower[0]);
+            all.lower[0] = -all.upper[0];
+        }
+        return all;
+    }
+
+    /// Samples f near the figure, up to 4 margins or 12 nodes away. The longer side has 256 nodes or more,
+    /// a margin at least three. Around the figure lie 8 margins of free space for vertices.
+    Status fill_lattice(double level) {
+        const auto box = bounds();
+        const auto size = box.upper - box.lower;
+        // Single precision, so that node positions are exact and a column lies on the mirror axis.
+        const double h = double(
+            static_cast<float>((std::min)(((std::max)(size[0], size[1]) + 2 * level) / 256, level / 3)));
+        Point low{};
+        std::array<std::size_t, 2> count{};
+        double nodes = 1;
+        for (std::size_t k = 0; k < 2; ++k) {
+            const double from = box.lower[k] - 8 * level, to = box.upper[k] + 8 * level;
+            // A mirrored lattice is symmetric: a column of nodes lies on the axis.
+            const bool centred = k == 0 && is_mirrored();
+            const double side = centred ? 2 * std::ceil(to / h) : std::ceil((to - from) / h);
+            low[k] = centred ? -h * std::ceil(to / h) : from;
+            nodes *= side + 1;
+            if (!(nodes <= double(most_lattice_nodes))) return Status::margin_too_small;
+            count[k] = static_cast<std::size_t>(side) + 1;
+        }
+        const double band = (std::max)(4 * level, 12 * h);
+        lattice_ = DistanceLattice<2>(low, h, count, band - level);
+        for (const auto& s : figure_) lattice_.stamp(s.a, s.b, s.radius + level, band - level);
+        if (options_.holes) {
+            for (const auto& area : areas_)
+                paint(lattice_, figure_.subspan(area.begin, area.end - area.begin), area.even_odd, level);
+        }
+        if (options_.shape == CageShape::hull)
+            fill_hull(lattice_, [&](const Point& direction) { return reach(direction) + level; });
+        if (is_mirrored()) lattice_.mirror();
+        return Status::ok;
+    }
+    /// How far the figure, and in a mirrored cage also its image, extends in a direction.
+    double reach(const Point& direction) const noexcept {
+        double most = std::numeric_limits<double>::lowest();
+        for (const auto& s : figure_) {
+            for (const auto& p : {s.a, s.b}) {
+                most = (std::max)(most, dot(direction, p) + s.radius);
+                if (is_mirrored()) most = (std::max)(most, dot(direction, CageLoop::mirrored(p)) + s.radius);
+            }
+        }
+        return most;
+    }
+
+    /// Fills all that the outside does not reach (pockets, enclosed parts), except holes if wanted.
+    void find_contours(double level) {
+        auto outside = lattice_.outside(0);
+        if (options_.holes) add_holes(outside, 16 * level * level);
+        for (std::size_t node = 0; node < lattice_.size(); ++node) {
+            if (outside[node] == 0 && lattice_[node] > 0)
+                lattice_[node] = static_cast<float>(-lattice_.spacing());
+        }
+        contours_.clear();
+        for (auto& loop : Contour(lattice_, outside).loops()) {
+            if (!is_mirrored()) {
+                contours_.push_back({std::move(loop), false});
+            } else if (auto half = right_half(loop); !half.points.empty()) {
+                contours_.push_back(std::move(half));
+            }
+        }
+    }
+    void add_holes(std::vector<std::uint8_t>& outside, double least_area) const {
+        const double cell = lattice_.spacing() * lattice_.spacing();
+        std::vector<std::uint8_t> seen = outside;
+        for (std::size_t start = 0; start < lattice_.size(); ++start) {
+            std::vector<std::size_t> hole;
+            const auto enter = [&](std::size_t node) {
+                if (seen[node] != 0 || !(lattice_[node] > 0)) return;
+                seen[node] = 1;
+                hole.push_back(node);
+            };
+            enter(start);
+            for (std::size_t k = 0; k < hole.size(); ++k) lattice_.for_each_neighbour(hole[k], enter);
+            if (double(hole.size()) * cell <= least_area) continue;
+            for (const std::size_t node : hole) outside[node] = 1;
+        }
+    }
+
+    /// Returns the part of a loop with x >= 0: the whole loop, nothing, or a chain if it crosses the axis.
+    /// It crosses twice, at vertices: a symmetric region without holes covers one interval of the axis,
+    /// where nodes lie.
+    static CageLoop right_half(const Loop& loop) {
+        const std::size_t n = loop.size();
+        for (std::size_t i = 0; i < n; ++i) {
+            if (loop[i][0] != 0 || loop[(i + 1) % n][0] <= 0) continue;
+            CageLoop half{{loop[i]}, true};
+            for (std::size_t k = 1; k < n && half.points.back()[0] >= 0; ++k) {
+                half.points.push_back(loop[(i + k) % n]);
+                if (half.points.back()[0] == 0) break;
+            }
+            return half;
+        }
+        return loop[0][0] > 0 ? CageLoop{loop, false} : CageLoop{};
+    }
+
+    /// How many loops of the cage this one stands for: 2 if its mirror image is a separate loop.
+    int copies_of(const CageLoop& loop) const noexcept { return is_mirrored() && !loop.half ? 2 : 1; }
+
+    /// Shares out the vertices among the loops in proportion to the square roots of their areas, at least
+    /// four each (three for a single loop). For a half, the result counts the points of its chain.
+    std::vector<std::size_t> share_vertices() const {
+        double sum = 0;
+        const auto weight = [](const CageLoop& loop) {
+            return std::sqrt(std::fabs(signed_area(loop.points)) * (loop.half ? 2 : 1));
+        };
+        std::vector<std::size_t> order(contours_.size()), shares(contours_.size());
+        std::iota(order.begin(), order.end(), std::size_t{0});
+        std::stable_sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) {
+            return weight(contours_[i]) < weight(contours_[j]);
+        });
+        for (const auto& loop : contours_) sum += copies_of(loop) * weight(loop);
+        const double wanted = double(options_.vertices);
+        const double least = contours_.size() == 1 ? 3 : 4;
+        double given = 0, share = 0;
+        for (const std::size_t k : order) { // rounding errors carry over to the next larger loops
+            const auto& loop = contours_[k];
+            share += wanted * copies_of(loop) * weight(loop) / sum;
+            const double whole = (std::max)(std::round((share - given) / copies_of(loop)), least);
+            given += copies_of(loop) * whole;
+            shares[k] =
+                static_cast<std::size_t>(loop.half ? (std::max)(std::floor(whole / 2), 2.0) + 1 : whole);
+        }
+        return shares;
+    }
+
+    Obstacles obstacles_of(std::size_t k, double level) const {
+        const auto& own = contours_[k].points;
+        const auto box = bounds_of(std::span<const Point>(own));
+        const bool alone = contours_.size() == 1;
+        Obstacles obstacles(lattice_, level,
+                            box.widened((std::max)(8 * level, (alone ? 1 : 0.75) * box.diagonal())));
+        for (std::size_t other = 0; other < contours_.size(); ++other) {
+            if (other != k) obstacles.add(contours_[other]);
+        }
+        obstacles.add_inside(contours_[k]);
+        if (copies_of(contours_[k]) > 1) obstacles.add({0, -4}, {0, 4}); // the axis: the image lies beyond
+        return obstacles;
+    }
+
+    /// Reduces contour k to `vertices` points. It tries four stages of the reduction, the last ones with
+    /// fewer vertices, inserts the missing vertices during relaxation, and keeps the result of least energy.
+    CageLoop reduced(std::size_t k, std::size_t vertices, double level) const {
+        const auto& contour = contours_[k];
+        const LoopEnergy energy(contour, vertices, std::fmax(options_.regular, 0.0));
+        const Obstacles obstacles = obstacles_of(k, level);
+        const LoopRelaxation relaxation(energy, obstacles);
+        const auto box = bounds_of(std::span<const Point>(contour.points));
+        LoopReduction reduction(contour, obstacles, box.diagonal());
+        CageLoop best;
+        double least = std::numeric_limits<double>::infinity();
+        for (std::size_t eighths = 0; eighths < 4; ++eighths) {
+            reduction.reduce_to(vertices - vertices * eighths / 8);
+            CageLoop trial = reduction.loop();
+            relaxation.relax(trial, 6);
+            relaxation.insert(trial, vertices);
+            relaxation.relax(trial, 8);
+            if (!(energy.of(trial) < least) || (eighths > 0 && trial.size() > best.size())) continue;
+            least = energy.of(trial);
+            best = std::move(trial);
+        }
+        relaxation.relax(best, 30);
+        relaxation.reinsert(best);
+        return best;
+    }
+
+    /// Adds a loop: completes a half by its image; adds the image of another loop if that is separate.
+    void add_whole(const CageLoop& loop, std::vector<Loop>& cage) const {
+        Loop whole = loop.points, image;
+        for (auto p = loop.points.rbegin(); p != loop.points.rend(); ++p)
+            image.push_back(CageLoop::mirrored(*p));
+        if (loop.half) whole.insert(whole.end(), image.begin() + 1, image.end() - 1);
+        cage.push_back(std::move(whole));
+        if (copies_of(loop) > 1) cage.push_back(std::move(image));
+    }
+
+    std::span<const DrawnSegment<double>> figure_;
+    std::span<const PaintedArea> areas_;
+    const MakeCageOptions& options_;
+    DistanceLattice<2> lattice_;
+    std::vector<CageLoop> contours_; ///< replaced one by one by the reduced loops
+};
+
+/// The least distance between the edges of a cage and the figure; negative if some segment is not inside.
+template <Scalar T>
+double exact_clearance(const Polygon<T>& cage, std::span<const DrawnSegment<double>> figure) {
+    Buffer<Facet<2>> edges;
+    for_each_facet(cage, [&](const auto& edge) { edges.push_back({edge, cage.vertices()}); });
+    double least = std::numeric_limits<double>::infinity();
+    bool all_inside = true;
+    for (const auto& s : figure) {
+        bool inside = false;
+        for (const auto& edge : edges) {
+            const auto& [p, q] = edge.corner;
+            if (crosses_ray(s.a, p, q)) inside = !inside;
+            if (Obstacles::segments_near(s.a, s.b, p, q, least + s.radius))
+                least = (std::min)(least, segment_distance(s.a, s.b, p, q) - s.radius);
+        }
+        all_inside = all_inside && inside;
+    }
+    return all_inside ? least : -std::fabs(least);
+}
+
+/// The smallest angle between neighbouring edges, in degrees.
+template <Scalar T>
+double least_angle(const Polygon<T>& cage) {
+    double least = std::numbers::pi;
+    for (const auto& loop : cage.loops()) {
+        for (std::size_t i = loop.begin; i < loop.end; ++i) {
+            const std::size_t n = loop.size(), k = i - loop.begin;
+            const auto x = vec_cast<double>(cage[i]);
+            const auto u = vec_cast<double>(cage[loop.begin + (k + 1) % n]) - x;
+            const auto v = vec_cast<double>(cage[loop.begin + (k + n - 1) % n]) - x;
+            least = (std::min)(least, angle_between(u, v));
+        }
+    }
+    return least * 180 / std::numbers::pi;
+}
+
+/// Checks the figure, the areas and the options; `report.culprit` gets the index of the first bad item.
+template <Scalar T>
+Status check_figure(std::span<const DrawnSegment<T>> figure, std::span<const PaintedArea> areas,
+                    const MakeCageOptions& options, MakeCageReport& report) {
+    if (figure.empty()) return Status::figure_empty;
+    constexpr T limit = largest_figure_coordinate<T, 2>();
+    for (std::size_t i = 0; i < figure.size(); ++i) {
+        const auto& [a, b, radius] = figure[i];
+        report.culprit = i;
+        for (const T x : {a[0], a[1], b[0], b[1], radius}) {
+            if (!is_finite(x) || std::fabs(x) > limit) return Status::figure_not_finite;
+        }
+        if (radius < 0) return Status::figure_not_finite;
+    }
+    report.culprit = 0;
+    for (std::size_t k = 0; k < areas.size(); ++k) {
+        report.culprit = k;
+        if (areas[k].begin > areas[k].end || areas[k].end > figure.size()) return Status::index_out_of_range;
+    }
+    report.culprit = 0;
+    return check_options<2>(options);
+}
+
+/// The frame of a figure, and the figure there.
+struct FramedFigure {
+    CageFrame<2> frame;
+    Bounds<double, 2> box; ///< in the figure's own coordinates
+    std::vector<DrawnSegment<double>> segments;
+    double diagonal = 0; ///< of its bounds, in local units
+};
+
+template <Scalar T>
+Status frame_figure(std::span<const DrawnSegment<T>> figure, const std::optional<MirrorPlane>& mirror,
+                    FramedFigure& framed) {
+    auto& box = framed.box;
+    box = bounds_of(std::span<const Vec<double, 2>>());
+    for (const auto& s : figure) {
+        for (std::size_t k = 0; k < 2; ++k) {
+            box.lower[k] = (std::min)(
+                {box.lower[k], double(s.a[k]) - double(s.radius), double(s.b[k]) - double(s.radius)});
+            box.upper[k] = (std::max)(
+                {box.upper[k], double(s.a[k]) + double(s.radius), double(s.b[k]) + double(s.radius)});
+        }
+    }
+    if (!(box.diagonal() > least_figure_diagonal<2>())) return Status::figure_has_no_size;
+    auto& frame = framed.frame;
+    frame = CageFrame<2>(box, mirror);
+    for (const auto& s : figure)
+        framed.segments.push_back({frame.to_local(vec_cast<double>(s.a)),
+                                   frame.to_local(vec_cast<double>(s.b)), frame.scale * double(s.radius)});
+    framed.diagonal = length(frame.scale * (box.upper - box.lower));
+    return Status::ok;
+}
+
+/// Makes the cage and measures its exact clearance. If it is too near, tries again farther off.
+template <Scalar T>
+Status make_cage_into(std::span<const DrawnSegment<T>> figure, std::span<const PaintedArea> areas,
+                      const MakeCageOptions& options, const Running& running,
+                      Result<Polygon<T>, MakeCageReport>& made) {
+    auto& report = made.report;
+    Status status = check_figure(figure, areas, options, report);
+    if (status != Status::ok) return status;
+    FramedFigure framed;
+    status = frame_figure(figure, options.mirror, framed);
+    if (status != Status::ok) return status;
+    MakeCageOptions wanted = options;
+    if (wanted.vertices == 0) wanted.vertices = 24;
+    const double margin = (options.margin > 0 ? options.margin : 0.025) * framed.diagonal;
+    report.margin = margin / framed.frame.scale;
+    if (!can_tell<T>(report.margin, framed.box)) return Status::cage_not_found;
+    PlaneCageMaker maker(framed.segments, areas, wanted);
+    std::vector<DrawnSegment<double>> exact; // in the figure's own coordinates
+    for (const auto& s : figure)
+        exact.push_back({vec_cast<double>(s.a), vec_cast<double>(s.b), double(s.radius)});
+    double level = margin;
+    constexpr std::size_t tries = 3;
+    for (std::size_t round = 0; round < tries; ++round) {
+        std::vector<Loop> loops;
+        const std::array<double, 4> done{0, 0.9, 0.95, 1}; // few figures need a second try
+        const Running part = running.part(done[round], done[round + 1]);
+        status = maker.make(level, part, report, loops);
+        if (status != Status::ok) return status;
+        std::vector<Vec<T, 2>> vertices;
+        std::vector<std::size_t> sizes;
+        for (const auto& loop : loops) {
+            for (const auto& p : loop) vertices.push_back(vec_cast<T>(framed.frame.from_local(p)));
+            if (framed.frame.turns_over())
+                std::reverse(vertices.end() - std::ptrdiff_t(loop.size()), vertices.end());
+            sizes.push_back(loop.size());
+        }
+        made.value = Polygon<T>(vertices, sizes);
+        report.cage = check(made.value);
+        report.clearance = exact_clearance(made.value, std::span<const DrawnSegment<double>>(exact));
+        if (holds_figure(report)) break;
+        level += (std::max)(margin - report.clearance * framed.frame.scale, 0.1 * margin);
+    }
+    if (!running.keep_going(1)) return Status::cancelled;
+    report.vertices = made.value.size();
+    report.least_angle = least_angle(made.value);
+    report.area = 0;
+    for (const auto& loop : made.value.loops()) report.area += signed_area(made.value, loop);
+    report.tightest_area /= framed.frame.scale * framed.frame.scale;
+    return holds_figure(report) ? Status::ok : Status::cage_not_found;
+}
+
+} // namespace detail
+
+} // namespace cageform::inline CAGEFORM_ABI

@@ -1,0 +1,392 @@
+// Runs the steps of make_cage_3d.hpp for a figure in space, and measures the exact clearance of the cage.
+#pragma once
+
+#include <cageform/cage/triangle_mesh.hpp>
+#include <cageform/enclose/detail/cage_frame.hpp>
+#include <cageform/enclose/detail/join_parts.hpp>
+#include <cageform/enclose/space/reduce_shell.hpp>
+#include <cageform/enclose/space/relax_shell.hpp>
+#include <cageform/enclose/space/surface_nets.hpp>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+namespace detail {
+
+/// Runs steps 1 to 5 for one figure.
+class SpaceCageMaker {
+public:
+    using Point = Vec<double, 3>;
+
+    SpaceCageMaker(std::span<const Corners<3>> figure, const MakeCageOptions& options)
+        : figure_(figure)
+        , options_(options) {
+        for (const auto& corner : figure) {
+            for (const auto& p : corner) {
+                for (std::size_t k = 0; k < 3; ++k) {
+                    box_.lower[k] = (std::min)(box_.lower[k], p[k]);
+                    box_.upper[k] = (std::max)(box_.upper[k], p[k]);
+                }
+            }
+        }
+        if (is_mirrored()) {
+            box_.upper[0] = (std::max)(box_.upper[0], -box_.lower[0]);
+            box_.lower[0] = -box_.upper[0];
+        }
+        const auto size = box_.upper - box_.lower;
+        longest_ = (std::max)({size[0], size[1], size[2]});
+    }
+
+    /// Makes a shell in local coordinates that keeps the distance `level` from the figure, up to
+    /// the lattice's resolution. Reports parts, bridges and, the first time, the tightest volume.
+    Status make(double level, const Running& running, MakeCageReport& report, Shell& shell) {
+        if (options_.shape == CageShape::box) {
+            shell = box_shell(level);
+            report.tightest_area = shell.six_volumes() / 6;
+            return Status::ok;
+        }
+        const double lifted = 1.12 * level; // interpolated f lets flat faces come nearer
+        if (const Status status = make_lattice(lifted); status != Status::ok) return status;
+        SpaceDistance(lattice_, figure_).fill(lifted, 5 * lifted);
+        if (options_.shape == CageShape::hull)
+            fill_hull(lattice_, [&](const Point& direction) { return reach(direction) + lifted; });
+        if (is_mirrored()) lattice_.mirror();
+        if (!running.keep_going(0.15)) return Status::cancelled;
+        report.parts = LatticeParts(lattice_, lattice_.outside(0)).count;
+        report.bridges = options_.one_cage ? join_parts(lattice_, lifted, is_mirrored()) : 0;
+        close_slits(lattice_, 0.6 * lifted, false);
+        if (is_mirrored()) lattice_.mirror();
+        shell = contour();
+        if (options_.fill_tunnels) fill_tunnels(lifted, shell);
+        if (shell.faces.empty()) return Status::cage_not_found;
+        const double six = shell.six_volumes();
+        if (report.tightest_area == 0) report.tightest_area = six / 6 * (shell.half ? 2 : 1);
+        if (!running.keep_going(0.3)) return Status::cancelled;
+        const ShellObstacles obstacles(lattice_, lifted);
+        double area = 0;
+        for (const auto& face : shell.faces) area += 0.5 * length(area_normal(shell.corners(face)));
+        if (!ShellReduction(shell, obstacles).reduce_to(options_.vertices, running.part(0.3, 0.8)))
+            return Status::cancelled;
+        const ShellEnergy energy(six, options_.vertices, area * (shell.half ? 2 : 1),
+                                 std::fmax(options_.regular, 0.0));
+        if (!ShellRelaxation(shell, obstacles, energy).relax(24, running.part(0.8, 1)))
+            return Status::cancelled;
+        return Status::ok;
+    }
+
+private:
+    bool is_mirrored() const noexcept { return options_.mirror.has_value(); }
+
+    Shell box_shell(double level) const {
+        const auto box = box_.widened(level);
+        Shell shell;
+        for (unsigned corner = 0; corner < 8; ++corner) {
+            Point p = box.lower;
+            for (std::size_t k = 0; k < 3; ++k) p[k] = (corner >> k & 1U) != 0 ? box.upper[k] : p[k];
+            shell.points.push_back(p);
+            shell.on_rim.push_back(false);
+        }
+        // Each side as a corner and its two neighbours; the fourth corner is their sum minus the first.
+        for (const Shell::Face& quad :
+             {Shell::Face{0, 2, 1}, {4, 5, 6}, {0, 1, 4}, {2, 6, 3}, {0, 4, 2}, {1, 3, 5}}) {
+            shell.faces.push_back(quad);
+            shell.faces.push_back({quad[1], quad[1] + quad[2] - quad[0], quad[2]});
+        }
+        shell.link();
+        return shell;
+    }
+
+    /// How far the figure, and in a mirrored cage also its image, extends in a direction.
+    double reach(const Point& direction) const noexcept {
+        double most = std::numeric_limits<double>::lowest();
+        for (const auto& corner : figure_) {
+            for (const auto& p : corner) {
+                most = (std::max)(most, dot(direction, p));
+                if (is_mirrored()) most = (std::max)(most, dot(direction, Point{-p[0], p[1], p[2]}));
+            }
+        }
+        return most;
+    }
+
+    /// The lattice has 2.2 spacings per margin, or fewer if the longest side would need more than
+    /// 220 spacings.
+    Status make_lattice(double level) {
+        const double wanted = (std::max)(level / 2.2, (longest_ + 2 * level) / 220);
+        const double h = double(static_cast<float>(wanted)); // makes node positions exact
+        if (h > 0.8 * level) return Status::margin_too_small;
+        lattice_ = lattice_about(h, 5 * level + 4 * h, 5 * level);
+        return Status::ok;
+    }
+    /// Makes a lattice around the figure. In a mirrored cage, the plane lies midway between nodes.
+    DistanceLattice<3> lattice_about(double h, double padding, double farthest) const {
+        Point low{};
+        DistanceLattice<3>::Count count{};
+        for (std::size_t k = 0; k < 3; ++k) {
+            const bool centred = k == 0 && is_mirrored();
+            const double to = box_.upper[k] + padding, from = box_.lower[k] - padding;
+            const double half = std::ceil(to / h);
+            low[k] = centred ? (0.5 - half) * h : from;
+            count[k] = static_cast<std::size_t>(centred ? 2 * half : std::ceil((to - from) / h) + 1);
+        }
+        return {low, h, count, farthest};
+    }
+
+    /// The border of the outside as a manifold mesh. Pockets that the outside does not reach become inside.
+    Shell contour() {
+        auto outside = lattice_.outside(0);
+        for (std::size_t node = 0; node < lattice_.size(); ++node) {
+            if (outside[node] == 0 && lattice_[node] > 0)
+                lattice_[node] = static_cast<float>(-lattice_.spacing());
+        }
+        for (bool changed = true; changed;) {
+            make_well_composed(lattice_, outside);
+            changed = false;
+            if (!is_mirrored()) break;
+            const std::size_t width = lattice_.count()[0];
+            for (std::size_t node = 0; node < lattice_.size(); ++node) {
+                const std::size_t column = node % width, image = node - column + (width - 1 - column);
+                if (outside[node] == outside[image]) continue;
+                outside[node] = outside[image] = 0;
+                changed = true;
+            }
+        }
+        return SurfaceNets(lattice_, outside, is_mirrored()).shell();
+    }
+
+    /// Closes the figure by larger and larger balls until no tunnel is left. Each round uses a
+    /// lattice of its own with enough room around the figure.
+    void fill_tunnels(double level, Shell& shell) {
+        for (double radius = 2 * level; radius < longest_ && euler_number(shell) < 2 * shell_count(shell);
+             radius *= 2) {
+            const double h = (std::max)(lattice_.spacing(), (longest_ + 4 * radius) / 120);
+            auto coarse = lattice_about(h, radius + 4 * h, radius + 3 * h);
+            SpaceDistance(coarse, figure_).fill(level, radius + 3 * h);
+            if (is_mirrored()) coarse.mirror();
+            const auto open = coarse.outside(static_cast<float>(radius));
+            const auto nearest = nearest_sources(coarse, [&](std::size_t node) { return open[node] != 0; });
+            for (std::size_t node = 0; node < coarse.size(); ++node) {
+                if (nearest[node] == coarse.size()) continue;
+                coarse[node] = static_cast<float>(radius - h * std::sqrt(coarse.steps2(node, nearest[node])));
+            }
+            for (std::size_t node = 0; node < lattice_.size(); ++node)
+                lattice_[node] =
+                    (std::min)(lattice_[node], static_cast<float>(coarse.value(lattice_.place(node))));
+            if (is_mirrored()) lattice_.mirror();
+            shell = contour();
+        }
+    }
+
+    std::span<const Corners<3>> figure_;
+    const MakeCageOptions& options_;
+    Bounds<double, 3> box_ = bounds_of(std::span<const Point>());
+    double longest_ = 0;
+    DistanceLattice<3> lattice_;
+};
+
+/// The distance between two triangles; 0 if they meet.
+inline double facet_distance(const Corners<3>& a, const Corners<3>& b) noexcept {
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t k = 0; k < 3 && least > 0; ++k) {
+        least = (std::min)(least, segment_to_facet(a[k], a[(k + 1) % 3], b));
+        least = (std::min)(least, segment_to_facet(b[k], b[(k + 1) % 3], a));
+    }
+    return least;
+}
+
+/// The least distance between the faces of a cage and those of a figure; at most `reach` is returned.
+template <Scalar T>
+double exact_clearance(const TriangleMesh<T>& cage, std::span<const Corners<3>> figure, double reach) {
+    std::vector<Facet<3>> facets;
+    double edges = 0;
+    for (const auto& face : cage.faces()) {
+        facets.emplace_back(face, cage.vertices());
+        edges += length(facets.back().corner[1] - facets.back().corner[0]);
+    }
+    FaceHash hash(edges / double(facets.size()), facets.size());
+    for (std::uint32_t f = 0; f < facets.size(); ++f) hash.add(f, facets[f].corner);
+    double least = reach;
+    for (const auto& corner : figure) {
+        const auto middle = (1.0 / 3) * (corner[0] + corner[1] + corner[2]);
+        double radius = 0;
+        for (const auto& p : corner) radius = (std::max)(radius, length(p - middle));
+        const auto box = box_of(corner).widened(least);
+        (void)hash.any(box, [&](std::uint32_t f) {
+            if (distance_to_facet(middle, facets[f].corner) - radius < least)
+                least = (std::min)(least, facet_distance(corner, facets[f].corner));
+            return false;
+        });
+    }
+    return least;
+}
+
+/// One vertex of each connected part of a figure; if there are more than 4,096, of parts spread
+/// over the list.
+template <class F>
+std::vector<std::size_t> part_corners(const F& faces, std::size_t vertices) {
+    std::vector<std::size_t> root(vertices);
+    std::iota(root.begin(), root.end(), std::size_t{0});
+    const auto find = [&](std::size_t v) {
+        while (root[v] != v) v = root[v] = root[root[v]];
+        return v;
+    };
+    for (std::size_t f = 0; f < std::size(faces); ++f) {
+        for (std::size_t k = 1; k < 3; ++k)
+            root[find(std::size_t(faces[f][k]))] = find(std::size_t(faces[f][0]));
+    }
+    std::vector<std::size_t> corners;
+    std::vector<bool> seen(vertices);
+    for (std::size_t f = 0; f < std::size(faces); ++f) {
+        const std::size_t part = find(std::size_t(faces[f][0]));
+        if (!seen[part]) corners.push_back(std::size_t(faces[f][0]));
+        seen[part] = true;
+    }
+    constexpr std::size_t most = 4096;
+    if (corners.size() <= most) return corners;
+    std::vector<std::size_t> some;
+    some.reserve(most);
+    for (std::size_t k = 0; k < most; ++k) some.push_back(corners[k * corners.size() / most]);
+    return some;
+}
+
+/// The smallest angle of a face, in degrees.
+template <Scalar T>
+double least_angle(const TriangleMesh<T>& cage) {
+    double least = std::numbers::pi;
+    for (const auto& face : cage.faces()) {
+        const Facet<3> facet(face, cage.vertices());
+        for (std::size_t k = 0; k < 3; ++k) {
+            const auto u = facet.corner[(k + 1) % 3] - facet.corner[k],
+                       v = facet.corner[(k + 2) % 3] - facet.corner[k];
+            least = (std::min)(least, std::atan2(length(cross(u, v)), dot(u, v)));
+        }
+    }
+    return least * 180 / std::numbers::pi;
+}
+
+/// The cage in the figure's coordinates; a half is completed by its image.
+template <Scalar T>
+TriangleMesh<T> cage_of(const Shell& shell, const CageFrame<3>& frame) {
+    std::vector<Vec<T, 3>> vertices;
+    std::vector<std::array<std::uint32_t, 3>> faces;
+    for (const bool image : {false, true}) {
+        if (image && !shell.half) break;
+        static constexpr std::uint32_t none = ~std::uint32_t{0};
+        std::vector<std::uint32_t> number(shell.points.size(), none);
+        std::uint32_t next_on_rim = 0;
+        for (std::size_t v = 0; v < shell.points.size(); ++v) {
+            if (shell.star[v].empty()) continue;
+            auto p = shell.points[v];
+            if (image) p[0] = -p[0];
+            const auto place = vec_cast<T>(frame.from_local(p));
+            if (shell.half && shell.on_rim[v]) { // rim vertices come first; the image shares them
+                if (!image) vertices.insert(vertices.begin() + next_on_rim, place);
+                number[v] = next_on_rim++;
+            }
+        }
+        for (std::size_t v = 0; v < shell.points.size(); ++v) {
+            if (shell.star[v].empty() || number[v] != none) continue;
+            auto p = shell.points[v];
+            if (image) p[0] = -p[0];
+            number[v] = static_cast<std::uint32_t>(vertices.size());
+            vertices.push_back(vec_cast<T>(frame.from_local(p)));
+        }
+        for (std::size_t f = 0; f < shell.faces.size(); ++f) {
+            if (!shell.is_face(f)) continue;
+            std::array<std::uint32_t, 3> face{};
+            for (std::size_t k = 0; k < 3; ++k) face[k] = number[shell.faces[f][k]];
+            if (image != frame.turns_over()) std::swap(face[1], face[2]);
+            faces.push_back(face);
+        }
+    }
+    return {vertices, faces};
+}
+
+/// Reads the corners of the figure's faces; reports the first invalid one.
+template <PointRange R, FaceRange F>
+Status read_figure(const R& vertices, const F& faces, std::vector<Corners<3>>& figure,
+                   MakeCageReport& report) {
+    using T = range_scalar_t<R>;
+    if (std::size(faces) == 0) return Status::figure_empty;
+    constexpr T limit = largest_figure_coordinate<T, 3>();
+    figure.reserve(std::size(faces));
+    for (std::size_t f = 0; f < std::size(faces); ++f) {
+        const auto face = checked_face(faces[f], std::size(vertices));
+        report.culprit = f;
+        if (lacks_vertex(face)) return Status::index_out_of_range;
+        Corners<3> corner;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const auto p = to_vec<T>(vertices[face[k]]);
+            report.culprit = face[k];
+            for (const T x : p.v) {
+                if (!is_finite(x) || std::fabs(x) > limit) return Status::figure_not_finite;
+            }
+            corner[k] = vec_cast<double>(p);
+        }
+        figure.push_back(corner);
+    }
+    report.culprit = 0;
+    return Status::ok;
+}
+
+/// Makes the cage and measures its exact clearance. If it is too near, tries again farther off.
+template <PointRange R, FaceRange F>
+Status make_cage_into(const R& vertices, const F& faces, const MakeCageOptions& options,
+                      const Running& running, Result<TriangleMesh<range_scalar_t<R>>, MakeCageReport>& made) {
+    using T = range_scalar_t<R>;
+    auto& report = made.report;
+    std::vector<Corners<3>> figure;
+    if (const Status status = read_figure(vertices, faces, figure, report); status != Status::ok)
+        return status;
+    if (const Status status = check_options<3>(options); status != Status::ok) return status;
+    Bounds<double, 3> box = bounds_of(std::span<const Vec<double, 3>>());
+    for (const auto& corner : figure) {
+        const auto b = box_of(corner);
+        for (std::size_t k = 0; k < 3; ++k) {
+            box.lower[k] = (std::min)(box.lower[k], b.lower[k]);
+            box.upper[k] = (std::max)(box.upper[k], b.upper[k]);
+        }
+    }
+    if (!(box.diagonal() > least_figure_diagonal<3>())) return Status::figure_has_no_size;
+    const CageFrame<3> frame(box, options.mirror);
+    std::vector<Corners<3>> local = figure;
+    for (auto& corner : local) {
+        for (auto& p : corner) p = frame.to_local(p);
+    }
+    MakeCageOptions wanted = options;
+    if (wanted.vertices == 0) wanted.vertices = 112;
+    report.margin = (options.margin > 0 ? options.margin : 0.02) * box.diagonal();
+    if (!can_tell<T>(report.margin, box)) return Status::cage_not_found;
+    SpaceCageMaker maker(local, wanted);
+    const auto starts = part_corners(faces, std::size(vertices));
+    double level = report.margin * frame.scale;
+    constexpr std::size_t tries = 3;
+    for (std::size_t round = 0; round < tries; ++round) {
+        const std::array<double, 4> done{0, 0.9, 0.95, 1}; // few figures need a second try
+        const Running part = running.part(done[round], done[round + 1]);
+        Shell shell;
+        if (const Status status = maker.make(level, part, report, shell); status != Status::ok) return status;
+        made.value = cage_of<T>(shell, frame);
+        report.cage = check(made.value);
+        report.clearance =
+            exact_clearance(made.value, std::span<const Corners<3>>(figure), 2 * report.margin);
+        const bool all_inside = std::all_of(starts.begin(), starts.end(), [&](std::size_t v) {
+            return is_enclosed(winding_number(made.value, to_vec<T>(vertices[v])));
+        });
+        if (!all_inside) report.clearance = -report.clearance;
+        if (holds_figure(report)) break;
+        level += (std::max)((report.margin - report.clearance) * frame.scale, 0.1 * level);
+    }
+    if (!running.keep_going(1)) return Status::cancelled;
+    const auto shells = detail::shells_of(made.value);
+    report.vertices = made.value.size();
+    report.least_angle = least_angle(made.value);
+    report.area = 0;
+    for (const double six : shells.volume) report.area += std::fabs(six) / 6;
+    report.tightest_area /= frame.scale * frame.scale * frame.scale;
+    // Euler's formula: V - E + F = 2 (shells - tunnels), and 2 E = 3 F.
+    report.tunnels = (2 * shells.first_face.size() + made.value.faces().size() / 2 - made.value.size()) / 2;
+    return holds_figure(report) ? Status::ok : Status::cage_not_found;
+}
+
+} // namespace detail
+
+} // namespace cageform::inline CAGEFORM_ABI
