@@ -3,7 +3,8 @@
 //
 // f is the unsigned distance from the figure minus the margin. A flood from the rim of the lattice through
 // f > 0 finds the outside. Inside is all that it does not reach: the figure needs no inside of its own.
-// Only with MakeCageOptions::holes are painted areas filled, and large empty regions in them stay outside.
+// With MakeCageOptions::holes, painted areas are filled first, and enclosed empty regions larger than 16
+// squared margins count as outside too.
 //
 // The steps (make_cage_3d.hpp does this in space):
 //   1  detail/distance_lattice.hpp  samples f on a lattice
