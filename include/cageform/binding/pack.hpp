@@ -8,22 +8,35 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Packs a binding. It drops weights and rounds the others, then restores Σ w and Σ w c of every
-/// point, so rest and affine poses stay as exact as they were:
+/// Packs a binding. It drops weights and rounds the others, but keeps Σ w and Σ w c of every point
+/// (c are the handles at rest), so rest and affine poses stay as exact as they were:
 ///
-///   - After dropping, the kept weights change by the least amount, in the least-squares sense, that
-///     restores both sums.
-///   - After rounding, D + 1 numbers per point hold what is missing of them
-///     (binding/detail/packed_binding.hpp).
+///   - Without a tolerance, the kept weights change by the least amount, in the least-squares sense,
+///     that restores both sums. With one, all kept weights are solved anew, see below.
+///   - After rounding, D + 1 numbers per point hold what is missing of the sums
+///     (binding/detail/packed_binding.hpp). Scalar weights have no such numbers.
 ///
 /// Points are stored in blocks of one cache line (16 points of float, 8 of double). A block has a
 /// row of weights for every handle that is kept for at least one of its points, so a point keeps
 /// its own largest weights, and also those of the other rows of its block, which cost nothing.
 ///
-/// With PackOptions::tolerance (packing by distance) rows are added to each block one after the other,
-/// always the one that reduces the loss most, until no point of the block is farther than the
-/// tolerance from where the full weights put it. If poses are given, the loss is measured in them. The
-/// reported distance is measured on the weights as stored; a clone adds the rounding of its own sums.
+/// PackOptions::tolerance packs by distance. Two measures have two jobs. The square loss δᵀKδ of a change
+/// δ of a point's weights ranks handles and fits weights: it is the mean squared displacement over
+/// the poses, with a small share for other motion (row_pursuit.hpp). The distance decides when to
+/// stop: it is the largest over the poses. Without poses, K treats all handles alike, and the distance is
+/// a bound over all poses within PackOptions::reach.
+///
+///   1. Rank: in each block, rows are added one after the other, always the one that lowers the square
+///      losses most; points with large losses count most.
+///   2. Refit: for a number of rows, all kept weights are solved anew. They have the least δᵀKδ of
+///      all weights with exactly the sums Σ w and Σ w c of the full ones.
+///   3. Test: the weights are stored in each possible format and read back. The block
+///      gets the fewest rows found with which no point of it is farther off than the tolerance.
+///   4. Format: the whole binding gets one format, that of the fewest bytes among those that keep the
+///      tolerance in every block. No block has a format of its own.
+///
+/// Not promised: the tolerance in poses between the given ones or in other motion, and the rounding
+/// of the sums that `clone` computes, which adds to the reported distance.
 ///
 /// Code: binding/detail/packer.hpp packs block by block, choose_rows.hpp finds the number of rows
 /// of a block, row_pursuit.hpp the order in which rows are added.

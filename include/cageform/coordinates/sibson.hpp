@@ -46,8 +46,11 @@ struct SibsonOptions {
 ///              where sites are close together (BindReport::amplification)
 ///   defined    in the convex hull of the sites, has_extension = false
 ///   smooth     C¹ inside the hull; degree 1 not at the sites
-///   accuracy   a few roundings: weights that double cannot give are computed from integers
-///   cost       O(n log n) to make. Per point: a walk, one term per neighbour, and clearing n weights
+///   accuracy   sites and points are rounded to a lattice of 2^-60 of the sites' size. Weights are computed
+///              in double where their estimated rounding error is at most 2^-39 (2D) or 2^-35 (3D), else
+///              from integers; over hostile sites the measured error is below 1e-13 (sibson/new_cell.hpp)
+///   cost       O(n log n) to make. Per point: a walk through the triangulation, one term per
+///              neighbour, and clearing n weights
 ///   gradients  degree 1 has none at sites, and on the hull they are one-sided: there they are taken at
 ///              a point 1e-6 of the way to the centroid of a simplex
 ///   faults     too_few_vertices, vertex_not_finite, duplicate_vertices, sites_in_a_plane

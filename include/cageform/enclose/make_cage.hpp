@@ -1,12 +1,19 @@
 // Makes a cage for a figure in the plane: loops of few vertices around everything that is drawn. The figure
 // needs only finite coordinates: strokes, open paths, self-crossing outlines, scattered parts are fine.
 //
+// f is the unsigned distance from the figure minus the margin. A flood from the rim of the lattice through
+// f > 0 finds the outside. Inside is all that it does not reach: the figure needs no inside of its own.
+// With MakeCageOptions::holes, painted areas are filled first, and enclosed empty regions larger than 16
+// squared margins count as outside too.
+//
 // The steps (make_cage_3d.hpp does this in space):
-//   1  detail/distance_lattice.hpp  samples f = distance from the figure − margin; the cage encloses f < 0
+//   1  detail/distance_lattice.hpp  samples f on a lattice
 //   2  detail/join_parts.hpp        joins separate parts by bridges and closes narrow slits
 //   3  plane/contour.hpp            traces the border of the outside: a tight cage of very many vertices
-//   4  plane/reduce_loop.hpp        merges neighbouring vertices so that the loop only grows
-//   5  plane/relax_loop.hpp         moves, inserts, removes vertices to lower the energy of cage_loop.hpp
+//   4  plane/reduce_loop.hpp        merges neighbouring vertices so that the loop only grows, to n, 7n/8,
+//                                   6n/8 and 5n/8 of the n vertices of a loop
+//   5  plane/relax_loop.hpp         moves, inserts, removes vertices to lower the energy of cage_loop.hpp;
+//                                   of the four the loop of least energy stays
 //   6  plane/cage_maker.hpp         runs these steps, then measures the exact clearance; if too small,
 //                                   tries again farther off
 #pragma once
@@ -23,7 +30,8 @@ namespace cageform::inline CAGEFORM_ABI {
 ///   returns  a loop of options.vertices vertices, counter-clockwise. Several loops share them by the roots
 ///            of their areas, at least four each, so report.vertices can be larger. The cage passes `check`
 ///            and contains the figure exactly; report.clearance is at least 0.9 of the margin
-///   parts    are joined by bridges 2.6 margins wide, a shortest tree; slits below 1.2 margins are closed
+///   parts    are joined by bridges 2.6 margins wide, a shortest tree; gaps of the drawing below 3.2
+///            margins are closed: grown by the margin, they leave slits below 1.2 margins
 ///   mirror   vertices come in pairs, except for those on the axis; the figure need not be symmetric
 ///   cost     some 50 ms for a drawing of a thousand segments; up to 70 bytes for each of at most 2^24 nodes
 ///            of a lattice, whose spacing is at most 1/256 of the figure's longer side, and margin / 3

@@ -1,9 +1,11 @@
 // Makes a cage for a figure in space: a closed triangle mesh of few vertices around all faces. The figure
 // only needs finite coordinates: holes, torn vertices, faces that cross and scattered parts are fine.
 //
+// f is the unsigned distance from the faces minus 1.12 margins; the surplus makes up for interpolation.
+// A flood from the rim of the lattice through f > 0 finds the outside. Inside is all that it does not reach.
+//
 // The steps (make_cage.hpp does this in the plane):
-//   1  space/space_distance.hpp  samples f = distance from the figure − margin on a lattice
-//                                (detail/distance_lattice.hpp); the cage encloses f < 0
+//   1  space/space_distance.hpp  samples f on a lattice (detail/distance_lattice.hpp)
 //   2  detail/join_parts.hpp     joins separate parts by bridges and closes narrow slits
 //   3  space/surface_nets.hpp    makes the border of the outside: a tight mesh (shell.hpp) of very
 //                                many vertices
@@ -24,10 +26,12 @@ namespace cageform::inline CAGEFORM_ABI {
 ///   returns  a closed mesh of options.vertices vertices, counter-clockwise seen from outside. It passes
 ///            `check`; no face meets one of the figure, and report.clearance, exact, is at least 0.9 of the
 ///            margin. A corner of each connected part of the figure (of 4,096, if there are more) is inside
-///   parts    are joined by bridges 2.6 margins wide, along a shortest tree; without one_cage, the
-///            shells share options.vertices. Slits narrower than 1.2 margins are closed
+///   parts    are joined by bridges 2.9 margins wide, along a shortest tree; without one_cage, the
+///            shells share options.vertices. Gaps of the figure below 3.6 margins are closed: grown by 1.12
+///            margins, they leave slits below 1.2 of these
 ///   tunnels  stay, unless options.fill_tunnels; report.tunnels counts them
 ///   mirror   vertices come in pairs, except for those on the plane; the number requested is met up to one
+///   vertices report.vertices can differ from options.vertices, see there
 ///   cost     some seconds, and some 40 bytes for each of at most 250^3 nodes of a lattice. With
 ///            small margins it has fewer than two nodes per margin; below 0.6 % of the longest
 ///            side, make_cage fails

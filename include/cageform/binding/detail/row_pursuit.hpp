@@ -81,10 +81,11 @@ private:
     double noise_ = 1, affine_ = 1;
 };
 
-/// Orders the handles of a block by how much a row for each of them is worth. If the first of them
-/// are kept, `solution` returns the best weights: those that restore Σ wκ and Σ wH and lose the
-/// least square. The method is orthogonal least squares (Chen, Billings, Luo, Int. J. Control 50
-/// (1989)), on a Cholesky factorisation of K that grows by a row with every handle.
+/// Ranks the handles of a block: `add` appends one, and `best` proposes the next. `solution(n)` keeps
+/// the first n handles and returns new weights for them: of all weights with the row sums Σ wκ and
+/// Σ wH of the binding (κ, H: core/types/handles.hpp), those with the least square loss. The
+/// method is orthogonal least squares (Chen, Billings, Luo, Int. J. Control 50 (1989)), on a Cholesky
+/// factorisation of K that grows by a row with every handle.
 ///
 ///   L     points of the block
 ///   cost  O(#handles · (count + L)) for the next handle, and for a solution O(count² · L)
@@ -127,7 +128,9 @@ public:
     std::size_t candidates() const { return candidates_; } ///< handles with a weight that is not 0
     std::span<const std::uint32_t> order() const { return order_; }
 
-    /// Returns the handle that lowers the loss most. Points count by what they have lost so far.
+    /// Returns the handle with the largest weighted gain. The gain of a point is how far a row for the
+    /// handle would lower its square loss, without regard to row sums. Its weight is its present
+    /// square loss, so the points that are worst off count most.
     std::uint32_t best() const {
         double most = -1;
         std::uint32_t best = 0;

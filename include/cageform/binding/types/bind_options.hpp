@@ -60,7 +60,8 @@ struct BindReport {
     Extreme weight_change;     ///< largest change of a weight in a round of LinearPrecision::restore
     Extreme residual_restored; ///< largest |Σwc − p| before it
     Extreme least_weight;      ///< negative weights are no fault of closed forms
-    /// Largest Σ|w|: how far a point can move if handles move by 1; 1 if no weight is negative.
+    /// Largest Σ|w| of a point: a point moves by at most this if no handle moves by more than 1. It is
+    /// 1 if no weight is negative, the sum being 1.
     Extreme amplification;
     double seconds = 0; ///< wall-clock time, including the solver's
 };

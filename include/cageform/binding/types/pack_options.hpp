@@ -18,12 +18,16 @@ struct PackOptions {
     /// Storage of the weights. Empty: of the formats that keep the tolerance, the one with the
     /// fewest bytes; without a tolerance, scalar.
     std::optional<WeightFormat> format{};
-    /// How many weights a point keeps at least, the largest ones; 0: all. At least D + 1.
+    /// The largest weights of a point, which it keeps: this many, at least D + 1. 0, or the number of
+    /// handles or more: their number is no reason to drop weights.
     std::size_t largest = 0;
-    double threshold = 0; ///< smaller weights are dropped, unless the block has a row for them anyway
-    /// The largest distance allowed for any point, over `poses` if given, else within `reach`. Rows
-    /// are added to a block until it is kept, beyond those that `largest` and `threshold` require.
-    /// 0: no limit.
+    /// Weights below this may be dropped, unless the block has a row for them anyway. 0: their size
+    /// is no reason to drop weights.
+    double threshold = 0;
+    /// The largest distance allowed for any point, over `poses` if given, else within `reach`. If
+    /// `largest` or `threshold` drops weights, the rows for the others are required, and more are
+    /// added to a block until the distance is kept. If both are 0, no rows are required, and the
+    /// distance alone decides which weights are kept. 0: no limit; with all three 0, nothing is dropped.
     double tolerance = 0;
     /// The poses in which distances are measured, for instance those of a clip: #poses · #handles ·
     /// D numbers, as `append_pose` writes them. Weights are fitted to these poses, with a small

@@ -8,9 +8,9 @@ namespace cageform::inline CAGEFORM_ABI {
 /// A Delaunay triangulation, with a *ghost* simplex beyond every facet of the convex hull.
 ///
 /// Inserts site by site (Bowyer 1981, Watson 1981) with exact predicates: sites are rounded to a
-/// lattice of 2^-60 of their extent, and determinants of uncertain sign in double use integers.
-/// Points on a sphere count as outside, so no simplex is flat. Sites are renumbered in an order
-/// that depends only on their positions; so do the triangulation and the order of its simplices.
+/// lattice of step 2^-60 extents (site_lattice.hpp), and determinants of uncertain sign in double use
+/// integers. Points on a sphere count as outside, so no simplex is flat. Sites are renumbered in an
+/// order that depends only on their positions; so do the triangulation and the order of its simplices.
 ///
 ///   cost    O(n log n) for usual sites, O(n²) at worst in space
 ///   memory  6 triangles or about 7 tetrahedra of 64 bytes per site
@@ -222,7 +222,7 @@ private:
         return found;
     }
 
-    /// Walks towards `p` to the simplex containing it, or the first with `found(simplex)`.
+    /// Steps towards `p`, across a facet at a time, to the simplex containing it or the first `found`.
     template <class Found>
     std::uint32_t walk(const Place& p, Search& search, const Found& found) const noexcept {
         std::uint32_t at = starts_.empty() ? search.last_ : starts_[cell_of(p)];

@@ -6,7 +6,8 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// A point on the lattice of 2^-60 of the sites' extent. Differences need 61 bits and a sign.
+/// A point on a lattice whose step is 2^-60 extents. An *extent* is a unit of length: the least power of
+/// two above the longest side of the sites' bounds. Differences need 61 bits and a sign.
 template <std::size_t D>
 using Place = std::array<std::int64_t, D>;
 
@@ -24,7 +25,7 @@ Place<D> difference(Place<D> a, const Place<D>& b) noexcept {
 }
 
 /// Converts points of the user to lattice points and back. Rounds a double within the bounds only
-/// below 2^-60 of their extent, however far from the origin they lie.
+/// below 2^-60 extents, however far from the origin they lie.
 template <std::size_t D>
 class SiteLattice {
 public:
@@ -49,7 +50,7 @@ public:
         for (std::size_t k = 0; k < D; ++k) result[k] = std::int64_t(fixed(p[k]) - origin_[k]);
         return result;
     }
-    /// Converts a length to extents; the longest side of the bounds is between 1/2 and 1 extents.
+    /// Converts a length to extents; the longest side of the bounds is at least 1/2 and less than 1.
     double extents(double length) const noexcept { return std::ldexp(length, exponent_ - 60); }
     double units(double extents) const noexcept { return std::ldexp(extents, 60 - exponent_); }
     /// Returns a point relative to the lower bounds, in extents. Coordinates beyond 2^400 extents

@@ -3,8 +3,10 @@
 //
 // How a point p is evaluated:
 //
-//   1. `Delaunay::find_cavity` finds the Delaunay simplices whose circumscribed ball contains p. Their
-//      vertices are the natural neighbours of p.
+//   1. `Delaunay::find_cavity` walks from simplex to neighbouring simplex towards p, and then finds the
+//      *cavity*: the Delaunay simplices whose circumscribed ball contains p. Their vertices are the
+//      natural neighbours of p. A *ghost*, a simplex beyond a facet of the hull, is in the cavity only
+//      if p lies beyond that facet or in its plane.
 //   2. Next to the hull, `find_near_hull` decides whether p lies outside, on a facet or inside. On a
 //      facet the weights are those of the facet's sites alone.
 //   3. Inside, `NewCell` (new_cell.hpp) measures the overlap of the Voronoi cell that p would have
@@ -13,7 +15,8 @@
 //      Σu = 1 and Σ u (P − p) = 0.
 //
 // Coordinates come in three forms: `Place` holds integers of the lattice (p as the triangulation
-// sees it), *extents* are lattice coordinates times 2^-60, and *units* are those of the user.
+// sees it), *extents* are lattice coordinates times 2^-60, and *units* are those of the user. An extent
+// is a length: the least power of two above the longest side of the sites' bounds (site_lattice.hpp).
 #pragma once
 
 #include <cageform/cage/sites/hull_facets.hpp>
@@ -76,9 +79,11 @@ public:
     };
 
     NaturalNeighbours() = default;
-    /// `tolerance` is a distance in the units of the sites; points that are closer together count
-    /// as one. `smooth` (2D only) replaces Sibson's weights by the C² coordinates of Hiyoshi &
-    /// Sugihara, which are the limits of Sibson's weights in space on a flat facet of the hull.
+    /// Triangulates the sites.
+    ///
+    ///   tolerance  points closer together than this count as one; in the units of the sites
+    ///   smooth     2D only: uses the C² coordinates of Hiyoshi & Sugihara instead of Sibson's. They are
+    ///              what Sibson's weights in space tend to on a flat facet of the hull
     NaturalNeighbours(std::span<const Vec<double, D>> sites, double tolerance, bool smooth = false)
         : smooth_(smooth)
         , lattice_(bounds_of(sites))

@@ -5,10 +5,12 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The overlaps, facets and moments of a new point's cell, as defined in stolen.hpp. They are
-/// computed in double if a bound of the rounding errors allows it. Otherwise circumcentres come
-/// from integers and the sums carry 120 bits: this is needed next to flat facets of the hull, where
-/// the cell is long and thin.
+/// The overlaps, facets and moments of a new point's cell, as `Stolen` in stolen.hpp defines them. A
+/// facet lies between the cells of the point and of a site; its moment is the integral over it of
+/// the position relative to the point, which gives the gradient of the overlap. They are
+/// computed in double if a bound of the rounding errors allows it. Otherwise circumcentres come from
+/// integers and the sums carry 120 bits: this is needed next to flat facets of the hull, where the
+/// cell is long and thin.
 template <std::size_t D>
 class NewCell {
 public:

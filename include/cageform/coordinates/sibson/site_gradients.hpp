@@ -6,14 +6,21 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// How the gradient at a site i is estimated: by least squares over its Voronoi neighbours j, with
-/// weight μ = |F| / |d|, where F is the facet between the two cells and d = P_j − P_i. The estimate
-/// is exact for linear functions. The cell of a site on the hull is unbounded, so the mirror images
-/// of its neighbours in the site are added to cut it.
+/// How the gradient g at a site i is estimated: by least squares over its Voronoi neighbours j. The
+/// residuals are errors of slopes,
+///
+///     Σ_j μ ((g·d − Δz) / |d|)² → min,   μ = |F| / |d|
+///
+/// where F is the facet between the two cells, d = P_j − P_i, and Δz the difference of the values.
+/// (g·d − Δz)² thus has the weight |F| / |d|³. The estimate is exact for linear functions. The cell of
+/// a site on the hull is unbounded, so the mirror images of its neighbours in the site are added to
+/// cut it.
 enum class SiteGradients : std::uint8_t {
     /// Also exact for a + b·x + γ|x|² at inner sites: the most accurate on evenly spread sites.
     facets,
-    gentle, ///< μ = |F| |d|: weights are less negative, and less accurate
+    /// μ = |F| |d|, so (g·d − Δz)² has the weight |F| / |d|: weights are less negative, and less
+    /// accurate.
+    gentle,
     /// Cuts all cells by mirrored neighbours: for rings of sites with a small distance between rings.
     mirrored,
 };
@@ -111,7 +118,7 @@ private:
             const std::uint32_t number = local.site(cell_.cavity.vertices[n]);
             const auto d = (1 / size) * cell_.seen(n);
             const double d2 = dot(d, d);
-            // The facet's area is `facet` / |d| times a constant. Both choices of μ are divided by |d|².
+            // The facet's area is `facet` / |d| times a constant. This is μ / |d|², for residuals g·d − Δz.
             const double weight =
                 std::fmax(cell_.facet(n), 0.0) / (rule_ == SiteGradients::gentle ? d2 : d2 * d2);
             if (number >= around.size() || !(weight > 0)) continue;

@@ -144,8 +144,10 @@ struct Stolen {
     std::vector<N> measure; ///< D! times the area or volume of V_p ∩ V_i
     /// (D − 1)! |P|/2 times the length or area of the facet between p's cell and the site's cell.
     std::vector<N> facet;
-    std::vector<Vector> moment; ///< |P|²/2 times the gradient of `measure` with respect to p
-    double squares = 0;         ///< sum over all terms of the squared rounding bound; double only
+    /// |P|²/2 times the gradient of `measure` with respect to p: a multiple of the first moment of the
+    /// facet about p, ∫ y dy.
+    std::vector<Vector> moment;
+    double squares = 0; ///< sum over all terms of the squared rounding bound; double only
 
     void make_room(const Cavity<D>& cavity) {
         grow_to(site, cavity.vertices.size());

@@ -8,7 +8,7 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// How an affine map x ↦ A x + b acts on a handle.
+/// How an affine map x ↦ A x + b acts on a handle, a point or vector H at rest that becomes H'.
 enum class HandleKind : std::uint8_t {
     point,  ///< H' = A H + b
     vector, ///< H' = A H
@@ -34,10 +34,12 @@ struct Transform {
 template <std::size_t D>
 using HandleFace = std::array<std::uint32_t, D>;
 
-/// A non-owning view of a cage's handles at rest. Weights of a point p reproduce it by
+/// A non-owning view of a cage's handles at rest. H_i is handle i at rest, a point or a vector; κ_i says
+/// which: it is 1 for points and 0 for vectors. Weights w_i of a point p reproduce it by
 ///
-///     Σ w_i κ_i = 1,   Σ w_i H_i = p,   κ = 1 for points and 0 for vectors
+///     Σ w_i κ_i = 1,   Σ w_i H_i = p
 ///
+/// The pair (κ_i, H_i) is the affine row of the handle, and these two sums are the row sums of p.
 /// All handles have the same unit: the vector of a face has the length of its edge in 2D, the
 /// square root of its area in 3D (core/detail/face_handles.hpp).
 template <Scalar T, std::size_t D>

@@ -215,8 +215,8 @@ private:
         return obstacles;
     }
 
-    /// Reduces contour k to `vertices` points. It tries four stages of the reduction, the last ones with
-    /// fewer vertices, inserts the missing vertices during relaxation, and keeps the result of least energy.
+    /// Reduces contour k to `vertices` = n points. It tries a reduction to n, 7n/8, 6n/8 and 5n/8 vertices,
+    /// inserts the missing ones during relaxation, and keeps the result of least energy.
     CageLoop reduced(std::size_t k, std::size_t vertices, double level) const {
         const auto& contour = contours_[k];
         const LoopEnergy energy(contour, vertices, std::fmax(options_.regular, 0.0));

@@ -57,8 +57,13 @@ enum class CageShape : std::uint8_t {
 
 /// Controls how a cage is made; see enclose/make_cage.hpp.
 struct MakeCageOptions {
-    /// The number of vertices of the whole cage, in all its loops or shells. It is met exactly; a
-    /// mirrored cage may miss it by one. 0 stands for 24 in the plane and 112 in space.
+    /// The number of vertices of the whole cage, in all its loops or shells. 0 stands for 24 in the
+    /// plane and 112 in space. It is met except in these cases:
+    ///   - a box has 4 vertices in the plane and 8 in space;
+    ///   - a mirrored cage may miss it by one;
+    ///   - several loops or shells have at least 4 vertices each, so the cage may have more;
+    ///   - collapses stop early where none is possible without touching the figure or the cage;
+    ///   - in space no vertices are inserted: a coarse lattice may have fewer from the start.
     std::size_t vertices = 0;
     /// The distance that the cage keeps from the figure, as a share of the diagonal of the figure's
     /// bounds. 0 stands for 0.025 in the plane and 0.02 in space.
@@ -76,11 +81,12 @@ struct MakeCageOptions {
 struct MakeCageReport {
     Status status = Status::ok;
     std::size_t culprit = 0;  ///< index of the segment, area, vertex or face that `status` is about
-    std::size_t vertices = 0; ///< of the cage; more than requested if no fewer were possible
+    std::size_t vertices = 0; ///< of the cage; for when it differs from the request, see the options
     double margin = 0;        ///< the requested margin, as a distance
     double clearance = 0;     ///< exact least distance between the cage and the figure
     double area = 0;          ///< of the cage
-    /// The area of the figure grown by the margin, slits closed: the limit for very many vertices.
+    /// The area of the figure grown by the margin (in space by 1.12 margins, so that interpolation cannot
+    /// bring the cage too near), slits closed: the limit for very many vertices.
     double tightest_area = 0;
     double least_angle = 0;  ///< between edges of the cage, in degrees
     std::size_t parts = 0;   ///< connected parts of the figure, grown by the margin; 0 for a box
