@@ -320,7 +320,7 @@ report $ok "what lies within the radius of a point follows it alone"
 for type in mean-value barycentric; do
   refuses 'interior cells not supported (1): --coordinates harmonic supports them' "$weights" --cage head.csv --points points.csv --coordinates $type -o out.csv
 done
-refuses 'the solver does not exist' "$weights" --cage head.csv --points points.csv --coordinates harmonic --solver averaging-pyramid -o out.csv
+refuses 'this solver does not exist' "$weights" --cage head.csv --points points.csv --coordinates harmonic --solver averaging-pyramid -o out.csv
 cells() { # CELLS: bad.csv with them from line 6
   printf '0,0\n4,0\n4,4\n0,4\n\n%b' "$1" >bad.csv
 }

@@ -29,9 +29,10 @@ inline constexpr const char* obj_format =
     "OBJ files can have faces of any number of corners, and negative indices. v, vn and\n"
     "f are read, and all other lines are copied as they are; glTF files get objects,\n"
     "materials and textures, and nothing else. Numbers have to be finite. Curves and\n"
-    "binary files are not supported, nor more than 4,294,967,294 vertices. A cage is a\n"
-    "closed mesh of any genus, with faces counter-clockwise seen from outside; it can\n"
-    "have several shells. A pose is the same mesh with its vertices moved.\n";
+    "binary files are not supported, nor more than 4,294,967,294 vertices.\n"
+    "A cage is a closed mesh of any genus, with faces counter-clockwise seen from\n"
+    "outside; it can have several shells. A pose is the same mesh with its vertices\n"
+    "moved.\n";
 
 struct ObjCorner {
     static constexpr std::uint32_t none = ~std::uint32_t{0};
