@@ -33,13 +33,13 @@ int main() {
     const auto coordinates = coordinates_of(cage, true);
     const auto [binding, of_points] = cageform::bind(coordinates, points);
     const auto [figure, of_figure] = cageform::bind(coordinates, FigurePoints{points, normals});
-    std::printf("bind: %s, %zu points outside; %s\n", to_string(of_points.status), of_points.outside.size(),
+    std::printf("bind: %s, %zu points outside, %s\n", to_string(of_points.status), of_points.outside.size(),
                 to_string(of_figure.status));
 
     // Pack what ships: no point is off by more than a tolerance. Open it where it lies in memory.
     const auto [packed, size] = pack(figure, {.weights = {.tolerance = 0.01}});
     const auto [opened, of_file] = open<float, 2>(packed.bytes());
-    std::printf("pack: %s; open: %s\n", to_string(size.status), to_string(of_file.status));
+    std::printf("pack: %s, open: %s\n", to_string(size.status), to_string(of_file.status));
 
     // Compile key frames to a motion of the cage: one curve for each coordinate of each vertex.
     std::vector<std::vector<Key>> keys(2 * cage.size());
@@ -66,8 +66,8 @@ int main() {
 }
 
 //> make_cage: ok, 12 vertices, check: ok
-//> bind: ok, 0 points outside; ok
-//> pack: ok; open: ok
+//> bind: ok, 0 points outside, ok
+//> pack: ok, open: ok
 //> compile: ok, within 1e-6: 1
 //> clone: ok, the last point at 8.00 7.50
 //> clone of the packed figure: ok, at 8.00 7.50

@@ -47,6 +47,7 @@ version=$(sed -n 's/.*VERSION_STRING "\(.*\)"/\1/p' include/cageform/version.hpp
 } >$work/Doxyfile
 doxygen $work/Doxyfile || { sed "s|$PWD/||" $work/warnings.txt >&2; exit 1; }
 python3 $site/pages.py --finish $work/html
+cp -n examples/pictures/* $work/html/ # those that pages link to without showing them
 if [ -f out/cageform.html ]; then cp out/cageform.html $work/html/; fi
 python3 $site/check_links.py $work/html
 rm -rf $out

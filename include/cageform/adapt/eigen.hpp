@@ -2,6 +2,7 @@
 // copy.
 #pragma once
 
+#include <cageform/core/types/scalar_range.hpp>
 #include <cageform/core/view.hpp>
 
 #include <Eigen/Core>

@@ -16,7 +16,6 @@
 #include <cageform/core/running.hpp>
 
 #include <algorithm>
-#include <ranges>
 #include <span>
 #include <vector>
 
@@ -53,7 +52,7 @@ Result<CageClip<T, D>, CompileReport> compile(const R& curves, const TrackOption
                                               const Running& running = {}) {
     Result<CageClip<T, D>, CompileReport> result;
     detail::run_into(result.report, [&] {
-        const std::vector<std::span<const Key>> keys(std::ranges::begin(curves), std::ranges::end(curves));
+        const std::vector<std::span<const Key>> keys(std::begin(curves), std::end(curves));
         if (keys.size() % D != 0) return Status::input_malformed;
         std::vector<Result<Track<T>, CompileReport>> tracks(keys.size());
         TrackOptions of_tracks = options;

@@ -3,6 +3,7 @@
 
 #include <cageform/binding/bind.hpp>
 #include <cageform/binding/detail/skinner.hpp>
+#include <cageform/core/types/scalar_range.hpp>
 
 #include <algorithm>
 #include <concepts>

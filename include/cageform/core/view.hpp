@@ -169,21 +169,4 @@ constexpr void store_point(R& range, std::size_t i, const Vec<T, range_dimension
     }
 }
 
-namespace detail {
-
-template <class R>
-using element_t = std::remove_pointer_t<decltype(std::data(std::declval<R&>()))>;
-
-} // namespace detail
-
-/// Numbers that lie side by side: a vector, an array or a span of float or double.
-template <class R>
-concept ScalarRange = requires(R& range) {
-    std::size(range);
-}
-&&Scalar<std::remove_cv_t<detail::element_t<R>>>;
-/// A ScalarRange that a function may write to.
-template <class R>
-concept MutableScalarRange = ScalarRange<R> && !std::is_const_v<detail::element_t<R>>;
-
 } // namespace cageform::inline CAGEFORM_ABI

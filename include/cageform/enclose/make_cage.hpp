@@ -53,7 +53,7 @@ Result<Polygon<T>, MakeCageReport> make_cage(const Drawing<T>& drawing, const Ma
 }
 
 /// Encloses a range of DrawnSegment without painted areas.
-template <std::ranges::contiguous_range R>
+template <class R>
 auto make_cage(const R& figure, const MakeCageOptions& options = {}, const Running& running = {})
     -> decltype(make_cage(Drawing(figure), options, running)) {
     return make_cage(Drawing(figure), options, running);

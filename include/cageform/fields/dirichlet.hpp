@@ -4,6 +4,7 @@
 // number puzzles.
 #pragma once
 
+#include <cageform/core/types/scalar_range.hpp>
 #include <cageform/core/view.hpp>
 #include <cageform/fields/detail/unknown_cells.hpp>
 #include <cageform/fields/types/dirichlet_options.hpp>

@@ -3,6 +3,7 @@
 // see fields/dirichlet.hpp. Not included by cageform.hpp.
 #pragma once
 
+#include <cageform/core/types/scalar_range.hpp>
 #include <cageform/core/types/solver_report.hpp>
 #include <cageform/core/view.hpp>
 #include <cageform/fields/detail/graph_equations.hpp>

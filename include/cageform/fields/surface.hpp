@@ -1,6 +1,7 @@
 // Harmonic functions on triangle meshes, interpolating values given at some vertices.
 #pragma once
 
+#include <cageform/core/types/scalar_range.hpp>
 #include <cageform/fields/cotangent.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {

@@ -8,12 +8,12 @@
 #include <cageform/animate/types/track_options.hpp>
 #include <cageform/core/result.hpp>
 #include <cageform/core/running.hpp>
+#include <cageform/core/types/scalar_range.hpp>
 
 #include <algorithm>
 #include <cmath>
 #include <concepts>
 #include <limits>
-#include <ranges>
 #include <span>
 #include <vector>
 
@@ -127,7 +127,7 @@ private:
 
 /// The keys of many curves: a vector, an array or a span of any of the `Keys`.
 template <class R>
-concept KeysOfCurves = std::ranges::random_access_range<const R> && Keys<std::ranges::range_value_t<const R>>;
+concept KeysOfCurves = Keys<std::remove_cv_t<element_t<const R>>>;
 
 /// The size of a pixel if the keys of all coordinates just fill a screen. Without motion any tolerance does.
 template <std::size_t D>

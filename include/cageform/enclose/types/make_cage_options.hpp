@@ -4,12 +4,12 @@
 #include <cageform/cage/types/report.hpp>
 #include <cageform/core/result.hpp>
 #include <cageform/core/running.hpp>
+#include <cageform/core/types/scalar_range.hpp>
 #include <cageform/core/vec.hpp>
 
 #include <cstddef>
 #include <cstdint>
 #include <optional>
-#include <ranges>
 #include <span>
 #include <utility>
 
@@ -37,10 +37,10 @@ struct Drawing {
     std::span<const PaintedArea> areas{};
 };
 template <class Segments>
-Drawing(const Segments&) -> Drawing<decltype(std::declval<std::ranges::range_value_t<Segments>>().radius)>;
+Drawing(const Segments&) -> Drawing<decltype(std::remove_cv_t<detail::element_t<const Segments>>::radius)>;
 template <class Segments, class Areas>
 Drawing(const Segments&, const Areas&)
-    -> Drawing<decltype(std::declval<std::ranges::range_value_t<Segments>>().radius)>;
+    -> Drawing<decltype(std::remove_cv_t<detail::element_t<const Segments>>::radius)>;
 
 /// A mirror plane (2D: a mirror line) perpendicular to an axis; the cage is symmetric about it.
 struct MirrorPlane {
