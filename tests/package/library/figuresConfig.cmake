@@ -1,3 +1,3 @@
 include(CMakeFindDependencyMacro)
-find_dependency(cageform 0.1 COMPONENTS runtime)
+find_dependency(cageform 0.2 COMPONENTS runtime)
 include(${CMAKE_CURRENT_LIST_DIR}/figuresTargets.cmake)
