@@ -53,10 +53,11 @@ Result<Polygon<T>, MakeCageReport> make_cage(const Drawing<T>& drawing, const Ma
 }
 
 /// Encloses a range of DrawnSegment without painted areas.
-template <class R>
-auto make_cage(const R& figure, const MakeCageOptions& options = {}, const Running& running = {})
-    -> decltype(make_cage(Drawing(figure), options, running)) {
-    return make_cage(Drawing(figure), options, running);
+template <class Segments, class T = decltype(std::remove_cv_t<detail::element_t<const Segments>>::radius)>
+    requires(std::is_same_v<detail::element_t<const Segments>, const DrawnSegment<T>>)
+Result<Polygon<T>, MakeCageReport> make_cage(const Segments& figure, const MakeCageOptions& options = {},
+                                             const Running& running = {}) {
+    return make_cage(Drawing<T>{figure, {}}, options, running);
 }
 
 } // namespace cageform::inline CAGEFORM_ABI
