@@ -312,8 +312,9 @@ private:
 } // namespace detail
 
 ViewDirections view_from(double turn, double rise) {
-    constexpr double degree = 3.14159265358979323846 / 180;
-    const double t = degree * std::remainder(turn, 360), r = degree * std::remainder(rise, 360);
+    constexpr double radians_per_degree = 3.14159265358979323846 / 180;
+    const double t = radians_per_degree * std::remainder(turn, 360),
+                 r = radians_per_degree * std::remainder(rise, 360);
     return {{std::cos(t), -std::sin(t), 0},
             {std::sin(t) * std::sin(r), std::cos(t) * std::sin(r), std::cos(r)},
             {-std::sin(t) * std::cos(r), -std::cos(t) * std::cos(r), std::sin(r)}};
@@ -321,8 +322,9 @@ ViewDirections view_from(double turn, double rise) {
 
 Picture draw_meshes(std::span<const MeshScene> scenes, std::size_t width, std::size_t height,
                     const MeshSight& sight) {
-    constexpr double degree = 3.14159265358979323846 / 180;
-    const double turn = degree * std::remainder(sight.turn, 360), rise = degree * sight.rise;
+    constexpr double radians_per_degree = 3.14159265358979323846 / 180;
+    const double turn = radians_per_degree * std::remainder(sight.turn, 360),
+                 rise = radians_per_degree * sight.rise;
     Point3 towards{std::sin(turn) * std::cos(rise), std::sin(rise), std::cos(turn) * std::cos(rise)};
     Point3 right{std::cos(turn), 0, -std::sin(turn)};
     if (sight.z_is_up) {

@@ -102,7 +102,7 @@ template <Scalar T, std::size_t D, class Figure, class BindFigure>
 Status read_figure(const Figure& figure, const BindFigure& bind) {
     FigureInput<T, D> input{read_points<T>(figure.points), {}, {}};
     if constexpr (is_wanted<decltype(figure.normals)>) {
-        return read_tangents<T>(figure, [&](const auto& tangents, auto&& handedness) {
+        return read_tangents<T>(figure, [&](const auto& tangents, std::vector<std::int8_t> handedness) {
             for (std::size_t k = 0; k < tangents.size(); ++k) input.tangents[k] = read_points<T>(tangents[k]);
             input.handedness = std::move(handedness);
             return bind(input);
