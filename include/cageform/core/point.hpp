@@ -12,6 +12,7 @@
 // `set` is needed only for types that are written to (the output of `clone`).
 #pragma once
 
+#include <cageform/core/detail/indexed_point_traits.hpp>
 #include <cageform/core/vec.hpp>
 
 #include <array>
@@ -38,18 +39,6 @@ concept MutablePoint = Point<P> && std::floating_point<typename PointTraits<P>::
     requires(P& p, std::size_t axis) {
     PointTraits<P>::set(p, axis, typename PointTraits<P>::scalar{});
 };
-
-namespace detail {
-
-template <class P, class T, std::size_t D>
-struct IndexedPointTraits {
-    using scalar = T;
-    static constexpr std::size_t dimension = D;
-    static constexpr T get(const P& p, std::size_t axis) noexcept { return p[axis]; }
-    static constexpr void set(P& p, std::size_t axis, T x) noexcept { p[axis] = x; }
-};
-
-} // namespace detail
 
 template <class T, std::size_t D>
 struct PointTraits<Vec<T, D>> : detail::IndexedPointTraits<Vec<T, D>, T, D> {};

@@ -1,6 +1,7 @@
 // Ranges of points: anything with size() and [i], and strided views of raw memory.
 #pragma once
 
+#include <cageform/core/detail/deleted_functions.hpp>
 #include <cageform/core/point.hpp>
 
 #include <cstddef>
@@ -91,41 +92,6 @@ concept UnknownPointRange = !PointRange<R> && requires(const std::remove_referen
     std::size(r);
     r[i];
 };
-
-#if defined(__cpp_deleted_function)
-#if defined(__clang__) // clang warns that earlier versions of C++ do not have it
-#define CAGEFORM_DETAIL_DELETE(reason)                                                                       \
-    _Pragma("clang diagnostic push") _Pragma("clang diagnostic ignored \"-Wc++26-extensions\"") delete (     \
-        reason)_Pragma("clang diagnostic pop")
-#else
-#define CAGEFORM_DETAIL_DELETE(reason) delete (reason)
-#endif
-#else
-#define CAGEFORM_DETAIL_DELETE(reason) delete
-#endif
-#define CAGEFORM_DETAIL_DELETE_UNKNOWN_POINTS                                                                \
-    CAGEFORM_DETAIL_DELETE("PointTraits is not specialised for these points: core/point.hpp, adapt/")
-#define CAGEFORM_DETAIL_DELETE_DIMENSION                                                                     \
-    CAGEFORM_DETAIL_DELETE("the points have another dimension than the cage")
-#define CAGEFORM_DETAIL_DELETE_NOT_WRITTEN                                                                   \
-    CAGEFORM_DETAIL_DELETE("points that cannot be written: they are const, or their PointTraits has no set")
-
-namespace detail {
-
-/// Name the reasons in the signatures of deleted functions, for compilers that do not print
-/// `delete("…")`.
-struct PointTraitsNotSpecialisedForThesePoints {};
-struct PointsOfAnotherDimensionThanTheCage {};
-struct PointsThatCannotBeWritten {};
-#if defined(__cpp_deleted_function)
-template <class Reason, class Result>
-using ReasonOr = Result;
-#else
-template <class Reason, class Result>
-using ReasonOr = Reason;
-#endif
-
-} // namespace detail
 
 /// Points that can be written by `store(i, vec)` or through a MutablePoint reference `range[i]`.
 template <class R>
