@@ -30,7 +30,7 @@ set(heavy algorithm functional iostream memory random ranges complex regex map u
 set(light_folders core clone ${waist} animate/curves/piecewise_cubic.hpp animate/detail/quantised_cubic.hpp animate/curves/curve_bank.hpp
                   animate/detail/extrapolation.hpp animate/curves/track.hpp animate/curves/rigid_motion.hpp animate/clip.hpp
                   animate/clip_blob.hpp)
-set(exempt_from_light core/threads.hpp core/running.hpp core/types/solver_report.hpp core/affine/compensated_sum.hpp)
+set(exempt_from_light core/threads.hpp core/running.hpp core/detail/in_parallel.hpp core/types/solver_report.hpp core/affine/compensated_sum.hpp)
 
 cmake_policy(VERSION 3.25)
 set(checked 0)

@@ -12,6 +12,8 @@
 #include <cageform/animate/detail/track_compiler.hpp>
 #include <cageform/animate/fit.hpp>
 #include <cageform/animate/types/track_options.hpp>
+#include <cageform/core/detail/in_parallel.hpp>
+#include <cageform/core/detail/stopwatch.hpp>
 #include <cageform/core/result.hpp>
 #include <cageform/core/running.hpp>
 

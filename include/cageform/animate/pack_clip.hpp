@@ -5,6 +5,7 @@
 #include <cageform/animate/clip_blob.hpp>
 #include <cageform/animate/detail/clip_packer.hpp>
 #include <cageform/animate/types/clip_pack_options.hpp>
+#include <cageform/core/detail/stopwatch.hpp>
 #include <cageform/core/result.hpp>
 #include <cageform/core/running.hpp>
 

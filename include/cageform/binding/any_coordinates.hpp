@@ -3,6 +3,7 @@
 
 #include <cageform/binding/bind.hpp>
 #include <cageform/coordinates/harmonic/cage_solver.hpp>
+#include <cageform/core/detail/stopwatch.hpp>
 
 #include <functional>
 #include <memory>

@@ -5,6 +5,7 @@
 #include <cageform/binding/detail/sparse_rows.hpp>
 #include <cageform/core/detail/guard_memory.hpp>
 #include <cageform/core/detail/huge_pages.hpp>
+#include <cageform/core/detail/in_parallel.hpp>
 #include <cageform/core/result.hpp>
 #include <cageform/core/running.hpp>
 

@@ -5,6 +5,7 @@
 
 #include <cageform/binding/detail/figure_packer.hpp>
 #include <cageform/binding/detail/streamed_packer.hpp>
+#include <cageform/core/detail/stopwatch.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 

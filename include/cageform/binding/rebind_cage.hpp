@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cageform/binding/detail/figure_binder.hpp>
+#include <cageform/core/detail/stopwatch.hpp>
 
 #include <map>
 

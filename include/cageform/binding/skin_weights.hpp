@@ -3,6 +3,8 @@
 
 #include <cageform/binding/bind.hpp>
 #include <cageform/binding/detail/skinner.hpp>
+#include <cageform/core/detail/in_parallel.hpp>
+#include <cageform/core/detail/stopwatch.hpp>
 #include <cageform/core/types/scalar_range.hpp>
 
 #include <algorithm>

@@ -4,6 +4,7 @@
 #include <cageform/cage/cell_complex.hpp>
 #include <cageform/coordinates/detail/boundary_data.hpp>
 #include <cageform/core/detail/blocks.hpp>
+#include <cageform/core/detail/in_parallel.hpp>
 #include <cageform/core/types/handles.hpp>
 #include <cageform/core/types/solver_report.hpp>
 

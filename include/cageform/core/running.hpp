@@ -1,23 +1,13 @@
 // Threads, progress and cancellation of long computations, which take a Running as their last
-// argument, and the helpers that implement them.
+// argument.
 #pragma once
 
-#include <cageform/core/detail/guard_memory.hpp>
 #include <cageform/core/detail/parallel.hpp>
 #include <cageform/core/status.hpp>
 
-#include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <ctime>
 #include <functional>
-// Uses POSIX's clock where available: <chrono> costs every file a quarter of a second to compile.
-// On Windows, mingw-w64 has that clock in a separate library, which not every program links.
-#if defined(CLOCK_MONOTONIC) && !defined(_WIN32)
-#define CAGEFORM_DETAIL_POSIX_CLOCK
-#else
-#include <chrono>
-#endif
 
 namespace cageform::inline CAGEFORM_ABI {
 
@@ -49,56 +39,5 @@ struct Running {
         return status == Status::ok && !keep_going(1) ? Status::cancelled : status;
     }
 };
-
-namespace detail {
-
-/// Calls the caller's parallel_for, or the serial loop if none was given.
-template <class Body>
-void in_parallel(const Running& running, std::size_t count, std::size_t grain, const Body& body) {
-    if (running.parallel) {
-        running.parallel(count, grain, body);
-    } else {
-        SerialFor{}(count, grain, body);
-    }
-}
-
-/// Runs body(first, last) over `blocks` (or pieces) in parallel. With a progress callback it takes
-/// at most about fifty steps and reports after each. Returns Status::cancelled if the callback
-/// cancels.
-template <class Body>
-Status for_each_block(std::size_t blocks, const Running& running, const Body& body) {
-    constexpr std::size_t grain = 16;
-    const std::size_t step = running.progress ? std::max<std::size_t>(blocks / 50, 16 * grain) : blocks;
-    if (blocks == 0) return running.end(Status::ok);
-    for (std::size_t begin = 0; begin < blocks; begin += step) {
-        const std::size_t count = (std::min)(step, blocks - begin);
-        in_parallel(running, count, grain, [&](std::size_t b, std::size_t e) { body(begin + b, begin + e); });
-        if (!running.keep_going(double(begin + count) / double(blocks))) return Status::cancelled;
-    }
-    return Status::ok;
-}
-
-/// Returns wall time in seconds, from a monotonic clock whose origin stays fixed while the program
-/// runs.
-inline double seconds_now() noexcept {
-#if defined(CAGEFORM_DETAIL_POSIX_CLOCK)
-    ::timespec now{};
-    (void)::clock_gettime(CLOCK_MONOTONIC, &now);
-    return double(now.tv_sec) + 1e-9 * double(now.tv_nsec);
-#else
-    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-#endif
-}
-
-/// Runs `f`, which returns a Status, under the memory guard and a stopwatch; stores both results in
-/// `report`.
-template <class Report, class F>
-void run_into(Report& report, const F& f) {
-    const double start = seconds_now();
-    report.status = guard_memory(f);
-    report.seconds = seconds_now() - start;
-}
-
-} // namespace detail
 
 } // namespace cageform::inline CAGEFORM_ABI

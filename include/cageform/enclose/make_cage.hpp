@@ -19,6 +19,7 @@
 #pragma once
 
 #include <cageform/cage/polygon.hpp>
+#include <cageform/core/detail/stopwatch.hpp>
 #include <cageform/enclose/plane/cage_maker.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {

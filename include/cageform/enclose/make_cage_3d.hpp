@@ -16,6 +16,7 @@
 #pragma once
 
 #include <cageform/cage/triangle_mesh.hpp>
+#include <cageform/core/detail/stopwatch.hpp>
 #include <cageform/enclose/space/cage_maker.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {

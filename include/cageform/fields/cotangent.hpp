@@ -2,6 +2,7 @@
 // vertices harmonic. Not included by cageform.hpp.
 #pragma once
 
+#include <cageform/core/detail/stopwatch.hpp>
 #include <cageform/core/result.hpp>
 #include <cageform/fields/detail/edge_weights.hpp>
 #include <cageform/fields/graph.hpp>

@@ -2,6 +2,8 @@
 // cancellation and a report.
 #pragma once
 
+#include <cageform/core/detail/in_parallel.hpp>
+#include <cageform/core/detail/stopwatch.hpp>
 #include <cageform/core/types/solver_report.hpp>
 #include <cageform/grid/multigrid/helping_threads.hpp>
 

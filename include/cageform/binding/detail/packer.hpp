@@ -5,6 +5,8 @@
 #include <cageform/binding/detail/order_by_place.hpp>
 #include <cageform/binding/types/blob.hpp>
 #include <cageform/binding/types/pack_options.hpp>
+#include <cageform/core/detail/in_parallel.hpp>
+#include <cageform/core/detail/stopwatch.hpp>
 #include <cageform/core/result.hpp>
 
 #include <memory>

@@ -6,6 +6,8 @@
 #include <cageform/binding/detail/piece_measures.hpp>
 #include <cageform/core/affine/linear_restorer.hpp>
 #include <cageform/core/detail/huge_pages.hpp>
+#include <cageform/core/detail/in_parallel.hpp>
+#include <cageform/core/detail/stopwatch.hpp>
 #include <cageform/core/result.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {

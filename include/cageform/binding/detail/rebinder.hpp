@@ -10,6 +10,8 @@
 #include <cageform/binding/types/rebind_options.hpp>
 #include <cageform/core/affine/linear_restorer.hpp>
 #include <cageform/core/detail/huge_pages.hpp>
+#include <cageform/core/detail/in_parallel.hpp>
+#include <cageform/core/detail/stopwatch.hpp>
 #include <cageform/core/result.hpp>
 #include <cageform/core/running.hpp>
 

@@ -5,6 +5,8 @@
 #include <cageform/binding/binding.hpp>
 #include <cageform/binding/detail/convex_weights.hpp>
 #include <cageform/binding/types/skin_weights.hpp>
+#include <cageform/core/detail/in_parallel.hpp>
+#include <cageform/core/detail/stopwatch.hpp>
 #include <cageform/core/result.hpp>
 #include <cageform/core/running.hpp>
 

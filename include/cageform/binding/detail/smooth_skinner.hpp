@@ -6,6 +6,7 @@
 #include <cageform/binding/detail/skinner.hpp>
 #include <cageform/binding/detail/smooth_weights.hpp>
 #include <cageform/cage/triangle_mesh.hpp>
+#include <cageform/core/detail/in_parallel.hpp>
 
 #include <algorithm>
 #include <array>

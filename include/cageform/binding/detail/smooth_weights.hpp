@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cageform/binding/detail/near_weights.hpp>
+#include <cageform/core/detail/in_parallel.hpp>
 #include <cageform/core/running.hpp>
 
 #include <algorithm>

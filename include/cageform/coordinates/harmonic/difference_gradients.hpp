@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cageform/coordinates/harmonic/solution.hpp>
+#include <cageform/core/detail/in_parallel.hpp>
 #include <cageform/core/detail/simd.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cageform/coordinates/harmonic/cage_solver.hpp>
+#include <cageform/core/detail/in_parallel.hpp>
 
 #include <memory>
 

@@ -1,6 +1,7 @@
 // The report of a solver: how much work it did, how accurate the result is, and why it refused.
 #pragma once
 
+#include <cageform/core/detail/guard_memory.hpp>
 #include <cageform/core/running.hpp>
 
 #include <algorithm>

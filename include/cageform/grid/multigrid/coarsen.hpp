@@ -8,6 +8,7 @@
 #pragma once
 
 #include <cageform/core/detail/buffer.hpp>
+#include <cageform/core/detail/in_parallel.hpp>
 #include <cageform/core/running.hpp>
 #include <cageform/grid/multigrid/equations.hpp>
 
