@@ -2,7 +2,8 @@
 #pragma once
 
 #include <cageform/cage/detail/boundary_value.hpp>
-#include <cageform/cage/detail/facet_pairs.hpp>
+#include <cageform/cage/detail/check_polygon.hpp>
+#include <cageform/cage/detail/nearest_on_edge.hpp>
 #include <cageform/cage/types/report.hpp>
 #include <cageform/core/detail/buffer.hpp>
 #include <cageform/core/view.hpp>
@@ -123,35 +124,6 @@ double signed_area(const Polygon<T>& polygon, typename Polygon<T>::Loop loop) no
 
 // ---- inside -------------------------------------------------------------------------------------
 
-namespace detail {
-
-/// Counts the other loops that enclose loop `k`: an even number for an outer loop, odd for a hole.
-/// Loops must not touch.
-template <Scalar T>
-std::size_t loop_depth(const Polygon<T>& polygon, std::size_t k) noexcept {
-    const auto q = vec_cast<double>(polygon[polygon.loops()[k].begin]);
-    std::size_t depth = 0;
-    for (std::size_t other = 0; other < polygon.loops().size(); ++other) {
-        if (other == k) continue;
-        bool inside = false;
-        polygon.loops()[other].for_each_edge([&](std::size_t i, std::size_t j) {
-            const auto a = vec_cast<double>(polygon[i]), b = vec_cast<double>(polygon[j]);
-            if (detail::crosses_ray(q, a, b)) inside = !inside;
-        });
-        depth += inside;
-    }
-    return depth;
-}
-
-/// Whether the inside of the polygon lies to the left of the edges of loop `k`, as it does for a
-/// counter-clockwise outer loop and a clockwise hole. Loops must not touch. O(#V).
-template <Scalar T>
-bool inside_is_left(const Polygon<T>& polygon, std::size_t k) noexcept {
-    return (signed_area(polygon, polygon.loops()[k]) > 0) == (detail::loop_depth(polygon, k) % 2 == 0);
-}
-
-} // namespace detail
-
 /// A point on the boundary of a polygon: (1 − s) vertex[i] + s vertex[j].
 template <Scalar T>
 struct BoundaryPoint {
@@ -161,27 +133,6 @@ struct BoundaryPoint {
     T distance = 0;     ///< to the query point
     Vec<T, 2> position; ///< of the boundary point
 };
-
-namespace detail {
-
-/// Returns the point of edge (i, j) nearest to `p`. Interpolates from the nearer end, so that both
-/// ends are reproduced exactly. `p` must be finite.
-template <Scalar T>
-BoundaryPoint<T> nearest_on_edge(const Polygon<T>& polygon, std::size_t i, std::size_t j,
-                                 const Vec<T, 2>& p) noexcept {
-    const auto a = vec_cast<double>(polygon[i]);
-    const auto b = vec_cast<double>(polygon[j]);
-    const auto q = vec_cast<double>(p);
-    const auto e = b - a;
-    const double length2 = dot(e, e);
-    const double from_a = length2 > 0 ? dot(q - a, e) / length2 : 0;
-    const double from_b = length2 > 0 ? dot(b - q, e) / length2 : 1;
-    const double s = from_a <= 0.5 ? std::fmax(from_a, 0.0) : std::fmin(1 - from_b, 1.0);
-    const auto x = s <= 0.5 ? a + s * e : b - std::fmax(from_b, 0.0) * e;
-    return {i, j, static_cast<T>(s), static_cast<T>(std::hypot(x[0] - q[0], x[1] - q[1])), vec_cast<T>(x)};
-}
-
-} // namespace detail
 
 /// Returns the nearest point on the whole boundary. `p` must be finite and the polygon not empty.
 /// O(#V).
@@ -232,93 +183,6 @@ PointState locate(const Polygon<T>& polygon, const Vec<T, 2>& p, T tolerance) no
 }
 
 // ---- check --------------------------------------------------------------------------------------
-
-namespace detail {
-
-/// Checks the numbers of vertices, and that all are finite.
-template <Scalar T>
-void check_loops(const Polygon<T>& polygon, CageReport& report) {
-    const auto loops = polygon.loops();
-    if (!polygon.loops_match()) {
-        std::size_t in_loops = 0;
-        for (const auto& loop : loops) in_loops += loop.size();
-        return report.add(CageFaultKind::loops_do_not_match, in_loops, polygon.size());
-    }
-    if (polygon.size() == 0) return report.add(CageFaultKind::too_few_vertices, 0, 0);
-    for (std::size_t i = 0; i < polygon.size(); ++i) {
-        if (!is_finite(polygon[i])) report.add(CageFaultKind::vertex_not_finite, i);
-    }
-    for (std::size_t k = 0; k < loops.size(); ++k) {
-        if (loops[k].size() < 3) report.add(CageFaultKind::too_few_vertices, k, loops[k].size());
-    }
-}
-
-/// Whether all vertices lie within tolerance of the line through the first vertex and the one
-/// farthest from it.
-inline bool is_flat_loop(std::span<const Facet<2>> edges, double tolerance) {
-    const auto origin = edges[0].corner[0];
-    Vec<double, 2> axis{0, 0};
-    for (const auto& edge : edges) {
-        const auto d = edge.corner[0] - origin;
-        if (dot(d, d) > dot(axis, axis)) axis = d;
-    }
-    return std::all_of(edges.begin(), edges.end(), [&](const Facet<2>& edge) {
-        return std::fabs(cross(axis, edge.corner[0] - origin)) <= tolerance * length(axis);
-    });
-}
-
-inline void check_crossing_edges(std::span<const Facet<2>> edges, double tolerance, CageReport& report) {
-    FacetPairs<2>(edges, {}, tolerance)
-        .for_each([&](std::size_t m, std::size_t n) { return facets_touch(edges[m], edges[n], tolerance); },
-                  [&](std::size_t m, std::size_t n) {
-                      report.add(CageFaultKind::edges_cross, edges[m].vertex[0], edges[n].vertex[0]);
-                  });
-}
-
-/// Warns of vertices whose two edges are collinear.
-inline void check_collinear_vertices(std::span<const Facet<2>> edges, double tolerance, CageReport& report) {
-    const Facet<2>* before = &edges.back();
-    for (const auto& edge : edges) {
-        const auto& from = before->corner[0];
-        const auto along = edge.corner[1] - from;
-        if (std::fabs(cross(along, edge.corner[0] - from)) <= tolerance * std::hypot(along[0], along[1]))
-            report.add(CageFaultKind::collinear_vertex, edge.vertex[0]);
-        before = &edge;
-    }
-}
-
-/// Runs the steps of `check`.
-template <Scalar T>
-void check_polygon(const Polygon<T>& polygon, CageReport& report) {
-    check_loops(polygon, report);
-    if (report.status != Status::ok) return;
-
-    const double tolerance = coincidence_tolerance(bounds_of(polygon.vertices()));
-    Buffer<Facet<2>> edges; // edge i starts at vertex i
-    for_each_facet(polygon, [&](const auto& edge) { edges.push_back({edge, polygon.vertices()}); });
-    const auto edges_of = [&](std::size_t k) {
-        return std::span(edges).subspan(polygon.loops()[k].begin, polygon.loops()[k].size());
-    };
-    for (const auto& edge : edges) {
-        const auto e = edge.corner[1] - edge.corner[0];
-        if (std::hypot(e[0], e[1]) <= tolerance)
-            report.add(CageFaultKind::duplicate_vertices, edge.vertex[0], edge.vertex[1]);
-    }
-    for (std::size_t k = 0; k < polygon.loops().size(); ++k) {
-        if (is_flat_loop(edges_of(k), tolerance)) report.add(CageFaultKind::no_area, k);
-    }
-    if (report.status != Status::ok) return;
-
-    check_crossing_edges(edges, tolerance, report);
-    if (report.status != Status::ok) return;
-
-    for (std::size_t k = 0; k < polygon.loops().size(); ++k) {
-        check_collinear_vertices(edges_of(k), tolerance, report);
-        if (!detail::inside_is_left(polygon, k)) report.add(CageFaultKind::loop_turns_otherwise, k);
-    }
-}
-
-} // namespace detail
 
 /// Whether a polygon can serve as a cage: every loop has at least three vertices and an area,
 /// consecutive vertices are apart, and no two edges touch except neighbours at their common vertex.

@@ -3,6 +3,8 @@
 
 #include <cageform/cage/box.hpp>
 #include <cageform/cage/cell_complex.hpp>
+#include <cageform/cage/detail/loop_sides.hpp>
+#include <cageform/cage/detail/shells.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 

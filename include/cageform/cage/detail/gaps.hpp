@@ -1,6 +1,7 @@
 // The half-edges of a triangle mesh, and the faces that close small gaps in it.
 #pragma once
 
+#include <cageform/cage/detail/mesh_face.hpp>
 #include <cageform/cage/detail/primitives.hpp>
 
 #include <optional>
@@ -53,7 +54,6 @@ void for_each_edge(std::span<const HalfEdge> half_edges, F&& f) {
 
 namespace detail {
 
-using MeshFace = std::array<std::uint32_t, 3>;
 using MeshLoop = std::vector<std::uint32_t>; ///< vertices in order; the first follows the last
 
 /// Splits directed edges into loops that use each edge once. Returns nullopt if they do not close.

@@ -1,6 +1,7 @@
 // The formula of mean value weights in 2D, for any number type.
 #pragma once
 
+#include <cageform/cage/detail/loop_sides.hpp>
 #include <cageform/cage/polygon.hpp>
 #include <cageform/coordinates/mean_value/frame.hpp>
 #include <cageform/core/detail/buffer.hpp>

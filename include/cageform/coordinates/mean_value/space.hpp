@@ -1,6 +1,7 @@
 // The formula of mean value weights in 3D, for any number type.
 #pragma once
 
+#include <cageform/cage/detail/shells.hpp>
 #include <cageform/cage/triangle_mesh.hpp>
 #include <cageform/coordinates/mean_value/frame.hpp>
 #include <cageform/core/detail/buffer.hpp>

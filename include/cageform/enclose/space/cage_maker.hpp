@@ -1,6 +1,7 @@
 // Runs the steps of make_cage_3d.hpp for a figure in space, and measures the exact clearance of the cage.
 #pragma once
 
+#include <cageform/cage/detail/shells.hpp>
 #include <cageform/cage/triangle_mesh.hpp>
 #include <cageform/enclose/detail/cage_frame.hpp>
 #include <cageform/enclose/detail/join_parts.hpp>

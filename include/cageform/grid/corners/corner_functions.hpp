@@ -9,6 +9,7 @@
 // removes the error. Sampling adds what interpolation misses of each function.
 #pragma once
 
+#include <cageform/cage/detail/loop_sides.hpp>
 #include <cageform/cage/polygon.hpp>
 #include <cageform/core/affine/orthonormal_rows.hpp>
 #include <cageform/core/detail/buffer.hpp>

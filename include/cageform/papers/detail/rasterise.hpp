@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cageform/cage/box.hpp>
+#include <cageform/cage/detail/nearest_on_edge.hpp>
 #include <cageform/cage/triangle_mesh.hpp>
 #include <cageform/grid/lattice/placed_facet.hpp>
 #include <cageform/papers/detail/papers_lattice.hpp>

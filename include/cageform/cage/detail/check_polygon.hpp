@@ -1,0 +1,100 @@
+// Checks whether a polygon can serve as a cage.
+#pragma once
+
+#include <cageform/cage/detail/facet_pairs.hpp>
+#include <cageform/cage/detail/loop_sides.hpp>
+#include <cageform/cage/types/report.hpp>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+template <Scalar T>
+class Polygon; // in cage/polygon.hpp
+
+namespace detail {
+
+/// Checks the numbers of vertices, and that all are finite.
+template <Scalar T>
+void check_loops(const Polygon<T>& polygon, CageReport& report) {
+    const auto loops = polygon.loops();
+    if (!polygon.loops_match()) {
+        std::size_t in_loops = 0;
+        for (const auto& loop : loops) in_loops += loop.size();
+        return report.add(CageFaultKind::loops_do_not_match, in_loops, polygon.size());
+    }
+    if (polygon.size() == 0) return report.add(CageFaultKind::too_few_vertices, 0, 0);
+    for (std::size_t i = 0; i < polygon.size(); ++i) {
+        if (!is_finite(polygon[i])) report.add(CageFaultKind::vertex_not_finite, i);
+    }
+    for (std::size_t k = 0; k < loops.size(); ++k) {
+        if (loops[k].size() < 3) report.add(CageFaultKind::too_few_vertices, k, loops[k].size());
+    }
+}
+
+/// Whether all vertices lie within tolerance of the line through the first vertex and the one
+/// farthest from it.
+inline bool is_flat_loop(std::span<const Facet<2>> edges, double tolerance) {
+    const auto origin = edges[0].corner[0];
+    Vec<double, 2> axis{0, 0};
+    for (const auto& edge : edges) {
+        const auto d = edge.corner[0] - origin;
+        if (dot(d, d) > dot(axis, axis)) axis = d;
+    }
+    return std::all_of(edges.begin(), edges.end(), [&](const Facet<2>& edge) {
+        return std::fabs(cross(axis, edge.corner[0] - origin)) <= tolerance * length(axis);
+    });
+}
+
+inline void check_crossing_edges(std::span<const Facet<2>> edges, double tolerance, CageReport& report) {
+    FacetPairs<2>(edges, {}, tolerance)
+        .for_each([&](std::size_t m, std::size_t n) { return facets_touch(edges[m], edges[n], tolerance); },
+                  [&](std::size_t m, std::size_t n) {
+                      report.add(CageFaultKind::edges_cross, edges[m].vertex[0], edges[n].vertex[0]);
+                  });
+}
+
+/// Warns of vertices whose two edges are collinear.
+inline void check_collinear_vertices(std::span<const Facet<2>> edges, double tolerance, CageReport& report) {
+    const Facet<2>* before = &edges.back();
+    for (const auto& edge : edges) {
+        const auto& from = before->corner[0];
+        const auto along = edge.corner[1] - from;
+        if (std::fabs(cross(along, edge.corner[0] - from)) <= tolerance * std::hypot(along[0], along[1]))
+            report.add(CageFaultKind::collinear_vertex, edge.vertex[0]);
+        before = &edge;
+    }
+}
+
+/// Runs the steps of `check`.
+template <Scalar T>
+void check_polygon(const Polygon<T>& polygon, CageReport& report) {
+    check_loops(polygon, report);
+    if (report.status != Status::ok) return;
+
+    const double tolerance = coincidence_tolerance(bounds_of(polygon.vertices()));
+    Buffer<Facet<2>> edges; // edge i starts at vertex i
+    for_each_facet(polygon, [&](const auto& edge) { edges.push_back({edge, polygon.vertices()}); });
+    const auto edges_of = [&](std::size_t k) {
+        return std::span(edges).subspan(polygon.loops()[k].begin, polygon.loops()[k].size());
+    };
+    for (const auto& edge : edges) {
+        const auto e = edge.corner[1] - edge.corner[0];
+        if (std::hypot(e[0], e[1]) <= tolerance)
+            report.add(CageFaultKind::duplicate_vertices, edge.vertex[0], edge.vertex[1]);
+    }
+    for (std::size_t k = 0; k < polygon.loops().size(); ++k) {
+        if (is_flat_loop(edges_of(k), tolerance)) report.add(CageFaultKind::no_area, k);
+    }
+    if (report.status != Status::ok) return;
+
+    check_crossing_edges(edges, tolerance, report);
+    if (report.status != Status::ok) return;
+
+    for (std::size_t k = 0; k < polygon.loops().size(); ++k) {
+        check_collinear_vertices(edges_of(k), tolerance, report);
+        if (!inside_is_left(polygon, k)) report.add(CageFaultKind::loop_turns_otherwise, k);
+    }
+}
+
+} // namespace detail
+
+} // namespace cageform::inline CAGEFORM_ABI

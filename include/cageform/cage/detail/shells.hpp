@@ -1,0 +1,95 @@
+// The connected components of a triangle mesh, and which of them must be flipped to face outward.
+#pragma once
+
+#include <cageform/cage/detail/faces_of.hpp>
+#include <cageform/cage/detail/primitives.hpp>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+template <Scalar T>
+class TriangleMesh; // in cage/triangle_mesh.hpp
+
+namespace detail {
+
+/// The connected components of a closed mesh.
+struct Shells {
+    std::vector<std::uint32_t> of_face;    ///< the shell of every face
+    std::vector<std::uint32_t> first_face; ///< of every shell
+    /// Six times the volume of every shell; positive if counter-clockwise seen from outside.
+    std::vector<double> volume;
+    /// Whether a shell's faces must be flipped to be counter-clockwise seen from outside the cage.
+    std::vector<bool> turned;
+};
+
+/// Finds the connected components, numbers them by their first faces, and fills `of_face` and
+/// `first_face`.
+template <Scalar T>
+Shells connected_faces(const TriangleMesh<T>& mesh) {
+    std::vector<std::uint32_t> root(mesh.size());
+    std::iota(root.begin(), root.end(), std::uint32_t{0});
+    const auto find = [&](std::uint32_t i) {
+        while (root[i] != i) i = root[i] = root[root[i]];
+        return i;
+    };
+    for (const auto& face : mesh.faces()) root[find(face[1])] = root[find(face[2])] = find(face[0]);
+    Shells shells;
+    std::vector<std::uint32_t> number(mesh.size(), no_vertex);
+    for (const auto& face : mesh.faces()) {
+        auto& shell = number[find(face[0])];
+        if (shell == no_vertex) {
+            shell = std::uint32_t(shells.first_face.size());
+            shells.first_face.push_back(std::uint32_t(shells.of_face.size()));
+        }
+        shells.of_face.push_back(shell);
+    }
+    return shells;
+}
+
+/// Counts the other shells that enclose a shell.
+template <Scalar T>
+std::size_t shell_depth(const TriangleMesh<T>& mesh, const Shells& shells, std::uint32_t shell) {
+    if (shells.first_face.size() == 1) return 0;
+    std::vector<double> turns(shells.first_face.size());
+    const auto q = vec_cast<double>(mesh[mesh.faces()[shells.first_face[shell]][0]]);
+    for (std::size_t f = 0; f < mesh.faces().size(); ++f) {
+        const auto other = shells.of_face[f];
+        if (other != shell)
+            turns[other] += half_solid_angle(q, Facet<3>(mesh.faces()[f], mesh.vertices()).corner) /
+                            (2 * std::numbers::pi);
+    }
+    return std::size_t(std::count_if(turns.begin(), turns.end(), is_enclosed));
+}
+
+/// Finds the shells of a mesh. O(#F) for one shell, O(#F · shells) for more.
+template <Scalar T>
+Shells shells_of(const TriangleMesh<T>& mesh) {
+    Shells shells = connected_faces(mesh);
+    shells.volume.resize(shells.first_face.size());
+    for (std::size_t f = 0; f < mesh.faces().size(); ++f) {
+        const auto shell = shells.of_face[f];
+        const auto origin = vec_cast<double>(mesh[mesh.faces()[shells.first_face[shell]][0]]);
+        const auto [a, b, c] = Facet<3>(mesh.faces()[f], mesh.vertices()).corner;
+        shells.volume[shell] += dot(a - origin, cross(b - origin, c - origin));
+    }
+    for (std::uint32_t s = 0; s < shells.first_face.size(); ++s) {
+        const bool is_cavity = shell_depth(mesh, shells, s) % 2 == 1;
+        shells.turned.push_back((shells.volume[s] > 0) == is_cavity);
+    }
+    return shells;
+}
+
+/// Returns the faces with those of wrongly oriented shells flipped, so that all are
+/// counter-clockwise seen from outside the cage. Costs as much as `shells_of`.
+template <Scalar T>
+std::vector<typename TriangleMesh<T>::Face> outward_faces(const TriangleMesh<T>& mesh) {
+    const auto shells = shells_of(mesh);
+    std::vector<typename TriangleMesh<T>::Face> faces(mesh.faces().begin(), mesh.faces().end());
+    for (std::size_t f = 0; f < faces.size(); ++f) {
+        if (shells.turned[shells.of_face[f]]) std::swap(faces[f][1], faces[f][2]);
+    }
+    return faces;
+}
+
+} // namespace detail
+
+} // namespace cageform::inline CAGEFORM_ABI
