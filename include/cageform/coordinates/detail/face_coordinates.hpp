@@ -1,6 +1,7 @@
 // Boundary data of a polyhedral mesh: coordinates in the plane of each face.
 #pragma once
 
+#include <cageform/cage/detail/flat_face.hpp>
 #include <cageform/cage/polyhedral_mesh.hpp>
 #include <cageform/coordinates/coordinate.hpp>
 

@@ -1,6 +1,7 @@
 // The formula of mean value weights in 3D for faces with any number of corners.
 #pragma once
 
+#include <cageform/cage/detail/flat_face.hpp>
 #include <cageform/coordinates/detail/face_coordinates.hpp>
 #include <cageform/coordinates/mean_value/evaluation.hpp>
 #include <cageform/coordinates/mean_value/plane.hpp>
