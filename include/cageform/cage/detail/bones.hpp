@@ -2,10 +2,15 @@
 #pragma once
 
 #include <cageform/cage/detail/boundary_value.hpp>
+#include <cageform/cage/types/interior_cells.hpp>
 
 #include <optional>
 
 namespace cageform::inline CAGEFORM_ABI {
+
+template <Scalar T, std::size_t D>
+    requires(D == 2 || D == 3)
+class CellComplex; // in cage/cell_complex.hpp
 
 /// A bone with the positions of its ends.
 template <std::size_t D>
@@ -41,6 +46,12 @@ struct BoneHit {
 };
 
 namespace detail {
+
+/// Returns a bone of a complex with the positions of its vertices.
+template <Scalar T, std::size_t D>
+PlacedBone<D> placed_bone(const CellComplex<T, D>& cage, const Bone& bone) noexcept {
+    return {bone.i, bone.j, vec_cast<double>(cage[bone.i]), vec_cast<double>(cage[bone.j]), bone.radius};
+}
 
 template <std::size_t D>
 struct DeepBone {
