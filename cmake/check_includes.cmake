@@ -5,7 +5,7 @@
 set(allowed_core core config)
 set(allowed_adapt core)
 set(allowed_cage core config cage)
-set(allowed_grid core cage grid)
+set(allowed_grid core config cage grid)
 set(allowed_coordinates core config cage grid coordinates)
 set(allowed_binding core cage grid coordinates binding)
 set(allowed_clone core binding/binding.hpp binding/detail/packed_binding.hpp binding/types/blob.hpp binding/figure.hpp clone)

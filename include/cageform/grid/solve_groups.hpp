@@ -5,6 +5,8 @@
 #include <cageform/core/detail/in_parallel.hpp>
 #include <cageform/core/detail/stopwatch.hpp>
 #include <cageform/core/types/solver_report.hpp>
+#include <cageform/grid/detail/group_progress.hpp>
+#include <cageform/grid/detail/mutex.hpp>
 #include <cageform/grid/multigrid/helping_threads.hpp>
 
 #include <atomic>
@@ -14,86 +16,6 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-namespace detail {
-
-#if defined(__STDCPP_THREADS__) && (!defined(__GLIBCXX__) || defined(_GLIBCXX_HAS_GTHREADS))
-using Mutex = std::mutex;
-#else
-/// A spin lock for standard libraries without std::mutex: WebAssembly without threads, and
-/// mingw-w64 with the win32 thread model, where a job system may still have threads. The guarded
-/// code takes well below a microsecond.
-class Mutex {
-public:
-    void lock() noexcept {
-        while (taken_.test_and_set(std::memory_order_acquire)) {}
-    }
-    void unlock() noexcept { taken_.clear(std::memory_order_release); }
-
-private:
-    std::atomic_flag taken_;
-};
-#endif
-
-/// Returns an address that differs for every thread.
-inline const void* this_thread() noexcept {
-    static thread_local char place;
-    return &place;
-}
-
-/// The progress of groups that are solved on several threads. Construct it on the calling thread;
-/// only that thread calls the caller's progress function.
-class GroupProgress {
-public:
-    GroupProgress(const Progress& progress, std::size_t groups)
-        : progress_(progress)
-        , groups_(groups) {}
-
-    bool stopped() const noexcept { return stopped_; }
-    void stop() noexcept { stopped_ = true; } ///< stops every thread
-
-    /// Reports that the fraction `part` of the current group is done. Returns false to stop.
-    bool keep_going(double part) {
-        if (this_thread() == caller_ && progress_ && !stopped_) {
-            told_ = (std::max)(told_, (double(done_) + part) / double(groups_));
-            if (!progress_(told_)) stopped_ = true;
-        }
-        return !stopped_;
-    }
-    bool end_group() {
-        ++done_;
-        return keep_going(0);
-    }
-
-private:
-    const Progress& progress_;
-    std::size_t groups_;
-    const void* caller_ = this_thread();
-    std::atomic<std::size_t> done_{0};
-    std::atomic<bool> stopped_{false};
-    double told_ = 0;
-};
-
-/// Stops the other threads if this one leaves by an exception.
-struct StopUnlessDone {
-    explicit StopUnlessDone(GroupProgress& all) noexcept
-        : progress(all) {}
-    StopUnlessDone(const StopUnlessDone&) = delete;
-    StopUnlessDone& operator=(const StopUnlessDone&) = delete;
-    ~StopUnlessDone() {
-        if (!done) progress.stop();
-    }
-    GroupProgress& progress;
-    bool done = false;
-};
-
-/// Returns solver.helpers(), or 0 if the solver has no such function.
-template <class S>
-std::size_t helpers_of(const S& solver) noexcept {
-    if constexpr (requires { solver.helpers(); }) return solver.helpers();
-    return 0;
-}
-
-} // namespace detail
 namespace grid {
 
 /// Passed to a solver with each group of functions.

@@ -177,4 +177,11 @@ private:
 
 using WorkShare = HelpingThreads::Share;
 
+/// Returns solver.helpers(), or 0 if the solver has no such function.
+template <class S>
+std::size_t helpers_of(const S& solver) noexcept {
+    if constexpr (requires { solver.helpers(); }) return solver.helpers();
+    return 0;
+}
+
 } // namespace cageform::inline CAGEFORM_ABI::detail

@@ -1,0 +1,64 @@
+// The progress and the end of groups that are solved on several threads.
+#pragma once
+
+#include <cageform/core/running.hpp>
+
+#include <algorithm>
+#include <atomic>
+#include <cstddef>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+/// Returns an address that differs for every thread.
+inline const void* this_thread() noexcept {
+    static thread_local char place;
+    return &place;
+}
+
+/// The progress of groups that are solved on several threads. Construct it on the calling thread;
+/// only that thread calls the caller's progress function.
+class GroupProgress {
+public:
+    GroupProgress(const Progress& progress, std::size_t groups)
+        : progress_(progress)
+        , groups_(groups) {}
+
+    bool stopped() const noexcept { return stopped_; }
+    void stop() noexcept { stopped_ = true; } ///< stops every thread
+
+    /// Reports that the fraction `part` of the current group is done. Returns false to stop.
+    bool keep_going(double part) {
+        if (this_thread() == caller_ && progress_ && !stopped_) {
+            told_ = (std::max)(told_, (double(done_) + part) / double(groups_));
+            if (!progress_(told_)) stopped_ = true;
+        }
+        return !stopped_;
+    }
+    bool end_group() {
+        ++done_;
+        return keep_going(0);
+    }
+
+private:
+    const Progress& progress_;
+    std::size_t groups_;
+    const void* caller_ = this_thread();
+    std::atomic<std::size_t> done_{0};
+    std::atomic<bool> stopped_{false};
+    double told_ = 0;
+};
+
+/// Stops the other threads if this one leaves by an exception.
+struct StopUnlessDone {
+    explicit StopUnlessDone(GroupProgress& all) noexcept
+        : progress(all) {}
+    StopUnlessDone(const StopUnlessDone&) = delete;
+    StopUnlessDone& operator=(const StopUnlessDone&) = delete;
+    ~StopUnlessDone() {
+        if (!done) progress.stop();
+    }
+    GroupProgress& progress;
+    bool done = false;
+};
+
+} // namespace cageform::inline CAGEFORM_ABI::detail
