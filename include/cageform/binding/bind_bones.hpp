@@ -3,6 +3,7 @@
 
 #include <cageform/binding/bind.hpp>
 #include <cageform/binding/detail/bone_handles.hpp>
+#include <cageform/coordinates/detail/evaluate_blocks.hpp>
 #include <cageform/core/detail/in_parallel.hpp>
 #include <cageform/core/types/scalar_range.hpp>
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cageform/coordinates/coordinate.hpp>
+#include <cageform/coordinates/detail/evaluate_blocks.hpp>
 #include <cageform/coordinates/detail/simplex.hpp>
 #include <cageform/core/detail/simd.hpp>
 

@@ -4,7 +4,6 @@
 #include <cageform/cage/cell_complex.hpp>
 #include <cageform/coordinates/detail/boundary_data.hpp>
 #include <cageform/core/detail/blocks.hpp>
-#include <cageform/core/detail/in_parallel.hpp>
 #include <cageform/core/types/handles.hpp>
 #include <cageform/core/types/solver_report.hpp>
 
@@ -57,17 +56,6 @@ concept CageCoordinates = CageCoordinateConstants<C> &&
     { c.nearest_boundary(p, row) } -> std::same_as<Vec<typename C::scalar, C::dimension>>;
 };
 
-namespace detail {
-
-/// Whether zeros among the weights of a point must stay zeros.
-template <class C>
-inline constexpr bool has_local_rows = false;
-template <class C>
-    requires(bool(C::local))
-inline constexpr bool has_local_rows<C> = true;
-
-} // namespace detail
-
 /// Coordinates that can be differentiated.
 ///
 ///   evaluate_gradients(points, gradients, states, running)
@@ -119,38 +107,6 @@ nearest_boundary_weights(const Cage& cage, const Vec<typename Cage::scalar, Cage
         detail::HatData<Cage::dimension>::for_each_weight(value, add);
     return place;
 }
-
-namespace detail {
-
-/// Writes the boundary data at a point as weights, into a lane of a block with `handles` rows.
-template <class T, std::size_t K, class Data = HatData<K>>
-void store_boundary_value(const BoundaryValue<K>& value, std::size_t handles, Lanes<T>* rows,
-                          std::size_t lane, const Data& data = {}) {
-    for (std::size_t i = 0; i < handles; ++i) rows[i][lane] = T(0);
-    data.for_each_weight(
-        value, [&](std::uint32_t handle, double weight) { rows[handle][lane] += static_cast<T>(weight); });
-}
-
-/// The arguments of `evaluate` and `evaluate_gradients`.
-template <class T>
-struct Batch {
-    BlockView<const T> points;
-    BlockView<T> rows; ///< out: weights or gradients
-    std::span<PointState> states;
-};
-
-/// Implements `evaluate` for closed forms: calls body(first, last) for ranges of blocks if the cage
-/// is sound.
-template <class T, class Body>
-Evaluation evaluate_blocks(const CageReport& cage, [[maybe_unused]] std::size_t rows, const Batch<T>& batch,
-                           const Running& running, const Body& body) {
-    if (cage.status != Status::ok) return {cage.status, {}};
-    CAGEFORM_ASSERT(batch.rows.rows == rows && batch.states.size() == batch.points.points,
-                    "one row per handle");
-    return {for_each_block(batch.points.blocks(), running, body), {}};
-}
-
-} // namespace detail
 
 /// Computes the weights of a single point; a convenience on top of `evaluate`.
 ///

@@ -3,6 +3,7 @@
 
 #include <cageform/cage/point_set.hpp>
 #include <cageform/coordinates/coordinate.hpp>
+#include <cageform/coordinates/detail/evaluate_blocks.hpp>
 #include <cageform/coordinates/sibson/site_gradients.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {

@@ -4,6 +4,8 @@
 
 #include <cageform/cage/polygon.hpp>
 #include <cageform/coordinates/coordinate.hpp>
+#include <cageform/coordinates/detail/boundary_data.hpp>
+#include <cageform/coordinates/detail/evaluate_blocks.hpp>
 #include <cageform/coordinates/three_point/formula.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {

@@ -2,6 +2,7 @@
 // is the baseline for measuring other solvers.
 #pragma once
 
+#include <cageform/coordinates/detail/evaluate_blocks.hpp>
 #include <cageform/coordinates/harmonic.hpp>
 #include <cageform/papers/averaging_pyramid.hpp>
 #include <cageform/papers/detail/rasterise.hpp>

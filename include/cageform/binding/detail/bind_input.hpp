@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cageform/coordinates/coordinate.hpp>
+#include <cageform/coordinates/detail/evaluate_blocks.hpp>
 #include <cageform/core/view.hpp>
 
 #include <algorithm>
@@ -53,6 +54,13 @@ struct BindInput {
     PointReader<T> points;
 };
 
+/// Whether zeros among the weights of a point must stay zeros.
+template <class C>
+inline constexpr bool has_local_rows = false;
+template <class C>
+    requires(bool(C::local))
+inline constexpr bool has_local_rows<C> = true;
+
 template <CageCoordinates C>
 BindInput<typename C::scalar, C::dimension> bind_input(const C& coordinates,
                                                        PointReader<typename C::scalar> points) {
@@ -61,7 +69,7 @@ BindInput<typename C::scalar, C::dimension> bind_input(const C& coordinates,
             [&coordinates] { return handle_view(coordinates); },
             C::has_extension,
             C::closed_form,
-            detail::has_local_rows<C>,
+            has_local_rows<C>,
             [&coordinates](const Batch<T>& batch, const Running& running) {
                 return coordinates.evaluate(batch.points, batch.rows, batch.states, running);
             },

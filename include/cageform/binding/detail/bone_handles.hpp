@@ -3,6 +3,7 @@
 
 #include <cageform/binding/types/bind_options.hpp>
 #include <cageform/coordinates/coordinate.hpp>
+#include <cageform/coordinates/detail/evaluate_blocks.hpp>
 #include <cageform/coordinates/detail/simplex.hpp>
 
 #include <array>

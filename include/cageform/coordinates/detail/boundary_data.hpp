@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cageform/cage/detail/boundary_value.hpp>
+#include <cageform/core/detail/blocks.hpp>
 #include <cageform/core/status.hpp>
 
 #include <span>
@@ -43,5 +44,14 @@ public:
         std::span<const Value> values_;
     };
 };
+
+/// Writes the boundary data at a point as weights, into a lane of a block with `handles` rows.
+template <class T, std::size_t K, class Data = HatData<K>>
+void store_boundary_value(const BoundaryValue<K>& value, std::size_t handles, Lanes<T>* rows,
+                          std::size_t lane, const Data& data = {}) {
+    for (std::size_t i = 0; i < handles; ++i) rows[i][lane] = T(0);
+    data.for_each_weight(
+        value, [&](std::uint32_t handle, double weight) { rows[handle][lane] += static_cast<T>(weight); });
+}
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

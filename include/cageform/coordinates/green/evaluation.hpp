@@ -4,6 +4,7 @@
 
 #include <cageform/cage/cell_complex.hpp>
 #include <cageform/coordinates/coordinate.hpp>
+#include <cageform/coordinates/detail/evaluate_blocks.hpp>
 #include <cageform/coordinates/green/frame.hpp>
 #include <cageform/core/detail/face_handles.hpp>
 

@@ -7,6 +7,7 @@
 
 #include <cageform/coordinates/coordinate.hpp>
 #include <cageform/coordinates/detail/boundary_data.hpp>
+#include <cageform/coordinates/detail/evaluate_blocks.hpp>
 #include <cageform/grid/solve_groups.hpp>
 
 #include <optional>

@@ -1,6 +1,7 @@
 // Computes gradients of sampled functions by finite differences.
 #pragma once
 
+#include <cageform/coordinates/detail/evaluate_blocks.hpp>
 #include <cageform/coordinates/harmonic/solution.hpp>
 #include <cageform/core/detail/in_parallel.hpp>
 #include <cageform/core/detail/simd.hpp>

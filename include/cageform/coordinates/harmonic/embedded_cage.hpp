@@ -2,6 +2,7 @@
 // locates points and returns their interpolation stencils.
 #pragma once
 
+#include <cageform/coordinates/detail/evaluate_blocks.hpp>
 #include <cageform/coordinates/harmonic/cage_solver.hpp>
 #include <cageform/grid/lattice/box_boundary.hpp>
 #include <cageform/grid/lattice/embed.hpp>

@@ -2,6 +2,7 @@
 // exact distances from nodes to the boundary.
 #pragma once
 
+#include <cageform/coordinates/detail/evaluate_blocks.hpp>
 #include <cageform/coordinates/harmonic/corner_samples.hpp>
 #include <cageform/coordinates/harmonic/cut_samples.hpp>
 #include <cageform/coordinates/harmonic/embedded_cage.hpp>

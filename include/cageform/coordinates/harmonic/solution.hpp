@@ -2,6 +2,7 @@
 // by group.
 #pragma once
 
+#include <cageform/coordinates/detail/evaluate_blocks.hpp>
 #include <cageform/coordinates/harmonic/cage_solver.hpp>
 #include <cageform/core/detail/in_parallel.hpp>
 

@@ -2,6 +2,7 @@
 // their interpolation stencils.
 #pragma once
 
+#include <cageform/coordinates/detail/evaluate_blocks.hpp>
 #include <cageform/coordinates/harmonic/cage_solver.hpp>
 #include <cageform/grid/tree/leaf_gather.hpp>
 #include <cageform/grid/tree/refinement.hpp>

@@ -2,6 +2,7 @@
 // are small where the cage is thin, its facets are small or its edges are sharp (grid/tree/).
 #pragma once
 
+#include <cageform/coordinates/detail/evaluate_blocks.hpp>
 #include <cageform/coordinates/harmonic/cage_solver.hpp>
 #include <cageform/coordinates/harmonic/cut_samples.hpp>
 #include <cageform/coordinates/harmonic/grid_errors.hpp>

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <cageform/coordinates/coordinate.hpp>
+#include <cageform/coordinates/detail/boundary_data.hpp>
+#include <cageform/coordinates/detail/evaluate_blocks.hpp>
 #include <cageform/coordinates/mean_value/frame.hpp>
 #include <cageform/core/affine/moment_test.hpp>
 #include <cageform/core/detail/buffer.hpp>
