@@ -108,26 +108,6 @@ public:
         : Base(cage) {}
 };
 
-namespace detail {
-
-template <Scalar T>
-struct MeanValueForm<PolyhedralMesh<T>> {
-    using Topology = PolygonTopology;
-    template <class S>
-    using Frame = PolygonFrame<S>;
-    template <class N>
-    using Rows = PolygonRows<N>;
-    using Data = FaceCoordinates<MeanValueCoordinates<double, 2>>;
-
-    static Data data(const PolyhedralMesh<T>& mesh) {
-        return Data(mesh, [](const cageform::Polygon<double>& polygon, double) {
-            return MeanValueCoordinates<double, 2>(polygon);
-        });
-    }
-};
-
-} // namespace detail
-
 /// Mean value coordinates for polyhedral meshes. If all faces are triangles the weights are those
 /// of MeanValueCoordinates<T, 3>. A face with more corners distributes the sum of its triangles'
 /// weights over its corners, by mean value coordinates in its plane (`share_out` in

@@ -7,7 +7,12 @@
 #include <cageform/coordinates/mean_value/plane.hpp>
 #include <cageform/coordinates/mean_value/space.hpp>
 
-namespace cageform::inline CAGEFORM_ABI::detail {
+namespace cageform::inline CAGEFORM_ABI {
+
+template <Scalar T, std::size_t D, class Cage>
+class MeanValueCoordinates; // in coordinates/mean_value.hpp
+
+namespace detail {
 
 /// The connectivity of the triangles, and which of them form a face with more than three corners.
 struct PolygonTopology : MeanValueTopology<3> {
@@ -205,4 +210,26 @@ WeightSum<N> weigh(const PolygonFrame<S>& cage, const MeanValueLimits<S>& limits
     return {rows.sum(), rows.special};
 }
 
-} // namespace cageform::inline CAGEFORM_ABI::detail
+/// The types of the formula for a PolyhedralMesh.
+///
+///   Plane  the coordinates of a face in its plane, as a parameter because that type is still incomplete
+///          here
+template <Scalar T, class Plane>
+struct PolygonForm {
+    using Topology = PolygonTopology;
+    template <class S>
+    using Frame = PolygonFrame<S>;
+    template <class N>
+    using Rows = PolygonRows<N>;
+    using Data = FaceCoordinates<Plane>;
+
+    static Data data(const PolyhedralMesh<T>& mesh) {
+        return Data(mesh, [](const Polygon<double>& polygon, double) { return Plane(polygon); });
+    }
+};
+template <Scalar T>
+struct MeanValueForm<PolyhedralMesh<T>> : PolygonForm<T, MeanValueCoordinates<double, 2, Polygon<double>>> {};
+
+} // namespace detail
+
+} // namespace cageform::inline CAGEFORM_ABI
