@@ -10,7 +10,6 @@
 #include <cageform/core/status.hpp>
 #include <cageform/core/view.hpp>
 
-#include <limits>
 #include <span>
 
 namespace cageform::inline CAGEFORM_ABI {
@@ -30,42 +29,6 @@ concept HasHandles = requires(const B& binding) {
     typename B::scalar;
     { binding.handle_view() } -> std::same_as<HandleView<typename B::scalar, B::dimension>>;
 };
-
-namespace detail {
-
-/// Returns whether results computed from coordinates of this size stay finite, in the scalars of a
-/// binding and of an output.
-template <Scalar T, class Out, std::size_t D>
-bool can_be_posed(const Vec<T, D>& p) noexcept {
-    using Narrow = std::conditional_t<std::is_same_v<T, float> || std::is_same_v<range_scalar_t<Out>, float>,
-                                      float, double>;
-    constexpr T limit = T((std::numeric_limits<Narrow>::max)() * epsilon<Narrow>);
-    if (!is_finite(p)) return false;
-    for (std::size_t k = 0; k < D; ++k) {
-        if (p[k] > limit || p[k] < -limit) return false;
-    }
-    return true;
-}
-
-/// Returns the vector of a face whose posed corners are in `out`. A face that has not moved keeps
-/// its handle bit for bit.
-template <Scalar T, std::size_t D, class Out>
-Vec<T, D> posed_vector(const HandleView<T, D>& handles, std::size_t handle, const HandleFace<D>& face,
-                       const Out& out) noexcept {
-    std::array<Vec<T, D>, D> rest, posed;
-    for (std::size_t k = 0; k < D; ++k) {
-        rest[k] = handles.rest[face[k]];
-        posed[k] = to_vec<T>(out[face[k]]);
-    }
-    if (posed == rest) return handles.rest[handle];
-    if constexpr (D == 2) {
-        return edge_handle(posed[0], posed[1]);
-    } else {
-        return face_handle(rest, posed);
-    }
-}
-
-} // namespace detail
 
 /// Computes a pose of all handles from a pose of the cage's vertices.
 ///

@@ -2,10 +2,14 @@
 // 2D and the square root of the area in 3D.
 #pragma once
 
+#include <cageform/core/types/handles.hpp>
 #include <cageform/core/vec.hpp>
+#include <cageform/core/view.hpp>
 
 #include <array>
 #include <cmath>
+#include <limits>
+#include <type_traits>
 
 namespace cageform::inline CAGEFORM_ABI {
 
@@ -70,5 +74,41 @@ Vec<T, 3> face_handle(const std::array<Vec<T, 3>, 3>& rest, const std::array<Vec
     const T squares = q * dot(along, along) + dot(across, across) / q;
     return (size / 2 * std::sqrt(squares / dot(now.normal, now.normal))) * now.normal;
 }
+
+namespace detail {
+
+/// Returns whether results computed from coordinates of this size stay finite, in the scalars of a
+/// binding and of an output.
+template <Scalar T, class Out, std::size_t D>
+bool can_be_posed(const Vec<T, D>& p) noexcept {
+    using Narrow = std::conditional_t<std::is_same_v<T, float> || std::is_same_v<range_scalar_t<Out>, float>,
+                                      float, double>;
+    constexpr T limit = T((std::numeric_limits<Narrow>::max)() * epsilon<Narrow>);
+    if (!is_finite(p)) return false;
+    for (std::size_t k = 0; k < D; ++k) {
+        if (p[k] > limit || p[k] < -limit) return false;
+    }
+    return true;
+}
+
+/// Returns the vector of a face whose posed corners are in `out`. A face that has not moved keeps
+/// its handle bit for bit.
+template <Scalar T, std::size_t D, class Out>
+Vec<T, D> posed_vector(const HandleView<T, D>& handles, std::size_t handle, const HandleFace<D>& face,
+                       const Out& out) noexcept {
+    std::array<Vec<T, D>, D> rest, posed;
+    for (std::size_t k = 0; k < D; ++k) {
+        rest[k] = handles.rest[face[k]];
+        posed[k] = to_vec<T>(out[face[k]]);
+    }
+    if (posed == rest) return handles.rest[handle];
+    if constexpr (D == 2) {
+        return edge_handle(posed[0], posed[1]);
+    } else {
+        return face_handle(rest, posed);
+    }
+}
+
+} // namespace detail
 
 } // namespace cageform::inline CAGEFORM_ABI
