@@ -15,11 +15,14 @@ set(allowed_fields core cage grid fields)
 set(allowed_papers core cage grid coordinates papers)
 set(allowed_exchange core animate exchange)
 # The waist: what a game ships may not pull in how it was made.
-set(waist binding/binding.hpp binding/detail/packed_binding.hpp binding/types/blob.hpp binding/detail/figure_parts.hpp binding/figure.hpp)
+set(waist binding/binding.hpp binding/detail/packed_binding.hpp binding/types/blob.hpp binding/detail/figure_parts.hpp
+          binding/detail/figure_opener.hpp binding/types/no_vectors.hpp binding/figure.hpp)
 foreach(header IN LISTS waist)
   set(allowed_${header} core ${waist})
 endforeach()
-list(APPEND allowed_binding/figure.hpp animate/clip_blob.hpp) # a figure is shipped with its clips
+foreach(header IN ITEMS binding/figure.hpp binding/detail/figure_opener.hpp) # a figure is shipped with its clips
+  list(APPEND allowed_${header} animate/clip_blob.hpp)
+endforeach()
 # Third-party headers, by folder.
 set(third_party_adapt Eigen/ glm/)
 set(third_party_binding Eigen/)
@@ -29,7 +32,7 @@ set(third_party_fields/detail/elimination.hpp Eigen/)
 set(heavy algorithm functional iostream memory random ranges complex regex map unordered_map thread)
 set(light_folders core clone ${waist} animate/curves/piecewise_cubic.hpp animate/detail/quantised_cubic.hpp animate/curves/curve_bank.hpp
                   animate/detail/extrapolation.hpp animate/curves/track.hpp animate/curves/rigid_motion.hpp animate/clip.hpp
-                  animate/clip_blob.hpp)
+                  animate/clip_blob.hpp animate/detail/clip_tables.hpp animate/types/clip_header.hpp)
 set(exempt_from_light core/threads.hpp core/running.hpp core/detail/in_parallel.hpp core/types/solver_report.hpp core/affine/compensated_sum.hpp)
 
 cmake_policy(VERSION 3.25)

@@ -5,7 +5,6 @@
 #include <cageform/animate/clip.hpp>
 #include <cageform/animate/clip_blob.hpp>
 #include <cageform/animate/curves/track.hpp>
-#include <cageform/animate/detail/quantised_cubic.hpp>
 #include <cageform/clone/clone.hpp>
 #include <cageform/clone/clone_figure.hpp>
 #include <cageform/clone/clone_rational.hpp>
