@@ -2,20 +2,13 @@
 #pragma once
 
 #include <cageform/binding/detail/figure_binder.hpp>
+#include <cageform/binding/detail/rest_figure.hpp>
+#include <cageform/binding/types/cage_rebind_report.hpp>
 #include <cageform/core/detail/stopwatch.hpp>
 
 #include <map>
 
 namespace cageform::inline CAGEFORM_ABI {
-
-/// The report of `rebind_cage`.
-struct CageRebindReport : FigureBindReport {
-    /// #handles of the edited cage: the number that each had before, or `new_handle`.
-    std::vector<std::size_t> old_handles;
-};
-
-/// Marks a handle that did not exist before an edit.
-inline constexpr std::size_t new_handle = ~std::size_t{0};
 
 /// Matches handles across an edit of the cage: returns for every handle the number that it had
 /// before, or `new_handle`.
@@ -46,40 +39,6 @@ std::vector<std::size_t> match_handles(const HandleView<T, D>& before, const Han
     }
     return numbers;
 }
-
-namespace detail {
-
-/// Reads the points or vectors of a binding at rest, in the order in which they were bound. Refers
-/// to the binding's memory.
-template <Scalar T, std::size_t D>
-PointReader<T> read_rest(const PackedBindingView<T, D>& binding) {
-    const BlockView<const T> rest{binding.rest, D, binding.points};
-    if (binding.order == nullptr) {
-        return {binding.points,
-                [rest](std::size_t block, Lanes<T>* rows) { std::copy_n(rest.block(block), D, rows); }};
-    }
-    std::vector<std::uint32_t> places(binding.points);
-    for (std::size_t n = 0; n < binding.points; ++n) places[binding.order[n]] = static_cast<std::uint32_t>(n);
-    return {binding.points, [rest, places = std::move(places)](std::size_t block, Lanes<T>* rows) {
-                for (std::size_t lane = 0; lane < lane_count<T>; ++lane) {
-                    const std::size_t i = (std::min)(block * lane_count<T> + lane, places.size() - 1);
-                    for (std::size_t k = 0; k < D; ++k) rows[k][lane] = rest(places[i], k);
-                }
-            }};
-}
-
-/// Gives handles their old labels; new handles have none.
-template <Scalar T, std::size_t D>
-Status take_labels_over(const HandleLabels& before, std::span<const std::size_t> old_handles,
-                        FigureBinding<T, D>& after) {
-    if (before.begin == nullptr) return Status::ok;
-    std::vector<std::string_view> labels;
-    for (const std::size_t handle : old_handles)
-        labels.push_back(handle == new_handle ? std::string_view{} : before[handle]);
-    return after.set_labels(labels);
-}
-
-} // namespace detail
 
 /// Binds a figure again to an edited cage. The result is that of `bind` for the same points, normals
 /// and tangents, to the bit, without the caller providing them again. Labels stay with their handles.
