@@ -3,21 +3,10 @@
 #pragma once
 
 #include <cageform/binding/compose.hpp>
+#include <cageform/binding/detail/copy_binding.hpp>
 #include <cageform/binding/detail/figure_binder.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
-
-namespace detail {
-
-template <Scalar T, std::size_t D>
-Binding<T, D> copy_binding(const BindingView<T, D>& view) {
-    const std::size_t blocks = block_count<T>(view.point_count());
-    std::vector<Lanes<T>> weights(view.weights.data, view.weights.data + blocks * view.handle_count());
-    std::vector<Lanes<T>> rest(view.rest.data, view.rest.data + blocks * D);
-    return {std::move(weights), std::move(rest), view.handle_view(), view.point_count()};
-}
-
-} // namespace detail
 
 /// Restores the figure that was packed, to the bit: bindings, handedness and labels. Clips, levels
 /// and parts of the user are read from the packed figure itself; so are the faces of the cage if
