@@ -1,6 +1,7 @@
 // Imports and exports keyframes of Blender's F-curves.
 #pragma once
 
+#include <cageform/exchange/detail/blender_handles.hpp>
 #include <cageform/exchange/detail/easing.hpp>
 
 #include <span>
@@ -24,27 +25,6 @@ enum class BlenderLimit : std::uint8_t {
     both_together,
 };
 
-namespace detail {
-
-/// Returns a handle scaled by `factor` about its key. A factor of 1 returns it without rounding.
-inline Vec<double, 2> shortened(const Vec<double, 2>& key, const Vec<double, 2>& handle,
-                                double factor) noexcept {
-    return factor == 1 ? handle : key + factor * (handle - key);
-}
-
-/// Returns the curve as Blender evaluates it.
-inline BezierCurve limited_by_blender(const BezierCurve& curve, BlenderLimit limit) noexcept {
-    const auto& [p0, p1, p2, p3] = curve.points;
-    const double length = p3[0] - p0[0];
-    const double first = std::fabs(p1[0] - p0[0]), second = std::fabs(p3[0] - p2[0]);
-    const auto factor = [&](double span) { return span > length ? length / span : 1.0; };
-    const bool each = limit == BlenderLimit::each_handle;
-    return {{p0, shortened(p0, p1, factor(each ? first : first + second)),
-             shortened(p3, p2, factor(each ? second : first + second)), p3}};
-}
-
-} // namespace detail
-
 /// Imports the curve from a keyframe to the next, as Blender evaluates it: long handles are shortened.
 ///
 ///   fails  value_not_finite; interval_empty; curve_turns_back if a handle points away from the
@@ -61,7 +41,8 @@ inline Result<KeyInterval> from_blender(const BlenderKey& first, const BlenderKe
         if (!is_finite(p)) return detail::refused(Status::value_not_finite);
     }
     if (!(second.co[0] > first.co[0])) return detail::refused(Status::interval_empty);
-    return detail::imported(KeyKind::bezier, detail::limited_by_blender(stored, limit));
+    return detail::imported(KeyKind::bezier,
+                            detail::limited_by_blender(stored, limit == BlenderLimit::each_handle));
 }
 
 /// Exports a curve to two keyframes: writes their points, the handles between them, and the
@@ -78,7 +59,7 @@ inline Status to_blender(const BezierCurve& curve, BlenderKey& first, BlenderKey
     if (status != Status::ok) return status;
     const auto& p = curve.points;
     if (kind == KeyKind::bezier) {
-        const auto kept = detail::limited_by_blender(curve, limit).points;
+        const auto kept = detail::limited_by_blender(curve, limit == BlenderLimit::each_handle).points;
         const double off = std::fabs(kept[1][0] - p[1][0]) + std::fabs(kept[2][0] - p[2][0]);
         const double rounding = 4 * epsilon<double> * (std::fabs(p[0][0]) + std::fabs(p[3][0]));
         if (off > rounding) return Status::handle_not_allowed;

@@ -20,17 +20,6 @@ struct UnrealKey {
     KeyKind interpolation = KeyKind::bezier;
 };
 
-namespace detail {
-
-/// Returns the vector from a key to the end of its handle, towards the interval. A weighted handle
-/// has the given length along the slope; any other spans a third of the interval.
-inline Vec<double, 2> unreal_handle(double slope, double weight, bool weighted, double length) noexcept {
-    const double time = weighted ? weight / std::hypot(1.0, slope) : length / 3;
-    return {time, time * slope};
-}
-
-} // namespace detail
-
 /// Imports the curve from a key to the next.
 ///
 ///   reads  the leave tangent and weight of `first`, the arrive tangent and weight of `second`; a
@@ -43,10 +32,16 @@ inline Result<KeyInterval> from_unreal(const UnrealKey& first, const UnrealKey& 
     if (first.interpolation == KeyKind::linear)
         return detail::imported(KeyKind::linear, detail::straight(begin, end));
     const double length = second.time - first.time;
-    const auto leave = detail::unreal_handle(first.leave_tangent, first.leave_weight,
-                                             detail::has(first.weighted, WeightedHandles::out), length);
-    const auto arrive = detail::unreal_handle(second.arrive_tangent, second.arrive_weight,
-                                              detail::has(second.weighted, WeightedHandles::in), length);
+    // Returns the vector from a key to the end of its handle, towards the interval. A weighted handle
+    // has the given length along the slope; any other spans a third of the interval.
+    const auto handle = [length](double slope, double weight, bool weighted) {
+        const double time = weighted ? weight / std::hypot(1.0, slope) : length / 3;
+        return Vec<double, 2>{time, time * slope};
+    };
+    const auto leave =
+        handle(first.leave_tangent, first.leave_weight, detail::has(first.weighted, WeightedHandles::out));
+    const auto arrive = handle(second.arrive_tangent, second.arrive_weight,
+                               detail::has(second.weighted, WeightedHandles::in));
     return detail::imported(KeyKind::bezier, {{begin, begin + leave, end - arrive, end}});
 }
 
