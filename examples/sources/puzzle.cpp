@@ -41,8 +41,8 @@ SvgResult<Puzzle> read_puzzle(const std::string& path, int neighbours) {
 /// Solves by the library, in doubles.
 std::string solve(const Puzzle& puzzle, std::vector<double>& solution) {
     const cageform::CellBox<2> cells{{puzzle.columns, puzzle.rows}};
-    const auto links = cageform::grid_links(cells, puzzle.neighbours == 8 ? cageform::Stencil::all
-                                                                          : cageform::Stencil::face);
+    const auto links = cageform::grid_links(cells, puzzle.neighbours == 8 ? cageform::CellNeighbours::all
+                                                                          : cageform::CellNeighbours::face);
     solution.clear();
     for (const mpq_class& value : puzzle.values) solution.push_back(value.get_d());
     const auto solved = cageform::solve_graph({cells.size(), links}, puzzle.given, solution);

@@ -13,10 +13,10 @@
 namespace puzzle_tests {
 
 using cageform::CellBox;
+using cageform::CellNeighbours;
 using cageform::Graph;
 using cageform::GraphLink;
 using cageform::Status;
-using cageform::Stencil;
 using cageform_tests::Random;
 using Json = nlohmann::json;
 
@@ -47,7 +47,7 @@ std::vector<Json> flatten(const Json& table) {
 
 /// Returns the links of a table of `shape`, whose last index runs along the first axis of the grid.
 std::vector<GraphLink> links_of(const Json& shape, const Json& stencil) {
-    const auto neighbours = stencil == "face" ? Stencil::face : Stencil::all;
+    const auto neighbours = stencil == "face" ? CellNeighbours::face : CellNeighbours::all;
     const auto n = [&](std::size_t k) { return shape[k].get<std::size_t>(); };
     if (shape.size() == 1) return cageform::grid_links(CellBox<1>{{n(0)}}, neighbours);
     if (shape.size() == 2) return cageform::grid_links(CellBox<2>{{n(1), n(0)}}, neighbours);
@@ -220,7 +220,8 @@ TEST_CASE("Random walks end where and when hit_first and expected_steps say", "[
     CAPTURE(seed);
     Random random{std::uint64_t(seed)};
     const CellBox<2> cells{{5, 6}};
-    const auto links = cageform::grid_links(cells, seed % 2 == 0 ? Stencil::face : Stencil::all);
+    const auto links =
+        cageform::grid_links(cells, seed % 2 == 0 ? CellNeighbours::face : CellNeighbours::all);
     const Graph graph{cells.size(), links};
     Marks given(graph.nodes);
     for (auto& mark : given) mark = random.below(4) == 0 ? 1 : 0;
@@ -385,8 +386,8 @@ TEST_CASE("solve_graph with nothing to do", "[grid][puzzle]") {
     CHECK(values == std::vector<double>{3, 4});
     CHECK(cageform::expected_steps(Graph{2, {}}, Marks{1, 1}, std::span(values)).status == Status::ok);
     CHECK(values == std::vector<double>{0, 0});
-    CHECK(cageform::grid_links(CellBox<2>{{0, 3}}, Stencil::all).empty());
-    CHECK(cageform::grid_links(CellBox<3>{{3, 3, 3}}, Stencil::all).size() == 158);
+    CHECK(cageform::grid_links(CellBox<2>{{0, 3}}, CellNeighbours::all).empty());
+    CHECK(cageform::grid_links(CellBox<3>{{3, 3, 3}}, CellNeighbours::all).size() == 158);
 }
 
 } // namespace puzzle_tests

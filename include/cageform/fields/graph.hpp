@@ -24,14 +24,14 @@ struct GraphOptions {
 };
 
 /// The neighbours of a grid cell.
-enum class Stencil : std::uint8_t {
+enum class CellNeighbours : std::uint8_t {
     face, ///< cells that share a face: 2, 4, 6
     all,  ///< also cells that share a corner: 2, 8, 26
 };
 
 /// Returns links of conductance 1 between neighbouring cells of a grid with fewer than 2³² cells.
 template <std::size_t D>
-std::vector<GraphLink> grid_links(const CellBox<D>& cells, Stencil stencil) {
+std::vector<GraphLink> grid_links(const CellBox<D>& cells, CellNeighbours neighbours) {
     std::size_t offsets = 1;
     for (std::size_t k = 0; k < D; ++k) offsets *= 3;
     std::vector<GraphLink> links;
@@ -48,7 +48,7 @@ std::vector<GraphLink> grid_links(const CellBox<D>& cells, Stencil stencil) {
                 other[k] = index[k] + step - 1; // wraps around below zero
                 in_grid = in_grid && other[k] < cells.cells[k];
             }
-            if (in_grid && (stencil == Stencil::all || moved == 1))
+            if (in_grid && (neighbours == CellNeighbours::all || moved == 1))
                 links.push_back({std::uint32_t(cell), std::uint32_t(cells.number(other)), 1.0});
         }
     }
