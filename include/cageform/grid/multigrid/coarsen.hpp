@@ -22,7 +22,7 @@ namespace cageform::inline CAGEFORM_ABI::detail {
 /// `corner_offset`). The cell's lower corner is coarse node ⌊index / 2⌋. Along an axis on which the
 /// node's index is even, it lies at that corner, and the cell's upper corners have weight 0.
 template <std::size_t D>
-using Interpolation = std::array<double, power(2, D)>;
+using CornerWeights = std::array<double, power(2, D)>;
 
 /// The interpolation P, and the equations of the coarse nodes.
 template <std::size_t D>
@@ -30,11 +30,11 @@ struct Coarsening {
     using Index = typename grid::NodeRuns<D>::Index;
 
     std::vector<std::uint32_t> slot; ///< by node: an index into `irregular`, or none for multilinear
-    Buffer<Interpolation<D>> irregular;
+    Buffer<CornerWeights<D>> irregular;
     Equations<D> coarse;
 
     bool is_irregular(std::uint32_t node) const noexcept { return slot[node] != grid::NodeRuns<D>::none; }
-    const Interpolation<D>& of(std::uint32_t node, const Index& index) const noexcept {
+    const CornerWeights<D>& of(std::uint32_t node, const Index& index) const noexcept {
         if (is_irregular(node)) return irregular[slot[node]];
         std::size_t odd = 0;
         for (std::size_t k = 0; k < D; ++k) odd |= std::size_t(index[k] & 1) << k;
@@ -49,7 +49,7 @@ struct Coarsening {
 private:
     /// By the set of axes along which a node lies between coarse ones.
     static constexpr auto multilinear = [] {
-        std::array<Interpolation<D>, power(2, D)> all{};
+        std::array<CornerWeights<D>, power(2, D)> all{};
         for (std::size_t odd = 0; odd < all.size(); ++odd) {
             double weight = 1;
             for (std::size_t k = 0; k < D; ++k) weight *= ((odd >> k) & 1u) != 0 ? 0.5 : 1.0;
@@ -175,7 +175,7 @@ private:
     }
     /// Returns Dendy's interpolation: the node's own equation with b = 0, collapsed onto the axes
     /// along which it lies between coarse nodes, and solved for the node.
-    Interpolation<D> interpolate(std::uint32_t node, const Index& index,
+    CornerWeights<D> interpolate(std::uint32_t node, const Index& index,
                                  Neighbours<D>& around) const noexcept {
         const auto collapsed = collapsed_equation(node, index);
         // Dendy's choice of the diagonal: the row sum and the sum of the neighbours' entries.
@@ -184,7 +184,7 @@ private:
             if ((index[k] & 1) != 0) total += fine_.irregular[fine_.slot[node]].row_sum[k];
         }
         for (const double a : collapsed) total += std::fabs(a);
-        Interpolation<D> result{};
+        CornerWeights<D> result{};
         if (!(total > 0)) return result;
         for (std::size_t p = 0; p < P::count; ++p) {
             const auto n = collapsed[p] != 0 ? around.at(p) : none;
@@ -297,7 +297,7 @@ private:
     }
     /// Adds a node's row of A P to the equations of the coarse nodes that it interpolates from.
     using CoarseRows = std::array<std::uint32_t, power(2, D)>; ///< into `coarse.irregular`, or none
-    void add_restricted(const Interpolation<D>& weights, const typename Equations<D>::Stencil& row,
+    void add_restricted(const CornerWeights<D>& weights, const typename Equations<D>::Stencil& row,
                         const CoarseRows& to) noexcept {
         std::array<std::size_t, P::count> places;
         std::size_t count = 0;
