@@ -1,7 +1,7 @@
 #!/bin/sh
 # Usage: sh tests/layout.sh AWK
 # Checks what no compiler does: sentences without a subject, lines over 110 columns, documents that have grown too long,
-# and how many headers and names a user meets.
+# how many headers and names a user meets, and that these headers hold no machinery.
 set -u
 cd "$(dirname "$0")/.."
 awk=$1
@@ -10,7 +10,8 @@ count() { # WHAT FOUND MOST: fails where there is more than MOST
   printf '%s: %d of at most %d\n' "$1" "$2" "$3"
   [ "$2" -le "$3" ] || failed=1
 }
-public=$(find include -mindepth 2 -maxdepth 3 -name '*.hpp'; find include -path '*/types/*.hpp')
+included=$(find include -mindepth 2 -maxdepth 3 -name '*.hpp') # by users
+public=$(printf '%s\n' "$included"; find include -path '*/types/*.hpp')
 faults=$(find include tests examples bench README.md \( -name '*.hpp' -o -name '*.cpp' -o -name '*.md' \) ! -path 'examples/site/*' \
   -exec "$awk" -f tests/plain_english.awk {} +)
 printf '%s\n' "$faults"
@@ -21,8 +22,13 @@ long=$(find include examples bench \( -name '*.hpp' -o -name '*.cpp' \) -exec en
   /^\)"/ { raw = 0 }' {} +)
 printf '%s\n' "$long"
 count 'lines over 110 columns' "$(printf '%s' "$long" | grep -c .)" 0
-count 'headers that a user includes' "$(find include -mindepth 2 -maxdepth 3 -name '*.hpp' | grep -c .)" 70
-# shellcheck disable=SC2086 # the list is meant to be split
+count 'headers that a user includes' "$(printf '%s\n' "$included" | grep -c .)" 70
+# They hold no machinery: that is in headers of a folder below.
+# shellcheck disable=SC2086 # the lists are meant to be split
+machinery=$(grep -lE 'namespace (.*[: ])?detail([: ].*)?\{' $included)
+printf '%s\n' "$machinery"
+count 'of them that declare into namespace detail' "$(printf '%s' "$machinery" | grep -c .)" 0
+# shellcheck disable=SC2086
 count 'public names' "$("$awk" -f tests/public_names.awk $public | sort -u | grep -c .)" 260
 count 'lines of README.md' "$(grep -c '' README.md)" 190
 for document in include/cageform/*/README.md bench/README.md tests/README.md; do
