@@ -88,7 +88,7 @@ struct MeshProblem {
         cageform::SolverReport report;
         (void)solve_groups(cageform::grid::MultigridGroups{multigrid, goal, fill}, report,
                            [](std::size_t, const auto& block) { benchmark::DoNotOptimize(block.value(0)); });
-        return report.cycles;
+        return report.multigrid.cycles;
     }
 
     cageform::CageProblem<Cage, cageform::HarmonicOptions> problem;

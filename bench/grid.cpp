@@ -120,7 +120,7 @@ void multigrid(benchmark::State& state) {
         bytes = solver.bytes() + std::size_t(state.range(1)) * solver.block_bytes();
     }
     state.counters["unknowns"] = double(problem.nodes.count());
-    state.counters["cycles"] = double(report.cycles);
+    state.counters["cycles"] = double(report.multigrid.cycles);
     state.counters["MB"] = double(bytes) / 1e6;
 }
 
@@ -250,7 +250,7 @@ void strokes(benchmark::State& state) {
         benchmark::DoNotOptimize(field.field(3).data());
     }
     state.counters["unknowns"] = double(report.cells);
-    state.counters["cycles"] = double(report.cycles);
+    state.counters["cycles"] = double(report.multigrid.cycles);
 }
 
 /// Writing four channels of the canvas once.
