@@ -8,7 +8,7 @@
 
 #include <cageform/binding/bind.hpp>
 #include <cageform/binding/pack.hpp>
-#include <cageform/coordinates/harmonic.hpp>
+#include <cageform/cage/box_mesh.hpp>
 #include <cageform/coordinates/mean_value.hpp>
 #include <cageform/core/threads.hpp>
 #include <cageform/papers/pyramid_solver.hpp>
@@ -30,7 +30,7 @@ void bind_harmonic_vase(benchmark::State& state) {
     cageform::HarmonicOptions options;
     options.resolution = std::size_t(state.range(0));
     for (auto _ : state) {
-        const auto result = cageform::bind(cageform::HarmonicCoordinates(cage, options), points);
+        const auto result = cageform::bind(cageform::UniformHarmonicCoordinates(cage, options), points);
         benchmark::DoNotOptimize(result.value.view().weights.data);
         state.counters["solver_s"] = result.report.solver.seconds;
     }
@@ -44,17 +44,16 @@ void bind_harmonic(benchmark::State& state) {
     options.solver = Solver;
     options.resolution = std::size_t(state.range(2));
     options.averaging.tolerance = 1e-5;
-    using Solvers = std::conditional_t<Solver == cageform::HarmonicSolver::multigrid,
-                                       cageform::HarmonicSolverChoice<cageform::Polygon<T>>,
-                                       cageform::WithAveragingPyramid<cageform::Polygon<T>>>;
-    run_bind(state, cageform::HarmonicCoordinates<T, 2, cageform::Polygon<T>, Solvers>(cage, options),
+    using Chosen = std::conditional_t<Solver == cageform::HarmonicSolver::multigrid, cageform::UniformGrid,
+                                      cageform::OnlySolver<cageform::PyramidSolver<cageform::Polygon<T>>>>;
+    run_bind(state, cageform::HarmonicCoordinates<T, 2, cageform::Polygon<T>, Chosen>(cage, options),
              points_inside(cage, std::size_t(state.range(0))));
 }
 
 /// A cube of 98 vertices (four divisions along each axis) and 2,562 points on a sphere in it: the case that
 /// Blender's Mesh Deform binds at 32 cells and not in minutes at 64.
 void bind_harmonic_cube(benchmark::State& state) {
-    const cageform::Box<double> cube({-1, -1, -1}, {1, 1, 1}, {4, 4, 4});
+    const auto cube = cageform::box_mesh<double>({-1, -1, -1}, {1, 1, 1}, {4, 4, 4});
     std::vector<cageform::Vec<double, 3>> points;
     constexpr std::size_t count = 2562;
     for (std::size_t i = 0; i < count; ++i) { // a Fibonacci spiral
@@ -64,17 +63,15 @@ void bind_harmonic_cube(benchmark::State& state) {
     }
     cageform::HarmonicOptions options;
     options.resolution = std::size_t(state.range(0));
-    run_bind(state, cageform::HarmonicCoordinates(cube, options), points);
+    run_bind(state, cageform::UniformHarmonicCoordinates(cube, options), points);
 }
 
 /// The equations that the harmonic functions of a mesh solve, for the multigrid alone.
 struct MeshProblem {
-    using Cage = cageform::TriangleMesh<double>;
-
-    MeshProblem(const Cage& cage, const cageform::HarmonicOptions& options)
-        : problem(cage, options) {
+    MeshProblem(const cageform::TriangleMesh<double>& cage, const cageform::HarmonicOptions& options) {
         cageform::SolverReport report;
-        (void)cageform::detail::EmbeddedCage<Cage>::make(problem, report, grid);
+        if (place(cageform::CageProblem(cage, options), placed) == cageform::Status::ok)
+            (void)cageform::detail::EmbeddedCage<3>::make(*placed, report, grid);
     }
 
     /// All functions, each block's values lost to the next; returns the most cycles.
@@ -84,15 +81,15 @@ struct MeshProblem {
         const auto fill = [&](std::size_t first, std::size_t count, auto& source) {
             grid->add_data(first, count, slots, std::span(source));
         };
-        const cageform::grid::CycleGoal goal{problem.cage.size(), 1e-6, 60};
+        const cageform::grid::CycleGoal goal{placed->cage.size(), 1e-6, 60};
         cageform::SolverReport report;
         (void)solve_groups(cageform::grid::MultigridGroups{multigrid, goal, fill}, report,
                            [](std::size_t, const auto& block) { benchmark::DoNotOptimize(block.value(0)); });
         return report.multigrid.cycles;
     }
 
-    cageform::CageProblem<Cage, cageform::HarmonicOptions> problem;
-    std::optional<cageform::detail::EmbeddedCage<Cage>> grid;
+    std::shared_ptr<const cageform::PlacedCage<3>> placed;
+    std::optional<cageform::detail::EmbeddedCage<3>> grid;
 };
 
 /// In turns with the bare solve (not in the time), so that both meet the same machine. bind/solve and its
@@ -102,7 +99,7 @@ void bind_harmonic_mesh(benchmark::State& state) {
     const auto points = points_inside_bumpy112();
     cageform::HarmonicOptions options;
     options.resolution = std::size_t(state.range(0));
-    const cageform::HarmonicCoordinates coordinates(cage, options);
+    const cageform::UniformHarmonicCoordinates coordinates(cage, options);
     const MeshProblem problem(cage, options);
     cageform::SolverReport solver;
     double solver_seconds = 0;
@@ -168,7 +165,7 @@ void bind_papers_mesh(benchmark::State& state) {
 using cageform_tests::Fingers;
 
 using Mesh = cageform::TriangleMesh<double>;
-using AnyGrid = cageform::HarmonicCoordinates<double, 3, Mesh>;
+using AnyGrid = cageform::HarmonicCoordinates<double, 3, Mesh, cageform::WithAveragingPyramid>;
 
 /// On the adaptive grid by the accuracy asked for, 1e-4 times the argument, or on the uniform one of a
 /// resolution.
@@ -346,7 +343,7 @@ void bind_harmonic_figure(benchmark::State& state) {
     }
     cageform::HarmonicOptions options;
     options.resolution = std::size_t(state.range(0));
-    const cageform::HarmonicCoordinates<float, 3> coordinates(cage, options);
+    const cageform::UniformHarmonicCoordinates<float, 3> coordinates(cage, options);
     std::clock_t binding = 0, solving = 0;
     for (auto _ : state) {
         const auto begin = std::clock();
@@ -378,7 +375,7 @@ void crossing_of_types(benchmark::State& state) {
     } else {
         cageform::HarmonicOptions options;
         options.resolution = std::size_t(state.range(1));
-        run_bind(state, cageform::HarmonicCoordinates<float, 3>(cage, options), points, true);
+        run_bind(state, cageform::UniformHarmonicCoordinates<float, 3>(cage, options), points, true);
     }
 }
 

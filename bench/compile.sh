@@ -1,6 +1,6 @@
 #!/bin/sh
 # sh bench/compile.sh: what the headers cost those who include them.
-# For each way to use the library the seconds of processor and the megabytes that one file takes to compile at -O2, with each
+# For each way to use the library, headers alone and with cageform::compiled, the seconds of processor and the megabytes that one file takes to compile at -O2, with each
 # compiler installed (CXX names others); then how long a clone takes in a build without optimisation.
 # Each has a budget: so many times the seconds that a file takes which uses std::regex (measured first, so that a budget holds
 # on any machine), and megabytes. What is over its budget twice is named, and the script fails.
@@ -30,13 +30,21 @@ bool bind_figure(const Points& cage, const Points& figure) {
     return cageform::bind(cageform::HarmonicCoordinates(cage), figure).report.status == cageform::Status::ok;
 }
 END
+cat > "$work/mean_value.cpp" <<'END'
+#include <cageform/binding/bind.hpp>
+#include <cageform/coordinates/mean_value.hpp>
+using Points = std::vector<std::array<double, 2>>;
+bool bind_figure(const Points& cage, const Points& figure) {
+    return cageform::bind(cageform::MeanValueCoordinates(cage), figure).report.status == cageform::Status::ok;
+}
+END
 cat > "$work/space.cpp" <<'END'
 #include <cageform/binding/bind.hpp>
 #include <cageform/coordinates/harmonic.hpp>
 using Points = std::vector<std::array<double, 3>>;
 using Faces = std::vector<std::array<std::uint32_t, 3>>;
 bool bind_figure(const Points& cage, const Faces& faces, const Points& figure) {
-    return cageform::bind(cageform::HarmonicCoordinates3d(cage, faces), figure).report.status == cageform::Status::ok;
+    return cageform::bind(cageform::HarmonicCoordinates(cage, faces), figure).report.status == cageform::Status::ok;
 }
 END
 cat > "$work/standard.cpp" <<'END'
@@ -104,18 +112,25 @@ int main(int, char** words) {
 }
 END
 
-cost() { # COMPILER SOURCE
+cost() { # COMPILER SOURCE[:compiled]
+  library=
+  [ "$2" = "${2%:compiled}" ] || library=-DCAGEFORM_COMPILED
   # shellcheck disable=SC2086 # the flags are words
-  "$work/cost" "$1" $flags -O2 -c "$work/$2.cpp" -o "$work/$2.o"
+  "$work/cost" "$1" $flags -O2 $library -c "$work/${2%:compiled}.cpp" -o "$work/object.o"
 }
-# One of each a line: the source, what it is, its budget in times of the standard file, and in megabytes.
+# One of each a line: the source, what it is, its budget in times of the standard file, and in megabytes. Those of a :compiled
+# source leave bind, its solvers and its formulas to the library.
 cat > "$work/rows" <<'END'
 runtime runtime.hpp alone; 0.25 160
 umbrella cageform.hpp alone; 1.2 400
 harmonic harmonic.hpp alone; 1.1 350
 readme README's ten lines; 2.4 480
+mean_value mean value bind, plane; 2.4 480
 plane harmonic bind, plane; 6 680
 space harmonic bind, space; 6.5 750
+mean_value:compiled mean value, with the library; 1.5 380
+plane:compiled harmonic, plane, with it; 1.5 380
+space:compiled harmonic, space, with it; 1.7 400
 END
 
 over=

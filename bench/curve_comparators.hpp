@@ -108,7 +108,7 @@ inline Result<BestKnots, KnotReport> refine_knot(const BezierCurve& curve, std::
         double best = 0.5 * (low + high), least = std::numeric_limits<double>::infinity();
         for (std::size_t i = 1; i < steps; ++i) {
             const double part = low + (high - low) * double(i) / double(steps);
-            const std::array<double, 3> parameters{0, BezierFunction(curve).parameter_at_part(part), 1};
+            const std::array<double, 3> parameters{0, BezierFunction(curve).parameter_at_fraction(part), 1};
             const double objective = fitter.objective(parameters);
             ++search.report.trials;
             if (objective >= least) continue;

@@ -10,12 +10,12 @@ using Point = std::array<double, 3>;
 
 int main() {
     // Two divisions along x and y, four along z: 42 vertices.
-    const cageform::Box<double> cage({-1, -1, 0}, {1, 1, 4}, {2, 2, 4});
+    const auto cage = cageform::box_mesh<double>({-1, -1, 0}, {1, 1, 4}, {2, 2, 4});
     const std::array<Point, 3> points{{{0.5, 0, 0}, {0.5, 0, 2}, {0.5, 0, 4}}};
 
     cageform::HarmonicOptions options;
     options.resolution = 32; // cells along z
-    cageform::HarmonicCoordinates coordinates(cage, options);
+    cageform::UniformHarmonicCoordinates coordinates(cage, options);
     if (coordinates.solve().status != cageform::Status::ok) return 1; // kept: used twice below
     const auto [binding, report] = cageform::bind(coordinates, points);
     std::printf("%zu handles: %s, %zu cycles\n", binding.handle_count(), cageform::to_string(report.status),

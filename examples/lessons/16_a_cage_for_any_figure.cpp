@@ -16,7 +16,8 @@ int main() {
     const auto made = make_cage(figure, options);
     if (!made) return std::puts(to_string(made.status()));
     std::printf("vertices: %zu, margin kept: %.0f %%, parts: %zu, bridges: %zu\n", made.value.size(),
-                100 * made.report.clearance / made.report.margin, made.report.parts, made.report.bridges);
+                100 * made.report.clearance / made.report.margin, made.report.components,
+                made.report.bridges);
 
     // The cage is a Polygon as any other.
     std::vector<cageform::Vec<double, 2>> points(figure.size());

@@ -27,8 +27,6 @@
 #include <iostream>
 #include <sstream>
 
-extern template class cageform::grid::Multigrid<2>; // compiled in coordinates_2d.cpp
-
 namespace {
 
 using namespace cageform_examples;

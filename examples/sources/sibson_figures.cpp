@@ -127,7 +127,7 @@ public:
         auto with_p = sites_;
         with_p.push_back(p_);
         cells("(c) and with p", with_p, false);
-        stolen("(d) what p takes, u = share of its cell");
+        overlap("(d) what p takes, u = share of its cell");
         cells("(e) both laid over each other", with_p, true);
         simplex("(f) degree 2: one inner point moved", false);
         simplex("(g) the corners moved too", true);
@@ -195,7 +195,7 @@ private:
         if (sites.size() > sites_.size()) dot_of_p(p_);
         panels_.end();
     }
-    void stolen(const std::string& caption) {
+    void overlap(const std::string& caption) {
         panels_.begin(caption);
         auto with_p = sites_;
         with_p.push_back(p_);
@@ -394,7 +394,7 @@ Picture draw_types() {
     const Vec2 move{0.25, -0.3};
     draw_type(tiles, 0, cageform::SibsonCoordinates<double, 2>(sites), 8, move);
     draw_type(tiles, 1, cageform::SibsonCoordinates<double, 2>(sites, {.degree = 3}), 8, move);
-    cageform::HarmonicCoordinates harmonic(cage, {.resolution = 256});
+    cageform::UniformHarmonicCoordinates harmonic(cage, {.resolution = 256});
     if (harmonic.solve().status != cageform::Status::ok) throw std::runtime_error("not solved");
     draw_type(tiles, 2, harmonic, 8, move);
     return tiles.picture;
@@ -411,8 +411,8 @@ Picture draw_legs() {
         tiles.caption(column, 0, std::string(names[column]) + ": influence of a knee");
         tiles.caption(column, 1, std::string(names[column]) + ": the knee raised");
     }
-    cageform::HarmonicCoordinates<double, 2> harmonic{cageform::Polygon<double>(outline),
-                                                      {.resolution = 256}};
+    cageform::UniformHarmonicCoordinates<double, 2> harmonic{cageform::Polygon<double>(outline),
+                                                             {.resolution = 256}};
     if (harmonic.solve().status != cageform::Status::ok) throw std::runtime_error("not solved");
     draw_type(tiles, 1, harmonic, 5, {-0.05, 0.3});
     // Binds the points of the figure inside the outline by control points alone.

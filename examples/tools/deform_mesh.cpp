@@ -151,11 +151,11 @@ Deformed deformed(const Arguments& given, const ObjFile& figure, const Control& 
     const cageform::Running running{.progress = bar.callback()};
     const bool in_batches = together < rest.size();
     if (in_batches) {
-        const auto evaluation = coordinates.solve(running.part(0, 0.5));
+        const auto evaluation = coordinates.solve(running.subtask(0, 0.5));
         report.status = evaluation.status;
         report.solver = evaluation.solver;
     }
-    const cageform::Running binding = running.part(in_batches ? 0.5 : 0, 1);
+    const cageform::Running binding = running.subtask(in_batches ? 0.5 : 0, 1);
     const auto done = [&](std::size_t i) {
         return double(i) / double(std::max<std::size_t>(rest.size(), 1));
     };
@@ -164,7 +164,7 @@ Deformed deformed(const Arguments& given, const ObjFile& figure, const Control& 
     while (report.status == cageform::Status::ok) {
         const auto batch = rest.subspan(first, std::min(together, rest.size() - first));
         const auto bound =
-            coordinates.bind(batch, options, binding.part(done(first), done(first + batch.size())));
+            coordinates.bind(batch, options, binding.subtask(done(first), done(first + batch.size())));
         if (first == 0) report.solver = bound.report.solver;
         add_batch(report, bound.report, first);
         report.status = bound.report.status;

@@ -57,7 +57,7 @@ std::string parse_mirror(const std::string& word, cageform::MirrorPlane& mirror)
     if (const std::string why = detail::parse_number(std::string_view(word).substr(2), place); !why.empty())
         return why;
     if (!std::isfinite(place)) return "its position is not finite";
-    mirror.place = place;
+    mirror.position = place;
     return {};
 }
 

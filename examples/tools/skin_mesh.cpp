@@ -123,11 +123,11 @@ std::vector<Move> pose_of(const std::vector<Bone>& bones) {
                    {2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)},
                    {2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)}}},
                  {}};
-        own.translation = bone.segment.head - own.turn(bone.segment.head);
+        own.translation = bone.segment.head - own.map_vector(bone.segment.head);
         if (bone.parent != no_parent) {
             const Move& parent = moves[bone.parent];
-            for (auto& column : own.columns) column = parent.turn(column);
-            own.translation = parent.turn(own.translation) + parent.translation;
+            for (auto& column : own.columns) column = parent.map_vector(column);
+            own.translation = parent.map_vector(own.translation) + parent.translation;
         }
         moves.push_back(own);
     }

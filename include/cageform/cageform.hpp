@@ -6,6 +6,7 @@
 
 #include <cageform/binding/bind.hpp>
 #include <cageform/binding/compose.hpp>
+#include <cageform/cage/box_mesh.hpp>
 #include <cageform/cage/control_points.hpp>
 #include <cageform/clone/clone.hpp>
 #include <cageform/clone/clone_rational.hpp>
@@ -19,6 +20,7 @@
 #include <cageform/coordinates/mean_value.hpp>
 #include <cageform/coordinates/sibson.hpp>
 #include <cageform/coordinates/three_point.hpp>
+#include <cageform/coordinates/uniform_harmonic.hpp>
 #include <cageform/fields/dirichlet.hpp>
 #include <cageform/fields/strokes.hpp>
 #include <cageform/version.hpp>

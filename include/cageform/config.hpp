@@ -18,12 +18,19 @@
 //                                    as long. Not covered: binding, normals, and the angles and
 //                                    rotations of a RigidMotion, which take sines from the standard
 //                                    library.
+//   CAGEFORM_COMPILED                defined by the CMake target cageform::compiled: `bind`, `pack`,
+//                                    `make_cage` and the solvers are in a library, and a file that calls
+//                                    them does not compile them.
 //
 // All of these change the generated code, and so do -fno-exceptions, -ffast-math and fused
 // multiply-add (-mfma). All are therefore encoded in the inline namespace CAGEFORM_ABI (for
 // CAGEFORM_ASSERT, only whether it is user-defined). Files compiled with different settings use
 // different names for everything, instead of one name for two things. No macro reveals
 // -ffp-contract: it must be the same in all files.
+//
+// With CAGEFORM_COMPILED the namespace does not tell asserts and exceptions: a debug build of a game
+// may link a release build of the library. It still tells registers, fused multiply-add and the mode
+// of arithmetic, so a program that is compiled for another processor than its library does not link.
 //
 // To make one program for processors from SSE2 to AVX-512, put the calls of cageform that run every
 // frame into a separate file. Compile it once per level (without flags, with -mavx2 -mfma, with
@@ -68,7 +75,11 @@
 #endif
 #endif
 
-#if defined(__cpp_exceptions)
+#if defined(CAGEFORM_COMPILED)
+#undef CAGEFORM_DETAIL_ASSERT_TAG
+#define CAGEFORM_DETAIL_ASSERT_TAG l
+#define CAGEFORM_DETAIL_EXCEPTIONS_TAG
+#elif defined(__cpp_exceptions)
 #define CAGEFORM_DETAIL_EXCEPTIONS_TAG e
 #else
 #define CAGEFORM_DETAIL_EXCEPTIONS_TAG x

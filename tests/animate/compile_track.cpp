@@ -433,13 +433,13 @@ TEST_CASE("what is refused, and which key is to blame", "[animate][track][refuse
     keys = good();
     keys[1].out_handle = {2.2, 2}; // beyond the next key, and the handle there does not make up for it
     keys[2].in_handle = {0.9, 1};
-    refused(keys, Status::curve_turns_back, 1);
+    refused(keys, Status::time_not_monotone, 1);
     keys = good();
     keys[2].in_handle = {3.5, 0};
-    refused(keys, Status::curve_turns_back, 1);
+    refused(keys, Status::time_not_monotone, 1);
     keys = good();
     keys[0].out_handle = {-0.1, 0};
-    refused(keys, Status::curve_turns_back, 0);
+    refused(keys, Status::time_not_monotone, 0);
     for (const double tolerance : {0.0, -1.0, std::numeric_limits<double>::quiet_NaN()}) {
         TrackOptions options;
         options.tolerance = tolerance;

@@ -317,11 +317,11 @@ TEST_CASE("a search that cannot be is refused with a reason", "[animate][knots]"
     CHECK(search_knots(curve, candidates, 4, {smooth, 84}).status() == Status::ok);
     CHECK(search_knots(curve, candidates, 1, {with(configuration(14))}).status() ==
           Status::too_many_conditions);
-    CHECK(search_knots(bezier(-1, 0, 0.5, 1), candidates, 2).status() == Status::curve_turns_back);
-    CHECK(optimal_knots(bezier(-1, 0, 0.5, 1), 2).status() == Status::curve_turns_back);
+    CHECK(search_knots(bezier(-1, 0, 0.5, 1), candidates, 2).status() == Status::time_not_monotone);
+    CHECK(optimal_knots(bezier(-1, 0, 0.5, 1), 2).status() == Status::time_not_monotone);
     CHECK(optimal_knots(curve, 0).status() == Status::knots_not_ascending);
     CHECK(optimal_knots(curve, 1, {with(configuration(15))}).status() == Status::too_many_conditions);
-    CHECK(refine_knot(bezier(-1, 0, 0.5, 1), 10).status() == Status::curve_turns_back);
+    CHECK(refine_knot(bezier(-1, 0, 0.5, 1), 10).status() == Status::time_not_monotone);
     FitOptions degree;
     degree.degree = 6;
     CHECK(search_knots(curve, candidates, 2, {degree}).status() == Status::degree_not_supported);

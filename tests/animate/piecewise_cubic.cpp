@@ -318,7 +318,7 @@ TEMPLATE_TEST_CASE("times are folded", "[animate][fold][property]", CAGEFORM_SCA
         const T inside = std::min(end, T(begin + length * T(random.uniform(0, 1))));
         for (const T x : {inside, begin, end}) {
             const auto same = fold_time(x, begin, end, any(), any());
-            REQUIRE((same.time == x && same.turns == 0 && same.beyond == 0));
+            REQUIRE((same.time == x && same.cycles == 0 && same.beyond == 0));
         }
         const T after = end + T(random.uniform(1e-3, 40)), before = begin - T(random.uniform(1e-3, 40));
         for (const T x : {before, after}) {
@@ -331,18 +331,18 @@ TEMPLATE_TEST_CASE("times are folded", "[animate][fold][property]", CAGEFORM_SCA
             };
             const auto held = fold(constant, x), line = fold(linear, x), round = fold(cycle, x);
             const auto higher = fold(cycle_with_offset, x), back = fold(ping_pong, x);
-            REQUIRE((held.time == edge && held.turns == 0 && held.beyond == 0));
-            REQUIRE((line.time == edge && line.turns == 0 && line.beyond == x - edge));
+            REQUIRE((held.time == edge && held.cycles == 0 && held.beyond == 0));
+            REQUIRE((line.time == edge && line.cycles == 0 && line.beyond == x - edge));
             const double turns = std::floor((double(x) - double(begin)) / double(length));
             for (const auto& f : {round, higher, back}) {
                 REQUIRE(double(f.time) >= double(begin));
                 REQUIRE(double(f.time) <= double(end) + margin);
                 REQUIRE(f.beyond == 0);
             }
-            REQUIRE(round.turns == 0);
-            REQUIRE(back.turns == 0);
+            REQUIRE(round.cycles == 0);
+            REQUIRE(back.cycles == 0);
             REQUIRE(round.time == higher.time);
-            REQUIRE(double(higher.turns) == turns);
+            REQUIRE(double(higher.cycles) == turns);
             REQUIRE(double(round.time) + turns * double(length) ==
                     Approx(double(x)).epsilon(0).margin(margin));
             // There and back: the mirror image in odd turns.

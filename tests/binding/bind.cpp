@@ -37,8 +37,7 @@ using Mean = cageform::MeanValueCoordinates<T, 2>;
 /// Harmonic coordinates on a coarse grid unless told otherwise, by the solver that leaves something to
 /// restore.
 template <class T>
-struct Harmonic
-    : cageform::HarmonicCoordinates<T, 2, Polygon<T>, cageform::WithAveragingPyramid<Polygon<T>>> {
+struct Harmonic : cageform::HarmonicCoordinates<T, 2, Polygon<T>, cageform::WithAveragingPyramid> {
     template <class Cage>
     explicit Harmonic(
         const Cage& cage,

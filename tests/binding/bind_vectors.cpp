@@ -8,8 +8,8 @@
 #include <cageform/binding/bind.hpp>
 #include <cageform/clone/clone.hpp>
 #include <cageform/coordinates/barycentric.hpp>
-#include <cageform/coordinates/harmonic.hpp>
 #include <cageform/coordinates/mean_value.hpp>
+#include <cageform/coordinates/uniform_harmonic.hpp>
 #include <cageform/core/threads.hpp>
 
 #include <cstring>
@@ -30,9 +30,9 @@ using Bary = cageform::BarycentricCoordinates<T, D>;
 template <class T, std::size_t D>
 using Mean = cageform::MeanValueCoordinates<T, D>;
 template <class T>
-struct Harmonic : cageform::HarmonicCoordinates<T, 2> {
+struct Harmonic : cageform::UniformHarmonicCoordinates<T, 2> {
     explicit Harmonic(const Polygon<T>& cage)
-        : cageform::HarmonicCoordinates<T, 2>(cage, {.resolution = 64}) {}
+        : cageform::UniformHarmonicCoordinates<T, 2>(cage, {.resolution = 64}) {}
 };
 
 /// A coordinate type over a random cage, and points inside and on it.

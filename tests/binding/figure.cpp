@@ -6,8 +6,8 @@
 
 #include <cageform/binding/rebind_cage.hpp>
 #include <cageform/clone/clone_figure.hpp>
-#include <cageform/coordinates/harmonic.hpp>
 #include <cageform/coordinates/mean_value.hpp>
+#include <cageform/coordinates/uniform_harmonic.hpp>
 #include <cageform/core/threads.hpp>
 
 namespace figure_tests {
@@ -220,10 +220,10 @@ TEST_CASE("a figure is solved once, and the report says by whom", "[figure][harm
     Random random(4);
     Points2<double> points;
     for (int n = 0; n < 40; ++n) points.push_back(random_inside(cage, random));
-    check(cageform::HarmonicCoordinates<double, 2>(cage, {.resolution = 64}), points,
+    check(cageform::UniformHarmonicCoordinates<double, 2>(cage, {.resolution = 64}), points,
           random_directions<double, 2>(40, 4));
     const auto mesh = sphere(1).mesh<float>();
-    check(cageform::HarmonicCoordinates<float, 3>(mesh, {.resolution = 16}), points_in(mesh, 40, 4),
+    check(cageform::UniformHarmonicCoordinates<float, 3>(mesh, {.resolution = 16}), points_in(mesh, 40, 4),
           random_directions<float, 3>(40, 4));
 }
 
@@ -251,7 +251,7 @@ TEST_CASE("faults of a cage, a solver or the caller are reported by bind", "[fig
     CHECK(faulty.report.status == Status::cage_self_crossing);
     CHECK(faulty.report.points.cage.status == Status::cage_self_crossing);
     const Points2<double> square{{0, 0}, {1, 0}, {1, 1}, {0, 1}};
-    const cageform::HarmonicCoordinates<double, 2> coarse(square, {.resolution = 2});
+    const cageform::UniformHarmonicCoordinates<double, 2> coarse(square, {.resolution = 2});
     const auto refused = cageform::bind(coarse, FigurePoints{one, one});
     CHECK(refused.report.status == Status::resolution_not_supported);
     CHECK(refused.report.points.status == Status::resolution_not_supported);
@@ -284,7 +284,7 @@ TEST_CASE("the progress of a figure goes up from 0 to 1", "[figure][progress]") 
         told.clear();
     };
     const auto [figure, report] =
-        cageform::bind(cageform::HarmonicCoordinates<float, 3>(mesh, {.resolution = 16}),
+        cageform::bind(cageform::UniformHarmonicCoordinates<float, 3>(mesh, {.resolution = 16}),
                        FigurePoints{points, normals}, {}, running);
     check();
     REQUIRE(cageform::pack(figure, {.weights = {.largest = 6}}, running).report.status == Status::ok);
@@ -396,10 +396,10 @@ TEST_CASE("a figure keeps its labels and the parts of its user", "[figure][label
         CHECK(result.report.culprit == tag);
         CHECK(result.value.bytes().empty());
     };
-    refused("NOTE", "NOTE", Status::tag_taken);
+    refused("NOTE", "NOTE", Status::duplicate_tag);
     for (const FigureTag own : {FigureTags::points, FigureTags::tangents, FigureTags::bitangents,
                                 FigureTags::handedness, FigureTags::labels, FigureTag{}})
-        refused(own, "NOTE", Status::tag_taken);
+        refused(own, "NOTE", Status::duplicate_tag);
     const std::vector<cageform::FigurePartData> many(300);
     CHECK(cageform::pack(figure, {.parts = many}).report.status == Status::too_many_parts);
     CHECK(FigureTags::tangents.text() == std::array{'T', 'A', 'N', '1', '\0'});

@@ -6,7 +6,6 @@
 
 #include <cageform/binding/bind.hpp>
 #include <cageform/binding/bind_bones.hpp>
-#include <cageform/binding/rebind.hpp>
 #include <cageform/binding/skin_weights.hpp>
 #include <cageform/clone/pose_handles.hpp>
 #include <cageform/coordinates/blended.hpp>
@@ -233,20 +232,6 @@ TEMPLATE_TEST_CASE("vectors bound by normals turn with similarity poses, packed 
     }
 }
 
-TEMPLATE_TEST_CASE("a binding by normals is rebound with its kinds of handles", "[handle_kinds][rebind]",
-                   Double2, Float3) {
-    using T = typename TestType::T;
-    const auto old = bind(TestType::coordinates(), TestType::points(5, 400)).value;
-    auto points = TestType::points(6);
-    points.push_back(old.rest_point(17));
-    const auto [binding, report] = cageform::rebind(old, points);
-    REQUIRE(report.status == Status::ok);
-    CHECK(report.matched == 1);
-    CHECK(report.partition_error.value <= 64 * double(epsilon<T>));
-    for (std::size_t h = 0; h < old.handle_count(); ++h) CHECK(binding.weight(70, h) == old.weight(17, h));
-    check_poses<T, TestType::D>(binding.view(), TestType::vertices(old.handle_view()), points);
-}
-
 TEST_CASE("a skin has points for joints, and refuses vectors", "[handle_kinds][skin_weights][status]") {
     const auto bound = bind(GreenCoordinates<double, 2>(l_shape<double>()), Double2::points(7));
     const auto made = cageform::skin_weights(bound.value);
@@ -448,7 +433,7 @@ TEMPLATE_TEST_CASE("bones bound by given weights are linear blend skinning", "[h
         std::vector<Vec<T, D>> frames; // when posed, a pose of the handles too
         for (std::size_t b = 0; b < 4; ++b) {
             frames.push_back(maps[b](skin.bones[b].translation));
-            for (const auto& axis : skin.bones[b].columns) frames.push_back(own[b].turn(axis));
+            for (const auto& axis : skin.bones[b].columns) frames.push_back(own[b].map_vector(axis));
         }
         const auto by_frames = cloned(binding, frames);
         for (std::size_t i = 0; i < points.size(); ++i) {

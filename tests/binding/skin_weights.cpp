@@ -9,8 +9,8 @@
 #include <cageform/binding/skin_weights.hpp>
 #include <cageform/clone/clone.hpp>
 #include <cageform/coordinates/barycentric.hpp>
-#include <cageform/coordinates/harmonic.hpp>
 #include <cageform/coordinates/mean_value.hpp>
+#include <cageform/coordinates/uniform_harmonic.hpp>
 #include <cageform/core/threads.hpp>
 
 #include <Eigen/LU>
@@ -221,7 +221,8 @@ TEST_CASE("weights that are a skin's already stay", "[binding][skin_weights]") {
     Points2<double> inside;
     for (int i = 0; i < 20; ++i) inside.push_back(random_inside(cage, random, 0.01));
     const auto harmonic =
-        cageform::bind(cageform::HarmonicCoordinates<double, 2>(cage, {.resolution = 64}), inside).value;
+        cageform::bind(cageform::UniformHarmonicCoordinates<double, 2>(cage, {.resolution = 64}), inside)
+            .value;
     const auto all = cageform::skin_weights(harmonic, {.influences = harmonic.handle_count()});
     CHECK(all.report.weight_error.value <= 1e-5);
 }

@@ -170,7 +170,8 @@ Faults brute_force(const IntegerPolygon& polygon) {
             const Vec<double, 2> v{double(p[e.j][0] - p[begin][0]), double(p[e.j][1] - p[begin][1])};
             winding += std::atan2(cross(u, v), dot(u, v));
         }
-        if ((area < 0) != (std::fabs(winding) > 1)) faults.emplace(CageFaultKind::loop_turns_otherwise, k, 0);
+        if ((area < 0) != (std::fabs(winding) > 1))
+            faults.emplace(CageFaultKind::loop_orientation_reversed, k, 0);
     }
     return faults;
 }
@@ -242,7 +243,7 @@ std::size_t find_as_all_pairs_do(int seed) {
 
 TEST_CASE("every fault has a name and leads to a status", "[cage][check]") {
     std::set<std::string> names;
-    for (unsigned value = 0; value <= unsigned(CageFaultKind::loop_turns_otherwise); ++value) {
+    for (unsigned value = 0; value <= unsigned(CageFaultKind::loop_orientation_reversed); ++value) {
         CAPTURE(value);
         const auto kind = CageFaultKind(value);
         const std::string name = to_string(kind);
@@ -251,11 +252,11 @@ TEST_CASE("every fault has a name and leads to a status", "[cage][check]") {
         CHECK(names.insert(name).second);
         const bool warning = kind == CageFaultKind::collinear_vertex ||
                              kind == CageFaultKind::vertex_unused || kind == CageFaultKind::gap_closed ||
-                             kind == CageFaultKind::shell_turns_otherwise ||
-                             kind == CageFaultKind::loop_turns_otherwise;
+                             kind == CageFaultKind::shell_orientation_reversed ||
+                             kind == CageFaultKind::loop_orientation_reversed;
         CHECK((status_of(kind) == Status::ok) == warning);
     }
-    CHECK(to_string(CageFaultKind(unsigned(CageFaultKind::loop_turns_otherwise) + 1)) ==
+    CHECK(to_string(CageFaultKind(unsigned(CageFaultKind::loop_orientation_reversed) + 1)) ==
           std::string("unknown fault"));
 }
 
@@ -386,7 +387,7 @@ TEMPLATE_TEST_CASE("check: edges that cross or touch", "[cage][check]", CAGEFORM
 
 TEMPLATE_TEST_CASE("check: loops that turn otherwise are a warning", "[cage][check]", CAGEFORM_SCALARS) {
     using T = TestType;
-    const auto kind = CageFaultKind::loop_turns_otherwise;
+    const auto kind = CageFaultKind::loop_orientation_reversed;
     check_faults<T>(square<T>(0, 4), {}, Status::ok, {});
     check_faults<T>(reversed(square<T>(0, 4)), {}, Status::ok, {{kind, 0, 0}});
 
@@ -427,7 +428,7 @@ TEMPLATE_TEST_CASE("check raises no false alarm on stars", "[cage][check][proper
     const auto seed = GENERATE(seeds(200));
     CAPTURE(seed);
     Faults expected;
-    if (seed % 2 == 1) expected.emplace(CageFaultKind::loop_turns_otherwise, 0, 0); // clockwise
+    if (seed % 2 == 1) expected.emplace(CageFaultKind::loop_orientation_reversed, 0, 0); // clockwise
     check_faults<TestType>(random_star<TestType>(std::uint64_t(seed)), {}, Status::ok, expected);
 }
 

@@ -43,8 +43,8 @@ Points<D> sites_of(std::uint64_t seed) {
 template <std::size_t D>
 Delaunay<D> triangulated(const Points<D>& sites) {
     const detail::SiteLattice<D> lattice(bounds_of(std::span<const Vec<double, D>>(sites)));
-    std::vector<detail::Place<D>> places;
-    for (const auto& site : sites) places.push_back(lattice.place(site));
+    std::vector<detail::LatticePoint<D>> places;
+    for (const auto& site : sites) places.push_back(lattice.position(site));
     return Delaunay<D>(places);
 }
 
@@ -66,7 +66,7 @@ void check_sound(const Delaunay<D>& sites) {
         if (simplex.is_ghost()) continue;
         wrong += detail::orientation<D>(sites.corners(simplex)) <= 0;
         for (std::uint32_t v = 0; v < sites.size(); ++v)
-            wrong += detail::in_sphere<D>(sites.corners(simplex), sites.place(v)) > 0;
+            wrong += detail::in_sphere<D>(sites.corners(simplex), sites.point(v)) > 0;
     }
     CHECK(wrong == 0);
 }
@@ -98,13 +98,13 @@ void check_delaunay(std::uint64_t seed) {
     typename Delaunay<D>::Search search;
     Random random(seed);
     for (int n = 0; n < 20; ++n) {
-        detail::Place<D> p;
+        detail::LatticePoint<D> p;
         for (auto& x : p) x = std::int64_t(random.bits() >> 5);
         const auto& found = delaunay.simplices()[delaunay.locate(p, search)];
         for (std::size_t k = 0; k <= D; ++k) {
             if (found.is_ghost() && k < D) continue;
-            std::array<detail::Place<D>, D + 1> a;
-            for (std::size_t i = 0; i <= D; ++i) a[i] = i == k ? p : delaunay.place(found.vertex[i]);
+            std::array<detail::LatticePoint<D>, D + 1> a;
+            for (std::size_t i = 0; i <= D; ++i) a[i] = i == k ? p : delaunay.point(found.vertex[i]);
             CHECK(detail::orientation<D>(a) >= (found.is_ghost() ? 1 : 0));
         }
     }
@@ -127,7 +127,7 @@ TEST_CASE("a Delaunay triangulation leaves out equal places, and is empty where 
     check_sound(delaunay);
     CHECK(triangulated<3>({{0, 0, 1}, {1, 0, 1}, {0, 1, 1}, {1, 1, 1}, {3, 2, 1}}).empty());
     CHECK(triangulated<2>({{0, 0}, {1, 1}, {2, 2}, {5, 5}}).empty());
-    CHECK(Delaunay<2>(std::vector<detail::Place<2>>{}).empty());
+    CHECK(Delaunay<2>(std::vector<detail::LatticePoint<2>>{}).empty());
 }
 
 TEST_CASE("facets of a hull that are flat to rounding are one", "[cage][delaunay]") {
@@ -143,7 +143,7 @@ TEST_CASE("facets of a hull that are flat to rounding are one", "[cage][delaunay
     const auto delaunay = triangulated<3>(sites);
     check_sound(delaunay);
     Points<3> at;
-    for (std::uint32_t v = 0; v < delaunay.size(); ++v) at.push_back(lattice.seen(delaunay.place(v)));
+    for (std::uint32_t v = 0; v < delaunay.size(); ++v) at.push_back(lattice.seen(delaunay.point(v)));
     const detail::HullFacets<3> hull(delaunay, at, 0x1p-49);
     CHECK(hull.facets.size() == 6);
     for (const auto& facet : hull.facets) {
@@ -158,9 +158,9 @@ TEST_CASE("signs of determinants are exact next to zero", "[cage][delaunay][prop
     Random random(seed);
     // On a plane through two directions, then one step off it.
     const auto small = [&] { return std::int64_t(random.bits() >> 35) - (std::int64_t(1) << 28); };
-    std::array<detail::Place<3>, 4> a{};
+    std::array<detail::LatticePoint<3>, 4> a{};
     for (auto& x : a[0]) x = std::int64_t(1) << 59;
-    detail::Place<3> u, v;
+    detail::LatticePoint<3> u, v;
     for (std::size_t k = 0; k < 3; ++k) {
         u[k] = small();
         v[k] = small();
@@ -180,11 +180,11 @@ TEST_CASE("signs of determinants are exact next to zero", "[cage][delaunay][prop
     // Corners of a box are on a sphere; a step inwards or outwards is not.
     const std::int64_t x = std::int64_t(random.bits() >> 6), y = std::int64_t(random.bits() >> 6),
                        z = std::int64_t(random.bits() >> 6);
-    const std::array<detail::Place<3>, 4> box{{{0, 0, 0}, {x, 0, 0}, {0, y, 0}, {0, 0, z}}};
+    const std::array<detail::LatticePoint<3>, 4> box{{{0, 0, 0}, {x, 0, 0}, {0, y, 0}, {0, 0, z}}};
     CHECK(detail::in_sphere<3>(box, {x, y, z}) == 0);
     CHECK(detail::in_sphere<3>(box, {x - 1, y, z}) > 0);
     CHECK(detail::in_sphere<3>(box, {x, y, z + 1}) < 0);
-    const std::array<detail::Place<2>, 3> rectangle{{{0, 0}, {x, 0}, {0, y}}};
+    const std::array<detail::LatticePoint<2>, 3> rectangle{{{0, 0}, {x, 0}, {0, y}}};
     CHECK(detail::in_sphere<2>(rectangle, {x, y}) == 0);
     CHECK(detail::in_sphere<2>(rectangle, {x, y - 1}) > 0);
     CHECK(detail::in_sphere<2>(rectangle, {x + 1, y}) < 0);
@@ -193,14 +193,14 @@ TEST_CASE("signs of determinants are exact next to zero", "[cage][delaunay][prop
 TEST_CASE("sites on a lattice keep what doubles hold", "[cage][delaunay]") {
     // Far from the origin, and next to zero in a large set.
     const detail::SiteLattice<2> far(Bounds<double, 2>{{1e9, -1e9}, {1e9 + 1, -1e9 + 1}});
-    CHECK(far.place({1e9 + 0x1p-20, -1e9})[0] - far.place({1e9, -1e9})[0] == std::int64_t(1) << 39);
+    CHECK(far.position({1e9 + 0x1p-20, -1e9})[0] - far.position({1e9, -1e9})[0] == std::int64_t(1) << 39);
     const detail::SiteLattice<2> wide(Bounds<double, 2>{{-1, -1}, {1, 1}});
-    CHECK(wide.place({0x1p-58, 0})[0] - wide.place({-0x1p-58, 0})[0] == 2);
-    CHECK(wide.place({1, 0})[0] - wide.place({-1, 0})[0] <= std::int64_t(1) << 60);
+    CHECK(wide.position({0x1p-58, 0})[0] - wide.position({-0x1p-58, 0})[0] == 2);
+    CHECK(wide.position({1, 0})[0] - wide.position({-1, 0})[0] <= std::int64_t(1) << 60);
     // Any magnitude.
     for (const double size : {1e-310, 1e-200, 1.0, 1e200, 1e308}) {
         const detail::SiteLattice<2> lattice(Bounds<double, 2>{{-size, -size}, {size, size}});
-        const auto a = lattice.place({-size, -size}), b = lattice.place({size, size / 2});
+        const auto a = lattice.position({-size, -size}), b = lattice.position({size, size / 2});
         CHECK(b[0] - a[0] > std::int64_t(1) << 58);
         CHECK(b[0] - a[0] <= std::int64_t(1) << 60);
         CHECK(std::fabs(double(b[1] - a[1]) / double(b[0] - a[0]) - 0.75) <= 1e-6);

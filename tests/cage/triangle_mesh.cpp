@@ -79,7 +79,7 @@ TEST_CASE("inside, outside and nearest agree with the sphere they come from", "[
         const auto report = check(hollow);
         CHECK(report.status == Status::ok);
         CHECK(report.faults.size() == (turned ? 0 : 1));
-        if (!turned) CHECK(has(report, CageFaultKind::shell_turns_otherwise, inner.faces.size()));
+        if (!turned) CHECK(has(report, CageFaultKind::shell_orientation_reversed, inner.faces.size()));
         CHECK(locate(hollow, Vec<double, 3>{0, 0, 0.1}, 1e-14) == PointState::outside);
         CHECK(locate(hollow, Vec<double, 3>{0, 0, 0.6}, 1e-14) == PointState::inside);
         CHECK(locate(hollow, Vec<double, 3>{0, 0, 1.6}, 1e-14) == PointState::outside);

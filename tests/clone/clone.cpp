@@ -10,8 +10,8 @@
 #include <cageform/binding/bind.hpp>
 #include <cageform/clone/clone.hpp>
 #include <cageform/coordinates/barycentric.hpp>
-#include <cageform/coordinates/harmonic.hpp>
 #include <cageform/coordinates/mean_value.hpp>
+#include <cageform/coordinates/uniform_harmonic.hpp>
 #include <cageform/core/threads.hpp>
 
 #include <array>
@@ -34,9 +34,10 @@ namespace {
 template <class T>
 using Mean = cageform::MeanValueCoordinates<T, 2>;
 template <class T>
-struct Harmonic : cageform::HarmonicCoordinates<T, 2> {
+struct Harmonic : cageform::UniformHarmonicCoordinates<T, 2> {
     explicit Harmonic(const Polygon<T>& cage)
-        : cageform::HarmonicCoordinates<T, 2>(cage, {.resolution = 32, .averaging = {.tolerance = 1e-5}}) {}
+        : cageform::UniformHarmonicCoordinates<T, 2>(cage,
+                                                     {.resolution = 32, .averaging = {.tolerance = 1e-5}}) {}
 };
 template <class T, std::size_t D>
 using Bary = cageform::BarycentricCoordinates<T, D>;

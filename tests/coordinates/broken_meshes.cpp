@@ -4,8 +4,8 @@
 #include "../support/meshes.hpp"
 
 #include <cageform/binding/bind.hpp>
-#include <cageform/coordinates/harmonic.hpp>
 #include <cageform/coordinates/mean_value.hpp>
+#include <cageform/coordinates/uniform_harmonic.hpp>
 
 namespace broken_meshes_tests {
 
@@ -77,7 +77,8 @@ TEST_CASE("10,000 broken meshes end in a status or in a bind that keeps the laws
         }
         check_bind(cageform::MeanValueCoordinates<double, 3>(mesh), points, true);
         if (n % 20 == 0)
-            check_bind(cageform::HarmonicCoordinates<double, 3>(mesh, {.resolution = 12}), points, false);
+            check_bind(cageform::UniformHarmonicCoordinates<double, 3>(mesh, {.resolution = 12}), points,
+                       false);
     }
     CHECK(bound >= count / 10);
     CHECK(closed >= count / 20); // bound with a warning

@@ -25,7 +25,7 @@ using Bary = cageform::BarycentricCoordinates<T, 2>;
 template <class T>
 using Mean = cageform::MeanValueCoordinates<T, 2>;
 template <class T>
-using Harmonic = cageform::HarmonicCoordinates<T, 2>;
+using Harmonic = cageform::UniformHarmonicCoordinates<T, 2>;
 
 template <class C>
 inline constexpr bool is_barycentric = false;
@@ -342,10 +342,10 @@ TEMPLATE_TEST_CASE("in a triangle every type is barycentric", "[coordinates][pro
     const auto expected = evaluate_all(Bary<T>(cage), points);
     const auto mean = evaluate_all(Mean<T>(cage), points);
     constexpr std::size_t resolution = 40;
-    const cageform::HarmonicCoordinates<T, 2, Polygon<T>, cageform::WithAveragingPyramid<Polygon<T>>>
-        by_pyramid(cage, {.solver = cageform::HarmonicSolver::averaging_pyramid,
-                          .resolution = resolution,
-                          .averaging = {.tolerance = 1e-7}});
+    const cageform::HarmonicCoordinates<T, 2, Polygon<T>, cageform::WithAveragingPyramid> by_pyramid(
+        cage, {.solver = cageform::HarmonicSolver::averaging_pyramid,
+               .resolution = resolution,
+               .averaging = {.tolerance = 1e-7}});
     const auto harmonic = evaluate_all(by_pyramid, points);
     REQUIRE(expected.status() == Status::ok);
     REQUIRE(mean.status() == Status::ok);

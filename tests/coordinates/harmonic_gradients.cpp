@@ -6,17 +6,18 @@
 #include "../support/oracle.hpp"
 #include "../support/weights.hpp"
 
+#include <cageform/cage/box_mesh.hpp>
 #include <cageform/core/threads.hpp>
 #include <cageform/papers/pyramid_solver.hpp>
 
 namespace harmonic_gradients_tests {
 
 using namespace cageform_tests;
-using cageform::Box;
 using cageform::epsilon;
 using cageform::HarmonicCoordinates;
 using cageform::HarmonicOptions;
 using cageform::Polygon;
+using cageform::UniformHarmonicCoordinates;
 
 namespace {
 
@@ -67,7 +68,8 @@ TEMPLATE_TEST_CASE("gradients keep linear precision up to the boundary",
     for (std::size_t i = 0; i < star.size(); ++i) // vertices and places on edges
         in_plane.push_back(T(0.5) * (star[i] + star[i % 2 == 0 ? i : (i + 1) % star.size()]));
     const HarmonicOptions options{.resolution = 120, .multigrid = {.tolerance = 1e-8}};
-    check_laws<T, 2>(HarmonicCoordinates<T, 2>(star, options), in_plane, tolerance<T>(star.size(), 120));
+    check_laws<T, 2>(UniformHarmonicCoordinates<T, 2>(star, options), in_plane,
+                     tolerance<T>(star.size(), 120));
 }
 
 TEST_CASE("gradients in boxes keep linear precision up to the boundary",
@@ -76,17 +78,17 @@ TEST_CASE("gradients in boxes keep linear precision up to the boundary",
     const int seed = GENERATE(seeds(effort(6, 2)));
     CAPTURE(seed);
     Random random(std::uint64_t(seed) + 9);
-    const Box<T> box({T(-1), T(2), T(0)}, {T(0.3), T(3), T(2)}, {1 + std::size_t(seed) % 3, 2, 3});
+    const Vec<T, 3> lower{T(-1), T(2), T(0)}, upper{T(0.3), T(3), T(2)};
+    const auto box = cageform::box_mesh(lower, upper, {1 + std::size_t(seed) % 3, 2, 3});
     std::vector<Vec<T, 3>> in_space;
     for (int n = 0; n < 60; ++n) {
         Vec<T, 3> p;
-        for (std::size_t k = 0; k < 3; ++k)
-            p[k] = T(random.uniform(double(box.lower()[k]), double(box.upper()[k])));
-        if (n % 10 == 0) p[std::size_t(n) / 10 % 3] = box.upper()[std::size_t(n) / 10 % 3];
+        for (std::size_t k = 0; k < 3; ++k) p[k] = T(random.uniform(double(lower[k]), double(upper[k])));
+        if (n % 10 == 0) p[std::size_t(n) / 10 % 3] = upper[std::size_t(n) / 10 % 3];
         in_space.push_back(p);
     }
-    check_laws<T, 3>(HarmonicCoordinates(box, {.resolution = 24, .multigrid = {.tolerance = 1e-8}}), in_space,
-                     tolerance<T>(box.size(), 24));
+    check_laws<T, 3>(UniformHarmonicCoordinates(box, {.resolution = 24, .multigrid = {.tolerance = 1e-8}}),
+                     in_space, tolerance<T>(box.size(), 24));
 }
 
 TEST_CASE("gradients converge", "[coordinates][harmonic][gradients]") {
@@ -95,7 +97,7 @@ TEST_CASE("gradients converge", "[coordinates][harmonic][gradients]") {
     const Polygon<double> square(Points2<double>{{0, 0}, {1, 0}, {1, 1}, {0, 1}});
     const std::vector<Vec<double, 2>> points{{0.3, 0.4}, {0.01, 0.7}, {0.99, 0.002}, {0.5, 0}, {0, 0}};
     const auto of_square =
-        gradients_of<double, 2>(HarmonicCoordinates<double, 2>(square, {.resolution = 50}), points);
+        gradients_of<double, 2>(UniformHarmonicCoordinates<double, 2>(square, {.resolution = 50}), points);
     for (std::size_t i = 0; i < points.size(); ++i) {
         const auto [x, y] = std::pair(points[i][0], points[i][1]);
         // On the boundary they are taken half a cell inside, and these change by as much.
@@ -110,8 +112,8 @@ TEST_CASE("gradients converge", "[coordinates][harmonic][gradients]") {
     for (int n = 0; n < 100; ++n) inside.push_back(random_inside(cage, random, 0.06 * size));
     const auto at = [&](std::size_t resolution) {
         return gradients_of<double, 2>(
-            HarmonicCoordinates<double, 2>(cage,
-                                           {.resolution = resolution, .multigrid = {.tolerance = 1e-10}}),
+            UniformHarmonicCoordinates<double, 2>(
+                cage, {.resolution = resolution, .multigrid = {.tolerance = 1e-10}}),
             inside);
     };
     const auto exact = at(256);
@@ -132,7 +134,7 @@ TEST_CASE("gradients tell where they are not", "[coordinates][harmonic][gradient
     const Polygon<double> cage(random_star<double>(3));
     const double nan = std::numeric_limits<double>::quiet_NaN();
     const std::vector<Vec<double, 2>> points{{1e9, 0}, {nan, 0}};
-    HarmonicCoordinates<double, 2> coordinates(cage, {.resolution = 64});
+    UniformHarmonicCoordinates<double, 2> coordinates(cage, {.resolution = 64});
     const auto gradients = gradients_of<double, 2>(coordinates, points);
     CHECK(gradients.evaluation.status == Status::ok);
     CHECK(gradients.states[0] == PointState::outside);
@@ -140,8 +142,7 @@ TEST_CASE("gradients tell where they are not", "[coordinates][harmonic][gradient
     HarmonicOptions averaging;
     averaging.solver = cageform::HarmonicSolver::averaging_pyramid;
     averaging.resolution = 64;
-    using WithPyramid =
-        HarmonicCoordinates<double, 2, Polygon<double>, cageform::WithAveragingPyramid<Polygon<double>>>;
+    using WithPyramid = HarmonicCoordinates<double, 2, Polygon<double>, cageform::WithAveragingPyramid>;
     CHECK(gradients_of<double, 2>(WithPyramid(cage, averaging), points).evaluation.status ==
           Status::solver_not_supported);
 }
@@ -152,7 +153,7 @@ TEMPLATE_TEST_CASE("gradients are the same bits on threads, solved before, or of
     const int seed = GENERATE(seeds(2));
     CAPTURE(seed);
     const Polygon<T> cage(random_star<T>(std::uint64_t(seed)));
-    HarmonicCoordinates<T, 2> coordinates(cage, {.resolution = 40});
+    UniformHarmonicCoordinates<T, 2> coordinates(cage, {.resolution = 40});
     // More than a piece for each thread; inside, on edges, far outside, not finite.
     Random random(std::uint64_t(seed) + 1);
     std::vector<Vec<T, 2>> points;

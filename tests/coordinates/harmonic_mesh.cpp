@@ -8,8 +8,8 @@
 #include "../support/weights.hpp"
 
 #include <cageform/binding/bind.hpp>
-#include <cageform/coordinates/harmonic.hpp>
 #include <cageform/coordinates/mean_value.hpp>
+#include <cageform/coordinates/uniform_harmonic.hpp>
 #include <cageform/core/threads.hpp>
 
 namespace harmonic_mesh_tests {
@@ -18,6 +18,7 @@ using namespace cageform_tests;
 using cageform::epsilon;
 using cageform::HarmonicCoordinates;
 using cageform::HarmonicOptions;
+using cageform::UniformHarmonicCoordinates;
 using cageform::grid::SimplexBoundary;
 
 namespace {
@@ -49,7 +50,7 @@ TEMPLATE_TEST_CASE("weights in a mesh sum to 1, reproduce the point and stay in 
     const auto data = random_mesh(std::uint64_t(seed));
     const auto mesh = data.mesh<T>();
     const auto points = points_in(mesh, data, std::uint64_t(seed));
-    const HarmonicCoordinates<T, 3> coordinates(mesh, {.resolution = resolution});
+    const UniformHarmonicCoordinates<T, 3> coordinates(mesh, {.resolution = resolution});
     const auto weights = evaluate_all(coordinates, points);
     if (weights.status() == Status::grid_too_coarse) { // a thin part
         CHECK(weights.evaluation.solver.unseen_handle < mesh.size());
@@ -81,7 +82,7 @@ TEMPLATE_TEST_CASE("weights in a mesh sum to 1, reproduce the point and stay in 
 TEMPLATE_TEST_CASE(
     "in meshes of 20 to 500 vertices weights reproduce the point, are 1 at their vertex and barycentric "
     "on faces",
-    "[coordinates][harmonic][meanvalue][mesh][property]", (HarmonicCoordinates<float, 3>),
+    "[coordinates][harmonic][meanvalue][mesh][property]", (UniformHarmonicCoordinates<float, 3>),
     (cageform::MeanValueCoordinates<double, 3>)) {
     using C = TestType;
     using T = typename C::scalar;
@@ -150,11 +151,12 @@ TEST_CASE("vertices and faces make the coordinates that their mesh makes", "[coo
     const auto data = random_mesh(3);
     const auto mesh = data.mesh<float>();
     const std::vector<cageform::Vec<float, 3>> vertices(mesh.vertices().begin(), mesh.vertices().end());
-    const HarmonicCoordinates coordinates(vertices, data.faces, {.resolution = 20});
-    STATIC_REQUIRE(std::is_same_v<decltype(coordinates), const cageform::HarmonicCoordinates<float, 3>>);
+    const UniformHarmonicCoordinates coordinates(vertices, data.faces, {.resolution = 20});
+    STATIC_REQUIRE(
+        std::is_same_v<decltype(coordinates), const cageform::UniformHarmonicCoordinates<float, 3>>);
     CHECK(coordinates.options().resolution == 20);
     CHECK(evaluate_all(coordinates, vertices).rows ==
-          evaluate_all(HarmonicCoordinates(mesh, {.resolution = 20}), vertices).rows);
+          evaluate_all(UniformHarmonicCoordinates(mesh, {.resolution = 20}), vertices).rows);
 }
 
 TEMPLATE_TEST_CASE("the grid tells where points lie as the cage does",
@@ -164,7 +166,7 @@ TEMPLATE_TEST_CASE("the grid tells where points lie as the cage does",
     CAPTURE(seed);
     const auto compare = [](const auto& cage, const auto& points) { // whatever the weights
         const auto weights = evaluate_all(
-            HarmonicCoordinates(cage, {.resolution = effort(40u, 16u), .multigrid = {.tolerance = 1}}),
+            UniformHarmonicCoordinates(cage, {.resolution = effort(40u, 16u), .multigrid = {.tolerance = 1}}),
             points);
         if (weights.status() != Status::ok) return;
         const auto tolerance = cageform::coincidence_tolerance(cageform::bounds_of(cage.vertices()));
@@ -221,8 +223,8 @@ TEST_CASE("weights in meshes converge to the oracle", "[coordinates][harmonic][m
         Points3<double> points;
         for (const auto& p : json["points"]) points.push_back({p[0], p[1], p[2]});
         CAPTURE(c.name);
-        const auto weights =
-            evaluate_all(HarmonicCoordinates(data.mesh<double>(), {.resolution = effort(64u, 20u)}), points);
+        const auto weights = evaluate_all(
+            UniformHarmonicCoordinates(data.mesh<double>(), {.resolution = effort(64u, 20u)}), points);
         REQUIRE(weights.status() == Status::ok);
         double error = 0;
         for (std::size_t i = 0; i < points.size(); ++i) {
@@ -261,8 +263,8 @@ TEST_CASE("the report expects the errors at the edges of a narrow gap in space",
         const Vec<double, 3> p{random.uniform(0.4, 0.6), random.uniform(0.3, 1), random.uniform(0, 0.6)};
         if (locate(mesh, p, 1e-9) == PointState::inside) points.push_back(p);
     }
-    const auto fine = evaluate_all(HarmonicCoordinates(mesh, {.resolution = 75}), points);
-    const auto weights = evaluate_all(HarmonicCoordinates(mesh, {.resolution = 24}), points);
+    const auto fine = evaluate_all(UniformHarmonicCoordinates(mesh, {.resolution = 75}), points);
+    const auto weights = evaluate_all(UniformHarmonicCoordinates(mesh, {.resolution = 24}), points);
     REQUIRE(weights.status() == Status::ok);
     double error = 0;
     for (std::size_t i = 0; i < points.size(); ++i)
@@ -278,7 +280,7 @@ TEST_CASE("a grid in space that takes more than the limit is refused before it i
           "[coordinates][harmonic][mesh][memory]") {
     const auto mesh = random_mesh(3).mesh<double>();
     const Points3<double> points{mesh[0]};
-    const auto most = evaluate_all(HarmonicCoordinates(mesh, {.resolution = 1024}), points);
+    const auto most = evaluate_all(UniformHarmonicCoordinates(mesh, {.resolution = 1024}), points);
     CHECK(most.status() == Status::out_of_memory);
     CHECK(most.evaluation.solver.bytes > HarmonicOptions{}.memory_limit);
     const HarmonicOptions options{.resolution = most.evaluation.solver.sufficient_resolution};
@@ -319,37 +321,9 @@ TEST_CASE("a vertex that no face has gets no weight", "[coordinates][harmonic][m
     auto data = sphere(1);
     data.vertices.push_back({0.1, 0.2, 0.3});
     const auto weights =
-        evaluate_all(HarmonicCoordinates(data.mesh<double>(), {.resolution = 16}), data.vertices);
+        evaluate_all(UniformHarmonicCoordinates(data.mesh<double>(), {.resolution = 16}), data.vertices);
     REQUIRE(weights.status() == Status::ok);
     for (const auto& row : weights.rows) CHECK(row.back() == 0);
-}
-
-TEST_CASE("in space a solve begins with the functions of the cage before an edit",
-          "[coordinates][harmonic][mesh][solve_from]") {
-    const double tolerance = 1e-8;
-    const HarmonicOptions options{.resolution = 24, .multigrid = {.tolerance = tolerance}};
-    const auto data = sphere(1);
-    HarmonicCoordinates<double, 3> before(data.mesh<double>(), options);
-    REQUIRE(before.solve().status == Status::ok);
-    for (const double move : {0.0, 1e-3, 0.1}) {
-        CAPTURE(move);
-        auto edited = data;
-        edited.vertices[7] = (1 + move) * edited.vertices[7]; // 0.1: the lattice is another one
-        HarmonicCoordinates<double, 3> warm(edited.mesh<double>(), options),
-            cold(edited.mesh<double>(), options);
-        const auto solved = warm.solve_from(before), anew = cold.solve();
-        REQUIRE(solved.status == Status::ok);
-        REQUIRE(anew.status == Status::ok);
-        CHECK(solved.solver.multigrid.error_estimate <= tolerance);
-        CHECK(solved.solver.multigrid.cycles <= anew.solver.multigrid.cycles);
-        if (move < 0.01) CHECK(solved.solver.multigrid.cycles < anew.solver.multigrid.cycles);
-        const auto points = points_about(data, 60, 3);
-        const auto a = evaluate_all(warm, points), b = evaluate_all(cold, points);
-        for (std::size_t i = 0; i < points.size(); ++i) {
-            if (a.states[i] == PointState::outside) continue;
-            CHECK(difference(a.rows[i], b.rows[i]) <= 4 * tolerance);
-        }
-    }
 }
 
 } // namespace harmonic_mesh_tests

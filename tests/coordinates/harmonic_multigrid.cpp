@@ -22,9 +22,8 @@ using cageform::Polygon;
 namespace {
 
 template <class T>
-using Harmonic = cageform::HarmonicCoordinates<T, 2>;
-using WithPyramid = cageform::HarmonicCoordinates<double, 2, Polygon<double>,
-                                                  cageform::WithAveragingPyramid<Polygon<double>>>;
+using Harmonic = cageform::UniformHarmonicCoordinates<T, 2>;
+using WithPyramid = cageform::HarmonicCoordinates<double, 2, Polygon<double>, cageform::WithAveragingPyramid>;
 
 template <class T>
 Points2<T> points_in(const Polygon<T>& cage, std::size_t count, std::uint64_t seed) {
@@ -66,8 +65,8 @@ TEST_CASE("multigrid weights converge to the oracle", "[coordinates][harmonic][o
             CAPTURE(c.name, resolution);
             if (resolution > effort(256u, 64u) && (effort(false, true) || c.name != std::string("biped")))
                 continue;
-            const auto weights =
-                evaluate_all(cageform::HarmonicCoordinates(cage, {.resolution = resolution}), oracle.points);
+            const auto weights = evaluate_all(
+                cageform::UniformHarmonicCoordinates(cage, {.resolution = resolution}), oracle.points);
             REQUIRE(weights.status() == Status::ok);
             CHECK(weights.evaluation.solver.multigrid.error_estimate <= 1e-6);
             CHECK(weights.evaluation.solver.multigrid.convergence_factor <= 0.2);
@@ -342,8 +341,8 @@ TEST_CASE("corners that are not to be treated are expected to have the errors th
         CAPTURE(name);
         const auto oracle = read_oracle(std::string("harmonic2d_") + name);
         const auto weights = evaluate_all(
-            cageform::HarmonicCoordinates(oracle.cage<double>(),
-                                          {.resolution = 128, .multigrid = {.corner_functions = false}}),
+            cageform::UniformHarmonicCoordinates(
+                oracle.cage<double>(), {.resolution = 128, .multigrid = {.corner_functions = false}}),
             oracle.points);
         double error = 0;
         for (std::size_t i = 0; i < oracle.points.size(); ++i)
@@ -354,101 +353,20 @@ TEST_CASE("corners that are not to be treated are expected to have the errors th
     }
 }
 
-namespace {
-
-template <class C>
-auto all_weights(const C& coordinates, const Points2<double>& points) {
-    return cageform::bind(coordinates, points, {.linear_precision = cageform::LinearPrecision::leave});
-}
-
-} // namespace
-
-TEST_CASE("a solve that begins with an edited cage's functions meets the tolerance in fewer cycles",
-          "[coordinates][harmonic][solve_from]") {
-    const auto seed = std::uint64_t(GENERATE(seeds(effort(3, 2))));
-    CAPTURE(seed);
-    const double tolerance = 1e-8;
-    const HarmonicOptions options{.resolution = 96,
-                                  .multigrid = {.tolerance = tolerance, .corner_functions = false}};
-    const auto star = random_star<double>(seed);
-    Harmonic<double> before(star, options);
-    REQUIRE(before.solve().status == Status::ok);
-    Random random(seed);
-    const auto check = [&](const Points2<double>& edited, std::span<const std::size_t> old_handles) {
-        const Polygon<double> cage(edited);
-        Harmonic<double> warm(cage, options), cold(cage, options);
-        if (warm.cage_report().status != Status::ok) return std::pair<std::size_t, std::size_t>{};
-        const auto solved = warm.solve_from(before, old_handles), anew = cold.solve();
-        REQUIRE(anew.status == Status::ok);
-        REQUIRE(solved.status == Status::ok);
-        CHECK(solved.solver.multigrid.error_estimate <= tolerance);
-        const auto points = points_in(cage, 60, seed);
-        const auto a = all_weights(warm, points), b = all_weights(cold, points);
-        CHECK(a.report.status == Status::ok);
-        CHECK(a.report.solver.seconds == solved.solver.seconds); // kept
-        for (std::size_t i = 0; i < points.size(); ++i) {
-            for (std::size_t h = 0; h < edited.size(); ++h) {
-                CAPTURE(i, h);
-                CHECK(std::fabs(a.value.weight(i, h) - b.value.weight(i, h)) <= 4 * tolerance);
-            }
-        }
-        return std::pair{solved.solver.multigrid.cycles, anew.solver.multigrid.cycles};
-    };
-    const auto nothing = check(star, {});
-    CHECK(nothing.first < nothing.second);
-    for (const double move : {1e-4, 1e-2, 0.1}) { // of the cage's size
-        CAPTURE(move);
-        auto edited = star;
-        auto& vertex = edited[random.below(edited.size())];
-        vertex = vertex + move * size_of(star) * Vec<double, 2>{random.uniform(-1, 1), random.uniform(-1, 1)};
-        const auto [warm, cold] = check(edited, {});
-        CHECK(warm <= cold + 1);
-        if (move < 1e-3) CHECK(warm < cold);
-    }
-    // A vertex more, on an edge, and one less. Whatever numbers are said the result is the same.
-    std::vector<std::size_t> numbers(star.size());
-    std::iota(numbers.begin(), numbers.end(), std::size_t{0});
-    auto edited = star;
-    edited.insert(edited.begin() + 1, 0.5 * (star[0] + star[1]));
-    auto with_new = numbers;
-    with_new.insert(with_new.begin() + 1, ~std::size_t{0});
-    check(edited, with_new);
-    check(star, std::vector(star.size(), ~std::size_t{0}));
-    std::reverse(numbers.begin(), numbers.end());
-    check(star, numbers);
-    edited = star;
-    edited.pop_back();
-    numbers.pop_back();
-    check(edited, numbers);
-}
-
-TEST_CASE("without functions to begin with a solve is as any other", "[coordinates][harmonic][solve_from]") {
+TEST_CASE("coordinates without a pyramid, or without a resolution, say so", "[coordinates][harmonic]") {
     const auto star = random_star<double>(3);
-    const HarmonicOptions options{.resolution = 64};
-    const auto points = points_in(Polygon<double>(star), 40, 3);
     constexpr auto pyramid = cageform::HarmonicSolver::averaging_pyramid;
-    WithPyramid cold(star, options), by_pyramid(star, {.solver = pyramid, .resolution = 64});
-    const WithPyramid unsolved(star, options);
-    REQUIRE(by_pyramid.solve().status == Status::ok);
-    REQUIRE(cold.solve().status == Status::ok);
-    const auto expected = all_weights(cold, points);
-    // Neither does one of treated corners begin with functions.
-    for (const auto* before : std::initializer_list<const WithPyramid*>{&unsolved, &by_pyramid, &cold}) {
-        WithPyramid other(star, options);
-        REQUIRE(other.solve_from(*before).status == Status::ok);
-        const auto found = all_weights(other, points);
-        for (std::size_t i = 0; i < points.size(); ++i) {
-            for (std::size_t h = 0; h < star.size(); ++h)
-                CHECK(found.value.weight(i, h) == expected.value.weight(i, h));
-        }
+    using Adaptive = cageform::HarmonicCoordinates<double, 2>;
+    for (const HarmonicOptions& options :
+         {HarmonicOptions{.solver = pyramid}, HarmonicOptions{.solver = pyramid, .resolution = 64}}) {
+        CHECK(Harmonic<double>(star, options).solve().status == Status::solver_not_supported);
+        CHECK(Adaptive(star, options).solve().status == Status::solver_not_supported);
     }
-    // Another resolution is no hindrance, and by the pyramid nothing is begun with.
-    WithPyramid finer(star, {.resolution = 128});
-    CHECK(finer.solve_from(cold).status == Status::ok);
-    CHECK(by_pyramid.solve_from(cold).status == Status::ok);
-    // Coordinates that have no pyramid say so.
-    CHECK(Harmonic<double>(star, {.solver = pyramid}).solve().status == Status::solver_not_supported);
-    CHECK(WithPyramid(star, {.resolution = 2}).solve_from(cold).status == Status::resolution_not_supported);
+    CHECK(Adaptive(star, {.resolution = 64}).solve().status == Status::solver_not_supported);
+    CHECK(Harmonic<double>(star).solve().status == Status::resolution_not_supported);
+    CHECK(WithPyramid(star, {.solver = pyramid, .resolution = 64}).solve().status == Status::ok);
+    CHECK(WithPyramid(star, {.resolution = 64}).solve().status == Status::ok);
+    CHECK(WithPyramid(star, {.accuracy = 0.01}).solve().status == Status::ok);
 }
 
 } // namespace harmonic_multigrid_tests

@@ -7,8 +7,9 @@
 #include "support/oracle.hpp"
 #include "support/weights.hpp"
 
-#include <cageform/coordinates/harmonic.hpp>
+#include <cageform/cage/box_mesh.hpp>
 #include <cageform/coordinates/harmonic/tree_solver.hpp>
+#include <cageform/coordinates/uniform_harmonic.hpp>
 #include <cageform/core/threads.hpp>
 
 #include <cstdio>
@@ -389,7 +390,7 @@ std::vector<Vec<T, D>> random_points(const cageform::Bounds<T, D>& bounds, std::
 TEMPLATE_TEST_CASE("adaptive weights of every kind of cage are a mean",
                    "[coordinates][harmonic][tree][complex][property]", CAGEFORM_SCALARS) {
     using T = TestType;
-    const cageform::Box<T> box({T(-1), T(2), T(0)}, {T(0.3), T(3), T(2)}, {2, 1, 3});
+    const auto box = cageform::box_mesh<T>({T(-1), T(2), T(0)}, {T(0.3), T(3), T(2)}, {2, 1, 3});
     auto about_box = random_points(bounds_of(box.vertices()), 60, 1);
     about_box.push_back({T(0.3), T(2.7), T(1.1)}); // on a side
     about_box.push_back(box.vertices()[5]);
@@ -571,24 +572,6 @@ TEST_CASE("an adaptive solve tells its progress and is cancelled",
     }
 }
 
-TEST_CASE("on an adaptive grid a solve after an edit is as any other",
-          "[coordinates][harmonic][tree][solve_from]") {
-    auto data = divided_box({2, 2, 2}, 1.0);
-    const Points3<double> points{{0.1, 0.2, 0.1}, {0.2, -0.1, 0.1}};
-    using Coordinates = Adaptive<TriangleMesh<double>>;
-    Coordinates adaptive(data.mesh<double>(), {.accuracy = 0.02});
-    Coordinates uniform(data.mesh<double>(), {.accuracy = 0, .resolution = 16});
-    REQUIRE(adaptive.solve().status == Status::ok);
-    REQUIRE(uniform.solve().status == Status::ok);
-    data.vertices[3] = 1.1 * data.vertices[3];
-    for (const auto* before : {&adaptive, &uniform}) {
-        Coordinates edited(data.mesh<double>(), {.accuracy = 0.02}), anew = edited;
-        REQUIRE(edited.solve_from(*before).status == Status::ok);
-        REQUIRE(anew.solve().status == Status::ok);
-        CHECK(evaluate_all(edited, points).rows == evaluate_all(anew, points).rows);
-    }
-}
-
 template <class C>
 void check_cells(const C& cage, std::uint64_t seed) {
     using T = typename C::scalar;
@@ -623,8 +606,8 @@ TEMPLATE_TEST_CASE("the cells of an adaptive grid hold every point inside once",
         check_cells(Polygon<TestType>(random_star<TestType>(seed)), seed);
         check_cells(random_mesh(seed).template mesh<TestType>(), seed);
     }
-    const HarmonicOptions uniform{.resolution = 16};
-    const Adaptive<Polygon<TestType>> coordinates(Polygon<TestType>(random_star<TestType>(1)), uniform);
+    const cageform::UniformHarmonicCoordinates<TestType, 2> coordinates(random_star<TestType>(1),
+                                                                        {.resolution = 16});
     CHECK(coordinates.for_each_cell([](const auto&) { FAIL("a cell of none"); }).status ==
           Status::solver_not_supported);
 }
@@ -643,22 +626,23 @@ TEST_CASE("adaptive weights take the data of every kind of face", "[coordinates]
     }
     // A box that is not divided has trilinear functions, of which the equations are exact.
     Random random(17);
-    const cageform::Box<double> box({-1, 2, 0}, {0.3, 3, 2}), divided({-1, 2, 0}, {0.3, 3, 2}, {2, 1, 3});
+    const Vec<double, 3> lower{-1, 2, 0}, upper{0.3, 3, 2};
+    const auto box = cageform::box_mesh(lower, upper), divided = cageform::box_mesh(lower, upper, {2, 1, 3});
     Points3<double> points;
     std::vector<std::vector<double>> trilinear;
     for (int n = 0; n < 60; ++n) {
         Vec<double, 3> p{};
-        for (std::size_t k = 0; k < 3; ++k) p[k] = random.uniform(box.lower()[k], box.upper()[k]);
+        for (std::size_t k = 0; k < 3; ++k) p[k] = random.uniform(lower[k], upper[k]);
         points.push_back(p);
         auto& row = trilinear.emplace_back();
         for (const auto& vertex : box.vertices()) {
             row.push_back(1);
             for (std::size_t k = 0; k < 3; ++k)
-                row.back() *= 1 - std::fabs(p[k] - vertex[k]) / (box.upper()[k] - box.lower()[k]);
+                row.back() *= 1 - std::fabs(p[k] - vertex[k]) / (upper[k] - lower[k]);
         }
     }
     CHECK(largest_error(box, points, trilinear, accuracy) <= 0.2 * accuracy);
-    const cageform::HarmonicCoordinates uniform(divided, {.resolution = 96});
+    const cageform::UniformHarmonicCoordinates uniform(divided, {.resolution = 96});
     CHECK(largest_error(divided, points, evaluate_all(uniform, points).rows, accuracy) <=
           3e-2); // next to kinks of its data
 }
@@ -671,7 +655,7 @@ TEST_CASE("the cells of an adaptive grid can be as small as a quarter of any bon
         CAPTURE(radius);
         CellComplex<double, 3> cage(box);
         (void)cage.add_chain(Points3<double>{{0.7, 1, 1}, {1.3, 1, 1}}, radius);
-        const unsigned depth = cageform::detail::TreeCage<CellComplex<double, 3>>::depth_of(cage, 1e-12);
+        const unsigned depth = cageform::detail::TreeCage<3>::depth_of(cage, 1e-12);
         CHECK(std::ldexp(longest, -int(depth)) <= 0.25 * radius);
         CHECK((depth == 16 || std::ldexp(longest, 1 - int(depth)) > 0.25 * radius));
     }
@@ -681,7 +665,7 @@ TEST_CASE("adaptive weights go up to bones, as those of a fine uniform grid",
           "[coordinates][harmonic][tree][complex]") {
     const auto compare = [](const auto& cage, const auto& points, std::size_t resolution, double most) {
         using C = std::remove_cvref_t<decltype(cage)>;
-        const cageform::HarmonicCoordinates uniform(cage, {.resolution = resolution});
+        const cageform::UniformHarmonicCoordinates uniform(cage, {.resolution = resolution});
         const auto expected = evaluate_all(uniform, points);
         const auto weights = evaluate_all(Adaptive<C>(cage, {.accuracy = 5e-3}), points);
         REQUIRE(weights.status() == Status::ok);
@@ -768,14 +752,14 @@ TEMPLATE_TEST_CASE("adaptive gradients keep linear precision up to the boundary"
             in_plane.push_back(T(0.5) * (star[i] + star[i + 1]));
         check_gradients(star, in_plane);
     }
-    const cageform::Box<T> box({T(-1), T(2), T(0)}, {T(0.3), T(3), T(2)}, {2, 2, 3});
+    const Vec<T, 3> lower{T(-1), T(2), T(0)}, upper{T(0.3), T(3), T(2)};
+    const auto box = cageform::box_mesh(lower, upper, {2, 2, 3});
     Random random(5);
     Points3<T> in_space;
     for (int n = 0; n < 60; ++n) {
         Vec<T, 3> p{};
-        for (std::size_t k = 0; k < 3; ++k)
-            p[k] = T(random.uniform(double(box.lower()[k]), double(box.upper()[k])));
-        if (n % 10 == 0) p[std::size_t(n) / 10 % 3] = box.upper()[std::size_t(n) / 10 % 3];
+        for (std::size_t k = 0; k < 3; ++k) p[k] = T(random.uniform(double(lower[k]), double(upper[k])));
+        if (n % 10 == 0) p[std::size_t(n) / 10 % 3] = upper[std::size_t(n) / 10 % 3];
         in_space.push_back(p);
     }
     check_gradients(box, in_space);
@@ -803,7 +787,7 @@ TEST_CASE("what an adaptive grid cannot do is refused by name", "[coordinates][h
     CHECK(status(mesh, {.accuracy = 1.0}) == Status::accuracy_not_supported);
     CHECK(status(mesh, {.accuracy = -1e-3}) == Status::accuracy_not_supported);
     CHECK(status(mesh, {.accuracy = 1e-9}) == Status::accuracy_not_supported);
-    CHECK(status(mesh, {.resolution = 16}) == Status::ok); // the uniform grid
+    CHECK(status(mesh, {.resolution = 16}) == Status::solver_not_supported); // of the uniform grid
     // A cage that needs more memory than allowed is refused with the number of bytes.
     auto plate = divided_box({1, 1, 1}, 1.0);
     for (auto& p : plate.vertices) p[2] *= 1e-5;

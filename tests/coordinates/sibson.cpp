@@ -4,7 +4,6 @@
 #include "support/oracle.hpp"
 
 #include <cageform/binding/bind.hpp>
-#include <cageform/binding/rebind.hpp>
 #include <cageform/clone/clone.hpp>
 #include <cageform/coordinates/sibson.hpp>
 #include <cageform/core/threads.hpp>
@@ -128,7 +127,7 @@ void check_parts(const std::string& file) {
                 found[term.site] = found[term.site] + term.vector;
             for (std::size_t i = 0; i < n; ++i) CHECK(distance(row[i], found[i]) <= 1e-12 * largest);
         }
-        const SibsonCoordinates<double, D> tips(sites, {.degree = 3, .tips = true});
+        const SibsonCoordinates<double, D> tips(sites, {.degree = 3, .frames = true});
         REQUIRE(tips.handles().size() == (D + 1) * n);
         for (const auto& entry : set["points"]) {
             const auto row =
@@ -265,8 +264,8 @@ void check_laws(std::uint64_t seed) {
     const detail::NaturalNeighbours<D> neighbours(
         wide, double(coincidence_tolerance(bounds_of(std::span<const Vec<T, D>>(sites)))));
     for (const SibsonOptions options :
-         {SibsonOptions{}, SibsonOptions{.degree = 3}, SibsonOptions{.degree = 3, .tips = true}}) {
-        CAPTURE(options.degree, options.tips);
+         {SibsonOptions{}, SibsonOptions{.degree = 3}, SibsonOptions{.degree = 3, .frames = true}}) {
+        CAPTURE(options.degree, options.frames);
         // At degree 3 a weight sums the gradients of many sites, whose terms are larger than the weight.
         const double tolerance = (options.degree == 1 ? 4 : 12) * double(epsilon<T>);
         const SibsonCoordinates<T, D> sibson(sites, options);
@@ -295,14 +294,14 @@ void check_support(std::uint64_t seed) {
     const auto rows = rows_of(SibsonCoordinates<double, D>(sites), points);
     const detail::SiteLattice<D> lattice(
         bounds_of(std::span<const Vec<double, D>>(sites.data(), sites.size())));
-    std::vector<detail::Place<D>> places;
-    for (const auto& s : sites) places.push_back(lattice.place(s));
+    std::vector<detail::LatticePoint<D>> places;
+    for (const auto& s : sites) places.push_back(lattice.position(s));
     const Delaunay<D> delaunay(places);
     for (std::size_t n = 0; n < points.size(); ++n) {
         std::vector<bool> near(sites.size());
         for (const auto& simplex : delaunay.simplices()) {
             if (simplex.is_ghost() ||
-                detail::in_sphere<D>(delaunay.corners(simplex), lattice.place(points[n])) <= 0)
+                detail::in_sphere<D>(delaunay.corners(simplex), lattice.position(points[n])) <= 0)
                 continue;
             for (const std::uint32_t v : simplex.vertex) near[delaunay.site(v)] = true;
         }
@@ -702,7 +701,7 @@ namespace {
 
 template <std::size_t D>
 void check_gradients(std::uint64_t seed, const SibsonOptions& options) {
-    CAPTURE(seed, D, options.degree, options.tips);
+    CAPTURE(seed, D, options.degree, options.frames);
     const auto sites = random_sites<D>(seed);
     const SibsonCoordinates<double, D> sibson(sites, options);
     const std::size_t handles = sibson.handles().size();
@@ -738,7 +737,7 @@ void check_gradients(std::uint64_t seed, const SibsonOptions& options) {
 TEST_CASE("gradients of sibson are derivatives of its weights", "[coordinates][sibson][property]") {
     const auto seed = std::uint64_t(GENERATE(range(0, 4)));
     for (const SibsonOptions options :
-         {SibsonOptions{}, SibsonOptions{.degree = 3}, SibsonOptions{.degree = 3, .tips = true}}) {
+         {SibsonOptions{}, SibsonOptions{.degree = 3}, SibsonOptions{.degree = 3, .frames = true}}) {
         check_gradients<2>(seed, options);
         check_gradients<3>(seed, options);
     }
@@ -813,7 +812,7 @@ TEST_CASE("degree 3 is the cubic simplex of Farin", "[coordinates][sibson][prope
     Random random(seed);
     const auto sites = random_sites<3>(seed);
     const std::size_t n = sites.size();
-    const SibsonCoordinates<double, 3> cubic(sites, {.degree = 3, .tips = true});
+    const SibsonCoordinates<double, 3> cubic(sites, {.degree = 3, .frames = true});
     std::vector<double> z(n), pose(4 * n);
     Points<3> g(n);
     for (std::size_t i = 0; i < n; ++i) {
@@ -879,7 +878,7 @@ TEST_CASE("degree 3 reproduces quadratics", "[coordinates][sibson][property]") {
     // With gradients given, by tips: everywhere.
     const auto sites = random_sites<3>(seed);
     const std::size_t n = sites.size();
-    const SibsonCoordinates<double, 3> tips(sites, {.degree = 3, .tips = true});
+    const SibsonCoordinates<double, 3> tips(sites, {.degree = 3, .frames = true});
     std::vector<double> pose(4 * n);
     for (std::size_t i = 0; i < n; ++i) {
         pose[i] = f(sites[i]);
@@ -949,7 +948,7 @@ TEMPLATE_TEST_CASE("tips pose a site's neighbourhood by a frame", "[coordinates]
     CAPTURE(seed);
     const auto wide = random_sites<3>(seed);
     const auto sites = rounded<T>(wide), points = rounded<T>(mixtures(wide, seed, 60));
-    const SibsonCoordinates<T, 3> sibson(sites, {.degree = 3, .tips = true});
+    const SibsonCoordinates<T, 3> sibson(sites, {.degree = 3, .frames = true});
     REQUIRE(sibson.cage_report().status == Status::ok);
     const auto bound = bind(sibson, points);
     REQUIRE(bound.report.status == Status::ok);
@@ -1008,31 +1007,6 @@ TEMPLATE_TEST_CASE("tips pose a site's neighbourhood by a frame", "[coordinates]
     CHECK(sibson.pose_of(sites, std::span(std::as_const(frames)), std::span(pose)) ==
           Status::pose_not_finite);
     CHECK(pose == before);
-}
-
-TEST_CASE("rebound, local zeros stay zeros", "[coordinates][sibson][rebind]") {
-    const auto sites = random_sites<3>(5);
-    const auto figure = mixtures(sites, 5, 400);
-    const auto bound = bind(SibsonCoordinates<double, 3>(sites), figure);
-    Points<3> between;
-    for (std::size_t i = 1; i < figure.size(); ++i)
-        between.push_back(figure[i] + 0.3 * (figure[i] - figure[i - 1]));
-    const auto rebound = rebind(bound.value, between);
-    REQUIRE(rebound.report.status == Status::ok);
-    // A handle that none of the places next to a new one hears, that one does not hear either.
-    std::size_t lost = 0;
-    for (std::size_t i = 0; i < between.size(); ++i) {
-        std::vector<std::pair<double, std::size_t>> near;
-        for (std::size_t k = 0; k < figure.size(); ++k) near.emplace_back(distance(figure[k], between[i]), k);
-        std::partial_sort(near.begin(), near.begin() + 12, near.end());
-        for (std::size_t h = 0; h < sites.size(); ++h) {
-            const bool heard = std::any_of(near.begin(), near.begin() + 12, [&](const auto& place) {
-                return bound.value.weight(place.second, h) != 0;
-            });
-            lost += !heard && rebound.value.weight(i, h) != 0 ? 1 : 0;
-        }
-    }
-    CHECK(lost == 0);
 }
 
 // ---- faults -------------------------------------------------------------------------------------

@@ -21,20 +21,14 @@ using cageform::TriangleMesh;
 
 namespace {
 
-struct DirectOptions {
-    std::size_t resolution = 20;
-};
-
 /// The equations of the embedded grid, factorised.
-template <class C>
+template <std::size_t D>
 class DirectSolver {
-    using T = typename C::scalar;
-    static constexpr std::size_t D = C::dimension, width = 3; // functions together
-    using Grid = cageform::detail::EmbeddedCage<C>;
-    using Batch = cageform::detail::Batch<T>;
+    static constexpr std::size_t width = 3; // functions together
+    using Grid = cageform::detail::EmbeddedCage<D>;
 
 public:
-    using Problem = cageform::CageProblem<C, DirectOptions>;
+    using Problem = cageform::PlacedCage<D>;
 
     static Status make(const Problem& problem, cageform::SolverReport& report,
                        std::optional<DirectSolver>& made) {
@@ -94,21 +88,24 @@ public:
     }
     Functions keep(const Block& block) const { return block; }
 
-    Samples samples(const Batch& batch, std::size_t first, std::size_t last) const {
+    template <class T>
+    Samples samples(const cageform::detail::Batch<T>& batch, std::size_t first, std::size_t last) const {
         Samples samples(first);
         for (std::size_t i = first; i < last; ++i) samples.add(grid_.stencil(batch, i), grid_.data());
         return samples;
     }
+    template <class T>
     void sample(const Samples& samples, std::size_t group, const Functions& functions,
                 cageform::BlockView<T> rows) const {
         const auto [first, handles] = handles_of(group);
         samples.sample(functions, first, handles, rows);
     }
+    template <class T>
     void finish(const Samples& /*samples*/, cageform::BlockView<T> /*rows*/) const {}
 
-    double spacing(const Vec<T, D>& /*p*/) const { return grid_.lattice().spacing; }
-    PointState state_of(const Vec<T, D>& p) const { return grid_.state_of(p); }
-    double free_distance(const Vec<T, D>& p, std::size_t axis, bool up, double limit) const {
+    double spacing(const Vec<double, D>& /*p*/) const { return grid_.lattice().spacing; }
+    PointState state_of(const Vec<double, D>& p) const { return grid_.state_of(p); }
+    double free_distance(const Vec<double, D>& p, std::size_t axis, bool up, double limit) const {
         return grid_.free_distance(p, axis, up, limit);
     }
 
@@ -124,8 +121,8 @@ private:
 };
 
 template <class C>
-using Direct =
-    cageform::HarmonicCoordinates<typename C::scalar, C::dimension, C, cageform::OnlySolver<DirectSolver<C>>>;
+using Direct = cageform::HarmonicCoordinates<typename C::scalar, C::dimension, C,
+                                             cageform::OnlySolver<DirectSolver<C::dimension>>>;
 
 template <class Solver>
 constexpr bool is_model = cageform::CageSolver<Solver>&& cageform::DifferentiableSolver<Solver>;
@@ -133,12 +130,12 @@ constexpr bool is_model = cageform::CageSolver<Solver>&& cageform::Differentiabl
 } // namespace
 
 TEST_CASE("the library's solvers and one of one's own are models of the seam", "[coordinates][solver]") {
-    STATIC_REQUIRE(is_model<cageform::MultigridSolver<Polygon<double>>>);
-    STATIC_REQUIRE(is_model<cageform::MultigridSolver<cageform::Box<float>>>);
-    STATIC_REQUIRE(is_model<cageform::TreeSolver<Polygon<double>>>);
-    STATIC_REQUIRE(is_model<cageform::TreeSolver<cageform::Box<float>>>);
-    STATIC_REQUIRE(is_model<DirectSolver<Polygon<float>>>);
-    STATIC_REQUIRE(is_model<DirectSolver<TriangleMesh<double>>>);
+    STATIC_REQUIRE(is_model<cageform::MultigridSolver<2>>);
+    STATIC_REQUIRE(is_model<cageform::MultigridSolver<3>>);
+    STATIC_REQUIRE(is_model<cageform::TreeSolver<2>>);
+    STATIC_REQUIRE(is_model<cageform::TreeSolver<3>>);
+    STATIC_REQUIRE(is_model<DirectSolver<2>>);
+    STATIC_REQUIRE(is_model<DirectSolver<3>>);
     STATIC_REQUIRE(cageform::CageSolver<cageform::PyramidSolver<Polygon<float>>>);
     STATIC_REQUIRE(cageform::CageSolver<cageform::PyramidSolver<TriangleMesh<float>>>);
     STATIC_REQUIRE(!cageform::DifferentiableSolver<cageform::PyramidSolver<Polygon<float>>>);
@@ -201,7 +198,7 @@ TEST_CASE("a solver of one's own agrees with the multigrid, in the plane and in 
     std::vector<Vec<double, 2>> in_plane(100);
     for (auto& p : in_plane) p = random_inside(star, random);
     check_same(Direct<Polygon<double>>(star, {.resolution = 50}),
-               cageform::HarmonicCoordinates<double, 2>(
+               cageform::UniformHarmonicCoordinates<double, 2>(
                    star, {.resolution = 50, .multigrid = {.tolerance = 1e-10, .corner_functions = false}}),
                in_plane);
     const auto mesh = random_mesh(2).mesh<double>();
@@ -212,10 +209,10 @@ TEST_CASE("a solver of one's own agrees with the multigrid, in the plane and in 
         for (std::size_t k = 0; k < 3; ++k) p[k] = random.uniform(bounds.lower[k], bounds.upper[k]);
         in_space.push_back(p);
     }
-    check_same(
-        Direct<TriangleMesh<double>>(mesh, {.resolution = 24}),
-        cageform::HarmonicCoordinates<double, 3>(mesh, {.resolution = 24, .multigrid = {.tolerance = 1e-10}}),
-        in_space);
+    check_same(Direct<TriangleMesh<double>>(mesh, {.resolution = 24}),
+               cageform::UniformHarmonicCoordinates<double, 3>(
+                   mesh, {.resolution = 24, .multigrid = {.tolerance = 1e-10}}),
+               in_space);
 }
 
 TEST_CASE("a solver of one's own has threads, progress, cancel and refusals of the driver",

@@ -17,7 +17,7 @@ namespace {
 detail::DistanceLattice<2> lattice_of_disc() {
     detail::DistanceLattice<2> lattice({-2, -2}, 0.05, {81, 81}, 4);
     for (std::size_t node = 0; node < lattice.size(); ++node)
-        lattice[node] = float(detail::length(lattice.place(node)) - 0.5);
+        lattice[node] = float(detail::length(lattice.position(node)) - 0.5);
     return lattice;
 }
 

@@ -112,7 +112,7 @@ TEMPLATE_TEST_CASE("a cage holds its figure at the distance asked for", "[enclos
         // Nearly all of the area around a line is margin; the cage may be a 20th smaller.
         CHECK(report.area >= 0.95 * report.tightest_area);
         CHECK(report.least_angle > 10);
-        CHECK(report.bridges + 1 >= report.parts);
+        CHECK(report.bridges + 1 >= report.components);
     }
 }
 
@@ -142,7 +142,7 @@ TEMPLATE_TEST_CASE("a mirrored cage is its own image", "[enclose][property]", fl
         options.vertices = 24;
         const std::size_t axis = seed % 2;
         options.mirror = MirrorPlane{axis, {}};
-        if (seed % 3 == 0) options.mirror->place = double(figure[0].a[axis]);
+        if (seed % 3 == 0) options.mirror->position = double(figure[0].a[axis]);
         const auto made = make_cage(std::span<const DrawnSegment<TestType>>(figure), options);
         REQUIRE(to_string(made.report.status) == std::string("ok"));
         CHECK(is_cage(made.report.cage));
@@ -151,8 +151,8 @@ TEMPLATE_TEST_CASE("a mirrored cage is its own image", "[enclose][property]", fl
         const auto vertices = made.value.vertices();
         const auto box = bounds_of(vertices);
         const double middle = (double(box.lower[axis]) + double(box.upper[axis])) / 2;
-        if (options.mirror->place)
-            CHECK(std::fabs(middle - *options.mirror->place) <= double(coincidence_tolerance(box)));
+        if (options.mirror->position)
+            CHECK(std::fabs(middle - *options.mirror->position) <= double(coincidence_tolerance(box)));
         double worst = 0;
         for (const auto& p : vertices) {
             auto image = vec_cast<double>(p);
@@ -203,7 +203,7 @@ TEST_CASE("discs apart: one cage with bridges, or a loop for each", "[enclose]")
         options.margin = 0.003;
         const auto one = make_cage(figure, options);
         REQUIRE(one);
-        CHECK(one.report.parts == count);
+        CHECK(one.report.components == count);
         CHECK(one.report.bridges == count - 1);
         CHECK(one.value.loops().size() == 1);
         options.one_cage = false;

@@ -200,7 +200,7 @@ TEST_CASE("balls apart: one cage with bridges, or a shell for each", "[enclose]"
     options.margin = 0.05;
     const auto one = make_cage(figure.vertices, figure.faces, options);
     REQUIRE(one);
-    CHECK(one.report.parts == 3);
+    CHECK(one.report.components == 3);
     CHECK(one.report.bridges == 2);
     CHECK(cageform::detail::shells_of(one.value).first_face.size() == 1);
     options.one_cage = false;
@@ -222,7 +222,7 @@ TEMPLATE_TEST_CASE("a mirrored cage in space is its own image", "[enclose][prope
         options.vertices = 50;
         options.margin = 0.1;
         options.mirror = MirrorPlane{axis, {}};
-        if (axis == 1) options.mirror->place = double(figure.vertices[figure.faces[0][1]][1]);
+        if (axis == 1) options.mirror->position = double(figure.vertices[figure.faces[0][1]][1]);
         const auto made = make_cage(figure.vertices, figure.faces, options);
         REQUIRE(to_string(made.report.status) == std::string("ok"));
         CHECK(is_cage(made.report.cage));

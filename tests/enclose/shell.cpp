@@ -54,7 +54,7 @@ TEST_CASE("a vertex changes the energy of its star and of the whole shell by the
 TEST_CASE("relaxed shells are tighter, and clear of the figure", "[enclose][property]") {
     detail::DistanceLattice<3> lattice({-2, -2, -2}, 0.1, {41, 41, 41}, 4);
     for (std::size_t node = 0; node < lattice.size(); ++node)
-        lattice[node] = float(detail::length(lattice.place(node)) - 0.5);
+        lattice[node] = float(detail::length(lattice.position(node)) - 0.5);
     const detail::ShellObstacles obstacles(lattice, 0.1);
     for (std::uint64_t seed = 0; seed < 3; ++seed) {
         CAPTURE(seed);

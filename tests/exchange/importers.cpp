@@ -295,7 +295,7 @@ TEST_CASE("to_css refuses with a status and no text", "[animate][import][css]") 
     CHECK(status(curve_of({0, 0}, {0.3, 0}, {-0.2, 1}, {1, 1})) == Status::handle_not_allowed);
     CHECK(status(curve_of({0, 0}, {0.3, 1}, {0.6, 0}, {1, 0})) ==
           Status::handle_not_allowed); // between 0 and 0
-    CHECK(status(curve_of({0, 0}, {-0.1, 0}, {0.5, 1}, {1, 1})) == Status::curve_turns_back);
+    CHECK(status(curve_of({0, 0}, {-0.1, 0}, {0.5, 1}, {1, 1})) == Status::time_not_monotone);
     CHECK(status(curve_of({0, 0}, {1, 0}, {0, 1}, {0, 1})) == Status::interval_empty);
     CHECK(status(curve_of({0, 0}, {no_number, 0}, {1, 1}, {1, 1})) == Status::value_not_finite);
     CHECK(status(curve_of({0, 0}, {0.5, 1e300}, {1, 1}, {1, 1e-300})) == Status::value_not_finite);
@@ -374,7 +374,7 @@ TEST_CASE("what Lottie cannot say is refused", "[animate][import][lottie]") {
     CHECK(refused(from_lottie({{}, {}, true}, {0, inf}, b), Status::value_not_finite));
     CHECK(to_lottie(curve_of(a, {1.2, 0}, {0.65, 1}, b)).status() == Status::handle_not_allowed);
     CHECK(to_lottie(curve_of(a, {0.5, 1}, {0.5, 1}, {1, 0})).status() == Status::handle_not_allowed);
-    CHECK(to_lottie(curve_of(a, {-0.5, 1}, {0.5, 1}, b)).status() == Status::curve_turns_back);
+    CHECK(to_lottie(curve_of(a, {-0.5, 1}, {0.5, 1}, b)).status() == Status::time_not_monotone);
     CHECK(to_lottie(curve_of(b, b, a, a), KeyKind::hold).status() == Status::interval_empty);
 }
 
@@ -504,8 +504,8 @@ TEST_CASE("what is no F-curve is refused", "[animate][import][blender]") {
         return from_blender(first, second);
     };
     const Place a{0, 0}, b{1, 1};
-    CHECK(refused(from(curve_of(a, {-0.5, 0}, b, b)), Status::curve_turns_back));
-    CHECK(refused(from(curve_of(a, a, {1.5, 0}, b)), Status::curve_turns_back));
+    CHECK(refused(from(curve_of(a, {-0.5, 0}, b, b)), Status::time_not_monotone));
+    CHECK(refused(from(curve_of(a, a, {1.5, 0}, b)), Status::time_not_monotone));
     CHECK(refused(from(curve_of(a, {0.5, no_number}, b, b)), Status::value_not_finite));
     CHECK(refused(from(curve_of(a, a, {-inf, 0}, b)), Status::value_not_finite));
     for (const auto kind : {KeyKind::hold, KeyKind::linear, KeyKind::bezier}) {
@@ -518,7 +518,7 @@ TEST_CASE("what is no F-curve is refused", "[animate][import][blender]") {
     CHECK(to_blender(curve_of(a, {1.2, 0}, {0.65, 1}, b), first, second) == Status::handle_not_allowed);
     CHECK(to_blender(curve_of(a, {0.7, 0}, {0.4, 1}, b), first, second, KeyKind::bezier,
                      BlenderLimit::both_together) == Status::handle_not_allowed);
-    CHECK(to_blender(curve_of(a, {-0.1, 0}, {0.4, 1}, b), first, second) == Status::curve_turns_back);
+    CHECK(to_blender(curve_of(a, {-0.1, 0}, {0.4, 1}, b), first, second) == Status::time_not_monotone);
     CHECK(first.co == Place{5, 5}); // nothing is written
     CHECK(second.handle_left == Place{4, 4});
     CHECK(second.interpolation == KeyKind::linear);
@@ -661,7 +661,7 @@ TEST_CASE("what Unity cannot say is refused", "[animate][import][unity]") {
           Status::slope_unbounded); // infinite in single precision
     CHECK(to_unity(curve_of(a, {1.2, 0}, {0.65, 1}, b), x, y) == Status::handle_not_allowed);
     CHECK(to_unity(curve_of(a, {0.3, 0}, {-0.2, 1}, b), x, y) == Status::handle_not_allowed);
-    CHECK(to_unity(curve_of(a, {-0.1, 0}, {0.5, 1}, b), x, y) == Status::curve_turns_back);
+    CHECK(to_unity(curve_of(a, {-0.1, 0}, {0.5, 1}, b), x, y) == Status::time_not_monotone);
     CHECK(x.time == 5); // nothing is written
     CHECK(y.time == 6);
 }
@@ -781,8 +781,8 @@ TEST_CASE("what Unreal cannot say is refused", "[animate][import][unreal]") {
         CHECK(refused(with_first([](auto& k) { k.time = no_number; }), Status::value_not_finite));
         CHECK(refused(with_first([](auto& k) { k.value = -inf; }), Status::value_not_finite));
     }
-    CHECK(refused(with_first([](auto& k) { k.leave_weight = -1; }), Status::curve_turns_back));
-    CHECK(refused(with_first([](auto& k) { k.leave_weight = 2; }), Status::curve_turns_back));
+    CHECK(refused(with_first([](auto& k) { k.leave_weight = -1; }), Status::time_not_monotone));
+    CHECK(refused(with_first([](auto& k) { k.leave_weight = 2; }), Status::time_not_monotone));
     CHECK(refused(with_first([](auto& k) { k.leave_weight = inf; }), Status::value_not_finite));
     CHECK(refused(with_first([](auto& k) { k.leave_tangent = inf; }), Status::value_not_finite));
     CHECK(refused(with_first([](auto& k) { k.leave_tangent = no_number; }), Status::value_not_finite));
@@ -790,7 +790,7 @@ TEST_CASE("what Unreal cannot say is refused", "[animate][import][unreal]") {
     UnrealKey x{.time = 5, .leave_tangent = 3}, y{.time = 6};
     CHECK(to_unreal(curve_of(a, {0, 0.5}, b, b), x, y) == Status::slope_unbounded);
     CHECK(to_unreal(curve_of(a, {0.5, 0}, {1, 0.5}, b), x, y) == Status::slope_unbounded);
-    CHECK(to_unreal(curve_of(a, {-0.1, 0}, {0.5, 1}, b), x, y) == Status::curve_turns_back);
+    CHECK(to_unreal(curve_of(a, {-0.1, 0}, {0.5, 1}, b), x, y) == Status::time_not_monotone);
     CHECK(x.time == 5); // nothing is written
     CHECK(x.leave_tangent == 3);
 }
@@ -954,7 +954,7 @@ TEST_CASE("curves that glTF cannot say are refused", "[animate][import][gltf]") 
     curves[2].points[2][0] -= 1e-5;
     CHECK(status(2, 2) == Status::handle_not_allowed);
     curves[2].points[1][0] = 0.5;
-    CHECK(status(2, 2) == Status::curve_turns_back);
+    CHECK(status(2, 2) == Status::time_not_monotone);
     std::swap(curves[2].points[0], curves[2].points[3]);
     CHECK(status(2, 2) == Status::interval_empty);
     curves[3].points[2][1] = no_number;

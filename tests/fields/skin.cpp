@@ -241,11 +241,11 @@ TEST_CASE("weights of bones: bound, posed and cloned they are linear blend skinn
             for (std::size_t i = 0; i < points.size(); ++i) {
                 Point expected{};
                 for (std::size_t b = 0; b < rest.size(); ++b) {
-                    const auto moved = moves[b].turn(points[i]) + moves[b].translation;
+                    const auto moved = moves[b].map_vector(points[i]) + moves[b].translation;
                     expected = expected + weights[i * rest.size() + b] * moved;
                 }
                 if (moves[0].translation == same.translation)
-                    expected = same.turn(points[i]) + same.translation;
+                    expected = same.map_vector(points[i]) + same.translation;
                 for (std::size_t k = 0; k < 3; ++k)
                     REQUIRE(out[i][k] == Approx(expected[k]).epsilon(0).margin(1e-12));
             }

@@ -11,9 +11,9 @@
 #include <cageform/clone/pose_handles.hpp>
 #include <cageform/coordinates/barycentric.hpp>
 #include <cageform/coordinates/green.hpp>
-#include <cageform/coordinates/harmonic.hpp>
 #include <cageform/coordinates/mean_value.hpp>
 #include <cageform/coordinates/three_point.hpp>
+#include <cageform/coordinates/uniform_harmonic.hpp>
 
 #include <cstdio>
 #include <cstdlib>
@@ -169,8 +169,8 @@ Status with_polygons(const std::vector<Vec<T, 3>>& vertices, Random& random, uns
     if (random.below(4) == 0) {
         HarmonicOptions options;
         options.resolution = 8 + random.below(24);
-        return take(HarmonicCoordinates(PolyhedralMesh<T>(vertices, faces, off_plane), options), random,
-                    seed);
+        return take(UniformHarmonicCoordinates(PolyhedralMesh<T>(vertices, faces, off_plane), options),
+                    random, seed);
     }
     return take(MeanValueCoordinates<T, 3, PolyhedralMesh<T>>(vertices, faces, off_plane), random, seed);
 }

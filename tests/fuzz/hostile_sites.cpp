@@ -92,7 +92,7 @@ Status try_sites(Random& random, unsigned long long seed) {
     }
     const SibsonOptions options{.degree = random.below(2) == 0 ? 1 : 3,
                                 .gradients = SiteGradients(random.below(3)),
-                                .tips = random.below(3) == 0};
+                                .frames = random.below(3) == 0};
     const SibsonCoordinates<T, D> sibson(sites, options);
     const auto outside = OutsidePoints(random.below(3));
     const auto result = bind(sibson, points, {.outside = outside});
@@ -124,7 +124,7 @@ Status try_sites(Random& random, unsigned long long seed) {
         REQUIRE(sum == 0 || std::fabs(sum - 1) <= 64 * double(epsilon<T>) * sizes * unrestored(i));
     }
     // The rows of estimated gradients are as right as sites nearly in a plane allow, 1e5 in size and more.
-    const double roundings = options.degree == 3 && !options.tips ? 4096 : 256;
+    const double roundings = options.degree == 3 && !options.frames ? 4096 : 256;
     REQUIRE(result.report.reproduction_error.point == Extreme::none ||
             result.report.reproduction_error.value <=
                 roundings * unrestored(result.report.reproduction_error.point) * double(epsilon<T>) * size *

@@ -5,7 +5,6 @@
 #include "../support/weights.hpp"
 
 #include <cageform/coordinates/harmonic/embedded_cage.hpp>
-#include <cageform/grid/lattice/box_boundary.hpp>
 #include <cageform/grid/lattice/embed.hpp>
 #include <cageform/grid/lattice/simplex_boundary.hpp>
 
@@ -115,10 +114,10 @@ void check_embedding(const Polygon<double>& cage, const Lattice<double, 2>& latt
             sum += stencil.nodes[i].share;
             least = std::min(least, stencil.nodes[i].share);
         }
-        for (std::uint32_t i = 0; i < stencil.place_count; ++i) {
-            q = q + stencil.places[i].share * place(cage, stencil.places[i].value);
-            sum += stencil.places[i].share;
-            least = std::min(least, stencil.places[i].share);
+        for (std::uint32_t i = 0; i < stencil.boundary_count; ++i) {
+            q = q + stencil.boundary_points[i].share * place(cage, stencil.boundary_points[i].value);
+            sum += stencil.boundary_points[i].share;
+            least = std::min(least, stencil.boundary_points[i].share);
         }
         missed = cageform_tests::larger(missed, std::hypot(q[0] - p[0], q[1] - p[1]) / lattice.spacing);
         sum_off = cageform_tests::larger(sum_off, std::fabs(sum - 1));
@@ -148,8 +147,8 @@ struct WithoutNearest : SimplexBoundary<2> {
     using SimplexBoundary<2>::SimplexBoundary;
     double nearest(const Index&) const { return 0; } // no data
 };
-struct WithoutSample : cageform::grid::BoxBoundary<float> {
-    using cageform::grid::BoxBoundary<float>::BoxBoundary;
+struct WithoutSample : SimplexBoundary<3> {
+    using SimplexBoundary<3>::SimplexBoundary;
     void sample() const {}
 };
 
@@ -161,8 +160,6 @@ TEST_CASE("what a boundary has to tell is a concept in two parts", "[grid][embed
     using cageform::grid::SampledBoundary;
     STATIC_REQUIRE(GridBoundary<SimplexBoundary<2>>);
     STATIC_REQUIRE(GridBoundary<SimplexBoundary<3>>);
-    STATIC_REQUIRE(GridBoundary<cageform::grid::BoxBoundary<double>>);
-    STATIC_REQUIRE(GridBoundary<cageform::grid::GridBoundaryOf<cageform::CellComplex<float, 3>>::type>);
     STATIC_REQUIRE(EmbeddableBoundary<Nowhere>);
     STATIC_REQUIRE(!SampledBoundary<Nowhere>);
     STATIC_REQUIRE(!EmbeddableBoundary<WithoutFixedNodes>);

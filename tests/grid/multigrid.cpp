@@ -245,7 +245,7 @@ void check_estimate_and_bound(int seed) {
 /// The equations of a level as a matrix.
 template <std::size_t D>
 Eigen::SparseMatrix<double> matrix_of(const cageform::detail::Equations<D>& e) {
-    using P = cageform::detail::Places<D>;
+    using P = cageform::detail::StencilPositions<D>;
     std::vector<Eigen::Triplet<double>> entries;
     e.nodes.for_each([&](const Index<D>& index, std::uint32_t node) {
         for (std::size_t p = 0; p < P::count; ++p) {

@@ -181,10 +181,10 @@ void check_states(const Cage& cage, double across, std::uint64_t seed) {
         REQUIRE(refine(tree, view(samples), options, 1000000));
         for (const auto& sample : samples.list) { // every one has its size
             typename CellTree<D>::Index doubled{};
-            for (std::size_t k = 0; k < D; ++k) doubled[k] = std::int32_t(std::floor(2 * sample.place[k]));
+            for (std::size_t k = 0; k < D; ++k) doubled[k] = std::int32_t(std::floor(2 * sample.position[k]));
             CHECK(tree.cells().leaf_at(doubled).size <= std::max(1.0, sample.size));
             if (sample.reason == cageform::SizeReason::thickness)
-                CHECK(locate(cage, boundary.in_cage(sample.place), 0.0) != PointState::outside);
+                CHECK(locate(cage, boundary.in_cage(sample.position), 0.0) != PointState::outside);
         }
     } else {
         FinestCells<3> finest;
@@ -266,7 +266,7 @@ TEST_CASE("rays meet facets as they are, also where the rounded ones end short o
         CHECK(boundary.free_distance({from, 1, true, 200}) == Approx(100).epsilon(1e-9));
         const auto met = boundary.first_met(from, Vec<double, 2>{0, 200});
         REQUIRE(met);
-        CHECK(met->part == Approx(0.5).epsilon(1e-9));
+        CHECK(met->fraction == Approx(0.5).epsilon(1e-9));
     }
 }
 
@@ -323,7 +323,7 @@ TEST_CASE("cells say where they are finest and why", "[grid][tree][sizing]") {
         CutTree<3> tree(boundary);
         FinestCells<3> finest;
         REQUIRE(refine(tree, options, 2000000, finest));
-        return std::tuple(boundary.unit() * finest.size, boundary.in_cage(finest.place), finest.reason);
+        return std::tuple(boundary.unit() * finest.size, boundary.in_cage(finest.position), finest.reason);
     };
     // A plate 0.1 thick.
     auto plate = cageform_tests::divided_box({1, 1, 1}, 1.0);

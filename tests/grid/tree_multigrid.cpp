@@ -63,7 +63,7 @@ Buffer<SizeSample<D>> random_samples(Random& random, unsigned depth) {
     const double size = std::ldexp(1.0, int(depth));
     for (std::size_t n = 0; n < (D == 2 ? 20u : 12u); ++n) {
         SizeSample<D> sample{{}, std::ldexp(size, -int(3 + random.below(D == 2 ? 5 : 3)))};
-        for (std::size_t k = 0; k < D; ++k) sample.place[k] = random.uniform(0, size);
+        for (std::size_t k = 0; k < D; ++k) sample.position[k] = random.uniform(0, size);
         samples.push_back(sample);
     }
     return samples;

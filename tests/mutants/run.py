@@ -30,7 +30,7 @@ import subprocess
 import sys
 import time
 
-from places import EIGEN, HEADERS, ROOT, Finder, rewritten
+from locations import EIGEN, HEADERS, ROOT, Finder, rewritten
 
 WORK = ROOT / "build" / "mutants"
 PACKAGES = "clang-19 python3-clang-19 libeigen3-dev libglm-dev nlohmann-json3-dev catch2".split()

@@ -4,6 +4,7 @@
 #include "../support/larger.hpp"
 #include "../support/meshes.hpp"
 
+#include <cageform/cage/box_mesh.hpp>
 #include <cageform/papers/detail/rasterise.hpp>
 
 #include <algorithm>
@@ -428,29 +429,11 @@ std::vector<Face> faces_of(const cageform::TriangleMesh<T>& mesh) {
     for (const auto& [a, b, c] : mesh.faces()) faces.emplace_back(std::vector{a, b, c}, mesh.vertices());
     return faces;
 }
-/// The sides of a box without divisions: vertex n is at the upper end of axis k where bit k is set.
-template <class T>
-std::vector<Face> faces_of(const cageform::Box<T>& box) {
-    std::vector<Face> faces;
-    for (std::uint32_t side = 0; side < 6; ++side) {
-        const std::uint32_t axis = side / 2, u = 1U << ((axis + 1) % 3), v = 1U << ((axis + 2) % 3);
-        const std::uint32_t low = side % 2 << axis;
-        faces.emplace_back(std::vector{low, low + u, low + u + v, low + v}, box.vertices());
-    }
-    return faces;
-}
 /// The place of a face nearest to `p`.
 template <class T>
 Vec<double, 3> nearest_place(const cageform::TriangleMesh<T>&, const Face& face, const Vec<double, 3>& p) {
     const cageform::detail::Corners<3> corner{face.corner[0], face.corner[1], face.corner[2]};
-    return cageform::detail::place_on_facet(cageform::detail::nearest_on_facet(p, corner), corner);
-}
-template <class T>
-Vec<double, 3> nearest_place(const cageform::Box<T>&, const Face& face, const Vec<double, 3>& p) {
-    auto place = p;
-    for (std::size_t k = 0; k < 3; ++k)
-        place[k] = std::clamp(p[k], face.bounds.lower[k], face.bounds.upper[k]);
-    return place;
+    return cageform::detail::point_on_facet(cageform::detail::nearest_on_facet(p, corner), corner);
 }
 
 /// Everything that rasterise promises in space, by the slow way: every face against every cell.
@@ -570,11 +553,9 @@ TEST_CASE("rasterise: cavities, faces along grid planes, boxes", "[grid][rasteri
     for (const std::size_t resolution : {8u, 12u, 21u}) { // faces on, and between, planes of the grid
         const bool between = resolution == 21;
         CHECK((check_domain(cube.mesh<double>(), resolution) > 0) == between);
-        CHECK((check_domain(cageform::Box<double>({0, 0, 0}, {4, 4, 2}), resolution) > 0) == between);
-        CHECK(check_domain(cageform::Box<float>({-1, 0.5f, 3}, {2, 1.75f, 3.1f}), resolution) > 0);
     }
     // A box thinner than a cell has no interior, and opposite sides in all its cells but its ends'.
-    const auto thin = cageform::Box<double>({0, 0, 0}, {10, 10, 0.1});
+    const auto thin = cageform::box_mesh<double>({0, 0, 0}, {10, 10, 0.1}).triangles();
     const auto flat = rasterise(thin, lattice_about(bounds_of(thin.vertices()), 14));
     CHECK(count_of(flat.tags, CellTag::interior) == 0);
     CHECK(flat.crowded_cells == count_of(flat.tags, CellTag::boundary));

@@ -58,9 +58,9 @@ std::string no_cage(const cageform::MakeCageReport& report, const cageform::Make
     else if (report.status == Status::cage_not_found && report.clearance > 0)
         why += ": the last attempt comes as near as " + detail::short_number(report.clearance) +
                ", and the margin is " + detail::short_number(report.margin);
-    if (report.status == Status::margin_too_small && options.mirror && options.mirror->place)
+    if (report.status == Status::margin_too_small && options.mirror && options.mirror->position)
         why += ": it spans the figure and its image across the mirror at " +
-               detail::short_number(*options.mirror->place);
+               detail::short_number(*options.mirror->position);
     return why;
 }
 
@@ -198,8 +198,9 @@ std::string describe(const cageform::MakeCageReport& report, std::size_t dimensi
            (looser < 0 ? " less " : " more ") + (in_plane ? "area" : "volume") +
            " than the tightest, least angle " + detail::short_number(std::round(report.least_angle)) +
            " degrees\nfigure: " +
-           (report.parts > 0 ? count(report.parts, "part") + ", " + count(report.bridges, "bridge") + "; "
-                             : "") +
+           (report.components > 0
+                ? count(report.components, "part") + ", " + count(report.bridges, "bridge") + "; "
+                : "") +
            detail::short_number(report.clearance) + " from the cage (" +
            percent(report.clearance / report.margin) + " of the margin)\n";
 }

@@ -28,8 +28,8 @@ int numbers_of(cageform::CageFaultKind kind) {
     case Kind::bone_axes_dependent:
     case Kind::collinear_vertex:
     case Kind::vertex_unused:
-    case Kind::loop_turns_otherwise:
-    case Kind::shell_turns_otherwise: return 1;
+    case Kind::loop_orientation_reversed:
+    case Kind::shell_orientation_reversed: return 1;
     case Kind::too_few_vertices:
     case Kind::not_a_simplex:
     case Kind::loops_do_not_match:
@@ -118,7 +118,7 @@ std::string describe_corners(const cageform::SolverReport& solver) {
 }
 
 std::string describe_grid(const cageform::SolverReport& solver) {
-    const auto& place = solver.tree.finest_place;
+    const auto& place = solver.tree.finest_position;
     std::ostringstream text;
     text << std::setprecision(2) << "smallest cell " << solver.tree.finest_size << ", caused by "
          << to_string(solver.tree.finest_reason) << " at " << std::setprecision(4) << place[0] << ' '

@@ -25,6 +25,3 @@ template ChosenCoordinates<float, 2> make_coordinates(const CoordinatesChoice&, 
 template ChosenCoordinates<double, 2> make_coordinates(const CoordinatesChoice&, const CageFile&);
 
 } // namespace cageform_examples
-
-// convergence.cpp uses this class directly.
-template class cageform::grid::Multigrid<2>;

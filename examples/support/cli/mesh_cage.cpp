@@ -2,7 +2,7 @@
 
 #include "cli/guard.hpp"
 
-#include <cageform/cage/polyhedral_mesh.hpp>
+#include <cageform/cage/detail/check_faces.impl.hpp>
 
 #include <algorithm>
 #include <sstream>

@@ -50,7 +50,7 @@ struct CageClipView {
         const auto folded = fold_time(time, first_time, last_time, before, after);
         const std::span<T> values(cursor.memory()[bank.cursor_rows()].v, bank.size());
         bank.sample(folded.time, cursor, values);
-        if (folded.turns != 0 || folded.beyond != 0) {
+        if (folded.cycles != 0 || folded.beyond != 0) {
             const T* const slopes = ends.data() + (folded.beyond < 0 ? 0 : bank.size());
             const T* const rises = ends.data() + 2 * bank.size();
             for (std::size_t n = 0; n < bank.size(); ++n)

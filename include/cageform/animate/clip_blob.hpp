@@ -103,7 +103,7 @@ public:
         }
         header.turns = clip.moves && D == 3 ? clip.motion.rotations.size() : 0;
         std::uint64_t end = sizeof(ClipHeader);
-        detail::for_each_clip_part<T, D>(header, [&end](std::uint64_t& offset, std::uint64_t bytes) {
+        detail::for_each_clip_array<T, D>(header, [&end](std::uint64_t& offset, std::uint64_t bytes) {
             offset = bytes != 0 ? end : 0;
             end += (bytes + 63) / 64 * 64;
         });
@@ -140,11 +140,11 @@ public:
 
 private:
     static const TrackView<T>& track_of(const CageClipView<T, D>& clip, std::size_t n) noexcept {
-        return n == 0 ? clip.motion.turn : clip.motion.translation[n - 1];
+        return n == 0 ? clip.motion.angle_or_phase : clip.motion.translation[n - 1];
     }
     template <class X>
-    void write(std::uint64_t offset, std::span<const X> part) noexcept {
-        if (!part.empty()) std::memcpy(memory_.data() + offset, part.data(), part.size_bytes());
+    void write(std::uint64_t offset, std::span<const X> array) noexcept {
+        if (!array.empty()) std::memcpy(memory_.data() + offset, array.data(), array.size_bytes());
     }
 
     detail::PackedMemory memory_;

@@ -24,7 +24,7 @@
 namespace cageform::inline CAGEFORM_ABI {
 
 /// Compiles keys, ascending by time, to a track. A single key is a constant. Reports progress every
-/// thousand keys; if pieces are tied, for every fit.
+/// thousand keys; if pieces are coupled, for every fit.
 ///
 ///   cost   one piece for each interval that is a cubic of time (all kinds except bezier with
 ///          handles not at thirds); for others as `fit`
@@ -59,7 +59,7 @@ Result<CageClip<T, D>, CompileReport> compile(const R& curves, const TrackOption
         std::vector<Result<Track<T>, CompileReport>> tracks(keys.size());
         TrackOptions of_tracks = options;
         of_tracks.tolerance = options.tolerance.value_or(detail::pixel_of_clip<D>(keys));
-        // A track may take seconds if its pieces are tied.
+        // A track may take seconds if its pieces are coupled.
         const std::size_t step = std::max<std::size_t>(keys.size() / 50, 16);
         for (std::size_t begin = 0; begin < keys.size(); begin += step) {
             const std::size_t count = (std::min)(step, keys.size() - begin);

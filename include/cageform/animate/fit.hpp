@@ -24,7 +24,7 @@ inline Result<BezierFit, FitReport> fit(const BezierCurve& curve, double toleran
     const detail::FewestPieces search(curve, tolerance, options);
     auto result = search.find(running);
     const bool nothing = result.status() == Status::tolerance_not_met && result.value.knots.empty();
-    if (nothing) result = search.nearest(running.part(1, 1));
+    if (nothing) result = search.nearest(running.subtask(1, 1));
     result.report.status = running.end(result.report.status);
     return result;
 }

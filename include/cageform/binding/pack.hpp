@@ -3,7 +3,7 @@
 // or by the distance that points may move.
 #pragma once
 
-#include <cageform/binding/detail/figure_packer.hpp>
+#include <cageform/binding/detail/packers.hpp>
 #include <cageform/binding/detail/streamed_packer.hpp>
 #include <cageform/core/detail/stopwatch.hpp>
 
@@ -66,8 +66,8 @@ Result<PackedBinding<T, D>, PackReport> pack(const Binding<T, D>& binding, const
 /// labels, clips and levels, and parts of the user.
 ///
 ///   returns  the packed figure and its report; fails as `pack`, with the part in
-///            FigurePackReport::culprit; tag_taken, name_taken, too_many_parts; for a clip or level as
-///            `open_clip` and `open`, and blob_of_another_cage; bindings_differ,
+///            FigurePackReport::culprit; duplicate_tag, duplicate_name, too_many_parts; for a clip or level
+///            as `open_clip` and `open`, and blob_of_another_cage; bindings_differ,
 ///            vectors_do_not_match, labels_do_not_match, if the parts of the figure were replaced
 ///            by others of different points or handles
 ///   cost     that of `pack` for each binding, and a copy of all parts

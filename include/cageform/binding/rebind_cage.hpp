@@ -24,17 +24,17 @@ std::vector<std::size_t> match_handles(const HandleView<T, D>& before, const Han
         for (std::size_t i = 0; i < after.count; ++i) numbers[i] = i;
         return numbers;
     }
-    std::map<std::pair<bool, std::array<T, D>>, std::size_t> places;
-    const auto place = [](const HandleView<T, D>& handles, std::size_t i) {
+    std::map<std::pair<bool, std::array<T, D>>, std::size_t> by_position;
+    const auto position = [](const HandleView<T, D>& handles, std::size_t i) {
         std::array<T, D> key{};
         for (std::size_t k = 0; k < D; ++k) key[k] = handles.rest[i][k];
         return std::pair(handles.is_point(i), key);
     };
     for (std::size_t i = before.count; i-- > 0;) { // packed data may hold non-finite numbers
-        if (is_finite(before.rest[i])) places[place(before, i)] = i;
+        if (is_finite(before.rest[i])) by_position[position(before, i)] = i;
     }
     for (std::size_t i = 0; i < after.count; ++i) {
-        if (const auto found = places.find(place(after, i)); found != places.end())
+        if (const auto found = by_position.find(position(after, i)); found != by_position.end())
             numbers[i] = found->second;
     }
     return numbers;
@@ -45,8 +45,7 @@ std::vector<std::size_t> match_handles(const HandleView<T, D>& before, const Han
 ///
 ///   figure       the figure bound to the cage before the edit: a FigureBinding, or the view that `open`
 ///                returned, however it was packed: points at rest are stored in full precision
-///   coordinates  of the edited cage. Those of a solver may have been solved from the ones before
-///                (HarmonicCoordinates::solve_from), which takes fewer cycles
+///   coordinates  of the edited cage
 ///   old_handles  #handles of the edited cage: the number that each had before, or `new_handle`.
 ///                Empty: the result of `match_handles`, which takes the removal of a vertex and the
 ///                addition of another one for a move. Used for labels alone

@@ -53,11 +53,12 @@ Result<FigureBinding<T, D>, ComposeReport> compose(const FigureBinding<T, D>& fi
                                                    const Binding<T, D>& coarse, const Running& running = {}) {
     Result<FigureBinding<T, D>, ComposeReport> result;
     FigureBinding<T, D> made;
-    const std::size_t parts = fine.has_normals() ? D : 1;
+    const std::size_t bindings = fine.has_normals() ? D : 1;
     result.report.status = detail::guard_memory([&] {
-        for (std::size_t n = 0; n < parts; ++n) {
-            auto composed = compose(n == 0 ? fine.points : fine.tangents[n - 1], coarse,
-                                    running.part(double(n) / double(parts), double(n + 1) / double(parts)));
+        for (std::size_t n = 0; n < bindings; ++n) {
+            auto composed =
+                compose(n == 0 ? fine.points : fine.tangents[n - 1], coarse,
+                        running.subtask(double(n) / double(bindings), double(n + 1) / double(bindings)));
             if (!composed) return composed.status();
             if (n == 0) result.report.still = std::move(composed.report.still);
             (n == 0 ? made.points : made.tangents[n - 1]) = std::move(composed.value);

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cageform/cage/detail/bones.hpp>
-#include <cageform/cage/detail/check_cells.hpp>
 #include <cageform/cage/polygon.hpp>
 #include <cageform/cage/triangle_mesh.hpp>
 #include <cageform/cage/types/interior_cells.hpp>
@@ -42,6 +41,15 @@ public:
     explicit CellComplex(Boundary boundary)
         : boundary_(std::move(boundary)) {
         keep([&] { vertices_.assign(boundary_.vertices().begin(), boundary_.vertices().end()); });
+    }
+
+    /// Makes a complex of cells that are known already. `vertices` begins with those of the boundary.
+    CellComplex(Boundary boundary, const PointRange auto& vertices, InteriorCells<D> cells)
+        : boundary_(std::move(boundary))
+        , cells_(std::move(cells)) {
+        keep([&] {
+            for (const auto& vertex : vertices) vertices_.push_back(to_vec<T>(vertex));
+        });
     }
 
     /// Adds an isolated vertex; everything within `radius` follows it. Returns its handle.
@@ -167,21 +175,21 @@ const InteriorCells<D>& interior_cells(const CellComplex<T, D>& cage) noexcept {
 // ---- inside -------------------------------------------------------------------------------------
 
 /// Finds the point of boundary and cells nearest to a finite point; returns the boundary data there
-/// and stores the point in `place`. The data is linear on facets; within the radius of a bone it is
+/// and stores the point in `position`. The data is linear on facets; within the radius of a bone it is
 /// that of the bone's nearest point. The complex must be sound. O(facets and bones).
 template <Scalar T, std::size_t D>
 BoundaryValue<D> nearest_boundary_value(const CellComplex<T, D>& cage, const Vec<T, D>& p,
-                                        Vec<T, D>& place) noexcept {
-    auto value = nearest_boundary_value(cage.boundary(), p, place);
+                                        Vec<T, D>& position) noexcept {
+    auto value = nearest_boundary_value(cage.boundary(), p, position);
     const auto q = vec_cast<double>(p);
-    double least = detail::length(vec_cast<double>(place) - q);
+    double least = detail::length(vec_cast<double>(position) - q);
     for (const auto& vertices : cage.cells().facets) {
         const detail::Facet<D> facet(vertices, cage.vertices());
         const auto weight = detail::nearest_on_facet(q, facet.corner);
-        const auto x = detail::place_on_facet(weight, facet.corner);
+        const auto x = detail::point_on_facet(weight, facet.corner);
         if (detail::length(x - q) >= least) continue;
         least = detail::length(x - q);
-        place = vec_cast<T>(x);
+        position = vec_cast<T>(x);
         value = value_on_facet(vertices, weight);
     }
     const auto& bones = cage.cells().bones;
@@ -191,7 +199,7 @@ BoundaryValue<D> nearest_boundary_value(const CellComplex<T, D>& cage, const Vec
         Vec<double, D> x{};
         for (std::size_t n = 0; n < BoundaryValue<D>::most; ++n)
             x = x + value.weight[n] * vec_cast<double>(cage[value.handle[n]]);
-        place = vec_cast<T>(x);
+        position = vec_cast<T>(x);
     }
     return value;
 }
@@ -222,19 +230,10 @@ PointState locate(const CellComplex<T, D>& cage, const Vec<T, D>& p, T tolerance
 /// from facets, share vertices only with other bones, and not reach the far ends of these. O(cells
 /// · (cells + facets of the boundary)).
 template <Scalar T, std::size_t D>
-CageReport check(const CellComplex<T, D>& cage) {
-    return detail::report_on(cage.status(), [&](CageReport& report) {
-        report = check(cage.boundary());
-        if (report.status != Status::ok) return;
-        detail::check_cells(cage, report);
-        if (report.status != Status::ok) return;
-        detail::ComplexCheck<T, D> steps(cage, report);
-        steps.check_vertices();
-        steps.check_areas();
-        if (report.status != Status::ok) return;
-        steps.check_facets();
-        steps.check_bones();
-    });
-}
+CageReport check(const CellComplex<T, D>& cage);
 
 } // namespace cageform::inline CAGEFORM_ABI
+
+#if !defined(CAGEFORM_COMPILED)
+#include <cageform/cage/detail/check_cells.impl.hpp>
+#endif

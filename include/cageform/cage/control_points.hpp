@@ -90,13 +90,13 @@ surround(const R& points, const SurroundOptions& options = {}) {
     Result<std::vector<Vec<T, D>>> result;
     result.report = detail::guard_memory([&] {
         if (!is_finite(options.margin) || !(options.margin > 0)) return Status::radius_not_positive;
-        std::vector<Vec<double, D>> places;
+        std::vector<Vec<double, D>> positions;
         for (std::size_t i = 0; i < std::size(points); ++i) {
-            places.push_back(to_vec<double>(points[i]));
-            if (!is_finite(places.back())) return Status::vertex_not_finite;
+            positions.push_back(to_vec<double>(points[i]));
+            if (!is_finite(positions.back())) return Status::vertex_not_finite;
         }
-        if (places.empty()) return Status::too_few_vertices;
-        const auto bounds = bounds_of(std::span<const Vec<double, D>>(places));
+        if (positions.empty()) return Status::too_few_vertices;
+        const auto bounds = bounds_of(std::span<const Vec<double, D>>(positions));
         if (!(bounds.diagonal() > coincidence_tolerance(bounds)))
             return D == 2 ? Status::cage_has_no_area : Status::cage_has_no_volume;
         const auto box = bounds.widened(options.margin * bounds.diagonal());

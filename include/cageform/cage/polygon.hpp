@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cageform/cage/detail/boundary_value.hpp>
-#include <cageform/cage/detail/check_polygon.hpp>
 #include <cageform/cage/detail/nearest_on_edge.hpp>
 #include <cageform/cage/types/report.hpp>
 #include <cageform/core/detail/buffer.hpp>
@@ -148,12 +147,12 @@ BoundaryPoint<T> nearest_on_boundary(const Polygon<T>& polygon, const Vec<T, 2>&
 }
 
 /// Finds the boundary point nearest to a finite point; returns the boundary data there, which is
-/// linear along the edges, and stores the point in `place`.
+/// linear along the edges, and stores the point in `position`.
 template <Scalar T>
 BoundaryValue<2> nearest_boundary_value(const Polygon<T>& polygon, const Vec<T, 2>& p,
-                                        Vec<T, 2>& place) noexcept {
+                                        Vec<T, 2>& position) noexcept {
     const auto q = nearest_on_boundary(polygon, p);
-    place = q.position;
+    position = q.position;
     return {{std::uint32_t(q.i), std::uint32_t(q.j)}, {1 - double(q.s), double(q.s)}};
 }
 
@@ -189,9 +188,10 @@ PointState locate(const Polygon<T>& polygon, const Vec<T, 2>& p, T tolerance) no
 /// Vertices are apart if their distance exceeds the cage's coincidence_tolerance. Usually O(#V log
 /// #V), O(#V²) at worst.
 template <Scalar T>
-CageReport check(const Polygon<T>& polygon) {
-    return detail::report_on(polygon.status(),
-                             [&](CageReport& report) { detail::check_polygon(polygon, report); });
-}
+CageReport check(const Polygon<T>& polygon);
 
 } // namespace cageform::inline CAGEFORM_ABI
+
+#if !defined(CAGEFORM_COMPILED)
+#include <cageform/cage/detail/check_polygon.impl.hpp>
+#endif

@@ -1,7 +1,6 @@
 // The 3D cage whose faces are planar polygons: its data, point location, and its check.
 #pragma once
 
-#include <cageform/cage/detail/check_faces.hpp>
 #include <cageform/cage/detail/face_plane.hpp>
 #include <cageform/cage/triangle_mesh.hpp>
 
@@ -100,14 +99,14 @@ private:
     static void cut(std::span<const std::uint32_t> loop, std::span<const Vec<T, 3>> at,
                     std::vector<std::array<std::uint32_t, 3>>& triangles) {
         if (loop.size() == 3) return triangles.push_back({loop[0], loop[1], loop[2]});
-        const bool lacks_one = std::find(loop.begin(), loop.end(), no_vertex) != loop.end();
-        Buffer<Vec<double, 3>> places;
-        for (std::size_t k = 0; !lacks_one && k < loop.size(); ++k)
-            places.push_back(vec_cast<double>(at[loop[k]]));
-        const detail::FacePlane plane(places);
+        const bool is_incomplete = std::find(loop.begin(), loop.end(), no_vertex) != loop.end();
+        Buffer<Vec<double, 3>> positions;
+        for (std::size_t k = 0; !is_incomplete && k < loop.size(); ++k)
+            positions.push_back(vec_cast<double>(at[loop[k]]));
+        const detail::FacePlane plane(positions);
         Buffer<Vec<double, 2>> flat;
-        for (const auto& p : places) flat.push_back(plane.flat(p));
-        if (lacks_one) triangles.push_back({no_vertex, no_vertex, no_vertex});
+        for (const auto& p : positions) flat.push_back(plane.flat(p));
+        if (is_incomplete) triangles.push_back({no_vertex, no_vertex, no_vertex});
         const detail::PolygonCutter cutter(flat);
         for (const auto& [a, b, c] : cutter.triangles()) triangles.push_back({loop[a], loop[b], loop[c]});
     }
@@ -139,8 +138,8 @@ PointState locate(const PolyhedralMesh<T>& mesh, const Vec<T, 3>& p, T tolerance
 /// it by the data of the triangle's face (coordinates/detail/face_coordinates.hpp). O(#corners).
 template <Scalar T>
 BoundaryValue<3> nearest_boundary_value(const PolyhedralMesh<T>& mesh, const Vec<T, 3>& p,
-                                        Vec<T, 3>& place) noexcept {
-    return nearest_boundary_value(mesh.triangles(), p, place);
+                                        Vec<T, 3>& position) noexcept {
+    return nearest_boundary_value(mesh.triangles(), p, position);
 }
 
 /// Whether a mesh can serve as a cage. Every face must have at least three corners that exist, are
@@ -148,18 +147,10 @@ BoundaryValue<3> nearest_boundary_value(const PolyhedralMesh<T>& mesh, const Vec
 /// those of a TriangleMesh. Faults name faces by number. Costs as much as for a TriangleMesh, plus
 /// O(m log m) for a face of m corners, O(m²) at worst.
 template <Scalar T>
-CageReport check(const PolyhedralMesh<T>& mesh) {
-    return detail::report_on(mesh.status(), [&](CageReport& report) {
-        for (std::size_t i = 0; i < mesh.size(); ++i) {
-            if (!is_finite(mesh[i])) report.add(CageFaultKind::vertex_not_finite, i);
-        }
-        if (report.status != Status::ok) return;
-        for (std::size_t f = 0; f < mesh.face_count(); ++f) {
-            if (const auto fault = detail::face_fault(mesh, f)) report.add(fault->kind, fault->a, fault->b);
-        }
-        if (report.status != Status::ok) return;
-        detail::add_faults_of_triangles(mesh, report);
-    });
-}
+CageReport check(const PolyhedralMesh<T>& mesh);
 
 } // namespace cageform::inline CAGEFORM_ABI
+
+#if !defined(CAGEFORM_COMPILED)
+#include <cageform/cage/detail/check_faces.impl.hpp>
+#endif

@@ -2,9 +2,7 @@
 #pragma once
 
 #include <cageform/cage/detail/boundary_value.hpp>
-#include <cageform/cage/detail/check_mesh.hpp>
 #include <cageform/cage/detail/faces_of.hpp>
-#include <cageform/cage/detail/gaps.hpp>
 #include <cageform/cage/detail/mesh_face.hpp>
 #include <cageform/cage/types/report.hpp>
 #include <cageform/core/detail/buffer.hpp>
@@ -68,8 +66,8 @@ private:
         for (std::size_t f = 0; f < std::size(faces); ++f)
             faces_.push_back(detail::checked_face(faces[f], vertices_.size()));
         given_ = faces_.size();
-        if (std::any_of(faces_.begin(), faces_.end(), detail::lacks_vertex<3>)) return Status::ok;
-        const auto closing = detail::GapCloser<T>(vertices_, faces_).closing_faces();
+        if (std::any_of(faces_.begin(), faces_.end(), detail::has_missing_vertex<3>)) return Status::ok;
+        const auto closing = detail::closing_faces<T>(vertices_, faces_);
         faces_.insert(faces_.end(), closing.begin(), closing.end());
         return Status::ok;
     }
@@ -104,20 +102,20 @@ double winding_number(const TriangleMesh<T>& mesh, const Vec<T, 3>& p) noexcept 
 }
 
 /// Finds the boundary point nearest to a finite point; returns the boundary data there, which is
-/// linear on the faces, and stores the point in `place`. The mesh must be sound. O(#F).
+/// linear on the faces, and stores the point in `position`. The mesh must be sound. O(#F).
 template <Scalar T>
 BoundaryValue<3> nearest_boundary_value(const TriangleMesh<T>& mesh, const Vec<T, 3>& p,
-                                        Vec<T, 3>& place) noexcept {
+                                        Vec<T, 3>& position) noexcept {
     const auto q = vec_cast<double>(p);
     double least = std::numeric_limits<double>::infinity();
     BoundaryValue<3> value;
     for (const auto& face : mesh.faces()) {
         const detail::Facet<3> facet(face, mesh.vertices());
         const auto weight = detail::nearest_on_facet(q, facet.corner);
-        const auto x = detail::place_on_facet(weight, facet.corner);
+        const auto x = detail::point_on_facet(weight, facet.corner);
         if (dot(x - q, x - q) >= least) continue;
         least = dot(x - q, x - q);
-        place = vec_cast<T>(x);
+        position = vec_cast<T>(x);
         value = value_on_facet(face, weight);
     }
     return value;
@@ -129,9 +127,9 @@ BoundaryValue<3> nearest_boundary_value(const TriangleMesh<T>& mesh, const Vec<T
 template <Scalar T>
 PointState locate(const TriangleMesh<T>& mesh, const Vec<T, 3>& p, T tolerance) noexcept {
     if (!is_finite(p)) return PointState::not_finite;
-    Vec<T, 3> place;
-    (void)nearest_boundary_value(mesh, p, place);
-    if (detail::length(vec_cast<double>(place) - vec_cast<double>(p)) <= double(tolerance))
+    Vec<T, 3> position;
+    (void)nearest_boundary_value(mesh, p, position);
+    if (detail::length(vec_cast<double>(position) - vec_cast<double>(p)) <= double(tolerance))
         return PointState::on_boundary;
     return detail::is_enclosed(winding_number(mesh, p)) ? PointState::inside : PointState::outside;
 }
@@ -144,20 +142,10 @@ PointState locate(const TriangleMesh<T>& mesh, const Vec<T, 3>& p, T tolerance) 
 /// a small gap). The faces around a vertex must form one fan, and no two faces may pass through
 /// each other. Usually O(#F log #F), O(#F²) at worst.
 template <Scalar T>
-CageReport check(const TriangleMesh<T>& mesh) {
-    return detail::report_on(mesh.status(), [&](CageReport& report) {
-        detail::check_indices(mesh, report);
-        if (report.status != Status::ok) return;
-        detail::MeshCheck<T> steps(mesh, report);
-        steps.check_duplicate_vertices();
-        steps.check_areas();
-        steps.check_edges();
-        if (report.status != Status::ok) return;
-        steps.check_fans();
-        steps.check_crossing_faces();
-        if (report.status != Status::ok) return;
-        steps.check_shells();
-    });
-}
+CageReport check(const TriangleMesh<T>& mesh);
 
 } // namespace cageform::inline CAGEFORM_ABI
+
+#if !defined(CAGEFORM_COMPILED)
+#include <cageform/cage/detail/check_mesh.impl.hpp>
+#endif

@@ -58,15 +58,15 @@ noexcept {
     if (out.size() < displacement_count(binding)) return Status::output_too_small;
     const Status status = detail::check_pose(binding, pose);
     if (status != Status::ok) return status;
-    const detail::TakenDisplacements<float, D, Pose> displacement{binding.rest_handles, pose};
-    const auto write = [&out](std::size_t place, const Vec<float, D>& v) {
+    const detail::PoseDisplacements<float, D, Pose> displacement{binding.rest_handles, pose};
+    const auto write = [&out](std::size_t index, const Vec<float, D>& v) {
         std::array<float, 4> padded{};
         for (std::size_t k = 0; k < D; ++k) padded[k] = v[k];
-        out[place] = padded;
+        out[index] = padded;
     };
     for (std::size_t i = 0; i < binding.handle_count(); ++i) write(i, displacement(i));
     const detail::AffineFit<float, D> fit(binding, displacement);
-    for (std::size_t r = 0; r <= D; ++r) write(binding.handle_count() + r, fit.part[r]);
+    for (std::size_t r = 0; r <= D; ++r) write(binding.handle_count() + r, fit.rows[r]);
     return Status::ok;
 }
 

@@ -101,8 +101,8 @@ noexcept {
     if (std::size(out) < handles.count) return Status::output_too_small;
     const auto posed = [&](std::size_t i) {
         const Transform<T, D>& bone = bones[i / (D + 1)];
-        const auto turned = bone.turn(handles.rest[i]);
-        return handles.is_point(i) ? turned + bone.translation : turned;
+        const auto mapped = bone.map_vector(handles.rest[i]);
+        return handles.is_point(i) ? mapped + bone.translation : mapped;
     };
     for (std::size_t i = 0; i < handles.count; ++i) {
         if (!is_finite(posed(i))) return Status::pose_not_finite;

@@ -1,6 +1,7 @@
 // Barycentric coordinates in one simplex: affine functions, to which all other coordinates reduce there.
 #pragma once
 
+#include <cageform/cage/detail/refuse_interior_cells.hpp>
 #include <cageform/coordinates/coordinate.hpp>
 #include <cageform/coordinates/detail/evaluate_blocks.hpp>
 #include <cageform/coordinates/detail/simplex.hpp>
@@ -110,9 +111,9 @@ private:
         return (1 / unit_) * (vec_cast<double>(p) - vec_cast<double>(vertices_.back()));
     }
     std::vector<Vec<double, D>> in_unit(std::span<const Vec<T, D>> points) const {
-        std::vector<Vec<double, D>> places;
-        for (const auto& p : points) places.push_back(in_unit(p));
-        return places;
+        std::vector<Vec<double, D>> positions;
+        for (const auto& p : points) positions.push_back(in_unit(p));
+        return positions;
     }
 
     void prepare() {

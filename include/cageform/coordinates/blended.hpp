@@ -16,16 +16,16 @@ namespace cageform::inline CAGEFORM_ABI {
 ///
 /// where d_k is the depth of the point in cage k (cage/detail/depth.hpp), relative to the diagonal
 /// of that cage. The weights are C¹ across the boundary of a cage that lies inside another. They sum
-/// to 1 and reproduce the point as the parts' weights do, so the figure is exact at rest and when
+/// to 1 and reproduce the point as the components' weights do, so the figure is exact at rest and when
 /// all cages make the same affine move. A point inside a single cage has the weights of that cage.
 ///
-///   range     that of the parts, with linear precision restored
-///   cost      that of all parts for all points, plus O(edges or faces) a point and cage, and the
-///             parts' weights once more
-///   fails     as the first part that fails; too_few_vertices without parts
+///   range     that of the components, with linear precision restored
+///   cost      that of all components for all points, plus O(edges or faces) a point and cage, and the
+///             components' weights once more
+///   fails     as the first component that fails; too_few_vertices without components
 ///
 /// Outside all cages they are not defined (no extension). Linear precision that a solver misses is
-/// restored in each part separately, so no cage moves a point outside it.
+/// restored in each component separately, so no cage moves a point outside it.
 template <CageCoordinates C>
     requires requires(const C& c) {
         Depth<std::decay_t<decltype(c.cage())>>(c.cage());
@@ -33,40 +33,40 @@ template <CageCoordinates C>
 class BlendedCoordinates {
 public:
     using scalar = typename C::scalar;
-    using Part = C;
+    using Component = C;
     static constexpr std::size_t dimension = C::dimension;
     static constexpr bool has_extension = false;
     static constexpr bool closed_form = C::closed_form;
 
-    explicit BlendedCoordinates(std::vector<C> parts)
-        : parts_(std::move(parts)) {
+    explicit BlendedCoordinates(std::vector<C> components)
+        : components_(std::move(components)) {
         const Status status = detail::guard_memory([&] {
-            join_parts();
+            join_components();
             return Status::ok;
         });
         if (status != Status::ok) report_ = {status, {}};
     }
 
-    std::span<const C> parts() const noexcept { return parts_; }
-    /// Returns the first handle of a part; for part = #parts the number of all handles.
-    std::size_t first_handle(std::size_t part) const noexcept { return first_[part]; }
+    std::span<const C> components() const noexcept { return components_; }
+    /// Returns the first handle of a component; for component = #components the number of all handles.
+    std::size_t first_handle(std::size_t component) const noexcept { return first_[component]; }
     std::span<const Vec<scalar, dimension>> handles() const noexcept { return handles_; }
     std::span<const HandleKind> handle_kinds() const noexcept { return kinds_; }
     std::span<const HandleFace<dimension>> handle_faces() const noexcept { return faces_; }
 
-    /// Returns the report of the first refused cage, which is `refused_part()`; if none is, the
+    /// Returns the report of the first refused cage, which is `refused_component()`; if none is, the
     /// warnings of all.
     const CageReport& cage_report() const noexcept { return report_; }
     static constexpr std::size_t none = ~std::size_t{0};
-    std::size_t refused_part() const noexcept { return refused_; }
+    std::size_t refused_component() const noexcept { return refused_; }
 
-    /// Solves and keeps the functions of all parts, for types of parts that can.
+    /// Solves and keeps the functions of all components, for types of components that can.
     Evaluation solve(const Running& running = {}) requires requires(C c) { c.solve(running); }
     {
         Evaluation result;
         const Status status = detail::guard_memory([&] {
-            result = for_each_part(running,
-                                   [&](std::size_t k, const Running& some) { return parts_[k].solve(some); });
+            result = for_each_component(
+                running, [&](std::size_t k, const Running& some) { return components_[k].solve(some); });
             return result.status;
         });
         result.status = status;
@@ -79,11 +79,11 @@ public:
                         "one row per handle");
         Evaluation result;
         const Status status = detail::guard_memory([&] {
-            std::vector<PointState> all(parts_.size() * states.size());
-            result = for_each_part(running, [&](std::size_t k, const Running& some) {
+            std::vector<PointState> all(components_.size() * states.size());
+            result = for_each_component(running, [&](std::size_t k, const Running& some) {
                 const auto own = std::span(all).subspan(k * states.size(), states.size());
                 std::copy(states.begin(), states.end(), own.begin());
-                return evaluate_part(k, points, weights, own, some);
+                return evaluate_component(k, points, weights, own, some);
             });
             if (result.status != Status::ok) return result.status;
             detail::in_parallel(running, points.blocks(), 16, [&](std::size_t begin, std::size_t end) {
@@ -101,10 +101,10 @@ public:
         std::size_t best = 0;
         for (const bool found : {false, true}) {
             std::fill(row.begin(), row.end(), scalar(0));
-            for (std::size_t k = 0; k < parts_.size(); ++k) {
+            for (std::size_t k = 0; k < components_.size(); ++k) {
                 if (found && k != best) continue;
                 const auto q =
-                    parts_[k].nearest_boundary(p, row.subspan(first_[k], first_[k + 1] - first_[k]));
+                    components_[k].nearest_boundary(p, row.subspan(first_[k], first_[k + 1] - first_[k]));
                 const double d = detail::length(vec_cast<double>(q) - vec_cast<double>(p));
                 if (k != 0 && d >= least) continue;
                 least = d;
@@ -118,15 +118,15 @@ public:
 private:
     static constexpr std::size_t lanes = lane_count<scalar>;
 
-    void join_parts() {
-        for (const C& part : parts_) {
+    void join_components() {
+        for (const C& component : components_) {
             first_.push_back(handles_.size());
-            add_handles(handle_view(part));
+            add_handles(handle_view(component));
         }
         first_.push_back(handles_.size());
-        if (parts_.empty()) report_.add(CageFaultKind::too_few_vertices, 0, 0);
-        for (std::size_t k = 0; k < parts_.size() && report_.status == Status::ok; ++k) {
-            const CageReport& report = parts_[k].cage_report();
+        if (components_.empty()) report_.add(CageFaultKind::too_few_vertices, 0, 0);
+        for (std::size_t k = 0; k < components_.size() && report_.status == Status::ok; ++k) {
+            const CageReport& report = components_[k].cage_report();
             if (report.status != Status::ok) {
                 report_ = report;
                 refused_ = k;
@@ -135,92 +135,93 @@ private:
             }
         }
         if (report_.status != Status::ok) return;
-        for (const C& part : parts_) {
-            depths_.emplace_back(part.cage());
-            scales_.push_back(1 / double(detail::frame_of(handle_view(part)).size));
-            restorers_.emplace_back(handle_view(part));
+        for (const C& component : components_) {
+            depths_.emplace_back(component.cage());
+            scales_.push_back(1 / double(detail::frame_of(handle_view(component)).size));
+            restorers_.emplace_back(handle_view(component));
         }
     }
 
-    void add_handles(const HandleView<scalar, dimension>& part) {
+    void add_handles(const HandleView<scalar, dimension>& component) {
         const std::size_t first = handles_.size();
-        handles_.insert(handles_.end(), part.rest, part.rest + part.count);
-        for (std::size_t i = 0; i < part.count; ++i)
-            kinds_.push_back(part.is_point(i) ? HandleKind::point : HandleKind::vector);
-        for (std::size_t n = 0; part.faces != nullptr && n < part.vector_count(); ++n) {
-            faces_.push_back(part.faces[n]);
+        handles_.insert(handles_.end(), component.rest, component.rest + component.count);
+        for (std::size_t i = 0; i < component.count; ++i)
+            kinds_.push_back(component.is_point(i) ? HandleKind::point : HandleKind::vector);
+        for (std::size_t n = 0; component.faces != nullptr && n < component.vector_count(); ++n) {
+            faces_.push_back(component.faces[n]);
             for (auto& corner : faces_.back()) corner += static_cast<std::uint32_t>(first);
         }
     }
 
-    /// Calls evaluation = f(part, running) for one part after the other, until one fails.
+    /// Calls evaluation = f(component, running) for one component after the other, until one fails.
     template <class F>
-    Evaluation for_each_part(const Running& running, const F& f) const {
+    Evaluation for_each_component(const Running& running, const F& f) const {
         Evaluation total;
         total.status = report_.status;
-        for (std::size_t k = 0; k < parts_.size() && total.status == Status::ok; ++k) {
-            const auto count = double(parts_.size());
-            Evaluation part = f(k, running.part(double(k) / count, double(k + 1) / count));
-            total.status = part.status;
+        for (std::size_t k = 0; k < components_.size() && total.status == Status::ok; ++k) {
+            const auto count = double(components_.size());
+            Evaluation component = f(k, running.subtask(double(k) / count, double(k + 1) / count));
+            total.status = component.status;
             SolverReport& sum = total.solver;
-            for (CornerError& corner : part.solver.multigrid.corners) {
+            for (CornerError& corner : component.solver.multigrid.corners) {
                 for (std::size_t& handle : corner.handles) handle += first_[k];
             }
-            sum.add(part.solver);
-            if (part.solver.unseen_handle != SolverReport::none) {
-                sum.unseen_handle = first_[k] + part.solver.unseen_handle;
-                sum.sufficient_resolution = part.solver.sufficient_resolution;
+            sum.add(component.solver);
+            if (component.solver.unseen_handle != SolverReport::none) {
+                sum.unseen_handle = first_[k] + component.solver.unseen_handle;
+                sum.sufficient_resolution = component.solver.sufficient_resolution;
             }
         }
         return total;
     }
 
-    /// Evaluates part `k` and writes its weights to its rows.
-    Evaluation evaluate_part(std::size_t k, BlockView<const scalar> points, BlockView<scalar> weights,
-                             std::span<PointState> states, const Running& running) const {
+    /// Evaluates component `k` and writes its weights to its rows.
+    Evaluation evaluate_component(std::size_t k, BlockView<const scalar> points, BlockView<scalar> weights,
+                                  std::span<PointState> states, const Running& running) const {
         const std::size_t count = first_[k + 1] - first_[k];
         std::vector<Lanes<scalar>> memory(points.blocks() * count);
         const BlockView<scalar> own{memory.data(), count, points.points};
-        const Evaluation evaluation = parts_[k].evaluate(points, own, states, running);
+        const Evaluation evaluation = components_[k].evaluate(points, own, states, running);
         if (evaluation.status != Status::ok) return evaluation;
         for (std::size_t b = 0; b < points.blocks(); ++b)
             std::copy_n(own.block(b), count, weights.block(b) + first_[k]);
         return evaluation;
     }
 
-    /// Blends the weights of all parts in block b. `all` holds the states by part and point.
+    /// Blends the weights of all components in block b. `all` holds the states by component and point.
     void blend(std::size_t b, BlockView<const scalar> points, BlockView<scalar> weights,
                std::span<const PointState> all, std::span<PointState> states) const {
-        const std::size_t count = states.size(), parts = parts_.size();
-        std::vector<Lanes<scalar>> share(parts);
+        const std::size_t count = states.size(), components = components_.size();
+        std::vector<Lanes<scalar>> share(components);
         for (std::size_t lane = 0; lane < lanes; ++lane) {
             const std::size_t i = b * lanes + lane;
             for (auto& row : share) row[lane] = scalar(0);
             if (i >= count || states[i] == PointState::not_finite) continue;
-            const auto of_part = [&](std::size_t k) { return all[k * count + i]; };
-            // The parts that count: those that the point is inside, or if there are none, on whose
+            const auto of_component = [&](std::size_t k) { return all[k * count + i]; };
+            // The components that count: those that the point is inside, or if there are none, on whose
             // boundary it is.
             states[i] = PointState::outside;
             for (const auto state : {PointState::unreached, PointState::on_boundary, PointState::inside}) {
-                for (std::size_t k = 0; k < parts; ++k) {
-                    if (of_part(k) == state) states[i] = state;
+                for (std::size_t k = 0; k < components; ++k) {
+                    if (of_component(k) == state) states[i] = state;
                 }
             }
             if (states[i] == PointState::outside || states[i] == PointState::unreached) continue;
-            std::vector<double> say(parts);
+            std::vector<double> depth_weight(components);
             double sum = 0;
             const auto p = block_point<dimension>(points, i);
             for (const bool equal : {states[i] == PointState::on_boundary, true}) {
-                for (std::size_t k = 0; k < parts; ++k) {
-                    if (of_part(k) != states[i]) continue;
+                for (std::size_t k = 0; k < components; ++k) {
+                    if (of_component(k) != states[i]) continue;
                     const double depth = (equal ? 1 : depths_[k](p)) * scales_[k];
-                    sum += say[k] = depth * depth;
+                    sum += depth_weight[k] = depth * depth;
                 }
                 if (sum > 0) break; // else the point is too close to all boundaries to use depths
             }
-            for (std::size_t k = 0; k < parts; ++k) share[k][lane] = static_cast<scalar>(say[k] / sum);
+            for (std::size_t k = 0; k < components; ++k)
+                share[k][lane] = static_cast<scalar>(depth_weight[k] / sum);
         }
-        for (std::size_t k = 0; k < parts; ++k) {
+        for (std::size_t k = 0; k < components; ++k) {
             auto* const row = weights.block(b) + first_[k];
             const std::size_t handles = first_[k + 1] - first_[k];
             Lanes<scalar> bound;
@@ -242,8 +243,8 @@ private:
 
     using Cage = std::decay_t<decltype(std::declval<const C&>().cage())>;
 
-    std::vector<C> parts_;
-    std::vector<std::size_t> first_; ///< first handle of every part, and the end
+    std::vector<C> components_;
+    std::vector<std::size_t> first_; ///< first handle of every component, and the end
     std::vector<Vec<scalar, dimension>> handles_;
     std::vector<HandleKind> kinds_;
     std::vector<HandleFace<dimension>> faces_;

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <cageform/cage/cell_complex.hpp>
-#include <cageform/coordinates/detail/boundary_data.hpp>
+#include <cageform/cage/detail/boundary_value.hpp>
 #include <cageform/core/detail/blocks.hpp>
 #include <cageform/core/types/handles.hpp>
 #include <cageform/core/types/solver_report.hpp>
@@ -88,15 +88,15 @@ HandleView<typename C::scalar, C::dimension> handle_view(const C& coordinates) n
 }
 
 /// Implements `nearest_boundary` for types whose handles are a cage's vertices and whose weights on
-/// the boundary are the cage's BoundaryData. Returns the nearest boundary point and fills `row`
+/// the boundary are `data`. Returns the nearest boundary point and fills `row`
 /// (#V) with its weights.
-template <class Cage, class Data = detail::BoundaryData<Cage>>
+template <class Cage, class Data = detail::HatData<Cage::dimension>>
 Vec<typename Cage::scalar, Cage::dimension>
 nearest_boundary_weights(const Cage& cage, const Vec<typename Cage::scalar, Cage::dimension>& p,
                          std::span<typename Cage::scalar> row, const Data& data = {}) noexcept {
     using T = typename Cage::scalar;
-    Vec<T, Cage::dimension> place;
-    const auto value = nearest_boundary_value(cage, p, place);
+    Vec<T, Cage::dimension> position;
+    const auto value = nearest_boundary_value(cage, p, position);
     std::fill(row.begin(), row.end(), T(0));
     const auto add = [&](std::uint32_t handle, double weight) { row[handle] += static_cast<T>(weight); };
     const Status status = detail::guard_memory([&] {
@@ -105,7 +105,7 @@ nearest_boundary_weights(const Cage& cage, const Vec<typename Cage::scalar, Cage
     });
     if (status != Status::ok) // out of memory: uses the hat functions of the point's facet
         detail::HatData<Cage::dimension>::for_each_weight(value, add);
-    return place;
+    return position;
 }
 
 /// Computes the weights of a single point; a convenience on top of `evaluate`.

@@ -127,3 +127,7 @@ template <PointRangeIn<3> R, FaceRange F>
 GreenCoordinates(const R&, const F&) -> GreenCoordinates<range_scalar_t<R>, 3>;
 
 } // namespace cageform::inline CAGEFORM_ABI
+
+#if !defined(CAGEFORM_COMPILED)
+#include <cageform/coordinates/green/evaluation.impl.hpp>
+#endif

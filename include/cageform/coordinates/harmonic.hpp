@@ -1,38 +1,31 @@
 // Harmonic coordinates: non-negative, without interior extrema, from a Laplace solve on a grid.
 //
-// The solvers are this library's multigrids, on an adaptive grid or on a uniform one. The solver of
-// the papers, the baseline that they are compared with, is in papers/pyramid_solver.hpp.
+// The grid is adaptive here; uniform_harmonic.hpp has a uniform one. The solver of the papers, the
+// baseline that both are compared with, is in papers/pyramid_solver.hpp.
 #pragma once
 
-#include <cageform/coordinates/harmonic/difference_gradients.hpp>
-#include <cageform/coordinates/harmonic/multigrid_solver.hpp>
-#include <cageform/coordinates/harmonic/polyhedral_data.hpp>
-#include <cageform/coordinates/harmonic/tree_solver.hpp>
-
-#include <numeric>
+#include <cageform/coordinates/harmonic/cage_functions.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// Chooses the solver for a kind of cage: the adaptive grid, or the uniform grid if
-/// HarmonicOptions::resolution is set. To use HarmonicSolver::averaging_pyramid as well, replace
-/// this type by WithAveragingPyramid (papers/pyramid_solver.hpp).
-template <class C>
-struct HarmonicSolverChoice {
-    using Options = HarmonicOptions;
-
-    /// Calls use(std::type_identity<Solver>{}), or returns solver_not_supported.
-    template <class Use>
-    static Status choose(const Options& options, const Use& use) {
-        if (options.solver != HarmonicSolver::multigrid) return Status::solver_not_supported;
-        if (options.resolution != 0) return use(std::type_identity<MultigridSolver<C>>{});
-        return use(std::type_identity<TreeSolver<C>>{});
+/// The choice of an adaptive grid (harmonic/tree_solver.hpp), for HarmonicCoordinates. It refuses a
+/// `resolution` and another `solver` than multigrid (solver_not_supported).
+struct AdaptiveGrid {
+    template <class C>
+    static Status make(const std::shared_ptr<const CageProblem<C>>& problem, SolverReport& report,
+                       std::shared_ptr<FunctionsOf<C>>& made) {
+        if (problem->options.solver != HarmonicSolver::multigrid || problem->options.resolution != 0)
+            return Status::solver_not_supported;
+        std::shared_ptr<const PlacedCage<C::dimension>> cage;
+        if (const Status status = place(*problem, cage); status != Status::ok) return status;
+        return detail::make_adaptive<typename C::scalar, C::dimension>(cage, report, made);
     }
 };
 
 /// Harmonic coordinates: h_i solves ∇²h_i = 0 inside the cage and equals the hat function of vertex
-/// i on its boundary. In 2D the cage is a Polygon, in 3D a TriangleMesh, a Box or a PolyhedralMesh,
-/// in both a CellComplex. For the faces of a PolyhedralMesh, harmonic coordinates are first solved
-/// in each face's plane.
+/// i on its boundary. In 2D the cage is a Polygon, in 3D a TriangleMesh or a PolyhedralMesh,
+/// in both a CellComplex. On rectangles of a PolyhedralMesh the boundary data is bilinear; for its
+/// other faces harmonic coordinates are first solved in each face's plane.
 ///
 /// Joshi, Meyer, DeRose, Green, Sanocki, Harmonic Coordinates for Character Articulation (SIGGRAPH
 /// 2007), sec. 3 and 4. For points on vertices, edges and faces the boundary data itself is
@@ -41,28 +34,26 @@ struct HarmonicSolverChoice {
 /// The functions do not depend on `T` except for its rounding.
 ///
 ///   range     [0, 1], sum 1, Σ h_i C_i = p: all to the tolerance, on every grid
-///   accuracy  see HarmonicOptions::accuracy. If a resolution is given: of order h² away from the boundary
-///             and around corners with one cell of room (two if that holds too few nodes for a fit;
-///             grid/corners/corner_functions.hpp); of order h^(π/ω) next to an untreated corner of
-///             interior angle ω, or such an edge in 3D
+///   accuracy  see HarmonicOptions::accuracy
 ///   cost      `evaluate` solves #V functions, sixteen at a time (unless `solve` has done so
 ///             before), and samples them. Running::parallel distributes the groups of sixteen; each
 ///             thread needs `solver_memory().block` bytes, every point about 80 bytes in 2D and 150 in
-///             3D, and #V scalars next to treated corners. Progress is reported before every cycle on
-///             the calling thread, which has to take part in the work
-///   fails     as check(cage); accuracy_not_supported; resolution_not_supported;
-///             tolerance_not_positive; grid_too_coarse; not_converged; cancelled; out_of_memory;
-///             solver_not_supported
+///             3D. Progress is reported before every cycle on the calling thread, which has to take part
+///             in the work
+///   compiles  slowly, for it contains a solver; with cageform::compiled the solver is in a library
+///   fails     as check(cage); accuracy_not_supported; resolution_not_supported, if the cage is too small
+///             for its distance from the origin; grid_too_coarse; not_converged; cancelled;
+///             out_of_memory; solver_not_supported, if the options name a resolution or another solver
 ///
 /// Outside the cage they are not defined (no extension); every point inside has values.
 template <Scalar T, std::size_t D, class C = std::conditional_t<D == 2, Polygon<T>, TriangleMesh<T>>,
-          class Solvers = HarmonicSolverChoice<C>>
+          class Solver = AdaptiveGrid>
     requires(D == 2 || D == 3)
 class HarmonicCoordinates {
 public:
     using scalar = T;
     using Cage = C;
-    using Options = typename Solvers::Options;
+    using Options = HarmonicOptions;
     static constexpr std::size_t dimension = D;
     static constexpr bool has_extension = false;
     static constexpr bool closed_form = false;
@@ -102,44 +93,9 @@ public:
     /// Solves all functions and keeps them, so that several batches of points can be evaluated. The
     /// reports of those evaluations repeat the report of this solve.
     Evaluation solve(const Running& running = {}) {
-        return with_solution([&](const auto& solution, SolverReport& report) {
-            if (solution == kept_) return Status::ok;
-            const Status status = solution->solve(report, running);
-            if (status == Status::ok) kept_ = solution;
-            return status;
-        });
-    }
-
-    /// Solves after an edit of the cage, starting from the functions that `before` has kept. The
-    /// tolerance is the same as for `solve`; the less the cage has changed, the fewer cycles are
-    /// needed. It is the same as `solve` in these cases: `before` has kept no functions, or used
-    /// another solver; the grid is adaptive (half of the time goes into the grid, and functions are
-    /// solved only where they are large); the grid is uniform and in 2D with treated corners
-    /// (MultigridOptions::corner_functions), where solves are quick.
-    ///
-    ///   before       coordinates of the cage before the edit; resolution and tolerance may differ
-    ///   old_handles  #handles: the number that each handle had before, or ~0 if it is new. Empty: the
-    ///                numbers are the same, which requires as many handles as before
-    ///   memory       beside that of `solve`, about 100 bytes a cell inside the cage
-    Evaluation solve_from(const HarmonicCoordinates& before, std::span<const std::size_t> old_handles = {},
-                          const Running& running = {}) {
-        return with_solution([&](const auto& solution, SolverReport& report) {
-            const std::size_t count = cage().size(), old_count = before.cage().size();
-            using S = typename std::remove_cvref_t<decltype(*solution)>::Solver;
-            if (solution == kept_) return Status::ok;
-            const auto old = before.template kept_by<S>();
-            std::vector<std::size_t> same(old_handles.begin(), old_handles.end());
-            if (same.empty() && count == old_count) {
-                same.resize(count);
-                std::iota(same.begin(), same.end(), std::size_t{0});
-            }
-            bool fits = same.size() == count;
-            for (const std::size_t handle : same)
-                fits = fits && (handle < old_count || handle == ~std::size_t{0});
-            CAGEFORM_ASSERT(fits, "the old number of every handle, or none");
-            const Status status = old != nullptr && fits ? solution->solve_from(*old, same, report, running)
-                                                         : solution->solve(report, running);
-            if (status == Status::ok) kept_ = solution;
+        return with_functions([&](const auto& functions, SolverReport& report) {
+            const Status status = functions->solve(report, running);
+            if (status == Status::ok) kept_ = functions;
             return status;
         });
     }
@@ -148,8 +104,8 @@ public:
                         const Running& running = {}) const {
         CAGEFORM_ASSERT(weights.rows == cage().size() && states.size() == points.points,
                         "one row per handle");
-        return with_solution([&](const auto& solution, SolverReport& report) {
-            return detail::sample_solution(*solution, {points, weights, states}, report, running);
+        return with_functions([&](const auto& functions, SolverReport& report) {
+            return functions->sample({points, weights, states}, report, running);
         });
     }
 
@@ -169,14 +125,9 @@ public:
                                   std::span<PointState> states, const Running& running = {}) const {
         CAGEFORM_ASSERT(gradients.rows == D * cage().size() && states.size() == points.points,
                         "a row per axis and handle");
-        return with_solution(
-            [&]<class S>(const std::shared_ptr<detail::Solution<S>>& solution, SolverReport& report) {
-                if constexpr (DifferentiableSolver<S>) {
-                    return detail::sample_gradients(*solution, {points, gradients, states}, report, running);
-                } else {
-                    return Status::solver_not_supported;
-                }
-            });
+        return with_functions([&](const auto& functions, SolverReport& report) {
+            return functions->sample_gradients({points, gradients, states}, report, running);
+        });
     }
 
     Vec<T, D> nearest_boundary(const Vec<T, D>& p, std::span<T> row) const noexcept {
@@ -189,8 +140,8 @@ public:
     /// group of sixteen is kept.
     SolverMemory solver_memory() const {
         SolverMemory memory;
-        (void)with_solution([&](const auto& solution, SolverReport&) {
-            memory = solution->solver->memory();
+        (void)with_functions([&](const auto& functions, SolverReport&) {
+            memory = functions->memory();
             return Status::ok;
         });
         return memory;
@@ -202,18 +153,13 @@ public:
     /// costs as `solve` does before its first cycle.
     template <class F>
     Evaluation for_each_cell(F&& f) const {
-        return with_solution([&](const auto& solution, SolverReport&) {
-            if constexpr (requires { solution->solver->for_each_cell(f); }) {
-                solution->solver->for_each_cell(f);
-                return Status::ok;
-            } else {
-                return Status::solver_not_supported;
-            }
-        });
+        return with_functions(
+            [&](const auto& functions, SolverReport&) { return functions->for_each_cell(std::ref(f)); });
     }
 
 private:
-    using Problem = CageProblem<Cage, Options>;
+    using Problem = CageProblem<Cage>;
+    using Functions = FunctionsOf<Cage>;
 
     static std::shared_ptr<const Problem> make_problem(Cage cage, const Options& options) {
         std::shared_ptr<const Problem> problem;
@@ -226,43 +172,28 @@ private:
         return {std::shared_ptr<void>(), &none};
     }
 
-    /// Returns the kept functions if they were solved by solver S, else null.
-    template <class S>
-    std::shared_ptr<const detail::Solution<S>> kept_by() const {
-        std::shared_ptr<const detail::Solution<S>> found;
-        (void)Solvers::choose(options(), [&]<class R>(std::type_identity<R>) {
-            if constexpr (std::is_same_v<R, S>) found = std::static_pointer_cast<detail::Solution<S>>(kept_);
-            return Status::ok;
-        });
-        return found;
-    }
-
-    /// Calls use(solution, report) with the kept functions, or with a new solver that has solved
-    /// none yet.
+    /// Calls use(functions, report) with the kept functions, or with new ones, which are not solved yet.
     template <class Use>
-    Evaluation with_solution(const Use& use) const {
+    Evaluation with_functions(const Use& use) const {
         return detail::guarded_evaluation([&](SolverReport& report) {
             if (cage_report().status != Status::ok) return cage_report().status;
-            return Solvers::choose(options(), [&]<class S>(std::type_identity<S>) {
-                auto solution = std::static_pointer_cast<detail::Solution<S>>(kept_);
-                if (solution) {
-                    report = solution->report;
-                    return use(solution, report);
-                }
-                solution = std::make_shared<detail::Solution<S>>();
-                const Status status = solution->make(problem_, report);
-                return status == Status::ok ? use(solution, report) : status;
-            });
+            if (problem_->data_status != Status::ok) return problem_->data_status;
+            std::shared_ptr<Functions> functions = kept_;
+            if (functions) {
+                report = functions->report();
+            } else {
+                const Status status = Solver::make(problem_, report, functions);
+                if (status != Status::ok) return status;
+            }
+            return use(functions, report);
         });
     }
 
     std::shared_ptr<const Problem> problem_;
-    std::shared_ptr<void> kept_; ///< a Solution of the solver that the options name
+    std::shared_ptr<Functions> kept_; ///< solved functions
 };
 
-/// Deduces the type from the cage: `HarmonicCoordinates coordinates(box)`.
-template <Scalar T>
-HarmonicCoordinates(Box<T>, const HarmonicOptions& = {}) -> HarmonicCoordinates<T, 3, Box<T>>;
+/// Deduces the type from the cage: `HarmonicCoordinates coordinates(cage)`.
 template <Scalar T>
 HarmonicCoordinates(TriangleMesh<T>, const HarmonicOptions& = {}) -> HarmonicCoordinates<T, 3>;
 template <Scalar T>
@@ -280,3 +211,8 @@ HarmonicCoordinates(const R&, const F&, const HarmonicOptions& = {})
     -> HarmonicCoordinates<range_scalar_t<R>, 3>;
 
 } // namespace cageform::inline CAGEFORM_ABI
+
+#include <cageform/coordinates/harmonic/polyhedral_data.hpp>
+#if !defined(CAGEFORM_COMPILED)
+#include <cageform/coordinates/harmonic/adaptive.impl.hpp>
+#endif

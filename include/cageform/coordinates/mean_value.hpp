@@ -147,3 +147,7 @@ template <PointRangeIn<3> R, FaceRange F>
 MeanValueCoordinates(const R&, const F&) -> MeanValueCoordinates<range_scalar_t<R>, 3>;
 
 } // namespace cageform::inline CAGEFORM_ABI
+
+#if !defined(CAGEFORM_COMPILED)
+#include <cageform/coordinates/mean_value/evaluation.impl.hpp>
+#endif

@@ -18,7 +18,7 @@ struct SibsonOptions {
     /// handles, at indices n + D i + axis of n sites. At rest the handle lies along the axis from
     /// the site, at half the distance of the nearest other site. SibsonCoordinates::pose_of
     /// computes the poses of these handles.
-    bool tips = false;
+    bool frames = false;
 };
 
 /// Natural neighbour coordinates of sites in 2D or 3D (Sibson, A vector identity for the Dirichlet
@@ -40,7 +40,7 @@ struct SibsonOptions {
 /// weights are the same for all of them.
 ///
 /// The computation is in coordinates/sibson/: natural_neighbours.hpp (read it first), new_cell.hpp,
-/// stolen.hpp; site_gradients.hpp holds the gradients of degree 3.
+/// cell_overlap.hpp; site_gradients.hpp holds the gradients of degree 3.
 ///
 ///   range      degree 1: in [0, 1], zero but for the natural neighbours: about six in 2D, fifteen in
 ///              3D. Degree 3: can be negative; neighbours of neighbours have weights too. Σ|w| grows
@@ -79,7 +79,7 @@ public:
     explicit SibsonCoordinates(const R& sites, const SibsonOptions& options = {})
         : SibsonCoordinates(PointSet<T, D>(sites), options) {}
 
-    /// Returns the sites, followed by the frame handles if SibsonOptions::tips is set.
+    /// Returns the sites, followed by the frame handles if SibsonOptions::frames is set.
     std::span<const Vec<T, D>> handles() const noexcept { return handles_; }
     std::size_t sites() const noexcept { return site_count_; }
     const CageReport& cage_report() const noexcept { return report_; }
@@ -87,21 +87,11 @@ public:
 
     /// See CageCoordinates.
     Evaluation evaluate(BlockView<const T> points, BlockView<T> weights, std::span<PointState> states,
-                        const Running& running = {}) const {
-        return evaluate_rows<false>({points, weights, states}, running);
-    }
+                        const Running& running = {}) const;
     /// See GradientCoordinates.
     Evaluation evaluate_gradients(BlockView<const T> points, BlockView<T> gradients,
-                                  std::span<PointState> states, const Running& running = {}) const {
-        return evaluate_rows<true>({points, gradients, states}, running);
-    }
-    Vec<T, D> nearest_boundary(const Vec<T, D>& p, std::span<T> row) const {
-        Work work(handles_.size());
-        const auto place = neighbours_.find_on_hull(vec_cast<double>(p), work.scratch);
-        add_weights(work);
-        for (std::size_t h = 0; h < handles_.size(); ++h) row[h] = static_cast<T>(work.row[h]);
-        return vec_cast<T>(place);
-    }
+                                  std::span<PointState> states, const Running& running = {}) const;
+    Vec<T, D> nearest_boundary(const Vec<T, D>& p, std::span<T> row) const;
 
     /// Computes the pose of all handles from posed sites and a frame per site. A frame rotates and
     /// stretches the neighbourhood of its site: the handle of an axis goes to the posed site plus
@@ -112,7 +102,7 @@ public:
     ///   sites   posed sites, #sites
     ///   frames  #sites; columns[axis] is the image of the unit vector of the axis
     ///   pose    out: #handles
-    ///   fails   sibson_degree_not_supported (options().tips is not set); pose_size_differs;
+    ///   fails   sibson_degree_not_supported (options().frames is not set); pose_size_differs;
     ///           pose_not_finite; output_too_small. Nothing is written then
     template <PointRangeIn<D> R>
     Status pose_of(const R& sites, std::span<const std::array<Vec<T, D>, D>> frames,
@@ -128,8 +118,8 @@ public:
         for (std::size_t i = 0; i < site_count_; ++i) {
             pose[i] = to_vec<T>(sites[i]);
             for (std::size_t k = 0; k < D; ++k) {
-                const std::size_t tip = site_count_ + D * i + k;
-                pose[tip] = pose[i] + (handles_[tip][k] - handles_[i][k]) * frames[i][k];
+                const std::size_t handle = site_count_ + D * i + k;
+                pose[handle] = pose[i] + (handles_[handle][k] - handles_[i][k]) * frames[i][k];
             }
         }
         return Status::ok;
@@ -153,25 +143,8 @@ private:
         }
     };
 
-    Status prepare() {
-        site_count_ = handles_.size();
-        std::vector<Vec<double, D>> sites;
-        sites.reserve(site_count_);
-        for (const auto& site : handles_) sites.push_back(vec_cast<double>(site));
-        neighbours_ = Neighbours(sites, double(coincidence_tolerance(bounds_of(handles()))));
-        if (neighbours_.empty()) {
-            report_.add(CageFaultKind::sites_in_a_plane);
-            return Status::ok;
-        }
-        if (options_.degree != 3) return Status::ok;
-        if (options_.tips) {
-            add_tips();
-        } else {
-            gradients_ = detail::SiteGradientRows<D>(neighbours_, options_.gradients, neighbours_.on_hull());
-        }
-        return Status::ok;
-    }
-    void add_tips() {
+    Status prepare();
+    void add_frame_handles() {
         std::vector<double> nearest(site_count_, (std::numeric_limits<double>::max)());
         const auto& sites = neighbours_.sites();
         for (const auto& simplex : sites.simplices()) {
@@ -188,9 +161,9 @@ private:
         handles_.reserve((D + 1) * site_count_);
         for (std::size_t i = 0; i < site_count_; ++i) {
             for (std::size_t k = 0; k < D; ++k) {
-                Vec<T, D> tip = handles_[i];
-                tip[k] += static_cast<T>(nearest[i] / 2);
-                handles_.push_back(tip);
+                Vec<T, D> handle = handles_[i];
+                handle[k] += static_cast<T>(nearest[i] / 2);
+                handles_.push_back(handle);
             }
         }
     }
@@ -256,11 +229,11 @@ private:
     }
     /// Adds the product of the gradient at a site with `v`, to the rows from `offset` on.
     void add_slope(std::uint32_t site, const Vec<double, D>& v, std::size_t offset, Work& work) const {
-        if (options_.tips) {
+        if (options_.frames) {
             for (std::size_t k = 0; k < D; ++k) {
-                const std::size_t tip = site_count_ + D * site + k;
-                const double x = v[k] / (double(handles_[tip][k]) - double(handles_[site][k]));
-                work.add(offset + tip, x);
+                const std::size_t handle = site_count_ + D * site + k;
+                const double x = v[k] / (double(handles_[handle][k]) - double(handles_[site][k]));
+                work.add(offset + handle, x);
                 work.add(offset + site, -x);
             }
         } else {
@@ -275,8 +248,8 @@ private:
         auto& scratch = work.scratch;
         if (state == PointState::inside && !scratch.at_site) return;
         if (scratch.at_site && options_.degree == 3) return;
-        for (const double part : {0x1p-20, 0x1.8p-20}) {
-            (void)neighbours_.find(neighbours_.drawn_inside(p, part), scratch);
+        for (const double fraction : {0x1p-20, 0x1.8p-20}) {
+            (void)neighbours_.find(neighbours_.drawn_inside(p, fraction), scratch);
             if (!scratch.at_site) return;
         }
     }
@@ -328,3 +301,7 @@ SibsonCoordinates(const R&, const SibsonOptions& = {})
     -> SibsonCoordinates<range_scalar_t<R>, range_dimension<R>>;
 
 } // namespace cageform::inline CAGEFORM_ABI
+
+#if !defined(CAGEFORM_COMPILED)
+#include <cageform/coordinates/sibson/evaluation.impl.hpp>
+#endif

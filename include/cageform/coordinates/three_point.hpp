@@ -2,6 +2,7 @@
 // Wachspress and discrete harmonic coordinates.
 #pragma once
 
+#include <cageform/cage/detail/refuse_interior_cells.hpp>
 #include <cageform/cage/polygon.hpp>
 #include <cageform/coordinates/coordinate.hpp>
 #include <cageform/coordinates/detail/boundary_data.hpp>
@@ -201,8 +202,9 @@ private:
         const auto result = weigh<N>(frame<N>(), near_distance<N>(), p, memory);
         const N inverse = X(S(1)) / result.sum;
         for (std::size_t i = 0; i < cage_.size(); ++i) {
-            detail::for_parts(memory[i] * inverse, i, cage_.size(), S(scale_),
-                              [&](std::size_t row, const X& x) { detail::store_lanes(x, rows[row], first); });
+            detail::for_each_component(
+                memory[i] * inverse, i, cage_.size(), S(scale_),
+                [&](std::size_t row, const X& x) { detail::store_lanes(x, rows[row], first); });
         }
         Lanes<S> sums, beside, outside;
         detail::value_of(result.sum).store(sums);
@@ -240,9 +242,9 @@ private:
     /// Evaluates one point in a wider scalar; on the boundary it returns the limit.
     template <class N>
     PointState evaluate_point(const Vec<T, 2>& p, Lanes<T>* rows, std::size_t lane) const {
-        Vec<T, 2> place;
-        const auto value = nearest_boundary_value(cage_, p, place);
-        const double distance = detail::length(scale_ * (vec_cast<double>(place) - vec_cast<double>(p)));
+        Vec<T, 2> position;
+        const auto value = nearest_boundary_value(cage_, p, position);
+        const double distance = detail::length(scale_ * (vec_cast<double>(position) - vec_cast<double>(p)));
         const bool on_boundary = distance <= scale_ * tolerance_;
         if (!on_boundary && locate(cage_, p, T(0)) != PointState::inside) return PointState::outside;
         if constexpr (!detail::has_gradient<N>) {
@@ -259,11 +261,11 @@ private:
         const N inverse = Wide(1) / result.sum;
         bool finite = true;
         for (std::size_t i = 0; i < cage_.size(); ++i) {
-            detail::for_parts(memory[i] * inverse, i, cage_.size(), Wide(scale_),
-                              [&](std::size_t row, Wide x) {
-                                  rows[row][lane] = static_cast<T>(x);
-                                  finite = finite && is_finite(rows[row][lane]);
-                              });
+            detail::for_each_component(memory[i] * inverse, i, cage_.size(), Wide(scale_),
+                                       [&](std::size_t row, Wide x) {
+                                           rows[row][lane] = static_cast<T>(x);
+                                           finite = finite && is_finite(rows[row][lane]);
+                                       });
         }
         if (!finite) return PointState::unreached;
         return on_boundary ? PointState::on_boundary : PointState::inside;

@@ -27,7 +27,7 @@ struct Running {
 
     /// Returns a Running for a subtask: its progress from 0 to 1 is reported as `from` … `to`.
     /// Keeps a pointer to this object, which must outlive it.
-    Running part(double from, double to) const {
+    Running subtask(double from, double to) const {
         if (!progress) return {parallel, {}};
         return {parallel, [this, from, to](double done) { return progress(std::lerp(from, to, done)); }};
     }

@@ -65,7 +65,7 @@ namespace cageform::inline CAGEFORM_ABI {
     X(not_converged, "the solver did not reach its tolerance")                                    \
     /* animate/ */                                                                                \
     X(interval_empty, "the second key is not later than the first")                               \
-    X(curve_turns_back, "time turns back along the curve")                                        \
+    X(time_not_monotone, "time turns back along the curve")                                       \
     X(degree_not_supported, "pieces are of degree 3, 4 or 5")                                     \
     X(norm_not_supported, "the sup norm is for pieces that are not tied together")                \
     X(weights_not_positive, "some weights are not positive numbers")                              \
@@ -78,7 +78,7 @@ namespace cageform::inline CAGEFORM_ABI {
     X(tolerance_not_met, "the tolerance cannot be met with so many pieces")                       \
     X(input_malformed, "the text or the arrays do not follow their format")                 \
     X(handle_not_allowed, "a handle lies where the format allows none")                           \
-    /* binding/: bind, pack, rebind, skins */                                                     \
+    /* binding/: bind, pack, skins */                                                     \
     X(too_many_handles, "more handles than can be counted or kept")                               \
     X(handles_not_points, "some handles are vectors, and only points will do")                    \
     X(bone_axes_dependent, "the axes of a bone do not span the space")                            \
@@ -92,8 +92,8 @@ namespace cageform::inline CAGEFORM_ABI {
     X(binding_empty, "the binding has no points")                                        \
     X(vectors_do_not_match, "there is not one normal or tangent for every point")                 \
     X(labels_do_not_match, "there is not one label for every handle")                             \
-    X(tag_taken, "two parts of a figure have one tag, or one has a tag of the library's own")     \
-    X(name_taken, "two clips of a figure have one name")                                          \
+    X(duplicate_tag, "two parts of a figure have one tag, or one has a tag of the library's own") \
+    X(duplicate_name, "two clips of a figure have one name")                                      \
     X(too_many_parts, "a figure has more parts than its table can hold")                          \
     /* binding/types/blob.hpp */                                                                        \
     X(not_a_blob, "the memory holds no packed binding, or is not aligned to 64 bytes")            \

@@ -8,7 +8,7 @@
 //
 // The steps (make_cage_3d.hpp does this in space):
 //   1  detail/distance_lattice.hpp  samples f on a lattice
-//   2  detail/join_parts.hpp        joins separate parts by bridges and closes narrow slits
+//   2  detail/join_components.hpp   joins separate components by bridges and closes narrow slits
 //   3  plane/contour.hpp            traces the border of the outside: a tight cage of very many vertices
 //   4  plane/reduce_loop.hpp        merges neighbouring vertices so that the loop only grows, to n, 7n/8,
 //                                   6n/8 and 5n/8 of the n vertices of a loop
@@ -20,7 +20,7 @@
 
 #include <cageform/cage/polygon.hpp>
 #include <cageform/core/detail/stopwatch.hpp>
-#include <cageform/enclose/plane/cage_maker.hpp>
+#include <cageform/enclose/detail/make_cage_into.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 
@@ -62,3 +62,7 @@ Result<Polygon<T>, MakeCageReport> make_cage(const Segments& figure, const MakeC
 }
 
 } // namespace cageform::inline CAGEFORM_ABI
+
+#if !defined(CAGEFORM_COMPILED)
+#include <cageform/enclose/plane/cage_maker.hpp>
+#endif

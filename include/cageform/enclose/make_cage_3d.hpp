@@ -5,19 +5,19 @@
 // A flood from the rim of the lattice through f > 0 finds the outside. Inside is all that it does not reach.
 //
 // The steps (make_cage.hpp does this in the plane):
-//   1  space/space_distance.hpp  samples f on a lattice (detail/distance_lattice.hpp)
-//   2  detail/join_parts.hpp     joins separate parts by bridges and closes narrow slits
-//   3  space/surface_nets.hpp    makes the border of the outside: a tight mesh (shell.hpp) of very
-//                                many vertices
-//   4  space/reduce_shell.hpp    collapses edges; the mesh stays clear of the figure and of itself
-//   5  space/relax_shell.hpp     moves vertices and flips edges to lower an energy: volume, bad shapes
-//   6  space/cage_maker.hpp      runs these steps, then measures the exact clearance; if too small,
-//                                tries again farther off
+//   1  space/space_distance.hpp    samples f on a lattice (detail/distance_lattice.hpp)
+//   2  detail/join_components.hpp  joins separate components by bridges and closes narrow slits
+//   3  space/surface_nets.hpp      makes the border of the outside: a tight mesh (shell.hpp) of very
+//                                  many vertices
+//   4  space/reduce_shell.hpp      collapses edges; the mesh stays clear of the figure and of itself
+//   5  space/relax_shell.hpp       moves vertices and flips edges to lower an energy: volume, bad shapes
+//   6  space/cage_maker.hpp        runs these steps, then measures the exact clearance; if too small,
+//                                  tries again farther off
 #pragma once
 
 #include <cageform/cage/triangle_mesh.hpp>
 #include <cageform/core/detail/stopwatch.hpp>
-#include <cageform/enclose/space/cage_maker.hpp>
+#include <cageform/enclose/detail/make_cage_into.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 
@@ -26,7 +26,8 @@ namespace cageform::inline CAGEFORM_ABI {
 ///   vertices, faces   any triangles; vertices without a face do not count
 ///   returns  a closed mesh of options.vertices vertices, counter-clockwise seen from outside. It passes
 ///            `check`; no face meets one of the figure, and report.clearance, exact, is at least 0.9 of the
-///            margin. A corner of each connected part of the figure (of 4,096, if there are more) is inside
+///            margin. A corner of each connected component of the figure (of 4,096, if there are more) is
+///            inside
 ///   parts    are joined by bridges 2.9 margins wide, along a shortest tree; without one_cage, the
 ///            shells share options.vertices. Gaps of the figure below 3.6 margins are closed: grown by 1.12
 ///            margins, they leave slits below 1.2 of these
@@ -46,11 +47,22 @@ template <PointRange R, FaceRange F>
 Result<TriangleMesh<range_scalar_t<R>>, MakeCageReport> make_cage(const R& vertices, const F& faces,
                                                                   const MakeCageOptions& options = {},
                                                                   const Running& running = {}) {
-    Result<TriangleMesh<range_scalar_t<R>>, MakeCageReport> made;
-    detail::run_into(made.report,
-                     [&] { return detail::make_cage_into(vertices, faces, options, running, made); });
+    using T = range_scalar_t<R>;
+    Result<TriangleMesh<T>, MakeCageReport> made;
+    detail::run_into(made.report, [&] {
+        std::vector<Vec<T, 3>> corners;
+        std::vector<detail::MeshFace> checked;
+        for (std::size_t i = 0; i < std::size(vertices); ++i) corners.push_back(to_vec<T>(vertices[i]));
+        for (std::size_t f = 0; f < std::size(faces); ++f)
+            checked.push_back(detail::checked_face(faces[f], corners.size()));
+        return detail::make_cage_into<T>(corners, checked, options, running, made);
+    });
     if (!made) made.value = {};
     return made;
 }
 
 } // namespace cageform::inline CAGEFORM_ABI
+
+#if !defined(CAGEFORM_COMPILED)
+#include <cageform/enclose/space/cage_maker.hpp>
+#endif

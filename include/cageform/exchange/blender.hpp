@@ -27,7 +27,7 @@ enum class BlenderLimit : std::uint8_t {
 
 /// Imports the curve from a keyframe to the next, as Blender evaluates it: long handles are shortened.
 ///
-///   fails  value_not_finite; interval_empty; curve_turns_back if a handle points away from the
+///   fails  value_not_finite; interval_empty; time_not_monotone if a handle points away from the
 ///          interval
 /// The easing interpolations (SINE, BOUNCE, …) are no Bézier curves. Blender manual, Graph Editor,
 /// F-Curves, "Handles" and "Interpolation"; the limits come from measuring fcurve.evaluate().

@@ -52,18 +52,18 @@ inline Result<BezierCurve, CssReport> parse_css_easing(std::string_view text) no
     if (detail::equal_in_any_case(name, "cubic-bezier")) {
         if (!reader.take('(')) return failed(Status::input_malformed, reader.at());
         std::array<double, 4> value{};
-        std::array<std::size_t, 4> place{};
+        std::array<std::size_t, 4> position{};
         for (std::size_t i = 0; i < 4; ++i) {
             reader.skip_space();
-            place[i] = reader.at();
+            position[i] = reader.at();
             if (!reader.number(value[i])) return failed(Status::input_malformed, reader.at());
             reader.skip_space();
             if (!reader.take(i < 3 ? ',' : ')')) return failed(Status::input_malformed, reader.at());
         }
         for (std::size_t i = 0; i < 4; ++i) {
             if (i % 2 == 0 && !(value[i] >= 0 && value[i] <= 1))
-                return failed(Status::handle_not_allowed, place[i]);
-            if (!is_finite(value[i])) return failed(Status::value_not_finite, place[i]);
+                return failed(Status::handle_not_allowed, position[i]);
+            if (!is_finite(value[i])) return failed(Status::value_not_finite, position[i]);
         }
         result = {detail::unit_curve(value[0], value[1], value[2], value[3]), {}};
     } else {
@@ -119,13 +119,15 @@ struct CssKey {
 ///   fails  as `parse_css_easing`; interval_empty; value_not_finite
 /// CSS Easing Functions Level 1, sec. 2; CSS Animations Level 1, sec. 3.
 inline Result<std::vector<Key>, ExchangeReport> keys_from_css(std::span<const CssKey> keyframes) noexcept {
-    const auto place = [&](std::size_t n) { return Vec<double, 2>{keyframes[n].time, keyframes[n].value}; };
+    const auto position = [&](std::size_t n) {
+        return Vec<double, 2>{keyframes[n].time, keyframes[n].value};
+    };
     return detail::import_keys(
         keyframes.size(),
         [&](std::size_t n) {
             const auto easing = parse_css_easing(keyframes[n].easing);
             if (!easing) return detail::refused(easing.status());
-            const auto first = place(n), second = place(n + 1);
+            const auto first = position(n), second = position(n + 1);
             const auto& unit = easing.value.points;
             const auto scaled = [&](const Vec<double, 2>& p) {
                 return Vec<double, 2>{std::lerp(first[0], second[0], p[0]),
@@ -133,7 +135,7 @@ inline Result<std::vector<Key>, ExchangeReport> keys_from_css(std::span<const Cs
             };
             return detail::imported(KeyKind::bezier, {{first, scaled(unit[1]), scaled(unit[2]), second}});
         },
-        place);
+        position);
 }
 
 } // namespace cageform::inline CAGEFORM_ABI

@@ -39,14 +39,14 @@ inline Result<KeyInterval> from_lottie(const LottieEasing& easing, const Vec<dou
     if (easing.hold) return detail::held(first, second[0]);
     for (const LottieHandle& handle : {easing.out, easing.in}) {
         if (!is_finite(handle.y)) return detail::refused(Status::value_not_finite);
-        if (const Status status = detail::check_part(handle.x); status != Status::ok)
+        if (const Status status = detail::check_fraction(handle.x); status != Status::ok)
             return detail::refused(status);
     }
-    const auto place = [&](const LottieHandle& handle) {
+    const auto position = [&](const LottieHandle& handle) {
         return Vec<double, 2>{std::lerp(first[0], second[0], handle.x),
                               std::lerp(first[1], second[1], handle.y)};
     };
-    return detail::imported(KeyKind::bezier, {{first, place(easing.out), place(easing.in), second}});
+    return detail::imported(KeyKind::bezier, {{first, position(easing.out), position(easing.in), second}});
 }
 
 /// Exports a curve as the easing of the first of the two keyframes at its ends. Kinds other than
@@ -80,10 +80,13 @@ struct LottieKey {
 /// the curves between them. Fails as it does, for the first interval that is refused.
 inline Result<std::vector<Key>, ExchangeReport>
 keys_from_lottie(std::span<const LottieKey> keyframes) noexcept {
-    const auto place = [&](std::size_t n) { return Vec<double, 2>{keyframes[n].time, keyframes[n].value}; };
+    const auto position = [&](std::size_t n) {
+        return Vec<double, 2>{keyframes[n].time, keyframes[n].value};
+    };
     return detail::import_keys(
         keyframes.size(),
-        [&](std::size_t n) { return from_lottie(keyframes[n].easing, place(n), place(n + 1)); }, place);
+        [&](std::size_t n) { return from_lottie(keyframes[n].easing, position(n), position(n + 1)); },
+        position);
 }
 
 } // namespace cageform::inline CAGEFORM_ABI

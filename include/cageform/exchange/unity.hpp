@@ -32,7 +32,7 @@ inline Result<KeyInterval> from_unity(const UnityKey& first, const UnityKey& sec
     const double out = detail::has(first.weighted, WeightedHandles::out) ? first.out_weight : third;
     const double in = detail::has(second.weighted, WeightedHandles::in) ? second.in_weight : third;
     for (const double weight : {out, in}) {
-        if (const Status status = detail::check_part(weight); status != Status::ok)
+        if (const Status status = detail::check_fraction(weight); status != Status::ok)
             return detail::refused(status);
     }
     const double length = second.time - first.time;

@@ -24,7 +24,7 @@ struct UnrealKey {
 ///
 ///   reads  the leave tangent and weight of `first`, the arrive tangent and weight of `second`; a
 ///          weight only if `weighted` says so
-///   fails  value_not_finite; interval_empty; curve_turns_back if weights are negative or too long
+///   fails  value_not_finite; interval_empty; time_not_monotone if weights are negative or too long
 /// Unreal Engine C++ API, FRichCurveKey, ERichCurveInterpMode and ERichCurveTangentWeightMode.
 inline Result<KeyInterval> from_unreal(const UnrealKey& first, const UnrealKey& second) noexcept {
     const Vec<double, 2> begin{first.time, first.value}, end{second.time, second.value};

@@ -29,17 +29,17 @@ cotangent_weights(const R& vertices, const F& faces, MeshWeights weights = MeshW
     Result<CotangentWeights, SurfaceReport> result;
     detail::run_into(result.report, [&] {
         const std::size_t count = std::size(vertices);
-        auto places = detail::places_in_space(vertices);
-        result.value.unit = detail::surface_unit(std::span<const Vec<double, 3>>(places));
-        for (auto& place : places) {
-            for (std::size_t k = 0; k < 3; ++k) place[k] /= result.value.unit;
+        auto positions = detail::positions_in_space(vertices);
+        result.value.unit = detail::surface_unit(std::span<const Vec<double, 3>>(positions));
+        for (auto& position : positions) {
+            for (std::size_t k = 0; k < 3; ++k) position[k] /= result.value.unit;
         }
         std::vector<detail::MeshFace> checked;
         checked.reserve(std::size(faces));
         for (std::size_t f = 0; f < std::size(faces); ++f)
             checked.push_back(detail::checked_face(faces[f], count));
         result.value.vertices = count;
-        return detail::make_weights(places, checked, weights, result);
+        return detail::make_weights(positions, checked, weights, result);
     });
     if (!result) result.value = {};
     return result;

@@ -237,9 +237,9 @@ private:
         }
         for (const Bone& bone : cells.bones)
             drawing_.cells.bones.push_back({bone.i + first, bone.j + first, bone.radius});
-        const auto& behind = back.empty() ? front : back;
+        const auto& at_back = back.empty() ? front : back;
         front_.insert(front_.end(), front.begin(), front.end());
-        back_.insert(back_.end(), behind.begin(), behind.end());
+        back_.insert(back_.end(), at_back.begin(), at_back.end());
         strokes_.push_back(first);
     }
 
@@ -258,19 +258,19 @@ private:
     }
 
     /// Returns the value at a boundary point; handles from `points` on belong to right sides.
-    double value(const BoundaryValue<D>& place, std::size_t points, std::size_t channel) const noexcept {
+    double value(const BoundaryValue<D>& at, std::size_t points, std::size_t channel) const noexcept {
         double sum = 0;
         for (std::size_t n = 0; n < BoundaryValue<D>::most; ++n) {
-            const std::size_t handle = place.handle[n];
+            const std::size_t handle = at.handle[n];
             const auto& side = handle < points ? front_ : back_;
-            if (place.weight[n] != 0)
-                sum += place.weight[n] *
+            if (at.weight[n] != 0)
+                sum += at.weight[n] *
                        double(side[(handle < points ? handle : handle - points) * channels_ + channel]);
         }
         return sum;
     }
-    static bool is_rim(const BoundaryValue<D>& place) noexcept {
-        return std::all_of(place.weight.begin(), place.weight.end(), [](double w) { return w == 0; });
+    static bool is_rim(const BoundaryValue<D>& at) noexcept {
+        return std::all_of(at.weight.begin(), at.weight.end(), [](double w) { return w == 0; });
     }
     /// Returns the stroke or wall of a handle.
     std::size_t stroke_of(std::uint32_t handle) const noexcept {
@@ -414,8 +414,9 @@ private:
             double sum = 0;
             for (std::uint32_t n = 0; n < stencil.node_count; ++n)
                 sum += stencil.nodes[n].share * double(nodes[stencil.nodes[n].node]);
-            for (std::uint32_t n = 0; n < stencil.place_count; ++n)
-                sum += stencil.places[n].share * value(stencil.places[n].value, solution.points, channel);
+            for (std::uint32_t n = 0; n < stencil.boundary_count; ++n)
+                sum += stencil.boundary_points[n].share *
+                       value(stencil.boundary_points[n].value, solution.points, channel);
             values[channel * stride] = static_cast<T>(sum);
         }
     }

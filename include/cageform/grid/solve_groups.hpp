@@ -24,8 +24,8 @@ struct GroupWork {
     detail::WorkShare share{}; ///< divides the work within the group among threads
     SolverReport report{};     ///< out: the work done for this group
 
-    /// Reports that the fraction `part` of the group, in [0, 1], is done. Returns false to stop.
-    bool keep_going(double part) const { return progress.keep_going(part); }
+    /// Reports that the fraction `done` of the group, in [0, 1], is done. Returns false to stop.
+    bool keep_going(double done) const { return progress.keep_going(done); }
 };
 
 /// A solver that solve_groups can drive. It solves functions in groups that are independent of each

@@ -224,12 +224,12 @@ private:
         AveragingOutcome outcome;
         const std::size_t count = level.unknowns;
         outcome.converged = count == 0;
-        const std::size_t ask_every = std::max<std::size_t>(1, 1000000 / std::max<std::size_t>(count, 1));
+        const std::size_t check_every = std::max<std::size_t>(1, 1000000 / std::max<std::size_t>(count, 1));
         while (!outcome.converged && outcome.sweeps < options_.max_sweeps) {
             outcome.mean_change = sweep(level) / double(count);
             ++outcome.sweeps;
             outcome.converged = outcome.mean_change < options_.tolerance;
-            if (outcome.sweeps % ask_every == 0 && !keep_going()) {
+            if (outcome.sweeps % check_every == 0 && !keep_going()) {
                 outcome.cancelled = true;
                 break;
             }

@@ -3,14 +3,15 @@
 #pragma once
 
 #include <cageform/coordinates/detail/evaluate_blocks.hpp>
-#include <cageform/coordinates/harmonic.hpp>
+#include <cageform/coordinates/harmonic/solution.hpp>
+#include <cageform/coordinates/uniform_harmonic.hpp>
 #include <cageform/papers/averaging_pyramid.hpp>
 #include <cageform/papers/detail/rasterise.hpp>
 #include <cageform/papers/detail/sample.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// A CageSolver for a Polygon, TriangleMesh or Box. A group is HarmonicOptions::handles_at_once
+/// A CageSolver for a Polygon or a TriangleMesh. A group is HarmonicOptions::handles_at_once
 /// functions, solved one after another.
 ///
 ///   range     [0, 1] to rounding (a mean of values in [0, 1]), before `bind` restores linear
@@ -31,13 +32,11 @@ class PyramidSolver {
     static constexpr std::size_t D = C::dimension;
 
 public:
-    using Problem = CageProblem<C, HarmonicOptions>;
+    using Problem = CageProblem<C>;
 
     static Status make(const Problem& problem, SolverReport& report, std::optional<PyramidSolver>& made) {
-        using Grid = detail::EmbeddedCage<C>;
         const std::size_t resolution = problem.options.resolution;
-        if (resolution < Grid::least_resolution || resolution > Grid::most_resolution)
-            return Status::resolution_not_supported;
+        if (resolution < 8 || resolution > (D == 2 ? 16384 : 1024)) return Status::resolution_not_supported;
         if (!(problem.options.averaging.tolerance > 0)) return Status::tolerance_not_positive;
         const auto lattice = grid::lattice_about(bounds_of(problem.cage.vertices()), resolution);
         const double bytes = double(lattice.size()) * (bytes_of_cell(width(problem)) + sizeof(grid::CellTag));
@@ -122,8 +121,9 @@ public:
             if (state == PointState::not_finite) continue;
             const auto p = block_point<D>(batch.points, i);
             state = locate(problem_.cage, p, problem_.tolerance);
-            Vec<T, D> place;
-            if (state == PointState::on_boundary) sample.on = nearest_boundary_value(problem_.cage, p, place);
+            Vec<T, D> position;
+            if (state == PointState::on_boundary)
+                sample.on = nearest_boundary_value(problem_.cage, p, position);
             if (state != PointState::inside) continue;
             sample.stencil =
                 grid::sample_stencil(domain_.lattice, std::span<const grid::CellTag>(domain_.tags), p,
@@ -165,17 +165,24 @@ private:
     grid::GridDomain<T, D> domain_;
 };
 
-/// Chooses among all solvers for a kind of cage by HarmonicOptions::solver:
-///     HarmonicCoordinates<T, 2, Polygon<T>, WithAveragingPyramid<Polygon<T>>>
-///     HarmonicCoordinates<T, 3, TriangleMesh<T>, WithAveragingPyramid<TriangleMesh<T>>>
-template <class C>
+/// The choice among all solvers by HarmonicOptions: the pyramid if `solver` names it, else the uniform
+/// grid if there is a `resolution`, else the adaptive grid.
+///     HarmonicCoordinates<T, 2, Polygon<T>, WithAveragingPyramid>
+///     HarmonicCoordinates<T, 3, TriangleMesh<T>, WithAveragingPyramid>
+/// Kinds of cages without a PyramidSolver have the other two solvers (solver_not_supported).
 struct WithAveragingPyramid {
-    using Options = HarmonicOptions;
-
-    template <class Use>
-    static Status choose(const Options& options, const Use& use) {
-        if (options.solver == HarmonicSolver::multigrid) return HarmonicSolverChoice<C>::choose(options, use);
-        return use(std::type_identity<PyramidSolver<C>>{});
+    template <class C>
+    static Status make(const std::shared_ptr<const CageProblem<C>>& problem, SolverReport& report,
+                       std::shared_ptr<FunctionsOf<C>>& made) {
+        using T = typename C::scalar;
+        if (problem->options.solver == HarmonicSolver::averaging_pyramid) {
+            if constexpr (std::is_same_v<C, Polygon<T>> || std::is_same_v<C, TriangleMesh<T>>)
+                return OnlySolver<PyramidSolver<C>>::make(problem, report, made);
+            else
+                return Status::solver_not_supported;
+        }
+        if (problem->options.resolution != 0) return UniformGrid::make(problem, report, made);
+        return AdaptiveGrid::make(problem, report, made);
     }
 };
 

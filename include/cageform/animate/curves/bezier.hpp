@@ -24,7 +24,7 @@ struct BezierCurve {
 /// The result of `check`. `status` is ok or
 ///   value_not_finite     a coordinate is NaN or infinite
 ///   interval_empty       the second key is not later than the first, by 1e-308 at least
-///   curve_turns_back     time decreases somewhere between the keys
+///   time_not_monotone    time decreases somewhere between the keys
 struct BezierCheck {
     Status status = Status::ok;
     /// The slope is unbounded somewhere, except at a key whose handle coincides with it.
@@ -74,8 +74,8 @@ inline BezierCheck check(const BezierCurve& curve) noexcept {
     const double rest = (curve.end() - curve.points[2][0]) / length; // 1 - u2
     const double between = 1 - u1 - rest;                            // u2 - u1
     const double outside_ellipse = between * between - u1 * rest;
-    const bool turns = u1 < 0 || rest < 0 || (between < 0 && !(outside_ellipse <= rounding));
-    if (turns) result.status = Status::curve_turns_back;
+    const bool decreases = u1 < 0 || rest < 0 || (between < 0 && !(outside_ellipse <= rounding));
+    if (decreases) result.status = Status::time_not_monotone;
     result.vertical_tangent = u1 == 0 || rest == 0 || (between < 0 && outside_ellipse >= -rounding);
     return result;
 }
@@ -95,8 +95,8 @@ public:
 
     /// The curve's parameter, in [0, 1], at a time; the time is clamped to the interval.
     double parameter(double x) const noexcept {
-        const double part = std::fmin(std::fmax((x - curve_.begin()) / length_, 0.0), 1.0);
-        return parameter_at_part(part);
+        const double fraction = std::fmin(std::fmax((x - curve_.begin()) / length_, 0.0), 1.0);
+        return parameter_at_fraction(fraction);
     }
     double operator()(double x) const noexcept {
         // Starts from the nearer end, so that both keys are met exactly.
@@ -131,13 +131,13 @@ public:
     const detail::PowerForm& time() const noexcept { return time_; } ///< scaled to run from 0 to 1
     const detail::PowerForm& value() const noexcept { return value_; }
 
-    /// The parameter at which the fraction `part`, in [0, 1], of the interval's time has passed.
-    double parameter_at_part(double part) const noexcept {
-        if (part <= 0) return 0;
-        if (part >= 1) return 1;
-        double low = 0, high = 1, t = part;
+    /// The parameter at which `fraction`, in [0, 1], of the interval's time has passed.
+    double parameter_at_fraction(double fraction) const noexcept {
+        if (fraction <= 0) return 0;
+        if (fraction >= 1) return 1;
+        double low = 0, high = 1, t = fraction;
         for (int step = 0; step < 100; ++step) {
-            const double miss = time_(t) - part;
+            const double miss = time_(t) - fraction;
             if (miss == 0) return t;
             (miss < 0 ? low : high) = t;
             const double slope = time_.slope(t);

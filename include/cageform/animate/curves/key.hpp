@@ -54,8 +54,8 @@ inline double key_slope(std::span<const Key> keys, std::size_t i, bool out) noex
     if (first || last) return before;
     if (!(before * after > 0)) return 0;
     const double h = length(i - 1), k = length(i);
-    const double part = (h + 2 * k) / (3 * (h + k));
-    return before * after / (part * after + (1 - part) * before);
+    const double weight = (h + 2 * k) / (3 * (h + k));
+    return before * after / (weight * after + (1 - weight) * before);
 }
 
 /// The key's own handle if it has one; otherwise the point at the time `third` from the key, on the tangent.

@@ -12,16 +12,17 @@ namespace cageform::inline CAGEFORM_ABI {
 template <Scalar T>
 using Quaternion = std::array<T, 4>;
 
-/// Interpolates between rotations along the shorter arc at constant speed; `part` in [0, 1] (Shoemake 1985).
+/// Interpolates between rotations along the shorter arc at constant speed; `fraction` in [0, 1] (Shoemake
+/// 1985).
 template <Scalar T>
-Quaternion<T> slerp(const Quaternion<T>& a, Quaternion<T> b, T part) noexcept {
+Quaternion<T> slerp(const Quaternion<T>& a, Quaternion<T> b, T fraction) noexcept {
     T cosine = 0;
     for (std::size_t k = 0; k < 4; ++k) cosine += a[k] * b[k];
     if (cosine < 0) {
         for (T& x : b) x = -x;
         cosine = -cosine;
     }
-    T of_a = 1 - part, of_b = part;
+    T of_a = 1 - fraction, of_b = fraction;
     // Nearer rotations are interpolated linearly, then normalised below; their sine is near zero.
     constexpr T nearly_equal = T(0.9995);
     if (cosine < nearly_equal) {
@@ -43,7 +44,7 @@ Quaternion<T> slerp(const Quaternion<T>& a, Quaternion<T> b, T part) noexcept {
 template <Scalar T, std::size_t D>
 struct RigidMotionView {
     Vec<T, D> pivot{};
-    TrackView<T> turn; ///< 2D: the angle; 3D: the position in `rotations`
+    TrackView<T> angle_or_phase; ///< 2D: the angle; 3D: the position in `rotations`
     std::span<const Quaternion<T>> rotations;
     std::array<TrackView<T>, D> translation{};
 
@@ -64,14 +65,14 @@ private:
     /// The rows of the rotation matrix.
     Vec<Vec<T, D>, D> rotation(T time) const noexcept {
         if constexpr (D == 2) {
-            if (!turn.curve.empty()) {
-                const T a = turn(time), c = std::cos(a), s = std::sin(a);
+            if (!angle_or_phase.curve.empty()) {
+                const T a = angle_or_phase(time), c = std::cos(a), s = std::sin(a);
                 return {{{{c, -s}}, {{s, c}}}};
             }
         } else if (!rotations.empty()) {
             const std::size_t last = rotations.size() - 1;
-            const T place = turn.curve.empty() ? T(0) : turn(time);
-            const T inside = place > T(0) ? (place < T(last) ? place : T(last)) : T(0);
+            const T phase = angle_or_phase.curve.empty() ? T(0) : angle_or_phase(time);
+            const T inside = phase > T(0) ? (phase < T(last) ? phase : T(last)) : T(0);
             const std::size_t before = std::size_t(inside);
             const std::size_t from = before < last ? before : (last > 0 ? last - 1 : 0);
             const std::size_t to = from < last ? from + 1 : last;

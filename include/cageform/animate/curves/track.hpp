@@ -17,7 +17,7 @@ struct TrackView {
     T operator()(T x, std::size_t& cursor) const noexcept {
         const auto folded = fold_time(x, curve.begin(), curve.end, before, after);
         const T value = curve(folded.time, cursor);
-        if (folded.turns == 0 && folded.beyond == 0) return value;
+        if (folded.cycles == 0 && folded.beyond == 0) return value;
         const auto &first = curve.pieces.front(), &last = curve.pieces.back();
         const T slope = folded.beyond < 0 ? first.derivative(curve.begin()) : last.derivative(curve.end);
         return folded.extend(value, slope, curve.end_value - first.c0);

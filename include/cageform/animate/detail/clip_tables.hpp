@@ -22,7 +22,7 @@ inline bool takes_ends(std::uint32_t before, std::uint32_t after) noexcept {
 
 /// Visits the tables of a packed clip: visit(offset, bytes). Tables of 0 bytes are absent.
 template <Scalar T, std::size_t D, class Header, class Visit>
-void for_each_clip_part(Header& header, const Visit& visit) noexcept {
+void for_each_clip_array(Header& header, const Visit& visit) noexcept {
     visit(header.curve_table, header.curves * sizeof(BankCurve<T>));
     visit(header.knot_table, (header.pieces + header.steps) * sizeof(T));
     visit(header.piece_table, header.pieces * (4 * sizeof(T)));
@@ -65,7 +65,7 @@ CageClipView<T, D> view_clip(const std::byte* data, const ClipHeader& header) no
         if (track.pieces == 0) continue;
         const PiecewiseCubicView<T> curve{pieces.subspan(track.first, track.pieces),
                                           begins.data() + track.first, track.end, track.end_value};
-        (n == 0 ? view.motion.turn : view.motion.translation[n - 1]) = TrackView<T>{
+        (n == 0 ? view.motion.angle_or_phase : view.motion.translation[n - 1]) = TrackView<T>{
             curve, static_cast<Extrapolation>(track.before), static_cast<Extrapolation>(track.after)};
     }
     return view;
@@ -148,7 +148,7 @@ bool is_sound(const TrackView<T>& track) noexcept {
 }
 template <Scalar T, std::size_t D>
 bool is_sound(const RigidMotionView<T, D>& motion) noexcept {
-    bool sound = is_finite(motion.pivot) && is_sound(motion.turn);
+    bool sound = is_finite(motion.pivot) && is_sound(motion.angle_or_phase);
     for (const TrackView<T>& track : motion.translation) sound = sound && is_sound(track);
     for (const Quaternion<T>& turn : motion.rotations) {
         T square = 0;
@@ -159,7 +159,7 @@ bool is_sound(const RigidMotionView<T, D>& motion) noexcept {
 }
 
 /// Checks a header and its tables. Counts must fit in 32 bits, so that the sizes in
-/// `for_each_clip_part` stay below 2^64.
+/// `for_each_clip_array` stay below 2^64.
 template <Scalar T, std::size_t D>
 Status check_clip(const std::byte* data, const ClipHeader& header) noexcept {
     bool sound = is_extrapolation(header.before) && is_extrapolation(header.after) &&
@@ -172,7 +172,7 @@ Status check_clip(const std::byte* data, const ClipHeader& header) noexcept {
         sound = sound && is_finite(time) && std::fabs(time) <= double((std::numeric_limits<T>::max)()) &&
                 double(static_cast<T>(time)) == time;
     if (!sound) return Status::blob_malformed;
-    for_each_clip_part<T, D>(header, [&](std::uint64_t offset, std::uint64_t bytes) {
+    for_each_clip_array<T, D>(header, [&](std::uint64_t offset, std::uint64_t bytes) {
         if ((offset != 0) != (bytes != 0) || offset % 64 != 0 ||
             (offset != 0 && offset < sizeof(ClipHeader)) || offset > header.bytes ||
             bytes > header.bytes - offset)

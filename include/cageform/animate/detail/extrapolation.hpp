@@ -21,13 +21,13 @@ enum class Extrapolation : std::uint8_t {
 template <Scalar T>
 struct FoldedTime {
     T time = 0;   ///< in the range
-    T turns = 0;  ///< for cycle_with_offset: the number of complete repetitions
+    T cycles = 0; ///< for cycle_with_offset: the number of complete repetitions
     T beyond = 0; ///< for linear: the distance beyond the range, negative before it
 
     /// The extrapolated value, from the value at `time`, the slope at the nearest end, and the rise
     /// of the curve from its begin to its end.
     T extend(T value, T slope, T rise) const noexcept {
-        return detail::multiply_add(beyond, slope, detail::multiply_add(turns, rise, value));
+        return detail::multiply_add(beyond, slope, detail::multiply_add(cycles, rise, value));
     }
 };
 
@@ -40,13 +40,13 @@ FoldedTime<T> fold_time(T x, T begin, T end, Extrapolation before, Extrapolation
     const T edge = early ? begin : end, length = end - begin;
     if (mode == Extrapolation::constant || !(length > 0) || !is_finite(x)) return {edge, 0, 0};
     if (mode == Extrapolation::linear) return {edge, 0, x - edge};
-    const double turns = std::floor((double(x) - double(begin)) / double(length));
-    double part = detail::multiply_add(-turns, double(length), double(x) - double(begin));
-    part = part < 0 ? 0 : part > double(length) ? double(length) : part;
-    if (mode == Extrapolation::ping_pong && turns - 2 * std::floor(turns / 2) == 1)
-        part = double(length) - part;
-    return {static_cast<T>(double(begin) + part),
-            mode == Extrapolation::cycle_with_offset ? static_cast<T>(turns) : T(0), 0};
+    const double cycles = std::floor((double(x) - double(begin)) / double(length));
+    double offset = detail::multiply_add(-cycles, double(length), double(x) - double(begin));
+    offset = offset < 0 ? 0 : offset > double(length) ? double(length) : offset;
+    if (mode == Extrapolation::ping_pong && cycles - 2 * std::floor(cycles / 2) == 1)
+        offset = double(length) - offset;
+    return {static_cast<T>(double(begin) + offset),
+            mode == Extrapolation::cycle_with_offset ? static_cast<T>(cycles) : T(0), 0};
 }
 
 } // namespace cageform::inline CAGEFORM_ABI

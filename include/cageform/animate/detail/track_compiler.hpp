@@ -97,7 +97,7 @@ private:
         const FewestPieces search(key_interval(keys_, i), tolerance_, fit_);
         const double intervals = double(keys_.size() - 1);
         const auto [fitted, report] = search.find(
-            search.tied() ? running.part(double(i) / intervals, double(i + 1) / intervals) : Running{});
+            search.coupled() ? running.subtask(double(i) / intervals, double(i + 1) / intervals) : Running{});
         if (report.status != Status::ok) return report.status;
         result_.report.sup_error = (std::max)(result_.report.sup_error, report.sup_error);
         for (std::size_t k = 0; k < fitted.pieces(); ++k) {

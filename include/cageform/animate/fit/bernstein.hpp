@@ -100,20 +100,20 @@ inline LargestValue largest_absolute(const Bernstein& p) {
         if (std::fabs(value) > best.value) best = {std::fabs(value), at};
     };
     meet(p.c[p.degree], 1);
-    struct Part {
+    struct Piece {
         Bernstein p;
         double begin, length;
     };
-    std::array<Part, 64> stack; // a part is replaced by its two halves
+    std::array<Piece, 64> stack; // a piece is replaced by its two halves
     std::size_t count = 0;
     stack[count++] = {p, 0, 1};
     // Bounds the rounding of repeated subdivision. With a smaller bound, rounded constants
     // subdivide endlessly.
     const double rounding = 64 * epsilon<double> * p.largest_coefficient();
     while (count > 0) {
-        const Part part = stack[--count];
-        if (part.p.largest_coefficient() <= best.value + rounding) continue;
-        const Bernstein slope = part.p.derivative();
+        const Piece piece = stack[--count];
+        if (piece.p.largest_coefficient() <= best.value + rounding) continue;
+        const Bernstein slope = piece.p.derivative();
         std::size_t changes = 0;
         double before = 0;
         for (std::size_t i = 0; i <= slope.degree; ++i) {
@@ -137,17 +137,17 @@ inline LargestValue largest_absolute(const Bernstein& p) {
                 }
                 u = next;
             }
-            meet(part.p(u), part.begin + u * part.length);
+            meet(piece.p(u), piece.begin + u * piece.length);
             continue;
         }
-        if (part.length < 1e-12 || count + 2 > stack.size()) { // a double extreme: flat up to rounding
-            meet(part.p(0.5), part.begin + 0.5 * part.length);
+        if (piece.length < 1e-12 || count + 2 > stack.size()) { // a double extreme: flat up to rounding
+            meet(piece.p(0.5), piece.begin + 0.5 * piece.length);
             continue;
         }
-        const auto [low, high] = part.p.split(0.5);
-        meet(high.c[0], part.begin + 0.5 * part.length);
-        stack[count++] = {low, part.begin, 0.5 * part.length};
-        stack[count++] = {high, part.begin + 0.5 * part.length, 0.5 * part.length};
+        const auto [low, high] = piece.p.split(0.5);
+        meet(high.c[0], piece.begin + 0.5 * piece.length);
+        stack[count++] = {low, piece.begin, 0.5 * piece.length};
+        stack[count++] = {high, piece.begin + 0.5 * piece.length, 0.5 * piece.length};
     }
     return best;
 }

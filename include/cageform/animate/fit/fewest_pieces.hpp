@@ -24,7 +24,7 @@ public:
         return fitter_.decoupled() ? reach_far(running) : add_pieces(running);
     }
     /// Whether pieces depend on each other, which takes longer.
-    bool tied() const noexcept { return fitter_.status() == Status::ok && !fitter_.decoupled(); }
+    bool coupled() const noexcept { return fitter_.status() == Status::ok && !fitter_.decoupled(); }
     /// Fits the largest number of pieces allowed: the best result if the tolerance cannot be met.
     Fit nearest(const Running& running) const {
         Fit result = at_optimal_knots(options_.max_pieces, KnotOptions{}.rounds, running);
@@ -43,7 +43,7 @@ private:
         return search ? fitter_.fit(search.value.parameters) : refused(search.status());
     }
 
-    /// For tied pieces: adds one piece after another until they suffice.
+    /// For coupled pieces: adds one piece after another until they suffice.
     Fit add_pieces(const Running& running) const {
         Fit result;
         for (std::size_t pieces = 1; pieces <= options_.max_pieces; ++pieces) {

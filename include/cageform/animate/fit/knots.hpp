@@ -12,7 +12,7 @@ inline std::vector<double> uniform_in_time(const BezierCurve& curve, std::size_t
     const BezierFunction function(curve);
     std::vector<double> parameters;
     for (std::size_t i = 0; i <= pieces; ++i)
-        parameters.push_back(function.parameter_at_part(double(i) / double(pieces)));
+        parameters.push_back(function.parameter_at_fraction(double(i) / double(pieces)));
     return parameters;
 }
 /// Equal steps of the parameter; Izdebski 2019 calls this equal arcs, as its figures show.
@@ -155,9 +155,9 @@ inline std::vector<double> divided_anew(std::span<const double> knots, std::size
     std::vector<double> result;
     const double ratio = double(knots.size() - 1) / double(pieces);
     for (std::size_t i = 0; i < pieces; ++i) {
-        const double place = double(i) * ratio;
-        const auto k = std::size_t(place);
-        result.push_back(std::lerp(knots[k], knots[k + 1], place - double(k)));
+        const double position = double(i) * ratio;
+        const auto k = std::size_t(position);
+        result.push_back(std::lerp(knots[k], knots[k + 1], position - double(k)));
     }
     result.push_back(1);
     return result;
@@ -213,15 +213,15 @@ inline Result<BestKnots, KnotReport> search_knots(const BezierCurve& curve,
 
 /// Finds the best knots: the best ones on a grid of equal steps of the parameter, then polished one
 /// after the other until none moves. With more than 64 pieces, the search starts from the knots of
-/// half as many pieces, subdivided. With more than 24 tied pieces, the knots are those of
+/// half as many pieces, subdivided. With more than 24 coupled pieces, the knots are those of
 /// `end_value | knot_value`, whose cost is a few per cent higher.
 ///
-///   cost  O(steps² + pieces · rounds) fits of a piece, or of all pieces if they are tied: some
+///   cost  O(steps² + pieces · rounds) fits of a piece, or of all pieces if they are coupled: some
 ///         milliseconds for 8 pieces, seconds for 1000
 inline Result<BestKnots, KnotReport> optimal_knots(const BezierCurve& curve, std::size_t pieces,
                                                    const KnotOptions& options = {},
                                                    const Running& running = {}) {
-    constexpr std::size_t most_on_grid = 64, most_tied = 24;
+    constexpr std::size_t most_on_grid = 64, most_coupled = 24;
     const bool many = pieces > most_on_grid;
     FitOptions polished = detail::apart(options.fit);
     // On the grid, pieces are independent whatever the conditions; otherwise there would be too many choices.
@@ -229,15 +229,15 @@ inline Result<BestKnots, KnotReport> optimal_knots(const BezierCurve& curve, std
     using enum FitCondition;
     if (!detail::decoupled(polished.conditions)) {
         on_grid.fit.conditions = end_value | knot_value;
-        if (pieces > most_tied) polished.conditions = end_value | knot_value;
+        if (pieces > most_coupled) polished.conditions = end_value | knot_value;
     }
     detail::KnotSearch search;
     if (many) {
-        search = optimal_knots(curve, (pieces + 1) / 2, on_grid, running.part(0, 0.5));
+        search = optimal_knots(curve, (pieces + 1) / 2, on_grid, running.subtask(0, 0.5));
         search.value.parameters = detail::divided_anew(search.value.parameters, pieces);
     } else {
         const auto candidates = uniform_in_parameter((std::max)(options.steps, 2 * pieces));
-        search = search_knots(curve, candidates, pieces, on_grid, running.part(0, 0.5));
+        search = search_knots(curve, candidates, pieces, on_grid, running.subtask(0, 0.5));
     }
     if (!search) return search;
     search.value.indices.clear();

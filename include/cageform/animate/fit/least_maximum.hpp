@@ -49,9 +49,9 @@ public:
 
 private:
     /// Computes the free basis polynomials at a sample, and the curve minus the fixed terms.
-    void sample(const FitPiece& piece, double part, std::size_t k) {
+    void sample(const FitPiece& piece, double fraction, std::size_t k) {
         const std::size_t d = problem_.options.degree;
-        const double t = piece.begin + part * (piece.end - piece.begin);
+        const double t = piece.begin + fraction * (piece.end - piece.begin);
         const double u = (problem_.function.time()(t) - piece.x_begin) / piece.length();
         rest_[k] = problem_.function.value()(t);
         for (std::size_t j = 0; j <= d; ++j) {

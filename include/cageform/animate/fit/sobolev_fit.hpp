@@ -3,15 +3,15 @@
 //
 // Izdebski, Interpolacja trajektorii w animacji (Trajectory interpolation in animation), PhD thesis, Warsaw
 // University of Technology (2019), ch. 4. Misprints are corrected, integrals exact. Bind time: allocates.
-// Independent pieces are solved by normal_equations.hpp, pieces tied by conditions by tied_pieces.hpp.
+// Independent pieces are solved by normal_equations.hpp, pieces coupled by conditions by coupled_pieces.hpp.
 #pragma once
 
 #include <cageform/animate/fit/bezier_fit.hpp>
+#include <cageform/animate/fit/coupled_pieces.hpp>
 #include <cageform/animate/fit/fit_errors.hpp>
 #include <cageform/animate/fit/fit_options.hpp>
 #include <cageform/animate/fit/least_maximum.hpp>
 #include <cageform/animate/fit/normal_equations.hpp>
-#include <cageform/animate/fit/tied_pieces.hpp>
 #include <cageform/core/running.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
@@ -149,10 +149,10 @@ private:
         }
         if (options.degree < 3 || options.degree > 5) return Status::degree_not_supported;
         using enum FitCondition;
-        const bool tied = contains(options.conditions, knot_c0 | knot_c1 | knot_c2) ||
-                          !contains(options.conditions, end_value) ||
-                          !contains(options.conditions, knot_value);
-        if (options.norm == FitNorm::sup && tied) return Status::norm_not_supported;
+        const bool coupled = contains(options.conditions, knot_c0 | knot_c1 | knot_c2) ||
+                             !contains(options.conditions, end_value) ||
+                             !contains(options.conditions, knot_value);
+        if (options.norm == FitNorm::sup && coupled) return Status::norm_not_supported;
         if (!(options.value_weight > 0) || !(options.slope_weight >= 0) || !is_finite(options.value_weight) ||
             !is_finite(options.slope_weight))
             return Status::weights_not_positive;
@@ -182,7 +182,7 @@ private:
             ascending = parameters[i + 1] > parameters[i] && pieces.back().length() > 0;
         }
         if (!ascending) return Status::knots_not_ascending;
-        if (!decoupled()) return detail::TiedPieces(problem_, pieces).solve();
+        if (!decoupled()) return detail::CoupledPieces(problem_, pieces).solve();
         for (Piece& piece : pieces) {
             if (!running.keep_going(piece.begin)) return Status::cancelled;
             std::array<double, 3> c{};

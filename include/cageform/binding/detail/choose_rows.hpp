@@ -31,23 +31,23 @@ RowsBySize rows_by_size(const BindingView<T, D>& binding, const Moments<D>& mome
     const std::size_t handles = moments.size();
     std::vector<double> largest(handles, 0.0); // of any point
     std::vector<char> chosen(handles, 0);
-    std::vector<std::size_t> ranked;
+    std::vector<std::size_t> candidates;
     for (std::size_t lane = 0; lane < points.count; ++lane) {
         const std::size_t i = points.index[lane];
         const auto size = [&](std::size_t h) { return std::fabs(double(binding.weights(i, h))); };
-        ranked.clear();
+        candidates.clear();
         for (std::size_t h = 0; h < handles; ++h) {
             largest[h] = (std::max)(largest[h], size(h));
-            if (size(h) > 0 && size(h) >= options.threshold) ranked.push_back(h);
+            if (size(h) > 0 && size(h) >= options.threshold) candidates.push_back(h);
         }
-        if (options.largest != 0 && ranked.size() > options.largest) {
-            const auto last = ranked.begin() + std::ptrdiff_t(options.largest);
-            std::nth_element(ranked.begin(), last - 1, ranked.end(), [&](std::size_t a, std::size_t b) {
-                return size(a) != size(b) ? size(a) > size(b) : a < b;
-            });
-            ranked.erase(last, ranked.end());
+        if (options.largest != 0 && candidates.size() > options.largest) {
+            const auto last = candidates.begin() + std::ptrdiff_t(options.largest);
+            std::nth_element(
+                candidates.begin(), last - 1, candidates.end(),
+                [&](std::size_t a, std::size_t b) { return size(a) != size(b) ? size(a) > size(b) : a < b; });
+            candidates.erase(last, candidates.end());
         }
-        for (const std::size_t h : ranked) chosen[h] = 1;
+        for (const std::size_t h : candidates) chosen[h] = 1;
     }
     RowsBySize result;
     const auto is_chosen = [&chosen](std::size_t h) { return chosen[h] != 0; };
@@ -79,7 +79,7 @@ struct RowTrial {
     std::size_t count = none; ///< the number of rows that keeps the tolerance
     std::size_t suspect = 0;  ///< the pose that decided last; tested first next time
     Extreme distance;         ///< the smallest distance found with too few rows
-    bool asked_all = false, given_up = false;
+    bool tested_all = false, given_up = false;
 
     bool is_met() const { return count != none; }
     bool is_open() const { return !is_met() && !given_up; }
@@ -91,15 +91,15 @@ class RowChooser {
 public:
     static constexpr std::size_t lanes = lane_count<T>;
 
-    /// The rows of `asked_for` come first.
+    /// The rows of `required` come first.
     RowChooser(const BlockPacker<T, D>& packer, const SquareLoss<D>& loss, const BlockPoints<T>& points,
-               std::span<const std::uint32_t> asked_for)
+               std::span<const std::uint32_t> required)
         : packer_(packer)
         , loss_(loss)
         , points_(points)
         , all_(all_rows(packer, loss, points))
         , pursuit_(loss, all_.weights) {
-        for (const std::uint32_t h : asked_for) pursuit_.add(h);
+        for (const std::uint32_t h : required) pursuit_.add(h);
     }
 
     /// Fills `trials`, whose formats are set, with the smallest number of rows found to keep
@@ -108,9 +108,9 @@ public:
     void run(std::span<RowTrial> trials, double tolerance) {
         // The final measurement sums in another order, so the limit is slightly lower here.
         const double limit = tolerance * (1 - 1e-9);
-        const std::size_t candidates = pursuit_.candidates(), asked_for = pursuit_.order().size();
+        const std::size_t candidates = pursuit_.candidates(), required = pursuit_.order().size();
         RowTrial scalar(WeightFormat::scalar);
-        for (std::size_t count = (std::min)((std::max)(asked_for, D + 1), candidates);;) {
+        for (std::size_t count = (std::min)((std::max)(required, D + 1), candidates);;) {
             while (pursuit_.order().size() < count) pursuit_.add(pursuit_.best());
             if (test(scalar, count, limit)) {
                 for (RowTrial& trial : trials) {
@@ -121,7 +121,7 @@ public:
             if (!open || count == candidates) break;
             count = (std::min)(count + std::max<std::size_t>(count / 8, 1), candidates);
         }
-        std::size_t too_few = asked_for > 0 ? asked_for - 1 : 0;
+        std::size_t too_few = required > 0 ? required - 1 : 0;
         too_few = bisect(scalar, too_few, limit);
         for (RowTrial& trial : trials) {
             if (trial.is_met()) (void)bisect(trial, too_few, limit);
@@ -184,8 +184,8 @@ private:
         trial.distance.lower(here);
         trial.given_up = count == pursuit_.candidates();
         RowTrial scalar(WeightFormat::scalar);
-        if (trial.given_up || trial.asked_all || !keeps(scalar, count, 0.25 * here.value)) return;
-        trial.asked_all = true;
+        if (trial.given_up || trial.tested_all || !keeps(scalar, count, 0.25 * here.value)) return;
+        trial.tested_all = true;
         const Extreme all = packer_.farthest(trial.format, points_, all_);
         trial.distance.lower(all);
         trial.given_up = all.value > limit;

@@ -112,10 +112,10 @@ private:
             return true;
         }
         solve(trial_, false);
-        Row place = Row::Zero();
-        for (std::size_t i = 0; i < given_.size(); ++i) place += found_[i] * columns_[i];
-        place[0] = 0;
-        for (Row& column : columns_) column -= place;
+        Row centre = Row::Zero();
+        for (std::size_t i = 0; i < given_.size(); ++i) centre += found_[i] * columns_[i];
+        centre[0] = 0;
+        for (Row& column : columns_) column -= centre;
         accept(trial_);
         return false;
     }

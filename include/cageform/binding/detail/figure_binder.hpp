@@ -1,7 +1,7 @@
 // Binds the points, normals and tangents of a figure; coordinates with a solver solve only once.
 #pragma once
 
-#include <cageform/binding/detail/vector_binder.hpp>
+#include <cageform/binding/detail/binders.hpp>
 #include <cageform/binding/types/figure_binding.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
@@ -34,12 +34,13 @@ auto without_sign(const Tangents& tangents, std::vector<std::int8_t>& handedness
 
 /// Binds points and vectors with coordinates that have solved already, if they have a solver.
 template <class C>
-Status bind_parts(const C& coordinates, FigureInput<typename C::scalar, C::dimension>& input,
-                  const BindOptions& options, const Running& running,
-                  Result<FigureBinding<typename C::scalar, C::dimension>, FigureBindReport>& result) {
+Status
+bind_points_and_vectors(const C& coordinates, FigureInput<typename C::scalar, C::dimension>& input,
+                        const BindOptions& options, const Running& running,
+                        Result<FigureBinding<typename C::scalar, C::dimension>, FigureBindReport>& result) {
     using T = typename C::scalar;
     auto& [figure, report] = result;
-    const Running first = running.part(0, input.has_normals() ? 0.4 : 1), second = running.part(0.4, 1);
+    const Running first = running.subtask(0, input.has_normals() ? 0.4 : 1), second = running.subtask(0.4, 1);
     auto points =
         bind_points(bind_input(coordinates, input.points), options, Binding<T, C::dimension>{}, first);
     report.points = std::move(points.report);
@@ -65,7 +66,7 @@ Status bind_read_figure(const C& coordinates, FigureInput<typename C::scalar, C:
     if constexpr (requires(C solved) { solved.solve(running); }) {
         if (input.has_normals() && coordinates.cage_report().status == Status::ok) {
             C solved = coordinates;
-            const Evaluation solution = solved.solve(running.part(0, 0.7));
+            const Evaluation solution = solved.solve(running.subtask(0, 0.7));
             BindReport& report = result.report.points;
             report.cage = coordinates.cage_report();
             report.points = input.points.size;
@@ -73,12 +74,12 @@ Status bind_read_figure(const C& coordinates, FigureInput<typename C::scalar, C:
             report.status = solution.status;
             // Memory for all functions is missing; there may be enough for one group.
             if (report.status == Status::out_of_memory)
-                return bind_parts(coordinates, input, options, running, result);
+                return bind_points_and_vectors(coordinates, input, options, running, result);
             if (report.status != Status::ok) return report.status;
-            return bind_parts(solved, input, options, running.part(0.7, 1), result);
+            return bind_points_and_vectors(solved, input, options, running.subtask(0.7, 1), result);
         }
     }
-    return bind_parts(coordinates, input, options, running, result);
+    return bind_points_and_vectors(coordinates, input, options, running, result);
 }
 
 /// Converts the normals of a figure to tangents and calls read(tangents, handedness).

@@ -13,10 +13,10 @@ Status check_tags(std::span<const FigurePartData> parts, FigureTag& culprit) noe
     constexpr std::size_t own = 6 + FigureTags::most_levels;
     if (parts.size() > FigureHeader::most_parts - own) return Status::too_many_parts;
     for (std::size_t n = 0; n < parts.size(); ++n) {
-        bool taken = FigureTags::has(parts[n].tag) || parts[n].tag == FigureTag{};
-        for (std::size_t m = 0; m < n; ++m) taken = taken || parts[m].tag == parts[n].tag;
+        bool duplicate = FigureTags::has(parts[n].tag) || parts[n].tag == FigureTag{};
+        for (std::size_t m = 0; m < n; ++m) duplicate = duplicate || parts[m].tag == parts[n].tag;
         culprit = parts[n].tag;
-        if (taken) return Status::tag_taken;
+        if (duplicate) return Status::duplicate_tag;
     }
     culprit = {};
     return Status::ok;
@@ -44,7 +44,7 @@ Status check_motion(const HandleView<T, D>& handles, const FigurePackOptions& op
         const Status status = check_clip_of(open_clip<T, D>(options.clips[n].bytes), handles);
         if (status != Status::ok) return status;
         for (const FigureClipData& other : options.clips.first(n)) {
-            if (other.name == options.clips[n].name) return Status::name_taken;
+            if (other.name == options.clips[n].name) return Status::duplicate_name;
         }
     }
     report.culprit_clip = 0;
@@ -98,13 +98,13 @@ Status pack_parts(const FigureBinding<T, D>& figure, const FigurePackOptions& op
     std::vector<FigurePartData> parts;
     PackOptions how = options.weights;
     const std::size_t vectors = figure.has_normals() ? D - 1 : 0;
-    const auto part = [&](std::size_t n) {
-        return running.part(double(n) / double(vectors + 1), double(n + 1) / double(vectors + 1));
+    const auto subtask = [&](std::size_t n) {
+        return running.subtask(double(n) / double(vectors + 1), double(n + 1) / double(vectors + 1));
     };
     const bool own_tolerance = vectors > 0 && options.tangent_tolerance != 0;
     if (own_tolerance && how.tolerance == 0) // makes it sparse, so that tangents can use its order
         how.threshold = (std::max)(how.threshold, (std::numeric_limits<double>::min)());
-    auto points = pack_binding(figure.points.view(), how, part(0));
+    auto points = pack_binding(figure.points.view(), how, subtask(0));
     how.threshold = options.weights.threshold;
     report.points = std::move(points.report);
     report.culprit = FigureTags::points;
@@ -120,7 +120,7 @@ Status pack_parts(const FigureBinding<T, D>& figure, const FigurePackOptions& op
     std::array<PackedBinding<T, D>, D - 1> tangents;
     for (std::size_t k = 0; k < vectors; ++k) {
         report.culprit = k == 0 ? FigureTags::tangents : FigureTags::bitangents;
-        auto packed = pack_binding(figure.tangents[k].view(), how, part(k + 1));
+        auto packed = pack_binding(figure.tangents[k].view(), how, subtask(k + 1));
         report.vectors[k] = std::move(packed.report);
         if (report.vectors[k].status != Status::ok) return report.vectors[k].status;
         tangents[k] = std::move(packed.value);

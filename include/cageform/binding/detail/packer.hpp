@@ -2,7 +2,7 @@
 #pragma once
 
 #include <cageform/binding/detail/choose_rows.hpp>
-#include <cageform/binding/detail/order_by_place.hpp>
+#include <cageform/binding/detail/spatial_order.hpp>
 #include <cageform/binding/types/blob.hpp>
 #include <cageform/binding/types/pack_options.hpp>
 #include <cageform/core/detail/in_parallel.hpp>
@@ -56,7 +56,7 @@ public:
         fill_tables(result);
         report.errors.resize(points_);
         report.distances.resize(points_);
-        status = for_each_block(blocks_, running_.part(has_order() ? 0.7 : 0, 1),
+        status = for_each_block(blocks_, running_.subtask(has_order() ? 0.7 : 0, 1),
                                 [&](std::size_t begin, std::size_t end) {
                                     for (std::size_t b = begin; b < end; ++b) fill_block(b, result, report);
                                 });
@@ -100,12 +100,12 @@ private:
 
     /// Chooses the order of the points, and the rows of every block.
     Status choose_all_rows(PackReport& report) {
-        order_ = options_.order.empty() ? order_by_place<T, D>(binding_.rest)
+        order_ = options_.order.empty() ? spatial_order<T, D>(binding_.rest)
                                         : std::vector(options_.order.begin(), options_.order.end());
         if (!detail::is_permutation(order_, points_)) return Status::order_not_a_permutation;
         if (keeps_distance()) square_loss_ = std::make_unique<const SquareLoss<D>>(moments_, loss_);
         Status status =
-            for_each_block(blocks_, running_.part(0, 0.7), [this](std::size_t begin, std::size_t end) {
+            for_each_block(blocks_, running_.subtask(0, 0.7), [this](std::size_t begin, std::size_t end) {
                 for (std::size_t b = begin; b < end; ++b) choose_rows(b);
             });
         if (status == Status::ok && keeps_distance()) status = choose_format(report);
@@ -168,7 +168,7 @@ private:
         header.rows = rows;
         header.row_begin = 1;
         std::size_t sum = 0;
-        for_each_blob_part<T, D>(header, [&sum](std::uint64_t, std::uint64_t bytes, bool wanted) {
+        for_each_blob_array<T, D>(header, [&sum](std::uint64_t, std::uint64_t bytes, bool wanted) {
             if (wanted) sum += std::size_t(bytes + 63) / 64 * 64;
         });
         return sum;
@@ -278,11 +278,11 @@ private:
         const auto out = blob.view();
         if (has_order()) {
             std::copy(row_begin_.begin(), row_begin_.end(), blob.writable(out.row_begin));
-            auto* place = blob.writable(out.row_handle);
+            auto* to = blob.writable(out.row_handle);
             for (const Piece& piece : pieces_) {
                 std::vector<std::uint32_t> handles(piece.handles);
                 std::sort(handles.begin(), handles.end());
-                for (const std::uint32_t h : handles) *place++ = static_cast<std::uint16_t>(h);
+                for (const std::uint32_t h : handles) *to++ = static_cast<std::uint16_t>(h);
             }
             std::copy(order_.begin(), order_.end(), blob.writable(out.order));
         }
@@ -325,9 +325,9 @@ private:
             for (std::size_t k = 0; k < D; ++k) rest[k][lane] = binding_.rest(i, k);
         }
         PackedRows rows = rows_of(block, points);
-        std::byte* const place =
+        std::byte* const to =
             blob.writable(out.weights) + out.first_row(block) * lanes * weight_bytes<T>(format_);
-        const T scale = store_weights<T>(format_, rows.weights, place);
+        const T scale = store_weights<T>(format_, rows.weights, to);
         if (out.scale != nullptr) blob.writable(out.scale)[block] = scale;
         const auto residuals = packer_.residuals(format_, points, rows);
         for (std::size_t lane = 0; lane < residuals.size(); ++lane) {

@@ -71,9 +71,9 @@ public:
     void note(const Outcome& outcome, const Lanes<T>& bound, std::size_t block) noexcept {
         const std::size_t blocks_before = block - first_ / lane_count<T>;
         const Number none(LaneExtreme<T>::none), zero(T(0)), at(static_cast<T>(blocks_before));
-        const auto taken = zero < Number::load(bound);
+        const auto is_bound = zero < Number::load(bound);
         const auto raise = [&](LaneExtreme<T>& extreme, const Number& value) {
-            extreme.raise(select<T>(taken, value, none), at);
+            extreme.raise(select<T>(is_bound, value, none), at);
         };
         const Number change = Number::load(outcome.change);
         raise(partition_, Number::load(outcome.partition));

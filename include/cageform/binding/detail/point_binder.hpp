@@ -166,9 +166,9 @@ private:
             load(piece);
             this->pieces_[piece].status =
                 input_
-                    .evaluate(
-                        {part(this->rest_[0], piece), part(this->weights_[0], piece), this->states_of(piece)},
-                        {})
+                    .evaluate({piece_of(this->rest_[0], piece), piece_of(this->weights_[0], piece),
+                               this->states_of(piece)},
+                              {})
                     .status;
             finish(piece);
         });
@@ -177,33 +177,33 @@ private:
     /// Evaluates all points together, so that a solver solves once.
     Status at_once(const Running& running, BindReport& report) {
         const Status status =
-            this->for_each_piece(running.part(0, 0.1), [this](std::size_t piece) { load(piece); });
+            this->for_each_piece(running.subtask(0, 0.1), [this](std::size_t piece) { load(piece); });
         if (status != Status::ok) return status;
         const Evaluation evaluation =
-            input_.evaluate({this->rest_[0], this->weights_[0], states_}, running.part(0.1, 0.9));
+            input_.evaluate({this->rest_[0], this->weights_[0], states_}, running.subtask(0.1, 0.9));
         report.solver = evaluation.solver;
         if (evaluation.status != Status::ok) return evaluation.status;
-        return this->for_each_piece(running.part(0.9, 1), [this](std::size_t piece) { finish(piece); });
+        return this->for_each_piece(running.subtask(0.9, 1), [this](std::size_t piece) { finish(piece); });
     }
 
-    BlockView<T> part(const BlockView<T>& all, std::size_t piece) noexcept {
+    BlockView<T> piece_of(const BlockView<T>& all, std::size_t piece) noexcept {
         return {all.block(this->first_of(piece) / lanes), all.rows, this->states_of(piece).size()};
     }
 
     /// Reads the user's points.
     void load(std::size_t piece) {
-        const BlockView<T> places = part(this->rest_[0], piece);
-        for (std::size_t b = 0; b < places.blocks(); ++b)
-            input_.points.read(this->first_of(piece) / lanes + b, places.block(b));
+        const BlockView<T> positions = piece_of(this->rest_[0], piece);
+        for (std::size_t b = 0; b < positions.blocks(); ++b)
+            input_.points.read(this->first_of(piece) / lanes + b, positions.block(b));
         const std::span<PointState> states = this->states_of(piece);
         for (std::size_t i = 0; i < states.size(); ++i) {
-            if (!is_finite(block_point<D>(places, i))) states[i] = PointState::not_finite;
+            if (!is_finite(block_point<D>(positions, i))) states[i] = PointState::not_finite;
         }
     }
 
     /// Handles points that are not simply inside, restores linear precision, and measures.
     void finish(std::size_t piece) {
-        const auto weights = part(this->weights_[0], piece);
+        const auto weights = piece_of(this->weights_[0], piece);
         const std::size_t first = this->first_of(piece) / lanes;
         PieceMeasures<T> measures(this->first_of(piece));
         for (std::size_t b = first; b < first + weights.blocks(); ++b) {
@@ -211,7 +211,7 @@ private:
             Lanes<T> target[D], bound;
             for (std::size_t k = 0; k < D; ++k) target[k] = this->rest_[0].block(b)[k];
             for (std::size_t lane = 0; lane < lanes; ++lane)
-                bound[lane] = settle(b * lanes + lane, target) ? T(1) : T(0);
+                bound[lane] = resolve(b * lanes + lane, target) ? T(1) : T(0);
             if (this->take(this->restorer_.run(target, bound, row, this->restores()), bound, b, measures))
                 this->clear_unreached(bound, b, row);
         }
@@ -220,7 +220,7 @@ private:
 
     /// Returns whether a point gets weights. A point outside may get those of the nearest boundary
     /// point, which is written to `target`. A point without weights gets zeros and some finite target.
-    bool settle(std::size_t i, Lanes<T> (&target)[D]) {
+    bool resolve(std::size_t i, Lanes<T> (&target)[D]) {
         const PointState state = i < count_ ? states_[i] : PointState::not_finite;
         const bool as_nearest =
             state == PointState::outside && this->options_.outside == OutsidePoints::nearest_boundary;

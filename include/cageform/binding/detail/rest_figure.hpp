@@ -22,12 +22,13 @@ PointReader<T> read_rest(const PackedBindingView<T, D>& binding) {
         return {binding.points,
                 [rest](std::size_t block, Lanes<T>* rows) { std::copy_n(rest.block(block), D, rows); }};
     }
-    std::vector<std::uint32_t> places(binding.points);
-    for (std::size_t n = 0; n < binding.points; ++n) places[binding.order[n]] = static_cast<std::uint32_t>(n);
-    return {binding.points, [rest, places = std::move(places)](std::size_t block, Lanes<T>* rows) {
+    std::vector<std::uint32_t> positions(binding.points);
+    for (std::size_t n = 0; n < binding.points; ++n)
+        positions[binding.order[n]] = static_cast<std::uint32_t>(n);
+    return {binding.points, [rest, positions = std::move(positions)](std::size_t block, Lanes<T>* rows) {
                 for (std::size_t lane = 0; lane < lane_count<T>; ++lane) {
-                    const std::size_t i = (std::min)(block * lane_count<T> + lane, places.size() - 1);
-                    for (std::size_t k = 0; k < D; ++k) rows[k][lane] = rest(places[i], k);
+                    const std::size_t i = (std::min)(block * lane_count<T> + lane, positions.size() - 1);
+                    for (std::size_t k = 0; k < D; ++k) rows[k][lane] = rest(positions[i], k);
                 }
             }};
 }

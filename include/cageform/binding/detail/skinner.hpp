@@ -119,28 +119,28 @@ public:
     double size() const noexcept { return size_; } ///< of the cage
 
     /// A point of the binding, and the offset of the point that its weights reproduce.
-    struct Place {
+    struct SkinPoint {
         Vec<double, D> p, offset{}; ///< to the reproduced point, in units of the size
         double whole = 0;           ///< Σ|w|
         bool is_bound = false;
     };
 
-    Place place_of(std::size_t i) const {
-        Place place{vec_cast<double>(block_point<D>(binding_.rest, i))};
+    SkinPoint point_of(std::size_t i) const {
+        SkinPoint point{vec_cast<double>(block_point<D>(binding_.rest, i))};
         for (std::size_t h = 0; h < binding_.handle_count(); ++h) {
             const double w = binding_.weights(i, h);
-            place.whole += std::fabs(w);
-            place.offset = place.offset + w * from(place.p, h);
+            point.whole += std::fabs(w);
+            point.offset = point.offset + w * from(point.p, h);
         }
-        place.is_bound =
-            is_finite(place.p) && is_finite(place.whole) && is_finite(place.offset) && place.whole != 0;
+        point.is_bound =
+            is_finite(point.p) && is_finite(point.whole) && is_finite(point.offset) && point.whole != 0;
         // Points that follow their nearest boundary point reproduce that one. A smaller offset is a
         // solver's residual or rounding, and is ignored.
-        if (dot(place.offset, place.offset) < 1e-8) place.offset = {};
-        return place;
+        if (dot(point.offset, point.offset) < 1e-8) point.offset = {};
+        return point;
     }
-    AffineFrame<double, D> frame_of(const Place& place) const {
-        return {place.p + size_ * place.offset, size_};
+    AffineFrame<double, D> frame_of(const SkinPoint& point) const {
+        return {point.p + size_ * point.offset, size_};
     }
 
     /// Stores weights in falling order, and compares them with the binding's.
@@ -149,8 +149,9 @@ public:
     ///   support   handles, in falling order; storing stops at the first weight that single precision
     ///             rounds away
     template <class Weight>
-    void store(std::size_t i, const Place& place, std::span<const std::size_t> support, const Weight& weight,
-               std::span<std::uint16_t> joints, std::span<float> weights, SkinnedPoint& result) const {
+    void store(std::size_t i, const SkinPoint& point, std::span<const std::size_t> support,
+               const Weight& weight, std::span<std::uint16_t> joints, std::span<float> weights,
+               SkinnedPoint& result) const {
         for (const std::size_t h : support) {
             constexpr double rounding = 0x1p-26; // of 1, in single precision
             if (!(weight(h) > rounding)) break;
@@ -166,12 +167,12 @@ public:
             }
         }
         make_up_for_rounding(joints.first(result.used), weights.first(result.used));
-        Vec<double, D> missed = -1.0 * place.offset;
-        result.error = place.whole;
+        Vec<double, D> missed = -1.0 * point.offset;
+        result.error = point.whole;
         result.partition = -1;
         for (std::size_t k = 0; k < result.used; ++k) {
             const double w = weights[k], w0 = binding_.weights(i, joints[k]);
-            missed = missed + w * from(place.p, joints[k]);
+            missed = missed + w * from(point.p, joints[k]);
             result.partition += w;
             result.error += std::fabs(w - w0) - std::fabs(w0);
             result.added = (std::max)(result.added, w - w0);
@@ -221,15 +222,15 @@ public:
 private:
     SkinnedPoint make(ConvexWeights<D>& solver, std::size_t i, std::span<std::uint16_t> joints,
                       std::span<float> weights) const {
-        const auto place = measure_.place_of(i);
-        if (!place.is_bound) return {};
-        solver.load(binding_.handle_view(), measure_.frame_of(place),
+        const auto point = measure_.point_of(i);
+        if (!point.is_bound) return {};
+        solver.load(binding_.handle_view(), measure_.frame_of(point),
                     [&](std::size_t h) { return double(binding_.weights(i, h)); });
         SkinnedPoint result;
         result.kind = solver.reduce(joints.size(), options_.threshold) ? SkinnedPoint::Kind::reproduced
                                                                        : SkinnedPoint::Kind::not_reproduced;
         measure_.store(
-            i, place, solver.support(), [&](std::size_t h) { return solver.weight(h); }, joints, weights,
+            i, point, solver.support(), [&](std::size_t h) { return solver.weight(h); }, joints, weights,
             result);
         return result;
     }

@@ -37,9 +37,9 @@ public:
             }
         }
         weld();
-        SmoothWeights<D> weights(handle_places(), options_.influences);
+        SmoothWeights<D> weights(handle_positions(), options_.influences);
         for (std::size_t n = 0; n < first_.size(); ++n) {
-            const auto frame = measure_.frame_of(places_[first_[n]]);
+            const auto frame = measure_.frame_of(points_[first_[n]]);
             weights.add_node(frame.centre,
                              [&](std::size_t h) { return double(binding_.weights(first_[n], h)); });
         }
@@ -47,7 +47,7 @@ public:
             for (std::size_t k = 0; k < 3; ++k)
                 weights.add_edge(node_[triangle[k]], node_[triangle[(k + 1) % 3]]);
         }
-        const Running solving = running_.part(0, 0.9), storing = running_.part(0.9, 1);
+        const Running solving = running_.subtask(0, 0.9), storing = running_.subtask(0.9, 1);
         if (const Status status = weights.solve(solving); status != Status::ok) return status;
 
         std::vector<SkinnedPoint> points(binding_.point_count());
@@ -56,7 +56,7 @@ public:
             NearWeights<D> nearest;
             ConvexWeights<D> convex;
             for (std::size_t i = begin; i < end; ++i) {
-                if (!places_[i].is_bound) continue;
+                if (!points_[i].is_bound) continue;
                 points[i] = make(nearest, convex, i, weights, std::span(skin.joints).subspan(i * most, most),
                                  std::span(skin.weights).subspan(i * most, most));
             }
@@ -66,11 +66,11 @@ public:
     }
 
 private:
-    std::vector<Vec<double, D>> handle_places() const {
-        std::vector<Vec<double, D>> places;
+    std::vector<Vec<double, D>> handle_positions() const {
+        std::vector<Vec<double, D>> positions;
         for (std::size_t h = 0; h < binding_.handle_count(); ++h)
-            places.push_back(vec_cast<double>(binding_.rest_handles[h]));
-        return places;
+            positions.push_back(vec_cast<double>(binding_.rest_handles[h]));
+        return positions;
     }
 
     /// Merges points at the same position with the same weights into one node, so that seams stay
@@ -78,11 +78,11 @@ private:
     void weld() {
         std::map<std::array<double, D>, std::vector<std::size_t>> at; // nodes at a position
         for (std::size_t i = 0; i < binding_.point_count(); ++i) {
-            const auto& place = places_.emplace_back(measure_.place_of(i));
+            const auto& point = points_.emplace_back(measure_.point_of(i));
             node_.push_back(SmoothWeights<D>::no_node);
-            if (!place.is_bound) continue;
+            if (!point.is_bound) continue;
             std::array<double, D> key{};
-            for (std::size_t k = 0; k < D; ++k) key[k] = place.p[k];
+            for (std::size_t k = 0; k < D; ++k) key[k] = point.p[k];
             auto& nodes = at[key];
             const auto same = std::find_if(nodes.begin(), nodes.end(), [&](std::size_t n) {
                 for (std::size_t h = 0; h < binding_.handle_count(); ++h) {
@@ -105,12 +105,12 @@ private:
     SkinnedPoint make(NearWeights<D>& nearest, ConvexWeights<D>& convex, std::size_t i,
                       const SmoothWeights<D>& smooth, std::span<std::uint16_t> joints,
                       std::span<float> weights) const {
-        const auto frame = measure_.frame_of(places_[i]);
+        const auto frame = measure_.frame_of(points_[i]);
         const auto store = [&](auto& found, bool is_exact) {
             SkinnedPoint result;
             result.kind = is_exact ? SkinnedPoint::Kind::reproduced : SkinnedPoint::Kind::not_reproduced;
             measure_.store(
-                i, places_[i], found.support(), [&](std::size_t h) { return found.weight(h); }, joints,
+                i, points_[i], found.support(), [&](std::size_t h) { return found.weight(h); }, joints,
                 weights, result);
             return result;
         };
@@ -130,9 +130,9 @@ private:
     const SkinWeightsOptions& options_;
     const Running& running_;
     SkinMeasure<T, D> measure_;
-    std::vector<typename SkinMeasure<T, D>::Place> places_; // #points
-    std::vector<std::size_t> node_;                         // #points
-    std::vector<std::size_t> first_;                        // #nodes: a point of each
+    std::vector<typename SkinMeasure<T, D>::SkinPoint> points_; // #points
+    std::vector<std::size_t> node_;                             // #points
+    std::vector<std::size_t> first_;                            // #nodes: a point of each
 };
 
 } // namespace detail

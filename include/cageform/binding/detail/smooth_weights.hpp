@@ -47,11 +47,11 @@ public:
 
     /// Adds the next vertex.
     ///
-    ///   place    the point that its weights must reproduce
+    ///   position  the point that its weights must reproduce
     ///   weight   w0 of a handle
     template <class Weight>
-    void add_node(const Vec<double, D>& place, const Weight& weight) {
-        places_.push_back(place);
+    void add_node(const Vec<double, D>& position, const Weight& weight) {
+        positions_.push_back(position);
         const std::size_t first = target_.size();
         target_.resize(first + width_, 0.0);
         for (std::size_t h = 0; h < handle_count_; ++h) {
@@ -59,7 +59,7 @@ public:
             smoothed_.push_back(float((std::max)(w, 0.0)));
             for (std::size_t r = 0; r < rank_; ++r) target_[first + r] += w * columns_[h * width_ + r];
         }
-        const auto q = (1 / size_) * (place - middle_);
+        const auto q = (1 / size_) * (position - middle_);
         for (std::size_t k = 0; k < D; ++k) target_[first + rank_ + k] = q[k];
     }
     void add_edge(std::size_t a, std::size_t b) {
@@ -68,8 +68,8 @@ public:
 
     Status solve(const Running& running) {
         connect();
-        loss_.assign(places_.size() * width_, 0.0);
-        step_.resize(places_.size());
+        loss_.assign(positions_.size() * width_, 0.0);
+        step_.resize(positions_.size());
         for (std::size_t round = 0; round < rounds.size(); ++round) {
             const bool is_last = round + 1 == rounds.size();
             if (!choose(round, running)) return Status::cancelled;
@@ -171,16 +171,16 @@ private:
         std::sort(edges_.begin(), edges_.end());
         edges_.erase(std::unique(edges_.begin(), edges_.end()), edges_.end());
         const auto length = [&](const std::array<std::size_t, 2>& edge) {
-            const auto d = places_[edge[0]] - places_[edge[1]];
+            const auto d = positions_[edge[0]] - positions_[edge[1]];
             return std::sqrt(dot(d, d));
         };
         double mean = 0;
         for (const auto& edge : edges_) mean += length(edge) / double(edges_.size());
-        begins_.assign(places_.size() + 1, 0);
+        begins_.assign(positions_.size() + 1, 0);
         for (const auto& edge : edges_) {
             for (const std::size_t node : edge) ++begins_[node + 1];
         }
-        for (std::size_t n = 0; n < places_.size(); ++n) begins_[n + 1] += begins_[n];
+        for (std::size_t n = 0; n < positions_.size(); ++n) begins_[n + 1] += begins_[n];
         neighbours_.resize(2 * edges_.size());
         std::vector<std::size_t> next(begins_.begin(), begins_.end() - 1);
         for (const auto& edge : edges_) {
@@ -198,7 +198,7 @@ private:
 
     template <class Body>
     void for_each_node(const Running& running, const Body& body) {
-        in_parallel(running, places_.size(), 64, [&](std::size_t begin, std::size_t end) {
+        in_parallel(running, positions_.size(), 64, [&](std::size_t begin, std::size_t end) {
             for (std::size_t n = begin; n < end; ++n) body(n);
         });
     }
@@ -214,7 +214,7 @@ private:
                 return true;
             }
             std::fill(smoothed_.begin(), smoothed_.end(), 0.0F);
-            for (std::size_t n = 0; n < places_.size(); ++n) {
+            for (std::size_t n = 0; n < positions_.size(); ++n) {
                 for (std::size_t k = 0; k < before; ++k) {
                     const Entry& entry = rows_[n * before + k];
                     smoothed_[n * handle_count_ + entry.handle] = float(entry.weight);
@@ -238,7 +238,7 @@ private:
             smoothed_.swap(other);
             if (!running.keep_going(double(round) / double(rounds.size() + 2))) return false;
         }
-        std::vector<Entry> kept(places_.size() * kept_);
+        std::vector<Entry> kept(positions_.size() * kept_);
         for_each_node(running, [&](std::size_t n) {
             std::vector<HandleWeight> order;
             const std::size_t count = round == 0 ? handle_count_ : before;
@@ -255,15 +255,15 @@ private:
             for (const Neighbour& neighbour : neighbours_of(n)) stiffness += 2 * neighbour.weight;
             // Upper bounds of the largest eigenvalues. Positions are relative to the node, as
             // weights sum to 1.
-            double of_places = 0;
+            double of_positions = 0;
             for (std::size_t k = 0; k < kept_; ++k) {
                 for (std::size_t r = rank_; r < width_; ++r) {
                     const double d =
                         columns_[kept[n * kept_ + k].handle * width_ + r] - target_[n * width_ + r];
-                    of_places += d * d;
+                    of_positions += d * d;
                 }
             }
-            step_[n] = 1 / (stiffness * (std::min)(of_moves_, double(kept_)) + beta * of_places);
+            step_[n] = 1 / (stiffness * (std::min)(of_moves_, double(kept_)) + beta * of_positions);
         });
         rows_.swap(kept);
         return true;
@@ -334,7 +334,7 @@ private:
     double size_ = 1, of_moves_ = 0, momentum_ = 1;
     Vec<double, D> middle_{};
     std::vector<double> columns_;              // #handles · width: B, then positions
-    std::vector<Vec<double, D>> places_;       // #nodes
+    std::vector<Vec<double, D>> positions_;    // #nodes
     std::vector<double> target_, loss_, step_; // #nodes · width twice, #nodes
     std::vector<float> smoothed_;              // #nodes · #handles
     std::vector<std::array<std::size_t, 2>> edges_;

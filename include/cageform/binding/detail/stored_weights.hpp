@@ -25,13 +25,13 @@ inline double from_half(std::uint16_t half) noexcept {
     return double(std::bit_cast<float>(bits)) * 0x1p112;
 }
 
-/// Writes the weights of a block to `place`, and replaces `weights` by the stored values. Returns
+/// Writes the weights of a block to `to`, and replaces `weights` by the stored values. Returns
 /// the scale by which they were divided.
 template <Scalar T>
-T store_weights(WeightFormat format, std::span<double> weights, std::byte* place) {
-    const auto write = [&place](auto x) {
-        std::memcpy(place, &x, sizeof(x));
-        place += sizeof(x);
+T store_weights(WeightFormat format, std::span<double> weights, std::byte* to) {
+    const auto write = [&to](auto x) {
+        std::memcpy(to, &x, sizeof(x));
+        to += sizeof(x);
         return double(x);
     };
     if (format == WeightFormat::scalar) {

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cageform/binding/bind.hpp>
-#include <cageform/binding/detail/packer.hpp>
+#include <cageform/binding/detail/packers.hpp>
+#include <cageform/binding/detail/spatial_order.hpp>
+#include <cageform/binding/types/blob.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 
@@ -32,10 +34,10 @@ public:
     template <class C>
     Status run_at_once(const C& coordinates, const Running& running,
                        Result<PackedBinding<T, D>, StreamedPackReport>& result) const {
-        auto bound = bind(coordinates, points_, options_.bind, running.part(0, 0.5));
+        auto bound = bind(coordinates, points_, options_.bind, running.subtask(0, 0.5));
         result.report.bound = std::move(bound.report);
         if (result.report.bound.status != Status::ok) return result.report.bound.status;
-        auto packed = pack_binding(bound.value.view(), pack_options(), running.part(0.5, 1));
+        auto packed = pack_binding(bound.value.view(), pack_options(), running.subtask(0.5, 1));
         result.report.packed = std::move(packed.report);
         result.value = std::move(packed.value);
         return result.report.packed.status;
@@ -52,15 +54,15 @@ public:
             double from = 0;
             if constexpr (requires { solved.solve(running); }) {
                 from = 0.5;
-                const auto evaluation = solved.solve(running.part(0, from));
+                const auto evaluation = solved.solve(running.subtask(0, from));
                 result.report.bound.solver = evaluation.solver;
                 status = result.report.bound.status = evaluation.status;
             }
-            if (status == Status::ok) status = run_batches(solved, running.part(from, 1), result);
+            if (status == Status::ok) status = run_batches(solved, running.subtask(from, 1), result);
         }
         if (status != Status::ok) return status;
         std::uint64_t rows = 0;
-        for (const auto& part : parts_) rows += part.view().row_count();
+        for (const auto& batch : batches_) rows += batch.view().row_count();
         if (sparse_ && rows > 0xFFFFFFFFu) return result.report.packed.status = Status::too_many_handles;
         join(rows, result);
         return status;
@@ -78,19 +80,20 @@ private:
         for (std::size_t n = 0; n < batches(); ++n) {
             const std::size_t first = n * together_, count = (std::min)(together_, points_.size() - first);
             const Running in_batch =
-                running.part(double(n) / double(batches()), double(n + 1) / double(batches()));
+                running.subtask(double(n) / double(batches()), double(n + 1) / double(batches()));
             std::vector<Vec<T, D>> batch;
             for (std::size_t k = 0; k < count; ++k) batch.push_back(points_[order_[first + k]]);
-            auto bound = bind(coordinates, batch, options_.bind, std::move(recycled), in_batch.part(0, 0.5));
+            auto bound =
+                bind(coordinates, batch, options_.bind, std::move(recycled), in_batch.subtask(0, 0.5));
             add(bound.report, first, result.report.bound);
             if (bound.report.status != Status::ok) return result.report.bound.status = bound.report.status;
             std::vector<std::uint32_t> as_it_is(sparse_ ? count : 0);
             std::iota(as_it_is.begin(), as_it_is.end(), 0u);
             pack.order = as_it_is;
-            auto packed = pack_binding(bound.value.view(), pack, in_batch.part(0.5, 1));
+            auto packed = pack_binding(bound.value.view(), pack, in_batch.subtask(0.5, 1));
             add(packed.report, first, result.report.packed);
             if (packed.report.status != Status::ok) return result.report.packed.status = packed.report.status;
-            parts_.push_back(std::move(packed.value));
+            batches_.push_back(std::move(packed.value));
             recycled = std::move(bound.value);
         }
         return Status::ok;
@@ -103,15 +106,15 @@ private:
 
     /// Joins the packed batches into one blob, in the order that `pack` uses, and frees them.
     void join(std::uint64_t rows, Result<PackedBinding<T, D>, StreamedPackReport>& result) {
-        place_blocks();
-        BlobHeader header = header_of(parts_[0]);
+        arrange_blocks();
+        BlobHeader header = header_of(batches_[0]);
         header.points = points_.size();
         header.rows = rows;
         PackedBinding<T, D> whole(header);
         copy_of_handles(whole);
         std::size_t row = 0;
         for (std::size_t b = 0; b < sequence_.size(); ++b) row = copy_block(sequence_[b], b, row, whole);
-        parts_.clear();
+        batches_.clear();
         whole.seal();
         summarise(whole, result);
         result.value = std::move(whole);
@@ -124,7 +127,7 @@ private:
             for (std::size_t i = 0; i < points_.size(); ++i) {
                 for (std::size_t k = 0; k < D; ++k) rest[i / lanes * D + k][i % lanes] = points_[i][k];
             }
-            order_ = order_by_place<T, D>({rest.data(), D, points_.size()});
+            order_ = spatial_order<T, D>({rest.data(), D, points_.size()});
             if (!sparse_) std::sort(order_.begin(), order_.end());
             return Status::ok;
         }
@@ -202,32 +205,33 @@ private:
 
     // ---- blocks -------------------------------------------------------------------------------------
 
-    struct Place {
-        std::size_t part, block;
+    struct BlockSource {
+        std::size_t batch, block;
         std::size_t first; ///< position of its points in order_
     };
-    static BlobHeader header_of(const PackedBinding<T, D>& part) noexcept {
+    static BlobHeader header_of(const PackedBinding<T, D>& batch) noexcept {
         BlobHeader header;
-        std::memcpy(&header, part.bytes().data(), sizeof(header));
+        std::memcpy(&header, batch.bytes().data(), sizeof(header));
         return header;
     }
-    std::size_t rows_of(const Place& place) const noexcept {
-        const auto view = parts_[place.part].view();
-        return view.first_row(place.block + 1) - view.first_row(place.block);
+    std::size_t rows_of(const BlockSource& source) const noexcept {
+        const auto view = batches_[source.batch].view();
+        return view.first_row(source.block + 1) - view.first_row(source.block);
     }
     /// Lists the blocks of all batches in the order that `pack` uses: sorted by their number of rows.
-    void place_blocks() {
-        for (std::size_t part = 0; part < parts_.size(); ++part) {
-            for (std::size_t b = 0; b < parts_[part].view().block_count(); ++b)
-                sequence_.push_back({part, b, part * together_ + b * lanes});
+    void arrange_blocks() {
+        for (std::size_t batch = 0; batch < batches_.size(); ++batch) {
+            for (std::size_t b = 0; b < batches_[batch].view().block_count(); ++b)
+                sequence_.push_back({batch, b, batch * together_ + b * lanes});
         }
         if (!sparse_ || !options_.pack.order.empty()) return;
         const auto full = sequence_.begin() + std::ptrdiff_t(points_.size() / lanes);
-        std::stable_sort(sequence_.begin(), full,
-                         [this](const Place& a, const Place& b) { return rows_of(a) < rows_of(b); });
+        std::stable_sort(sequence_.begin(), full, [this](const BlockSource& a, const BlockSource& b) {
+            return rows_of(a) < rows_of(b);
+        });
     }
     void copy_of_handles(PackedBinding<T, D>& whole) const {
-        const auto from = parts_[0].view(), to = whole.view();
+        const auto from = batches_[0].view(), to = whole.view();
         const auto copy = [&](const auto* source, const auto* target, std::size_t count) {
             if (source != nullptr) std::copy_n(source, count, whole.writable(target));
         };
@@ -237,23 +241,23 @@ private:
         copy(from.handle_faces, to.handle_faces, from.handle_view().vector_count());
     }
     /// Copies a block to position `b`, with its rows from `row` on. Returns where its rows end.
-    std::size_t copy_block(const Place& place, std::size_t b, std::size_t row,
+    std::size_t copy_block(const BlockSource& source, std::size_t b, std::size_t row,
                            PackedBinding<T, D>& whole) const {
-        const auto from = parts_[place.part].view(), to = whole.view();
-        const std::size_t first = from.first_row(place.block), rows = rows_of(place);
+        const auto from = batches_[source.batch].view(), to = whole.view();
+        const std::size_t first = from.first_row(source.block), rows = rows_of(source);
         const std::size_t bytes = lanes * weight_bytes<T>(from.format);
         std::memcpy(whole.writable(to.weights) + row * bytes, from.weights + first * bytes, rows * bytes);
-        std::copy_n(from.rest + place.block * D, D, whole.writable(to.rest) + b * D);
+        std::copy_n(from.rest + source.block * D, D, whole.writable(to.rest) + b * D);
         if (from.scale != nullptr) {
-            whole.writable(to.scale)[b] = from.scale[place.block];
-            std::copy_n(from.residual + place.block * (D + 1), D + 1,
+            whole.writable(to.scale)[b] = from.scale[source.block];
+            std::copy_n(from.residual + source.block * (D + 1), D + 1,
                         whole.writable(to.residual) + b * (D + 1));
         }
         if (from.row_begin != nullptr) {
             std::copy_n(from.row_handle + first, rows, whole.writable(to.row_handle) + row);
             whole.writable(to.row_begin)[b + 1] = std::uint32_t(row + rows);
-            const std::size_t count = (std::min)(lanes, points_.size() - place.first);
-            std::copy_n(order_.begin() + std::ptrdiff_t(place.first), count,
+            const std::size_t count = (std::min)(lanes, points_.size() - source.first);
+            std::copy_n(order_.begin() + std::ptrdiff_t(source.first), count,
                         whole.writable(to.order) + b * lanes);
         }
         return row + rows;
@@ -264,8 +268,8 @@ private:
     bool sparse_;
     std::size_t together_; ///< points in a batch
     std::vector<std::uint32_t> order_;
-    std::vector<PackedBinding<T, D>> parts_;
-    std::vector<Place> sequence_; ///< of the blocks in the result
+    std::vector<PackedBinding<T, D>> batches_;
+    std::vector<BlockSource> sequence_; ///< of the blocks in the result
 };
 
 } // namespace detail

@@ -60,10 +60,10 @@ private:
         Gradients gradients(count_, handles_.count);
         for (auto& row : gradients.slopes)
             Simd<T>(T(0)).store(row); // points without gradients are not written
-        const Evaluation evaluation = evaluate(gradients, running.part(0, 0.9));
+        const Evaluation evaluation = evaluate(gradients, running.subtask(0, 0.9));
         report.solver = evaluation.solver;
         if (evaluation.status != Status::ok) return evaluation.status;
-        return this->for_each_piece(running.part(0.9, 1),
+        return this->for_each_piece(running.subtask(0.9, 1),
                                     [&](std::size_t piece) { finish(gradients, piece); });
     }
 
@@ -74,7 +74,7 @@ private:
         const auto states = std::span(states_).subspan(gradients.first, gradients.points.points);
         const bool to_boundary = this->options_.outside == OutsidePoints::nearest_boundary;
         const Batch<T> batch{gradients.points, gradients.rows, states};
-        Evaluation evaluation = input_.evaluate(batch, running.part(0, to_boundary ? 0.5 : 1));
+        Evaluation evaluation = input_.evaluate(batch, running.subtask(0, to_boundary ? 0.5 : 1));
         if (evaluation.status != Status::ok || !to_boundary) return evaluation;
         std::vector<std::size_t> outside;
         std::vector<T> row(handles_.count);
@@ -85,7 +85,7 @@ private:
             for (std::size_t k = 0; k < D; ++k) gradients.points(i, k) = q[k];
         }
         if (outside.empty()) return evaluation;
-        evaluation = input_.evaluate(batch, running.part(0.5, 1));
+        evaluation = input_.evaluate(batch, running.subtask(0.5, 1));
         for (const std::size_t i : outside) {
             const bool there = states[i] == PointState::inside || states[i] == PointState::on_boundary;
             states[i] = there || (states[i] == PointState::outside && input_.has_extension)
@@ -166,21 +166,6 @@ BindReport bind_vectors_into(std::span<Binding<T, D>> bindings, const BindInput<
     });
     if (report.status != Status::ok) std::fill(bindings.begin(), bindings.end(), Binding<T, D>{});
     return report;
-}
-
-template <class C, std::size_t K>
-Result<std::array<Binding<typename C::scalar, C::dimension>, K>, BindReport>
-bind_each_vector(const C& coordinates, const PointReader<typename C::scalar>& points,
-                 const std::array<PointReader<typename C::scalar>, K>& vectors, const BindOptions& options,
-                 const Running& running) {
-    using T = typename C::scalar;
-    auto input = bind_input(coordinates, points);
-    input.evaluate = [&coordinates](const Batch<T>& batch, const Running& how) {
-        return coordinates.evaluate_gradients(batch.points, batch.rows, batch.states, how);
-    };
-    Result<std::array<Binding<T, C::dimension>, K>, BindReport> result;
-    result.report = bind_vectors_into<T, C::dimension>(result.value, input, vectors, options, running);
-    return result;
 }
 
 } // namespace detail

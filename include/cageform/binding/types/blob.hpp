@@ -1,6 +1,6 @@
 // The binary layout of a packed binding: written to a file, mapped, and cloned without copying.
 //
-// Byte order is that of the machine that wrote it, marked by a tag. Every part begins at a multiple
+// Byte order is that of the machine that wrote it, marked by a tag. Every array begins at a multiple
 // of 64 bytes from the beginning; there are offsets, no pointers. L = 64 / sizeof(T) points make a
 // block (16 for float, 8 for double), B = ⌈#points / L⌉.
 //
@@ -29,7 +29,7 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// The first 192 bytes of a blob. Offsets are in bytes from its beginning, 0 if a part is absent.
+/// The first 192 bytes of a blob. Offsets are in bytes from its beginning, 0 if an array is absent.
 struct BlobHeader {
     static constexpr std::uint64_t magic_number = 0x6D726F6665676163u; // "cageform" in little endian
     static constexpr std::uint32_t current_version = 2, endian_tag = 0x01020304u;
@@ -69,8 +69,8 @@ PackedBindingView<T, D> view_blob(const std::byte* data, const BlobHeader& heade
     view.format = static_cast<WeightFormat>(header.format);
     view.handles = static_cast<std::size_t>(header.handles);
     view.points = static_cast<std::size_t>(header.points);
-    const auto find = [data]<class X>(const X*& part, std::uint64_t offset) {
-        if (offset != 0) part = reinterpret_cast<const X*>(data + offset);
+    const auto find = [data]<class X>(const X*& array, std::uint64_t offset) {
+        if (offset != 0) array = reinterpret_cast<const X*>(data + offset);
     };
     find(view.weights, header.weights);
     find(view.row_begin, header.row_begin);
@@ -86,9 +86,9 @@ PackedBindingView<T, D> view_blob(const std::byte* data, const BlobHeader& heade
     return view;
 }
 
-/// Visits the parts of a blob: visit(offset, size in bytes, whether the part is wanted).
+/// Visits the arrays of a blob: visit(offset, size in bytes, whether the array is wanted).
 template <Scalar T, std::size_t D, class Header, class Visit>
-void for_each_blob_part(Header& header, const Visit& visit) noexcept {
+void for_each_blob_array(Header& header, const Visit& visit) noexcept {
     const std::uint64_t points = header.points, rows = header.rows, handles = header.handles;
     const std::uint64_t lanes = lane_count<T>, blocks = (points + lanes - 1) / lanes;
     const auto format = static_cast<WeightFormat>(header.format);
@@ -122,7 +122,7 @@ Status check_handles(const HandleView<T, D>& handles, std::uint64_t vectors) noe
     return Status::ok;
 }
 
-/// Checks a blob. Counts that fit into 32 bits keep the products of `for_each_blob_part` below
+/// Checks a blob. Counts that fit into 32 bits keep the products of `for_each_blob_array` below
 /// 2^64; the rows of dense blobs are checked by division.
 template <Scalar T, std::size_t D>
 Status check_blob(const std::byte* data, const BlobHeader& header) noexcept {
@@ -137,7 +137,7 @@ Status check_blob(const std::byte* data, const BlobHeader& header) noexcept {
         return Status::blob_malformed;
     if (header.rows > header.bytes) return Status::blob_malformed;
     Status status = Status::ok;
-    for_each_blob_part<T, D>(header, [&](std::uint64_t offset, std::uint64_t bytes, bool wanted) {
+    for_each_blob_array<T, D>(header, [&](std::uint64_t offset, std::uint64_t bytes, bool wanted) {
         const bool there = offset != 0;
         if (there != wanted || offset % 64 != 0 || (there && offset < sizeof(BlobHeader)) ||
             offset > header.bytes || (there && bytes > header.bytes - offset))
@@ -211,24 +211,24 @@ public:
 
     PackedBinding() = default;
     /// Allocates a blob and sets the offsets and the size in `header`. An offset of `header` that
-    /// is not zero asks for that part. All parts are zero and `writable` until `seal` is called.
+    /// is not zero asks for that array. All arrays are zero and `writable` until `seal` is called.
     /// Throws std::bad_alloc.
     explicit PackedBinding(BlobHeader header) {
         header.scalar_bytes = sizeof(T);
         header.dimension = D;
         std::uint64_t end = sizeof(BlobHeader);
-        detail::for_each_blob_part<T, D>(header,
-                                         [&end](std::uint64_t& offset, std::uint64_t bytes, bool wanted) {
-                                             offset = wanted ? end : 0;
-                                             if (wanted) end += (bytes + 63) / 64 * 64;
-                                         });
+        detail::for_each_blob_array<T, D>(header,
+                                          [&end](std::uint64_t& offset, std::uint64_t bytes, bool wanted) {
+                                              offset = wanted ? end : 0;
+                                              if (wanted) end += (bytes + 63) / 64 * 64;
+                                          });
         header.bytes = end;
         memory_.resize(end);
         std::memcpy(memory_.data(), &header, sizeof(header));
     }
     template <class X>
-    X* writable(const X* part_of_view) noexcept {
-        return const_cast<X*>(part_of_view); // points into memory_, which is not const
+    X* writable(const X* array_of_view) noexcept {
+        return const_cast<X*>(array_of_view); // points into memory_, which is not const
     }
     void seal() noexcept { memory_.seal(); }
 

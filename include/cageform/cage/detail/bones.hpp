@@ -29,7 +29,7 @@ struct PlacedBone {
 /// Returns the value that a bone gives to a point: that of the bone's nearest point.
 template <std::size_t D>
 BoundaryValue<D> bone_value(const PlacedBone<D>& bone, const Vec<double, D>& p) noexcept {
-    const double s = detail::part_of_segment(p, bone.a, bone.b);
+    const double s = detail::segment_parameter(p, bone.a, bone.b);
     BoundaryValue<D> value;
     value.handle.fill(bone.i);
     value.handle[1] = bone.j;

@@ -9,7 +9,7 @@ namespace cageform::inline CAGEFORM_ABI {
 /// values of these functions, which sum to 1.
 template <std::size_t D>
 struct BoundaryValue {
-    static constexpr std::size_t most = D <= 2 ? D : 4; ///< a vertex, an edge, a triangle or quadrilateral
+    static constexpr std::size_t most = D; ///< a vertex, an edge or a triangle
     std::array<std::uint32_t, most> handle{};
     std::array<double, most> weight{};
 };
@@ -18,11 +18,7 @@ struct BoundaryValue {
 template <std::size_t D>
 BoundaryValue<D> value_on_facet(const std::array<std::uint32_t, D>& vertex,
                                 const std::array<double, D>& weight) noexcept {
-    BoundaryValue<D> value;
-    value.handle.fill(vertex[0]); // unused entries keep a valid handle with weight 0
-    std::copy(vertex.begin(), vertex.end(), value.handle.begin());
-    std::copy(weight.begin(), weight.end(), value.weight.begin());
-    return value;
+    return {vertex, weight};
 }
 
 namespace detail {

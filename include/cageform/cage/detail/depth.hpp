@@ -1,7 +1,6 @@
 // A smooth measure of how deep inside a cage a point lies.
 #pragma once
 
-#include <cageform/cage/box.hpp>
 #include <cageform/cage/cell_complex.hpp>
 #include <cageform/cage/detail/loop_sides.hpp>
 #include <cageform/cage/detail/shells.hpp>
@@ -69,17 +68,17 @@ public:
             const double height = dot(face.normal, c[0]);
             // The spherical triangle's vector area along the normal: half the sum over its sides of
             // the side's angle times its unit normal.
-            double part = 0;
+            double area = 0;
             for (std::size_t k = 0; k < 3; ++k) {
                 const auto over = cross(c[k], c[(k + 1) % 3]);
                 const double size = detail::length(over);
                 if (size > 0)
-                    part += 0.5 * std::atan2(size, dot(c[k], c[(k + 1) % 3])) / size * dot(face.normal, over);
+                    area += 0.5 * std::atan2(size, dot(c[k], c[(k + 1) % 3])) / size * dot(face.normal, over);
             }
             // A face seen edge-on from beside contributes only rounding. From right above the face
-            // `part` is about π.
-            if (std::fabs(height) < 1e-7 * largest && std::fabs(part) < 1) continue;
-            sum += part / height;
+            // `area` is about π.
+            if (std::fabs(height) < 1e-7 * largest && std::fabs(area) < 1) continue;
+            sum += area / height;
         }
         return sum > 0 ? 1 / sum : 0;
     }
@@ -90,24 +89,6 @@ private:
         Vec<double, 3> normal;
     };
     std::vector<Face> faces_;
-};
-
-/// For a box, the harmonic mean of the distances from its faces is good enough.
-template <Scalar T>
-class Depth<Box<T>> {
-public:
-    explicit Depth(const Box<T>& box)
-        : lower_(vec_cast<double>(box.lower()))
-        , upper_(vec_cast<double>(box.upper())) {}
-    double operator()(const Vec<T, 3>& p) const noexcept {
-        double sum = 0;
-        for (std::size_t k = 0; k < 3; ++k)
-            sum += 1 / (double(p[k]) - lower_[k]) + 1 / (upper_[k] - double(p[k]));
-        return sum > 0 ? 1 / sum : 0;
-    }
-
-private:
-    Vec<double, 3> lower_, upper_;
 };
 
 /// The depth in a cell complex ignores the cells inside.

@@ -68,16 +68,16 @@ private:
     double area(std::uint32_t a, std::uint32_t b, std::uint32_t c) const noexcept {
         return cross(at_[b] - at_[a], at_[c] - at_[a]);
     }
-    double turn(const Buffer<Corner>& corners, std::uint32_t i) const noexcept {
+    double corner_area(const Buffer<Corner>& corners, std::uint32_t i) const noexcept {
         return area(corners[i].before, i, corners[i].after);
     }
     bool is_ear(const Buffer<Corner>& corners, std::uint32_t tip) const noexcept {
-        if (!(turn(corners, tip) > 0)) return false;
+        if (!(corner_area(corners, tip) > 0)) return false;
         const auto [a, c] = corners[tip];
         // If any vertex lies in an ear, a non-convex one does.
         for (auto p = corners[c].after; p != a; p = corners[p].after) {
             const bool in_ear = area(a, tip, p) >= 0 && area(tip, c, p) >= 0 && area(c, a, p) >= 0;
-            if (in_ear && turn(corners, p) <= 0) return false;
+            if (in_ear && corner_area(corners, p) <= 0) return false;
         }
         return true;
     }

@@ -53,7 +53,7 @@ public:
         : facets_(facets)
         , groups_(groups)
         , margin_(margin)
-        , parts_of_(facets.size()) {}
+        , cells_of_(facets.size()) {}
 
     static constexpr std::uint32_t no_group = ~std::uint32_t{0};
 
@@ -77,8 +77,8 @@ private:
         Bounds<double, D> bounds; ///< of the clipped facet
     };
     using Items = std::vector<Item>;
-    struct InPart {
-        std::uint32_t part;
+    struct InCell {
+        std::uint32_t cell;
         Bounds<double, D> bounds;
     };
 
@@ -142,16 +142,16 @@ private:
                 inside.push_back(item);
                 continue;
             }
-            Bounds<double, D> part = item.bounds;
+            Bounds<double, D> common = item.bounds;
             for (std::size_t k = 0; k < D; ++k) {
-                part.lower[k] = std::fmax(part.lower[k], box.lower[k]);
-                part.upper[k] = std::fmin(part.upper[k], box.upper[k]);
+                common.lower[k] = std::fmax(common.lower[k], box.lower[k]);
+                common.upper[k] = std::fmin(common.upper[k], box.upper[k]);
             }
-            part = part.widened(margin_);
-            if (!part.overlaps(part)) continue;
-            if (part.covers(item.bounds)) {
+            common = common.widened(margin_);
+            if (!common.overlaps(common)) continue;
+            if (common.covers(item.bounds)) {
                 inside.push_back(item);
-            } else if (const auto bounds = clipped_bounds(facets_[item.facet].corner, part)) {
+            } else if (const auto bounds = clipped_bounds(facets_[item.facet].corner, common)) {
                 inside.push_back({item.facet, *bounds});
             }
         }
@@ -221,8 +221,8 @@ private:
                 if (meet(m, n) && !found_before(m, n)) found(m, n);
             }
         }
-        for (const Item& item : items) parts_of_[item.facet].push_back({parts_, item.bounds});
-        ++parts_;
+        for (const Item& item : items) cells_of_[item.facet].push_back({cells_, item.bounds});
+        ++cells_;
     }
     bool are_near(const Bounds<double, D>& a, const Bounds<double, D>& b) const noexcept {
         return a.widened(2 * margin_).overlaps(b);
@@ -235,10 +235,10 @@ private:
     }
     /// Whether an earlier cell contained both facets close to each other.
     bool found_before(std::size_t m, std::size_t n) const noexcept {
-        const auto &a = parts_of_[m], &b = parts_of_[n];
+        const auto &a = cells_of_[m], &b = cells_of_[n];
         for (std::size_t i = 0, j = 0; i < a.size() && j < b.size();) {
-            if (a[i].part == b[j].part && are_near(a[i].bounds, b[j].bounds)) return true;
-            ++(a[i].part <= b[j].part ? i : j);
+            if (a[i].cell == b[j].cell && are_near(a[i].bounds, b[j].bounds)) return true;
+            ++(a[i].cell <= b[j].cell ? i : j);
         }
         return false;
     }
@@ -246,8 +246,8 @@ private:
     std::span<const Facet<D>> facets_;
     std::span<const std::uint32_t> groups_;
     double margin_;
-    std::vector<std::vector<InPart>> parts_of_; ///< for every facet, ascending
-    std::uint32_t parts_ = 0;
+    std::vector<std::vector<InCell>> cells_of_; ///< for every facet, ascending
+    std::uint32_t cells_ = 0;
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

@@ -14,9 +14,9 @@ namespace detail {
 /// Returns the plane of a face.
 template <Scalar T>
 FacePlane plane_of(const PolyhedralMesh<T>& mesh, std::size_t f) {
-    Buffer<Vec<double, 3>> places;
-    for (const std::uint32_t i : mesh.face(f)) places.push_back(vec_cast<double>(mesh[i]));
-    return FacePlane(places);
+    Buffer<Vec<double, 3>> positions;
+    for (const std::uint32_t i : mesh.face(f)) positions.push_back(vec_cast<double>(mesh[i]));
+    return FacePlane(positions);
 }
 
 /// Returns a face as a counter-clockwise polygon in its plane.

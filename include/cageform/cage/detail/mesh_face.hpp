@@ -2,10 +2,13 @@
 #pragma once
 
 #include <cageform/cage/detail/faces_of.hpp>
+#include <cageform/core/vec.hpp>
 
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <span>
+#include <vector>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
@@ -22,8 +25,12 @@ MeshFace checked_face(const F& face, std::size_t count) noexcept {
 
 /// Returns whether a corner of a facet is no_vertex.
 template <std::size_t D>
-bool lacks_vertex(const std::array<std::uint32_t, D>& facet) noexcept {
+bool has_missing_vertex(const std::array<std::uint32_t, D>& facet) noexcept {
     return std::find(facet.begin(), facet.end(), no_vertex) != facet.end();
 }
+
+/// Makes the faces that close small gaps of a mesh; see TriangleMesh. Defined in check_mesh.impl.hpp.
+template <Scalar T>
+std::vector<MeshFace> closing_faces(std::span<const Vec<T, 3>> vertices, std::span<const MeshFace> faces);
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

@@ -28,23 +28,23 @@ public:
         add_product(std::fma(x, y, -product), z);
         add_product(product, z);
     }
-    int sign() const noexcept { return count_ == 0 ? 0 : parts_[count_ - 1] > 0 ? 1 : -1; }
+    int sign() const noexcept { return count_ == 0 ? 0 : components_[count_ - 1] > 0 ? 1 : -1; }
 
 private:
     void add(double x) noexcept {
         std::size_t kept = 0;
         for (std::size_t i = 0; i < count_; ++i) {
-            const double part = parts_[i], sum = part + x, virtual_x = sum - part;
-            const double error = (part - (sum - virtual_x)) + (x - virtual_x);
-            if (error != 0) parts_[kept++] = error;
+            const double component = components_[i], sum = component + x, virtual_x = sum - component;
+            const double error = (component - (sum - virtual_x)) + (x - virtual_x);
+            if (error != 0) components_[kept++] = error;
             x = sum;
         }
-        if (x != 0) parts_[kept++] = x;
+        if (x != 0) components_[kept++] = x;
         count_ = kept;
     }
 
     std::array<double, terms>
-        parts_{}; // without overlap, ascending, none zero; their exact sum is the result
+        components_{}; // without overlap, ascending, none zero; their exact sum is the result
     std::size_t count_ = 0;
 };
 

@@ -68,7 +68,7 @@ struct Facet {
 /// Returns the parameter of the point on segment ab nearest to `p`: 0 at a, 1 at b; 0 if a equals
 /// b.
 template <std::size_t D>
-double part_of_segment(const Vec<double, D>& p, const Vec<double, D>& a, const Vec<double, D>& b) noexcept {
+double segment_parameter(const Vec<double, D>& p, const Vec<double, D>& a, const Vec<double, D>& b) noexcept {
     const auto e = b - a;
     const double length2 = dot(e, e);
     return length2 > 0 ? std::fmin(std::fmax(dot(p - a, e) / length2, 0.0), 1.0) : 0.0;
@@ -78,7 +78,7 @@ double part_of_segment(const Vec<double, D>& p, const Vec<double, D>& a, const V
 template <std::size_t D>
 Vec<double, D> nearest_on_segment(const Vec<double, D>& p, const Vec<double, D>& a,
                                   const Vec<double, D>& b) noexcept {
-    return a + part_of_segment(p, a, b) * (b - a);
+    return a + segment_parameter(p, a, b) * (b - a);
 }
 template <std::size_t D>
 double distance_to_segment(const Vec<double, D>& p, const Vec<double, D>& a,
@@ -109,7 +109,7 @@ double segment_distance(const Vec<double, D>& a, const Vec<double, D>& b, const 
 
 /// Returns the point of an edge nearest to `p`, as barycentric weights.
 inline std::array<double, 2> nearest_on_facet(const Vec<double, 2>& p, const Corners<2>& edge) noexcept {
-    const double s = part_of_segment(p, edge[0], edge[1]);
+    const double s = segment_parameter(p, edge[0], edge[1]);
     return {1 - s, s};
 }
 /// Returns the point of a triangle nearest to `p`, as barycentric weights (Ericson, Real-Time
@@ -126,7 +126,7 @@ inline std::array<double, 3> nearest_on_facet(const Vec<double, 3>& p, const Cor
     double least = std::numeric_limits<double>::infinity();
     for (std::size_t k = 0; k < 3; ++k) {
         const std::size_t l = (k + 1) % 3;
-        const double s = part_of_segment(p, triangle[k], triangle[l]);
+        const double s = segment_parameter(p, triangle[k], triangle[l]);
         const auto d = triangle[k] + s * (triangle[l] - triangle[k]) - p;
         if (dot(d, d) >= least) continue;
         least = dot(d, d);
@@ -139,14 +139,14 @@ inline std::array<double, 3> nearest_on_facet(const Vec<double, 3>& p, const Cor
 
 /// Returns the point with these barycentric weights on a facet.
 template <std::size_t D>
-Vec<double, D> place_on_facet(const std::array<double, D>& weights, const Corners<D>& corner) noexcept {
+Vec<double, D> point_on_facet(const std::array<double, D>& weights, const Corners<D>& corner) noexcept {
     Vec<double, D> x{};
     for (std::size_t k = 0; k < D; ++k) x = x + weights[k] * corner[k];
     return x;
 }
 template <std::size_t D>
 double distance_to_facet(const Vec<double, D>& p, const Corners<D>& corner) noexcept {
-    return length(place_on_facet(nearest_on_facet(p, corner), corner) - p);
+    return length(point_on_facet(nearest_on_facet(p, corner), corner) - p);
 }
 
 /// Whether the corners of a triangle lie on one line, within `tolerance`.

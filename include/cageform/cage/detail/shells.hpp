@@ -18,7 +18,7 @@ struct Shells {
     /// Six times the volume of every shell; positive if counter-clockwise seen from outside.
     std::vector<double> volume;
     /// Whether a shell's faces must be flipped to be counter-clockwise seen from outside the cage.
-    std::vector<bool> turned;
+    std::vector<bool> reversed;
 };
 
 /// Finds the connected components, numbers them by their first faces, and fills `of_face` and
@@ -49,15 +49,15 @@ Shells connected_faces(const TriangleMesh<T>& mesh) {
 template <Scalar T>
 std::size_t shell_depth(const TriangleMesh<T>& mesh, const Shells& shells, std::uint32_t shell) {
     if (shells.first_face.size() == 1) return 0;
-    std::vector<double> turns(shells.first_face.size());
+    std::vector<double> winding(shells.first_face.size());
     const auto q = vec_cast<double>(mesh[mesh.faces()[shells.first_face[shell]][0]]);
     for (std::size_t f = 0; f < mesh.faces().size(); ++f) {
         const auto other = shells.of_face[f];
         if (other != shell)
-            turns[other] += half_solid_angle(q, Facet<3>(mesh.faces()[f], mesh.vertices()).corner) /
-                            (2 * std::numbers::pi);
+            winding[other] += half_solid_angle(q, Facet<3>(mesh.faces()[f], mesh.vertices()).corner) /
+                              (2 * std::numbers::pi);
     }
-    return std::size_t(std::count_if(turns.begin(), turns.end(), is_enclosed));
+    return std::size_t(std::count_if(winding.begin(), winding.end(), is_enclosed));
 }
 
 /// Finds the shells of a mesh. O(#F) for one shell, O(#F · shells) for more.
@@ -73,7 +73,7 @@ Shells shells_of(const TriangleMesh<T>& mesh) {
     }
     for (std::uint32_t s = 0; s < shells.first_face.size(); ++s) {
         const bool is_cavity = shell_depth(mesh, shells, s) % 2 == 1;
-        shells.turned.push_back((shells.volume[s] > 0) == is_cavity);
+        shells.reversed.push_back((shells.volume[s] > 0) == is_cavity);
     }
     return shells;
 }
@@ -85,7 +85,7 @@ std::vector<typename TriangleMesh<T>::Face> outward_faces(const TriangleMesh<T>&
     const auto shells = shells_of(mesh);
     std::vector<typename TriangleMesh<T>::Face> faces(mesh.faces().begin(), mesh.faces().end());
     for (std::size_t f = 0; f < faces.size(); ++f) {
-        if (shells.turned[shells.of_face[f]]) std::swap(faces[f][1], faces[f][2]);
+        if (shells.reversed[shells.of_face[f]]) std::swap(faces[f][1], faces[f][2]);
     }
     return faces;
 }

@@ -70,42 +70,42 @@ public:
 
     /// Triangulates points on a lattice; duplicates are left out. The result is empty if all points
     /// lie in one plane (in 2D, on one line).
-    explicit Delaunay(std::vector<detail::Place<D>> places)
-        : site_(places.size())
-        , place_(std::move(places)) {
+    explicit Delaunay(std::vector<detail::LatticePoint<D>> points)
+        : site_(points.size())
+        , point_(std::move(points)) {
         sort_sites();
         Search search;
         if (!begin()) return;
-        for (std::uint32_t i = D + 1; i < place_.size(); ++i) insert(i, search);
+        for (std::uint32_t i = D + 1; i < point_.size(); ++i) insert(i, search);
         finish();
         find_centres();
         lay_grid();
     }
 
     bool empty() const noexcept { return simplices_.empty(); }
-    std::size_t size() const noexcept { return place_.size(); }
+    std::size_t size() const noexcept { return point_.size(); }
     std::span<const Simplex> simplices() const noexcept { return simplices_; }
     /// Returns the number that the caller gave to a vertex.
     std::uint32_t site(std::uint32_t vertex) const noexcept { return site_[vertex]; }
-    const detail::Place<D>& place(std::uint32_t vertex) const noexcept { return place_[vertex]; }
+    const detail::LatticePoint<D>& point(std::uint32_t vertex) const noexcept { return point_[vertex]; }
     /// Returns the circumcentre of a simplex that is no ghost, relative to its first vertex.
     const detail::Centre<D>& centre(std::uint32_t simplex) const noexcept { return centres_[simplex]; }
 
-    std::array<detail::Place<D>, D + 1> corners(const Simplex& simplex) const noexcept {
-        std::array<detail::Place<D>, D + 1> a;
-        for (std::size_t k = 0; k <= D; ++k) a[k] = place_[simplex.vertex[k]];
+    std::array<detail::LatticePoint<D>, D + 1> corners(const Simplex& simplex) const noexcept {
+        std::array<detail::LatticePoint<D>, D + 1> a;
+        for (std::size_t k = 0; k <= D; ++k) a[k] = point_[simplex.vertex[k]];
         return a;
     }
 
     /// Returns a simplex that contains `p`, or a ghost if p lies beyond the ghost's facet. Walks
     /// there from a start near p.
-    std::uint32_t locate(const detail::Place<D>& p, Search& search) const noexcept {
+    std::uint32_t locate(const detail::LatticePoint<D>& p, Search& search) const noexcept {
         return walk(p, search, [](std::uint32_t) { return false; });
     }
 
     /// Fills the cavity of `p`: empty if p is a site; partial, with a ghost, beyond the hull. Walks
     /// to the first ball containing p; returns a simplex of the cavity or one with corner p.
-    std::uint32_t find_cavity(const detail::Place<D>& p, Search& search) const {
+    std::uint32_t find_cavity(const detail::LatticePoint<D>& p, Search& search) const {
         const auto holds = [&](std::uint32_t s) { return certainly_inside(s, p) > 0; };
         const std::uint32_t from = walk(p, search, holds);
         find_cavity(p, from, search);
@@ -113,14 +113,14 @@ public:
     }
 
 private:
-    using Place = detail::Place<D>;
-    using Corners = std::array<Place, D + 1>;
+    using LatticePoint = detail::LatticePoint<D>;
+    using Corners = std::array<LatticePoint, D + 1>;
 
     // ---- the order of insertion -----------------------------------------------------------------
 
     /// Whether `a` precedes `b` on the Morton curve: compares along the axis whose coordinates
     /// differ in the highest bit (Chan 2002).
-    static bool before_on_curve(const Place& a, const Place& b) noexcept {
+    static bool before_on_curve(const LatticePoint& a, const LatticePoint& b) noexcept {
         std::size_t axis = 0;
         std::uint64_t most = 0;
         for (std::size_t k = 0; k < D; ++k) {
@@ -134,7 +134,7 @@ private:
     }
     /// Returns the insertion round of a site: rounds are random halves, each sorted along the curve
     /// (Amenta, Choi, Rote 2003). The random bits are a hash of the position.
-    static int round_of(const Place& a) noexcept {
+    static int round_of(const LatticePoint& a) noexcept {
         std::uint64_t z = 0;
         for (const std::int64_t x : a) {
             z = (z ^ std::uint64_t(x)) * 0x9E3779B97F4A7C15u;
@@ -149,30 +149,30 @@ private:
             int round;
             std::uint32_t site;
         };
-        std::vector<Entry> order(place_.size());
-        for (std::uint32_t i = 0; i < place_.size(); ++i) order[i] = {round_of(place_[i]), i};
+        std::vector<Entry> order(point_.size());
+        for (std::uint32_t i = 0; i < point_.size(); ++i) order[i] = {round_of(point_[i]), i};
         std::sort(order.begin(), order.end(), [&](const Entry& a, const Entry& b) {
             if (a.round != b.round) return a.round < b.round;
-            if (place_[a.site] != place_[b.site]) return before_on_curve(place_[a.site], place_[b.site]);
+            if (point_[a.site] != point_[b.site]) return before_on_curve(point_[a.site], point_[b.site]);
             return a.site < b.site;
         });
-        std::vector<Place> sorted;
-        sorted.reserve(place_.size());
+        std::vector<LatticePoint> sorted;
+        sorted.reserve(point_.size());
         for (std::size_t n = 0; n < order.size(); ++n) {
             site_[n] = order[n].site;
-            sorted.push_back(place_[order[n].site]);
+            sorted.push_back(point_[order[n].site]);
         }
-        place_ = std::move(sorted);
+        point_ = std::move(sorted);
     }
 
     /// Makes the first simplex, from the first D + 1 affinely independent sites in order, and moves
     /// these sites to the front.
     bool begin() {
         std::size_t count = 0;
-        for (std::size_t i = 0; i < place_.size() && count <= D; ++i) {
-            if (!independent(count, place_[i])) continue;
-            std::rotate(place_.begin() + std::ptrdiff_t(count), place_.begin() + std::ptrdiff_t(i),
-                        place_.begin() + std::ptrdiff_t(i) + 1);
+        for (std::size_t i = 0; i < point_.size() && count <= D; ++i) {
+            if (!independent(count, point_[i])) continue;
+            std::rotate(point_.begin() + std::ptrdiff_t(count), point_.begin() + std::ptrdiff_t(i),
+                        point_.begin() + std::ptrdiff_t(i) + 1);
             std::rotate(site_.begin() + std::ptrdiff_t(count), site_.begin() + std::ptrdiff_t(i),
                         site_.begin() + std::ptrdiff_t(i) + 1);
             ++count;
@@ -194,18 +194,19 @@ private:
         }
         return true;
     }
-    bool independent(std::size_t count, const Place& p) const noexcept {
+    bool independent(std::size_t count, const LatticePoint& p) const noexcept {
         if (count == 0) return true;
         if (count == D) {
             Corners a;
-            std::copy_n(place_.begin(), D, a.begin());
+            std::copy_n(point_.begin(), D, a.begin());
             a[D] = p;
             return detail::orientation<D>(a) != 0;
         }
-        if (count == 1) return p != place_[0];
+        if (count == 1) return p != point_[0];
         // In space, p is off the line through the first two points if some minor does not vanish.
         using detail::WideInt;
-        const Place d = detail::difference<D>(place_[1], place_[0]), e = detail::difference<D>(p, place_[0]);
+        const LatticePoint d = detail::difference<D>(point_[1], point_[0]),
+                           e = detail::difference<D>(p, point_[0]);
         for (std::size_t k = 0; k < D; ++k) {
             const std::size_t l = (k + 1) % D;
             if ((WideInt(d[k]) * WideInt(e[l]) - WideInt(d[l]) * WideInt(e[k])).sign() != 0) return true;
@@ -224,7 +225,7 @@ private:
 
     /// Steps towards `p`, across a facet at a time, to the simplex containing it or the first `found`.
     template <class Found>
-    std::uint32_t walk(const Place& p, Search& search, const Found& found) const noexcept {
+    std::uint32_t walk(const LatticePoint& p, Search& search, const Found& found) const noexcept {
         std::uint32_t at = starts_.empty() ? search.last_ : starts_[cell_of(p)];
         if (at >= simplices_.size()) at = 0;
         if (has_infinite(at)) at = simplices_[at].neighbour[simplices_[at].index_of(infinite)];
@@ -245,7 +246,7 @@ private:
         return search.last_ = (std::min)(at, std::uint32_t(simplices_.size() - 1));
     }
     /// Fills the cavity of p, starting from a simplex that contains p or whose ball does.
-    void find_cavity(const detail::Place<D>& p, std::uint32_t from, Search& search) const {
+    void find_cavity(const detail::LatticePoint<D>& p, std::uint32_t from, Search& search) const {
         search.begin(simplices_.size());
         if (!in_conflict(from, p)) return;
         search.stamps_[from] = search.stamp_;
@@ -263,13 +264,13 @@ private:
         std::sort(search.cavity_.begin(), search.cavity_.end());
     }
     /// Returns the neighbour across a facet that `p` lies strictly beyond, or none. The first facet
-    /// tried rotates with `turn`; the simplex that the walk came from is skipped.
-    std::uint32_t step_towards(const Place& p, std::uint32_t at, std::uint32_t from,
-                               std::size_t turn) const noexcept {
+    /// tried rotates with `rotation`; the simplex that the walk came from is skipped.
+    std::uint32_t step_towards(const LatticePoint& p, std::uint32_t at, std::uint32_t from,
+                               std::size_t rotation) const noexcept {
         const Simplex& simplex = simplices_[at];
         const detail::CornersSeen<D> seen(corners(simplex), p);
         for (std::size_t n = 0; n <= D; ++n) {
-            const std::size_t k = (n + turn) % (D + 1);
+            const std::size_t k = (n + rotation) % (D + 1);
             if (simplex.neighbour[k] != from && seen.side(k) < 0) return simplex.neighbour[k];
         }
         return none;
@@ -277,12 +278,12 @@ private:
 
     /// Tests with the circumcentre whether the ball of a simplex that is no ghost strictly contains
     /// `p`: 1 or -1; 0 if uncertain.
-    int certainly_inside(std::uint32_t s, const Place& p) const noexcept {
-        return detail::certain_in_sphere<D>(place_[simplices_[s].vertex[0]], centres_[s], p);
+    int certainly_inside(std::uint32_t s, const LatticePoint& p) const noexcept {
+        return detail::certain_in_sphere<D>(point_[simplices_[s].vertex[0]], centres_[s], p);
     }
     /// Whether `p` lies strictly inside the ball of a simplex. For a ghost: whether p lies strictly
     /// beyond its facet, or in its plane and inside the ball of the adjacent simplex.
-    bool in_conflict(std::uint32_t s, const Place& p) const noexcept {
+    bool in_conflict(std::uint32_t s, const LatticePoint& p) const noexcept {
         const Simplex& simplex = simplices_[s];
         if (!centres_.empty() && !simplex.is_ghost()) {
             if (const int sign = certainly_inside(s, p); sign != 0) return sign > 0;
@@ -290,7 +291,7 @@ private:
         const std::size_t k = simplex.index_of(infinite);
         if (simplex.vertex[k] != infinite) return detail::in_sphere<D>(corners(simplex), p) > 0;
         Corners a;
-        for (std::size_t n = 0; n <= D; ++n) a[n] = n == k ? p : place_[simplex.vertex[n]];
+        for (std::size_t n = 0; n <= D; ++n) a[n] = n == k ? p : point_[simplex.vertex[n]];
         const int side = detail::orientation<D>(a);
         if (side != 0) return side > 0;
         return detail::in_sphere<D>(corners(simplices_[simplex.neighbour[k]]), p) > 0;
@@ -306,8 +307,8 @@ private:
     };
 
     void insert(std::uint32_t v, Search& search) {
-        const std::uint32_t from = locate(place_[v], search);
-        find_cavity(place_[v], from, search);
+        const std::uint32_t from = locate(point_[v], search);
+        find_cavity(point_[v], from, search);
         if (search.cavity_.empty()) return; // a duplicate
         open_.clear();
         added_.clear();
@@ -403,7 +404,7 @@ private:
         std::vector<std::uint32_t> starts(std::size_t{1} << (D * std::size_t(bits)));
         Search search;
         for (std::size_t cell = 0; cell < starts.size(); ++cell) {
-            Place middle;
+            LatticePoint middle;
             for (std::size_t k = 0; k < D; ++k) {
                 const std::size_t n = (cell >> (k * std::size_t(bits))) & ((std::size_t{1} << bits) - 1);
                 middle[k] = (std::int64_t(2 * n + 1) << shift) / 2;
@@ -413,7 +414,7 @@ private:
         starts_ = std::move(starts);
         grid_bits_ = bits;
     }
-    std::size_t cell_of(const Place& p) const noexcept {
+    std::size_t cell_of(const LatticePoint& p) const noexcept {
         const std::int64_t last = (std::int64_t{1} << grid_bits_) - 1;
         std::size_t cell = 0;
         for (std::size_t k = D; k-- > 0;) {
@@ -437,7 +438,7 @@ private:
     }
 
     std::vector<std::uint32_t> site_;
-    std::vector<Place> place_;
+    std::vector<LatticePoint> point_;
     std::vector<Simplex> simplices_;
     std::vector<detail::Centre<D>> centres_;
     std::vector<std::uint32_t> starts_; ///< of walks, per grid cell

@@ -18,7 +18,7 @@ struct HullFacet {
 /// A facet of the exact hull, and the index in `HullFacets::facets` of the merged facet it belongs
 /// to.
 template <std::size_t D>
-struct HullPart {
+struct HullPiece {
     Corners<D> corner;
     std::uint32_t facet;
 };
@@ -54,11 +54,11 @@ public:
             if (facet_of_[entry.ghost] == none && entry.measure > tolerance * longest_edge(entry.ghost))
                 collect(entry.ghost);
         }
-        find_parts();
+        find_pieces();
     }
 
     std::vector<HullFacet<D>> facets;
-    std::vector<HullPart<D>> parts;
+    std::vector<HullPiece<D>> pieces;
 
 private:
     static constexpr std::uint32_t none = ~std::uint32_t{0};
@@ -85,16 +85,16 @@ private:
     }
 
     /// Spreads facets from the ghosts that have one to neighbouring ghosts that have none yet.
-    void find_parts() {
+    void find_pieces() {
         std::vector<std::uint32_t> ghosts;
         for (std::uint32_t s = 0; s < facet_of_.size(); ++s) {
             if (facet_of_[s] != none) ghosts.push_back(s);
         }
         for (std::size_t n = 0; n < ghosts.size(); ++n) {
             const std::uint32_t s = ghosts[n];
-            parts.push_back({{}, facet_of_[s]});
+            pieces.push_back({{}, facet_of_[s]});
             for (std::size_t k = 0; k < D; ++k) {
-                parts.back().corner[k] = at_[simplex(s).vertex[k]];
+                pieces.back().corner[k] = at_[simplex(s).vertex[k]];
                 const std::uint32_t next = simplex(s).neighbour[k];
                 if (facet_of_[next] != none) continue;
                 facet_of_[next] = facet_of_[s];
@@ -159,14 +159,14 @@ class HullTree {
 public:
     struct Nearest {
         std::uint32_t facet;
-        Vec<double, D> place;
+        Vec<double, D> position;
         double distance2; ///< squared distance to the query point
     };
 
     HullTree() = default;
-    explicit HullTree(std::vector<HullPart<D>> parts)
-        : parts_(std::move(parts)) {
-        divide(0, std::uint32_t(parts_.size()));
+    explicit HullTree(std::vector<HullPiece<D>> pieces)
+        : pieces_(std::move(pieces)) {
+        divide(0, std::uint32_t(pieces_.size()));
     }
 
     /// Replaces `best` if some point of the hull is nearer to `q`.
@@ -175,15 +175,15 @@ public:
 private:
     struct Node {
         Bounds<double, D> bounds;
-        std::uint32_t begin, end; ///< of parts
+        std::uint32_t begin, end; ///< of pieces
         std::uint32_t second;     ///< the second child; the first is the next node. 0 for a leaf
     };
     static constexpr std::uint32_t leaf = 4;
 
     void divide(std::uint32_t begin, std::uint32_t end) {
-        Node node{bounds_of(std::span<const Vec<double, D>>(parts_[begin].corner)), begin, end, 0};
+        Node node{bounds_of(std::span<const Vec<double, D>>(pieces_[begin].corner)), begin, end, 0};
         for (std::uint32_t n = begin + 1; n < end; ++n) {
-            for (const auto& x : parts_[n].corner) {
+            for (const auto& x : pieces_[n].corner) {
                 for (std::size_t k = 0; k < D; ++k) {
                     node.bounds.lower[k] = (std::min)(node.bounds.lower[k], x[k]);
                     node.bounds.upper[k] = (std::max)(node.bounds.upper[k], x[k]);
@@ -196,15 +196,15 @@ private:
         const auto sides = node.bounds.upper - node.bounds.lower;
         std::size_t axis = 0;
         for (std::size_t k = 1; k < D; ++k) axis = sides[k] > sides[axis] ? k : axis;
-        const auto middle = [&](const HullPart<D>& part) {
+        const auto middle = [&](const HullPiece<D>& piece) {
             double sum = 0;
-            for (const auto& x : part.corner) sum += x[axis];
+            for (const auto& x : piece.corner) sum += x[axis];
             return sum;
         };
         const std::uint32_t half = begin + (end - begin) / 2;
-        const auto at = [&](std::uint32_t part) { return parts_.begin() + std::ptrdiff_t(part); };
+        const auto at = [&](std::uint32_t piece) { return pieces_.begin() + std::ptrdiff_t(piece); };
         std::nth_element(at(begin), at(half), at(end),
-                         [&](const HullPart<D>& a, const HullPart<D>& b) { return middle(a) < middle(b); });
+                         [&](const HullPiece<D>& a, const HullPiece<D>& b) { return middle(a) < middle(b); });
         divide(begin, half);
         nodes_[number].second = std::uint32_t(nodes_.size());
         divide(half, end);
@@ -222,8 +222,8 @@ private:
         const Node& node = nodes_[number];
         if (node.second == 0) {
             for (std::uint32_t n = node.begin; n < node.end; ++n) {
-                const auto& [corner, facet] = parts_[n];
-                const auto x = place_on_facet(nearest_on_facet(q, corner), corner);
+                const auto& [corner, facet] = pieces_[n];
+                const auto x = point_on_facet(nearest_on_facet(q, corner), corner);
                 const double distance = dot(x - q, x - q);
                 if (distance < best.distance2) best = {facet, x, distance};
             }
@@ -239,7 +239,7 @@ private:
         if (most < best.distance2) find(farther, q, best);
     }
 
-    std::vector<HullPart<D>> parts_;
+    std::vector<HullPiece<D>> pieces_;
     std::vector<Node> nodes_;
 };
 

@@ -9,17 +9,17 @@ namespace cageform::inline CAGEFORM_ABI::detail {
 /// A point on a lattice whose step is 2^-60 extents. An *extent* is a unit of length: the least power of
 /// two above the longest side of the sites' bounds. Differences need 61 bits and a sign.
 template <std::size_t D>
-using Place = std::array<std::int64_t, D>;
+using LatticePoint = std::array<std::int64_t, D>;
 
 /// Converts a point to double, with a relative rounding error below 2^-53.
 template <std::size_t D>
-Vec<double, D> to_double(const Place<D>& a) noexcept {
+Vec<double, D> to_double(const LatticePoint<D>& a) noexcept {
     Vec<double, D> r{};
     for (std::size_t k = 0; k < D; ++k) r[k] = double(a[k]);
     return r;
 }
 template <std::size_t D>
-Place<D> difference(Place<D> a, const Place<D>& b) noexcept {
+LatticePoint<D> difference(LatticePoint<D> a, const LatticePoint<D>& b) noexcept {
     for (std::size_t k = 0; k < D; ++k) a[k] -= b[k];
     return a;
 }
@@ -45,8 +45,8 @@ public:
 
     /// Returns the lattice point of `p`, which must lie within the bounds, or outside by at most
     /// their length.
-    Place<D> place(const Vec<double, D>& p) const noexcept {
-        Place<D> result;
+    LatticePoint<D> position(const Vec<double, D>& p) const noexcept {
+        LatticePoint<D> result;
         for (std::size_t k = 0; k < D; ++k) result[k] = std::int64_t(fixed(p[k]) - origin_[k]);
         return result;
     }
@@ -65,7 +65,7 @@ public:
         }
         return r;
     }
-    Vec<double, D> seen(const Place<D>& p) const noexcept { return 0x1p-60 * to_double<D>(p); }
+    Vec<double, D> seen(const LatticePoint<D>& p) const noexcept { return 0x1p-60 * to_double<D>(p); }
     /// Converts a point in extents back to the units of the user.
     Vec<double, D> unseen(const Vec<double, D>& q) const noexcept {
         Vec<double, D> r{};
@@ -152,7 +152,7 @@ int certain_sign(const Square<double, N>& m) noexcept {
 
 /// Returns the rows a_1 − a_0, …, a_D − a_0.
 template <class X, std::size_t D>
-Square<X, D> edge_rows(const std::array<Place<D>, D + 1>& a) noexcept {
+Square<X, D> edge_rows(const std::array<LatticePoint<D>, D + 1>& a) noexcept {
     Square<X, D> rows;
     for (std::size_t i = 0; i < D; ++i) {
         for (std::size_t k = 0; k < D; ++k) rows[i][k] = X(a[i + 1][k] - a[0][k]);
@@ -161,7 +161,7 @@ Square<X, D> edge_rows(const std::array<Place<D>, D + 1>& a) noexcept {
 }
 /// Returns the rows (a_i − q, |a_i − q|²).
 template <class X, std::size_t D>
-Square<X, D + 1> lifted_rows(const std::array<Place<D>, D + 1>& a, const Place<D>& q) noexcept {
+Square<X, D + 1> lifted_rows(const std::array<LatticePoint<D>, D + 1>& a, const LatticePoint<D>& q) noexcept {
     Square<X, D + 1> rows;
     for (std::size_t i = 0; i <= D; ++i) {
         rows[i][D] = X(0);
@@ -175,7 +175,7 @@ Square<X, D + 1> lifted_rows(const std::array<Place<D>, D + 1>& a, const Place<D
 
 /// Returns the sign of det(a_1 − a_0, …), in 2D positive for counter-clockwise triangles. Exact.
 template <std::size_t D>
-int orientation(const std::array<Place<D>, D + 1>& a) noexcept {
+int orientation(const std::array<LatticePoint<D>, D + 1>& a) noexcept {
     const int sign = certain_sign<D>(edge_rows<double, D>(a));
     return sign != 2 ? sign : determinant(edge_rows<WideInt, D>(a)).sign();
 }
@@ -184,9 +184,9 @@ int orientation(const std::array<Place<D>, D + 1>& a) noexcept {
 template <std::size_t D>
 class CornersSeen {
 public:
-    CornersSeen(const std::array<Place<D>, D + 1>& corners, const Place<D>& p) noexcept
+    CornersSeen(const std::array<LatticePoint<D>, D + 1>& corners, const LatticePoint<D>& p) noexcept
         : corners_(corners)
-        , place_(p) {
+        , point_(p) {
         for (std::size_t i = 0; i <= D; ++i) {
             for (std::size_t k = 0; k < D; ++k) seen_[i][k] = double(corners[i][k] - p[k]);
         }
@@ -198,20 +198,20 @@ public:
         const int sign = certain_sign<D>(rows);
         if (sign != 2) return k % 2 == 0 ? sign : -sign;
         auto a = corners_;
-        a[k] = place_;
+        a[k] = point_;
         return determinant(edge_rows<WideInt, D>(a)).sign();
     }
 
 private:
-    std::array<Place<D>, D + 1> corners_;
-    Place<D> place_;
+    std::array<LatticePoint<D>, D + 1> corners_;
+    LatticePoint<D> point_;
     std::array<std::array<double, D>, D + 1> seen_;
 };
 
 /// Returns a positive number if `q` lies strictly inside the circumscribed ball of a positively
 /// oriented simplex, zero if on its sphere. Exact.
 template <std::size_t D>
-int in_sphere(const std::array<Place<D>, D + 1>& a, const Place<D>& q) noexcept {
+int in_sphere(const std::array<LatticePoint<D>, D + 1>& a, const LatticePoint<D>& q) noexcept {
     int sign = certain_sign<D + 1>(lifted_rows<double, D>(a, q));
     if (sign == 2) sign = determinant(lifted_rows<WideInt, D>(a, q)).sign();
     return D == 2 ? sign : -sign;
@@ -292,7 +292,8 @@ struct Centre {
 /// Evaluates `in_sphere` with the first corner as origin and the circumcentre c, as the sign of 2
 /// q·c − |q|²; 0 if uncertain.
 template <std::size_t D>
-int certain_in_sphere(const Place<D>& first, const Centre<D>& centre, const Place<D>& p) noexcept {
+int certain_in_sphere(const LatticePoint<D>& first, const Centre<D>& centre,
+                      const LatticePoint<D>& p) noexcept {
     double value = 0, size = 0, reach = 0;
     for (std::size_t k = 0; k < D; ++k) {
         const double q = double(p[k] - first[k]), diameter = 2 * centre.at[k];
@@ -307,7 +308,7 @@ int certain_in_sphere(const Place<D>& first, const Centre<D>& centre, const Plac
 /// Returns the circumcentre relative to the first corner, computed in integers, with a relative
 /// error of 2^-50.
 template <std::size_t D>
-Centre<D> exact_centre(const std::array<Place<D>, D + 1>& a) noexcept {
+Centre<D> exact_centre(const std::array<LatticePoint<D>, D + 1>& a) noexcept {
     const auto q = centre_quotient<WideInt, D>(edge_rows<WideInt, D>(a));
     const double bottom = 2 * double(WideFloat(q.determinant));
     Centre<D> c{};
@@ -336,7 +337,7 @@ bool find_centre(const Square<double, D>& edges, Centre<D>& c) noexcept {
     return c.error <= 0x1p-42 * largest;
 }
 template <std::size_t D>
-Centre<D> circumcentre(const std::array<Place<D>, D + 1>& a) noexcept {
+Centre<D> circumcentre(const std::array<LatticePoint<D>, D + 1>& a) noexcept {
     Centre<D> c{};
     return find_centre<D>(edge_rows<double, D>(a), c) ? c : exact_centre<D>(a);
 }

@@ -175,9 +175,9 @@ public:
         result.exponent_ = a.exponent_ + b.exponent_ + 128;
         result.high_ = top.high;
         result.low_ = top.low;
-        for (const std::uint64_t part : {multiply(a.high_, b.low_).high, multiply(a.low_, b.high_).high}) {
-            result.low_ += part;
-            if (result.low_ < part) ++result.high_;
+        for (const std::uint64_t word : {multiply(a.high_, b.low_).high, multiply(a.low_, b.high_).high}) {
+            result.low_ += word;
+            if (result.low_ < word) ++result.high_;
         }
         result.normalise();
         return result;

@@ -36,11 +36,11 @@ enum class CageFaultKind : std::uint8_t {
     bone_axes_dependent,   ///< the axes of bone `a` lie in one plane; in the plane, on one line
     interior_cells_not_supported, ///< this coordinate type supports none; there are `a` cells
     gap_closed, ///< warning: only one face had the edge between vertices `a` and `b`; the gap was closed
-    collinear_vertex,      ///< warning: vertex `a` lies on the straight line between its neighbours
-    vertex_unused,         ///< warning: no face uses vertex `a`; its weights are zero
-    shell_turns_otherwise, ///< warning: the shell of face `a` is oriented inwards; this is handled
-    loop_turns_otherwise,  ///< warning: loop `a` is a clockwise outer loop or a counter-clockwise hole;
-                           ///< handled
+    collinear_vertex,           ///< warning: vertex `a` lies on the straight line between its neighbours
+    vertex_unused,              ///< warning: no face uses vertex `a`; its weights are zero
+    shell_orientation_reversed, ///< warning: the shell of face `a` is oriented inwards; this is handled
+    loop_orientation_reversed,  ///< warning: loop `a` is a clockwise outer loop or a counter-clockwise hole;
+                                ///< handled
 };
 
 /// One fault. The comment of each kind says what `a` and `b` mean.
@@ -87,8 +87,8 @@ inline constexpr CageFaultText cage_fault_texts[] = {
     {CageFaultKind::gap_closed, Status::ok, "open edge, closed (warning)"},
     {CageFaultKind::collinear_vertex, Status::ok, "collinear vertex (warning)"},
     {CageFaultKind::vertex_unused, Status::ok, "unused vertex (warning)"},
-    {CageFaultKind::shell_turns_otherwise, Status::ok, "shell turns inside out (warning)"},
-    {CageFaultKind::loop_turns_otherwise, Status::ok, "loop turns the other way (warning)"},
+    {CageFaultKind::shell_orientation_reversed, Status::ok, "shell turns inside out (warning)"},
+    {CageFaultKind::loop_orientation_reversed, Status::ok, "loop turns the other way (warning)"},
 };
 constexpr CageFaultText text_of(CageFaultKind kind) noexcept {
     for (const auto& row : cage_fault_texts) {

@@ -10,7 +10,7 @@ namespace cageform::inline CAGEFORM_ABI::detail {
 /// The best affine fit to the displacements: a_r = Σ_i F_ir d_i, with `K` numbers each.
 template <Scalar T, std::size_t D, std::size_t K = D>
 struct AffineFit {
-    Vec<T, K> part[D + 1]{};
+    Vec<T, K> rows[D + 1]{};
 
     template <class Displacement>
     AffineFit(const PackedBindingView<T, D>& binding, const Displacement& displacement) noexcept {
@@ -21,7 +21,7 @@ struct AffineFit {
             for (std::size_t r = 0; r <= D; ++r) {
                 CAGEFORM_DETAIL_UNROLL
                 for (std::size_t k = 0; k < K; ++k)
-                    part[r][k] = multiply_add<T>(binding.affine_fit[i][r], d[k], part[r][k]);
+                    rows[r][k] = multiply_add<T>(binding.affine_fit[i][r], d[k], rows[r][k]);
             }
         }
     }
@@ -35,7 +35,7 @@ struct AffineFit {
             Simd<T> sum = Simd<T>(binding.scale[block]) * Simd<T>::load(sums[k]);
             // If unrolled, GNU would fuse another product with its sum.
             for (std::size_t r = 0; r <= D; ++r)
-                sum = multiply_add<T>(Simd<T>::load(residual[r]), Simd<T>(part[r][k]), sum);
+                sum = multiply_add<T>(Simd<T>::load(residual[r]), Simd<T>(rows[r][k]), sum);
             sum.store(sums[k]);
         }
     }
@@ -54,9 +54,9 @@ public:
 
     /// Writes blocks [begin, end). `View` is the type of the caller's binding: a dense binding is a
     /// packed one from which nothing was dropped, but it has a single format.
-    template <class View, class Taken>
-    void write(const Taken& taken, std::size_t begin, std::size_t end) const noexcept {
-        const Displacements<Taken> displacements(taken, binding_.handles);
+    template <class View, class Source>
+    void write(const Source& source, std::size_t begin, std::size_t end) const noexcept {
+        const Displacements<Source> displacements(source, binding_.handles);
         displacements.with([&](const auto& displacement) {
             const Fit fit(binding_, displacement);
             if constexpr (std::is_same_v<View, BindingView<T, D>>) {
@@ -155,7 +155,7 @@ public:
 
 private:
     DisplacedBlocks<T, D, CloneTarget<T, D, Out>> blocks_;
-    TakenDisplacements<T, D, Pose> displacements_;
+    PoseDisplacements<T, D, Pose> displacements_;
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

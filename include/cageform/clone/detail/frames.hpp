@@ -159,15 +159,15 @@ void for_moved_frames(const std::array<View, K>& tangents, const Pose& pose, con
                       const Body& body) noexcept {
     using T = typename View::scalar;
     constexpr std::size_t D = View::dimension, step = VectorTile<T, D>::blocks, lanes = lane_count<T>;
-    const PackedBindingView<T, D> places(tangents[0]);
+    const PackedBindingView<T, D> layout(tangents[0]);
     const auto run_block = [&](const TangentBlocks<T, D>& blocks, std::size_t b) {
-        const std::size_t first = b * lanes, left = places.points - first;
+        const std::size_t first = b * lanes, left = layout.points - first;
         for_frames_of_block<T, D>(
             blocks, left < lanes ? left : lanes, [&](std::size_t lane, const Frame<T, D>& frame) {
-                body(places.order != nullptr ? places.order[first + lane] : first + lane, frame);
+                body(layout.order != nullptr ? layout.order[first + lane] : first + lane, frame);
             });
     };
-    parallel_for(block_count<T>(places.points), clone_grain, [&](std::size_t begin, std::size_t end) {
+    parallel_for(block_count<T>(layout.points), clone_grain, [&](std::size_t begin, std::size_t end) {
         std::array<VectorTile<T, D>, K> tiles;
         for (std::size_t from = begin; from < end; from += step) {
             const std::size_t to = end - from < step ? end : from + step;

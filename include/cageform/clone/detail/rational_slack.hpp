@@ -39,10 +39,10 @@ struct BlockSlack {
 /// Loads a block's row of weights from their storage format.
 template <WeightFormat Format, Scalar T>
 Simd<T> load_row(const std::byte* row) noexcept {
-    constexpr std::size_t part_bytes = lane_count<T> * weight_bytes<T>(Format) / Simd<T>::count;
+    constexpr std::size_t group_bytes = lane_count<T> * weight_bytes<T>(Format) / Simd<T>::count;
     Simd<T> w;
-    for (std::size_t part = 0; part < Simd<T>::count; ++part)
-        w.r[part] = load_weights<Format, T>(row + part * part_bytes);
+    for (std::size_t group = 0; group < Simd<T>::count; ++group)
+        w.r[group] = load_weights<Format, T>(row + group * group_bytes);
     return w;
 }
 

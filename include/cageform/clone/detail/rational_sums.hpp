@@ -68,13 +68,13 @@ Vec<T, D> middle_of(const Pose& pose, std::size_t handles) noexcept {
 /// 1)(C' − g) and ω − 1. ω is relative to the smallest weight, so nothing cancels.
 template <Scalar T, std::size_t D, class Pose>
 struct RationalDisplacements {
-    TakenDisplacements<T, D, Pose> taken;
+    PoseDisplacements<T, D, Pose> displacement;
     const T* weights;
     T least;
     Vec<T, D> middle;
 
     Vec<T, D + 1> operator()(std::size_t i) const noexcept {
-        const Vec<T, D> d = taken(i), from_middle = to_vec<T>(taken.pose[i]) - middle;
+        const Vec<T, D> d = displacement(i), from_middle = to_vec<T>(displacement.pose[i]) - middle;
         Vec<T, D + 1> sum;
         sum[D] = (weights[i] - least) / least;
         for (std::size_t k = 0; k < D; ++k) sum[k] = multiply_add<T>(sum[D], from_middle[k], d[k]);

@@ -20,7 +20,7 @@ struct TabledDisplacements {
 
 /// Computes the displacement of a handle from the pose.
 template <Scalar T, std::size_t D, class Pose>
-struct TakenDisplacements {
+struct PoseDisplacements {
     const Vec<T, D>* rest;
     const Pose& pose;
 
@@ -38,14 +38,14 @@ struct DisplacementsOfRows {
 
 /// The displacements of the handles. Up to 16 kB of them are stored in a table on the stack; if
 /// there are more, each is computed again when used. So nothing is allocated, whatever their number.
-template <class Taken>
+template <class Source>
 class Displacements {
 public:
-    Displacements(const Taken& taken, std::size_t handles) noexcept
-        : taken_(taken)
+    Displacements(const Source& source, std::size_t handles) noexcept
+        : source_(source)
         , tabled_(handles <= capacity) {
         if (!tabled_) return;
-        for (std::size_t i = 0; i < handles; ++i) table_[i] = taken_(i);
+        for (std::size_t i = 0; i < handles; ++i) table_[i] = source_(i);
     }
 
     /// Calls f(displacement), where displacement(i) is that of handle i.
@@ -54,15 +54,15 @@ public:
         if (tabled_) {
             f(TabledDisplacements<Displacement>{table_});
         } else {
-            f(taken_);
+            f(source_);
         }
     }
 
 private:
-    using Displacement = decltype(std::declval<const Taken&>()(std::size_t{}));
+    using Displacement = decltype(std::declval<const Source&>()(std::size_t{}));
     static constexpr std::size_t capacity = 16384 / sizeof(Displacement);
 
-    Taken taken_;
+    Source source_;
     bool tabled_;
     Displacement table_[capacity];
 };
@@ -113,7 +113,7 @@ void add_rows_plainly(const std::byte* rows, const Vec<T, D> (&d)[sizeof...(R)],
     constexpr std::size_t row_bytes = lane_count<T> * weight_bytes<T>(Format);
     Register factor[D][sizeof...(R)];
     for (std::size_t k = 0; k < D; ++k) ((factor[k][R] = d[R].v[k] - Register{}), ...);
-    for (std::size_t part = 0; part < Simd<T>::count; ++part, rows += row_bytes / Simd<T>::count) {
+    for (std::size_t group = 0; group < Simd<T>::count; ++group, rows += row_bytes / Simd<T>::count) {
         const Register w[] = {load_weights<Format, T>(rows + R * row_bytes)...};
         for (const auto& f : factor) {
 #if defined(CAGEFORM_DETERMINISTIC)
@@ -145,9 +145,9 @@ void sum_rows_plainly(const std::byte* weights, std::size_t rows, const Displace
         const Vec<T, D> d[] = {displacement(row)};
         add_rows_plainly<Format, T, D>(weights + row * row_bytes, d, sum, std::index_sequence<0>{});
     }
-    for (std::size_t part = 0; part < Simd<T>::count; ++part) {
+    for (std::size_t group = 0; group < Simd<T>::count; ++group) {
         for (std::size_t k = 0; k < D; ++k)
-            store_bytes(sums[k].v + part * (lane_count<T> / Simd<T>::count), sum[part * D + k]);
+            store_bytes(sums[k].v + group * (lane_count<T> / Simd<T>::count), sum[group * D + k]);
     }
 }
 #endif
@@ -179,8 +179,8 @@ void sum_rows(const std::byte* weights, std::size_t stride, std::size_t rows,
 #endif
     // Processes one register's width of the block at a time; the rows stay in the first-level cache
     // meanwhile.
-    for (std::size_t part = 0; part < Simd<T>::count; ++part) {
-        const std::byte* const begin = weights + part * (row_bytes / Simd<T>::count);
+    for (std::size_t group = 0; group < Simd<T>::count; ++group) {
+        const std::byte* const begin = weights + group * (row_bytes / Simd<T>::count);
         BlockSums<T, Blocks, D> sum[Chains] = {};
         const auto add = [&](std::size_t row, std::size_t chain) CAGEFORM_DETAIL_INLINE {
             if constexpr (Where == WeightsIn::memory && weights_ahead != 0)
@@ -195,8 +195,8 @@ void sum_rows(const std::byte* weights, std::size_t stride, std::size_t rows,
                                CAGEFORM_DETAIL_INLINE { add_sums<T, Blocks, D>(sum[0], sum[c + 1]); });
         for (; row < rows; ++row) add(row, 0);
         unroll<Blocks * D>([&](auto n) CAGEFORM_DETAIL_INLINE {
-            std::memcpy(sums[n / D][n % D].v + part * (lane_count<T> / Simd<T>::count), &sum[0][n / D][n % D],
-                        sizeof(typename Simd<T>::Register));
+            std::memcpy(sums[n / D][n % D].v + group * (lane_count<T> / Simd<T>::count),
+                        &sum[0][n / D][n % D], sizeof(typename Simd<T>::Register));
         });
     }
 }

@@ -67,14 +67,14 @@ void interleave(const Simd<T>* rows, T* points) noexcept {
         }
         CAGEFORM_DETAIL_UNROLL
         for (std::size_t r = 0; r < lane_count<T> / n; ++r) {
-            Register part[D];
+            Register chunk[D];
             CAGEFORM_DETAIL_UNROLL
-            for (std::size_t k = 0; k < D; ++k) part[k] = axis[k][r];
+            for (std::size_t k = 0; k < D; ++k) chunk[k] = axis[k][r];
             [&]<std::size_t... O>(std::index_sequence<O...>) {
                 const auto put = [&](std::size_t o, const Register& mixed) {
                     std::memcpy(points + (r * D + o) * n, &mixed, sizeof(mixed));
                 };
-                (put(O, interleaved_register<D, n, O>(part, std::make_index_sequence<n>{})), ...);
+                (put(O, interleaved_register<D, n, O>(chunk, std::make_index_sequence<n>{})), ...);
             }
             (std::make_index_sequence<D>{});
         }
@@ -116,13 +116,13 @@ public:
 
     CloneTarget(const PackedBindingView<T, D>& binding, const CloneOptions<T>& options, Out& out) noexcept
         : rest_(binding.rest)
-        , place_{binding.order}
+        , index_of_{binding.order}
         , points_(binding.points)
         , options_(options)
         , out_(out) {
         if constexpr (is_strided) {
             numbers_ = out.plain_numbers();
-            by_axes_ = place_.order == nullptr && out.plain_axis(0) != nullptr;
+            by_axes_ = index_of_.order == nullptr && out.plain_axis(0) != nullptr;
         }
     }
 
@@ -146,7 +146,7 @@ private:
         const std::size_t first = block * lanes;
         if (options_.mask.size() != 0) {
             for (std::size_t lane = 0; lane < used; ++lane) {
-                const T m = options_.mask[place_(first + lane)][0];
+                const T m = options_.mask[index_of_(first + lane)][0];
                 CAGEFORM_DETAIL_UNROLL
                 for (std::size_t k = 0; k < D; ++k) sums[k][lane] = product(sums[k][lane], m);
             }
@@ -173,7 +173,7 @@ private:
     void load(std::size_t first, Count used, Lanes<T>* rows) const noexcept {
         const auto take = [&](const auto& point_at) {
             for (std::size_t lane = 0; lane < lanes; ++lane) {
-                const auto& p = point_at(place_(first + (lane < used ? lane : 0)));
+                const auto& p = point_at(index_of_(first + (lane < used ? lane : 0)));
                 CAGEFORM_DETAIL_UNROLL
                 for (std::size_t k = 0; k < D; ++k) rows[k][lane] = p[k];
             }
@@ -198,34 +198,34 @@ private:
                 return;
             }
         }
-        if (numbers_ != nullptr && place_.order == nullptr && used == lanes)
+        if (numbers_ != nullptr && index_of_.order == nullptr && used == lanes)
             return interleave<T, D>(moved, numbers_ + first * D);
         alignas(64) T numbers[lanes * D];
         interleave<T, D>(moved, numbers);
         // A copy, because a compiler must assume that the output overlaps this object.
-        const Places place = place_;
+        const PointIndices index_of = index_of_;
         if (T* const to = numbers_; to != nullptr) {
             for (std::size_t lane = 0; lane < used; ++lane)
-                std::memcpy(to + place(first + lane) * D, numbers + lane * D, D * sizeof(T));
+                std::memcpy(to + index_of(first + lane) * D, numbers + lane * D, D * sizeof(T));
             return;
         }
         for (std::size_t lane = 0; lane < used; ++lane) {
             Vec<T, D> p{};
             CAGEFORM_DETAIL_UNROLL
             for (std::size_t k = 0; k < D; ++k) p[k] = numbers[lane * D + k];
-            store_point(out_, place(first + lane), p);
+            store_point(out_, index_of(first + lane), p);
         }
     }
 
     /// Maps a position in the binding to an index of the output.
-    struct Places {
+    struct PointIndices {
         const std::uint32_t* order; ///< null: in order
 
         std::size_t operator()(std::size_t i) const noexcept { return order != nullptr ? order[i] : i; }
     };
 
     const Lanes<T>* rest_; ///< D rows a block
-    Places place_;
+    PointIndices index_of_;
     std::size_t points_;
     const CloneOptions<T>& options_;
     Out& out_;

@@ -1,48 +1,96 @@
-// The boundary values of the handles' functions, for each kind of cage.
+// The boundary values of the handles' functions.
 #pragma once
 
 #include <cageform/cage/detail/boundary_value.hpp>
 #include <cageform/core/detail/blocks.hpp>
-#include <cageform/core/status.hpp>
 
+#include <functional>
+#include <memory>
 #include <span>
+#include <vector>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The boundary data of harmonic functions. For most cages these are hat functions; a cage with
-/// other data specialises this template.
-///
-///   status()           ok, or why there is no data
-///   for_each_weight(value, f)
-///                      calls f(handle, weight) for the handles with a non-zero value at the point
-///   for_each_handle(value, f)
-///                      calls f(handle) for them
-///   Table(data, values)
-///                      stores the weights at many points; `values` must outlive it
-template <class Cage>
-class BoundaryData : public HatData<Cage::dimension> {
+/// The values of the handles on the faces of a PolyhedralMesh, which are not linear on faces with
+/// more than three corners. Calls may throw bad_alloc.
+class FaceData {
 public:
-    using typename HatData<Cage::dimension>::Value;
+    using Visit = std::function<void(std::uint32_t handle, double weight)>;
+
+    virtual ~FaceData() = default;
+    /// Calls visit(handle, weight) for the handles with a non-zero value at a surface point.
+    virtual void weights(const BoundaryValue<3>& value, const Visit& visit) const = 0;
+    /// Calls visit(handle, 1) for those handles, or for all corners of the point's face.
+    virtual void handles(const BoundaryValue<3>& value, const Visit& visit) const = 0;
+};
+
+/// The boundary data of coordinates: hat functions, but on the faces of a PolyhedralMesh what its
+/// FaceData says. Copies share the FaceData.
+template <std::size_t D>
+class BoundaryData {
+public:
+    using Value = BoundaryValue<D>;
 
     BoundaryData() = default;
-    template <class Options>
-    BoundaryData(const Cage& /*cage*/, const Options& /*options*/) noexcept {}
+    explicit BoundaryData(std::shared_ptr<const FaceData> faces) requires(D == 3)
+        : faces_(std::move(faces)) {}
 
-    static Status status() noexcept { return Status::ok; }
+    /// Whether the data is linear on triangles, not more.
+    bool is_linear() const noexcept { return faces_ == nullptr; }
 
+    /// Calls f(handle, weight) for the handles with a non-zero value at a boundary point.
+    template <class F>
+    void for_each_weight(const Value& value, F&& f) const {
+        if constexpr (D == 3) {
+            if (faces_) return faces_->weights(value, std::ref(f));
+        }
+        HatData<D>::for_each_weight(value, f);
+    }
+    /// Calls f(handle) for them.
+    template <class F>
+    void for_each_handle(const Value& value, F&& f) const {
+        const auto visit = [&](std::uint32_t handle, double) { f(handle); };
+        if constexpr (D == 3) {
+            if (faces_) return faces_->handles(value, std::ref(visit));
+        }
+        HatData<D>::for_each_weight(value, visit);
+    }
+
+    /// The weights at many boundary points. The points must outlive it.
     class Table {
     public:
         Table() = default;
-        Table(const BoundaryData& /*data*/, std::span<const Value> values) noexcept
-            : values_(values) {}
+        Table(const BoundaryData& data, std::span<const Value> values)
+            : values_(values) {
+            if (data.is_linear()) return;
+            ends_.reserve(values.size());
+            for (const Value& value : values) {
+                data.for_each_weight(value, [&](std::uint32_t handle, double weight) {
+                    entries_.push_back({handle, weight});
+                });
+                ends_.push_back(entries_.size());
+            }
+        }
+        /// Calls f(handle, weight) for the handles with a non-zero value at point n.
         template <class F>
-        void for_each_weight(std::size_t place, F&& f) const {
-            BoundaryData::for_each_weight(values_[place], f);
+        void for_each_weight(std::size_t n, F&& f) const {
+            if (ends_.empty()) return HatData<D>::for_each_weight(values_[n], f);
+            for (std::size_t e = n == 0 ? 0 : ends_[n - 1]; e < ends_[n]; ++e)
+                f(entries_[e].handle, entries_[e].weight);
         }
 
     private:
+        struct Entry {
+            std::uint32_t handle;
+            double weight;
+        };
         std::span<const Value> values_;
+        std::vector<Entry> entries_; ///< point after point; empty for hat functions
+        std::vector<std::size_t> ends_;
     };
+
+private:
+    std::shared_ptr<const FaceData> faces_;
 };
 
 /// Writes the boundary data at a point as weights, into a lane of a block with `handles` rows.

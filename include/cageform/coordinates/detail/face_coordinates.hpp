@@ -4,21 +4,31 @@
 #include <cageform/cage/detail/flat_face.hpp>
 #include <cageform/cage/polyhedral_mesh.hpp>
 #include <cageform/coordinates/coordinate.hpp>
+#include <cageform/coordinates/detail/boundary_data.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
+/// Computes the weights of a face's corners at a point in its plane. A point outside by rounding has
+/// those of the nearest point.
+template <class Plane>
+void face_weights(const Plane& coordinates, const Vec<double, 2>& p, std::span<double> row) {
+    const PointState state = weights_at(coordinates, p, row);
+    if (state != PointState::inside && state != PointState::on_boundary)
+        (void)coordinates.nearest_boundary(p, row);
+}
+
 /// The values of the handles at surface points of a PolyhedralMesh. On a face with more than three
-/// corners they are the face's coordinates `Plane`, a 2D type of CageCoordinates in double. On
+/// corners they are the face's coordinates `Plane`: a 2D type of CageCoordinates in double, or a type
+/// with `face_weights` of its own. On
 /// triangles, edges and vertices they are linear. A point is given by the triangle it lies on and
 /// its weights there.
 template <class Plane>
-class FaceCoordinates {
+class FaceCoordinates final : public FaceData {
 public:
     using Value = BoundaryValue<3>;
 
     FaceCoordinates() = default;
-    /// `mesh` must be sound. make(polygon, size) returns the coordinates of a face in its plane,
-    /// where `size` is the longer side of its bounding box there.
+    /// `mesh` must be sound. make(polygon) returns the coordinates of a face in its plane.
     template <Scalar T, class Make>
     FaceCoordinates(const PolyhedralMesh<T>& mesh, const Make& make) {
         for (std::size_t f = 0; f < mesh.face_count(); ++f) {
@@ -26,15 +36,11 @@ public:
             if (loop.size() < 4) continue;
             const auto face = std::uint32_t(faces_.size());
             const FacePlane plane = plane_of(mesh, f);
-            const auto polygon = flat_face(mesh, f, plane);
-            const auto bounds = bounds_of(polygon.vertices());
-            const auto extent = bounds.upper - bounds.lower;
-            faces_.push_back(
-                {plane, {loop.begin(), loop.end()}, make(polygon, std::fmax(extent[0], extent[1]))});
+            faces_.push_back({plane, {loop.begin(), loop.end()}, make(flat_face(mesh, f, plane))});
             const auto [first, last] = mesh.triangles_of(f);
             for (std::size_t t = first; t < last; ++t) add_triangle(mesh.triangles().faces()[t], loop, face);
         }
-        std::sort(parts_.begin(), parts_.end());
+        std::sort(pieces_.begin(), pieces_.end());
         for (const auto& v : mesh.vertices()) vertices_.push_back(vec_cast<double>(v));
     }
 
@@ -44,21 +50,17 @@ public:
         const Face* const face = face_of(value);
         if (face == nullptr) return HatData<3>::for_each_weight(value, f);
         std::vector<double> row(face->corners.size());
-        const auto q = face->plane.flat(place_of(value));
-        const PointState state = weights_at(face->coordinates, q, std::span(row));
-        if (state != PointState::inside && state != PointState::on_boundary)
-            (void)face->coordinates.nearest_boundary(q, row); // outside by rounding
+        face_weights(face->coordinates, face->plane.flat(position_of(value)), std::span(row));
         for (std::size_t k = 0; k < row.size(); ++k) {
             if (row[k] != 0) f(face->corners[k], row[k]);
         }
     }
 
-    /// Calls f(handle) for those handles, or for all corners of the point's face.
-    template <class F>
-    void for_each_handle(const Value& value, F&& f) const {
+    void weights(const Value& value, const Visit& visit) const override { for_each_weight(value, visit); }
+    void handles(const Value& value, const Visit& visit) const override {
         const Face* const face = face_of(value);
-        if (face == nullptr) return HatData<3>::for_each_handle(value, f);
-        for (const std::uint32_t corner : face->corners) f(corner);
+        if (face == nullptr) return HatData<3>::for_each_weight(value, visit);
+        for (const std::uint32_t corner : face->corners) visit(corner, 1);
     }
 
 private:
@@ -68,22 +70,22 @@ private:
         Plane coordinates;
     };
     /// A triangle or a diagonal of a face; vertices ascend, and a diagonal has no_vertex last.
-    struct Part {
+    struct Piece {
         std::array<std::uint32_t, 3> vertex;
         std::uint32_t face;
-        auto operator<=>(const Part&) const = default;
+        auto operator<=>(const Piece&) const = default;
     };
 
     void add_triangle(const std::array<std::uint32_t, 3>& triangle, std::span<const std::uint32_t> loop,
                       std::uint32_t face) {
         auto vertex = triangle;
         std::sort(vertex.begin(), vertex.end());
-        parts_.push_back({vertex, face});
+        pieces_.push_back({vertex, face});
         for (std::size_t k = 0; k < 3; ++k) {
             const auto a = triangle[k], b = triangle[(k + 1) % 3];
             const auto at = std::size_t(std::find(loop.begin(), loop.end(), a) - loop.begin());
             const bool is_edge = loop[(at + 1) % loop.size()] == b;
-            if (!is_edge) parts_.push_back({{(std::min)(a, b), (std::max)(a, b), no_vertex}, face});
+            if (!is_edge) pieces_.push_back({{(std::min)(a, b), (std::max)(a, b), no_vertex}, face});
         }
     }
     /// Returns the face with more than three corners that a point lies in; null on other faces,
@@ -98,18 +100,18 @@ private:
         }
         if (count < 2) return nullptr;
         std::sort(vertex.begin(), vertex.end());
-        const auto part = std::lower_bound(parts_.begin(), parts_.end(), Part{vertex, 0});
-        return part != parts_.end() && part->vertex == vertex ? &faces_[part->face] : nullptr;
+        const auto piece = std::lower_bound(pieces_.begin(), pieces_.end(), Piece{vertex, 0});
+        return piece != pieces_.end() && piece->vertex == vertex ? &faces_[piece->face] : nullptr;
     }
-    Vec<double, 3> place_of(const Value& value) const noexcept {
-        Vec<double, 3> place{};
+    Vec<double, 3> position_of(const Value& value) const noexcept {
+        Vec<double, 3> position{};
         for (std::size_t n = 0; n < Value::most; ++n)
-            place = place + value.weight[n] * vertices_[value.handle[n]];
-        return place;
+            position = position + value.weight[n] * vertices_[value.handle[n]];
+        return position;
     }
 
     std::vector<Face> faces_;
-    std::vector<Part> parts_; ///< sorted
+    std::vector<Piece> pieces_; ///< sorted
     std::vector<Vec<double, 3>> vertices_;
 };
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cageform/cage/cell_complex.hpp>
+#include <cageform/cage/detail/refuse_interior_cells.hpp>
 #include <cageform/coordinates/coordinate.hpp>
 #include <cageform/coordinates/detail/evaluate_blocks.hpp>
 #include <cageform/coordinates/green/frame.hpp>
@@ -80,31 +81,15 @@ public:
 
     /// See CageCoordinates.
     Evaluation evaluate(BlockView<const scalar> points, BlockView<scalar> weights,
-                        std::span<PointState> states, const Running& running = {}) const {
-        return evaluate_rows<false>({points, weights, states}, running);
-    }
+                        std::span<PointState> states, const Running& running = {}) const;
     /// See GradientCoordinates. On the boundary the limits from inside are returned. On vertices,
     /// and on edges in 3D, gradients grow like a logarithm; there the gradient at a point 1e-6
     /// diagonals inside is returned.
     Evaluation evaluate_gradients(BlockView<const scalar> points, BlockView<scalar> gradients,
-                                  std::span<PointState> states, const Running& running = {}) const {
-        return evaluate_rows<true>({points, gradients, states}, running);
-    }
+                                  std::span<PointState> states, const Running& running = {}) const;
     /// Returns the nearest boundary point, with the limits from inside as weights. May throw
     /// std::bad_alloc.
-    Vec<scalar, dimension> nearest_boundary(const Vec<scalar, dimension>& p, std::span<scalar> row) const {
-        Vec<T, D> place = p;
-        (void)nearest_boundary_value(cage_, p, place);
-        std::vector<Lanes<T>> position(D), rows(handles_.size());
-        for (std::size_t k = 0; k < D; ++k) std::fill_n(position[k].v, lane_count<T>, place[k]);
-        PointState state = PointState::unreached;
-        GreenRows<T, D> memory(frame_);
-        // The rounded point may lie off the boundary by a rounding error.
-        evaluate_block<false>({{position.data(), D, 1}, {rows.data(), rows.size(), 1}, {&state, 1}}, 0,
-                              4 * tolerance_, memory);
-        for (std::size_t h = 0; h < row.size(); ++h) row[h] = rows[h][0];
-        return place;
-    }
+    Vec<scalar, dimension> nearest_boundary(const Vec<scalar, dimension>& p, std::span<scalar> row) const;
 
 protected:
     explicit GreenEvaluation(Cage cage)
@@ -127,15 +112,7 @@ private:
     static constexpr std::size_t D = dimension;
     static constexpr std::size_t lanes = lane_count<T>;
 
-    void prepare() {
-        report_ = check(cage_);
-        if (report_.status != Status::ok) return;
-        report_.status = guard_memory([&] {
-            fill_tables();
-            refuse_overflow();
-            return report_.status;
-        });
-    }
+    void prepare();
     /// Refuses a cage with coordinates so large that the vector of an edge or face overflows.
     void refuse_overflow() {
         for (std::size_t h = cage_.vertices().size(); h < handles_.size(); ++h) {

@@ -21,12 +21,12 @@ struct GreenFrame<S, 3> {
 
     GreenFrame() = default;
     GreenFrame(const MeanValueTopology<3>& topology, const Buffer<Vec<double, 3>>& at, double) {
-        Buffer<Vec<Precise<S>, 3>> places;
+        Buffer<Vec<Precise<S>, 3>> positions;
         for (const auto& v : at) {
             vertices.push_back(vec_cast<S>(v));
-            places.push_back(vec_cast<Precise<S>>(v));
+            positions.push_back(vec_cast<Precise<S>>(v));
         }
-        const MeanValueFrame<S, 3> frame(topology, places);
+        const MeanValueFrame<S, 3> frame(topology, positions);
         faces = frame.faces;
         for (std::size_t e = 0; e < frame.edges.size(); ++e) {
             const auto [from, to] = topology.edges[e];
@@ -93,11 +93,11 @@ void look_at_edge(const typename GreenFrame<S, 3>::Edge& edge, S near_distance, 
     const auto at_least = [&](const X& x, S step) {
         return (max)(x, gradients ? select(on_edge, X(step), least) : least);
     };
-    const auto ahead = zero <= out.begin, behind = out.end <= zero;
+    const auto ahead = zero <= out.begin, past = out.end <= zero;
     const X a_beyond = a.r - out.begin, b_beyond = b.r + out.end;
-    const X over = select(ahead, b_beyond, select(behind, a_beyond, a_beyond * b_beyond));
+    const X over = select(ahead, b_beyond, select(past, a_beyond, a_beyond * b_beyond));
     const X under = select(ahead, at_least(a.r + out.begin, S(0x1p-20)),
-                           select(behind, at_least(b.r - out.end, S(0x1p-20)), at_least(out.qq, S(0x1p-40))));
+                           select(past, at_least(b.r - out.end, S(0x1p-20)), at_least(out.qq, S(0x1p-40))));
     out.f = log(over / under);
 }
 
@@ -119,8 +119,8 @@ Simd<S> edge_angle(const typename GreenFrame<S, 3>::Edge& edge, const GreenRows<
     const X zero(S(0)), one(S(1)), length(edge.length);
     const auto beyond = zero < s1 * s2;
     const X factor = select(beyond, abs(s2 * a + s1 * b), one);
-    const X turn = select(beyond, line.qq * length * abs(s1 + s2), s2 * a - s1 * b);
-    const X y = rho * (length * line.qq * factor + height * turn);
+    const X cross_term = select(beyond, line.qq * length * abs(s1 + s2), s2 * a - s1 * b);
+    const X y = rho * (length * line.qq * factor + height * cross_term);
     const X x = factor * ((line.qq + height * a) * (line.qq + height * b) + rho * rho * s1 * s2);
     const X size = angle(abs(y), x + X(least_square<S>));
     return select(rho < zero, zero - size, size);

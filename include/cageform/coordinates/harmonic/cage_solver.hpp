@@ -1,56 +1,21 @@
-// The interface between solved coordinates and their solvers.
+// The interface between the functions of a cage and a solver.
 //
-// HarmonicCoordinates own the cage and the options and know no particular solver. A solver knows its
-// problem, but neither the driver nor threads. To add a solver, write a model of CageSolver and use
+// A solver knows its problem, but neither the driver nor threads nor coordinates. To add one, write
+// a model of CageSolver and use
 //     HarmonicCoordinates<T, D, Cage, OnlySolver<YourSolver>>
 #pragma once
 
-#include <cageform/coordinates/coordinate.hpp>
-#include <cageform/coordinates/detail/boundary_data.hpp>
 #include <cageform/coordinates/detail/evaluate_blocks.hpp>
+#include <cageform/coordinates/harmonic/cage_functions.hpp>
 #include <cageform/grid/solve_groups.hpp>
 
 #include <optional>
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// The input of a solver: a cage that `check` accepts, with its options and its boundary data.
-template <class C, class SolverOptions>
-struct CageProblem {
-    using Cage = C;
-    using Options = SolverOptions;
-    using scalar = typename Cage::scalar;
-    static constexpr std::size_t dimension = Cage::dimension;
-
-    CageProblem(Cage its_cage, const Options& its_options)
-        : cage(std::move(its_cage))
-        , report(check(cage))
-        , options(its_options)
-        , tolerance(report.status == Status::ok ? coincidence_tolerance(bounds_of(cage.vertices()))
-                                                : scalar(0)) {
-        if (report.status == Status::ok) data = detail::BoundaryData<Cage>(cage, options);
-    }
-
-    /// An empty problem, refused with a status.
-    explicit CageProblem(Status refused)
-        : report{refused, {}} {}
-
-    Cage cage;
-    CageReport report; ///< status and warnings; solvers only get problems whose status is ok
-    Options options;
-    scalar tolerance = 0;              ///< coincidence_tolerance of the cage
-    detail::BoundaryData<Cage> data{}; ///< set if the cage is sound
-};
-
-/// The memory that a solver will need, in bytes.
-struct SolverMemory {
-    std::size_t hierarchy = 0; ///< once, for all functions
-    std::size_t block = 0;     ///< for one group of functions, on each thread
-};
-
 /// Solves for the functions of a cage's handles. It is a GroupSolver, and every handle is in one group.
 ///
-///   Problem                    the CageProblem it solves
+///   Problem                    the PlacedCage it solves for, or a CageProblem
 ///   make(problem, report, made)
 ///                              makes all that does not depend on boundary data (grid, hierarchy)
 ///                              and writes the number of cells to `report`, or returns another status
@@ -65,6 +30,8 @@ struct SolverMemory {
 ///                              fills the rows of weights of a group at those points; `functions` is a
 ///                              block or kept Functions. Different groups are sampled concurrently
 ///   finish(samples, rows)      called once all groups are sampled
+///
+/// Solvers of a PlacedCage take batches and rows of float and of double.
 template <class S>
 concept CageSolver = grid::GroupSolver<S> &&
     requires(const S& solver, const typename S::Problem& problem, std::optional<S>& made,
@@ -94,56 +61,6 @@ concept DifferentiableSolver = CageSolver<S> &&
     { solver.spacing(p) } -> std::same_as<double>;
     { solver.state_of(p) } -> std::same_as<PointState>;
     { solver.free_distance(p, axis, up, limit) } -> std::same_as<double>;
-};
-
-/// A cell of a solver's grid, a square or a cube, in the units of the cage.
-template <Scalar T, std::size_t D>
-struct GridCell {
-    Vec<T, D> low; ///< its lower corner
-    T size;        ///< along each axis
-    bool is_cut;   ///< the cage crosses it or comes very near; else the whole cell lies inside
-};
-
-namespace detail {
-
-/// Returns the memory limit of a solver's options, or the largest number if they have none.
-template <class Options>
-std::size_t memory_limit([[maybe_unused]] const Options& options) noexcept {
-    if constexpr (requires { options.memory_limit; }) {
-        return options.memory_limit;
-    } else {
-        return (std::numeric_limits<std::size_t>::max)();
-    }
-}
-
-} // namespace detail
-
-/// A solver that can start from the functions of another cage of a similar shape.
-///
-///   Guess                      constructed from (solver, the solver before, the functions that it has
-///                              kept, and for each handle its old number or none: ~0)
-///   takes_guess()              whether it can use a guess for this problem
-///   solve(group, block, work, &guess)
-///                              `solve` of a group starting from the guess, to the same tolerance
-template <class S>
-concept WarmSolver = CageSolver<S> &&
-    std::constructible_from<typename S::Guess, const S&, const S&, std::span<const typename S::Functions>,
-                            std::span<const std::size_t>> &&
-    requires(const S& solver, typename S::Block& block, std::size_t group, grid::GroupWork& work,
-             const typename S::Guess* guess) {
-    { solver.takes_guess() } -> std::same_as<bool>;
-    { solver.solve(group, block, work, guess) } -> std::same_as<Status>;
-};
-
-/// A choice with one solver only.
-template <CageSolver S>
-struct OnlySolver {
-    using Options = typename S::Problem::Options;
-
-    template <class Use>
-    static Status choose(const Options& /*options*/, const Use& use) {
-        return use(std::type_identity<S>{});
-    }
 };
 
 } // namespace cageform::inline CAGEFORM_ABI

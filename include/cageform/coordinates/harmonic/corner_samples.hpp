@@ -9,7 +9,6 @@ namespace cageform::inline CAGEFORM_ABI::detail {
 
 /// The corrections of the weights of some points. They are added once the weights of all functions
 /// are known.
-template <Scalar T>
 class CornerSamples {
 public:
     /// Adds point `i`, at `p` in lattice units, with its interpolation stencil.
@@ -21,7 +20,7 @@ public:
     /// Allocates memory for the corrections of all functions.
     void reserve(std::size_t handles) {
         handles_ = handles;
-        parts_.resize(points_.size() * handles);
+        corrections_.resize(points_.size() * handles);
     }
 
     /// Computes the corrections of functions `first` … first + count − 1.
@@ -30,8 +29,7 @@ public:
         for (std::size_t n = 0; n < points_.size(); ++n) {
             std::array<double, grid::CornerFunctions::width> more{};
             grid::CornerFunctions::apply(points_[n].correction, coefficients, more);
-            for (std::size_t k = 0; k < count; ++k)
-                parts_[n * handles_ + first + k] = static_cast<T>(more[k]);
+            for (std::size_t k = 0; k < count; ++k) corrections_[n * handles_ + first + k] = more[k];
         }
     }
 
@@ -40,19 +38,19 @@ public:
     /// of a point sum to 0 and move no point, so any share may be used.
     ///
     ///   tolerance  the solver's; clamping may remove this much
+    template <Scalar T>
     void finish(double tolerance, BlockView<T> rows) const noexcept {
-        const T allowed = static_cast<T>(tolerance);
         for (std::size_t n = 0; n < points_.size(); ++n) {
             const std::size_t i = points_[n].point, lane = i % lane_count<T>;
-            const T* const part = parts_.data() + n * handles_;
+            const double* const correction = corrections_.data() + n * handles_;
             auto* const row = rows.block(i / lane_count<T>);
-            T share = 1;
+            double share = 1;
             for (std::size_t k = 0; k < handles_; ++k) {
-                const T w = row[k][lane], room = allowed + (part[k] < 0 ? w : T(1) - w);
-                if (room < share * std::fabs(part[k])) share = room / std::fabs(part[k]);
+                const double w = row[k][lane], room = tolerance + (correction[k] < 0 ? w : 1 - w);
+                if (room < share * std::fabs(correction[k])) share = room / std::fabs(correction[k]);
             }
             for (std::size_t k = 0; k < handles_; ++k)
-                row[k][lane] = std::clamp(row[k][lane] + share * part[k], T(0), T(1));
+                row[k][lane] = static_cast<T>(std::clamp(row[k][lane] + share * correction[k], 0.0, 1.0));
         }
     }
 
@@ -63,7 +61,7 @@ private:
     };
     std::size_t handles_ = 0;
     Buffer<Corrected> points_;
-    std::vector<T> parts_; ///< #handles per point
+    std::vector<double> corrections_; ///< #handles per point
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

@@ -2,8 +2,7 @@
 #pragma once
 
 #include <cageform/coordinates/detail/evaluate_blocks.hpp>
-#include <cageform/coordinates/harmonic/solution.hpp>
-#include <cageform/core/detail/in_parallel.hpp>
+#include <cageform/coordinates/harmonic/cage_solver.hpp>
 #include <cageform/core/detail/simd.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
@@ -11,25 +10,25 @@ namespace cageform::inline CAGEFORM_ABI::detail {
 /// The sample points for the derivatives at some blocks of points: each point and its neighbours
 /// below and above along each axis. Neighbours are one cell apart: values at this distance have the
 /// same share of their cells' error, so it cancels. Only the boundary makes the distance smaller.
-template <DifferentiableSolver S>
-class DifferencePlaces {
-    using T = typename S::Problem::scalar;
+template <DifferentiableSolver S, Scalar T>
+class DifferenceSamples {
+    using Place = Vec<typename S::Problem::scalar, S::Problem::dimension>; // in the solver's scalar
     using Simd = detail::Simd<T>;
     static constexpr std::size_t D = S::Problem::dimension, lanes = lane_count<T>;
     /// The point, then below and above along each axis.
-    static constexpr std::size_t places = 2 * D + 1;
+    static constexpr std::size_t samples = 2 * D + 1;
     using Point = Vec<T, D>;
 
 public:
     /// Allocates memory for up to `blocks` blocks at a time.
-    DifferencePlaces(const S& solver, const Batch<T>& batch, std::size_t blocks)
+    DifferenceSamples(const S& solver, const Batch<T>& batch, std::size_t blocks)
         : solver_(solver)
         , batch_(batch)
         , handles_(batch.rows.rows / D)
-        , positions_(blocks * places * D)
-        , rows_(blocks * places * handles_)
+        , positions_(blocks * samples * D)
+        , rows_(blocks * samples * handles_)
         , factors_(blocks * 2 * D)
-        , states_(blocks * places * lanes) {}
+        , states_(blocks * samples * lanes) {}
 
     /// Sets the sample points of block `b` of the batch in slot `at`, and the states of the batch's
     /// points. A point is unreached if along some axis both neighbours coincide with it.
@@ -42,15 +41,15 @@ public:
                 batch_.states[i] = set_point(at, lane, block_point<D>(batch_.points, i));
                 there = is_bound(batch_.states[i]);
             }
-            for (std::size_t n = 0; n < places; ++n)
-                states_[(at * places + n) * lanes + lane] =
+            for (std::size_t n = 0; n < samples; ++n)
+                states_[(at * samples + n) * lanes + lane] =
                     there ? PointState::inside : PointState::not_finite;
         }
     }
 
     /// Returns the sample points of the first `blocks` slots as a batch to be evaluated.
     Batch<T> batch(std::size_t blocks) noexcept {
-        const std::size_t count = blocks * places * lanes;
+        const std::size_t count = blocks * samples * lanes;
         return {BlockView<T>{positions_.data(), D, count},
                 {rows_.data(), handles_, count},
                 std::span(states_).first(count)};
@@ -66,7 +65,7 @@ public:
             bound[lane] = i < batch_.states.size() && is_bound(batch_.states[i]) ? T(1) : T(0);
         }
         const auto is_set = Simd(T(0)) < Simd::load(bound);
-        const Lanes<T>* const values = rows_.data() + at * places * handles_;
+        const Lanes<T>* const values = rows_.data() + at * samples * handles_;
         for (std::size_t axis = 0; axis < D; ++axis) {
             const Lanes<T>* const below = values + (2 * axis + 1) * handles_;
             const Lanes<T>* const above = below + handles_;
@@ -83,17 +82,18 @@ public:
     }
 
 private:
+    static Place placed(const Point& p) noexcept { return vec_cast<typename S::Problem::scalar>(p); }
     static bool is_bound(PointState state) noexcept {
         return state == PointState::inside || state == PointState::on_boundary;
     }
 
     /// Sets the sample points of one point; returns where the point lies.
     PointState set_point(std::size_t at, std::size_t lane, Point p) noexcept {
-        const PointState state = solver_.state_of(p);
+        const PointState state = solver_.state_of(placed(p));
         if (state == PointState::on_boundary && !step_inside(p)) return PointState::unreached;
         if (!is_bound(state)) return state;
-        const auto put = [&](std::size_t place, const Point& q) {
-            for (std::size_t k = 0; k < D; ++k) positions_[(at * places + place) * D + k][lane] = q[k];
+        const auto put = [&](std::size_t sample, const Point& q) {
+            for (std::size_t k = 0; k < D; ++k) positions_[(at * samples + sample) * D + k][lane] = q[k];
         };
         put(0, p);
         for (std::size_t axis = 0; axis < D; ++axis) {
@@ -112,9 +112,9 @@ private:
     }
     /// Returns the sample point one cell from `p`, or as far as the inside of the cage reaches.
     Point neighbour(const Point& p, std::size_t axis, bool up) const noexcept {
-        const double cells = solver_.free_distance(p, axis, up, 1.0);
+        const double cells = solver_.free_distance(placed(p), axis, up, 1.0);
         Point q = p;
-        q[axis] = static_cast<T>(double(p[axis]) + (up ? cells : -cells) * solver_.spacing(p));
+        q[axis] = static_cast<T>(double(p[axis]) + (up ? cells : -cells) * solver_.spacing(placed(p)));
         return q;
     }
     /// Returns the factors of two differences in the derivative: (value at p − value below) and
@@ -129,17 +129,17 @@ private:
     /// Moves a boundary point half a cell inwards, along the diagonal whose end is farthest from
     /// the boundary. Returns false if no diagonal ends inside.
     bool step_inside(Point& p) const noexcept {
-        const double step = 0.5 * solver_.spacing(p) / std::sqrt(double(D));
+        const double step = 0.5 * solver_.spacing(placed(p)) / std::sqrt(double(D));
         double most = 0;
         const Point from = p;
         for (std::size_t direction = 0; direction < (std::size_t{1} << D); ++direction) {
             Point q = from;
             for (std::size_t k = 0; k < D; ++k)
                 q[k] = static_cast<T>(double(from[k]) + (((direction >> k) & 1u) != 0 ? step : -step));
-            if (solver_.state_of(q) != PointState::inside) continue;
+            if (solver_.state_of(placed(q)) != PointState::inside) continue;
             double least = 1;
             for (std::size_t k = 0; k < D; ++k) {
-                for (const bool up : {false, true}) least = solver_.free_distance(q, k, up, least);
+                for (const bool up : {false, true}) least = solver_.free_distance(placed(q), k, up, least);
             }
             if (least <= most) continue;
             most = least;
@@ -155,37 +155,5 @@ private:
     std::vector<Lanes<T>> factors_;          ///< by slot and axis: for the differences below and above
     std::vector<PointState> states_;
 };
-
-/// Computes the gradients at a batch of points. If functions have been kept, a few blocks are
-/// handled at a time so that their values stay in cache.
-template <DifferentiableSolver S>
-Status sample_gradients(const Solution<S>& solution, const Batch<typename S::Problem::scalar>& batch,
-                        SolverReport& report, const Running& running) {
-    constexpr std::size_t together = 4; // the values of a hundred handles fill the second-level cache
-    // NOLINTNEXTLINE(bugprone-unchecked-optional-access): a solution is used once it is made
-    const S& solver = *solution.solver;
-    const std::size_t blocks = batch.points.blocks();
-    if (!solution.functions.empty()) {
-        return for_each_block(blocks, running, [&](std::size_t begin, std::size_t end) {
-            DifferencePlaces<S> places(solver, batch, (std::min)(together, end - begin));
-            for (std::size_t b = begin; b < end; b += together) {
-                const std::size_t count = (std::min)(together, end - b);
-                for (std::size_t n = 0; n < count; ++n) places.set(b + n, n);
-                (void)sample_solution(solution, places.batch(count), report, {});
-                for (std::size_t n = 0; n < count; ++n) places.differentiate(n, b + n);
-            }
-        });
-    }
-    DifferencePlaces<S> places(solver, batch, blocks);
-    const auto in_blocks = [&](const auto& f) {
-        in_parallel(running, blocks, 16, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t b = begin; b < end; ++b) f(b);
-        });
-    };
-    in_blocks([&](std::size_t b) { places.set(b, b); });
-    const Status status = sample_solution(solution, places.batch(blocks), report, running);
-    if (status == Status::ok) in_blocks([&](std::size_t b) { places.differentiate(b, b); });
-    return status;
-}
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

@@ -4,7 +4,6 @@
 
 #include <cageform/coordinates/detail/evaluate_blocks.hpp>
 #include <cageform/coordinates/harmonic/cage_solver.hpp>
-#include <cageform/grid/lattice/box_boundary.hpp>
 #include <cageform/grid/lattice/embed.hpp>
 #include <cageform/grid/lattice/simplex_boundary.hpp>
 
@@ -13,9 +12,9 @@ namespace cageform::inline CAGEFORM_ABI::detail {
 /// Returns the lattice with `resolution` spacings along the longest side. It is centred on the
 /// cage's bounding box, so a symmetric cage has symmetric functions. Sides of an axis-aligned cage
 /// lie on lattice lines if its extents are multiples of the spacing.
-template <Scalar T, std::size_t D>
-Lattice<double, D> lattice_on(const Bounds<T, D>& bounds, std::size_t resolution) noexcept {
-    const auto lower = vec_cast<double>(bounds.lower), extent = vec_cast<double>(bounds.upper) - lower;
+template <std::size_t D>
+Lattice<double, D> lattice_on(const Bounds<double, D>& bounds, std::size_t resolution) noexcept {
+    const auto lower = bounds.lower, extent = bounds.upper - lower;
     double longest = 0;
     for (std::size_t k = 0; k < D; ++k) longest = std::fmax(longest, extent[k]);
     Lattice<double, D> lattice;
@@ -29,11 +28,9 @@ Lattice<double, D> lattice_on(const Bounds<T, D>& bounds, std::size_t resolution
 }
 
 /// A cage embedded in a uniform lattice. The cage must outlive it.
-template <class C>
+template <std::size_t D>
 class EmbeddedCage {
-    using T = typename C::scalar;
-    static constexpr std::size_t D = C::dimension;
-    using Boundary = typename grid::GridBoundaryOf<C>::type;
+    using Boundary = grid::SimplexBoundary<D>;
 
 public:
     static constexpr std::size_t least_resolution = 8, most_resolution = D == 2 ? 16384 : 1024;
@@ -42,20 +39,18 @@ public:
     ///
     ///   fails  resolution_not_supported; out_of_memory, with the memory needed and a sufficient
     ///          resolution in `report`; grid_too_coarse, with the handle and a sufficient resolution
-    template <class Problem>
-    static Status make(const Problem& problem, SolverReport& report, std::optional<EmbeddedCage>& made) {
-        if (problem.data.status() != Status::ok) return problem.data.status();
+    static Status make(const PlacedCage<D>& problem, SolverReport& report,
+                       std::optional<EmbeddedCage>& made) {
         const std::size_t resolution = problem.options.resolution;
         if (resolution < least_resolution || resolution > most_resolution)
             return Status::resolution_not_supported;
         const auto bounds = bounds_of(problem.cage.vertices());
         const auto lattice = lattice_on(bounds, resolution);
-        const double rounding = double(epsilon<T>) * double(bounds.magnitude());
-        if (!(lattice.spacing > 4 * rounding) ||
+        if (!(lattice.spacing > 4 * problem.rounding) ||
             lattice.spacing < 1e-290) // its square must be a normal number
             return Status::resolution_not_supported;
         const GridMemory memory(problem.cage, bounds);
-        const std::size_t limit = memory_limit(problem.options);
+        const std::size_t limit = problem.options.memory_limit;
         if (memory.bytes(resolution) > double(limit)) return refuse_memory(memory, resolution, limit, report);
         Boundary boundary(problem.cage, lattice);
         const auto crossings = boundary.crossings();
@@ -74,15 +69,14 @@ public:
         return Status::grid_too_coarse;
     }
 
-    template <class Problem>
-    EmbeddedCage(const Problem& problem, Boundary boundary, const grid::Crossings<D>& crossings)
+    EmbeddedCage(const PlacedCage<D>& problem, Boundary boundary, const grid::Crossings<D>& crossings)
         : cage_(&problem.cage)
         , data_(&problem.data)
         , tolerance_(problem.tolerance)
         , boundary_(std::move(boundary))
         , problem_(grid::embed(boundary_, crossings))
         , at_cuts_(*data_, problem_.values) {
-        boundary_.index_cells(1e-6 + 2 * double(tolerance_) / lattice().spacing);
+        boundary_.index_cells(1e-6 + 2 * tolerance_ / lattice().spacing);
     }
 
     EmbeddedCage(EmbeddedCage&&) noexcept = default;
@@ -91,8 +85,8 @@ public:
     EmbeddedCage& operator=(const EmbeddedCage&) = delete;
     ~EmbeddedCage() = default;
 
-    const C& cage() const noexcept { return *cage_; }
-    const BoundaryData<C>& data() const noexcept { return *data_; }
+    const CellComplex<double, D>& cage() const noexcept { return *cage_; }
+    const BoundaryData<D>& data() const noexcept { return *data_; }
     const Lattice<double, D>& lattice() const noexcept { return boundary_.lattice(); }
     /// Returns the number of cells along the longest side.
     std::size_t resolution() const noexcept {
@@ -116,20 +110,19 @@ public:
 
     /// Returns where a point lies, as `locate` does; uses the contents of the point's cell if they
     /// decide it.
-    PointState state_of(const Vec<T, D>& p) const noexcept { return located(p).state; }
-    double free_distance(const Vec<T, D>& p, std::size_t axis, bool up, double limit) const noexcept {
+    PointState state_of(const Vec<double, D>& p) const noexcept { return located(p).state; }
+    double free_distance(const Vec<double, D>& p, std::size_t axis, bool up, double limit) const noexcept {
         return boundary_.free_distance(in_cells(p), axis, up, limit);
     }
-    Vec<double, D> in_cells(const Vec<T, D>& p) const noexcept {
-        return lattice().in_cells(vec_cast<double>(p));
-    }
+    Vec<double, D> in_cells(const Vec<double, D>& p) const noexcept { return lattice().in_cells(p); }
 
     /// Returns the interpolation stencil of point `i` of a batch and sets its state. The stencil is
     /// empty for points outside and beyond the batch.
+    template <Scalar T>
     grid::CutStencil<D> stencil(const Batch<T>& batch, std::size_t i) const noexcept {
         grid::CutStencil<D> stencil;
         if (i >= batch.points.points || batch.states[i] == PointState::not_finite) return stencil;
-        const auto p = block_point<D>(batch.points, i);
+        const auto p = vec_cast<double>(block_point<D>(batch.points, i));
         const auto [state, value] = located(p);
         batch.states[i] = state;
         if (state == PointState::inside) return boundary_.sample(in_cells(p), problem_.nodes);
@@ -137,30 +130,19 @@ public:
         return stencil;
     }
 
-    /// Returns the interpolation stencil of any point; outside it is the stencil of the nearest
-    /// boundary point.
-    grid::CutStencil<D> stencil_near(const Vec<T, D>& p) const noexcept {
-        const auto [state, value] = located(p);
-        if (state == PointState::inside) return boundary_.sample(in_cells(p), problem_.nodes);
-        grid::CutStencil<D> stencil;
-        Vec<T, D> place;
-        stencil.add(state == PointState::on_boundary ? value : nearest_boundary_value(*cage_, p, place), 1.0);
-        return stencil;
-    }
-
 private:
-    grid::Located<D> located(const Vec<T, D>& p) const noexcept {
+    grid::Located<D> located(const Vec<double, D>& p) const noexcept {
         const auto at = in_cells(p);
         bool in_lattice = true;
         for (std::size_t k = 0; k < D; ++k)
             in_lattice = in_lattice && at[k] >= 0 && at[k] < double(lattice().cells[k]);
         if (in_lattice) {
-            const double tolerance = double(tolerance_) / lattice().spacing;
+            const double tolerance = tolerance_ / lattice().spacing;
             if (const auto found = boundary_.locate(at, tolerance, problem_.nodes)) return *found;
         }
         grid::Located<D> found{locate(*cage_, p, tolerance_), {}};
-        Vec<T, D> place;
-        if (found.state == PointState::on_boundary) found.value = nearest_boundary_value(*cage_, p, place);
+        Vec<double, D> position;
+        if (found.state == PointState::on_boundary) found.value = nearest_boundary_value(*cage_, p, position);
         return found;
     }
 
@@ -168,7 +150,7 @@ private:
     /// surface.
     class GridMemory {
     public:
-        GridMemory(const C& cage, const Bounds<T, D>& bounds)
+        GridMemory(const CellComplex<double, D>& cage, const Bounds<double, D>& bounds)
             : vertices_(cage.size()) {
             const auto crossings = Boundary(cage, lattice_on(bounds, counted_at)).crossings();
             for (const auto& along : crossings) crossings_ += double(along.size());
@@ -201,8 +183,7 @@ private:
     }
 
     /// Returns the first handle whose boundary data reaches no node.
-    template <class Problem>
-    static std::size_t first_unseen(const Problem& problem, const Boundary& boundary,
+    static std::size_t first_unseen(const PlacedCage<D>& problem, const Boundary& boundary,
                                     const grid::Crossings<D>& crossings) {
         const auto handles = [&](const BoundaryValue<D>& value, const auto& f) {
             problem.data.for_each_handle(value, f);
@@ -216,12 +197,12 @@ private:
         return first == seen.end() ? SolverReport::none : std::size_t(first - seen.begin());
     }
 
-    const C* cage_;
-    const BoundaryData<C>* data_;
-    T tolerance_;
+    const CellComplex<double, D>* cage_;
+    const BoundaryData<D>* data_;
+    double tolerance_;
     Boundary boundary_;
     grid::EmbeddedProblem<D> problem_;
-    typename BoundaryData<C>::Table at_cuts_; ///< of problem_.values
+    typename BoundaryData<D>::Table at_cuts_; ///< of problem_.values
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

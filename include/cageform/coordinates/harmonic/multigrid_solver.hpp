@@ -6,7 +6,6 @@
 #include <cageform/coordinates/harmonic/corner_samples.hpp>
 #include <cageform/coordinates/harmonic/cut_samples.hpp>
 #include <cageform/coordinates/harmonic/embedded_cage.hpp>
-#include <cageform/coordinates/harmonic/function_guess.hpp>
 #include <cageform/coordinates/harmonic/options.hpp>
 #include <cageform/core/detail/buffer.hpp>
 #include <cageform/grid/corners/edge_errors.hpp>
@@ -14,22 +13,19 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-/// A CageSolver for every cage with a GridBoundaryOf; groups have sixteen functions. Singularities
-/// at a polygon's corners are treated separately (grid/corners/corner_functions.hpp).
-template <class C>
+/// A CageSolver of a PlacedCage; groups have sixteen functions. Singularities at a polygon's corners
+/// are treated separately (grid/corners/corner_functions.hpp).
+template <std::size_t D>
 class MultigridSolver {
-    using T = typename C::scalar;
-    static constexpr std::size_t D = C::dimension;
     static constexpr std::size_t width = grid::Multigrid<D>::width;
 
 public:
-    using Problem = CageProblem<C, HarmonicOptions>;
-    using Guess = detail::FunctionGuess<MultigridSolver>;
+    using Problem = PlacedCage<D>;
 
     static Status make(const Problem& problem, SolverReport& report, std::optional<MultigridSolver>& made) {
         if (!(problem.options.multigrid.tolerance > 0)) return Status::tolerance_not_positive;
-        std::optional<detail::EmbeddedCage<C>> grid;
-        const Status status = detail::EmbeddedCage<C>::make(problem, report, grid);
+        std::optional<detail::EmbeddedCage<D>> grid;
+        const Status status = detail::EmbeddedCage<D>::make(problem, report, grid);
         if (status != Status::ok) return status;
         // NOLINTNEXTLINE(bugprone-unchecked-optional-access): made where the status is ok
         made.emplace(std::move(*grid), problem.options.multigrid);
@@ -37,7 +33,7 @@ public:
         return Status::ok;
     }
 
-    MultigridSolver(detail::EmbeddedCage<C> grid, const MultigridOptions& options)
+    MultigridSolver(detail::EmbeddedCage<D> grid, const MultigridOptions& options)
         : grid_(std::move(grid))
         , options_(options)
         , corners_(corners_of(grid_, options))
@@ -64,20 +60,11 @@ public:
     std::size_t helpers() const noexcept { return multigrid_.helpers(); }
 
     Status solve(std::size_t group, Block& block, grid::GroupWork& work) const {
-        return solve(group, block, work, nullptr);
-    }
-    /// Returns false if corners are treated: corner coefficients fitted to a guess are a worse
-    /// start than zero, and more cycles are needed.
-    bool takes_guess() const noexcept { return corners_.empty(); }
-    /// Solves a group starting from functions of another cage, or from zero if `guess` is null.
-    Status solve(std::size_t group, Block& block, grid::GroupWork& work, const Guess* guess) const {
         const std::size_t first = handles_of(group).first, count = handles_of(group).second;
         auto& source = block.cycled.source;
         for (auto& values : source) values.fill(0.0);
         grid_.add_data(first, count, slots_, std::span(source));
         block.at_corners = corners_.start(first, source);
-        if (guess != nullptr)
-            multigrid_.guess(block.cycled, [&](std::uint32_t node) { return guess->values(node, first); });
         const grid::CycleGoal goal{count, options_.tolerance, options_.max_cycles};
         const Status status = grid::run_cycles(multigrid_, block.cycled, goal, work, [&] {
             // The corner coefficients and the solution depend on each other, so they are updated in
@@ -89,13 +76,11 @@ public:
         });
         if (status == Status::ok) {
             const std::array<std::size_t, 2> resolutions{grid_.resolution(),
-                                                         detail::EmbeddedCage<C>::most_resolution};
+                                                         detail::EmbeddedCage<D>::most_resolution};
             errors_.measure(first, count, block, resolutions, work.report.multigrid.corners);
         }
         return status;
     }
-
-    const detail::EmbeddedCage<C>& grid() const noexcept { return grid_; }
 
     struct Functions {
         Buffer<typename grid::Multigrid<D>::Values> values; ///< by node
@@ -117,8 +102,9 @@ public:
 
     struct Samples {
         detail::CutSamples<D> cut;
-        detail::CornerSamples<T> at_corners;
+        detail::CornerSamples at_corners;
     };
+    template <Scalar T>
     Samples samples(const detail::Batch<T>& batch, std::size_t first, std::size_t last) const {
         Samples samples{detail::CutSamples<D>(first), {}};
         for (std::size_t i = first; i < last; ++i) {
@@ -126,32 +112,34 @@ public:
             samples.cut.add(stencil, grid_.data());
             if constexpr (D == 2) {
                 if (i < batch.points.points && batch.states[i] == PointState::inside)
-                    samples.at_corners.add(corners_, i, grid_.in_cells(block_point<D>(batch.points, i)),
+                    samples.at_corners.add(corners_, i,
+                                           grid_.in_cells(vec_cast<double>(block_point<D>(batch.points, i))),
                                            stencil);
             }
         }
         samples.at_corners.reserve(grid_.cage().size());
         return samples;
     }
-    template <class Solved> // a block or kept functions
+    template <class Solved, Scalar T> // Solved: a block or kept functions
     void sample(Samples& samples, std::size_t group, const Solved& solved, BlockView<T> rows) const noexcept {
         const auto [first, count] = handles_of(group);
         samples.cut.sample(solved, first, count, rows);
         samples.at_corners.sample(solved.at_corners, first, count);
     }
+    template <Scalar T>
     void finish(const Samples& samples, BlockView<T> rows) const noexcept {
         samples.at_corners.finish(options_.tolerance, rows);
     }
 
-    double spacing(const Vec<T, D>& /*p*/) const noexcept { return grid_.lattice().spacing; }
-    PointState state_of(const Vec<T, D>& p) const noexcept { return grid_.state_of(p); }
-    double free_distance(const Vec<T, D>& p, std::size_t axis, bool up, double limit) const noexcept {
+    double spacing(const Vec<double, D>& /*p*/) const noexcept { return grid_.lattice().spacing; }
+    PointState state_of(const Vec<double, D>& p) const noexcept { return grid_.state_of(p); }
+    double free_distance(const Vec<double, D>& p, std::size_t axis, bool up, double limit) const noexcept {
         return grid_.free_distance(p, axis, up, limit);
     }
 
 private:
     /// Makes the corner functions of a polygon; in 3D there are none.
-    static grid::CornerFunctions corners_of([[maybe_unused]] const detail::EmbeddedCage<C>& grid,
+    static grid::CornerFunctions corners_of([[maybe_unused]] const detail::EmbeddedCage<D>& grid,
                                             [[maybe_unused]] const MultigridOptions& options) {
         if constexpr (D == 2) {
             return {grid.cage(), grid.lattice(), grid.problem(), options.corner_functions};
@@ -159,14 +147,13 @@ private:
             return {};
         }
     }
-    static grid::CornerErrors<D> errors_of(const detail::EmbeddedCage<C>& grid,
+    static grid::CornerErrors<D> errors_of(const detail::EmbeddedCage<D>& grid,
                                            [[maybe_unused]] const grid::CornerFunctions& corners) {
         if constexpr (D == 2) {
             return corners.errors();
-        } else if constexpr (requires { boundary_of(grid.cage()).faces(); }) {
-            return cageform::grid::edge_errors(grid.cage(), grid.lattice(), grid.problem());
         } else {
-            return {};
+            if (!grid.data().is_linear()) return {};
+            return cageform::grid::edge_errors(grid.cage(), grid.lattice(), grid.problem());
         }
     }
     /// Returns the first handle of a group and the number of its handles.
@@ -174,7 +161,7 @@ private:
         return {group * width, (std::min)(width, grid_.cage().size() - group * width)};
     }
 
-    detail::EmbeddedCage<C> grid_;
+    detail::EmbeddedCage<D> grid_;
     MultigridOptions options_;
     grid::CornerFunctions corners_;
     grid::CornerErrors<D> errors_;

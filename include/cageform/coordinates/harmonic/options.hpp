@@ -62,7 +62,7 @@ struct HarmonicOptions {
     /// measured. Closer to a small face than the face is wide the error can reach a tenth, because
     /// the hat function falls off within a cell or two; SolverReport::grid_error shows it.
     double accuracy = 1e-3;
-    /// If not 0: a uniform grid with this many cells along the cage's longest side, 8 … 16384, in
+    /// For UniformHarmonicCoordinates: this many cells along the cage's longest side, 8 … 16384, in
     /// 3D 8 … 1024. `accuracy` is then ignored.
     std::size_t resolution = 0;
     /// In bytes. A solve that needs more on one thread (hierarchy and block, with `solve` also the kept

@@ -1,126 +1,71 @@
-// Harmonic functions of a polyhedral mesh: their boundary data is solved in the plane of each face.
+// The boundary data of harmonic coordinates on a PolyhedralMesh. harmonic.hpp includes it at its end.
 #pragma once
 
-#include <cageform/cage/polyhedral_mesh.hpp>
-#include <cageform/coordinates/detail/boundary_data.hpp>
 #include <cageform/coordinates/detail/face_coordinates.hpp>
-#include <cageform/coordinates/harmonic/options.hpp>
-#include <cageform/core/detail/buffer.hpp>
-#include <cageform/core/detail/guard_memory.hpp>
-#include <cageform/grid/lattice/simplex_boundary.hpp>
+#include <cageform/coordinates/harmonic.hpp>
 
-#include <algorithm>
-#include <cmath>
-#include <cstdint>
-#include <span>
+namespace cageform::inline CAGEFORM_ABI::detail {
 
-namespace cageform::inline CAGEFORM_ABI {
+/// The functions of one face of a mesh, in its plane: bilinear on a rectangle, which is exact, else
+/// harmonic coordinates.
+class HarmonicFace {
+public:
+    HarmonicFace(const Polygon<double>& polygon, const HarmonicOptions& options)
+        : coordinates_(polygon, options) {
+        if (polygon.size() != 4) return;
+        const auto u = polygon[1] - polygon[0], v = polygon[3] - polygon[0];
+        const auto missed = polygon[2] - polygon[1] - v;
+        const double rounding = 1e-12 * (dot(u, u) + dot(v, v));
+        if (dot(missed, missed) > rounding * 1e-12 || std::fabs(dot(u, v)) > rounding) return;
+        origin_ = polygon[0];
+        sides_ = {(1 / dot(u, u)) * u, (1 / dot(v, v)) * v};
+        is_rectangle_ = true;
+    }
+    /// Solves for the functions and keeps them.
+    Status solve() { return is_rectangle_ ? Status::ok : coordinates_.solve().status; }
 
-template <class C>
-struct HarmonicSolverChoice; // in coordinates/harmonic.hpp
-template <Scalar T, std::size_t D, class C, class Solvers>
-    requires(D == 2 || D == 3)
-class HarmonicCoordinates; // there too
+    friend void face_weights(const HarmonicFace& face, const Vec<double, 2>& p, std::span<double> row) {
+        if (face.is_rectangle_) {
+            const double s = std::clamp(dot(p - face.origin_, face.sides_[0]), 0.0, 1.0);
+            const double t = std::clamp(dot(p - face.origin_, face.sides_[1]), 0.0, 1.0);
+            row[0] = (1 - s) * (1 - t);
+            row[1] = s * (1 - t);
+            row[2] = s * t;
+            row[3] = (1 - s) * t;
+            return;
+        }
+        face_weights(face.coordinates_, p, row);
+    }
 
-namespace grid {
-
-template <Scalar T>
-struct GridBoundaryOf<PolyhedralMesh<T>> {
-    using type = SimplexBoundary<3>;
+private:
+    HarmonicCoordinates<double, 2> coordinates_;
+    Vec<double, 2> origin_{};
+    std::array<Vec<double, 2>, 2> sides_{}; ///< over their squared lengths
+    bool is_rectangle_ = false;
 };
 
-} // namespace grid
-
-namespace detail {
-
-/// The boundary data of a polyhedral mesh. On a face with more than three corners it is the
-/// harmonic coordinates of the face's polygon (Joshi et al., Harmonic Coordinates for Character
-/// Articulation, sec. 4). They are solved once, when the problem is posed: to a quarter of the
-/// accuracy, or on a lattice twice as fine as the cage's.
-///
-///   Plane  HarmonicPlane, as a parameter because that type is still incomplete here
-template <Scalar T, class Plane>
-class PolyhedralData {
-public:
-    using Value = BoundaryValue<3>;
-
-    PolyhedralData() = default;
-    template <class Options>
-    PolyhedralData(const PolyhedralMesh<T>& mesh, const Options& options) {
-        status_ = guard_memory([&] {
+/// On a face with more than three corners the boundary data is the harmonic coordinates of the
+/// face's polygon (Joshi et al., Harmonic Coordinates for Character Articulation, sec. 4). They are
+/// solved once, when the problem is posed: to a quarter of the accuracy or, for a uniform grid, to the
+/// least.
+template <Scalar T>
+struct HarmonicData<PolyhedralMesh<T>> {
+    static Status make(const PolyhedralMesh<T>& mesh, const HarmonicOptions& options, BoundaryData<3>& data) {
+        return guard_memory([&] {
             Status solved = Status::ok; // the first failure
-            const auto extent = bounds_of(mesh.vertices()).upper - bounds_of(mesh.vertices()).lower;
-            const double longest = double(std::fmax(extent[0], std::fmax(extent[1], extent[2])));
-            const auto make = [&](const Polygon<double>& polygon, double size) {
-                HarmonicOptions in_plane;
-                in_plane.accuracy = std::fmax(0.25 * options.accuracy, 1e-5);
-                if (options.resolution != 0) {
-                    in_plane.resolution = std::size_t(
-                        std::clamp(std::ceil(2 * double(options.resolution) * size / longest), 32.0, 2048.0));
-                }
-                in_plane.multigrid.tolerance = 0.1 * options.multigrid.tolerance;
-                in_plane.memory_limit = options.memory_limit;
-                Plane plane(polygon, in_plane);
-                const Status status = plane.solve().status;
-                if (solved == Status::ok) solved = status;
-                return plane;
-            };
-            faces_ = FaceCoordinates<Plane>(mesh, make);
+            const HarmonicOptions in_plane{
+                .accuracy = options.resolution != 0 ? 1e-5 : (std::max)(0.25 * options.accuracy, 1e-5),
+                .memory_limit = options.memory_limit};
+            data = BoundaryData<3>(std::make_shared<const FaceCoordinates<HarmonicFace>>(
+                mesh, [&](const Polygon<double>& polygon) {
+                    HarmonicFace face(polygon, in_plane);
+                    const Status status = face.solve();
+                    if (solved == Status::ok) solved = status;
+                    return face;
+                }));
             return solved;
         });
     }
-
-    Status status() const noexcept { return status_; }
-    template <class F>
-    void for_each_weight(const Value& value, F&& f) const {
-        faces_.for_each_weight(value, f);
-    }
-
-    template <class F>
-    void for_each_handle(const Value& value, F&& f) const {
-        faces_.for_each_handle(value, f);
-    }
-
-    /// Stores the weights at many boundary points, point after point.
-    class Table {
-    public:
-        Table() = default;
-        Table(const PolyhedralData& data, std::span<const Value> values) {
-            for (const Value& value : values) {
-                data.for_each_weight(value, [&](std::uint32_t handle, double weight) {
-                    entries_.push_back({handle, weight});
-                });
-                ends_.push_back(entries_.size());
-            }
-        }
-        template <class F>
-        void for_each_weight(std::size_t place, F&& f) const {
-            for (std::size_t n = place == 0 ? 0 : ends_[place - 1]; n < ends_[place]; ++n)
-                f(entries_[n].handle, entries_[n].weight);
-        }
-
-    private:
-        struct Entry {
-            std::uint32_t handle;
-            double weight;
-        };
-        Buffer<Entry> entries_;
-        Buffer<std::size_t> ends_;
-    };
-
-private:
-    FaceCoordinates<Plane> faces_;
-    Status status_ = Status::ok;
 };
 
-using HarmonicPlane = HarmonicCoordinates<double, 2, Polygon<double>, HarmonicSolverChoice<Polygon<double>>>;
-
-template <Scalar T>
-class BoundaryData<PolyhedralMesh<T>> : public PolyhedralData<T, HarmonicPlane> {
-public:
-    using PolyhedralData<T, HarmonicPlane>::PolyhedralData;
-};
-
-} // namespace detail
-
-} // namespace cageform::inline CAGEFORM_ABI
+} // namespace cageform::inline CAGEFORM_ABI::detail

@@ -3,117 +3,168 @@
 #pragma once
 
 #include <cageform/coordinates/detail/evaluate_blocks.hpp>
-#include <cageform/coordinates/harmonic/cage_solver.hpp>
+#include <cageform/coordinates/harmonic/difference_gradients.hpp>
 #include <cageform/core/detail/in_parallel.hpp>
 
-#include <memory>
+namespace cageform::inline CAGEFORM_ABI {
 
-namespace cageform::inline CAGEFORM_ABI::detail {
+namespace detail {
 
-/// A solver made for a problem, with its functions once they have been solved and kept.
-template <CageSolver S>
-struct Solution {
-    using Solver = S;
+/// A solver S made for a problem, with its functions once they have been solved and kept.
+template <CageSolver S, Scalar T>
+class Solution final : public CageFunctions<T, S::Problem::dimension> {
+    static constexpr std::size_t D = S::Problem::dimension;
 
-    std::shared_ptr<const typename S::Problem> problem;
-    std::optional<S> solver;
-    std::vector<typename S::Functions> functions; ///< by group; empty until `solve`
-    SolverReport report;                          ///< of the solve whose functions are kept
+public:
+    using Problem = typename S::Problem;
 
-    Status make(std::shared_ptr<const typename S::Problem> given, SolverReport& into) {
-        problem = std::move(given);
-        const Status status = S::make(*problem, into, solver);
+    explicit Solution(std::shared_ptr<const Problem> problem)
+        : problem_(std::move(problem)) {}
+
+    Status make() {
+        const Status status = S::make(*problem_, report_, solver_);
         if (status != Status::ok) return status;
-        // NOLINTNEXTLINE(bugprone-unchecked-optional-access): made where the status is ok
-        const auto [hierarchy, block] = solver->memory();
-        into.bytes = hierarchy + block;
+        const auto [hierarchy, block] = memory();
+        report_.bytes = hierarchy + block;
         return Status::ok;
     }
 
-    /// Solves all functions and keeps them.
-    Status solve(SolverReport& into, const Running& running) { return solve_by(*solver, into, running); }
+    const SolverReport& report() const noexcept override { return report_; }
+    SolverMemory memory() const noexcept override { return solver().memory(); }
 
-    /// Solves all functions, starting from the functions that a solution for another cage has kept.
-    Status solve_from(const Solution& before, std::span<const std::size_t> old_handles, SolverReport& into,
-                      const Running& running) {
-        if constexpr (WarmSolver<S>) {
-            if (!solver->takes_guess()) return solve(into, running);
-            const typename S::Guess guess(*solver, *before.solver, before.functions, old_handles);
-            return solve_by(FromGuess{*solver, guess}, into, running);
-        }
-        return solve(into, running);
-    }
-
-private:
-    /// Adapts a solver with a guess to the GroupSolver concept.
-    template <class Guess>
-    struct FromGuess {
-        using Block = typename S::Block;
-        const S& solver;
-        const Guess& guess;
-
-        std::size_t groups() const { return solver.groups(); }
-        Block make_block() const { return solver.make_block(); }
-        std::size_t helpers() const noexcept requires requires(const S& s) { s.helpers(); }
-        { return solver.helpers(); }
-        Status solve(std::size_t group, Block& block, grid::GroupWork& work) const {
-            return solver.solve(group, block, work, &guess);
-        }
-    };
-    template <class Guess>
-    FromGuess(const S&, const Guess&) -> FromGuess<Guess>;
-
-    template <class Groups>
-    Status solve_by(const Groups& groups, SolverReport& into, const Running& running) {
-        // NOLINTNEXTLINE(bugprone-unchecked-optional-access): solved once it is made
-        const double kept = 0.5 * double(solver->memory().block) * double(solver->groups());
-        if (double(into.bytes) + kept > double(memory_limit(problem->options))) {
+    Status solve(SolverReport& into, const Running& running) override {
+        if (!functions_.empty()) return Status::ok;
+        const double kept = 0.5 * double(memory().block) * double(solver().groups());
+        if (double(into.bytes) + kept > double(problem_->options.memory_limit)) {
             into.bytes += std::size_t(kept);
             return Status::out_of_memory;
         }
-        functions.resize(solver->groups());
+        std::vector<typename S::Functions> functions(solver().groups());
         const Status status = grid::solve_groups(
-            groups, into,
-            [&](std::size_t group, const auto& block) { functions[group] = solver->keep(block); }, running);
-        report = into;
-        return status;
+            solver(), into,
+            [&](std::size_t group, const auto& block) { functions[group] = solver().keep(block); }, running);
+        if (status != Status::ok) return status;
+        functions_ = std::move(functions);
+        report_ = into;
+        return Status::ok;
+    }
+
+    /// Computes the weights from kept functions if there are any. Otherwise it solves the functions
+    /// group by group and frees each group after sampling it.
+    Status sample(const Batch<T>& batch, SolverReport& report, const Running& running) const override {
+        constexpr std::size_t lanes = lane_count<T>;
+        constexpr std::size_t together = 1024 / lanes; // blocks of points in one Samples
+        const std::size_t blocks = batch.points.blocks(), pieces = (blocks + together - 1) / together;
+        if (!functions_.empty()) {
+            return for_each_block(blocks, running, [&](std::size_t begin, std::size_t end) {
+                for (std::size_t b = begin; b < end; b += together) {
+                    auto samples = solver().samples(batch, b * lanes, (std::min)(b + together, end) * lanes);
+                    for (std::size_t group = 0; group < functions_.size(); ++group)
+                        solver().sample(samples, group, functions_[group], batch.rows);
+                    solver().finish(samples, batch.rows);
+                }
+            });
+        }
+        if (blocks == 0) return Status::ok;
+        std::vector<typename S::Samples> samples(pieces);
+        in_parallel(running, pieces, 1, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t n = begin; n < end; ++n) {
+                samples[n] = solver().samples(batch, n * together * lanes,
+                                              (std::min)((n + 1) * together, blocks) * lanes);
+            }
+        });
+        const auto sample_group = [&](std::size_t group, const auto& block) {
+            for (auto& piece : samples) solver().sample(piece, group, block, batch.rows);
+        };
+        const Status status = grid::solve_groups(solver(), report, sample_group, running);
+        if (status != Status::ok) return status;
+        for (auto& piece : samples) solver().finish(piece, batch.rows);
+        return Status::ok;
+    }
+
+    /// Computes the gradients. If functions have been kept, a few blocks are handled at a time so that
+    /// their values stay in cache.
+    Status sample_gradients([[maybe_unused]] const Batch<T>& batch, [[maybe_unused]] SolverReport& report,
+                            [[maybe_unused]] const Running& running) const override {
+        if constexpr (!DifferentiableSolver<S>) {
+            return Status::solver_not_supported;
+        } else {
+            constexpr std::size_t together = 4; // the values of a hundred handles fill the second-level cache
+            const std::size_t blocks = batch.points.blocks();
+            if (!functions_.empty()) {
+                return for_each_block(blocks, running, [&](std::size_t begin, std::size_t end) {
+                    DifferenceSamples<S, T> positions(solver(), batch, (std::min)(together, end - begin));
+                    for (std::size_t b = begin; b < end; b += together) {
+                        const std::size_t count = (std::min)(together, end - b);
+                        for (std::size_t n = 0; n < count; ++n) positions.set(b + n, n);
+                        (void)sample(positions.batch(count), report, {});
+                        for (std::size_t n = 0; n < count; ++n) positions.differentiate(n, b + n);
+                    }
+                });
+            }
+            DifferenceSamples<S, T> positions(solver(), batch, blocks);
+            const auto in_blocks = [&](const auto& f) {
+                in_parallel(running, blocks, 16, [&](std::size_t begin, std::size_t end) {
+                    for (std::size_t b = begin; b < end; ++b) f(b);
+                });
+            };
+            in_blocks([&](std::size_t b) { positions.set(b, b); });
+            const Status status = sample(positions.batch(blocks), report, running);
+            if (status == Status::ok) in_blocks([&](std::size_t b) { positions.differentiate(b, b); });
+            return status;
+        }
+    }
+
+    Status
+    for_each_cell([[maybe_unused]] const std::function<void(const GridCell<T, D>&)>& f) const override {
+        const auto in_scalar = [&](const auto& cell) {
+            f({vec_cast<T>(cell.low), static_cast<T>(cell.size), cell.is_cut});
+        };
+        if constexpr (requires { solver_->for_each_cell(in_scalar); }) {
+            solver().for_each_cell(in_scalar);
+            return Status::ok;
+        }
+        return Status::solver_not_supported;
+    }
+
+private:
+    // NOLINTNEXTLINE(bugprone-unchecked-optional-access): used only after `make`
+    const S& solver() const noexcept { return *solver_; }
+
+    std::shared_ptr<const Problem> problem_;
+    std::optional<S> solver_;
+    std::vector<typename S::Functions> functions_; ///< by group; empty until `solve`
+    SolverReport report_;
+};
+
+/// Makes the functions of a problem by the solver S, or returns another status than ok.
+template <CageSolver S, Scalar T>
+Status make_functions(std::shared_ptr<const typename S::Problem> problem, SolverReport& report,
+                      std::shared_ptr<CageFunctions<T, S::Problem::dimension>>& made) {
+    auto solution = std::make_shared<Solution<S, T>>(std::move(problem));
+    const Status status = solution->make();
+    report = solution->report();
+    if (status == Status::ok) made = std::move(solution);
+    return status;
+}
+
+} // namespace detail
+
+/// The choice of one solver, for HarmonicCoordinates.
+template <CageSolver S>
+struct OnlySolver {
+    template <class C>
+    static Status make(const std::shared_ptr<const CageProblem<C>>& problem, SolverReport& report,
+                       std::shared_ptr<FunctionsOf<C>>& made) {
+        using T = typename C::scalar;
+        if constexpr (std::is_same_v<typename S::Problem, CageProblem<C>>) {
+            return detail::make_functions<S, T>(problem, report, made);
+        } else {
+            std::shared_ptr<const PlacedCage<C::dimension>> cage;
+            if (const Status status = place(*problem, cage); status != Status::ok) return status;
+            return detail::make_functions<S, T>(cage, report, made);
+        }
     }
 };
 
-/// Computes the weights of a batch of points, from kept functions if there are any. Otherwise it
-/// solves the functions group by group and frees each group after sampling it.
-template <CageSolver S>
-Status sample_solution(const Solution<S>& solution, const Batch<typename S::Problem::scalar>& batch,
-                       SolverReport& report, const Running& running) {
-    constexpr std::size_t lanes = lane_count<typename S::Problem::scalar>;
-    constexpr std::size_t together = 1024 / lanes; // blocks of points in one Samples
-    // NOLINTNEXTLINE(bugprone-unchecked-optional-access): a solution is used once it is made
-    const S& solver = *solution.solver;
-    const std::size_t blocks = batch.points.blocks(), pieces = (blocks + together - 1) / together;
-    if (!solution.functions.empty()) {
-        return for_each_block(blocks, running, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t b = begin; b < end; b += together) {
-                auto samples = solver.samples(batch, b * lanes, (std::min)(b + together, end) * lanes);
-                for (std::size_t group = 0; group < solution.functions.size(); ++group)
-                    solver.sample(samples, group, solution.functions[group], batch.rows);
-                solver.finish(samples, batch.rows);
-            }
-        });
-    }
-    if (blocks == 0) return Status::ok;
-    std::vector<typename S::Samples> samples(pieces);
-    in_parallel(running, pieces, 1, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t n = begin; n < end; ++n)
-            samples[n] =
-                solver.samples(batch, n * together * lanes, (std::min)((n + 1) * together, blocks) * lanes);
-    });
-    const auto sample_group = [&](std::size_t group, const auto& block) {
-        for (auto& piece : samples) solver.sample(piece, group, block, batch.rows);
-    };
-    const Status status = grid::solve_groups(solver, report, sample_group, running);
-    if (status != Status::ok) return status;
-    for (auto& piece : samples) solver.finish(piece, batch.rows);
-    return Status::ok;
-}
-
-} // namespace cageform::inline CAGEFORM_ABI::detail
+} // namespace cageform::inline CAGEFORM_ABI

@@ -29,10 +29,10 @@ public:
     template <class Data>
     void add(const grid::CutStencil<D>& stencil, const Data& data) {
         nodes_.append(stencil.nodes.data(), stencil.nodes.data() + stencil.node_count);
-        for (std::uint32_t n = 0; n < stencil.place_count; ++n) {
-            const auto& [value, share] = stencil.places[n];
-            data.for_each_weight(value, [&, part = share](std::uint32_t handle, double weight) {
-                handles_.push_back({handle, part * weight});
+        for (std::uint32_t n = 0; n < stencil.boundary_count; ++n) {
+            const auto& [value, share] = stencil.boundary_points[n];
+            data.for_each_weight(value, [&, factor = share](std::uint32_t handle, double weight) {
+                handles_.push_back({handle, factor * weight});
             });
         }
         end_stencil();

@@ -13,10 +13,9 @@ namespace cageform::inline CAGEFORM_ABI::detail {
 
 /// A cage embedded in a tree of cells. The cage must outlive it. It cannot be moved, because its
 /// members point to each other.
-template <class C>
+template <std::size_t D>
 class TreeCage {
-    using T = typename C::scalar;
-    static constexpr std::size_t D = C::dimension;
+    using C = CellComplex<double, D>;
 
 public:
     /// The largest depth of the tree: its smallest cells are 2^-depth of the cube around the cage.
@@ -26,7 +25,7 @@ public:
     /// Returns the largest depth for this cage. It is limited so that no cell is much smaller than
     /// the tolerance: points that close to the cage count as boundary points, and such cells would
     /// be lost in the rounding of coordinates.
-    static unsigned depth_of(const C& cage, T tolerance) noexcept {
+    static unsigned depth_of(const C& cage, double tolerance) noexcept {
         const auto bounds = bounds_of(cage.vertices());
         double longest = 0;
         for (std::size_t k = 0; k < D; ++k)
@@ -36,14 +35,14 @@ public:
             while (depth < most_depth_at_bones && std::ldexp(longest, -int(depth)) > 0.25 * bone.radius)
                 ++depth;
         }
-        while (depth > 0 && std::ldexp(longest, -int(depth)) < 0.25 * double(tolerance)) --depth;
+        while (depth > 0 && std::ldexp(longest, -int(depth)) < 0.25 * tolerance) --depth;
         return depth;
     }
 
     /// Predicts the size of a tree before it is built.
     class Plan {
     public:
-        Plan(const C& cage, T tolerance) {
+        Plan(const C& cage, double tolerance) {
             if constexpr (D == 3) planner_.emplace(boundary_of_tree(cage, tolerance, 1));
         }
         double scale(double accuracy) const noexcept { return plan(accuracy).scale; }
@@ -65,7 +64,7 @@ public:
     };
     static constexpr double least_accuracy = 1e-5, most_accuracy = 0.1;
 
-    TreeCage(const C& cage, T tolerance, double scale = 1)
+    TreeCage(const C& cage, double tolerance, double scale = 1)
         : cage_(cage)
         , tolerance_(tolerance)
         , boundary_(boundary_of_tree(cage, tolerance, scale))
@@ -114,8 +113,8 @@ public:
             if (double(samples.list.size()) < samples.count) return false;
             const std::span<const grid::SizeSample<D>> list(samples.list.data(), samples.list.size());
             whole = grid::refine(tree_, list, options, std::size_t(most));
-            for (const auto& [place, size, reason] : list) {
-                if (size < finest_.size) finest_ = {size, place, reason};
+            for (const auto& [position, size, reason] : list) {
+                if (size < finest_.size) finest_ = {size, position, reason};
             }
         } else {
             whole = grid::refine(tree_, options, std::size_t(most), finest_);
@@ -131,9 +130,9 @@ public:
         tree_.cells().for_each_leaf([&](const Cell& leaf) {
             if (tree_.state(leaf.number) != grid::CellState::out) smallest = (std::min)(smallest, leaf.size);
         });
-        const auto place = boundary_.in_cage(finest_.place);
+        const auto position = boundary_.in_cage(finest_.position);
         report.tree.finest_size = boundary_.unit() * smallest;
-        for (std::size_t k = 0; k < D; ++k) report.tree.finest_place[k] = place[k];
+        for (std::size_t k = 0; k < D; ++k) report.tree.finest_position[k] = position[k];
         report.tree.finest_reason = finest_.reason;
     }
 
@@ -148,22 +147,22 @@ public:
         tree_.cells().for_each_leaf([&](const Cell& leaf) {
             const auto state = tree_.state(leaf.number);
             if (state == grid::CellState::out) return;
-            const auto low = vec_cast<T>(boundary_.in_cage(node_position<D>(leaf.low)));
-            f(GridCell<T, D>{low, T(boundary_.unit() * leaf.size), state == grid::CellState::cut});
+            const auto low = boundary_.in_cage(node_position<D>(leaf.low));
+            f(GridCell<double, D>{low, boundary_.unit() * leaf.size, state == grid::CellState::cut});
         });
     }
 
     /// Returns the size of the leaf at a point, in units of the cage.
-    double spacing(const Vec<T, D>& p) const noexcept {
+    double spacing(const Vec<double, D>& p) const noexcept {
         return boundary_.unit() * tree_.leaf_at(placed(p)).size;
     }
-    PointState state_of(const Vec<T, D>& p) const noexcept {
+    PointState state_of(const Vec<double, D>& p) const noexcept {
         const auto at = placed(p);
         return located(p, at, tree_.leaf_at(at)).state;
     }
     /// Returns the distance from a point inside to the boundary, along an axis, up or down, in
     /// sizes of the point's leaf; at most `limit`.
-    double free_distance(const Vec<T, D>& p, std::size_t axis, bool up, double limit) const noexcept {
+    double free_distance(const Vec<double, D>& p, std::size_t axis, bool up, double limit) const noexcept {
         const auto at = placed(p);
         const double size = tree_.leaf_at(at).size;
         return std::fmin(limit, boundary_.free_distance({at, axis, up, limit * size}) / size);
@@ -171,10 +170,11 @@ public:
 
     /// Returns the interpolation stencil of point `i` of a batch and sets its state. The stencil is
     /// empty for points outside and beyond the batch.
+    template <Scalar T>
     grid::CutStencil<D> stencil(const Batch<T>& batch, std::size_t i) const {
         grid::CutStencil<D> stencil;
         if (i >= batch.points.points || batch.states[i] == PointState::not_finite) return stencil;
-        const auto p = block_point<D>(batch.points, i);
+        const auto p = vec_cast<double>(block_point<D>(batch.points, i));
         const auto at = placed(p);
         const auto leaf = tree_.leaf_at(at);
         const auto [state, value] = located(p, at, leaf);
@@ -190,12 +190,10 @@ public:
 private:
     using Cell = typename grid::CellTree<D>::Cell;
 
-    static grid::TreeBoundary<D> boundary_of_tree(const C& cage, T tolerance, double scale) {
-        return {cage, depth_of(cage, tolerance), 2 * double(tolerance), scale};
+    static grid::TreeBoundary<D> boundary_of_tree(const C& cage, double tolerance, double scale) {
+        return {cage, depth_of(cage, tolerance), 2 * tolerance, scale};
     }
-    Vec<double, D> placed(const Vec<T, D>& p) const noexcept {
-        return boundary_.in_units(vec_cast<double>(p));
-    }
+    Vec<double, D> placed(const Vec<double, D>& p) const noexcept { return boundary_.in_units(p); }
     /// Sets the stencil of a point inside. Close to the boundary the tree's facets are rounded, and
     /// a leaf does not see all facets that shape the function. There the value is interpolated
     /// linearly between the nearest point of the unrounded boundary and a point farther inside, so
@@ -208,10 +206,10 @@ private:
         }
         if (!(nearest.distance < layer)) return set_stencil_inside(p, leaf, stencil);
         if (nearest.distance > grid::on_facet_distance) {
-            const auto along = (layer / nearest.distance - 1) * (p - nearest.place);
+            const auto along = (layer / nearest.distance - 1) * (p - nearest.position);
             const auto met = boundary_.first_met(p, along);
             const double share =
-                nearest.distance / (nearest.distance + (met ? met->part : 1) * length(along));
+                nearest.distance / (nearest.distance + (met ? met->fraction : 1) * length(along));
             if (met) {
                 stencil.add(met->value, share);
             } else {
@@ -234,7 +232,8 @@ private:
         LeafGather<D, grid::StencilSink<D>>(boundary_, nodes_, sink)
             .gather(leaf, tree_.facets(leaf.number), p);
     }
-    grid::Located<D> located(const Vec<T, D>& p, const Vec<double, D>& at, const Cell& leaf) const noexcept {
+    grid::Located<D> located(const Vec<double, D>& p, const Vec<double, D>& at,
+                             const Cell& leaf) const noexcept {
         const double size = tree_.cells().size();
         bool in_cube = true;
         for (std::size_t k = 0; k < D; ++k) in_cube = in_cube && at[k] > 0 && at[k] < size;
@@ -243,7 +242,7 @@ private:
             return {state == grid::CellState::in ? PointState::inside : PointState::outside, {}};
         // Only within this distance can the tolerance or the rounding of the tree change the result.
         const double undecided =
-            1e-4 + std::ldexp(2.0, -boundary_.fraction()) + 2 * double(tolerance_) / boundary_.unit();
+            1e-4 + std::ldexp(2.0, -boundary_.fraction()) + 2 * tolerance_ / boundary_.unit();
         if (in_cube && boundary_.nearest(tree_.facets(leaf.number), at).distance > undecided) {
             std::array<std::int64_t, D> line{};
             for (std::size_t k = 0; k < D; ++k)
@@ -251,8 +250,8 @@ private:
             return {tree_.is_inside(line) ? PointState::inside : PointState::outside, {}};
         }
         grid::Located<D> found{locate(cage_, p, tolerance_), {}};
-        Vec<T, D> place;
-        if (found.state == PointState::on_boundary) found.value = nearest_boundary_value(cage_, p, place);
+        Vec<double, D> position;
+        if (found.state == PointState::on_boundary) found.value = nearest_boundary_value(cage_, p, position);
         return found;
     }
 
@@ -262,7 +261,7 @@ private:
     static constexpr double layer_share = D == 2 ? 0.01 : 0.3;
 
     const C& cage_;
-    T tolerance_;
+    double tolerance_;
     grid::TreeBoundary<D> boundary_;
     grid::CutTree<D> tree_;
     grid::TreeNodes<D> nodes_;

@@ -23,76 +23,64 @@ class HandleOrder {
 public:
     HandleOrder() = default;
     /// Halves the handles across the longest side of their bounds, down to groups of `width`.
-    template <Scalar T, std::size_t D>
-    HandleOrder(std::span<const Vec<T, D>> places, std::size_t width)
-        : handle_(places.size())
-        , rank_(places.size()) {
+    template <std::size_t D>
+    HandleOrder(std::span<const Vec<double, D>> points, std::size_t width)
+        : handle_(points.size())
+        , position_(points.size()) {
         for (std::uint32_t n = 0; n < handle_.size(); ++n) handle_[n] = n;
-        divide(places, width, 0, handle_.size());
-        for (std::uint32_t n = 0; n < handle_.size(); ++n) rank_[handle_[n]] = n;
+        divide(points, width, 0, handle_.size());
+        for (std::uint32_t n = 0; n < handle_.size(); ++n) position_[handle_[n]] = n;
     }
-    std::uint32_t handle(std::size_t rank) const noexcept { return handle_[rank]; }
-    std::uint32_t rank(std::size_t handle) const noexcept { return rank_[handle]; }
+    std::uint32_t handle(std::size_t position) const noexcept { return handle_[position]; }
+    std::uint32_t position(std::size_t handle) const noexcept { return position_[handle]; }
 
 private:
-    template <Scalar T, std::size_t D>
-    void divide(std::span<const Vec<T, D>> places, std::size_t width, std::size_t begin, std::size_t end) {
+    template <std::size_t D>
+    void divide(std::span<const Vec<double, D>> points, std::size_t width, std::size_t begin,
+                std::size_t end) {
         if (end - begin <= width) return;
         std::size_t axis = 0;
         double longest = -1;
         for (std::size_t k = 0; k < D; ++k) {
-            T low = places[handle_[begin]][k], high = low;
+            double low = points[handle_[begin]][k], high = low;
             for (std::size_t n = begin; n < end; ++n) {
-                low = (std::min)(low, places[handle_[n]][k]);
-                high = (std::max)(high, places[handle_[n]][k]);
+                low = (std::min)(low, points[handle_[n]][k]);
+                high = (std::max)(high, points[handle_[n]][k]);
             }
-            if (double(high) - double(low) <= longest) continue;
-            longest = double(high) - double(low);
+            if (high - low <= longest) continue;
+            longest = high - low;
             axis = k;
         }
         const std::size_t groups = (end - begin + width - 1) / width, middle = begin + groups / 2 * width;
         std::nth_element(handle_.begin() + begin, handle_.begin() + middle, handle_.begin() + end,
                          [&](std::uint32_t a, std::uint32_t b) {
-                             return std::pair(places[a][axis], a) < std::pair(places[b][axis], b);
+                             return std::pair(points[a][axis], a) < std::pair(points[b][axis], b);
                          });
-        divide(places, width, begin, middle);
-        divide(places, width, middle, end);
+        divide(points, width, begin, middle);
+        divide(points, width, middle, end);
     }
 
-    Buffer<std::uint32_t> handle_, rank_;
+    Buffer<std::uint32_t> handle_, position_;
 };
 
-/// The boundary data of a tree's facets, with handles numbered by HandleOrder::rank. Facets are
-/// always triangles, whatever the cage's faces are.
-template <class C>
-class RankedData {
+/// The boundary data, with handles numbered by HandleOrder::position.
+template <std::size_t D>
+class OrderedData {
 public:
-    using Value = BoundaryValue<C::dimension>;
+    using Value = BoundaryValue<D>;
 
-    RankedData(const C& cage, const BoundaryData<C>& data, const HandleOrder& order)
-        : cage_(cage)
-        , data_(data)
+    OrderedData(const BoundaryData<D>& data, const HandleOrder& order)
+        : data_(data)
         , order_(order) {}
 
     template <class F>
     void for_each_weight(const Value& value, F&& f) const {
-        const auto ranked = [&](std::uint32_t handle, double weight) { f(order_.rank(handle), weight); };
-        if constexpr (requires { cage_.divisions(); }) { // a box: bilinear on its rectangles
-            Vec<double, 3> place{};
-            HatData<3>::for_each_weight(value, [&](std::uint32_t handle, double weight) {
-                place = place + weight * vec_cast<double>(cage_.vertices()[handle]);
-            });
-            Vec<typename C::scalar, 3> on_box;
-            HatData<3>::for_each_weight(
-                nearest_boundary_value(cage_, vec_cast<typename C::scalar>(place), on_box), ranked);
-        } else {
-            data_.for_each_weight(value, ranked);
-        }
+        data_.for_each_weight(
+            value, [&](std::uint32_t handle, double weight) { f(order_.position(handle), weight); });
     }
 
 private:
-    const C& cage_;
-    const BoundaryData<C>& data_;
+    const BoundaryData<D>& data_;
     const HandleOrder& order_;
 };
 
@@ -101,11 +89,9 @@ private:
 /// A CageSolver for every kind of cage; groups have sixteen functions. HarmonicOptions::accuracy
 /// decides how fine the grid is and when the cycles stop. Bones thinner than half the finest cell,
 /// some millionths of the cage, are refused (grid_too_coarse).
-template <class C>
+template <std::size_t D>
 class TreeSolver {
-    using T = typename C::scalar;
-    static constexpr std::size_t D = C::dimension;
-    using Cage = detail::TreeCage<C>;
+    using Cage = detail::TreeCage<D>;
     using Multigrid = grid::TreeMultigrid<D>;
     static constexpr std::size_t width = Multigrid::width;
     /// The cycles stop at this fraction of the accuracy. It is smaller in 2D: cycles are cheap there,
@@ -113,7 +99,7 @@ class TreeSolver {
     static constexpr double of_accuracy = D == 2 ? 0.01 : 0.1;
 
 public:
-    using Problem = CageProblem<C, HarmonicOptions>;
+    using Problem = PlacedCage<D>;
     using Block = typename Multigrid::Block;
 
     static Status make(const Problem& problem, SolverReport& report, std::optional<TreeSolver>& made) {
@@ -121,7 +107,6 @@ public:
         const double accuracy = problem.options.accuracy;
         if (!(accuracy >= Cage::least_accuracy && accuracy <= Cage::most_accuracy))
             return Status::accuracy_not_supported;
-        if (problem.data.status() != Status::ok) return problem.data.status();
         if (Cage::depth_of(problem.cage, problem.tolerance) < Cage::least_depth)
             return Status::resolution_not_supported;
         const typename Cage::Plan plan(problem.cage, problem.tolerance);
@@ -160,8 +145,8 @@ public:
         , max_cycles_(problem.options.multigrid.max_cycles)
         , order_(cage_->cage().vertices(), width)
         , multigrid_(cage_->tree(), cage_->nodes(),
-                     grid::links_of(cage_->tree(), cage_->nodes(), data_by_rank()))
-        , errors_(cage_->tree(), cage_->nodes(), data_by_rank()) {}
+                     grid::links_of(cage_->tree(), cage_->nodes(), ordered_data()))
+        , errors_(cage_->tree(), cage_->nodes(), ordered_data()) {}
 
     SolverMemory memory() const noexcept {
         return {cage_->bytes() + multigrid_.bytes(), multigrid_.block_bytes(is_refined())};
@@ -270,38 +255,41 @@ public:
 
     using Samples = detail::CutSamples<D>;
 
+    template <Scalar T>
     Samples samples(const detail::Batch<T>& batch, std::size_t first, std::size_t last) const {
         Samples samples(first);
-        const auto data = data_by_rank();
+        const auto data = ordered_data();
         for (std::size_t i = first; i < last; ++i) samples.add(cage_->stencil(batch, i), data);
         return samples;
     }
-    template <class Solved> // a block or kept functions
+    template <class Solved, Scalar T> // Solved: a block or kept functions
     void sample(Samples& samples, std::size_t group, const Solved& solved, BlockView<T> rows) const noexcept {
         const auto [first, count] = handles_of(group);
-        samples.sample(solved, first, count, rows, [this](std::size_t rank) { return order_.handle(rank); });
+        samples.sample(solved, first, count, rows,
+                       [this](std::size_t position) { return order_.handle(position); });
     }
+    template <Scalar T>
     void finish(const Samples& /*samples*/, BlockView<T> /*rows*/) const noexcept {}
 
-    double spacing(const Vec<T, D>& p) const noexcept { return cage_->spacing(p); }
-    PointState state_of(const Vec<T, D>& p) const noexcept { return cage_->state_of(p); }
-    double free_distance(const Vec<T, D>& p, std::size_t axis, bool up, double limit) const noexcept {
+    double spacing(const Vec<double, D>& p) const noexcept { return cage_->spacing(p); }
+    PointState state_of(const Vec<double, D>& p) const noexcept { return cage_->state_of(p); }
+    double free_distance(const Vec<double, D>& p, std::size_t axis, bool up, double limit) const noexcept {
         return cage_->free_distance(p, axis, up, limit);
     }
 
 private:
-    detail::RankedData<C> data_by_rank() const noexcept { return {cage_->cage(), *data_, order_}; }
+    detail::OrderedData<D> ordered_data() const noexcept { return {*data_, order_}; }
     /// Returns the value below which the next coarser level represents a function well enough.
     double cutoff() const noexcept { return is_refined() ? 0 : 2.5 * tolerance_; }
     /// Returns whether values need iterative refinement in double; float alone stalls at about 3e-7.
     bool is_refined() const noexcept { return tolerance_ < 2e-6; }
-    /// Returns the rank of a group's first handle, and the number of its handles.
+    /// Returns the position of a group's first handle, and the number of its handles.
     std::pair<std::size_t, std::size_t> handles_of(std::size_t group) const noexcept {
         return {group * width, (std::min)(width, cage_->cage().size() - group * width)};
     }
 
     std::unique_ptr<Cage> cage_;
-    const detail::BoundaryData<C>* data_;
+    const detail::BoundaryData<D>* data_;
     double tolerance_;
     std::size_t max_cycles_;
     detail::HandleOrder order_;

@@ -2,6 +2,7 @@
 // plane.hpp, space.hpp and polygons.hpp.
 #pragma once
 
+#include <cageform/cage/detail/refuse_interior_cells.hpp>
 #include <cageform/coordinates/coordinate.hpp>
 #include <cageform/coordinates/detail/boundary_data.hpp>
 #include <cageform/coordinates/detail/evaluate_blocks.hpp>
@@ -37,15 +38,11 @@ public:
 
     /// See CageCoordinates.
     Evaluation evaluate(BlockView<const scalar> points, BlockView<scalar> weights,
-                        std::span<PointState> states, const Running& running = {}) const {
-        return evaluate_numbers<Simd<T>>({points, weights, states}, running);
-    }
+                        std::span<PointState> states, const Running& running = {}) const;
     /// See GradientCoordinates. On the boundary derivatives exist from one side only; there the
     /// gradient at a point 1e-6 diagonals inside is returned.
     Evaluation evaluate_gradients(BlockView<const scalar> points, BlockView<scalar> gradients,
-                                  std::span<PointState> states, const Running& running = {}) const {
-        return evaluate_numbers<Dual<Simd<double>, D>>({points, gradients, states}, running);
-    }
+                                  std::span<PointState> states, const Running& running = {}) const;
     Vec<scalar, dimension> nearest_boundary(const Vec<scalar, dimension>& p,
                                             std::span<scalar> row) const noexcept {
         return nearest_boundary_weights(cage_, p, row, data_);
@@ -71,14 +68,7 @@ protected:
     CageReport report_;
 
 private:
-    void prepare() {
-        report_ = check(cage_);
-        if (report_.status != Status::ok) return;
-        report_.status = guard_memory([&] {
-            fill_tables();
-            return Status::ok;
-        });
-    }
+    void prepare();
     void fill_tables() {
         const auto bounds = bounds_of(cage_.vertices());
         tolerance_ = double(coincidence_tolerance(bounds));
@@ -149,8 +139,8 @@ private:
         const WeightSum<N> result = weigh_registers<N>(frame<N>(), limits<N>(), p, memory);
         const N inverse = X(S(1)) / result.sum;
         for (std::size_t i = 0; i < cage_.size(); ++i) {
-            for_parts(memory.weights[i] * inverse, i, cage_.size(), S(scale_),
-                      [&](std::size_t row, const X& x) { store_lanes(x, rows[row], first); });
+            for_each_component(memory.weights[i] * inverse, i, cage_.size(), S(scale_),
+                               [&](std::size_t row, const X& x) { store_lanes(x, rows[row], first); });
         }
 
         // Inside, the sum is at least 2π (4π in 3D) over the diagonal (Hormann & Floater 2006, sec.
@@ -193,9 +183,9 @@ private:
     /// Evaluates one point in a wider scalar; on the boundary it returns the limit.
     template <class N>
     PointState evaluate_point(const Vec<T, D>& p, Lanes<T>* rows, std::size_t lane) const {
-        Vec<T, D> place;
-        const auto value = nearest_boundary_value(cage_, p, place);
-        const double distance = length(scale_ * (vec_cast<double>(place) - vec_cast<double>(p)));
+        Vec<T, D> position;
+        const auto value = nearest_boundary_value(cage_, p, position);
+        const double distance = length(scale_ * (vec_cast<double>(position) - vec_cast<double>(p)));
         const bool on_boundary = distance <= scale_ * tolerance_;
         if constexpr (!has_gradient<N>) {
             if (on_boundary) {
@@ -211,10 +201,11 @@ private:
         bool finite = true;
         const N inverse = Wide(1) / sum;
         for (std::size_t i = 0; i < cage_.size(); ++i) {
-            for_parts(memory.weights[i] * inverse, i, cage_.size(), 1 / unit, [&](std::size_t row, Wide x) {
-                rows[row][lane] = static_cast<T>(x);
-                finite = finite && is_finite(rows[row][lane]);
-            });
+            for_each_component(memory.weights[i] * inverse, i, cage_.size(), 1 / unit,
+                               [&](std::size_t row, Wide x) {
+                                   rows[row][lane] = static_cast<T>(x);
+                                   finite = finite && is_finite(rows[row][lane]);
+                               });
         }
         if (!finite) return PointState::unreached;
         // Near thin cages and far away rounding can change the sign of the sum, so it does not decide.

@@ -1,8 +1,8 @@
 // Inputs and outputs of the mean value formulas in 2D and 3D.
 #pragma once
 
+#include <cageform/cage/detail/boundary_value.hpp>
 #include <cageform/cage/detail/primitives.hpp>
-#include <cageform/coordinates/detail/boundary_data.hpp>
 #include <cageform/core/affine/compensated_sum.hpp>
 #include <cageform/core/affine/dual.hpp>
 
@@ -67,7 +67,7 @@ struct MeanValueForm {
     using Frame = MeanValueFrame<S, Cage::dimension>;
     template <class N>
     using Rows = WeightRows<N>;
-    using Data = BoundaryData<Cage>;
+    using Data = HatData<Cage::dimension>;
 
     static Data data(const Cage& /*cage*/) noexcept { return {}; }
 };

@@ -50,13 +50,13 @@ struct PolygonTopology : MeanValueTopology<3> {
 
 template <class S>
 struct PolygonFrame : MeanValueFrame<S, 3> {
-    using Place = Vec<S, 2>;
+    using Point = Vec<S, 2>;
     struct Polygon {
         std::vector<std::uint32_t> corners;
         std::pair<std::size_t, std::size_t> triangles;
-        std::vector<std::array<Place, 3>> corners_of_triangle; ///< its triangles, in its plane
+        std::vector<std::array<Point, 3>> corners_of_triangle; ///< its triangles, in its plane
         MeanValueFrame<S, 2> plane;
-        Place lower, upper; ///< bounds of the corners
+        Point lower, upper; ///< bounds of the corners
     };
     std::vector<Polygon> polygons;
     std::vector<std::size_t> triangles;
@@ -72,15 +72,15 @@ struct PolygonFrame : MeanValueFrame<S, 3> {
                 return Vec<Precise<S>, 2>{dot(d, u), dot(d, v)};
             };
             Buffer<Vec<Precise<S>, 2>> corners;
-            Place lower{}, upper{}; // corner 0, which is the origin
+            Point lower{}, upper{}; // corner 0, which is the origin
             for (const std::uint32_t i : of.corners) {
-                const auto place = vec_cast<S>(corners.push_back(flat(i)));
+                const auto position = vec_cast<S>(corners.push_back(flat(i)));
                 for (std::size_t k = 0; k < 2; ++k) {
-                    lower[k] = (std::min)(lower[k], place[k]);
-                    upper[k] = (std::max)(upper[k], place[k]);
+                    lower[k] = (std::min)(lower[k], position[k]);
+                    upper[k] = (std::max)(upper[k], position[k]);
                 }
             }
-            std::vector<std::array<Place, 3>> of_triangles;
+            std::vector<std::array<Point, 3>> of_triangles;
             for (std::size_t t = of.triangles.first; t < of.triangles.second; ++t) {
                 const auto& [a, b, c] = topology.facets[t];
                 of_triangles.push_back({vec_cast<S>(flat(a)), vec_cast<S>(flat(b)), vec_cast<S>(flat(c))});
@@ -106,7 +106,7 @@ struct PolygonRows : WeightRows<N> {
 /// Computes the 2D weights at a point on the polygon's edges: linear along the nearest edge.
 template <class N, class S>
 N weigh_on_edge(const MeanValueFrame<S, 2>& plane, const Vec<S, 2>& x, WeightRows<N>& rows) noexcept {
-    S least = (std::numeric_limits<S>::max)(), part = 0;
+    S least = (std::numeric_limits<S>::max)(), fraction = 0;
     std::size_t nearest = 0;
     const std::size_t count = plane.corners.size();
     const auto edge_of = [&](std::size_t i) {
@@ -118,12 +118,12 @@ N weigh_on_edge(const MeanValueFrame<S, 2>& plane, const Vec<S, 2>& x, WeightRow
         const auto off = d - t * e;
         if (!(dot(off, off) < least)) continue;
         least = dot(off, off);
-        part = t;
+        fraction = t;
         nearest = i;
     }
     for (N& w : rows.weights) w = N(S(0));
-    rows.weights[nearest] = N(1 - part);
-    rows.weights[(nearest + 1) % count] = rows.weights[(nearest + 1) % count] + N(part);
+    rows.weights[nearest] = N(1 - fraction);
+    rows.weights[(nearest + 1) % count] = rows.weights[(nearest + 1) % count] + N(fraction);
     return N(S(1));
 }
 
@@ -131,7 +131,7 @@ N weigh_on_edge(const MeanValueFrame<S, 2>& plane, const Vec<S, 2>& x, WeightRow
 template <class N>
 struct PolygonMean {
     N sum;
-    std::array<N, 2> place;
+    std::array<N, 2> position;
 };
 
 /// Computes the mean from the triangles of a polygon. They give their corners weights with Σ w_k
@@ -224,7 +224,7 @@ struct PolygonForm {
     using Data = FaceCoordinates<Plane>;
 
     static Data data(const PolyhedralMesh<T>& mesh) {
-        return Data(mesh, [](const Polygon<double>& polygon, double) { return Plane(polygon); });
+        return Data(mesh, [](const Polygon<double>& polygon) { return Plane(polygon); });
     }
 };
 template <Scalar T>

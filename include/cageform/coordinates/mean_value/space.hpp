@@ -74,15 +74,15 @@ struct MeanValueFrame<S, 3> {
     }
 
 private:
-    using Place = Vec<Precise<S>, 3>;
+    using Point = Vec<Precise<S>, 3>;
 
-    static Place unit(const Place& v) noexcept { return (1 / std::sqrt(dot(v, v))) * v; }
+    static Point unit(const Point& v) noexcept { return (1 / std::sqrt(dot(v, v))) * v; }
 
-    static void measure(Face& face, const std::array<Place, 3>& c) noexcept {
+    static void measure(Face& face, const std::array<Point, 3>& c) noexcept {
         const auto normal = unit(cross(c[1] - c[0], c[2] - c[0]));
         face.normal = vec_cast<S>(normal);
         face.offset = static_cast<S>(dot(normal, c[0]));
-        std::array<Place, 3> across;
+        std::array<Point, 3> across;
         for (std::size_t k = 0; k < 3; ++k) {
             const std::size_t l = (k + 1) % 3, m = (k + 2) % 3;
             across[k] = unit(cross(c[m] - c[l], normal));
@@ -189,9 +189,9 @@ void angles_over_distances(const Buffer<typename MeanValueFrame<S, 3>::Edge>& ed
             const std::size_t count = (std::min)(most, edges.size() - first);
             for (std::size_t e = 0; e < count; ++e) {
                 const SeenEdge<N, S> seen(edges[first + e], p);
-                const AngleParts<S> parts(seen.sine(), seen.cosine());
-                (parts.numerator / parts.denominator).store(quotient[e]);
-                parts.offset.store(offset[e]);
+                const AngleTerms<S> terms(seen.sine(), seen.cosine());
+                (terms.numerator / terms.denominator).store(quotient[e]);
+                terms.offset.store(offset[e]);
                 seen.r.store(distance[e]);
             }
             for (std::size_t e = 0; e < count; ++e) {
@@ -236,7 +236,7 @@ U angle_beside_face(const U& height, const U& rho, const U& begin, const U& end)
         return rho * sum;
     }
     const U r = abs(rho), distance = sqrt(distance2);
-    const auto part = [&](const U& t) { // (atan(t/R) − atan(t/r))/H²
+    const auto antiderivative = [&](const U& t) { // (atan(t/R) − atan(t/r))/H²
         const U d = r * distance + t * t;
         if (!(zero < d)) return zero;
         const U x = t * height * height / ((r + distance) * d);
@@ -247,7 +247,8 @@ U angle_beside_face(const U& height, const U& rho, const U& begin, const U& end)
     };
     const U seen = angle(r * (end - begin), rr + begin * end); // from the foot point
     const U sign(rho < zero ? K(-1) : K(1));
-    return (rho / distance) * (part(end) - part(begin)) - sign * (seen / (distance * (r + distance)));
+    return (rho / distance) * (antiderivative(end) - antiderivative(begin)) -
+           sign * (seen / (distance * (r + distance)));
 }
 
 /// Returns S of a face that p is not over. In this case Σ φ_k = 0, so S = ½ H Σ (g_k ρ_k − φ_k)/H².
@@ -279,22 +280,22 @@ CAGEFORM_DETAIL_NO_INLINE void set_beside_face(N& s, const typename Simd<S>::Mas
                                                const typename MeanValueFrame<S, 3>::Face& face,
                                                const N& height, const std::array<N, 3>& rho) noexcept {
     using One = std::conditional_t<has_gradient<N>, Dual<double, 3>, double>;
-    constexpr std::size_t parts = 1 + NumberTraits<N>::derivatives;
-    Lanes<S> flags, heights, rhos[3], lanes[parts];
+    constexpr std::size_t components = 1 + NumberTraits<N>::derivatives;
+    Lanes<S> flags, heights, rhos[3], lanes[components];
     select(beside, Simd<S>(S(1)), Simd<S>(S(0))).store(flags);
     value_of(height).store(heights);
     for (std::size_t k = 0; k < 3; ++k) value_of(rho[k]).store(rhos[k]);
-    for (std::size_t k = 0; k < parts; ++k) NumberTraits<N>::part(s, k).store(lanes[k]);
+    for (std::size_t k = 0; k < components; ++k) NumberTraits<N>::component(s, k).store(lanes[k]);
     for (std::size_t lane = 0; lane < lane_count<S>; ++lane) {
         if (flags[lane] == S(0)) continue;
         std::array<One, 3> across;
         for (std::size_t k = 0; k < 3; ++k) across[k] = linear<One>(double(rhos[k][lane]), face.across[k]);
         const One sum =
             sum_beside_face<One, S>(face, linear<One>(double(heights[lane]), face.normal), across);
-        for (std::size_t k = 0; k < parts; ++k)
-            lanes[k][lane] = static_cast<S>(NumberTraits<One>::part(sum, k));
+        for (std::size_t k = 0; k < components; ++k)
+            lanes[k][lane] = static_cast<S>(NumberTraits<One>::component(sum, k));
     }
-    for (std::size_t k = 0; k < parts; ++k) NumberTraits<N>::part(s, k) = Simd<S>::load(lanes[k]);
+    for (std::size_t k = 0; k < components; ++k) NumberTraits<N>::component(s, k) = Simd<S>::load(lanes[k]);
 }
 
 /// Returns the weights that a face adds to its corners. Flags lanes next to the face in `special`.

@@ -10,11 +10,11 @@
 //   2. Next to the hull, `find_near_hull` decides whether p lies outside, on a facet or inside. On a
 //      facet the weights are those of the facet's sites alone.
 //   3. Inside, `NewCell` (new_cell.hpp) measures the overlap of the Voronoi cell that p would have
-//      with the present cell of each neighbour, by the sums of stolen.hpp.
+//      with the present cell of each neighbour, by the sums of cell_overlap.hpp.
 //   4. `take_cell` divides the overlaps by their sum, and `restore` removes the rounding errors of
 //      Σu = 1 and Σ u (P − p) = 0.
 //
-// Coordinates come in three forms: `Place` holds integers of the lattice (p as the triangulation
+// Coordinates come in three forms: `LatticePoint` holds integers of the lattice (p as the triangulation
 // sees it), *extents* are lattice coordinates times 2^-60, and *units* are those of the user. An extent
 // is a length: the least power of two above the longest side of the sites' bounds (site_lattice.hpp).
 #pragma once
@@ -90,17 +90,17 @@ public:
         , unit_(lattice_.units(1))
         , bounds_(bounds_of(sites).widened(tolerance))
         , tolerance_(lattice_.extents(tolerance)) {
-        std::vector<Place<D>> places;
-        places.reserve(sites.size());
-        for (const auto& site : sites) places.push_back(lattice_.place(site));
-        sites_ = Delaunay<D>(std::move(places));
+        std::vector<LatticePoint<D>> positions;
+        positions.reserve(sites.size());
+        for (const auto& site : sites) positions.push_back(lattice_.position(site));
+        sites_ = Delaunay<D>(std::move(positions));
         if (sites_.empty()) return;
         at_.reserve(sites_.size());
-        for (std::uint32_t v = 0; v < sites_.size(); ++v) at_.push_back(lattice_.seen(sites_.place(v)));
+        for (std::uint32_t v = 0; v < sites_.size(); ++v) at_.push_back(lattice_.seen(sites_.point(v)));
         HullFacets<D> hull(sites_, at_, tolerance_);
         facets_ = std::move(hull.facets);
         if (facets_.empty()) return;
-        hull_ = HullTree<D>(std::move(hull.parts));
+        hull_ = HullTree<D>(std::move(hull.pieces));
         for (auto& facet : facets_) prepare(facet);
         const auto vertices = hull_vertices();
         near_hull_.reserve(sites_.simplices().size());
@@ -136,15 +136,15 @@ public:
             // tested first.
             if (p[k] < bounds_.lower[k] || p[k] > bounds_.upper[k]) return PointState::outside;
         }
-        const auto place = lattice_.place(p);
-        const std::uint32_t at = sites_.find_cavity(place, scratch.search);
+        const auto position = lattice_.position(p);
+        const std::uint32_t at = sites_.find_cavity(position, scratch.search);
         const auto cavity = scratch.search.cavity();
         const auto is_near = [&](std::uint32_t s) { return near_hull_[s] != 0; };
         if (near_hull_[at] != 0 || std::any_of(cavity.begin(), cavity.end(), is_near)) {
-            const PointState state = find_near_hull(lattice_.seen(place), scratch);
+            const PointState state = find_near_hull(lattice_.seen(position), scratch);
             if (state != PointState::inside) return state;
         }
-        if (find_inside(place, at, scratch)) return PointState::inside;
+        if (find_inside(position, at, scratch)) return PointState::inside;
         (void)find_on_hull(p, scratch);
         return PointState::on_boundary;
     }
@@ -155,18 +155,18 @@ public:
         hull_.find(lattice_.seen(p), nearest);
         scratch.found.clear();
         scratch.missed = {};
-        find_on_facet(nearest.facet, nearest.place, scratch);
-        return lattice_.unseen(nearest.place + scratch.missed);
+        find_on_facet(nearest.facet, nearest.position, scratch);
+        return lattice_.unseen(nearest.position + scratch.missed);
     }
 
-    /// Moves `p`, a point of the hull, towards the centroid of the first simplex, by the fraction
-    /// `part` of the way. The result lies inside the hull.
-    Vec<double, D> drawn_inside(const Vec<double, D>& p, double part) const noexcept {
+    /// Moves `p`, a point of the hull, towards the centroid of the first simplex, by the given
+    /// fraction of the way. The result lies inside the hull.
+    Vec<double, D> drawn_inside(const Vec<double, D>& p, double fraction) const noexcept {
         std::uint32_t s = 0;
         while (sites_.simplices()[s].is_ghost()) ++s;
         Vec<double, D> middle{};
         for (const std::uint32_t v : sites_.simplices()[s].vertex) middle = middle + (1.0 / (D + 1)) * at_[v];
-        return p + part * (lattice_.unseen(middle) - p);
+        return p + fraction * (lattice_.unseen(middle) - p);
     }
 
 private:
@@ -182,22 +182,23 @@ private:
 
     /// Computes the weights of a point inside the hull; the cavity has been found, starting at
     /// simplex `at`. Returns false if the point's cell has no measure.
-    bool find_inside(const Place<D>& place, std::uint32_t at, Scratch& scratch) const {
-        if (scratch.search.cavity().empty()) return find_site(place, sites_.simplices()[at].vertex, scratch);
-        const auto parts = smooth_             ? StolenParts::smooth
-                           : scratch.gradients ? StolenParts::moments
-                                               : StolenParts::measures;
-        const bool sound = scratch.cell.fill(sites_, place, scratch.search.cavity(), parts);
-        if (find_site(place, scratch.cell.cavity.vertices, scratch)) return true;
-        if (sound) take_cell(scratch.cell, parts == StolenParts::moments, scratch.found);
+    bool find_inside(const LatticePoint<D>& position, std::uint32_t at, Scratch& scratch) const {
+        if (scratch.search.cavity().empty())
+            return find_site(position, sites_.simplices()[at].vertex, scratch);
+        const auto sums = smooth_             ? OverlapSums::smooth
+                          : scratch.gradients ? OverlapSums::moments
+                                              : OverlapSums::measures;
+        const bool sound = scratch.cell.fill(sites_, position, scratch.search.cavity(), sums);
+        if (find_site(position, scratch.cell.cavity.vertices, scratch)) return true;
+        if (sound) take_cell(scratch.cell, sums == OverlapSums::moments, scratch.found);
         return sound;
     }
     /// Gives all the weight to one of these vertices if the point lies within tolerance of it, and
     /// returns whether it does.
     template <class Vertices>
-    bool find_site(const Place<D>& place, const Vertices& vertices, Scratch& scratch) const {
+    bool find_site(const LatticePoint<D>& position, const Vertices& vertices, Scratch& scratch) const {
         for (const std::uint32_t v : vertices) {
-            const auto away = 0x1p-60 * to_double<D>(difference<D>(sites_.place(v), place));
+            const auto away = 0x1p-60 * to_double<D>(difference<D>(sites_.point(v), position));
             if (dot(away, away) > tolerance_ * tolerance_) continue;
             take_site(v, away, scratch);
             return true;
@@ -356,12 +357,12 @@ private:
     void refine(const Vec<double, D>& q, const Corners<D>& corner, std::array<double, D>& weight) const {
         const auto& [a, b, c] = corner;
         const auto n = cross(b - a, c - a);
-        auto miss = q - place_on_facet(weight, corner);
+        auto miss = q - point_on_facet(weight, corner);
         for (int round = 0; round < 4 && dot(miss, miss) > tolerance_ * tolerance_; ++round) {
             const double u = dot(cross(c - b, miss), n) / dot(n, n),
                          v = dot(cross(a - c, miss), n) / dot(n, n);
             const std::array<double, D> next{weight[0] + u, weight[1] + v, weight[2] - (u + v)};
-            const auto rest = q - place_on_facet(next, corner);
+            const auto rest = q - point_on_facet(next, corner);
             if (!((std::min)({next[0], next[1], next[2]}) >= 0 && dot(rest, rest) < dot(miss, miss))) return;
             weight = next;
             miss = rest;

@@ -1,12 +1,12 @@
 // Computes the overlaps of a new point's Voronoi cell with the cells of the sites, to working precision.
 #pragma once
 
-#include <cageform/coordinates/sibson/stolen.hpp>
+#include <cageform/coordinates/sibson/cell_overlap.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The overlaps, facets and moments of a new point's cell, as `Stolen` in stolen.hpp defines them. A
-/// facet lies between the cells of the point and of a site; its moment is the integral over it of
+/// The overlaps, facets and moments of a new point's cell, as `CellOverlap` in cell_overlap.hpp defines them.
+/// A facet lies between the cells of the point and of a site; its moment is the integral over it of
 /// the position relative to the point, which gives the gradient of the overlap. They are
 /// computed in double if a bound of the rounding errors allows it. Otherwise circumcentres come from
 /// integers and the sums carry 120 bits: this is needed next to flat facets of the hull, where the
@@ -26,28 +26,28 @@ public:
 
     /// Computes the cell of `p` from its cavity `found`, which holds no ghosts. Returns false if
     /// the cell has no measure. Smooth measures always use the exact path.
-    bool fill(const Delaunay<D>& sites, const Place<D>& p, std::span<const std::uint32_t> found,
-              StolenParts parts) {
-        place_ = p;
+    bool fill(const Delaunay<D>& sites, const LatticePoint<D>& p, std::span<const std::uint32_t> found,
+              OverlapSums sums) {
+        point_ = p;
         cavity.fill(sites, found);
         fast_.make_room(cavity);
         for (std::size_t n = 0; n < cavity.vertices.size(); ++n) {
             auto& site = fast_.site[n];
             site.size = 0;
             for (std::size_t k = 0; k < D; ++k) {
-                site.at[k] = double(sites.place(cavity.vertices[n])[k] - p[k]);
+                site.at[k] = double(sites.point(cavity.vertices[n])[k] - p[k]);
                 site.size += std::fabs(site.at[k]);
             }
         }
-        exact = parts == StolenParts::smooth;
+        exact = sums == OverlapSums::smooth;
         if (!exact) {
             fill_double(sites);
-            fast_.sum(cavity, parts);
+            fast_.sum(cavity, sums);
             add_up();
             exact = !(total > 0 && std::sqrt(fast_.squares) < enough * total);
         }
         if (exact) {
-            fill_exact(sites, parts);
+            fill_exact(sites, sums);
             add_up();
         }
         return total > 0;
@@ -74,13 +74,13 @@ private:
         }
     }
 
-    std::array<Place<D>, D + 1> rim_corners(const Delaunay<D>& sites, std::size_t n) const noexcept {
+    std::array<LatticePoint<D>, D + 1> rim_corners(const Delaunay<D>& sites, std::size_t n) const noexcept {
         const auto& rim = cavity.rim[n];
         const auto& simplex = cavity.simplices[rim.simplex];
-        std::array<Place<D>, D + 1> a;
-        a[0] = place_;
+        std::array<LatticePoint<D>, D + 1> a;
+        a[0] = point_;
         for (std::uint32_t k = 0, next = 1; k <= D; ++k) {
-            if (k != rim.index) a[next++] = sites.place(cavity.vertices[simplex.vertex[k]]);
+            if (k != rim.index) a[next++] = sites.point(cavity.vertices[simplex.vertex[k]]);
         }
         return a;
     }
@@ -119,32 +119,32 @@ private:
         centre.error = error;
     }
 
-    void fill_exact(const Delaunay<D>& sites, StolenParts parts) {
+    void fill_exact(const Delaunay<D>& sites, OverlapSums sums) {
         wide_.make_room(cavity);
         for (std::size_t n = 0; n < cavity.vertices.size(); ++n)
-            wide_.site[n].at = wide_vector(difference<D>(sites.place(cavity.vertices[n]), place_));
+            wide_.site[n].at = wide_vector(difference<D>(sites.point(cavity.vertices[n]), point_));
         const std::size_t inner = cavity.numbers.size();
         for (std::size_t n = 0; n < inner; ++n) {
             const auto corners = sites.corners(sites.simplices()[cavity.numbers[n]]);
             auto& c = wide_.centre[n].at = wide_centre(corners);
-            const auto first = wide_vector(difference<D>(corners[0], place_));
+            const auto first = wide_vector(difference<D>(corners[0], point_));
             for (std::size_t k = 0; k < D; ++k) c[k] = c[k] + first[k];
         }
         for (std::size_t n = 0; n < cavity.rim.size(); ++n)
             wide_.centre[inner + n].at = wide_centre(rim_corners(sites, n));
-        wide_.sum(cavity, parts);
+        wide_.sum(cavity, sums);
         for (std::size_t n = 0; n < cavity.vertices.size(); ++n) {
             fast_.measure[n] = double(wide_.measure[n]);
             fast_.facet[n] = double(wide_.facet[n]);
             for (std::size_t k = 0; k < D; ++k) fast_.moment[n][k] = double(wide_.moment[n][k]);
         }
     }
-    static Numbers<WideFloat, D> wide_vector(const Place<D>& a) noexcept {
+    static Numbers<WideFloat, D> wide_vector(const LatticePoint<D>& a) noexcept {
         Numbers<WideFloat, D> r;
         for (std::size_t k = 0; k < D; ++k) r[k] = WideFloat(a[k]);
         return r;
     }
-    static Numbers<WideFloat, D> wide_centre(const std::array<Place<D>, D + 1>& a) noexcept {
+    static Numbers<WideFloat, D> wide_centre(const std::array<LatticePoint<D>, D + 1>& a) noexcept {
         const auto q = centre_quotient<WideInt, D>(edge_rows<WideInt, D>(a));
         const WideFloat scale = inverse(WideFloat(q.determinant) + WideFloat(q.determinant));
         Numbers<WideFloat, D> c;
@@ -152,9 +152,9 @@ private:
         return c;
     }
 
-    Place<D> place_{};
-    Stolen<double, D> fast_; ///< the results, also those of the exact path
-    Stolen<WideFloat, D> wide_;
+    LatticePoint<D> point_{};
+    CellOverlap<double, D> fast_; ///< the results, also those of the exact path
+    CellOverlap<WideFloat, D> wide_;
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

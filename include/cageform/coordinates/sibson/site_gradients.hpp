@@ -75,32 +75,32 @@ private:
     void fill(std::uint32_t v, bool mirrored) {
         const auto& around = neighbours_[v];
         if (around.empty()) return;
-        std::vector<Place<D>> places;
+        std::vector<LatticePoint<D>> positions;
         for (const std::uint32_t n : around)
-            places.push_back(difference<D>(sites_->place(n), sites_->place(v)));
-        if (mirrored) add_mirrored(places);
+            positions.push_back(difference<D>(sites_->point(n), sites_->point(v)));
+        if (mirrored) add_mirrored(positions);
         // The cell of v is the cell of a new point at v among its neighbours.
-        const Delaunay<D> local(std::move(places));
+        const Delaunay<D> local(std::move(positions));
         if (local.empty()) return;
         (void)local.find_cavity({}, search_);
         for (const std::uint32_t s : search_.cavity()) {
             if (local.simplices()[s].is_ghost()) return mirrored ? void() : fill(v, true);
         }
-        if (!cell_.fill(local, {}, search_.cavity(), StolenParts::facets)) return;
+        if (!cell_.fill(local, {}, search_.cavity(), OverlapSums::facets)) return;
         fit(v, local);
     }
 
     /// Adds the mirror images of the neighbours, except those that coincide with another neighbour.
     /// On lattices and rings rounding would otherwise decide which of the two gets the facet.
-    void add_mirrored(std::vector<Place<D>>& places) const {
-        const std::size_t count = places.size();
+    void add_mirrored(std::vector<LatticePoint<D>>& positions) const {
+        const std::size_t count = positions.size();
         for (std::size_t n = 0; n < count; ++n) {
-            const Place<D> mirrored = difference<D>({}, places[n]);
-            const auto coincides = [&](const Place<D>& other) {
+            const LatticePoint<D> mirrored = difference<D>({}, positions[n]);
+            const auto coincides = [&](const LatticePoint<D>& other) {
                 return length(to_double<D>(difference<D>(other, mirrored))) * unit_ <= 4 * tolerance_;
             };
-            if (std::none_of(places.begin(), places.begin() + std::ptrdiff_t(count), coincides))
-                places.push_back(mirrored);
+            if (std::none_of(positions.begin(), positions.begin() + std::ptrdiff_t(count), coincides))
+                positions.push_back(mirrored);
         }
     }
 

@@ -20,12 +20,12 @@ std::array<N, K> compensated_sums(std::size_t count, const Add& add) noexcept {
     std::array<N, K> sums, excess; // excess: by how much the sums are too large
     for (std::size_t k = 0; k < K; ++k) sums[k] = excess[k] = N(ValueOf<N>(0));
     for (std::size_t begin = 0; begin < count; begin += run) {
-        std::array<N, K> part;
-        for (std::size_t k = 0; k < K; ++k) part[k] = -excess[k];
-        for (std::size_t i = begin; i < (std::min)(begin + run, count); ++i) add(i, part);
+        std::array<N, K> partial;
+        for (std::size_t k = 0; k < K; ++k) partial[k] = -excess[k];
+        for (std::size_t i = begin; i < (std::min)(begin + run, count); ++i) add(i, partial);
         for (std::size_t k = 0; k < K; ++k) {
-            const N next = sums[k] + part[k];
-            excess[k] = (next - sums[k]) - part[k];
+            const N next = sums[k] + partial[k];
+            excess[k] = (next - sums[k]) - partial[k];
             sums[k] = next;
         }
     }

@@ -88,17 +88,19 @@ struct NumberTraits {
     using Value = N;
     static constexpr std::size_t derivatives = 0;
     // NOLINTNEXTLINE(bugprone-return-const-ref-from-parameter): a part of it, used while it lives
-    static const Value& part(const N& n, std::size_t) noexcept { return n; }
-    static Value& part(N& n, std::size_t) noexcept { return n; }
+    static const Value& component(const N& n, std::size_t) noexcept { return n; }
+    static Value& component(N& n, std::size_t) noexcept { return n; }
 };
 template <class U, std::size_t D>
 struct NumberTraits<Dual<U, D>> {
     using Value = U;
     static constexpr std::size_t derivatives = D;
-    static const U& part(const Dual<U, D>& n, std::size_t k) noexcept {
+    static const U& component(const Dual<U, D>& n, std::size_t k) noexcept {
         return k == 0 ? n.value : n.gradient[k - 1];
     }
-    static U& part(Dual<U, D>& n, std::size_t k) noexcept { return k == 0 ? n.value : n.gradient[k - 1]; }
+    static U& component(Dual<U, D>& n, std::size_t k) noexcept {
+        return k == 0 ? n.value : n.gradient[k - 1];
+    }
 };
 
 template <class N>
@@ -108,7 +110,7 @@ inline constexpr bool has_gradient = NumberTraits<N>::derivatives > 0;
 
 template <class N>
 const ValueOf<N>& value_of(const N& n) noexcept {
-    return NumberTraits<N>::part(n, 0);
+    return NumberTraits<N>::component(n, 0);
 }
 
 /// Makes a number from a value and its known gradient, which is dropped if N carries none.
@@ -123,8 +125,8 @@ N with_gradient(const ValueOf<N>& value, [[maybe_unused]] const Vec<ValueOf<N>, 
 /// Calls set(row, value) for the weight of handle `i` of `handles`, or for its derivatives times
 /// `scale`.
 template <class N, class S, class Set>
-void for_parts(const N& weight, std::size_t i, [[maybe_unused]] std::size_t handles, [[maybe_unused]] S scale,
-               const Set& set) {
+void for_each_component(const N& weight, std::size_t i, [[maybe_unused]] std::size_t handles,
+                        [[maybe_unused]] S scale, const Set& set) {
     if constexpr (has_gradient<N>) {
         for (std::size_t k = 0; k < NumberTraits<N>::derivatives; ++k)
             set(k * handles + i, ValueOf<N>(scale) * weight.gradient[k]);

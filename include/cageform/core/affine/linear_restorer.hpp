@@ -84,17 +84,18 @@ private:
                 measure(wanted, [&](std::size_t i) { return Simd::load(row[i]) + change_of(step, row, i); });
             const Simd left = largest(tried.missing);
             treat = select<T>(left < worst, treat, zero);
-            const auto taken = zero < treat;
-            for (Simd& s : step) s = select<T>(taken, s, zero);
+            const auto accepted = zero < treat;
+            for (Simd& s : step) s = select<T>(accepted, s, zero);
             for (std::size_t i = 0; i < rows_.size(); ++i) {
                 const Simd delta = change_of(step, row, i);
                 change = max<T>(change, abs<T>(delta));
                 (Simd::load(row[i]) + delta).store(row[i]);
             }
-            for (std::size_t k = 0; k <= D; ++k) missing[k] = select<T>(taken, tried.missing[k], missing[k]);
-            least = select<T>(taken, tried.least, least);
-            sizes = select<T>(taken, tried.sizes, sizes);
-            worst = select<T>(taken, left, worst);
+            for (std::size_t k = 0; k <= D; ++k)
+                missing[k] = select<T>(accepted, tried.missing[k], missing[k]);
+            least = select<T>(accepted, tried.least, least);
+            sizes = select<T>(accepted, tried.sizes, sizes);
+            worst = select<T>(accepted, left, worst);
         }
         abs<T>(missing[0]).store(result.partition);
         distance(missing).store(result.reproduction);

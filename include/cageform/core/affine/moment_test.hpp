@@ -26,8 +26,8 @@ public:
         const double deviation = std::sqrt(double(rows.size())); // scales the rows of Q to size 1
         const OrthonormalRows<D + 1> basis(std::move(rows));
         for (std::size_t i = 0; i < vertices.size(); ++i) {
-            auto& place = places_.push_back();
-            for (std::size_t k = 0; k < D; ++k) place[k] = static_cast<S>(deviation * basis[i][k + 1]);
+            auto& position = positions_.push_back();
+            for (std::size_t k = 0; k < D; ++k) position[k] = static_cast<S>(deviation * basis[i][k + 1]);
         }
         for (std::size_t k = 0; k <= D; ++k) {
             for (std::size_t j = 0; j < k; ++j)
@@ -41,21 +41,21 @@ public:
     X failed(const Vec<X, D>& p, const std::vector<N>& weights, const X& sum) const noexcept {
         const X zero(S(0)), one(S(1));
         const auto moments = compensated_sums<X, D>(weights.size(), [&](std::size_t i, auto& total) {
-            for (std::size_t k = 0; k < D; ++k) total[k] += value_of(weights[i]) * X(places_[i][k]);
+            for (std::size_t k = 0; k < D; ++k) total[k] += value_of(weights[i]) * X(positions_[i][k]);
         });
         std::array<X, D + 1> row{one};
         for (std::size_t k = 0; k < D; ++k) row[k + 1] = p[k];
-        const auto place = in_basis(triangle_, row);
+        const auto position = in_basis(triangle_, row);
         X missed = zero, square = one; // grows with the distance
         for (std::size_t k = 0; k < D; ++k) {
-            missed = (max)(missed, abs(moments[k] - sum * place[k + 1]));
+            missed = (max)(missed, abs(moments[k] - sum * position[k + 1]));
             square += p[k] * p[k];
         }
         return select(X(std::sqrt(epsilon<S>)) * square * abs(sum) < missed, one, zero);
     }
 
 private:
-    Buffer<Vec<S, D>> places_;
+    Buffer<Vec<S, D>> positions_;
     Vec<Vec<S, D + 1>, D + 1> triangle_{};
 };
 

@@ -29,9 +29,9 @@ public:
             for (const int pass : {1, 2}) {
                 (void)pass;
                 for (std::size_t j = 0; j < k; ++j) {
-                    const double part = inner(j, k);
-                    triangle_[k][j] += part;
-                    for (auto& row : q_) row[k] -= part * row[j];
+                    const double projection = inner(j, k);
+                    triangle_[k][j] += projection;
+                    for (auto& row : q_) row[k] -= projection * row[j];
                 }
             }
             const double rest = std::sqrt(inner(k, k));

@@ -49,7 +49,7 @@ protected:
         void* const moved = capacity == 0
                                 ? nullptr
                                 : ::operator new(capacity* element.size, std::align_val_t(element.alignment));
-        ask_for_huge_pages(moved, capacity * element.size);
+        advise_huge_pages(moved, capacity * element.size);
         if (size_ != 0) std::memcpy(moved, data_, size_ * element.size);
         free(element);
         data_ = moved;

@@ -16,7 +16,7 @@ namespace cageform::inline CAGEFORM_ABI::detail {
 /// costs a microsecond or two, more than most work done on it. Works on Linux with transparent huge
 /// pages (`madvise` or `always`). Does nothing elsewhere, for memory below 4 MB, or if the system
 /// has no huge pages left.
-inline void ask_for_huge_pages([[maybe_unused]] void* memory, [[maybe_unused]] std::size_t bytes) noexcept {
+inline void advise_huge_pages([[maybe_unused]] void* memory, [[maybe_unused]] std::size_t bytes) noexcept {
 #if defined(MADV_HUGEPAGE)
     constexpr std::size_t page = std::size_t{1} << 21;
     if (bytes < 2 * page) return;
@@ -32,7 +32,7 @@ void resize_large(std::vector<T>& to, std::size_t size) {
     if (size > to.capacity()) {
         to = std::vector<T>();
         to.reserve(size);
-        ask_for_huge_pages(to.data(), size * sizeof(T));
+        advise_huge_pages(to.data(), size * sizeof(T));
     }
     to.resize(size);
 }

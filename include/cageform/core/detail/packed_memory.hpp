@@ -60,9 +60,9 @@ namespace detail {
 
 /// Returns `x` in the opposite byte order.
 constexpr std::uint64_t byte_swapped(std::uint64_t x) noexcept {
-    std::uint64_t turned = 0;
-    for (int byte = 0; byte < 8; ++byte, x >>= 8) turned = (turned << 8) | (x & 0xFFu);
-    return turned;
+    std::uint64_t swapped = 0;
+    for (int byte = 0; byte < 8; ++byte, x >>= 8) swapped = (swapped << 8) | (x & 0xFFu);
+    return swapped;
 }
 
 /// The first 32 bytes of all packed data. The checksum covers everything after them.

@@ -129,8 +129,8 @@ struct Simd {
     static constexpr std::size_t count = 64 / sizeof(Register);
 
     struct Mask {
-        using Part = decltype(Register{} < Register{});
-        Part m[count];
+        using RegisterMask = decltype(Register{} < Register{});
+        RegisterMask m[count];
 
         friend Mask operator&(Mask a, const Mask& b) noexcept {
             CAGEFORM_DETAIL_UNROLL
@@ -266,9 +266,9 @@ Simd<S> load_lanes(const Lanes<T>& row, [[maybe_unused]] std::size_t first) noex
     if constexpr (std::is_same_v<S, T>) {
         return Simd<S>::load(row);
     } else {
-        Lanes<S> part;
-        for (std::size_t lane = 0; lane < lane_count<S>; ++lane) part[lane] = S(row[first + lane]);
-        return Simd<S>::load(part);
+        Lanes<S> chunk;
+        for (std::size_t lane = 0; lane < lane_count<S>; ++lane) chunk[lane] = S(row[first + lane]);
+        return Simd<S>::load(chunk);
     }
 }
 template <Scalar S, Scalar T>
@@ -276,9 +276,9 @@ void store_lanes(const Simd<S>& x, Lanes<T>& row, [[maybe_unused]] std::size_t f
     if constexpr (std::is_same_v<S, T>) {
         x.store(row);
     } else {
-        Lanes<S> part;
-        x.store(part);
-        for (std::size_t lane = 0; lane < lane_count<S>; ++lane) row[first + lane] = T(part[lane]);
+        Lanes<S> chunk;
+        x.store(chunk);
+        for (std::size_t lane = 0; lane < lane_count<S>; ++lane) row[first + lane] = T(chunk[lane]);
     }
 }
 

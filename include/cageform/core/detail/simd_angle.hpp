@@ -33,29 +33,29 @@ CAGEFORM_DETAIL_INLINE inline Simd<T> atan_over(const Simd<T>& u) noexcept {
 /// Writes atan2(y, x), for y ≥ 0 and not both zero, as offset + atan(numerator/denominator) with a
 /// quotient of absolute value at most tan(π/8).
 template <Scalar T>
-struct AngleParts {
+struct AngleTerms {
     Simd<T> numerator, denominator, offset;
 
-    CAGEFORM_DETAIL_INLINE AngleParts(const Simd<T>& y, const Simd<T>& x) noexcept {
+    CAGEFORM_DETAIL_INLINE AngleTerms(const Simd<T>& y, const Simd<T>& x) noexcept {
         constexpr T pi = T(3.14159265358979323846), tangent_of_eighth = T(0.41421356237309505);
         const Simd<T> zero(T(0)), size = abs<T>(x), less = min<T>(y, size), more = max<T>(y, size);
         // Beyond tan(π/8) the angle is measured from the diagonal, beyond π/4 from the y axis.
-        const auto steep = Simd<T>(tangent_of_eighth) * more < less, above = size < y, behind = x < zero;
+        const auto steep = Simd<T>(tangent_of_eighth) * more < less, above = size < y, is_left = x < zero;
         numerator = select<T>(steep, less - more, less);
         denominator = select<T>(steep, less + more, more);
         offset = select<T>(steep, Simd<T>(pi / 4), zero);
         offset = select<T>(above, Simd<T>(pi / 2) - offset, offset);
-        offset = select<T>(behind, Simd<T>(pi) - offset, offset);
-        numerator = select<T>(above ^ behind, zero - numerator, numerator);
+        offset = select<T>(is_left, Simd<T>(pi) - offset, offset);
+        numerator = select<T>(above ^ is_left, zero - numerator, numerator);
     }
 };
 
 /// Returns atan2(y, x) in [0, π] for y ≥ 0, not both zero; the error is at most three roundings.
 template <Scalar T>
 CAGEFORM_DETAIL_INLINE inline Simd<T> angle(const Simd<T>& y, const Simd<T>& x) noexcept {
-    const AngleParts<T> parts(y, x);
-    const Simd<T> z = parts.numerator / parts.denominator;
-    return z * atan_over(z * z) + parts.offset;
+    const AngleTerms<T> terms(y, x);
+    const Simd<T> z = terms.numerator / terms.denominator;
+    return z * atan_over(z * z) + terms.offset;
 }
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

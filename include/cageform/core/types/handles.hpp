@@ -23,7 +23,7 @@ struct Transform {
     Vec<T, D> translation;            ///< b
 
     /// Returns A v.
-    Vec<T, D> turn(const Vec<T, D>& v) const noexcept {
+    Vec<T, D> map_vector(const Vec<T, D>& v) const noexcept {
         Vec<T, D> sum = v[0] * columns[0];
         for (std::size_t k = 1; k < D; ++k) sum = sum + v[k] * columns[k];
         return sum;

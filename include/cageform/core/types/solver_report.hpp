@@ -67,8 +67,8 @@ struct SolverReport {
         double error_bound = 0; ///< an upper bound of that error, by the maximum principle; far above it
 
         /// Error estimates at all edges in space, and in the plane at the corners with fewer than ten
-        /// cells of room (at all corners without MultigridOptions::corner_functions). A Box has none.
-        /// The largest estimate is designed to be above all errors and less than fifteen times the
+        /// cells of room (at all corners without MultigridOptions::corner_functions). A PolyhedralMesh has
+        /// none. The largest estimate is designed to be above all errors and less than fifteen times the
         /// largest (grid/corners/corner_errors.hpp).
         std::vector<CornerError> corners;
     };
@@ -81,7 +81,7 @@ struct SolverReport {
         std::vector<float> grid_errors;
         /// The size of the smallest cells, in units of the cage; 0: no grid was made.
         double finest_size = 0;
-        std::array<double, 3> finest_place{}; ///< a point in one of the smallest cells, or next to it
+        std::array<double, 3> finest_position{}; ///< a point in one of the smallest cells, or next to it
         SizeReason finest_reason = SizeReason::largest; ///< why they are so small
     };
     Tree tree;
@@ -110,13 +110,13 @@ struct SolverReport {
     /// For cells_unreached: the number of cells in all components without a given value.
     std::size_t unreached_cells = 0;
 
-    /// Returns a quantile of tree.grid_errors, in [0, 1]: the fraction `part` of them does not exceed
+    /// Returns a quantile of tree.grid_errors, in [0, 1]: the fraction `quantile` of them does not exceed
     /// it. For part = 1 it was measured between half and four times the largest error anywhere.
-    double grid_error(double part = 1) const {
+    double grid_error(double quantile = 1) const {
         if (tree.grid_errors.empty()) return 0;
         auto sorted = tree.grid_errors;
         std::sort(sorted.begin(), sorted.end());
-        return double(sorted[std::size_t(part * double(sorted.size() - 1))]);
+        return double(sorted[std::size_t(quantile * double(sorted.size() - 1))]);
     }
 
     /// Returns the corner with the largest estimate, or one with error 0 if there is none. Its
@@ -138,29 +138,29 @@ struct SolverReport {
 
     /// Merges the report of other functions. Counts and times are added; other fields keep the
     /// worst. The group of refused problems stays unchanged.
-    void add(const SolverReport& part) {
-        cells += part.cells;
-        solves += part.solves;
-        unconverged += part.unconverged;
-        bytes = (std::max)(bytes, part.bytes);
-        seconds += part.seconds;
-        multigrid.cycles = (std::max)(multigrid.cycles, part.multigrid.cycles);
+    void add(const SolverReport& other) {
+        cells += other.cells;
+        solves += other.solves;
+        unconverged += other.unconverged;
+        bytes = (std::max)(bytes, other.bytes);
+        seconds += other.seconds;
+        multigrid.cycles = (std::max)(multigrid.cycles, other.multigrid.cycles);
         multigrid.convergence_factor =
-            (std::max)(multigrid.convergence_factor, part.multigrid.convergence_factor);
-        multigrid.error_estimate = (std::max)(multigrid.error_estimate, part.multigrid.error_estimate);
-        multigrid.error_bound = (std::max)(multigrid.error_bound, part.multigrid.error_bound);
-        add_corners(part.multigrid.corners);
-        add_grid_errors(part.tree.grid_errors);
-        if (part.tree.finest_size > 0 &&
-            !(tree.finest_size > 0 && tree.finest_size <= part.tree.finest_size)) {
-            tree.finest_size = part.tree.finest_size;
-            tree.finest_place = part.tree.finest_place;
-            tree.finest_reason = part.tree.finest_reason;
+            (std::max)(multigrid.convergence_factor, other.multigrid.convergence_factor);
+        multigrid.error_estimate = (std::max)(multigrid.error_estimate, other.multigrid.error_estimate);
+        multigrid.error_bound = (std::max)(multigrid.error_bound, other.multigrid.error_bound);
+        add_corners(other.multigrid.corners);
+        add_grid_errors(other.tree.grid_errors);
+        if (other.tree.finest_size > 0 &&
+            !(tree.finest_size > 0 && tree.finest_size <= other.tree.finest_size)) {
+            tree.finest_size = other.tree.finest_size;
+            tree.finest_position = other.tree.finest_position;
+            tree.finest_reason = other.tree.finest_reason;
         }
-        pyramid.sweeps += part.pyramid.sweeps;
+        pyramid.sweeps += other.pyramid.sweeps;
         pyramid.largest_mean_change =
-            (std::max)(pyramid.largest_mean_change, part.pyramid.largest_mean_change);
-        pyramid.crowded_cells += part.pyramid.crowded_cells;
+            (std::max)(pyramid.largest_mean_change, other.pyramid.largest_mean_change);
+        pyramid.crowded_cells += other.pyramid.crowded_cells;
     }
 
 private:

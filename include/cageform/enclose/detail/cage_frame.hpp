@@ -23,7 +23,7 @@ struct CageFrame {
         , scale(unit_scale(box)) {
         if (!mirror) return;
         axis = mirror->axis;
-        origin[axis] = mirror->place.value_or(origin[axis]);
+        origin[axis] = mirror->position.value_or(origin[axis]);
     }
 
     Point to_local(const Point& p) const noexcept {
@@ -36,7 +36,7 @@ struct CageFrame {
         return origin + (1 / scale) * q;
     }
     /// Whether the map reverses orientation: counter-clockwise becomes clockwise.
-    bool turns_over() const noexcept { return axis != 0; }
+    bool reverses_orientation() const noexcept { return axis != 0; }
 };
 
 /// The largest coordinate of a figure; areas or volumes of larger figures overflow.
@@ -71,9 +71,9 @@ Status check_options(const MakeCageOptions& options) noexcept {
     if (options.vertices != 0 && options.vertices <= D) return Status::too_few_cage_vertices;
     if (!is_finite(options.margin) || options.margin < 0) return Status::margin_not_positive;
     if (!options.mirror) return Status::ok;
-    const auto& place = options.mirror->place;
-    return options.mirror->axis >= D || (place && !is_finite(*place)) ? Status::mirror_not_supported
-                                                                      : Status::ok;
+    const auto& position = options.mirror->position;
+    return options.mirror->axis >= D || (position && !is_finite(*position)) ? Status::mirror_not_supported
+                                                                            : Status::ok;
 }
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

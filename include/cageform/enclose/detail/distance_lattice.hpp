@@ -50,7 +50,7 @@ public:
         }
         return n;
     }
-    Point place(std::size_t node) const noexcept {
+    Point position(std::size_t node) const noexcept {
         const Count n = numbers(node);
         Point p = low_;
         for (std::size_t k = 0; k < D; ++k) p[k] += h_ * double(n[k]);
@@ -68,25 +68,25 @@ public:
     /// Interpolates f (bilinear or trilinear); beyond the lattice f is `farthest`.
     double value(const Point& p) const noexcept {
         std::size_t node = 0;
-        std::array<double, D> part;
+        std::array<double, D> fraction;
         for (std::size_t k = 0; k < D; ++k) {
             const double x = (p[k] - low_[k]) / h_;
             if (!(x >= 0 && x < double(count_[k] - 1))) return far_;
             const auto i = static_cast<std::size_t>(x);
-            part[k] = x - double(i);
+            fraction[k] = x - double(i);
             node += i * stride_[k];
         }
         const float* f = f_.data() + node;
         const auto along_x = [&](std::size_t at) {
-            return (1 - part[0]) * double(f[at]) + part[0] * double(f[at + 1]);
+            return (1 - fraction[0]) * double(f[at]) + fraction[0] * double(f[at + 1]);
         };
         const auto along_y = [&](std::size_t at) {
-            return (1 - part[1]) * along_x(at) + part[1] * along_x(at + stride_[1]);
+            return (1 - fraction[1]) * along_x(at) + fraction[1] * along_x(at + stride_[1]);
         };
         if constexpr (D == 2) {
             return along_y(0);
         } else {
-            return (1 - part[2]) * along_y(0) + part[2] * along_y(stride_[2]);
+            return (1 - fraction[2]) * along_y(0) + fraction[2] * along_y(stride_[2]);
         }
     }
 
@@ -100,7 +100,7 @@ public:
         const float inverse = length2 > 0 ? static_cast<float>(1 / length2) : 0.0F;
         const auto h = static_cast<float>(h_), r = static_cast<float>(radius);
         for_each_row(box, [&](std::size_t row, std::size_t first, std::size_t last) {
-            auto d = vec_cast<float>(place(row) - a);
+            auto d = vec_cast<float>(position(row) - a);
             const float from = d[0];
             for (std::size_t i = first; i < last; ++i) {
                 d[0] = from + h * static_cast<float>(i);
@@ -233,7 +233,7 @@ void fill_hull(DistanceLattice<D>& lattice, const Support& support) {
         offsets.push_back(support(n));
     }
     for (std::size_t node = 0; node < lattice.size(); ++node) {
-        const Point p = lattice.place(node);
+        const Point p = lattice.position(node);
         double most = std::numeric_limits<double>::lowest();
         for (std::size_t k = 0; k < directions; ++k) most = (std::max)(most, dot(normals[k], p) - offsets[k]);
         lattice[node] = (std::min)(lattice[node], static_cast<float>(most));
@@ -261,12 +261,12 @@ inline bool is_clear(const DistanceLattice<2>& lattice, const Vec<double, 2>& a,
 /// the outlines.
 inline void paint(DistanceLattice<2>& lattice, std::span<const DrawnSegment<double>> outlines, bool even_odd,
                   double depth) {
-    const Vec<double, 2> low = lattice.place(0);
+    const Vec<double, 2> low = lattice.position(0);
     const double h = lattice.spacing();
     const std::size_t width = lattice.count()[0];
     struct Crossing {
         double x;
-        int turn;
+        int winding;
     };
     std::vector<std::vector<Crossing>> rows(lattice.count()[1]);
     for (const auto& edge : outlines) {
@@ -292,7 +292,7 @@ inline void paint(DistanceLattice<2>& lattice, std::span<const DrawnSegment<doub
                 float& f = lattice[j * width + i];
                 if (painted) f = (std::min)(f, static_cast<float>(-depth));
             }
-            winding += crossing.turn;
+            winding += crossing.winding;
         }
     }
 }

@@ -3,7 +3,8 @@
 
 #include <cageform/cage/polygon.hpp>
 #include <cageform/enclose/detail/cage_frame.hpp>
-#include <cageform/enclose/detail/join_parts.hpp>
+#include <cageform/enclose/detail/join_components.hpp>
+#include <cageform/enclose/detail/make_cage_into.hpp>
 #include <cageform/enclose/plane/reduce_loop.hpp>
 #include <cageform/enclose/plane/relax_loop.hpp>
 
@@ -23,8 +24,8 @@ public:
         , options_(options) {}
 
     /// Makes the loops, in local coordinates and outer ones counter-clockwise. They keep the distance
-    /// `level` from the figure, up to the lattice's resolution. Reports parts, bridges and, the first time,
-    /// the tightest area.
+    /// `level` from the figure, up to the lattice's resolution. Reports components, bridges and, the first
+    /// time, the tightest area.
     Status make(double level, const Running& running, MakeCageReport& report, std::vector<Loop>& cage) {
         if (options_.shape == CageShape::box) {
             const auto box = bounds().widened(level);
@@ -34,8 +35,8 @@ public:
         }
         if (const Status status = fill_lattice(level); status != Status::ok) return status;
         if (!running.keep_going(0.2)) return Status::cancelled;
-        report.parts = LatticeParts(lattice_, lattice_.outside(0)).count;
-        report.bridges = options_.one_cage ? join_parts(lattice_, level, is_mirrored()) : 0;
+        report.components = LatticeComponents(lattice_, lattice_.outside(0)).count;
+        report.bridges = options_.one_cage ? join_components(lattice_, level, is_mirrored()) : 0;
         close_slits(lattice_, 0.6 * level, options_.holes);
         if (is_mirrored()) lattice_.mirror();
         find_contours(level);
@@ -373,14 +374,14 @@ Status make_cage_into(std::span<const DrawnSegment<T>> figure, std::span<const P
     for (std::size_t round = 0; round < tries; ++round) {
         std::vector<Loop> loops;
         const std::array<double, 4> done{0, 0.9, 0.95, 1}; // few figures need a second try
-        const Running part = running.part(done[round], done[round + 1]);
-        status = maker.make(level, part, report, loops);
+        const Running subtask = running.subtask(done[round], done[round + 1]);
+        status = maker.make(level, subtask, report, loops);
         if (status != Status::ok) return status;
         std::vector<Vec<T, 2>> vertices;
         std::vector<std::size_t> sizes;
         for (const auto& loop : loops) {
             for (const auto& p : loop) vertices.push_back(vec_cast<T>(framed.frame.from_local(p)));
-            if (framed.frame.turns_over())
+            if (framed.frame.reverses_orientation())
                 std::reverse(vertices.end() - std::ptrdiff_t(loop.size()), vertices.end());
             sizes.push_back(loop.size());
         }

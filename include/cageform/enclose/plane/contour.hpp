@@ -70,7 +70,7 @@ private:
         const std::size_t from = edge / 2, to = from + (edge % 2 == 0 ? 1 : lattice_.count()[0]);
         const double f = double(lattice_[from]), g = double(lattice_[to]);
         const double t = f != g ? std::clamp(f / (f - g), 0.02, 0.98) : 0.5;
-        return (1 - t) * lattice_.place(from) + t * lattice_.place(to);
+        return (1 - t) * lattice_.position(from) + t * lattice_.position(to);
     }
 
     const DistanceLattice<2>& lattice_;

@@ -39,7 +39,7 @@ public:
                 most = size;
                 longest = i;
             }
-            const Point x = split_place(loop, longest);
+            const Point x = split_position(loop, longest);
             loop.points.insert(loop.points.begin() + std::ptrdiff_t(longest) + 1, x);
         }
     }
@@ -90,20 +90,20 @@ private:
         }
     }
 
-    void improve(CageLoop& loop, std::size_t i, double step, double turn) const {
+    void improve(CageLoop& loop, std::size_t i, double step, double rotation) const {
         const Point x = loop.points[i];
         const double now = energy_.about(loop, i);
         std::array<Move, 48> moves;
         std::size_t count = 0;
         for (int k = 0; k < 16; ++k) {
-            const double angle = turn + k * (std::numbers::pi / 8);
+            const double angle = rotation + k * (std::numbers::pi / 8);
             Point u{std::cos(angle), std::sin(angle)};
             if (loop.is_end(i)) {
                 if (k > 1) break;
                 u = {0, k == 0 ? 1.0 : -1.0};
             }
-            for (const double part : {1.0, 0.5, 0.25}) {
-                loop.points[i] = x + (part * step) * u;
+            for (const double fraction : {1.0, 0.5, 0.25}) {
+                loop.points[i] = x + (fraction * step) * u;
                 const double energy = energy_.about(loop, i);
                 if (energy < now - 1e-9) moves[count++] = {energy, loop.points[i]};
             }
@@ -161,21 +161,21 @@ private:
         return edge_is_free(without, from, a, without.next(from));
     }
 
-    Point split_place(const CageLoop& loop, std::size_t edge) const {
+    Point split_position(const CageLoop& loop, std::size_t edge) const {
         const Point &a = loop.points[edge], &b = loop.points[loop.next(edge)];
         const auto e = b - a;
         double nearest = 0.8 * length(e);
-        Point place = 0.5 * (a + b);
+        Point position = 0.5 * (a + b);
         for (std::size_t i = 0; i < loop.size(); ++i) {
             const Point& p = loop.points[i];
             if (i == edge || i == loop.next(edge) || !(cross(e, p - a) > 0)) continue;
-            const double t = part_of_segment(p, a, b);
+            const double t = segment_parameter(p, a, b);
             const Point foot = a + t * e;
             if (t < 0.3 || t > 0.7 || !(length(p - foot) < nearest) || !sees(loop, i, foot, edge)) continue;
             nearest = length(p - foot);
-            place = foot;
+            position = foot;
         }
-        return place;
+        return position;
     }
     /// Whether no edge lies between vertex `i` and `foot`, except those at `i` and the one that
     /// contains `foot`.

@@ -4,7 +4,8 @@
 #include <cageform/cage/detail/shells.hpp>
 #include <cageform/cage/triangle_mesh.hpp>
 #include <cageform/enclose/detail/cage_frame.hpp>
-#include <cageform/enclose/detail/join_parts.hpp>
+#include <cageform/enclose/detail/join_components.hpp>
+#include <cageform/enclose/detail/make_cage_into.hpp>
 #include <cageform/enclose/space/reduce_shell.hpp>
 #include <cageform/enclose/space/relax_shell.hpp>
 #include <cageform/enclose/space/surface_nets.hpp>
@@ -38,7 +39,7 @@ public:
     }
 
     /// Makes a shell in local coordinates that keeps the distance `level` from the figure, up to
-    /// the lattice's resolution. Reports parts, bridges and, the first time, the tightest volume.
+    /// the lattice's resolution. Reports components, bridges and, the first time, the tightest volume.
     Status make(double level, const Running& running, MakeCageReport& report, Shell& shell) {
         if (options_.shape == CageShape::box) {
             shell = box_shell(level);
@@ -52,8 +53,8 @@ public:
             fill_hull(lattice_, [&](const Point& direction) { return reach(direction) + lifted; });
         if (is_mirrored()) lattice_.mirror();
         if (!running.keep_going(0.15)) return Status::cancelled;
-        report.parts = LatticeParts(lattice_, lattice_.outside(0)).count;
-        report.bridges = options_.one_cage ? join_parts(lattice_, lifted, is_mirrored()) : 0;
+        report.components = LatticeComponents(lattice_, lattice_.outside(0)).count;
+        report.bridges = options_.one_cage ? join_components(lattice_, lifted, is_mirrored()) : 0;
         close_slits(lattice_, 0.6 * lifted, false);
         if (is_mirrored()) lattice_.mirror();
         shell = contour();
@@ -65,11 +66,11 @@ public:
         const ShellObstacles obstacles(lattice_, lifted);
         double area = 0;
         for (const auto& face : shell.faces) area += 0.5 * length(area_normal(shell.corners(face)));
-        if (!ShellReduction(shell, obstacles).reduce_to(options_.vertices, running.part(0.3, 0.8)))
+        if (!ShellReduction(shell, obstacles).reduce_to(options_.vertices, running.subtask(0.3, 0.8)))
             return Status::cancelled;
         const ShellEnergy energy(six, options_.vertices, area * (shell.half ? 2 : 1),
                                  std::fmax(options_.regular, 0.0));
-        if (!ShellRelaxation(shell, obstacles, energy).relax(24, running.part(0.8, 1)))
+        if (!ShellRelaxation(shell, obstacles, energy).relax(24, running.subtask(0.8, 1)))
             return Status::cancelled;
         return Status::ok;
     }
@@ -170,7 +171,7 @@ private:
             }
             for (std::size_t node = 0; node < lattice_.size(); ++node)
                 lattice_[node] =
-                    (std::min)(lattice_[node], static_cast<float>(coarse.value(lattice_.place(node))));
+                    (std::min)(lattice_[node], static_cast<float>(coarse.value(lattice_.position(node))));
             if (is_mirrored()) lattice_.mirror();
             shell = contour();
         }
@@ -219,10 +220,10 @@ double exact_clearance(const TriangleMesh<T>& cage, std::span<const Corners<3>> 
     return least;
 }
 
-/// One vertex of each connected part of a figure; if there are more than 4,096, of parts spread
+/// One vertex of each connected component of a figure; if there are more than 4,096, of components spread
 /// over the list.
 template <class F>
-std::vector<std::size_t> part_corners(const F& faces, std::size_t vertices) {
+std::vector<std::size_t> component_corners(const F& faces, std::size_t vertices) {
     std::vector<std::size_t> root(vertices);
     std::iota(root.begin(), root.end(), std::size_t{0});
     const auto find = [&](std::size_t v) {
@@ -236,9 +237,9 @@ std::vector<std::size_t> part_corners(const F& faces, std::size_t vertices) {
     std::vector<std::size_t> corners;
     std::vector<bool> seen(vertices);
     for (std::size_t f = 0; f < std::size(faces); ++f) {
-        const std::size_t part = find(std::size_t(faces[f][0]));
-        if (!seen[part]) corners.push_back(std::size_t(faces[f][0]));
-        seen[part] = true;
+        const std::size_t component = find(std::size_t(faces[f][0]));
+        if (!seen[component]) corners.push_back(std::size_t(faces[f][0]));
+        seen[component] = true;
     }
     constexpr std::size_t most = 4096;
     if (corners.size() <= most) return corners;
@@ -277,9 +278,9 @@ TriangleMesh<T> cage_of(const Shell& shell, const CageFrame<3>& frame) {
             if (shell.star[v].empty()) continue;
             auto p = shell.points[v];
             if (image) p[0] = -p[0];
-            const auto place = vec_cast<T>(frame.from_local(p));
+            const auto position = vec_cast<T>(frame.from_local(p));
             if (shell.half && shell.on_rim[v]) { // rim vertices come first; the image shares them
-                if (!image) vertices.insert(vertices.begin() + next_on_rim, place);
+                if (!image) vertices.insert(vertices.begin() + next_on_rim, position);
                 number[v] = next_on_rim++;
             }
         }
@@ -294,7 +295,7 @@ TriangleMesh<T> cage_of(const Shell& shell, const CageFrame<3>& frame) {
             if (!shell.is_face(f)) continue;
             std::array<std::uint32_t, 3> face{};
             for (std::size_t k = 0; k < 3; ++k) face[k] = number[shell.faces[f][k]];
-            if (image != frame.turns_over()) std::swap(face[1], face[2]);
+            if (image != frame.reverses_orientation()) std::swap(face[1], face[2]);
             faces.push_back(face);
         }
     }
@@ -302,20 +303,19 @@ TriangleMesh<T> cage_of(const Shell& shell, const CageFrame<3>& frame) {
 }
 
 /// Reads the corners of the figure's faces; reports the first invalid one.
-template <PointRange R, FaceRange F>
-Status read_figure(const R& vertices, const F& faces, std::vector<Corners<3>>& figure,
-                   MakeCageReport& report) {
-    using T = range_scalar_t<R>;
+template <Scalar T>
+Status read_figure(std::span<const Vec<T, 3>> vertices, std::span<const MeshFace> faces,
+                   std::vector<Corners<3>>& figure, MakeCageReport& report) {
     if (std::size(faces) == 0) return Status::figure_empty;
     constexpr T limit = largest_figure_coordinate<T, 3>();
     figure.reserve(std::size(faces));
     for (std::size_t f = 0; f < std::size(faces); ++f) {
-        const auto face = checked_face(faces[f], std::size(vertices));
+        const MeshFace& face = faces[f];
         report.culprit = f;
-        if (lacks_vertex(face)) return Status::index_out_of_range;
+        if (has_missing_vertex(face)) return Status::index_out_of_range;
         Corners<3> corner;
         for (std::size_t k = 0; k < 3; ++k) {
-            const auto p = to_vec<T>(vertices[face[k]]);
+            const Vec<T, 3>& p = vertices[face[k]];
             report.culprit = face[k];
             for (const T x : p.v) {
                 if (!is_finite(x) || std::fabs(x) > limit) return Status::figure_not_finite;
@@ -329,10 +329,10 @@ Status read_figure(const R& vertices, const F& faces, std::vector<Corners<3>>& f
 }
 
 /// Makes the cage and measures its exact clearance. If it is too near, tries again farther off.
-template <PointRange R, FaceRange F>
-Status make_cage_into(const R& vertices, const F& faces, const MakeCageOptions& options,
-                      const Running& running, Result<TriangleMesh<range_scalar_t<R>>, MakeCageReport>& made) {
-    using T = range_scalar_t<R>;
+template <Scalar T>
+Status make_cage_into(std::span<const Vec<T, 3>> vertices, std::span<const MeshFace> faces,
+                      const MakeCageOptions& options, const Running& running,
+                      Result<TriangleMesh<T>, MakeCageReport>& made) {
     auto& report = made.report;
     std::vector<Corners<3>> figure;
     if (const Status status = read_figure(vertices, faces, figure, report); status != Status::ok)
@@ -357,20 +357,21 @@ Status make_cage_into(const R& vertices, const F& faces, const MakeCageOptions& 
     report.margin = (options.margin > 0 ? options.margin : 0.02) * box.diagonal();
     if (!can_tell<T>(report.margin, box)) return Status::cage_not_found;
     SpaceCageMaker maker(local, wanted);
-    const auto starts = part_corners(faces, std::size(vertices));
+    const auto starts = component_corners(faces, std::size(vertices));
     double level = report.margin * frame.scale;
     constexpr std::size_t tries = 3;
     for (std::size_t round = 0; round < tries; ++round) {
         const std::array<double, 4> done{0, 0.9, 0.95, 1}; // few figures need a second try
-        const Running part = running.part(done[round], done[round + 1]);
+        const Running subtask = running.subtask(done[round], done[round + 1]);
         Shell shell;
-        if (const Status status = maker.make(level, part, report, shell); status != Status::ok) return status;
+        if (const Status status = maker.make(level, subtask, report, shell); status != Status::ok)
+            return status;
         made.value = cage_of<T>(shell, frame);
         report.cage = check(made.value);
         report.clearance =
             exact_clearance(made.value, std::span<const Corners<3>>(figure), 2 * report.margin);
         const bool all_inside = std::all_of(starts.begin(), starts.end(), [&](std::size_t v) {
-            return is_enclosed(winding_number(made.value, to_vec<T>(vertices[v])));
+            return is_enclosed(winding_number(made.value, vertices[v]));
         });
         if (!all_inside) report.clearance = -report.clearance;
         if (holds_figure(report)) break;

@@ -97,11 +97,11 @@ public:
             queue_.pop();
             if (!is_current(next)) continue;
             if (next.exact && links(next.u, next.v) &&
-                may_lie(faces_about(next.u, next.v), next, next.place)) {
+                may_lie(faces_about(next.u, next.v), next, next.position)) {
                 take(next);
                 continue;
             }
-            if (!find_place(next)) {
+            if (!find_position(next)) {
                 next.exact = false;
                 waiting_.push_back(next);
                 continue;
@@ -122,7 +122,7 @@ private:
         std::uint32_t u, v;
         std::uint32_t versions; ///< the sum of both ends; if it has changed, the collapse is out of date
         bool exact;             ///< the cost is exact, and the position is known
-        Point place;
+        Point position;
 
         bool operator<(const Collapse& other) const noexcept { // the queue has its largest on top
             return std::tie(other.cost, other.u, other.v) < std::tie(cost, u, v);
@@ -189,7 +189,7 @@ private:
 
     /// Finds the cheapest position for the merged vertex. The candidates are the minimum of the quadric,
     /// the midpoint and both ends; each moves outwards along the normal until the new faces are free.
-    bool find_place(Collapse& c) {
+    bool find_position(Collapse& c) {
         if (!links(c.u, c.v)) return false;
         Quadric q = quadric_[c.u];
         q += quadric_[c.v];
@@ -214,7 +214,7 @@ private:
                 if (!(cost < best)) break;
                 if (!may_lie(faces, c, p)) continue;
                 best = cost;
-                c.place = p;
+                c.position = p;
                 c.cost = cost;
                 break;
             }
@@ -302,7 +302,7 @@ private:
             shell_.star[c.u].push_back(f);
         }
         shell_.star[c.v].clear();
-        shell_.points[c.u] = c.place;
+        shell_.points[c.u] = c.position;
         shell_.on_rim[c.u] = rim_u || rim_v;
         quadric_[c.u] += quadric_[c.v];
         for (const auto f : shell_.star[c.u]) hash_.add(f, shell_.corners(shell_.faces[f]));

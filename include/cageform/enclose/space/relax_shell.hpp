@@ -135,8 +135,8 @@ private:
         std::array<Move, 40> moves;
         std::size_t count = 0;
         for (const auto& u : directions) {
-            for (const double part : {1.0, 0.5, 0.25, 0.125}) {
-                const Point p = constrained(v, x + (part * step) * u);
+            for (const double fraction : {1.0, 0.5, 0.25, 0.125}) {
+                const Point p = constrained(v, x + (fraction * step) * u);
                 shell_.points[v] = p;
                 const double energy = energy_.of(shell_, star);
                 if (energy < now - 1e-9) moves[count++] = {energy, p};

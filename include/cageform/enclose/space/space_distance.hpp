@@ -22,7 +22,7 @@ public:
     void fill(double margin, double farthest) {
         for (std::size_t node = 0; node < lattice_.size(); ++node)
             lattice_[node] = static_cast<float>(farthest + margin);
-        for (std::size_t t = 0; t < triangles_.size(); ++t) place_beside(t);
+        for (std::size_t t = 0; t < triangles_.size(); ++t) measure_beside(t);
         for (int round = 0; round < 2; ++round) {
             for (unsigned directions = 0; directions < 8; ++directions) sweep(directions, farthest + margin);
         }
@@ -34,7 +34,7 @@ private:
     static constexpr std::uint32_t none = ~std::uint32_t{0};
 
     void offer(std::size_t node, std::uint32_t triangle) {
-        const auto d = static_cast<float>(distance_to_facet(lattice_.place(node), triangles_[triangle]));
+        const auto d = static_cast<float>(distance_to_facet(lattice_.position(node), triangles_[triangle]));
         if (!(d < lattice_[node])) return;
         lattice_[node] = d;
         nearest_[node] = triangle;
@@ -42,7 +42,7 @@ private:
 
     /// Computes exact distances at the nodes in the box of a triangle, widened by one spacing.
     /// Large triangles skip nodes farther than two spacings from their plane.
-    void place_beside(std::size_t t) {
+    void measure_beside(std::size_t t) {
         const auto& corner = triangles_[t];
         const double h = lattice_.spacing();
         const auto n = cross(corner[1] - corner[0], corner[2] - corner[0]);
@@ -50,7 +50,8 @@ private:
         const auto box = bounds_of(std::span<const Point>(corner)).widened(h);
         lattice_.for_each_row(box, [&](std::size_t row, std::size_t first, std::size_t last) {
             for (std::size_t node = row + first; node < row + last; ++node) {
-                if (size > 0 && std::fabs(dot(n, lattice_.place(node) - corner[0])) > 2 * h * size) continue;
+                if (size > 0 && std::fabs(dot(n, lattice_.position(node) - corner[0])) > 2 * h * size)
+                    continue;
                 offer(node, static_cast<std::uint32_t>(t));
             }
         });

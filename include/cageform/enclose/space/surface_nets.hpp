@@ -108,7 +108,7 @@ private:
     std::uint32_t vertex_of(std::size_t cell, Shell& shell) {
         if (vertex_[cell] != none) return vertex_[cell];
         const auto& stride = lattice_.stride();
-        const Point low = lattice_.place(cell);
+        const Point low = lattice_.position(cell);
         const double h = lattice_.spacing();
         Point sum{};
         int crossings = 0;

@@ -44,8 +44,8 @@ Drawing(const Segments&, const Areas&)
 
 /// A mirror plane (2D: a mirror line) perpendicular to an axis; the cage is symmetric about it.
 struct MirrorPlane {
-    std::size_t axis = 0;          ///< the axis that it is perpendicular to: 0, 1, 2 for x, y, z
-    std::optional<double> place{}; ///< its coordinate on that axis; by default the middle of the figure
+    std::size_t axis = 0;             ///< the axis that it is perpendicular to: 0, 1, 2 for x, y, z
+    std::optional<double> position{}; ///< its coordinate on that axis; by default the middle of the figure
 };
 
 /// The shape that a cage follows.
@@ -70,8 +70,8 @@ struct MakeCageOptions {
     double margin = 0;
     std::optional<MirrorPlane> mirror{};
     CageShape shape = CageShape::figure;
-    bool one_cage = true; ///< joins the parts of the figure by bridges; otherwise each gets a loop or shell
-    bool holes = false;   ///< in the plane: keeps large enclosed empty regions as holes
+    bool one_cage = true;      ///< joins the components by bridges; otherwise each gets a loop or shell
+    bool holes = false;        ///< in the plane: keeps large enclosed empty regions as holes
     bool fill_tunnels = false; ///< in space: the cage gets genus 0; otherwise it has the figure's tunnels
     /// The weight of regular angles and lengths against a tight fit. A larger value makes a looser cage.
     double regular = 1;
@@ -88,11 +88,11 @@ struct MakeCageReport {
     /// The area of the figure grown by the margin (in space by 1.12 margins, so that interpolation cannot
     /// bring the cage too near), slits closed: the limit for very many vertices.
     double tightest_area = 0;
-    double least_angle = 0;  ///< between edges of the cage, in degrees
-    std::size_t parts = 0;   ///< connected parts of the figure, grown by the margin; 0 for a box
-    std::size_t bridges = 0; ///< that join the parts
-    std::size_t tunnels = 0; ///< of a cage in space: its genus
-    CageReport cage;         ///< the report of `check` on the cage
+    double least_angle = 0;     ///< between edges of the cage, in degrees
+    std::size_t components = 0; ///< connected components of the figure, grown by the margin; 0 for a box
+    std::size_t bridges = 0;    ///< that join the components
+    std::size_t tunnels = 0;    ///< of a cage in space: its genus
+    CageReport cage;            ///< the report of `check` on the cage
     double seconds = 0;
 };
 

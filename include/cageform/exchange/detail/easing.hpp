@@ -39,7 +39,7 @@ inline Status sound(const BezierCurve& curve) noexcept {
     const auto& p = curve.points;
     const double length = p[3][0] - p[0][0];
     const bool fits = (p[1][0] - p[0][0]) / length <= 2 && (p[3][0] - p[2][0]) / length <= 2;
-    return fits ? status : Status::curve_turns_back;
+    return fits ? status : Status::time_not_monotone;
 }
 
 inline Result<KeyInterval> refused(Status status) noexcept {
@@ -53,9 +53,9 @@ inline Result<KeyInterval> imported(KeyKind kind, const BezierCurve& curve) noex
 }
 
 /// Checks a number that must be a fraction of an interval.
-inline Status check_part(double part) noexcept {
-    if (!is_finite(part)) return Status::value_not_finite;
-    return part >= 0 && part <= 1 ? Status::ok : Status::handle_not_allowed;
+inline Status check_fraction(double fraction) noexcept {
+    if (!is_finite(fraction)) return Status::value_not_finite;
+    return fraction >= 0 && fraction <= 1 ? Status::ok : Status::handle_not_allowed;
 }
 
 /// Returns the straight line between two keys with its handles at thirds, so that time is linear in
@@ -94,8 +94,8 @@ inline bool fits_float(double x) noexcept {
 }
 
 /// Whether a fraction of an interval is a third in single precision.
-inline bool is_third(double part) noexcept {
-    return std::fabs(part) < 1 && static_cast<float>(part) == 1.0f / 3;
+inline bool is_third(double fraction) noexcept {
+    return std::fabs(fraction) < 1 && static_cast<float>(fraction) == 1.0f / 3;
 }
 
 /// Finds the slope of a handle; 0 if it lies on its key. Returns slope_unbounded if it is vertical
@@ -127,8 +127,8 @@ inline Result<UnitHandles> unit_handles(const BezierCurve& curve) noexcept {
     const double length = curve.end() - curve.begin(), rise = p[3][1] - p[0][1];
     unit.first = {(p[1][0] - p[0][0]) / length, 0};
     unit.second = {(p[2][0] - p[0][0]) / length, 1};
-    for (const double part : {unit.first[0], unit.second[0]}) {
-        if (!(part >= 0 && part <= 1)) status = Status::handle_not_allowed;
+    for (const double fraction : {unit.first[0], unit.second[0]}) {
+        if (!(fraction >= 0 && fraction <= 1)) status = Status::handle_not_allowed;
     }
     if (rise != 0) {
         unit.first[1] = (p[1][1] - p[0][1]) / rise;
@@ -147,15 +147,15 @@ inline Result<UnitHandles> unit_handles(const BezierCurve& curve) noexcept {
 /// Builds the keys of a curve by importing its intervals: interval(n) is the curve from key n to
 /// the next, place(n) the time and value of key n. The keys reproduce the imported intervals of
 /// their kinds bit by bit.
-template <class Interval, class Place>
+template <class Interval, class Position>
 Result<std::vector<Key>, ExchangeReport> import_keys(std::size_t count, const Interval& interval,
-                                                     const Place& place) noexcept {
+                                                     const Position& position) noexcept {
     Result<std::vector<Key>, ExchangeReport> result;
     result.report.status = guard_memory([&] {
         if (count == 0) return Status::keys_missing;
         std::vector<Key> keys(count);
         for (std::size_t n = 0; n < count; ++n) {
-            const Vec<double, 2> at = place(n);
+            const Vec<double, 2> at = position(n);
             keys[n].time = at[0];
             keys[n].value = at[1];
             keys[n].kind = KeyKind::bezier;
@@ -168,10 +168,10 @@ Result<std::vector<Key>, ExchangeReport> import_keys(std::size_t count, const In
             const auto& [kind, curve] = imported.value;
             keys[n].kind = kind;
             if (kind == KeyKind::bezier) keys[n].out_handle = curve.points[1];
-            keys[n + 1].in_handle = kind == KeyKind::bezier ? curve.points[2] : place(n + 1);
+            keys[n + 1].in_handle = kind == KeyKind::bezier ? curve.points[2] : position(n + 1);
             keys[n + 1].arrives_by_handle = kind == KeyKind::bezier;
         }
-        const Vec<double, 2> last = place(count - 1);
+        const Vec<double, 2> last = position(count - 1);
         result.report.culprit = count - 1;
         if (!is_finite(last)) return Status::value_not_finite;
         result.report.culprit = 0;

@@ -12,13 +12,13 @@ namespace detail {
 /// Returns the positions of vertices in space; a plane mesh lies in the plane of the first two
 /// axes.
 template <class R>
-std::vector<Vec<double, 3>> places_in_space(const R& vertices) {
-    std::vector<Vec<double, 3>> places(std::size(vertices));
-    for (std::size_t i = 0; i < places.size(); ++i) {
+std::vector<Vec<double, 3>> positions_in_space(const R& vertices) {
+    std::vector<Vec<double, 3>> positions(std::size(vertices));
+    for (std::size_t i = 0; i < positions.size(); ++i) {
         const auto p = to_vec<double>(vertices[i]);
-        for (std::size_t k = 0; k < range_dimension<R>; ++k) places[i][k] = p[k];
+        for (std::size_t k = 0; k < range_dimension<R>; ++k) positions[i][k] = p[k];
     }
-    return places;
+    return positions;
 }
 
 /// Returns a power of two; dividing by it makes the largest coordinate at most 1.
@@ -77,7 +77,7 @@ inline Status make_weights(std::span<const Vec<double, 3>> vertices, std::span<c
     CageReport& report = result.report.mesh;
     result.value.unused.assign(vertices.size(), 1);
     for (std::size_t f = 0; f < faces.size(); ++f) {
-        if (lacks_vertex(faces[f])) {
+        if (has_missing_vertex(faces[f])) {
             report.add(CageFaultKind::face_without_vertex, f);
             continue;
         }

@@ -43,7 +43,7 @@ public:
     explicit Elimination(const Adjacency& graph)
         : graph_(graph)
         , nodes_(graph.nodes())
-        , place_(graph.nodes()) {
+        , position_(graph.nodes()) {
         if (nodes_.empty()) return;
         order_by_degree();
         find_parents();
@@ -58,7 +58,7 @@ public:
         return std::span(nodes_).subspan(group.begin, group.end - group.begin);
     }
     /// Returns the position of every node in the order.
-    std::span<const std::uint32_t> places() const noexcept { return place_; }
+    std::span<const std::uint32_t> positions() const noexcept { return position_; }
 
 private:
     void order_by_degree() {
@@ -82,10 +82,11 @@ private:
         Eigen::AMDOrdering<Index>()(matrix.selfadjointView<Eigen::Lower>(), order);
         for (std::size_t i = 0; i < nodes_.size(); ++i)
             nodes_[i] = std::uint32_t(order.indices()[Eigen::Index(i)]);
-        find_places();
+        find_positions();
     }
-    void find_places() noexcept {
-        for (std::uint32_t place = 0; place < nodes_.size(); ++place) place_[nodes_[place]] = place;
+    void find_positions() noexcept {
+        for (std::uint32_t position = 0; position < nodes_.size(); ++position)
+            position_[nodes_[position]] = position;
     }
 
     /// Finds the parent of every position in the elimination tree: the first later position that
@@ -94,12 +95,12 @@ private:
     void find_parents() {
         std::vector<std::uint32_t> top(nodes_.size(), none);
         parent_.assign(nodes_.size(), none);
-        for (std::uint32_t place = 0; place < nodes_.size(); ++place) {
-            for (const std::uint32_t i : graph_.neighbours(nodes_[place])) {
-                for (std::uint32_t below = place_[i]; below < place;) {
+        for (std::uint32_t position = 0; position < nodes_.size(); ++position) {
+            for (const std::uint32_t i : graph_.neighbours(nodes_[position])) {
+                for (std::uint32_t below = position_[i]; below < position;) {
                     const std::uint32_t up = top[below];
-                    top[below] = place;
-                    if (up == none) parent_[below] = place;
+                    top[below] = position;
+                    if (up == none) parent_[below] = position;
                     below = up; // `none` exceeds every position, which ends the climb
                 }
             }
@@ -111,33 +112,33 @@ private:
     void order_by_tree() {
         const auto size = std::uint32_t(nodes_.size());
         std::vector<std::uint32_t> child(size, none), sibling(size, none), moved(size), path, ordered;
-        for (std::uint32_t place = size; place-- > 0;) {
-            if (parent_[place] == none) continue;
-            sibling[place] = child[parent_[place]];
-            child[parent_[place]] = place;
+        for (std::uint32_t position = size; position-- > 0;) {
+            if (parent_[position] == none) continue;
+            sibling[position] = child[parent_[position]];
+            child[parent_[position]] = position;
         }
         for (std::uint32_t root = 0; root < size; ++root) {
             if (parent_[root] != none) continue;
             path.assign(1, root);
             while (!path.empty()) {
-                const std::uint32_t place = path.back(), below = child[place];
+                const std::uint32_t position = path.back(), below = child[position];
                 if (below != none) {
-                    child[place] = sibling[below];
+                    child[position] = sibling[below];
                     path.push_back(below);
                     continue;
                 }
                 path.pop_back();
-                moved[place] = std::uint32_t(ordered.size());
-                ordered.push_back(nodes_[place]);
+                moved[position] = std::uint32_t(ordered.size());
+                ordered.push_back(nodes_[position]);
             }
         }
         std::vector<std::uint32_t> parent(size, none);
-        for (std::uint32_t place = 0; place < size; ++place) {
-            if (parent_[place] != none) parent[moved[place]] = moved[parent_[place]];
+        for (std::uint32_t position = 0; position < size; ++position) {
+            if (parent_[position] != none) parent[moved[position]] = moved[parent_[position]];
         }
         parent_ = std::move(parent);
         nodes_ = std::move(ordered);
-        find_places();
+        find_positions();
     }
 
     /// A group whose parent has not been reached yet, and the later positions that it leaves links
@@ -151,16 +152,16 @@ private:
     void find_groups() {
         std::vector<Open> open;
         std::vector<std::uint32_t> marked(nodes_.size(), none), rows;
-        for (std::uint32_t place = 0; place < nodes_.size(); ++place) {
+        for (std::uint32_t position = 0; position < nodes_.size(); ++position) {
             rows.clear();
             const auto add = [&](std::uint32_t row) {
-                if (row <= place || marked[row] == place) return;
-                marked[row] = place;
+                if (row <= position || marked[row] == position) return;
+                marked[row] = position;
                 rows.push_back(row);
             };
-            for (const std::uint32_t i : graph_.neighbours(nodes_[place])) add(place_[i]);
+            for (const std::uint32_t i : graph_.neighbours(nodes_[position])) add(position_[i]);
             std::size_t first = open.size(); // of its children
-            for (; first > 0 && parent_[groups_[open[first - 1].group].end - 1] == place; --first) {
+            for (; first > 0 && parent_[groups_[open[first - 1].group].end - 1] == position; --first) {
                 for (const std::uint32_t row : open[first - 1].rows) add(row);
             }
             std::uint32_t group = std::uint32_t(groups_.size());
@@ -168,9 +169,9 @@ private:
             if (first < open.size() && joins(open.back(), rows.size(), zeros)) {
                 group = open.back().group;
                 open.pop_back();
-                groups_[group].end = place + 1;
+                groups_[group].end = position + 1;
             } else {
-                groups_.push_back({place, place + 1, none});
+                groups_.push_back({position, position + 1, none});
                 zeros = 0;
             }
             for (std::size_t n = first; n < open.size(); ++n) groups_[open[n].group].parent = group;
@@ -189,9 +190,9 @@ private:
     }
 
     const Adjacency& graph_;
-    std::vector<std::uint32_t> nodes_;  // in the order
-    std::vector<std::uint32_t> place_;  // of every node, its position
-    std::vector<std::uint32_t> parent_; // of every position, its parent
+    std::vector<std::uint32_t> nodes_;    // in the order
+    std::vector<std::uint32_t> position_; // of every node, its position
+    std::vector<std::uint32_t> parent_;   // of every position, its parent
     std::vector<Group> groups_;
 };
 

@@ -123,14 +123,14 @@ private:
     }
     /// Projects points of a face's plane to 2D, along an axis not parallel to the plane.
     static std::array<Vec<double, 2>, 3> flattened(const Corners<3>& face,
-                                                   const Corners<3>& places) noexcept {
+                                                   const Corners<3>& positions) noexcept {
         const auto along = [](std::size_t axis, const Vec<double, 3>& p) {
             return Vec<double, 2>{p[(axis + 1) % 3], p[(axis + 2) % 3]};
         };
         std::size_t axis = 0;
         while (axis < 2 && orientation(along(axis, face[0]), along(axis, face[1]), along(axis, face[2])) == 0)
             ++axis;
-        return {along(axis, places[0]), along(axis, places[1]), along(axis, places[2])};
+        return {along(axis, positions[0]), along(axis, positions[1]), along(axis, positions[2])};
     }
 
     /// A segment, prepared for tests against many boxes.

@@ -27,7 +27,7 @@ public:
     bool factorise(const Adjacency& graph, std::span<const Excess> excess) {
         const Elimination order(graph);
         const auto groups = order.groups();
-        place_.assign(order.places().begin(), order.places().end());
+        position_.assign(order.positions().begin(), order.positions().end());
         excess_.assign(excess.begin(), excess.end());
         marked_.assign(graph.nodes(), 0);
         local_.assign(graph.nodes(), 0);
@@ -66,10 +66,10 @@ public:
         const auto width = Eigen::Index(fields);
         Eigen::Map<Rows> all(values.data(), Eigen::Index(values.size() / fields), width);
         const auto gather = [&](const Front& front, std::size_t begin, std::size_t end) {
-            Matrix part(Eigen::Index(end - begin), width);
+            Matrix block(Eigen::Index(end - begin), width);
             for (std::size_t r = begin; r < end; ++r)
-                part.row(Eigen::Index(r - begin)) = all.row(front.rows[r]);
-            return part;
+                block.row(Eigen::Index(r - begin)) = all.row(front.rows[r]);
+            return block;
         };
         for (const Front& front : fronts_) {
             const auto own = Eigen::Index(front.own), rest = front.columns.rows() - own;
@@ -115,10 +115,10 @@ private:
     Front rows_of(const Adjacency& graph, std::span<const std::uint32_t> own,
                   std::span<const Update> updates) {
         Front front{{own.begin(), own.end()}, own.size(), {}, {}};
-        const std::uint32_t last = place_[own.back()];
+        const std::uint32_t last = position_[own.back()];
         const auto mark = std::uint32_t(fronts_.size() + 1);
         const auto add = [&](std::uint32_t i) {
-            if (place_[i] <= last || marked_[i] == mark) return;
+            if (position_[i] <= last || marked_[i] == mark) return;
             marked_[i] = mark;
             front.rows.push_back(i);
         };
@@ -129,7 +129,7 @@ private:
             for (const std::uint32_t i : update.rows) add(i);
         }
         std::sort(front.rows.begin() + std::ptrdiff_t(front.own), front.rows.end(),
-                  [&](std::uint32_t i, std::uint32_t j) { return place_[i] < place_[j]; });
+                  [&](std::uint32_t i, std::uint32_t j) { return position_[i] < position_[j]; });
         return front;
     }
 
@@ -142,7 +142,7 @@ private:
             const std::uint32_t i = front.rows[c];
             for (std::size_t at = graph.first[i]; at < graph.first[i + 1]; ++at) {
                 const std::uint32_t j = graph.node[at];
-                if (place_[j] > place_[i]) matrix(local_[j], Eigen::Index(c)) -= graph.conductance[at];
+                if (position_[j] > position_[i]) matrix(local_[j], Eigen::Index(c)) -= graph.conductance[at];
             }
         }
         for (const Update& update : updates) {
@@ -196,12 +196,12 @@ private:
         return true;
     }
 
-    std::vector<Front> fronts_;         // in the order of elimination
-    std::vector<Update> waiting_;       // of fronts whose parents come later
-    std::vector<std::uint32_t> place_;  // of every node, its position in the order
-    std::vector<std::uint32_t> marked_; // of every node, the last front that has it
-    std::vector<Eigen::Index> local_;   // of every node, its row in the last front that has it
-    std::vector<Excess> excess_;        // updated during elimination
+    std::vector<Front> fronts_;           // in the order of elimination
+    std::vector<Update> waiting_;         // of fronts whose parents come later
+    std::vector<std::uint32_t> position_; // of every node, its position in the order
+    std::vector<std::uint32_t> marked_;   // of every node, the last front that has it
+    std::vector<Eigen::Index> local_;     // of every node, its row in the last front that has it
+    std::vector<Excess> excess_;          // updated during elimination
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

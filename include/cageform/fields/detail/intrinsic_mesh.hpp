@@ -1,6 +1,7 @@
 // A triangle mesh given only by its edge lengths, and the edge flips that make it Delaunay.
 #pragma once
 
+#include <cageform/cage/detail/gaps.hpp>
 #include <cageform/cage/triangle_mesh.hpp>
 
 #include <span>
@@ -87,7 +88,7 @@ public:
                   std::span<const HalfEdge> half_edges)
         : corner_(faces.begin(), faces.end())
         , twin_(3 * faces.size(), rim)
-        , turns_(3 * faces.size()) {
+        , aligned_(3 * faces.size()) {
         shape_.reserve(faces.size());
         for (const auto& face : faces) shape_.push_back(TriangleShape::of(Facet<3>(face, vertices).corner));
         for_each_edge(half_edges, [&](std::span<const HalfEdge> edge) {
@@ -144,27 +145,27 @@ private:
         }
         return 3 * half_edge.face + 2;
     }
-    void join(std::uint32_t a, std::uint32_t b, bool turns) noexcept {
+    void join(std::uint32_t a, std::uint32_t b, bool aligned) noexcept {
         twin_[a] = b;
         twin_[b] = a;
-        turns_[a] = turns_[b] = turns ? 1 : 0;
+        aligned_[a] = aligned_[b] = aligned ? 1 : 0;
     }
 
     /// Reverses the orientation of a triangle: swaps corners 1 and 2.
-    void turn(std::uint32_t g) noexcept {
+    void reverse(std::uint32_t g) noexcept {
         const std::uint32_t first = 3 * g;
         std::swap(corner_[g][1], corner_[g][2]);
         std::swap(shape_[g].length[1], shape_[g].length[2]);
         std::swap(shape_[g].dot[1], shape_[g].dot[2]);
         std::swap(twin_[first + 1], twin_[first + 2]);
-        std::swap(turns_[first + 1], turns_[first + 2]);
+        std::swap(aligned_[first + 1], aligned_[first + 2]);
         for (std::uint32_t side = first; side < first + 3; ++side) {
             const std::uint32_t other = twin_[side];
             if (other == rim) continue;
             if (other / 3 == g) {
                 twin_[side] = first + (3 - other % 3) % 3;
             } else {
-                join(side, other, turns_[side] == 0);
+                join(side, other, aligned_[side] == 0);
             }
         }
     }
@@ -175,7 +176,7 @@ private:
     bool flip(std::uint32_t side) noexcept {
         const std::uint32_t f = side / 3, g = twin_[side] / 3;
         if (f == g) return false;
-        if (turns_[side] != 0) turn(g);
+        if (aligned_[side] != 0) reverse(g);
         const std::uint32_t k = side % 3, m = twin_[side] % 3;
         const UnfoldedPair pair(shape_[f], k, shape_[g], m);
         const auto next = [](std::uint32_t triangle, std::uint32_t corner) {
@@ -193,10 +194,10 @@ private:
         std::swap(at_b.dot[0], at_b.dot[2]);
 
         std::array<std::uint32_t, 4> twin{};
-        std::array<std::uint8_t, 4> turns{};
+        std::array<std::uint8_t, 4> aligned{};
         for (std::size_t n = 0; n < 4; ++n) {
             twin[n] = twin_[before[n]];
-            turns[n] = turns_[before[n]];
+            aligned[n] = aligned_[before[n]];
             for (std::size_t o = 0; o < 4; ++o) {
                 if (twin_[before[n]] == before[o]) twin[n] = after[o];
             }
@@ -210,17 +211,17 @@ private:
         join(3 * f + 1, 3 * g + 1, false);
         for (std::size_t n = 0; n < 4; ++n) {
             twin_[after[n]] = rim;
-            turns_[after[n]] = 0;
-            if (twin[n] != rim) join(after[n], twin[n], turns[n] != 0);
+            aligned_[after[n]] = 0;
+            if (twin[n] != rim) join(after[n], twin[n], aligned[n] != 0);
         }
         return true;
     }
 
     std::vector<MeshFace> corner_;
     std::vector<TriangleShape> shape_;
-    std::vector<std::uint32_t> twin_; // of every side
-    std::vector<std::uint8_t> turns_; // of every side, whether both triangles run along the edge in the
-                                      // same direction
+    std::vector<std::uint32_t> twin_;   // of every side
+    std::vector<std::uint8_t> aligned_; // of every side, whether both triangles run along the edge in the
+                                        // same direction
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

@@ -26,8 +26,8 @@ public:
         most_ = std::clamp(heat / least_ / least_, 1e-100, 1e200);
     }
     double of(double distance) const noexcept {
-        const double part = least_ / at_least(distance);
-        return most_ * part * part;
+        const double ratio = least_ / at_least(distance);
+        return most_ * ratio * ratio;
     }
 
 private:
@@ -63,16 +63,16 @@ public:
                 return Status::value_not_finite;
             }
         }
-        places_ = places_in_space(points);
-        for (auto& place : places_) place = scaled(place);
+        positions_ = positions_in_space(points);
+        for (auto& position : positions_) position = scaled(position);
         for (std::size_t f = 0; f < std::size(faces); ++f)
-            faces_.push_back(checked_face(faces[f], places_.size()));
+            faces_.push_back(checked_face(faces[f], positions_.size()));
         return Status::ok;
     }
 
     /// Solves for weights that are 1 and 0 in the groups and harmonic in between.
     Status solve_harmonic(const Running& running) {
-        const std::size_t size = places_.size();
+        const std::size_t size = positions_.size();
         std::vector<std::uint32_t> groups(options_.groups.begin(), options_.groups.end());
         if (groups.empty()) groups = middle_thirds();
         if (groups.size() != size) return Status::labels_do_not_match;
@@ -98,10 +98,10 @@ public:
     /// bones.
     Status solve_heat(const Running& running) {
         if (!is_finite(options_.heat) || !(options_.heat > 0)) return Status::weights_not_positive;
-        std::vector<NearestBones> nearest(places_.size());
-        const Status status = find_bones(running.part(0, 0.5), nearest);
+        std::vector<NearestBones> nearest(positions_.size());
+        const Status status = find_bones(running.subtask(0, 0.5), nearest);
         if (status != Status::ok) return status;
-        const std::size_t size = places_.size(), nodes = size + bones_.size();
+        const std::size_t size = positions_.size(), nodes = size + bones_.size();
         std::vector<GraphLink> links = mesh_.links;
         std::vector<std::uint8_t> given(mesh_.unused), busy(bones_.size());
         const HeatScale scale(options_.heat, nearest);
@@ -121,7 +121,7 @@ public:
         for (std::size_t b = 0; b < bones_.size(); ++b) all[b * nodes + size + b] = 1;
         const GraphOptions graph{.allow_negative = mesh_.has_negative};
         const auto evaluation =
-            solve_graph(Graph{nodes, links}, given, std::span(all), graph, running.part(0.5, 1));
+            solve_graph(Graph{nodes, links}, given, std::span(all), graph, running.subtask(0.5, 1));
         report_.solver = evaluation.solver;
         if (evaluation.status != Status::ok) return evaluation.status;
         for (std::size_t b = 0; b < bones_.size(); ++b) {
@@ -135,7 +135,7 @@ public:
     /// cotangents the sums may be off by 1e-6.
     template <Scalar T>
     std::vector<T> weights() const {
-        const std::size_t size = places_.size(), bones = bones_.size();
+        const std::size_t size = positions_.size(), bones = bones_.size();
         std::vector<T> result(size * bones);
         for (std::size_t i = 0; i < size; ++i) {
             if (mesh_.unused[i] != 0) continue;
@@ -174,11 +174,11 @@ private:
 
     std::vector<std::uint32_t> middle_thirds() const {
         std::vector<std::uint32_t> groups;
-        for (const auto& p : places_) {
+        for (const auto& p : positions_) {
             const auto nearest = nearest_to(p);
             const BoneSegment& bone = bones_[nearest.bones.front()];
-            const double part = part_of_segment(p, bone.head, bone.tail);
-            const bool is_middle = bone.head == bone.tail || std::fabs(part - 0.5) <= 1.0 / 6;
+            const double parameter = segment_parameter(p, bone.head, bone.tail);
+            const bool is_middle = bone.head == bone.tail || std::fabs(parameter - 0.5) <= 1.0 / 6;
             groups.push_back(nearest.bones.size() == 1 && is_middle ? nearest.bones.front() : no_bone);
         }
         return groups;
@@ -195,16 +195,17 @@ private:
             });
             return report_.mesh.mesh.status;
         }
-        const FaceTree tree(places_, looks ? std::span<const MeshFace>(faces_) : std::span<const MeshFace>());
-        return for_each_block(places_.size(), running, [&](std::size_t begin, std::size_t end) {
+        const FaceTree tree(positions_,
+                            looks ? std::span<const MeshFace>(faces_) : std::span<const MeshFace>());
+        return for_each_block(positions_.size(), running, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) {
                 if (mesh_.unused[i] != 0) continue;
-                nearest[i] = nearest_to(places_[i]);
+                nearest[i] = nearest_to(positions_[i]);
                 if (!looks) continue;
                 std::erase_if(nearest[i].bones, [&](std::uint32_t b) {
-                    const auto q = foot(b, places_[i]);
-                    if (q == places_[i]) return false;
-                    return !tree.is_free(std::uint32_t(i), q) || !tree.encloses(0.5 * (places_[i] + q));
+                    const auto q = foot(b, positions_[i]);
+                    if (q == positions_[i]) return false;
+                    return !tree.is_free(std::uint32_t(i), q) || !tree.encloses(0.5 * (positions_[i] + q));
                 });
             }
         });
@@ -220,7 +221,7 @@ private:
     const SurfaceSkinOptions& options_;
     SurfaceSkinReport& report_;
     CotangentWeights mesh_;
-    std::vector<Vec<double, 3>> places_;
+    std::vector<Vec<double, 3>> positions_;
     std::vector<MeshFace> faces_;
     std::vector<double> values_; // contiguous for each bone
 };

@@ -13,9 +13,9 @@ namespace detail {
 
 /// The connected components of nodes, as a union-find forest over their runs.
 template <std::size_t D>
-class NodeParts {
+class NodeComponents {
 public:
-    explicit NodeParts(const grid::NodeRuns<D>& nodes)
+    explicit NodeComponents(const grid::NodeRuns<D>& nodes)
         : first_(nodes.row_runs(0)) {
         for (std::size_t row = 0; row < nodes.rows(); ++row) {
             for (auto run = nodes.row_runs(row); run != nodes.row_runs_end(row); ++run)
@@ -32,7 +32,7 @@ public:
 
     std::size_t runs() const noexcept { return parents_.size(); }
     /// Returns the first run of a run's component.
-    std::size_t part(std::size_t run) noexcept {
+    std::size_t component(std::size_t run) noexcept {
         while (parents_[run] != run) run = parents_[run] = parents_[parents_[run]];
         return run;
     }
@@ -46,7 +46,7 @@ private:
         while (a != nodes.row_runs_end(row) && b != nodes.row_runs_end(other_row)) {
             if ((std::max)(a->begin, b->begin) < (std::min)(a->end, b->end)) {
                 const auto [low, high] =
-                    std::minmax({part(std::size_t(a - first_)), part(std::size_t(b - first_))});
+                    std::minmax({component(std::size_t(a - first_)), component(std::size_t(b - first_))});
                 parents_[high] = low;
             }
             ++(a->end < b->end ? a : b);
@@ -102,25 +102,25 @@ struct UnknownCells {
 
     /// Finds components without a given cell: counts their cells and reports the first of these.
     void find_unreached(SolverReport& report) const {
-        NodeParts<D> parts(nodes);
-        std::vector<bool> reached(parts.runs(), false);
+        NodeComponents<D> components(nodes);
+        std::vector<bool> reached(components.runs(), false);
         for (const auto& cut : cuts) {
-            if (cut.weight > 0) reached[parts.part(run_of(parts, cut.node))] = true;
+            if (cut.weight > 0) reached[components.component(run_of(components, cut.node))] = true;
         }
-        for (std::size_t run = 0; run < parts.runs(); ++run) {
-            if (reached[parts.part(run)]) continue;
-            report.culprit = (std::min)(report.culprit, cells[parts[run].first]);
-            report.unreached_cells += std::size_t(parts[run].end - parts[run].begin);
+        for (std::size_t run = 0; run < components.runs(); ++run) {
+            if (reached[components.component(run)]) continue;
+            report.culprit = (std::min)(report.culprit, cells[components[run].first]);
+            report.unreached_cells += std::size_t(components[run].end - components[run].begin);
         }
     }
 
 private:
-    static std::size_t run_of(const NodeParts<D>& parts, std::uint32_t node) noexcept {
-        std::size_t low = 0, high = parts.runs(); // binary search for the last run that begins at or
-                                                  // before the node
+    static std::size_t run_of(const NodeComponents<D>& components, std::uint32_t node) noexcept {
+        std::size_t low = 0, high = components.runs(); // binary search for the last run that begins at or
+                                                       // before the node
         while (high - low > 1) {
             const std::size_t middle = (low + high) / 2;
-            (parts[middle].first <= node ? low : high) = middle;
+            (components[middle].first <= node ? low : high) = middle;
         }
         return low;
     }

@@ -271,13 +271,13 @@ private:
             return;
         }
         // The angle is counter-clockwise from the first edge, in (0, 2π].
-        const auto turn_to = [&](std::size_t k) {
+        const auto angle_to = [&](std::size_t k) {
             const auto a = vertices_[of_i.front()] - vertices_[i], b = vertices_[k] - vertices_[i];
             const double angle = std::atan2(cross(a, b), dot(a, b));
             return of_i.front() == k || angle <= 0 ? angle + 2 * std::numbers::pi : angle;
         };
         of_i.insert(std::find_if(of_i.begin() + 1, of_i.end(),
-                                 [&](std::size_t k) { return turn_to(k) > turn_to(j); }),
+                                 [&](std::size_t k) { return angle_to(k) > angle_to(j); }),
                     j);
     }
 
@@ -301,21 +301,21 @@ private:
     bool add(Treated t, const EmbeddedProblem<2>& problem) {
         const double radius = t.corner.radius();
         t.columns = t.corner.count() + 1;
-        std::vector<Vec<double, 2>> places;
+        std::vector<Vec<double, 2>> positions;
         for_each_node_within(t.corner.reach(), t.corner.vertex(), problem.nodes,
                              [&](std::uint32_t node, const auto& p) {
                                  if (!t.corner.reaches(p) || !t.corner.holds(p)) return;
                                  t.functions.add(node, t.corner.functions(p), t.columns);
-                                 places.push_back(p);
+                                 positions.push_back(p);
                              });
         t.functions.shrink();
         std::vector<const double*> fitted;
-        for (std::size_t i = 0; i < places.size(); ++i) {
-            const double r = t.corner.distance(places[i]);
-            if (r < radius) add_defect(t, t.functions.nodes[i], places[i], problem);
+        for (std::size_t i = 0; i < positions.size(); ++i) {
+            const double r = t.corner.distance(positions[i]);
+            if (r < radius) add_defect(t, t.functions.nodes[i], positions[i], problem);
             if (!(r > 0.3 * radius && r < (std::max)(0.8 * radius, (std::min)(radius, 8.0)))) continue;
             fitted.push_back(t.functions.numbers.data() + i * t.columns);
-            t.around.push_back({t.functions.nodes[i], t.corner.along(places[i]), fitted.back()[0]});
+            t.around.push_back({t.functions.nodes[i], t.corner.along(positions[i]), fitted.back()[0]});
         }
         t.defects.shrink();
         t.corner.keep(t.around.size() / 2);
@@ -428,11 +428,11 @@ private:
             if (f == nullptr) return false;
             add(f, stencil.nodes[i].share);
         }
-        for (std::uint32_t i = 0; i < stencil.place_count; ++i) {
-            const auto& [handle, weight] = stencil.places[i].value;
+        for (std::uint32_t i = 0; i < stencil.boundary_count; ++i) {
+            const auto& [handle, weight] = stencil.boundary_points[i].value;
             const auto q = weight[0] * vertices_[handle[0]] + weight[1] * vertices_[handle[1]];
             if (!t.corner.reaches(q)) return false;
-            add(t.corner.functions(q).data(), stencil.places[i].share);
+            add(t.corner.functions(q).data(), stencil.boundary_points[i].share);
         }
         mean = sum;
         return true;

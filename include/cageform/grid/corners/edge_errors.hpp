@@ -74,16 +74,16 @@ struct EdgeSector {
 
     /// Calls f(point) for points along the edge, three cells apart; at most 16.
     template <class F>
-    void for_each_place_along(F&& f) const {
+    void for_each_position_along(F&& f) const {
         const double step = (std::max)(3.0, length / 16);
         for (double z = 0.5 * (std::min)(step, length); z < length; z += step) f(origin + z * direction);
     }
     /// Tells whether a point lies between the faces, at most one and a half cells from the edge,
-    /// and next to `place_along` on the edge.
-    bool holds(const Point& p, const Point& place_along) const noexcept {
+    /// and next to `position_along` on the edge.
+    bool holds(const Point& p, const Point& position_along) const noexcept {
         const auto d = p - origin;
         const double z = dot(d, direction);
-        if (z < 0 || z > length || std::fabs(z - dot(place_along - origin, direction)) > 0.5) return false;
+        if (z < 0 || z > length || std::fabs(z - dot(position_along - origin, direction)) > 0.5) return false;
         const auto xy = across(d);
         return corner.distance(xy) <= 1.5 && corner.holds(xy);
     }
@@ -150,13 +150,13 @@ CornerErrors<3> edge_errors(const Cage& cage, const Lattice<double, 3>& lattice,
     Buffer<CornerErrors<3>::Node> nodes;
     detail::for_each_edge_sector(vertices, faces, [&](const detail::EdgeSector& sector) {
         nodes.clear();
-        sector.for_each_place_along([&](const Vec<double, 3>& place) {
+        sector.for_each_position_along([&](const Vec<double, 3>& position) {
             Index low;
-            for (std::size_t k = 0; k < 3; ++k) low[k] = std::int32_t(std::floor(place[k])) - 1;
+            for (std::size_t k = 0; k < 3; ++k) low[k] = std::int32_t(std::floor(position[k])) - 1;
             for (std::int32_t n = 0; n < 64; ++n) {
                 const Index index{low[0] + n % 4, low[1] + n / 4 % 4, low[2] + n / 16};
                 const auto p = node_position<3>(index);
-                if (!sector.holds(p, place)) continue;
+                if (!sector.holds(p, position)) continue;
                 const auto node = problem.nodes.find(index);
                 if (node != NodeRuns<3>::none) nodes.push_back({node, sector.shares(p)});
             }

@@ -11,8 +11,8 @@ namespace cageform::inline CAGEFORM_ABI::detail {
 
 /// Returns an address that differs for every thread.
 inline const void* this_thread() noexcept {
-    static thread_local char place;
-    return &place;
+    static thread_local char position;
+    return &position;
 }
 
 /// The progress of groups that are solved on several threads. Construct it on the calling thread;
@@ -26,11 +26,11 @@ public:
     bool stopped() const noexcept { return stopped_; }
     void stop() noexcept { stopped_ = true; } ///< stops every thread
 
-    /// Reports that the fraction `part` of the current group is done. Returns false to stop.
-    bool keep_going(double part) {
+    /// Reports that the fraction `element` of the current group is done. Returns false to stop.
+    bool keep_going(double element) {
         if (this_thread() == caller_ && progress_ && !stopped_) {
-            told_ = (std::max)(told_, (double(done_) + part) / double(groups_));
-            if (!progress_(told_)) stopped_ = true;
+            reported_ = (std::max)(reported_, (double(done_) + element) / double(groups_));
+            if (!progress_(reported_)) stopped_ = true;
         }
         return !stopped_;
     }
@@ -45,7 +45,7 @@ private:
     const void* caller_ = this_thread();
     std::atomic<std::size_t> done_{0};
     std::atomic<bool> stopped_{false};
-    double told_ = 0;
+    double reported_ = 0;
 };
 
 /// Stops the other threads if this one leaves by an exception.

@@ -19,7 +19,7 @@ struct CutStencil {
         std::uint32_t node;
         double share;
     };
-    struct Place { ///< a point on the boundary
+    struct BoundaryPoint { ///< a point on the boundary
         BoundaryValue<D> value;
         double share;
     };
@@ -27,11 +27,11 @@ struct CutStencil {
     /// Enough for the boundary points that D orders of the axes can meet, in the plane also for a
     /// harmonic mean (grid/tree/harmonic_mean.hpp), plus the nearest point of the boundary.
     static constexpr std::size_t most_nodes = D == 2 ? 32 : corners,
-                                 most_places = 1 + (D == 2 ? 32 : D * corners);
+                                 most_boundary_points = 1 + (D == 2 ? 32 : D * corners);
 
     std::array<Node, most_nodes> nodes;
-    std::array<Place, most_places> places;
-    std::uint32_t node_count = 0, place_count = 0;
+    std::array<BoundaryPoint, most_boundary_points> boundary_points;
+    std::uint32_t node_count = 0, boundary_count = 0;
 
     void add(std::uint32_t node, double share) noexcept {
         for (std::uint32_t n = 0; n < node_count; ++n) {
@@ -41,10 +41,12 @@ struct CutStencil {
         }
         nodes[node_count++] = {node, share};
     }
-    void add(const BoundaryValue<D>& value, double share) noexcept { places[place_count++] = {value, share}; }
+    void add(const BoundaryValue<D>& value, double share) noexcept {
+        boundary_points[boundary_count++] = {value, share};
+    }
     void scale(double factor) noexcept {
         for (std::uint32_t n = 0; n < node_count; ++n) nodes[n].share *= factor;
-        for (std::uint32_t n = 0; n < place_count; ++n) places[n].share *= factor;
+        for (std::uint32_t n = 0; n < boundary_count; ++n) boundary_points[n].share *= factor;
     }
 };
 

@@ -36,7 +36,7 @@ void for_each_inner_interval(const Buffer<grid::Crossing<D>>& crossings, F&& f) 
         } else {
             inside = false;
         }
-        inside = inside != crossings[i].turns;
+        inside = inside != crossings[i].separates;
     }
 }
 /// Returns the nodes strictly between two crossings as a range [first, second).
@@ -90,11 +90,11 @@ public:
     }
 
 private:
-    struct Place { ///< the position of a node
+    struct RowPosition { ///< the position of a node
         std::uint32_t row;
         std::int32_t x;
 
-        bool operator<(const Place& other) const noexcept {
+        bool operator<(const RowPosition& other) const noexcept {
             return row != other.row ? row < other.row : x < other.x;
         }
     };
@@ -115,19 +115,22 @@ private:
     static bool same_link(const Cut& a, const Cut& b) noexcept {
         return a.link.node == b.link.node && a.link.direction == b.link.direction;
     }
-    Place place(const Index& index) const noexcept { return {std::uint32_t(nodes_.row(index)), index[0]}; }
+    RowPosition row_position(const Index& index) const noexcept {
+        return {std::uint32_t(nodes_.row(index)), index[0]};
+    }
 
     /// Returns the nodes that are no unknowns: fixed nodes, and nodes that the lines of the other
     /// axes find on the boundary. Sorted.
-    Buffer<Place> no_unknowns() const {
-        Buffer<Place> all;
+    Buffer<RowPosition> no_unknowns() const {
+        Buffer<RowPosition> all;
         all.reserve(fixed_.size());
-        for (const auto& fixed : fixed_) all.push_back(place(fixed.index));
+        for (const auto& fixed : fixed_) all.push_back(row_position(fixed.index));
         for (std::size_t axis = 1; axis < D; ++axis) {
             for (const auto& crossing : crossings_[axis]) {
                 const NodesAbout about(crossing.position);
                 if (about.on_node)
-                    all.push_back(place(boundary_.lattice().on_line(axis, crossing.line, about.below + 1)));
+                    all.push_back(
+                        row_position(boundary_.lattice().on_line(axis, crossing.line, about.below + 1)));
             }
         }
         std::sort(all.begin(), all.end());
@@ -139,19 +142,19 @@ private:
         const auto left_out = no_unknowns();
         std::uint32_t row = 0;
         auto next = left_out.begin();
-        for_each_inner_interval<D>(crossings_[0],
-                                   [&](const grid::Crossing<D>& a, const grid::Crossing<D>& b) {
-                                       for (; row < a.line; ++row) nodes_.end_row();
-                                       auto [x, end] = nodes_between(a, b);
-                                       x = (std::max)(x, 0);
-                                       end = (std::min)(end, nodes_.size()[0]);
-                                       next = std::lower_bound(next, left_out.end(), Place{a.line, x});
-                                       for (; next != left_out.end() && *next < Place{a.line, end}; ++next) {
-                                           nodes_.add_run(x, next->x);
-                                           x = next->x + 1;
-                                       }
-                                       nodes_.add_run(x, end);
-                                   });
+        for_each_inner_interval<D>(
+            crossings_[0], [&](const grid::Crossing<D>& a, const grid::Crossing<D>& b) {
+                for (; row < a.line; ++row) nodes_.end_row();
+                auto [x, end] = nodes_between(a, b);
+                x = (std::max)(x, 0);
+                end = (std::min)(end, nodes_.size()[0]);
+                next = std::lower_bound(next, left_out.end(), RowPosition{a.line, x});
+                for (; next != left_out.end() && *next < RowPosition{a.line, end}; ++next) {
+                    nodes_.add_run(x, next->x);
+                    x = next->x + 1;
+                }
+                nodes_.add_run(x, end);
+            });
         for (; row < nodes_.rows(); ++row) nodes_.end_row();
     }
 

@@ -1,8 +1,5 @@
 // The interface between a boundary and a grid: what embedding and sampling need to know of a
 // boundary.
-//
-// To add another kind of boundary, write a class in a file of its own and a specialisation of
-// GridBoundaryOf for its cages.
 #pragma once
 
 #include <cageform/cage/detail/boundary_value.hpp>
@@ -24,7 +21,7 @@ namespace grid {
 template <std::size_t D>
 struct Crossing {
     std::uint32_t line; ///< the number of the line; see CellBox::line
-    bool turns;         ///< whether inside and outside change here (not where the line only touches)
+    bool separates;     ///< whether inside and outside change here (not where the line only touches)
     double position;    ///< along the line
     BoundaryValue<D> value;
     /// Whether the value is that of links from below, from above.
@@ -57,7 +54,7 @@ struct FixedNode {
 ///
 ///   lattice()        a node for each of its cells, the first at its origin
 ///   crossings()      the crossings with the lattice lines, sorted; on every line an even number of
-///                    them has `turns` set
+///                    them has `separates` set
 ///   nearest(node)    the data of the boundary point nearest to a node
 ///   fixed_nodes()    nodes that are no unknowns, each at most once, in any order; a vector or
 ///                    buffer
@@ -101,11 +98,6 @@ concept SampledBoundary = requires(B& prepared, const B& boundary, const Vec<dou
 /// A boundary that a solver on a grid can use.
 template <class B>
 concept GridBoundary = EmbeddableBoundary<B> && SampledBoundary<B>;
-
-/// `type` is the boundary class of a kind of cage, constructed from the cage and the lattice. There
-/// is none for other types.
-template <class Cage>
-struct GridBoundaryOf;
 
 } // namespace grid
 

@@ -18,16 +18,16 @@ struct PlacedFacet : Facet<D> {
     using Weights = std::array<double, D>; ///< barycentric coordinates: of the corners, with sum 1
 
     PlacedFacet(const std::array<std::uint32_t, D>& of, std::span<const Vec<double, D>> vertices,
-                bool turning, std::uint32_t added_behind = 0)
+                bool separating, std::uint32_t offset_at_back = 0)
         : Facet<D>(of, vertices)
-        , turns(turning)
-        , behind(added_behind) {}
+        , separates(separating)
+        , back_offset(offset_at_back) {}
 
-    bool turns; ///< whether it separates inside from outside; false for a wall
+    bool separates; ///< whether it separates inside from outside; false for a wall
     /// Added to its handles on the back side, away from the normal; 0: both sides share handles.
-    std::uint32_t behind;
+    std::uint32_t back_offset;
 
-    Vec<double, D> place(const Weights& weights) const noexcept {
+    Vec<double, D> position(const Weights& weights) const noexcept {
         Vec<double, D> p;
         for (std::size_t k = 0; k < D; ++k) p[k] = coordinate(weights, k);
         return p;
@@ -59,15 +59,15 @@ template <std::size_t D>
 BoundaryValue<D> value_seen(const PlacedFacet<D>& facet, const std::array<double, D>& weights,
                             std::size_t axis, bool up) noexcept {
     auto value = value_on_facet(facet.vertex, weights);
-    if (facet.behind == 0) return value;
+    if (facet.back_offset == 0) return value;
     const double along = normal_of(facet)[axis];
     if (D == 2 && along == 0) { // at an end, where one vertex has all the weight
         const std::uint32_t end = facet.vertex[weights[0] > 0 ? 0 : 1];
         value.handle[0] = end;
-        value.handle[1] = end + facet.behind;
+        value.handle[1] = end + facet.back_offset;
         value.weight[0] = value.weight[1] = 0.5;
     } else if (up == (along > 0)) {
-        for (std::uint32_t& handle : value.handle) handle += facet.behind;
+        for (std::uint32_t& handle : value.handle) handle += facet.back_offset;
     }
     return value;
 }
@@ -169,7 +169,7 @@ template <std::size_t D>
 void add_crossing(const PlacedFacet<D>& facet, const std::array<double, D>& weights, std::size_t axis,
                   grid::Crossing<D> crossing, Buffer<grid::Crossing<D>>& out) {
     crossing.value = value_seen(facet, weights, axis, true);
-    if (facet.behind != 0) {
+    if (facet.back_offset != 0) {
         crossing.from_above = false;
         out.push_back(crossing);
         crossing.value = value_seen(facet, weights, axis, false);
@@ -188,14 +188,14 @@ inline void add_crossings(const PlacedFacet<2>& edge, std::size_t axis, const La
     const auto box = edge.bounds();
     const double low = box.lower[across], high = box.upper[across];
     const double last = (std::min)(high, double(lattice.cells[across]) - 1);
-    const auto add = [&](double line, bool turns, double s) {
+    const auto add = [&](double line, bool separates, double s) {
         const std::array<double, 2> weights{1 - s, s};
-        add_crossing(edge, weights, axis, {std::uint32_t(line), turns, edge.coordinate(weights, axis), {}},
-                     out);
+        add_crossing(edge, weights, axis,
+                     {std::uint32_t(line), separates, edge.coordinate(weights, axis), {}}, out);
     };
     for (double line = (std::max)(std::ceil(low), 0.0); line <= last; ++line) {
         if (from != to) {
-            add(line, edge.turns && line < high, (line - from) / (to - from));
+            add(line, edge.separates && line < high, (line - from) / (to - from));
             continue;
         }
         // The edge lies along the line: it crosses at its ends and at every node on it.
@@ -257,14 +257,14 @@ private:
     /// Tells on which side of the edge from corner k to corner l a line lies. Both faces of the
     /// edge compute it in the same direction.
     bool is_left(std::size_t k, std::size_t l, const Whole& p) const noexcept {
-        const bool turned = face_.vertex[k] > face_.vertex[l];
-        const auto &a = corners_[turned ? l : k], &b = corners_[turned ? k : l];
+        const bool reversed = face_.vertex[k] > face_.vertex[l];
+        const auto &a = corners_[reversed ? l : k], &b = corners_[reversed ? k : l];
         std::int64_t s = side(a, b, p);
         // A wall includes its rim, on all sides.
-        if (s == 0 && !face_.turns) return area_ > 0;
+        if (s == 0 && !face_.separates) return area_ > 0;
         // On the edge: decides as for a line shifted along u far more than along v.
         if (s == 0) s = b[1] != a[1] ? a[1] - b[1] : b[0] - a[0];
-        return (s > 0) != turned;
+        return (s > 0) != reversed;
     }
 
     const PlacedFacet<3>& face_;
@@ -289,7 +289,7 @@ inline void add_crossings(const PlacedFacet<3>& face, std::size_t axis, const La
             if (!w) continue;
             const double position = std::clamp(face.coordinate(*w, axis), box.lower[axis], box.upper[axis]);
             const auto line = std::uint32_t(x) + std::uint32_t(lattice.cells[u]) * std::uint32_t(y);
-            add_crossing(face, onto_facet(*w), axis, {line, face.turns, position, {}}, out);
+            add_crossing(face, onto_facet(*w), axis, {line, face.separates, position, {}}, out);
         }
     }
 }

@@ -16,16 +16,16 @@ namespace detail {
 /// An index of which facets and bones pass which cells of a lattice, which has fewer than 2²⁰ cells
 /// a side.
 template <std::size_t D>
-class PartsByCell {
+class ElementsByCell {
 public:
     using Index = typename grid::NodeRuns<D>::Index;
     struct Pass {
         std::uint64_t cell;
-        std::uint32_t part;
+        std::uint32_t element;
         auto operator<=>(const Pass&) const = default;
     };
 
-    void add(const Index& low, std::uint32_t part) { passes_.push_back({key(low), part}); }
+    void add(const Index& low, std::uint32_t element) { passes_.push_back({key(low), element}); }
     void sort() { std::sort(passes_.begin(), passes_.end()); }
     void clear() noexcept { passes_.clear(); }
 
@@ -54,7 +54,7 @@ private:
 namespace grid {
 
 /// The edges of a polygon or the triangles of a mesh, and the cells inside, on a lattice of at most
-/// 1024 cells a side (in the plane 16384). A part of it is a facet or, numbered after the facets, a
+/// 1024 cells a side (in the plane 16384). An element of it is a facet or, numbered after the facets, a
 /// bone.
 template <std::size_t D>
 class SimplexBoundary {
@@ -63,10 +63,10 @@ public:
     using Index = typename NodeRuns<D>::Index;
 
     /// Takes a Polygon, a TriangleMesh or a CellComplex. It also takes cells in the open
-    /// (fields/strokes.hpp), whose facets may have other handles on the back side: `behind` is
+    /// (fields/strokes.hpp), whose facets may have other handles on the back side: `back_offset` is
     /// added to their handles there.
     template <class Cage>
-    SimplexBoundary(const Cage& whole, const Lattice<double, D>& lattice, std::uint32_t behind = 0)
+    SimplexBoundary(const Cage& whole, const Lattice<double, D>& lattice, std::uint32_t back_offset = 0)
         : lattice_(lattice)
         , bones_(interior_cells(whole).bones, lattice.in_cells(whole.vertices()), lattice) {
         const auto vertices = lattice.in_cells(whole.vertices());
@@ -75,7 +75,7 @@ public:
         });
         const auto& cells = interior_cells(whole);
         for (const auto& facet : cells.facets)
-            facets_.push_back({facet, std::span<const Vec<double, D>>(vertices), false, behind});
+            facets_.push_back({facet, std::span<const Vec<double, D>>(vertices), false, back_offset});
     }
 
     const Lattice<double, D>& lattice() const noexcept { return lattice_; }
@@ -94,14 +94,14 @@ public:
     Buffer<FixedNode<D>> fixed_nodes() const { return bones_.nodes(); }
     std::optional<std::uint32_t> too_thin_bone() const noexcept { return bones_.too_thin(); }
 
-    /// Returns the data of the boundary point nearest to a node. O(parts).
+    /// Returns the data of the boundary point nearest to a node. O(elements).
     BoundaryValue<D> nearest(const Index& node) const noexcept {
         const auto p = node_position<D>(node);
         double least = (std::numeric_limits<double>::max)();
         BoundaryValue<D> value;
         for (const Facet& facet : facets_) {
             const auto weights = detail::nearest_on_facet(p, facet.corner);
-            const auto d = facet.place(weights) - p;
+            const auto d = facet.position(weights) - p;
             if (dot(d, d) >= least) continue;
             least = dot(d, d);
             value = value_on_facet(facet.vertex, weights);
@@ -110,7 +110,7 @@ public:
         return bone ? bone->value : value;
     }
 
-    /// Returns the distance from a point along an axis to the boundary. O(cells on the way · parts
+    /// Returns the distance from a point along an axis to the boundary. O(cells on the way · elements
     /// that pass them).
     double free_distance(const Vec<double, D>& p, std::size_t axis, bool up, double limit) const noexcept {
         AxisRay<D> ray{p, axis, up, limit};
@@ -119,40 +119,40 @@ public:
         const std::int32_t last = lattice_.counts()[axis];
         for (; low[axis] >= -1 && low[axis] <= last; low[axis] += up ? 1 : -1) {
             if (ray.distance(up ? low[axis] : low[axis] + 1) > ray.length) break;
-            for (const auto& pass : parts_.find(low)) shorten_to(pass.part, ray);
+            for (const auto& pass : elements_.find(low)) shorten_to(pass.element, ray);
         }
         return ray.length;
     }
 
     /// Builds the index of cells that free_distance, locate and sample need.
     void index_cells(double slack) {
-        parts_.clear();
-        std::uint32_t part = 0;
-        const auto add = [&](const Index& low) { parts_.add(low, part); };
+        elements_.clear();
+        std::uint32_t element = 0;
+        const auto add = [&](const Index& low) { elements_.add(low, element); };
         for (const Facet& facet : facets_) {
             detail::for_each_cell(facet, slack, add);
-            ++part;
+            ++element;
         }
-        for (std::size_t n = 0; n < bones_.size(); ++n, ++part) bones_.for_each_cell(n, add);
-        parts_.sort();
+        for (std::size_t n = 0; n < bones_.size(); ++n, ++element) bones_.for_each_cell(n, add);
+        elements_.sort();
     }
-    /// Returns where a point lies. If parts pass its cell, returns none next to bones and where
-    /// rounding might decide. O(parts in the cell).
+    /// Returns where a point lies. If elements pass its cell, returns none next to bones and where
+    /// rounding might decide. O(elements in the cell).
     std::optional<Located<D>> locate(const Vec<double, D>& p, double tolerance,
                                      const NodeRuns<D>& nodes) const noexcept {
         Index low;
         for (std::size_t k = 0; k < D; ++k) low[k] = std::int32_t(std::floor(p[k]));
-        const auto parts = parts_.find(low);
+        const auto elements = elements_.find(low);
         const bool at_node = nodes.find(low) != NodeRuns<D>::none;
-        if (parts.empty()) return Located<D>{at_node ? PointState::inside : PointState::outside, {}};
+        if (elements.empty()) return Located<D>{at_node ? PointState::inside : PointState::outside, {}};
         // Positions in units of the lattice are rounded by less than half of it.
         double least = 2 * tolerance;
         std::optional<Located<D>> result;
-        for (const Pass& pass : parts) {
-            if (pass.part >= facets_.size()) return std::nullopt;
-            const Facet& facet = facets_[pass.part];
+        for (const Pass& pass : elements) {
+            if (pass.element >= facets_.size()) return std::nullopt;
+            const Facet& facet = facets_[pass.element];
             const auto weights = detail::nearest_on_facet(p, facet.corner);
-            const double distance = detail::length(facet.place(weights) - p);
+            const double distance = detail::length(facet.position(weights) - p);
             // If two are equally near, the first counts.
             if (distance > least || (result && distance == least)) continue;
             least = distance;
@@ -163,8 +163,8 @@ public:
             Index index = low;
             for (std::size_t k = 0; k < D; ++k) index[k] += std::int32_t((corner >> k) & 1u);
             if (nodes.find(index) == NodeRuns<D>::none) continue;
-            const auto turns = turns_between(parts, p, node_position<D>(index));
-            if (turns) return Located<D>{*turns ? PointState::outside : PointState::inside, {}};
+            const auto separated = are_separated(elements, p, node_position<D>(index));
+            if (separated) return Located<D>{*separated ? PointState::outside : PointState::inside, {}};
         }
         return std::nullopt;
     }
@@ -176,11 +176,11 @@ public:
         CutStencil<D> stencil;
         Cell cell{nodes, {}, {}, {}, stencil};
         for (std::size_t k = 0; k < D; ++k) cell.low[k] = std::int32_t(std::floor(p[k]));
-        cell.parts = parts_.find(cell.low);
+        cell.elements = elements_.find(cell.low);
         bool between_nodes = true;
         for (std::size_t k = 0; k < D; ++k)
             between_nodes = between_nodes && cell.low[k] >= 0 && cell.low[k] + 1 < nodes.size()[k];
-        if (cell.parts.empty() && between_nodes) {
+        if (cell.elements.empty() && between_nodes) {
             add_corners(cell.low, p, nodes, stencil);
             return stencil;
         }
@@ -193,42 +193,42 @@ public:
 
 private:
     using Facet = detail::PlacedFacet<D>;
-    using Pass = typename detail::PartsByCell<D>::Pass;
+    using Pass = typename detail::ElementsByCell<D>::Pass;
     struct Cell {
         const NodeRuns<D>& nodes;
         Index low;
-        std::span<const Pass> parts;     ///< those that pass the cell
+        std::span<const Pass> elements;  ///< those that pass the cell
         std::array<std::size_t, D> axes; ///< in the order of interpolation
         CutStencil<D>& stencil;
     };
 
-    /// Returns where a ray meets a part, and shortens the ray to end there.
-    std::optional<Hit<D>> shorten_to(std::uint32_t part, AxisRay<D>& ray) const noexcept {
-        const auto hit =
-            part < facets_.size() ? detail::hit(facets_[part], ray) : bones_.hit(part - facets_.size(), ray);
+    /// Returns where a ray meets an element, and shortens the ray to end there.
+    std::optional<Hit<D>> shorten_to(std::uint32_t element, AxisRay<D>& ray) const noexcept {
+        const auto hit = element < facets_.size() ? detail::hit(facets_[element], ray)
+                                                  : bones_.hit(element - facets_.size(), ray);
         if (hit) ray.length = ray.distance(hit->position);
         return hit;
     }
     std::optional<Hit<D>> first_hit(const Cell& cell, AxisRay<D> ray) const noexcept {
         std::optional<Hit<D>> first;
-        for (const auto& pass : cell.parts) {
-            if (const auto hit = shorten_to(pass.part, ray)) first = hit;
+        for (const auto& pass : cell.elements) {
+            if (const auto hit = shorten_to(pass.element, ray)) first = hit;
         }
         return first;
     }
 
     /// Tells whether exactly one of two points of a cell is inside, by the facets that pass the
     /// cell. None if rounding might decide.
-    std::optional<bool> turns_between(std::span<const Pass> parts, const Vec<double, D>& from,
+    std::optional<bool> are_separated(std::span<const Pass> elements, const Vec<double, D>& from,
                                       const Vec<double, D>& to) const noexcept {
-        bool turns = false;
-        for (const Pass& pass : parts) {
-            if (!facets_[pass.part].turns) continue;
-            const auto crosses = detail::crosses(facets_[pass.part], from, to);
+        bool separated = false;
+        for (const Pass& pass : elements) {
+            if (!facets_[pass.element].separates) continue;
+            const auto crosses = detail::crosses(facets_[pass.element], from, to);
             if (!crosses) return std::nullopt;
-            turns = turns != *crosses;
+            separated = separated != *crosses;
         }
-        return turns;
+        return separated;
     }
 
     /// Adds the multilinear stencil of a cell that nothing passes and whose corners are all
@@ -276,15 +276,15 @@ private:
         double at = length > 0 ? (p[axis] - begin) / length : 0.0;
         if (!below && low < 0) at = 1;
         if (!above && high >= cell.nodes.size()[axis]) at = 0;
-        const auto take = [&](const std::optional<Hit<D>>& hit, double position, double part) {
-            if (!(part > 0)) return;
+        const auto take = [&](const std::optional<Hit<D>>& hit, double position, double weight) {
+            if (!(weight > 0)) return;
             if (hit) {
-                cell.stencil.add(hit->value, part);
+                cell.stencil.add(hit->value, weight);
                 return;
             }
             auto q = p;
             q[axis] = position;
-            gather(cell, q, part, done + 1);
+            gather(cell, q, weight, done + 1);
         };
         take(below, begin, share * (1 - at));
         take(above, end, share * at);
@@ -293,20 +293,7 @@ private:
     Lattice<double, D> lattice_;
     GridBones<D> bones_;
     Buffer<Facet> facets_;
-    detail::PartsByCell<D> parts_;
-};
-
-template <Scalar T>
-struct GridBoundaryOf<Polygon<T>> {
-    using type = SimplexBoundary<2>;
-};
-template <Scalar T>
-struct GridBoundaryOf<TriangleMesh<T>> {
-    using type = SimplexBoundary<3>;
-};
-template <Scalar T, std::size_t D>
-struct GridBoundaryOf<CellComplex<T, D>> {
-    using type = SimplexBoundary<D>;
+    detail::ElementsByCell<D> elements_;
 };
 
 } // namespace grid

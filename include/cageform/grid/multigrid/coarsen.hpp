@@ -63,7 +63,7 @@ private:
 /// Returns the Galerkin stencil of a coarse node whose surroundings are all regular.
 template <std::size_t D>
 typename Equations<D>::Stencil regular_coarse_stencil(const typename Equations<D>::Stencil& a) noexcept {
-    using P = Places<D>;
+    using P = StencilPositions<D>;
     const auto multilinear = [](const typename P::Offset& from_coarse_node) {
         double weight = 1;
         for (const auto t : from_coarse_node) weight *= t == 0 ? 1.0 : t == 1 || t == -1 ? 0.5 : 0.0;
@@ -86,7 +86,7 @@ typename Equations<D>::Stencil regular_coarse_stencil(const typename Equations<D
 template <std::size_t D>
 class Coarsener {
 public:
-    using P = Places<D>;
+    using P = StencilPositions<D>;
     using Index = typename grid::NodeRuns<D>::Index;
     static constexpr std::uint32_t none = grid::NodeRuns<D>::none;
 
@@ -208,7 +208,7 @@ private:
             if (a[p] == 0) continue;
             auto o = P::offset(p);
             for (std::size_t k = 0; k < D; ++k) o[k] *= index[k] & 1;
-            collapsed[P::place(o)] -= a[p];
+            collapsed[P::position(o)] -= a[p];
         }
         collapsed[P::centre] = 0;
         return collapsed;
@@ -241,7 +241,7 @@ private:
             bool wanted = false;
             for (std::size_t corner = 0; corner < weights.size(); ++corner) {
                 const auto n =
-                    weights[corner] != 0 ? coarse_around.at(P::place(corner_offset<D>(corner))) : none;
+                    weights[corner] != 0 ? coarse_around.at(P::position(corner_offset<D>(corner))) : none;
                 to[corner] = n != none && n >= first && n < last ? coarse.slot[n] : none;
                 wanted = wanted || to[corner] != none;
             }
@@ -288,7 +288,7 @@ private:
             const auto at = shifted<D>(index, P::offset(p));
             const auto& from = out_.of(n, at);
             const std::size_t low =
-                P::place(shifted<D>(out_.corner_index(at, 0), out_.corner_index(index, 0), -1));
+                P::position(shifted<D>(out_.corner_index(at, 0), out_.corner_index(index, 0), -1));
             for (std::size_t corner = 0; corner < from.size(); ++corner) {
                 if (from[corner] != 0) row[low + P::corner_step(corner)] += a[p] * from[corner];
             }
@@ -299,17 +299,17 @@ private:
     using CoarseRows = std::array<std::uint32_t, power(2, D)>; ///< into `coarse.irregular`, or none
     void add_restricted(const CornerWeights<D>& weights, const typename Equations<D>::Stencil& row,
                         const CoarseRows& to) noexcept {
-        std::array<std::size_t, P::count> places;
+        std::array<std::size_t, P::count> positions;
         std::size_t count = 0;
         for (std::size_t p = 0; p < P::count; ++p) {
-            places[count] = p;
+            positions[count] = p;
             count += row[p] != 0 ? 1 : 0;
         }
         for (std::size_t corner = 0; corner < to.size(); ++corner) {
             if (to[corner] == none) continue;
             auto* const stencil = out_.coarse.irregular[to[corner]].a.data();
             for (std::size_t n = 0; n < count; ++n)
-                stencil[places[n] - P::corner_step(corner)] += weights[corner] * row[places[n]];
+                stencil[positions[n] - P::corner_step(corner)] += weights[corner] * row[positions[n]];
         }
     }
     /// Divides the row sum among the axes. The row sum is the weight of the data in the equation of

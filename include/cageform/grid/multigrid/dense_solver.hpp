@@ -21,8 +21,8 @@ public:
         const std::size_t n = e.nodes.count();
         std::vector<double> matrix(n * n);
         e.nodes.for_each([&](const auto& index, std::uint32_t node) {
-            for (std::size_t p = 0; p < Places<D>::count; ++p) {
-                const auto m = e.nodes.find(shifted<D>(index, Places<D>::offset(p)));
+            for (std::size_t p = 0; p < StencilPositions<D>::count; ++p) {
+                const auto m = e.nodes.find(shifted<D>(index, StencilPositions<D>::offset(p)));
                 if (m != grid::NodeRuns<D>::none) matrix[node * n + m] += e.stencil(node)[p];
             }
         });

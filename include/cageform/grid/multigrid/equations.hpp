@@ -19,7 +19,7 @@ namespace cageform::inline CAGEFORM_ABI::detail {
 /// The rows of A, and the nodes that are the unknowns.
 template <std::size_t D>
 struct Equations {
-    using Stencil = std::array<double, Places<D>::count>; ///< a row of A
+    using Stencil = std::array<double, StencilPositions<D>::count>; ///< a row of A
     struct Irregular {
         Stencil a{};
         std::array<double, D> row_sum{}; ///< of A, divided among the axes; zero at regular nodes
@@ -39,7 +39,7 @@ struct Equations {
 /// Returns −∇² on the finest level, in units of the lattice.
 template <std::size_t D>
 Equations<D> shortley_weller_equations(const grid::NodeRuns<D>& nodes, std::span<const grid::CutLink> cuts) {
-    using P = Places<D>;
+    using P = StencilPositions<D>;
     Equations<D> e;
     e.nodes = nodes;
     e.regular[P::centre] = 2.0 * double(D);
@@ -57,8 +57,8 @@ Equations<D> shortley_weller_equations(const grid::NodeRuns<D>& nodes, std::span
         const std::size_t axis = cut.direction / 2;
         typename P::Offset o{};
         o[axis] = (cut.direction & 1) != 0 ? 1 : -1;
-        CAGEFORM_ASSERT(a[P::place(o)] != 0, "a link is cut once");
-        a[P::place(o)] = 0; // the data at the end of the link goes to b
+        CAGEFORM_ASSERT(a[P::position(o)] != 0, "a link is cut once");
+        a[P::position(o)] = 0; // the data at the end of the link goes to b
         a[P::centre] += cut.weight - 1;
         row_sum[axis] += cut.weight;
     }

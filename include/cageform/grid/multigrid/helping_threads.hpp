@@ -20,11 +20,11 @@ namespace cageform::inline CAGEFORM_ABI::detail {
 /// Waits a moment, at first without giving up the processor, since most waits are short.
 class Waiting {
 public:
-    void reset() noexcept { turns_ = 0; }
+    void reset() noexcept { spins_ = 0; }
     void wait() noexcept {
-        constexpr unsigned short_turns = 2000;
-        if (turns_ < short_turns) {
-            ++turns_;
+        constexpr unsigned short_spins = 2000;
+        if (spins_ < short_spins) {
+            ++spins_;
 #if defined(__GNUC__) && (defined(__x86_64__) || defined(__i386__))
             __builtin_ia32_pause();
 #elif defined(__GNUC__) && defined(__aarch64__)
@@ -38,22 +38,22 @@ public:
     }
 
 private:
-    unsigned turns_ = 0;
+    unsigned spins_ = 0;
 };
 
 /// The threads of one solve.
 class HelpingThreads {
     /// The pieces of one pass. They are begun in order.
     struct Job {
-        void (*call)(const void* body, std::size_t part, std::size_t parts) noexcept;
+        void (*call)(const void* body, std::size_t chunk, std::size_t chunks) noexcept;
         const void* body;
-        std::size_t parts;
+        std::size_t chunks;
         std::atomic<std::size_t> next{0};
     };
     /// A slot in which an owner offers a job.
     struct Offer {
-        std::atomic<bool> taken{false}; ///< whether an owner uses this slot
-        std::atomic<bool> open{false};  ///< pieces are left, or were a moment ago
+        std::atomic<bool> in_use{false}; ///< whether an owner uses this slot
+        std::atomic<bool> open{false};   ///< pieces are left, or were a moment ago
         std::atomic<Job*> job{nullptr};
         std::atomic<unsigned> inside{0}; ///< number of threads that may access the job
 
@@ -68,10 +68,10 @@ class HelpingThreads {
         bool work_on(Job& offered) noexcept {
             bool any = false;
             for (;;) {
-                const std::size_t part = offered.next++;
-                if (part + 1 >= offered.parts) open.store(false, std::memory_order_relaxed);
-                if (part >= offered.parts) return any;
-                offered.call(offered.body, part, offered.parts);
+                const std::size_t chunk = offered.next++;
+                if (chunk + 1 >= offered.chunks) open.store(false, std::memory_order_relaxed);
+                if (chunk >= offered.chunks) return any;
+                offered.call(offered.body, chunk, offered.chunks);
                 any = true;
             }
         }
@@ -84,15 +84,15 @@ public:
     public:
         Share() noexcept = default;
 
-        /// Calls body(part, parts) for every piece, begun in order, on this thread and on idle
+        /// Calls body(chunk, chunks) for every piece, begun in order, on this thread and on idle
         /// ones. There are as many pieces as such threads, and at most `most`. body must not throw
         /// and may wait for earlier pieces.
         template <class Body>
         void split(std::size_t most, const Body& body) const noexcept {
             const std::size_t others = threads_ != nullptr && most > 1 ? threads_->reserve(most - 1) : 0;
             if (others == 0) return body(std::size_t{0}, std::size_t{1});
-            Job job{[](const void* b, std::size_t part, std::size_t parts) noexcept {
-                        (*static_cast<const Body*>(b))(part, parts);
+            Job job{[](const void* b, std::size_t chunk, std::size_t chunks) noexcept {
+                        (*static_cast<const Body*>(b))(chunk, chunks);
                     },
                     &body, others + 1};
             offer_->job.store(&job);
@@ -106,8 +106,8 @@ public:
         /// gives few ranges.
         template <class Body>
         void for_ranges(std::size_t count, std::size_t grain, const Body& body) const noexcept {
-            split(std::clamp<std::size_t>(count / grain, 1, 16), [&](std::size_t part, std::size_t parts) {
-                body(count * part / parts, count * (part + 1) / parts);
+            split(std::clamp<std::size_t>(count / grain, 1, 16), [&](std::size_t chunk, std::size_t chunks) {
+                body(count * chunk / chunks, count * (chunk + 1) / chunks);
             });
         }
 
@@ -124,7 +124,7 @@ public:
             : threads_(threads) {
             ++threads.owners_;
             for (Offer& offer : threads.offers_) {
-                if (offer.taken.exchange(true)) continue;
+                if (offer.in_use.exchange(true)) continue;
                 share_.threads_ = &threads;
                 share_.offer_ = &offer;
                 return;
@@ -133,7 +133,7 @@ public:
         Owner(const Owner&) = delete;
         Owner& operator=(const Owner&) = delete;
         ~Owner() {
-            if (share_.offer_ != nullptr) share_.offer_->taken = false;
+            if (share_.offer_ != nullptr) share_.offer_->in_use = false;
             --threads_.owners_;
         }
         const Share& share() const noexcept { return share_; }
@@ -165,8 +165,8 @@ private:
         const int owners = (std::max)(owners_.load(), 1), fair = (helping_.load() + owners - 1) / owners;
         const int most = (std::min)(fair, int(wanted));
         for (int idle = idle_.load(); idle > 0 && most > 0;) {
-            const int taken = (std::min)(idle, most);
-            if (idle_.compare_exchange_weak(idle, idle - taken)) return std::size_t(taken);
+            const int reserved = (std::min)(idle, most);
+            if (idle_.compare_exchange_weak(idle, idle - reserved)) return std::size_t(reserved);
         }
         return 0;
     }

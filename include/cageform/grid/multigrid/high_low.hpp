@@ -35,9 +35,9 @@ public:
 
     /// Adds factor · value at a node to `sum`.
     void add_to(NodeValues& sum, std::uint32_t node, double factor) const noexcept {
-        for (const auto* part : {&high_, &low_}) {
-            if (part->empty()) return;
-            for (std::size_t k = 0; k < functions_together; ++k) sum[k] += factor * double((*part)[node][k]);
+        for (const auto* half : {&high_, &low_}) {
+            if (half->empty()) return;
+            for (std::size_t k = 0; k < functions_together; ++k) sum[k] += factor * double((*half)[node][k]);
         }
     }
     /// Sets out = −A · solution, computed in double, at the nodes of a run of the finest level.

@@ -61,7 +61,7 @@ struct Level {
 
     std::uint32_t count = 0;                ///< the number of nodes
     float diagonal = 1;                     ///< of the regular stencil
-    std::array<float, D + 1> by_distance{}; ///< the negated other entries, by `Places::distance`
+    std::array<float, D + 1> by_distance{}; ///< the negated other entries, by `StencilPositions::distance`
     std::size_t slab_rows = 1;              ///< rows of a slab: the nodes with one index along the last axis
     Buffer<Row> rows;                       ///< all rows, and one entry for their end
     Buffer<RegularRun<D>> runs;
@@ -121,7 +121,7 @@ public:
     Level<D> take() { return std::move(level_); }
 
 private:
-    using P = Places<D>;
+    using P = StencilPositions<D>;
     using Index = typename grid::NodeRuns<D>::Index;
     static constexpr auto none = grid::NodeRuns<D>::none;
 
@@ -204,7 +204,7 @@ private:
         coarse_around_->move_to(coarsening_->corner_index(index, 0));
         for (std::size_t corner = 0; corner < weights.size(); ++corner) {
             if (weights[corner] == 0) continue;
-            const auto n = coarse_around_->at(P::place(corner_offset<D>(corner)));
+            const auto n = coarse_around_->at(P::position(corner_offset<D>(corner)));
             from_coarse.push_back({n, float(weights[corner])});
         }
     }

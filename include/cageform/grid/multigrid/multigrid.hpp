@@ -18,8 +18,8 @@
 //
 // `start` is an F-cycle with W-cycles inside: on the way down each level from 1 on relaxes once and
 // restricts its residual; on the way up each adds the correction and runs the second half of a
-// W-cycle. groups.hpp repeats cycles until they have refined (below), which takes two (one after a
-// guess), and the error estimate is within the tolerance. The error bound is only reported.
+// W-cycle. groups.hpp repeats cycles until they have refined (below), which takes two, and
+// the error estimate is within the tolerance. The error bound is only reported.
 //
 // Irregular nodes, such as those at cut links, have a stencil or interpolation of their own. A run
 // is consecutive regular nodes of a row; a slab is all nodes of one index along the last axis. Data
@@ -71,7 +71,7 @@ public:
             if constexpr (D == 1) return exact_[node];
             Values v;
             for (std::size_t k = 0; k < width; ++k) v[k] = double(fields_[0].u[node][k]);
-            refined_part_.add_to(v, node, 1);
+            base_.add_to(v, node, 1);
             return v;
         }
         bool empty() const noexcept { return fields_.empty() && exact_.empty(); }
@@ -82,7 +82,7 @@ public:
         std::size_t bytes() const noexcept {
             std::size_t rows = irregular_b_.capacity();
             for (const auto& level : fields_) rows += level.u.capacity() + level.b.capacity();
-            return rows * sizeof(Row) + refined_part_.bytes() +
+            return rows * sizeof(Row) + base_.bytes() +
                    (source.capacity() + refined_source_.capacity() + exact_.capacity()) * sizeof(Values);
         }
 
@@ -91,8 +91,8 @@ public:
         detail::ErrorEstimator error_;
         std::vector<detail::Fields> fields_; ///< one for each level
         Buffer<Row> irregular_b_;            ///< b at the irregular nodes of the finest level
-        detail::HighLow refined_part_;       ///< the solution is this + u of the finest level
-        Buffer<Values> refined_source_;      ///< A · refined_part_, parallel to `source`
+        detail::HighLow base_;               ///< the solution is this + u of the finest level
+        Buffer<Values> refined_source_;      ///< A · base_, parallel to `source`
         Buffer<Values> exact_;               ///< the solution, in one dimension
         std::size_t cycles_ = 0;
         detail::WorkShare share_; ///< of the current call
@@ -101,7 +101,6 @@ public:
         Buffer<Values> source; ///< right-hand sides of the nodes that may have one (`source_node`)
 
     private:
-        bool guessed_ = false; ///< whether u of the finest level is a guess
         bool refined_ = false; ///< whether b of the finest level is set at every node
         /// Whether u of the finest level counts as zero, whatever the memory holds.
         bool u_is_zero_ = true;
@@ -170,20 +169,7 @@ public:
         return block;
     }
 
-    /// Sets the solution that the next `start` begins with; until then `Block::value` returns it.
-    ///
-    ///   value  value(node): a Row of values near the solution
-    template <class Value>
-    void guess(Block& block, const Value& value) const {
-        if constexpr (D == 1) return;
-        block.refined_part_.clear();
-        auto& u = block.fields_[0].u;
-        for (std::uint32_t node = 0; node < unknowns_; ++node) u[node] = value(node);
-        block.guessed_ = true;
-    }
-
-    /// Computes a first solution by an F-cycle (see above), for the `source` of the block. Given a
-    /// guess, it solves for the difference from it.
+    /// Computes a first solution by an F-cycle (see above), for the `source` of the block.
     ///
     ///   share  threads that take part in the work; the result does not depend on them by a single
     ///          bit
@@ -192,7 +178,6 @@ public:
         if constexpr (D == 1) return solve_in_one_dimension(block);
         block.share_ = share;
         reset(block);
-        if (std::exchange(block.guessed_, false)) refine(block);
         restrict_source(block);
         for (std::size_t l = 1; l < coarsest(); ++l) pre_relax_and_restrict(block, l);
         solve_coarsest(block);
@@ -262,8 +247,8 @@ private:
             around.move_to(index);
             Nearest neighbours;
             std::size_t n = 0;
-            for (std::size_t p = 0; p < detail::Places<D>::count; ++p) {
-                if (detail::Places<D>::distance(p) == 1) neighbours[n++] = around.at(p);
+            for (std::size_t p = 0; p < detail::StencilPositions<D>::count; ++p) {
+                if (detail::StencilPositions<D>::distance(p) == 1) neighbours[n++] = around.at(p);
             }
             inner_neighbours_.push_back(neighbours);
         });
@@ -352,11 +337,11 @@ private:
 
     void reset(Block& block) const {
         block.error_.reset();
-        block.refined_part_.clear();
+        block.base_.clear();
         block.refined_ = false;
         block.u_is_zero_ = true;
         block.cycles_ = 0;
-        for (auto& part : block.refined_source_) part.fill(0.0);
+        for (auto& values : block.refined_source_) values.fill(0.0);
         if (coarsest() == 0 || !inner_neighbours_.empty()) detail::set_zero(block.fields_[0].b, block.share_);
         set_right_hand_side(block);
     }
@@ -374,7 +359,7 @@ private:
         for (std::size_t j = 0; j < block.irregular_b_.size(); ++j)
             finest.restrict_irregular(j, detail::Simd<float>::load(block.irregular_b_[j]));
     }
-    /// Sets b = source − A · refined part, at the nodes that may have a source.
+    /// Sets b = source − A · base, at the nodes that may have a source.
     void set_right_hand_side(Block& block) const noexcept {
         const std::size_t irregular = block.irregular_b_.size();
         block.share_.for_ranges(block.source.size(), few_nodes, [&](std::size_t begin, std::size_t end) {
@@ -385,35 +370,35 @@ private:
             }
         });
     }
-    /// Adds u to the refined part. The residual of the refined part, computed in double, becomes
+    /// Adds u to the base. The residual of the base, computed in double, becomes
     /// the right-hand side.
     void refine(Block& block) const {
         const auto& level = levels_[0];
-        auto& part = block.refined_part_;
-        part.add(block.fields_[0].u, block.share_);
+        auto& base = block.base_;
+        base.add(block.fields_[0].u, block.share_);
         block.u_is_zero_ = true;
         block.refined_ = true;
         const auto& share = block.share_;
         share.for_ranges(level.runs.size(), few_runs, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t r = begin; r < end; ++r) part.apply_minus_a(level.runs[r], block.fields_[0].b);
+            for (std::size_t r = begin; r < end; ++r) base.apply_minus_a(level.runs[r], block.fields_[0].b);
         });
         share.for_ranges(source_count(), few_nodes, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t j = begin; j < end; ++j) apply_a(part, j, block.refined_source_[j]);
+            for (std::size_t j = begin; j < end; ++j) apply_a(base, j, block.refined_source_[j]);
         });
         set_right_hand_side(block);
     }
 
-    /// Sets sum = A · refined part, at a node that may have a source.
-    void apply_a(const detail::HighLow& part, std::size_t j, Values& sum) const noexcept {
+    /// Sets sum = A · base, at a node that may have a source.
+    void apply_a(const detail::HighLow& base, std::size_t j, Values& sum) const noexcept {
         const auto& level = levels_[0];
         sum.fill(0.0);
         if (j < level.irregular.size()) {
-            part.add_to(sum, level.irregular[j].node, level.irregular[j].diagonal);
-            for (const auto& entry : level.entries_of(j)) part.add_to(sum, entry.node, -double(entry.weight));
+            base.add_to(sum, level.irregular[j].node, level.irregular[j].diagonal);
+            for (const auto& entry : level.entries_of(j)) base.add_to(sum, entry.node, -double(entry.weight));
         } else {
-            part.add_to(sum, source_nodes_[j], 2.0 * double(D));
+            base.add_to(sum, source_nodes_[j], 2.0 * double(D));
             for (const auto node : inner_neighbours_[j - level.irregular.size()])
-                part.add_to(sum, node, -1.0);
+                base.add_to(sum, node, -1.0);
         }
     }
 

@@ -142,7 +142,7 @@ private:
     static constexpr std::size_t row_count = power(3, D - 1);
     static constexpr std::array<std::size_t, row_count> row_distance = [] {
         std::array<std::size_t, row_count> distance{};
-        for (std::size_t r = 0; r < row_count; ++r) distance[r] = Places<D>::distance(3 * r + 1);
+        for (std::size_t r = 0; r < row_count; ++r) distance[r] = StencilPositions<D>::distance(3 * r + 1);
         return distance;
     }();
 
@@ -223,24 +223,24 @@ struct Pass {
     bool restrict_residual = false;
 };
 
-/// Synchronises the threads of a pass: records how far each part has come, for the part that
+/// Synchronises the threads of a pass: records how far each chunk has come, for the chunk that
 /// follows it.
-class PartProgress {
+class ChunkProgress {
 public:
-    static constexpr std::size_t most_parts = 8;
+    static constexpr std::size_t most_chunks = 8;
 
-    void tell(std::size_t part, std::size_t steps) noexcept {
-        steps_[part].done.store(steps, std::memory_order_release);
+    void report(std::size_t chunk, std::size_t steps) noexcept {
+        steps_[chunk].done.store(steps, std::memory_order_release);
     }
-    void wait_for(std::size_t part, std::size_t steps) const noexcept {
-        for (Waiting waiting; steps_[part].done.load(std::memory_order_acquire) < steps;) waiting.wait();
+    void wait_for(std::size_t chunk, std::size_t steps) const noexcept {
+        for (Waiting waiting; steps_[chunk].done.load(std::memory_order_acquire) < steps;) waiting.wait();
     }
 
 private:
     struct alignas(64) Steps { // a cache line each, so that threads do not share one
         std::atomic<std::size_t> done{0};
     };
-    std::array<Steps, most_parts> steps_;
+    std::array<Steps, most_chunks> steps_;
 };
 
 /// The stages of a pass in their order: prolongation, half sweeps, restriction.
@@ -259,13 +259,13 @@ struct Stages {
         if (stage < relaxations) return level.relax(rows, std::uint32_t(stage % AnyLevel::colours));
         level.restrict_residual(rows, largest);
     }
-    /// Returns the first stage of a part. Stages are divided evenly, counting a transfer as two
+    /// Returns the first stage of a chunk. Stages are divided evenly, counting a transfer as two
     /// half sweeps.
-    std::size_t first_of(std::size_t part, std::size_t parts) const noexcept {
-        if (part == 0) return 0;
-        if (part == parts) return count;
-        const std::size_t transfers = count - relaxations, before = (relaxations + 2 * transfers) * part;
-        return std::clamp((before + parts / 2) / parts - prolongs, part, count - (parts - part));
+    std::size_t first_of(std::size_t chunk, std::size_t chunks) const noexcept {
+        if (chunk == 0) return 0;
+        if (chunk == chunks) return count;
+        const std::size_t transfers = count - relaxations, before = (relaxations + 2 * transfers) * chunk;
+        return std::clamp((before + chunks / 2) / chunks - prolongs, chunk, count - (chunks - chunk));
     }
 };
 
@@ -308,19 +308,19 @@ Residual run(const AnyLevel& level, const Pass& pass, const WorkShare& share) no
     Residual largest;
     if (pass.restrict_residual) set_zero(level.fields.coarser->b, share);
     const std::size_t most =
-        level.fields.level.count < worth_sharing ? 1 : (std::min)(stages.count, PartProgress::most_parts);
-    PartProgress progress;
-    share.split(most, [&](std::size_t part, std::size_t parts) {
-        const std::size_t first = stages.first_of(part, parts), end = stages.first_of(part + 1, parts);
+        level.fields.level.count < worth_sharing ? 1 : (std::min)(stages.count, ChunkProgress::most_chunks);
+    ChunkProgress progress;
+    share.split(most, [&](std::size_t chunk, std::size_t chunks) {
+        const std::size_t first = stages.first_of(chunk, chunks), end = stages.first_of(chunk + 1, chunks);
         for (std::size_t tile = 0; tile < tiles.count; ++tile) {
             const std::size_t done = tile * (slabs + stages.count); // steps of earlier tiles
             for (std::size_t step = first; step + 1 < slabs + end; ++step) {
-                if (part > 0) progress.wait_for(part - 1, done + (std::min)(step + 1, slabs + first - 1));
+                if (chunk > 0) progress.wait_for(chunk - 1, done + (std::min)(step + 1, slabs + first - 1));
                 for (std::size_t stage = first; stage < end; ++stage) {
                     const std::size_t slab = step - stage; // wraps around before the first slab
                     if (slab < slabs) stages.work(stage, tiles.rows(tile, stage, slab), largest);
                 }
-                progress.tell(part, done + step + 1);
+                progress.report(chunk, done + step + 1);
             }
         }
     });

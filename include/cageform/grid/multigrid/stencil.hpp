@@ -13,13 +13,13 @@ constexpr std::size_t power(std::size_t base, std::size_t exponent) noexcept {
 
 /// The 3^D positions of a stencil, numbered with axis 0 fastest.
 template <std::size_t D>
-struct Places {
+struct StencilPositions {
     static constexpr std::size_t count = power(3, D);
     static constexpr std::size_t centre = count / 2;
     using Offset = std::array<std::int32_t, D>;
 
-    static constexpr const Offset& offset(std::size_t place) noexcept { return offsets[place]; }
-    static constexpr std::size_t place(const Offset& o) noexcept {
+    static constexpr const Offset& offset(std::size_t position) noexcept { return offsets[position]; }
+    static constexpr std::size_t position(const Offset& o) noexcept {
         std::size_t n = 0;
         for (std::size_t k = D; k-- > 0;) n = 3 * n + std::size_t(o[k] + 1);
         return n;
@@ -28,9 +28,9 @@ struct Places {
     /// cell relates to the cell's lowest corner (see `corner_offset`).
     static constexpr std::size_t corner_step(std::size_t corner) noexcept { return steps[corner]; }
     /// Returns the number of axes along which a position is off centre.
-    static constexpr std::size_t distance(std::size_t place) noexcept {
+    static constexpr std::size_t distance(std::size_t position) noexcept {
         std::size_t n = 0;
-        for (const auto o : offset(place)) n += o != 0 ? 1 : 0;
+        for (const auto o : offset(position)) n += o != 0 ? 1 : 0;
         return n;
     }
 
@@ -87,7 +87,7 @@ public:
         if (onwards) return;
         row_ = index;
         for (std::size_t r = 0; r < rows; ++r) {
-            const Index there = shifted<D>(index, Places<D>::offset(3 * r + 1));
+            const Index there = shifted<D>(index, StencilPositions<D>::offset(3 * r + 1));
             bool inside = true;
             for (std::size_t k = 1; k < D; ++k)
                 inside = inside && there[k] >= 0 && there[k] < nodes_.size()[k];
@@ -96,9 +96,9 @@ public:
         }
     }
     /// Returns the node at a position of the stencil, or `NodeRuns::none`.
-    std::uint32_t at(std::size_t place) noexcept {
-        const std::size_t r = place / 3;
-        const std::int32_t x = x_ + std::int32_t(place % 3) - 1;
+    std::uint32_t at(std::size_t position) noexcept {
+        const std::size_t r = position / 3;
+        const std::int32_t x = x_ + std::int32_t(position % 3) - 1;
         while (run_[r] != end_[r] && run_[r]->end < x_) ++run_[r];
         const auto* run = run_[r];
         while (run != end_[r] && run->end <= x) ++run;

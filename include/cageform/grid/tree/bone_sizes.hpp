@@ -21,8 +21,8 @@ public:
         for (std::size_t bone = 0; bone < bones_.size(); ++bone) {
             const auto& placed = bones_[bone];
             double least = placed.radius;
-            for (int n = 0; n <= places; ++n) {
-                const auto p = placed.a + (double(n) / places) * (placed.b - placed.a);
+            for (int n = 0; n <= samples; ++n) {
+                const auto p = placed.a + (double(n) / samples) * (placed.b - placed.a);
                 least = std::fmin(least, boundary.nearest(facets, p).distance - placed.radius);
             }
             at_surface_.push_back(std::fmax(least, 0.25 * placed.radius) / per_radius);
@@ -46,7 +46,7 @@ public:
 
 private:
     /// Points along a bone at which the distance to facets is measured.
-    static constexpr int places = 8;
+    static constexpr int samples = 8;
 
     const GridBones<D>& bones_;
     double per_radius_;

@@ -82,13 +82,13 @@ private:
             if (box.upper[k] - box.lower[k] > box.upper[axis] - box.lower[axis]) axis = k;
         }
         const auto middle = begin + (end - begin) / 2;
-        const auto place = [&](std::uint32_t n) {
+        const auto position = [&](std::uint32_t n) {
             const auto b = facets[n].bounds();
             return b.lower[axis] + b.upper[axis];
         };
         std::nth_element(order_.begin() + begin, order_.begin() + middle, order_.begin() + end,
                          [&](std::uint32_t a, std::uint32_t b) {
-                             return std::pair(place(a), a) < std::pair(place(b), b);
+                             return std::pair(position(a), a) < std::pair(position(b), b);
                          });
         (void)divide(facets, begin, middle);
         const std::uint32_t second = divide(facets, middle, end);
@@ -159,7 +159,7 @@ inline std::optional<double> crossing(const PlacedFacet<3>& face, std::size_t ax
 } // namespace detail
 namespace grid {
 
-/// The boundary of a cage, in units of the tree. It consists of parts: first the facets of the
+/// The boundary of a cage, in units of the tree. It consists of elements: first the facets of the
 /// boundary and of interior cells (walls), then the bones, whose inside is not in the domain. The
 /// facets' vertices are rounded to 2⁻³⁰ of the cube that the tree divides, so that integer
 /// arithmetic can decide what is inside.
@@ -171,7 +171,7 @@ public:
 
     /// The cage must pass `check`.
     ///
-    ///   tolerance  a part this near to a cell counts as passing it; in the units of the cage
+    ///   tolerance  an element this near to a cell counts as passing it; in the units of the cage
     ///   scale      the side of the cube, in multiples of the cage's longest side; at least 1
     template <class Cage>
     TreeBoundary(const Cage& cage, unsigned depth, double tolerance = 0, double scale = 1)
@@ -193,9 +193,9 @@ public:
                 p[k] = std::ldexp(std::round(std::ldexp(p[k], fraction_)), -fraction_);
             rounded.push_back(p);
         }
-        const auto add = [&](const auto& facet, bool turns) {
-            facets_.push_back({facet, std::span<const Vec<double, D>>(rounded), turns});
-            exact_.push_back({facet, std::span<const Vec<double, D>>(placed), turns});
+        const auto add = [&](const auto& facet, bool separates) {
+            facets_.push_back({facet, std::span<const Vec<double, D>>(rounded), separates});
+            exact_.push_back({facet, std::span<const Vec<double, D>>(placed), separates});
         };
         for_each_facet(boundary_of(cage), [&](const auto& facet) { add(facet, true); });
         for (const auto& facet : interior_cells(cage).facets) add(facet, false);
@@ -207,7 +207,7 @@ public:
             const double size = detail::length(normal);
             normals_.push_back(size > 0 ? (1 / size) * normal : Vec<double, D>{});
         }
-        turn_normals_outward();
+        orient_normals_outward();
     }
 
     unsigned depth() const noexcept { return depth_; }
@@ -218,9 +218,11 @@ public:
     Vec<double, D> in_units(const Vec<double, D>& p) const noexcept { return (1 / unit_) * (p - origin_); }
     Vec<double, D> in_cage(const Vec<double, D>& p) const noexcept { return origin_ + unit_ * p; }
 
-    std::size_t parts() const noexcept { return facets_.size() + bones_.size(); }
-    /// Tells whether a part is a facet that separates inside from outside, and not a wall.
-    bool turns(std::size_t part) const noexcept { return part < size() && facets_[part].turns; }
+    std::size_t elements() const noexcept { return facets_.size() + bones_.size(); }
+    /// Tells whether an element is a facet that separates inside from outside, and not a wall.
+    bool separates(std::size_t element) const noexcept {
+        return element < size() && facets_[element].separates;
+    }
     const GridBones<D>& bones() const noexcept { return bones_; }
     std::size_t size() const noexcept { return facets_.size(); } ///< the number of facets
     const Facet& operator[](std::size_t facet) const noexcept { return facets_[facet]; }
@@ -231,31 +233,32 @@ public:
     const Vec<double, D>& normal(std::size_t facet) const noexcept { return normals_[facet]; }
     const detail::FacetBoxes<D>& boxes() const noexcept { return *boxes_; } // NOLINT: always made
 
-    /// Tells whether a part passes a cell or comes as near to it as the tolerance. For a bone the
+    /// Tells whether an element passes a cell or comes as near to it as the tolerance. For a bone the
     /// test is conservative.
-    bool passes(std::size_t part, const typename CellTree<D>::Cell& cell) const noexcept {
+    bool passes(std::size_t element, const typename CellTree<D>::Cell& cell) const noexcept {
         const double half = 0.5 * cell.size;
         auto middle = node_position<D>(cell.low);
         for (std::size_t k = 0; k < D; ++k) middle[k] += half;
-        if (part < size()) return detail::passes(facets_[part], middle, half + slack_);
-        return bones_[part - size()].distance(middle) <= half * std::sqrt(double(D)) + slack_;
+        if (element < size()) return detail::passes(facets_[element], middle, half + slack_);
+        return bones_[element - size()].distance(middle) <= half * std::sqrt(double(D)) + slack_;
     }
-    /// Returns where a ray from inside meets a part: a wall, a bone, or a facet by which it would
+    /// Returns where a ray from inside meets an element: a wall, a bone, or a facet by which it would
     /// leave the domain.
     ///
     ///   rounded  whether facets are rounded or exact
-    std::optional<Hit<D>> hit(std::size_t part, const AxisRay<D>& ray, bool rounded = true) const noexcept {
-        if (part >= size()) return bones_.hit(part - size(), ray);
-        const auto& facet = rounded ? facets_[part] : exact_[part];
-        const double along = ray.up ? normals_[part][ray.axis] : -normals_[part][ray.axis];
-        if (facet.turns && !(along > 0)) return std::nullopt;
+    std::optional<Hit<D>> hit(std::size_t element, const AxisRay<D>& ray,
+                              bool rounded = true) const noexcept {
+        if (element >= size()) return bones_.hit(element - size(), ray);
+        const auto& facet = rounded ? facets_[element] : exact_[element];
+        const double along = ray.up ? normals_[element][ray.axis] : -normals_[element][ray.axis];
+        if (facet.separates && !(along > 0)) return std::nullopt;
         return detail::hit(facet, ray);
     }
-    /// Returns the nearest hit of a ray among some parts.
-    std::optional<Hit<D>> first_hit(std::span<const std::uint32_t> parts, AxisRay<D> ray) const noexcept {
+    /// Returns the nearest hit of a ray among some elements.
+    std::optional<Hit<D>> first_hit(std::span<const std::uint32_t> elements, AxisRay<D> ray) const noexcept {
         std::optional<Hit<D>> first;
-        for (const std::uint32_t part : parts) {
-            const auto found = hit(part, ray);
+        for (const std::uint32_t element : elements) {
+            const auto found = hit(element, ray);
             if (!found || (first && !(ray.distance(found->position) < ray.length))) continue;
             first = found;
             ray.length = ray.distance(found->position);
@@ -273,15 +276,15 @@ public:
                 ray.length = std::fmin(ray.length, ray.distance(found->position));
             return ray.length;
         });
-        for (std::size_t part = size(); part < parts(); ++part) {
-            if (const auto found = hit(part, ray))
+        for (std::size_t element = size(); element < elements(); ++element) {
+            if (const auto found = hit(element, ray))
                 ray.length = std::fmin(ray.length, ray.distance(found->position));
         }
         return std::fmax(ray.length, 0.0);
     }
 
     struct Meeting {
-        double part; ///< the fraction of the segment before it, in [0, 1]
+        double fraction; ///< the fraction of the segment before it, in [0, 1]
         BoundaryValue<D> value;
     };
     /// Returns where the segment from `from`, which is inside, to `from + along` first leaves the
@@ -298,7 +301,7 @@ public:
         boxes().for_each_on_ray(from, along, 1, [&](std::uint32_t n) {
             const auto normal = normal_of(exact_[n]);
             meet(exact_[n], dot(normal, normals_[n]) < 0 ? -1.0 * normal : normal, from, along, met);
-            return met.part;
+            return met.fraction;
         });
         return meeting_of(met, from, along);
     }
@@ -306,13 +309,13 @@ public:
     struct Nearest {
         double distance; ///< negative within a bone
         BoundaryValue<D> value;
-        Vec<double, D> place; ///< only for a facet
+        Vec<double, D> position; ///< only for a facet
     };
-    /// Returns the nearest point of some parts, with facets rounded or exact.
-    Nearest nearest(std::span<const std::uint32_t> parts, const Vec<double, D>& p,
+    /// Returns the nearest point of some elements, with facets rounded or exact.
+    Nearest nearest(std::span<const std::uint32_t> elements, const Vec<double, D>& p,
                     bool rounded = true) const noexcept {
         Nearest best{std::numeric_limits<double>::infinity(), {}, {}};
-        for (const std::uint32_t n : parts) {
+        for (const std::uint32_t n : elements) {
             if (n >= size()) {
                 // At joints bones overlap, so the search covers all bones.
                 const auto bone = bones_.nearest(p, best.distance);
@@ -321,16 +324,16 @@ public:
             }
             const Facet& facet = rounded ? facets_[n] : exact_[n];
             const auto weights = detail::nearest_on_facet(p, facet.corner);
-            const auto place = facet.place(weights);
-            const double distance = detail::length(place - p);
-            if (distance < best.distance) best = {distance, value_on_facet(facet.vertex, weights), place};
+            const auto position = facet.position(weights);
+            const double distance = detail::length(position - p);
+            if (distance < best.distance) best = {distance, value_on_facet(facet.vertex, weights), position};
         }
         return best;
     }
 
 private:
     struct Met {
-        double part = 1;
+        double fraction = 1;
         const Facet* facet = nullptr; ///< null: none yet
     };
     /// Replaces the facet met so far if this one is met earlier.
@@ -338,23 +341,24 @@ private:
                      const Vec<double, D>& along, Met& met) noexcept {
         constexpr double rim = 1e-9; // a margin for rounding, in barycentric coordinates
         const double leaves = dot(along, outward);
-        if (facet.turns ? !(leaves > 0) : leaves == 0) return;
-        const double part = dot(facet.corner[0] - from, outward) / leaves;
-        if (part < 0 || !(part < met.part || (met.facet == nullptr && part <= met.part))) return;
-        const auto w = detail::weights_in_plane(facet, from + part * along);
+        if (facet.separates ? !(leaves > 0) : leaves == 0) return;
+        const double fraction = dot(facet.corner[0] - from, outward) / leaves;
+        if (fraction < 0 || !(fraction < met.fraction || (met.facet == nullptr && fraction <= met.fraction)))
+            return;
+        const auto w = detail::weights_in_plane(facet, from + fraction * along);
         if (*std::min_element(w.begin(), w.end()) < -rim) return;
-        met = {part, &facet};
+        met = {fraction, &facet};
     }
     static std::optional<Meeting> meeting_of(const Met& met, const Vec<double, D>& from,
                                              const Vec<double, D>& along) noexcept {
         if (met.facet == nullptr) return std::nullopt;
-        const auto w = detail::weights_in_plane(*met.facet, from + met.part * along);
-        return Meeting{met.part, value_on_facet(met.facet->vertex, detail::onto_facet(w))};
+        const auto w = detail::weights_in_plane(*met.facet, from + met.fraction * along);
+        return Meeting{met.fraction, value_on_facet(met.facet->vertex, detail::onto_facet(w))};
     }
 
     /// Makes the normals of each shell point outward. The facets of a shell are oriented alike, so
     /// they vote, weighted by area.
-    void turn_normals_outward() {
+    void orient_normals_outward() {
         // By vertex: a union-find forest whose roots are the shells' first vertices.
         std::vector<std::uint32_t> shell;
         const auto find = [&](std::uint32_t v) {
@@ -365,7 +369,7 @@ private:
             for (const std::uint32_t v : facet.vertex) {
                 while (shell.size() <= v) shell.push_back(std::uint32_t(shell.size()));
             }
-            if (!facet.turns) continue;
+            if (!facet.separates) continue;
             for (const std::uint32_t v : facet.vertex) {
                 const auto a = find(facet.vertex[0]), b = find(v);
                 shell[(std::max)(a, b)] = (std::min)(a, b);
@@ -375,7 +379,8 @@ private:
         for (std::size_t n = 0; n < facets_.size(); ++n)
             votes[find(facets_[n].vertex[0])] += vote(facets_[n], normals_[n]);
         for (std::size_t n = 0; n < facets_.size(); ++n) {
-            if (facets_[n].turns && votes[find(facets_[n].vertex[0])] < 0) normals_[n] = -1.0 * normals_[n];
+            if (facets_[n].separates && votes[find(facets_[n].vertex[0])] < 0)
+                normals_[n] = -1.0 * normals_[n];
         }
     }
     /// Returns the area of a facet, negated if its normal points inside. Counts the crossings above
@@ -386,7 +391,7 @@ private:
         for (std::size_t k = 1; k < D; ++k) {
             if (std::fabs(normal[k]) > std::fabs(normal[axis])) axis = k;
         }
-        if (normal[axis] == 0 || !facet.turns) return 0;
+        if (normal[axis] == 0 || !facet.separates) return 0;
         Vec<double, D> middle{}, up{};
         for (const auto& corner : facet.corner) middle = middle + (1 / double(D)) * corner;
         std::array<std::int64_t, D> line{};
@@ -398,7 +403,7 @@ private:
         bool inside_above = false, apart = true;
         const double all = std::ldexp(2.0, int(depth_));
         boxes_->for_each_on_ray(middle, up, all, [&](std::uint32_t n) {
-            if (&facets_[n] == &facet || !facets_[n].turns) return all;
+            if (&facets_[n] == &facet || !facets_[n].separates) return all;
             const auto at = detail::crossing(facets_[n], axis, line, fraction_);
             if (at && std::fabs(*at - *from) <= rounding) apart = false;
             if (at && *at > *from) inside_above = !inside_above;

@@ -31,7 +31,7 @@ class CellSizes {
 public:
     using Boundary = grid::TreeBoundary<3>;
     using Cell = grid::CellTree<3>::Cell;
-    using Place = Vec<double, 3>;
+    using Point = Vec<double, 3>;
 
     /// An upper limit of a cell's size, and its reason.
     struct Demand {
@@ -40,13 +40,13 @@ public:
     };
     /// A singular segment or point, about which cells are small.
     struct Feature {
-        Place begin, end;
+        Point begin, end;
         double size;
         SizeReason reason;
     };
     /// A point on a facet where the domain is thin.
-    struct ThinPlace {
-        Place place, inwards;
+    struct ThinPoint {
+        Point position, inwards;
         double size, thickness;
     };
 
@@ -84,8 +84,8 @@ public:
     /// only as long as matters to cells of that size.
     ///
     ///   thin  out: points are added where the domain is thin enough to require cells of this size
-    Demand of_facets(std::span<const std::uint32_t> facets, const Cell& cell, const Place& middle,
-                     std::vector<ThinPlace>& thin) {
+    Demand of_facets(std::span<const std::uint32_t> facets, const Cell& cell, const Point& middle,
+                     std::vector<ThinPoint>& thin) {
         const double most = options_.across * (std::min)(2.0 * cell.size, largest_);
         Demand least{largest_, SizeReason::largest};
         for (const std::uint32_t n : facets) {
@@ -93,13 +93,13 @@ public:
             const double by_altitude = altitudes_[n] / options_.per_facet;
             if (by_altitude < least.size) least = {by_altitude, SizeReason::facet};
             const auto& facet = boundary_[n];
-            const auto place = facet.place(nearest_on_facet(middle, facet.corner));
+            const auto position = facet.position(nearest_on_facet(middle, facet.corner));
             for (const bool front : {true, false}) {
-                if (!front && facet.turns) continue;
-                const double t = thickness(n, front, place, most),
+                if (!front && facet.separates) continue;
+                const double t = thickness(n, front, position, most),
                              size = (std::max)(t / options_.across, 1.0);
                 if (size < least.size) least = {size, SizeReason::thickness};
-                if (t < most && size >= cell.size) thin.push_back({place, inwards(n, front), size, t});
+                if (t < most && size >= cell.size) thin.push_back({position, inwards(n, front), size, t});
             }
         }
         return least;
@@ -117,7 +117,7 @@ public:
         std::vector<Patch> patches;
         for (std::uint32_t n = 0; n < boundary_.size(); ++n) {
             for (const bool front : {true, false}) {
-                if (front || !boundary_[n].turns)
+                if (front || !boundary_[n].separates)
                     add_patches({n, front, boundary_[n].corner}, area / most, patches);
             }
         }
@@ -137,11 +137,11 @@ public:
     }
     /// Returns the size that a feature allows for a cell with a given middle. It grows with the
     /// distance from the feature.
-    static double size_at(const Feature& feature, const Place& middle) noexcept {
+    static double size_at(const Feature& feature, const Point& middle) noexcept {
         const auto along = feature.end - feature.begin;
         const double all = dot(along, along);
-        const double part = all > 0 ? std::clamp(dot(middle - feature.begin, along) / all, 0.0, 1.0) : 0;
-        const double distance = length(middle - (feature.begin + part * along));
+        const double fraction = all > 0 ? std::clamp(dot(middle - feature.begin, along) / all, 0.0, 1.0) : 0;
+        const double distance = length(middle - (feature.begin + fraction * along));
         return (std::max)(feature.size, distance / (all > 0 ? edge_gradation : vertex_gradation));
     }
 
@@ -167,14 +167,14 @@ private:
         }
         return longest;
     }
-    Place inwards(std::uint32_t n, bool front) const noexcept {
+    Point inwards(std::uint32_t n, bool front) const noexcept {
         return (front ? -1.0 : 1.0) * boundary_.normal(n);
     }
     /// Returns the distance across the domain from a point on a facet to the facet that faces it
     /// (Shapira, Shamir, Cohen-Or, Visual Computer 24 (2008)). Returns infinity if the first facet
     /// met does not face it, shares a vertex with it (a wedge has no thickness), or is `most` or
     /// farther away.
-    double thickness(std::uint32_t from_facet, bool front, const Place& from,
+    double thickness(std::uint32_t from_facet, bool front, const Point& from,
                      double most = std::numeric_limits<double>::infinity()) {
         constexpr double none = std::numeric_limits<double>::infinity();
         const auto direction = inwards(from_facet, front);
@@ -184,7 +184,7 @@ private:
         const auto meet = [&](std::uint32_t n) {
             const PlacedFacet<3>& facet = boundary_[n];
             const double along = dot(direction, boundary_.normal(n));
-            if (n == from_facet || !((facet.turns ? along : std::fabs(along)) > 1e-9)) return nearest;
+            if (n == from_facet || !((facet.separates ? along : std::fabs(along)) > 1e-9)) return nearest;
             const double t = dot(boundary_.normal(n), facet.corner[0] - from) / along;
             if (!(t > touching && t < nearest)) return nearest;
             for (const double w : weights_in_plane(facet, from + t * direction)) {
@@ -200,7 +200,7 @@ private:
         if (met == from_facet) return none;
         faced = met;
         const double along = dot(direction, boundary_.normal(met));
-        bool counts = (boundary_[met].turns ? along : std::fabs(along)) > facing;
+        bool counts = (boundary_[met].separates ? along : std::fabs(along)) > facing;
         for (const std::uint32_t v : boundary_[met].vertex) counts = counts && !boundary_[from_facet].has(v);
         return counts ? nearest : none;
     }
@@ -216,25 +216,25 @@ private:
         if (area > largest_area) {
             const std::size_t first = longest_edge(c).first, second = (first + 1) % 3;
             for (const std::size_t moved : {first, second}) {
-                auto part = piece;
-                part.corner[moved] = 0.5 * (c[first] + c[second]);
-                add_patches(part, largest_area, patches);
+                auto half = piece;
+                half.corner[moved] = 0.5 * (c[first] + c[second]);
+                add_patches(half, largest_area, patches);
             }
             return;
         }
         const auto middle = (1.0 / 3) * (c[0] + c[1] + c[2]);
         patches.push_back({area, altitudes_[piece.facet], thickness(piece.facet, piece.front, middle)});
     }
-    double size_of(std::uint32_t n, bool front, const Place& place) {
+    double size_of(std::uint32_t n, bool front, const Point& position) {
         return (std::max)(1.0, (std::min)({largest_, altitudes_[n] / options_.per_facet,
-                                           thickness(n, front, place) / options_.across}));
+                                           thickness(n, front, position) / options_.across}));
     }
     /// Returns the size that a facet allows near a point on its rim.
-    double size_near(std::uint32_t n, const Place& place) {
+    double size_near(std::uint32_t n, const Point& position) {
         const auto& c = boundary_[n].corner;
-        const auto within = 0.95 * place + (0.05 / 3) * (c[0] + c[1] + c[2]);
+        const auto within = 0.95 * position + (0.05 / 3) * (c[0] + c[1] + c[2]);
         const double size = size_of(n, true, within);
-        return boundary_[n].turns ? size : (std::min)(size, size_of(n, false, within));
+        return boundary_[n].separates ? size : (std::min)(size, size_of(n, false, within));
     }
 
     struct Ridge { ///< an edge of a facet
@@ -267,14 +267,15 @@ private:
     bool is_reflex(std::span<const Ridge> about) const noexcept {
         constexpr double flat = -0.988; // the cosine of 171 degrees
         if (about.size() != 2) return about.size() == 1;
-        const bool turns = boundary_[about[0].facet].turns;
+        const bool separates = boundary_[about[0].facet].separates;
         const auto u = across(about[0]), v = across(about[1]);
         const double size = length(u) * length(v);
-        if (!(size > 0) || turns != boundary_[about[1].facet].turns || dot(u, v) < flat * size) return false;
-        return !turns || dot(boundary_.normal(about[0].facet), v) > 0;
+        if (!(size > 0) || separates != boundary_[about[1].facet].separates || dot(u, v) < flat * size)
+            return false;
+        return !separates || dot(boundary_.normal(about[0].facet), v) > 0;
     }
     /// Returns the vector from an edge to the opposite corner, at a right angle to the edge.
-    Place across(const Ridge& ridge) const noexcept {
+    Point across(const Ridge& ridge) const noexcept {
         const auto& corner = boundary_[ridge.facet].corner;
         const auto& a = corner[(ridge.apex + 1) % 3];
         const auto along = corner[(ridge.apex + 2) % 3] - a, to_apex = corner[ridge.apex] - a;
@@ -285,7 +286,9 @@ private:
         const auto& corner = boundary_[about[0].facet].corner;
         const auto a = corner[(about[0].apex + 1) % 3], b = corner[(about[0].apex + 2) % 3];
         for (std::size_t n = 0; n < pieces; ++n) {
-            const auto at = [&](double part) { return a + ((double(n) + part) / double(pieces)) * (b - a); };
+            const auto at = [&](double fraction) {
+                return a + ((double(n) + fraction) / double(pieces)) * (b - a);
+            };
             double size = largest_;
             for (const Ridge& ridge : about) size = (std::min)(size, size_near(ridge.facet, at(0.5)));
             size = (std::max)(size * std::exp2(-options_.edge_levels), 1.0);
@@ -308,15 +311,16 @@ private:
             while (end != corners.end() && end->first == begin->first) ++end;
             const std::uint32_t facet = begin->second / 3;
             // Functions are nearly linear at such a vertex.
-            if (end - begin <= 3 && boundary_[facet].turns) continue;
-            const auto place = boundary_[facet].corner[begin->second % 3];
+            if (end - begin <= 3 && boundary_[facet].separates) continue;
+            const auto position = boundary_[facet].corner[begin->second % 3];
             double size = largest_;
-            for (auto at = begin; at != end; ++at) size = (std::min)(size, size_near(at->second / 3, place));
+            for (auto at = begin; at != end; ++at)
+                size = (std::min)(size, size_near(at->second / 3, position));
             const bool is_end = std::binary_search(ends.begin(), ends.end(), begin->first);
             const double here =
                 (std::max)(1.0, (std::min)(is_end ? size * std::exp2(-options_.reflex_levels) : size,
                                            options_.at_vertex * cage_size_));
-            if (here < size) features.push_back({place, place, here, SizeReason::singular_vertex});
+            if (here < size) features.push_back({position, position, here, SizeReason::singular_vertex});
         }
     }
 

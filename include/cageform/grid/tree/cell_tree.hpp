@@ -165,11 +165,11 @@ void balance(const CellTree<D>& tree, const Counts& counts, const Split& split) 
         for (std::size_t n = 0; n < CellTree<D>::children; ++n)
             any = any || counts(tree.child(parent, n).number);
         if (!any) continue;
-        for (std::size_t place = 0; place < neighbours; ++place) {
+        for (std::size_t position = 0; position < neighbours; ++position) {
             // The middle of the neighbouring cell; leaf_at moves it into the tree if it lies
             // outside.
             Index beside{};
-            for (std::size_t k = 0, rest = place; k < D; ++k, rest /= 3)
+            for (std::size_t k = 0, rest = position; k < D; ++k, rest /= 3)
                 beside[k] = 2 * parent.low[k] + (2 * std::int32_t(rest % 3) - 1) * parent.size;
             for (;;) {
                 const auto leaf = tree.leaf_at(beside);

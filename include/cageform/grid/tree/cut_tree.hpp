@@ -25,7 +25,7 @@ public:
     explicit CutTree(const TreeBoundary<D>& boundary)
         : boundary_(&boundary)
         , tree_(boundary.depth()) {
-        for (std::uint32_t n = 0; n < boundary.parts(); ++n) facets_.push_back(n);
+        for (std::uint32_t n = 0; n < boundary.elements(); ++n) facets_.push_back(n);
         ranges_.push_back({0, std::uint32_t(facets_.size())});
         states_.push_back(CellState::cut);
     }
@@ -118,17 +118,18 @@ private:
         Index doubled{};
         for (std::size_t k = 0; k < D; ++k) doubled[k] = std::int32_t(line[k] >> (boundary_->fraction() - 1));
         double at = std::ldexp(double(line[axis]), -boundary_->fraction());
-        bool turned = false;
+        bool has_crossed = false;
         for (; most > 0; --most) {
             const Cell leaf = tree_.leaf_at(doubled);
             const CellState state = states_[leaf.number];
-            if (state == CellState::in || state == CellState::out) return turned != (state == CellState::in);
+            if (state == CellState::in || state == CellState::out)
+                return has_crossed != (state == CellState::in);
             for (const std::uint32_t n : facets(leaf.number)) {
-                if (!boundary_->turns(n)) continue;
+                if (!boundary_->separates(n)) continue;
                 const auto position = detail::crossing((*boundary_)[n], axis, line, boundary_->fraction());
-                if (position && *position >= leaf.low[axis] && *position < at) turned = !turned;
+                if (position && *position >= leaf.low[axis] && *position < at) has_crossed = !has_crossed;
             }
-            if (leaf.low[axis] == 0) return turned;
+            if (leaf.low[axis] == 0) return has_crossed;
             at = leaf.low[axis];
             doubled[axis] = 2 * leaf.low[axis] - 1;
         }

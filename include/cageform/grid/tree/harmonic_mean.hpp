@@ -114,8 +114,8 @@ private:
         for (std::size_t n = 0; n < count_; ++n) {
             if (!left[n]) continue;
             for (std::size_t i = 0; i < moments; ++i) {
-                const double part = prior_[n] * moments_[n][i];
-                for (std::size_t j = 0; j <= i; ++j) a[i][j] += part * moments_[n][j];
+                const double weighted = prior_[n] * moments_[n][i];
+                for (std::size_t j = 0; j <= i; ++j) a[i][j] += weighted * moments_[n][j];
             }
         }
         Moments x{};

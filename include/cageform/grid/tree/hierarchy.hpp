@@ -100,7 +100,7 @@ private:
         }
         // The prolongation interpolates corrections, which vanish on the boundary. For the solution
         // itself, in TreeMultigrid::take_over, the missing shares are made up by relax_data.
-        void at_place(const BoundaryValue<D>&, const Vec<double, D>&, double) noexcept {}
+        void at_boundary(const BoundaryValue<D>&, const Vec<double, D>&, double) noexcept {}
     };
 
     /// Returns the leaves of the current coarse level about a node.

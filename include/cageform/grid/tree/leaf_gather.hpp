@@ -16,7 +16,7 @@ namespace detail {
 /// exceeds the values that it is made of, and is exact for linear functions. A point on the rim of
 /// a cell depends on values on that rim only, so neighbouring cells agree.
 ///
-///   sink  sink.at_node(index, share) for a corner inside, sink.at_place(value, point, share) for a
+///   sink  sink.at_node(index, share) for a corner inside, sink.at_boundary(value, point, share) for a
 ///         point on the boundary
 template <std::size_t D, class Sink>
 class LeafGather {
@@ -70,14 +70,14 @@ private:
         }
         const double begin = below ? below->position : low, end = above ? above->position : high;
         const double at = end > begin ? (p[axis] - begin) / (end - begin) : 0.0;
-        const auto take = [&](const std::optional<grid::Hit<D>>& hit, double position, double part) {
-            if (!(part > 0)) return;
+        const auto take = [&](const std::optional<grid::Hit<D>>& hit, double position, double weight) {
+            if (!(weight > 0)) return;
             auto q = p;
             q[axis] = position;
             if (hit) {
-                sink_.at_place(hit->value, q, part);
+                sink_.at_boundary(hit->value, q, weight);
             } else {
-                along(q, part, axes.subspan(1));
+                along(q, weight, axes.subspan(1));
             }
         };
         take(below, begin, share * (1 - at));
@@ -89,7 +89,7 @@ private:
         if (nodes_.find(index) != grid::TreeNodes<D>::none) {
             sink_.at_node(index, share);
         } else { // a corner that is no node lies on the boundary, up to rounding
-            sink_.at_place(boundary_.nearest(facets_, p).value, p, share);
+            sink_.at_boundary(boundary_.nearest(facets_, p).value, p, share);
         }
     }
 
@@ -112,7 +112,7 @@ struct StencilSink {
     void at_node(const typename TreeNodes<D>::Index& index, double share) {
         stencil.add(nodes.find(index), share);
     }
-    void at_place(const BoundaryValue<D>& value, const Vec<double, D>& /*place*/, double share) {
+    void at_boundary(const BoundaryValue<D>& value, const Vec<double, D>& /*position*/, double share) {
         stencil.add(value, share);
     }
 };

@@ -25,18 +25,18 @@ struct LeavesAbout {
         Cell shared = tree.root();
         auto doubled = node;
         for (auto& x : doubled) x *= 2;
-        const auto parts_octants = [&] {
-            bool parts = false;
+        const auto divides_octants = [&] {
+            bool divides = false;
             for (std::size_t k = 0; k < D; ++k)
-                parts = parts || doubled[k] == 2 * shared.low[k] + shared.size;
-            return parts;
+                divides = divides || doubled[k] == 2 * shared.low[k] + shared.size;
+            return divides;
         };
-        while (!is_leaf(shared.number) && !parts_octants()) shared = tree.child_at(shared, doubled);
+        while (!is_leaf(shared.number) && !divides_octants()) shared = tree.child_at(shared, doubled);
         for (std::size_t n = 0; n < leaf.size(); ++n) {
-            auto place = doubled;
-            for (std::size_t k = 0; k < D; ++k) place[k] += ((n >> k) & 1u) != 0 ? 1 : -1;
+            auto position = doubled;
+            for (std::size_t k = 0; k < D; ++k) position[k] += ((n >> k) & 1u) != 0 ? 1 : -1;
             leaf[n] = shared;
-            while (!is_leaf(leaf[n].number)) leaf[n] = tree.child_at(leaf[n], place);
+            while (!is_leaf(leaf[n].number)) leaf[n] = tree.child_at(leaf[n], position);
             counts[n] = does_count(leaf[n].number);
         }
     }

@@ -111,13 +111,13 @@ private:
             side.end.add(nodes.find(index), share);
             add(node_position<D>(index), share);
         }
-        void at_place(const BoundaryValue<D>& value, const Vec<double, D>& place, double share) {
+        void at_boundary(const BoundaryValue<D>& value, const Vec<double, D>& position, double share) {
             side.end.add(value, share);
-            add(place, share);
+            add(position, share);
         }
-        void add(const Vec<double, D>& place, double share) {
+        void add(const Vec<double, D>& position, double share) {
             for (std::size_t k = 0; k < D; ++k)
-                side.moments[k] += share * (place[k] - centre[k]) * (place[k] - centre[k]);
+                side.moments[k] += share * (position[k] - centre[k]) * (position[k] - centre[k]);
         }
     };
 
@@ -125,7 +125,7 @@ private:
     /// that side gives its length.
     void set_side(Side& side, const Index& index, const LeavesAbout<D>& about, std::size_t axis, bool up) {
         side.hangs = false;
-        side.end.node_count = side.end.place_count = 0;
+        side.end.node_count = side.end.boundary_count = 0;
         const std::size_t bit = std::size_t{1} << axis;
         const Cell* leaf = about.smallest(bit, up ? bit : 0);
         // No leaf is inside on that side: the node lies on the boundary, up to rounding.
@@ -136,7 +136,7 @@ private:
         side.length = leaf->size;
         Index there = index;
         there[axis] += up ? leaf->size : -leaf->size;
-        const auto place = node_position<D>(there);
+        const auto position = node_position<D>(there);
         const auto end_on = [&](const grid::Hit<D>& hit, const AxisRay& ray) {
             side.length = std::clamp(ray.distance(hit.position), grid::on_facet_distance, side.length);
             side.end.add(hit.value, 1.0);
@@ -153,13 +153,13 @@ private:
             is_corner = is_corner && (there[k] == leaf->low[k] || there[k] == leaf->low[k] + leaf->size);
         // A corner without a node is outside, or too near a facet to be an unknown.
         if (beyond || is_corner) {
-            side.end.add(boundary.nearest(facets, place).value, 1.0);
+            side.end.add(boundary.nearest(facets, position).value, 1.0);
             return;
         }
         side.hangs = true;
         side.moments = {};
-        MomentSink sink{nodes_, side, place};
-        LeafGather<D, MomentSink>(boundary, nodes_, sink).gather(*leaf, facets, place);
+        MomentSink sink{nodes_, side, position};
+        LeafGather<D, MomentSink>(boundary, nodes_, sink).gather(*leaf, facets, position);
     }
 
     /// Chooses among the three formulas above and appends the node's row.
@@ -187,8 +187,8 @@ private:
                 const auto& end = sides_[n].end;
                 for (std::uint32_t k = 0; k < end.node_count; ++k)
                     add_to_row(end.nodes[k].node, weight * end.nodes[k].share);
-                for (std::uint32_t k = 0; k < end.place_count; ++k)
-                    add_data(node, end.places[k].value, weight * end.places[k].share);
+                for (std::uint32_t k = 0; k < end.boundary_count; ++k)
+                    add_data(node, end.boundary_points[k].value, weight * end.boundary_points[k].share);
             }
         }
         end_row(volume);
@@ -231,20 +231,20 @@ private:
         if constexpr (D == 2) {
             if (!star_.look(index, about)) return false;
             mean_.clear();
-            for (const auto& place : star_.places()) mean_.add((1 / star_.size()) * place.offset);
+            for (const auto& point : star_.points()) mean_.add((1 / star_.size()) * point.offset);
             if (mean_.solve(HarmonicMean::most_degree, 3) == 0) return false;
             double moment = 0;
             for (std::size_t n = 0; n < mean_.count(); ++n)
-                moment += mean_.weight(n) * dot(star_.places()[n].offset, star_.places()[n].offset);
+                moment += mean_.weight(n) * dot(star_.points()[n].offset, star_.points()[n].offset);
             // A mean over the star is u + (moment/4) Δu + …, since Δr² = 4.
             for (std::size_t n = 0; n < mean_.count(); ++n) {
-                const auto& place = star_.places()[n];
+                const auto& point = star_.points()[n];
                 const double weight = mean_.weight(n) * 4 * volume / moment;
                 if (!(weight > 0)) continue;
-                if (place.node != Nodes::none) {
-                    add_to_row(place.node, weight);
+                if (point.node != Nodes::none) {
+                    add_to_row(point.node, weight);
                 } else {
-                    add_data(node, place.value, weight);
+                    add_data(node, point.value, weight);
                 }
             }
             return true;
@@ -253,10 +253,10 @@ private:
     }
     void add_data(std::uint32_t node, const BoundaryValue<D>& value, double weight) {
         data_.for_each_weight(value, [&](std::uint32_t handle, double of_handle) {
-            const auto part = float(weight * of_handle);
-            if (!(part > 0)) return;
-            out_.data.push_back({handle, node, part});
-            diagonal_ += double(part);
+            const auto amount = float(weight * of_handle);
+            if (!(amount > 0)) return;
+            out_.data.push_back({handle, node, amount});
+            diagonal_ += double(amount);
         });
     }
     void add_to_row(std::uint32_t column, double weight) {

@@ -169,19 +169,19 @@ public:
         // Boundary data is sorted by handle. Its nodes are collected first, since they are few, and
         // summed in double.
         Buffer<Values> rows;
-        Buffer<std::uint32_t> places;
-        for (const TreeData& part : block.data_) places.push_back(part.node);
-        std::sort(places.begin(), places.end());
-        places.erase_from(std::unique(places.begin(), places.end()));
-        rows = Buffer<Values>(places.size(), Values{});
+        Buffer<std::uint32_t> data_nodes;
+        for (const TreeData& entry : block.data_) data_nodes.push_back(entry.node);
+        std::sort(data_nodes.begin(), data_nodes.end());
+        data_nodes.erase_from(std::unique(data_nodes.begin(), data_nodes.end()));
+        rows = Buffer<Values>(data_nodes.size(), Values{});
         for (const auto& [handle, node, weight] : block.data_) {
-            const auto at = std::lower_bound(places.begin(), places.end(), node);
-            rows[std::size_t(at - places.begin())][handle - block.first_] += double(weight);
+            const auto at = std::lower_bound(data_nodes.begin(), data_nodes.end(), node);
+            rows[std::size_t(at - data_nodes.begin())][handle - block.first_] += double(weight);
         }
         std::size_t next = 0;
         for (std::uint32_t n = 0; n < unknowns(); ++n) {
             Values sum{};
-            if (next < places.size() && places[next] == n) sum = rows[next++];
+            if (next < data_nodes.size() && data_nodes[next] == n) sum = rows[next++];
             data(n, sum);
             for (std::size_t k = 0; k < width; ++k) b[n][k] = float(sum[k]);
         }

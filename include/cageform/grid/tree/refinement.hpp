@@ -22,7 +22,7 @@ struct RefinementPlan {
 template <std::size_t D>
 struct FinestCells {
     double size = std::numeric_limits<double>::infinity(); ///< in units
-    Vec<double, D> place{};                                ///< a point in one of them
+    Vec<double, D> position{};                             ///< a point in one of them
     SizeReason reason = SizeReason::largest;
 };
 
@@ -49,13 +49,13 @@ public:
         const auto& cells = tree_.cells();
         // The loop reaches cells that it adds.
         for (std::uint32_t number = 0; number < cells.cells(); ++number) {
-            ask(cells.cell(number));
+            split_if_too_large(cells.cell(number));
             if (cells.leaves() > most_leaves_) return false;
         }
         // Makes cells in the middle of a thin domain as small as at its surface.
         for (const auto& thin : thin_) {
             for (double d = thin.size; d < 0.55 * thin.thickness; d += thin.size)
-                split_at(thin.place + d * thin.inwards, thin.size);
+                split_at(thin.position + d * thin.inwards, thin.size);
             if (cells.leaves() > most_leaves_) return false;
         }
         grid::balance(tree_);
@@ -74,7 +74,7 @@ private:
         return middle;
     }
     /// Splits a cell if it is larger than its facets, bones or features allow.
-    void ask(const Cell& cell) {
+    void split_if_too_large(const Cell& cell) {
         if (tree_.state(cell.number) == grid::CellState::out) return;
         const auto middle = middle_of(cell);
         auto least = sizes_.of_facets(tree_.facets(cell.number), cell, middle, thin_);
@@ -102,9 +102,9 @@ private:
         ranges_.push_back({begin, std::uint32_t(near_.size())});
     }
     /// Splits the leaf at a point until it is no larger than `size`.
-    void split_at(const Vec<double, 3>& place, double size) {
+    void split_at(const Vec<double, 3>& position, double size) {
         grid::CellTree<3>::Index doubled{};
-        for (std::size_t k = 0; k < 3; ++k) doubled[k] = std::int32_t(std::floor(2 * place[k]));
+        for (std::size_t k = 0; k < 3; ++k) doubled[k] = std::int32_t(std::floor(2 * position[k]));
         auto leaf = tree_.cells().leaf_at(doubled);
         while (leaf.size > 1 && leaf.size > size && tree_.state(leaf.number) != grid::CellState::out) {
             tree_.split(leaf);
@@ -119,7 +119,7 @@ private:
     std::size_t most_leaves_;
     Buffer<std::uint32_t> near_; ///< indices of features
     Buffer<Range> ranges_;       ///< ranges of near_, by cell
-    std::vector<CellSizes::ThinPlace> thin_;
+    std::vector<CellSizes::ThinPoint> thin_;
     grid::FinestCells<3> finest_;
 };
 
@@ -135,7 +135,7 @@ public:
         , patches_(detail::CellSizes(boundary, {}).patches()) {
         for (std::size_t n = 0; n < boundary.size(); ++n) { // the volume by the divergence theorem
             const auto& facet = boundary[n];
-            if (facet.turns)
+            if (facet.separates)
                 volume_ += dot(boundary.normal(n), facet.corner[0]) * detail::length(normal_of(facet)) / 6;
         }
     }

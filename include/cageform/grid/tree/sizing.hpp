@@ -28,7 +28,7 @@ struct SizingOptions {
 /// A size limit at a point: the leaf that holds it is at most `size` large. In units.
 template <std::size_t D>
 struct SizeSample {
-    Vec<double, D> place;
+    Vec<double, D> position;
     double size;
     SizeReason reason = SizeReason::largest;
 };
@@ -58,7 +58,7 @@ public:
     grid::SizeSamples<2> make() {
         for (std::uint32_t n = 0; n < boundary_.size(); ++n) {
             sample_facet(n, true);
-            if (!boundary_[n].turns) sample_facet(n, false);
+            if (!boundary_[n].separates) sample_facet(n, false);
         }
         if (options_.singular_levels > 0) sample_singular();
         return std::move(out_);
@@ -79,9 +79,9 @@ private:
         bool has_thickness = false; ///< whether the samples across the domain are made
     };
 
-    void add(const Vec<double, 2>& place, double size, SizeReason reason) {
+    void add(const Vec<double, 2>& position, double size, SizeReason reason) {
         out_.count += 1;
-        if (out_.list.size() < most_) out_.list.push_back({place, (std::max)(size, 1.0), reason});
+        if (out_.list.size() < most_) out_.list.push_back({position, (std::max)(size, 1.0), reason});
     }
     static double length_of(const Corners<2>& edge) noexcept { return length(edge[1] - edge[0]); }
     Side side_of(std::uint32_t n, bool front) const noexcept {
@@ -99,7 +99,7 @@ private:
         const auto meet = [&](std::uint32_t n) {
             const PlacedFacet<2>& facet = boundary[n];
             const double along = dot(side.inwards, boundary.normal(n));
-            if (n == side.facet || !((facet.turns ? along : std::fabs(along)) > 1e-9)) return nearest;
+            if (n == side.facet || !((facet.separates ? along : std::fabs(along)) > 1e-9)) return nearest;
             const double t = dot(boundary.normal(n), facet.corner[0] - from) / along;
             if (!(t > touching && t < nearest)) return nearest;
             for (const double w : weights_in_plane(facet, from + t * side.inwards)) {
@@ -114,7 +114,7 @@ private:
         side.faced = met;
         if (met == side.facet) return std::numeric_limits<double>::infinity();
         const double along = dot(side.inwards, boundary.normal(met));
-        bool counts = (boundary[met].turns ? along : std::fabs(along)) > facing;
+        bool counts = (boundary[met].separates ? along : std::fabs(along)) > facing;
         for (const std::uint32_t v : boundary[met].vertex) counts = counts && !boundary[side.facet].has(v);
         return counts ? nearest : std::numeric_limits<double>::infinity();
     }
@@ -181,11 +181,11 @@ private:
             if (!(size > 0)) return std::numeric_limits<double>::infinity();
             angle = std::acos(std::clamp(dot(u, v) / size, -1.0, 1.0));
             const bool convex = dot(boundary_.normal(about[0].edge), v) < 0;
-            if (!a.turns && !b.turns) {
+            if (!a.separates && !b.separates) {
                 angle = (std::max)(angle, 2 * pi - angle);
-            } else if (a.turns && b.turns && !convex) {
+            } else if (a.separates && b.separates && !convex) {
                 angle = 2 * pi - angle;
-            } else if (a.turns != b.turns) {
+            } else if (a.separates != b.separates) {
                 angle = pi;
             }
         }
@@ -199,29 +199,29 @@ private:
     /// Adds the samples about a singular vertex: `levels` halvings of the size that its edges
     /// allow.
     void sample_vertex(std::span<const End> about, double levels) {
-        const auto place = boundary_[about[0].edge].corner[about[0].corner];
+        const auto position = boundary_[about[0].edge].corner[about[0].corner];
         double size = largest_;
         for (const End& end : about) {
             for (const bool front : {true, false}) {
-                if (!front && boundary_[end.edge].turns) continue;
+                if (!front && boundary_[end.edge].separates) continue;
                 Side side = side_of(end.edge, front);
-                const auto inside = place + 0.05 * across(end);
+                const auto inside = position + 0.05 * across(end);
                 size = (std::min)({size, side.by_length, thickness(side, inside) / options_.across});
             }
         }
         for (double level = levels; level >= 0; level -= 1) {
-            add_about(place, (std::max)(std::ldexp(size, -int(level)), 1.0));
+            add_about(position, (std::max)(std::ldexp(size, -int(level)), 1.0));
             if (options_.layers == 0) break;
         }
     }
     /// Adds samples about a vertex for layers of cells, or at least for the cells that meet there.
-    void add_about(const Vec<double, 2>& place, double size) {
+    void add_about(const Vec<double, 2>& position, double size) {
         const auto steps = (std::max)(2 * int(options_.layers), 1);
         const double reach = options_.layers > 0 ? 0.9 * options_.layers * size : 0.25 * size;
-        const auto part = [&](int n) { return reach * (2.0 * n / steps - 1); };
+        const auto offset = [&](int n) { return reach * (2.0 * n / steps - 1); };
         for (int i = 0; i <= steps; ++i) {
             for (int j = 0; j <= steps; ++j)
-                add(place + Vec<double, 2>{part(i), part(j)}, size, SizeReason::singular_vertex);
+                add(position + Vec<double, 2>{offset(i), offset(j)}, size, SizeReason::singular_vertex);
         }
     }
 
@@ -262,7 +262,7 @@ bool refine(CutTree<D>& tree, std::span<const SizeSample<D>> samples, const Sizi
     }
     for (const auto& sample : samples) {
         Index doubled{};
-        for (std::size_t k = 0; k < D; ++k) doubled[k] = std::int32_t(std::floor(2 * sample.place[k]));
+        for (std::size_t k = 0; k < D; ++k) doubled[k] = std::int32_t(std::floor(2 * sample.position[k]));
         auto leaf = cells.leaf_at(doubled);
         while (leaf.size > 1 && leaf.size > sample.size) {
             tree.split(leaf);

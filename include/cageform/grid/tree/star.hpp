@@ -22,7 +22,7 @@ public:
     using Nodes = grid::TreeNodes<2>;
     using Index = Nodes::Index;
     using Cell = grid::CellTree<2>::Cell;
-    struct Place {
+    struct StarPoint {
         Vec<double, 2> offset; ///< from the centre of the star, in units of the tree
         std::uint32_t node;    ///< none: the point lies on the boundary
         // Only of a point on the boundary.
@@ -51,7 +51,7 @@ public:
             along[side / 2] =
                 (side % 2 == 0 ? leaf.low[side / 2] : leaf.low[side / 2] + leaf.size) - p[side / 2];
             if (const auto met = tree_.boundary().first_met(p, along, facets))
-                add_place(met->part * along, met->value);
+                add_boundary_point(met->fraction * along, met->value);
         }
         std::array<std::pair<double, Index>, 4> corners;
         std::size_t count = 0;
@@ -80,7 +80,7 @@ public:
             const double angle = 2 * std::numbers::pi * double(n) / directions;
             const Vec<double, 2> along{leaf.size * std::cos(angle), leaf.size * std::sin(angle)};
             if (const auto met = boundary.first_met(p, along)) {
-                add_place(met->part * along, met->value);
+                add_boundary_point(met->fraction * along, met->value);
                 continue;
             }
             const Cell there = tree_.leaf_at(p + along);
@@ -93,11 +93,11 @@ public:
     }
     /// The size of the smallest leaf about the node, or of the point's leaf.
     double size() const noexcept { return size_; }
-    std::span<const Place> places() const noexcept { return {places_.data(), places_.size()}; }
+    std::span<const StarPoint> points() const noexcept { return {points_.data(), points_.size()}; }
 
 private:
     void begin(const Vec<double, 2>& centre, std::int32_t size) {
-        places_.clear();
+        points_.clear();
         centre_ = centre;
         size_ = size;
     }
@@ -131,7 +131,7 @@ private:
             const auto along = node_position<2>(there) - from;
             if (dot(along, along) == 0) continue;
             if (const auto met = tree_.boundary().first_met(from, along, facets)) {
-                add_place(from + met->part * along - centre_, met->value);
+                add_boundary_point(from + met->fraction * along - centre_, met->value);
             } else if (target < 4 && nodes_.find(there) != Nodes::none) {
                 add_node(there);
             }
@@ -140,24 +140,24 @@ private:
     }
     void add_node(const Index& there) {
         const std::uint32_t node = nodes_.find(there);
-        for (const Place& place : places_) {
-            if (place.node == node) return;
+        for (const StarPoint& point : points_) {
+            if (point.node == node) return;
         }
-        if (places_.size() < HarmonicMean::most)
-            places_.push_back({node_position<2>(there) - centre_, node, {}});
+        if (points_.size() < HarmonicMean::most)
+            points_.push_back({node_position<2>(there) - centre_, node, {}});
     }
-    void add_place(const Vec<double, 2>& offset, const BoundaryValue<2>& value) {
+    void add_boundary_point(const Vec<double, 2>& offset, const BoundaryValue<2>& value) {
         if (length(offset) <= grid::on_facet_distance) return;
-        for (const Place& place : places_) {
-            if (place.node == Nodes::none && length(place.offset - offset) <= 1e-6 * size_) return;
+        for (const StarPoint& point : points_) {
+            if (point.node == Nodes::none && length(point.offset - offset) <= 1e-6 * size_) return;
         }
-        if (places_.size() < HarmonicMean::most) places_.push_back({offset, Nodes::none, value});
+        if (points_.size() < HarmonicMean::most) points_.push_back({offset, Nodes::none, value});
     }
     const grid::CutTree<2>& tree_;
     const Nodes& nodes_;
     double size_ = 0;
     Vec<double, 2> centre_{};
-    std::vector<Place> places_;
+    std::vector<StarPoint> points_;
 };
 
 /// Returns the value at a point in a leaf as a mean over its star, exact for harmonic polynomials
@@ -171,24 +171,24 @@ harmonic_mean_of(const grid::CutTree<2>& tree, const grid::TreeNodes<2>& nodes, 
     Star star(tree, nodes);
     if (!star.look(p, leaf)) return std::nullopt;
     HarmonicMean mean;
-    const auto take_places = [&] {
+    const auto take_points = [&] {
         mean.clear();
-        for (const auto& place : star.places()) mean.add((1 / star.size()) * place.offset);
+        for (const auto& point : star.points()) mean.add((1 / star.size()) * point.offset);
     };
-    take_places();
+    take_points();
     if (mean.solve_signed(most_degree, 3, largest_sum) == 0) {
         star.look_around(p, leaf);
-        take_places();
+        take_points();
         if (mean.solve_signed(most_degree, 2, largest_sum) == 0 && mean.solve(most_degree, 1) == 0)
             return std::nullopt;
     }
     std::optional<grid::CutStencil<2>> stencil(std::in_place);
     for (std::size_t n = 0; n < mean.count(); ++n) {
-        const auto& place = star.places()[n];
-        if (place.node != grid::TreeNodes<2>::none) {
-            stencil->add(place.node, mean.weight(n));
+        const auto& point = star.points()[n];
+        if (point.node != grid::TreeNodes<2>::none) {
+            stencil->add(point.node, mean.weight(n));
         } else {
-            stencil->add(place.value, mean.weight(n));
+            stencil->add(point.value, mean.weight(n));
         }
     }
     return stencil;

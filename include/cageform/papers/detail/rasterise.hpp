@@ -1,7 +1,6 @@
 // Scan conversion of a cage onto a grid: finds the cells on the boundary, inside and outside.
 #pragma once
 
-#include <cageform/cage/box.hpp>
 #include <cageform/cage/detail/nearest_on_edge.hpp>
 #include <cageform/cage/triangle_mesh.hpp>
 #include <cageform/grid/lattice/placed_facet.hpp>
@@ -102,9 +101,9 @@ template <Scalar T>
 void mark_boundary(const Polygon<T>& polygon, grid::GridDomain<T, 2>& domain) {
     constexpr std::size_t none = ~std::size_t{0};
     const Lattice<T, 2>& lattice = domain.lattice;
-    std::vector<std::size_t> slot(lattice.size(), none); // index of each boundary cell in `places`
+    std::vector<std::size_t> slot(lattice.size(), none); // index of each boundary cell in `points`
     std::vector<std::uint32_t> cells;
-    std::vector<BoundaryPoint<T>> places; // parallel to `cells`
+    std::vector<BoundaryPoint<T>> points; // parallel to `cells`
     std::vector<EdgesOfCell> edges;       // parallel to `cells`
     std::vector<Vec<double, 2>> vertices;
     for (const auto& p : polygon.vertices()) vertices.push_back(vec_cast<double>(lattice.in_cells(p)));
@@ -113,22 +112,22 @@ void mark_boundary(const Polygon<T>& polygon, grid::GridDomain<T, 2>& domain) {
         for_each_cell(placed, touch_slack, [&](const std::array<std::int32_t, 2>& at) {
             const auto cell = cell_number(lattice, at);
             if (!cell) return;
-            const auto place =
+            const auto point =
                 detail::nearest_on_edge(polygon, edge[0], edge[1], lattice.centre(lattice.index(*cell)));
             if (slot[*cell] == none) {
-                slot[*cell] = places.size();
+                slot[*cell] = points.size();
                 domain.tags[*cell] = grid::CellTag::boundary;
                 cells.push_back(*cell);
-                places.push_back(place);
+                points.push_back(point);
                 edges.emplace_back();
             }
             edges[slot[*cell]].add(edge);
-            auto& nearest = places[slot[*cell]];
-            if (place.distance < nearest.distance) nearest = place;
+            auto& nearest = points[slot[*cell]];
+            if (point.distance < nearest.distance) nearest = point;
         });
     });
     for (std::size_t n = 0; n < cells.size(); ++n) {
-        const auto& [i, j, s, distance, position] = places[n];
+        const auto& [i, j, s, distance, position] = points[n];
         if (s < T(1)) domain.data.push_back({std::uint32_t(i), cells[n], T(1) - s});
         if (s > T(0)) domain.data.push_back({std::uint32_t(j), cells[n], s});
     }
@@ -158,12 +157,9 @@ inline bool apart_across_edges(const PlacedFacet<3>& face, const Vec<double, 3>&
     return false;
 }
 
-/// The faces of a cage in lattice coordinates, numbered.
-template <class C>
-class FacesInCells;
-
+/// The faces of a mesh in lattice coordinates, numbered.
 template <Scalar T>
-class FacesInCells<TriangleMesh<T>> {
+class FacesInCells {
 public:
     FacesInCells(const TriangleMesh<T>& mesh, const Lattice<T, 3>& lattice)
         : faces_(mesh.faces()) {
@@ -196,46 +192,6 @@ private:
     std::vector<Vec<double, 3>> vertices_;
 };
 
-/// The six sides of a box, numbered 2 · axis, plus 1 for the upper side.
-template <Scalar T>
-class FacesInCells<Box<T>> {
-public:
-    FacesInCells(const Box<T>& box, const Lattice<T, 3>& lattice)
-        : box_(box)
-        , ends_{vec_cast<double>(lattice.in_cells(box.lower())),
-                vec_cast<double>(lattice.in_cells(box.upper()))} {}
-
-    template <class F>
-    void for_each_touch(const F& f) const {
-        for (std::uint32_t side = 0; side < 6; ++side) {
-            std::array<std::int32_t, 3> begin{}, end{}, at{};
-            for (std::size_t k = 0; k < 3; ++k) {
-                const bool across = k == side / 2;
-                begin[k] = std::int32_t(std::floor(ends_[across ? side % 2 : 0][k] - touch_slack));
-                end[k] = std::int32_t(std::floor(ends_[across ? side % 2 : 1][k] + touch_slack));
-            }
-            for (at[2] = begin[2]; at[2] <= end[2]; ++at[2]) {
-                for (at[1] = begin[1]; at[1] <= end[1]; ++at[1]) {
-                    for (at[0] = begin[0]; at[0] <= end[0]; ++at[0]) f(at, side);
-                }
-            }
-        }
-    }
-    BoundaryValue<3> nearest(std::uint32_t side, const Vec<double, 3>& p) const noexcept {
-        Vec<double, 3> part;
-        for (std::size_t k = 0; k < 3; ++k) part[k] = (p[k] - ends_[0][k]) / (ends_[1][k] - ends_[0][k]);
-        return box_.on_face(side / 2, side % 2 == 1, part);
-    }
-    /// Holds for all pairs except opposite sides.
-    bool have_common_vertex(std::uint32_t m, std::uint32_t n) const noexcept {
-        return m == n || m / 2 != n / 2;
-    }
-
-private:
-    const Box<T>& box_;
-    std::array<Vec<double, 3>, 2> ends_;
-};
-
 /// The first step of `rasterise` in 3D: marks boundary cells. The data of a cell is the mean over
 /// the faces that touch it, each taken at its point nearest to the cell's centre.
 template <class C>
@@ -244,7 +200,7 @@ void mark_boundary(const C& cage, grid::GridDomain<typename C::scalar, 3>& domai
     struct Touch {
         std::uint32_t cell, face;
     };
-    const FacesInCells<C> faces(cage, domain.lattice);
+    const FacesInCells<T> faces(cage, domain.lattice);
     std::vector<Touch> touches;
     faces.for_each_touch([&](const std::array<std::int32_t, 3>& at, std::uint32_t face) {
         if (const auto cell = cell_number(domain.lattice, at)) touches.push_back({*cell, face});

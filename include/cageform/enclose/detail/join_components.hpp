@@ -1,4 +1,4 @@
-// make_cage, step 2: joins separate parts of the figure by bridges, and closes slits that are too
+// make_cage, step 2: joins separate components of the figure by bridges, and closes slits that are too
 // narrow to deform.
 #pragma once
 
@@ -11,13 +11,13 @@
 namespace cageform::inline CAGEFORM_ABI::detail {
 
 /// The connected components of the nodes that the outside does not reach; diagonal neighbours are connected.
-struct LatticeParts {
+struct LatticeComponents {
     static constexpr std::uint32_t none = ~std::uint32_t{0};
     std::vector<std::uint32_t> of_node; ///< the component of a node; `none` outside
     std::size_t count = 0;
 
     template <std::size_t D>
-    LatticeParts(const DistanceLattice<D>& lattice, const std::vector<std::uint8_t>& outside)
+    LatticeComponents(const DistanceLattice<D>& lattice, const std::vector<std::uint8_t>& outside)
         : of_node(lattice.size(), none) {
         std::vector<std::size_t> front;
         for (std::size_t start = 0; start < lattice.size(); ++start) {
@@ -73,20 +73,20 @@ struct Bridge {
 /// nearest to each component; two components with adjacent regions get the shortest bridge found as
 /// an edge. Then Kruskal's algorithm picks the edges of the tree.
 template <std::size_t D>
-std::vector<Bridge> shortest_bridges(const DistanceLattice<D>& lattice, const LatticeParts& parts) {
-    const auto nearest =
-        nearest_sources(lattice, [&](std::size_t node) { return parts.of_node[node] != LatticeParts::none; });
+std::vector<Bridge> shortest_bridges(const DistanceLattice<D>& lattice, const LatticeComponents& components) {
+    const auto nearest = nearest_sources(
+        lattice, [&](std::size_t node) { return components.of_node[node] != LatticeComponents::none; });
     std::map<std::pair<std::uint32_t, std::uint32_t>, Bridge> between;
     for (std::size_t node = 0; node < lattice.size(); ++node) {
         lattice.for_each_neighbour(node, [&](std::size_t other) {
             if (other < node) return;
             std::size_t from = nearest[node], to = nearest[other];
-            if (parts.of_node[from] == parts.of_node[to]) return;
-            if (parts.of_node[from] > parts.of_node[to]) std::swap(from, to);
+            if (components.of_node[from] == components.of_node[to]) return;
+            if (components.of_node[from] > components.of_node[to]) std::swap(from, to);
             const Bridge bridge{lattice.steps2(from, to), from, to};
-            const auto [place, is_new] =
-                between.try_emplace({parts.of_node[from], parts.of_node[to]}, bridge);
-            if (!is_new && bridge.steps2 < place->second.steps2) place->second = bridge;
+            const auto [entry, is_new] =
+                between.try_emplace({components.of_node[from], components.of_node[to]}, bridge);
+            if (!is_new && bridge.steps2 < entry->second.steps2) entry->second = bridge;
         });
     }
     std::vector<Bridge> bridges;
@@ -95,14 +95,15 @@ std::vector<Bridge> shortest_bridges(const DistanceLattice<D>& lattice, const La
     std::sort(bridges.begin(), bridges.end(), [](const Bridge& a, const Bridge& b) {
         return std::tuple(a.steps2, a.from, a.to) < std::tuple(b.steps2, b.from, b.to);
     });
-    std::vector<std::uint32_t> root(parts.count);
+    std::vector<std::uint32_t> root(components.count);
     std::iota(root.begin(), root.end(), std::uint32_t{0});
-    const auto find = [&](std::uint32_t part) {
-        while (root[part] != part) part = root[part] = root[root[part]];
-        return part;
+    const auto find = [&](std::uint32_t component) {
+        while (root[component] != component) component = root[component] = root[root[component]];
+        return component;
     };
     std::erase_if(bridges, [&](const Bridge& bridge) {
-        const std::uint32_t a = find(parts.of_node[bridge.from]), b = find(parts.of_node[bridge.to]);
+        const std::uint32_t a = find(components.of_node[bridge.from]),
+                            b = find(components.of_node[bridge.to]);
         root[a] = b;
         return a == b;
     });
@@ -112,13 +113,13 @@ std::vector<Bridge> shortest_bridges(const DistanceLattice<D>& lattice, const La
 /// Adds bridges (capsules) to the figure until it has one component, in at most eight rounds; with
 /// `mirrored`, also their images. Returns the number of bridges, not counting images.
 template <std::size_t D>
-std::size_t join_parts(DistanceLattice<D>& lattice, double margin, bool mirrored) {
+std::size_t join_components(DistanceLattice<D>& lattice, double margin, bool mirrored) {
     std::size_t count = 0;
     for (int round = 0; round < 8; ++round) {
-        const LatticeParts parts(lattice, lattice.outside(0));
-        if (parts.count < 2) break;
-        for (const auto& bridge : shortest_bridges(lattice, parts)) {
-            auto a = lattice.place(bridge.from), b = lattice.place(bridge.to);
+        const LatticeComponents components(lattice, lattice.outside(0));
+        if (components.count < 2) break;
+        for (const auto& bridge : shortest_bridges(lattice, components)) {
+            auto a = lattice.position(bridge.from), b = lattice.position(bridge.to);
             const auto u = (margin / length(b - a)) * (b - a);
             a = a - u;
             b = b + u;
@@ -149,7 +150,7 @@ void close_slits(DistanceLattice<D>& lattice, double radius, bool holes) {
             if (outside[other] != 0) return;
             const double f = double(lattice[node]), g = double(lattice[other]);
             const double t = std::clamp((f - radius) / (f - g), 0.0, 1.0);
-            const auto p = (1 - t) * lattice.place(node) + t * lattice.place(other);
+            const auto p = (1 - t) * lattice.position(node) + t * lattice.position(other);
             free.stamp(p, p, 0, reach);
         });
     }

@@ -14,17 +14,17 @@ namespace cageform::inline CAGEFORM_ABI::detail {
 /// point at each position. The points are halved along the longest side of their bounds, at a
 /// multiple of a block, recursively. O(n log n).
 template <Scalar T, std::size_t D>
-std::vector<std::uint32_t> order_by_place(const BlockView<const T>& points) {
+std::vector<std::uint32_t> spatial_order(const BlockView<const T>& points) {
     std::vector<std::uint32_t> order(points.points);
     std::iota(order.begin(), order.end(), 0u);
     const auto coordinate = [&points](std::uint32_t i, std::size_t axis) {
         const T x = points(i, axis);
         return is_finite(x) ? x : T(0); // such a point is kept, its position does not matter
     };
-    std::vector<std::array<std::size_t, 2>> parts{{0, order.size()}};
-    while (!parts.empty()) {
-        const auto [begin, end] = parts.back();
-        parts.pop_back();
+    std::vector<std::array<std::size_t, 2>> ranges{{0, order.size()}};
+    while (!ranges.empty()) {
+        const auto [begin, end] = ranges.back();
+        ranges.pop_back();
         const std::size_t blocks = block_count<T>(end - begin);
         if (blocks <= 1) continue;
         Vec<T, D> low{}, high{};
@@ -45,8 +45,8 @@ std::vector<std::uint32_t> order_by_place(const BlockView<const T>& points) {
             const T x = coordinate(a, axis), y = coordinate(b, axis);
             return x != y ? x < y : a < b;
         });
-        parts.push_back({begin, middle});
-        parts.push_back({middle, end});
+        ranges.push_back({begin, middle});
+        ranges.push_back({middle, end});
     }
     return order;
 }

@@ -3,12 +3,10 @@
 
 #include <cageform/cage/detail/facet_pairs.hpp>
 #include <cageform/cage/detail/loop_sides.hpp>
+#include <cageform/cage/polygon.hpp>
 #include <cageform/cage/types/report.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
-
-template <Scalar T>
-class Polygon; // in cage/polygon.hpp
 
 namespace detail {
 
@@ -91,10 +89,16 @@ void check_polygon(const Polygon<T>& polygon, CageReport& report) {
 
     for (std::size_t k = 0; k < polygon.loops().size(); ++k) {
         check_collinear_vertices(edges_of(k), tolerance, report);
-        if (!inside_is_left(polygon, k)) report.add(CageFaultKind::loop_turns_otherwise, k);
+        if (!inside_is_left(polygon, k)) report.add(CageFaultKind::loop_orientation_reversed, k);
     }
 }
 
 } // namespace detail
+
+template <Scalar T>
+CageReport check(const Polygon<T>& polygon) {
+    return detail::report_on(polygon.status(),
+                             [&](CageReport& report) { detail::check_polygon(polygon, report); });
+}
 
 } // namespace cageform::inline CAGEFORM_ABI

@@ -1,16 +1,14 @@
-// Checks whether a triangle mesh can serve as a cage.
+// Closes small gaps of a triangle mesh, and checks whether it can serve as a cage.
 #pragma once
 
 #include <cageform/cage/detail/facet_pairs.hpp>
 #include <cageform/cage/detail/gaps.hpp>
 #include <cageform/cage/detail/mesh_face.hpp>
 #include <cageform/cage/detail/shells.hpp>
+#include <cageform/cage/triangle_mesh.hpp>
 #include <cageform/cage/types/report.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
-
-template <Scalar T>
-class TriangleMesh; // in cage/triangle_mesh.hpp
 
 namespace detail {
 
@@ -106,11 +104,11 @@ public:
     void check_shells() {
         const auto shells = shells_of(mesh_);
         const double size = double(bounds_of(mesh_.vertices()).diagonal());
-        for (std::size_t n = 0; n < shells.turned.size(); ++n) {
+        for (std::size_t n = 0; n < shells.reversed.size(); ++n) {
             const auto face = shells.first_face[n];
             if (std::fabs(shells.volume[n]) <= tolerance_ * size * size)
                 report_.add(CageFaultKind::no_volume, face);
-            if (shells.turned[n]) report_.add(CageFaultKind::shell_turns_otherwise, face);
+            if (shells.reversed[n]) report_.add(CageFaultKind::shell_orientation_reversed, face);
         }
     }
 
@@ -192,11 +190,33 @@ void check_indices(const TriangleMesh<T>& mesh, CageReport& report) {
     }
     const auto faces = mesh.faces();
     for (std::size_t f = 0; f < faces.size(); ++f) {
-        if (lacks_vertex(faces[f])) report.add(CageFaultKind::face_without_vertex, f);
+        if (has_missing_vertex(faces[f])) report.add(CageFaultKind::face_without_vertex, f);
     }
     if (faces.empty() && report.status == Status::ok) report.add(CageFaultKind::no_volume, 0);
 }
 
+template <Scalar T>
+std::vector<MeshFace> closing_faces(std::span<const Vec<T, 3>> vertices, std::span<const MeshFace> faces) {
+    return GapCloser<T>(vertices, faces).closing_faces();
+}
+
 } // namespace detail
+
+template <Scalar T>
+CageReport check(const TriangleMesh<T>& mesh) {
+    return detail::report_on(mesh.status(), [&](CageReport& report) {
+        detail::check_indices(mesh, report);
+        if (report.status != Status::ok) return;
+        detail::MeshCheck<T> steps(mesh, report);
+        steps.check_duplicate_vertices();
+        steps.check_areas();
+        steps.check_edges();
+        if (report.status != Status::ok) return;
+        steps.check_fans();
+        steps.check_crossing_faces();
+        if (report.status != Status::ok) return;
+        steps.check_shells();
+    });
+}
 
 } // namespace cageform::inline CAGEFORM_ABI

@@ -108,7 +108,7 @@ Numbers<N, 3> cross_of(const Numbers<N, 3>& a, const Numbers<N, 3>& b) noexcept 
 }
 
 /// The quantities that are summed over the overlap of two Voronoi cells.
-enum class StolenParts : std::uint8_t {
+enum class OverlapSums : std::uint8_t {
     measures,
     facets,  ///< measures and facets
     moments, ///< measures, facets and moments
@@ -123,7 +123,7 @@ enum class StolenParts : std::uint8_t {
 /// the faces in 3D). Each edge joins the circumcentres of two simplices with a common facet, so one
 /// pass over the facets of the cavity finds all edges, in any order. N is double or WideFloat.
 template <class N, std::size_t D>
-struct Stolen {
+struct CellOverlap {
     using Vector = Numbers<N, D>;
 
     /// Coordinates are relative to p, in lattice steps. Sizes and errors are used only in double.
@@ -158,12 +158,12 @@ struct Stolen {
     }
     /// Computes the sums. Smooth measures are those of the C² coordinates of Hiyoshi & Sugihara (2D
     /// only): 6 ∫ (|y − P|² − |y − p|²) dy over V_p ∩ V_i. They have no facets and no moments.
-    void sum(const Cavity<D>& cavity, StolenParts parts) {
-        parts_ = parts;
+    void sum(const Cavity<D>& cavity, OverlapSums sums) {
+        sums_ = sums;
         const std::size_t count = cavity.vertices.size();
         std::fill_n(measure.begin(), count, N(0));
-        if (parts != StolenParts::measures) std::fill_n(facet.begin(), count, N(0));
-        if (parts == StolenParts::moments) std::fill_n(moment.begin(), count, Vector{});
+        if (sums != OverlapSums::measures) std::fill_n(facet.begin(), count, N(0));
+        if (sums == OverlapSums::moments) std::fill_n(moment.begin(), count, Vector{});
         squares = 0;
         if constexpr (D == 2) find_heights(cavity);
         for (std::size_t n = 0; n < cavity.simplices.size(); ++n) {
@@ -195,7 +195,7 @@ private:
 
     void find_heights(const Cavity<D>& cavity) {
         height_.clear();
-        if (parts_ != StolenParts::smooth) return;
+        if (sums_ != OverlapSums::smooth) return;
         for (std::size_t n = 0; n < cavity.simplices.size(); ++n) {
             const Vector& r = site[cavity.simplices[n].vertex[0]].at;
             const Vector& c = centre[n].at;
@@ -245,7 +245,7 @@ private:
             const std::uint32_t v = vertex[order[0]];
             const std::size_t leave = first + cavity.across(rim, order[1]);
             const N t = cross_of(centre[leave].at, centre[first + n].at);
-            measure[v] = measure[v] + (parts_ == StolenParts::smooth ? t * square(v) : t);
+            measure[v] = measure[v] + (sums_ == OverlapSums::smooth ? t * square(v) : t);
             add_facet(v, t, first + n, leave);
             note_error(1, leave, first + n);
         } else {
@@ -268,9 +268,9 @@ private:
     }
     /// Adds the edge from a to b to the facet between p's cell and the cell of i.
     void add_facet(std::uint32_t i, const N& t, std::size_t a, std::size_t b) {
-        if (parts_ == StolenParts::measures) return;
+        if (sums_ == OverlapSums::measures) return;
         facet[i] = facet[i] + t;
-        if (parts_ != StolenParts::moments) return;
+        if (sums_ != OverlapSums::moments) return;
         for (std::size_t k = 0; k < D; ++k) {
             N sum = centre[a].at[k] + centre[b].at[k];
             if constexpr (D == 3) sum = sum + half() * site[i].at[k];
@@ -302,7 +302,7 @@ private:
         }
     }
 
-    StolenParts parts_ = StolenParts::moments;
+    OverlapSums sums_ = OverlapSums::moments;
     /// |y − P|² − |y − p|² at each circumcentre y, equal for all vertices P of its simplex; smooth
     /// only.
     std::vector<N> height_;

@@ -1,6 +1,7 @@
 // Checks whether the cells inside a cage lie inside, and meet only where they may.
 #pragma once
 
+#include <cageform/cage/cell_complex.hpp>
 #include <cageform/cage/detail/bones.hpp>
 #include <cageform/cage/detail/mesh_face.hpp>
 #include <cageform/cage/detail/primitives.hpp>
@@ -13,19 +14,7 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-template <Scalar T, std::size_t D>
-    requires(D == 2 || D == 3)
-class CellComplex; // in cage/cell_complex.hpp
-
 namespace detail {
-
-/// Reports interior cells as a fault, for coordinate types that do not support them.
-template <Scalar T, std::size_t D>
-void refuse_interior_cells(const CellComplex<T, D>& cage, CageReport& report) {
-    const std::size_t cells = cage.cells().facets.size() + cage.cells().bones.size();
-    if (cells > 0 || cage.size() > cage.boundary().size())
-        report.add(CageFaultKind::interior_cells_not_supported, cells);
-}
 
 /// Checks that vertices are finite, that facets name existing vertices, and that bones have a
 /// positive radius.
@@ -36,7 +25,7 @@ void check_cells(const CellComplex<T, D>& cage, CageReport& report) {
     }
     const auto& [facets, bones] = cage.cells();
     for (std::size_t n = 0; n < facets.size(); ++n) {
-        if (lacks_vertex(facets[n])) report.add(CageFaultKind::face_without_vertex, n);
+        if (has_missing_vertex(facets[n])) report.add(CageFaultKind::face_without_vertex, n);
     }
     for (const auto& bone : bones) {
         if (!(bone.radius > 0) || !is_finite(bone.radius))
@@ -106,7 +95,7 @@ public:
         for (const auto& facet : cells()) {
             std::array<double, D> middle;
             middle.fill(1.0 / double(D));
-            check_inside(vec_cast<T>(place_on_facet(middle, facet.corner)), facet.vertex[0]);
+            check_inside(vec_cast<T>(point_on_facet(middle, facet.corner)), facet.vertex[0]);
         }
         for (std::size_t n = 0; n < inner_; ++n) {
             for (std::size_t m = n + 1; m < facets_.size(); ++m) {
@@ -138,8 +127,8 @@ public:
 
 private:
     std::span<const Facet<D>> cells() const noexcept { return std::span(facets_).first(inner_); }
-    void check_inside(const Vec<T, D>& place, std::size_t handle) {
-        if (locate(cage_.boundary(), place, rounding_) != PointState::inside)
+    void check_inside(const Vec<T, D>& position, std::size_t handle) {
+        if (locate(cage_.boundary(), position, rounding_) != PointState::inside)
             report_.add(CageFaultKind::interior_cell_outside, handle);
     }
     void touch(std::size_t a, std::size_t b) { report_.add(CageFaultKind::interior_cells_touch, a, b); }
@@ -159,5 +148,21 @@ private:
 };
 
 } // namespace detail
+
+template <Scalar T, std::size_t D>
+CageReport check(const CellComplex<T, D>& cage) {
+    return detail::report_on(cage.status(), [&](CageReport& report) {
+        report = check(cage.boundary());
+        if (report.status != Status::ok) return;
+        detail::check_cells(cage, report);
+        if (report.status != Status::ok) return;
+        detail::ComplexCheck<T, D> steps(cage, report);
+        steps.check_vertices();
+        steps.check_areas();
+        if (report.status != Status::ok) return;
+        steps.check_facets();
+        steps.check_bones();
+    });
+}
 
 } // namespace cageform::inline CAGEFORM_ABI

@@ -3,15 +3,13 @@
 
 #include <cageform/cage/detail/faces_of.hpp>
 #include <cageform/cage/detail/flat_face.hpp>
+#include <cageform/cage/polyhedral_mesh.hpp>
 #include <cageform/cage/types/report.hpp>
 
 #include <algorithm>
 #include <optional>
 
 namespace cageform::inline CAGEFORM_ABI {
-
-template <Scalar T>
-class PolyhedralMesh; // in cage/polyhedral_mesh.hpp
 
 namespace detail {
 
@@ -23,7 +21,7 @@ void add_faults_of_triangles(const PolyhedralMesh<T>& mesh, CageReport& report) 
     for (CageFault fault : found.faults) {
         const bool names_one = fault.kind == Kind::face_without_vertex ||
                                fault.kind == Kind::face_without_area || fault.kind == Kind::no_volume ||
-                               fault.kind == Kind::shell_turns_otherwise;
+                               fault.kind == Kind::shell_orientation_reversed;
         const bool names_two = fault.kind == Kind::face_flipped || fault.kind == Kind::faces_cross;
         if (names_one || names_two) fault.a = mesh.face_of(fault.a);
         if (names_two) fault.b = mesh.face_of(fault.b);
@@ -68,5 +66,20 @@ std::optional<CageFault> face_fault(const PolyhedralMesh<T>& mesh, std::size_t f
 }
 
 } // namespace detail
+
+template <Scalar T>
+CageReport check(const PolyhedralMesh<T>& mesh) {
+    return detail::report_on(mesh.status(), [&](CageReport& report) {
+        for (std::size_t i = 0; i < mesh.size(); ++i) {
+            if (!is_finite(mesh[i])) report.add(CageFaultKind::vertex_not_finite, i);
+        }
+        if (report.status != Status::ok) return;
+        for (std::size_t f = 0; f < mesh.face_count(); ++f) {
+            if (const auto fault = detail::face_fault(mesh, f)) report.add(fault->kind, fault->a, fault->b);
+        }
+        if (report.status != Status::ok) return;
+        detail::add_faults_of_triangles(mesh, report);
+    });
+}
 
 } // namespace cageform::inline CAGEFORM_ABI

@@ -10,9 +10,9 @@ namespace cageform::inline CAGEFORM_ABI::detail {
 /// equations of all pieces, and A has a row for each condition. Unknowns are the Bernstein
 /// coefficients of the pieces and the Lagrange multipliers. They are ordered by time, with the
 /// conditions of a knot between its two pieces, so that the system is banded.
-class TiedPieces {
+class CoupledPieces {
 public:
-    TiedPieces(const FitProblem& problem, std::span<FitPiece> pieces)
+    CoupledPieces(const FitProblem& problem, std::span<FitPiece> pieces)
         : problem_(problem)
         , pieces_(pieces)
         , coefficients_(problem.options.degree + 1) {}
@@ -35,7 +35,7 @@ public:
         for (std::size_t i = 0; i < pieces_.size(); ++i) {
             pieces_[i].polynomial.degree = problem_.options.degree;
             for (std::size_t k = 0; k < coefficients_; ++k)
-                pieces_[i].polynomial.c[k] = solution[place_of(i) + k];
+                pieces_[i].polynomial.c[k] = solution[first_unknown_of(i) + k];
         }
         return Status::ok;
     }
@@ -50,7 +50,7 @@ private:
     };
 
     /// The index of a piece's first coefficient among the unknowns.
-    std::size_t place_of(std::size_t piece) const noexcept {
+    std::size_t first_unknown_of(std::size_t piece) const noexcept {
         return piece * coefficients_ + first_[piece + 1];
     }
 
@@ -98,19 +98,19 @@ private:
         for (std::size_t k = 0; k <= order; ++k) {
             // At the end of a piece, the same differences run backwards; the sign changes for odd orders.
             double& entry = before ? row.before[problem_.options.degree - k] : row.after[k];
-            const double turned = before && order == 1 ? -1 : 1;
-            entry += sign * turned * differences[order][k] * scale;
+            const double mirrored = before && order == 1 ? -1 : 1;
+            entry += sign * mirrored * differences[order][k] * scale;
         }
     }
 
     static void normalise(Condition& row) noexcept {
         double square = 0;
-        for (const auto* part : {&row.before, &row.after}) {
-            for (const double x : *part) square += x * x;
+        for (const auto* side : {&row.before, &row.after}) {
+            for (const double x : *side) square += x * x;
         }
         const double length = std::sqrt(square);
-        for (auto* part : {&row.before, &row.after}) {
-            for (double& x : *part) x /= length;
+        for (auto* side : {&row.before, &row.after}) {
+            for (double& x : *side) x /= length;
         }
         row.right /= length;
     }
@@ -156,9 +156,9 @@ private:
             const FitMatrix gram = gram_matrix(problem_, pieces_[i].length());
             const Coefficients of_curve = load(problem_, pieces_[i]);
             for (std::size_t p = 0; p < coefficients_; ++p) {
-                right[place_of(i) + p] = of_curve[p];
+                right[first_unknown_of(i) + p] = of_curve[p];
                 for (std::size_t q = 0; q < coefficients_; ++q)
-                    system(place_of(i) + p, place_of(i) + q) = gram[p][q];
+                    system(first_unknown_of(i) + p, first_unknown_of(i) + q) = gram[p][q];
             }
         }
     }
@@ -166,11 +166,12 @@ private:
     void fill_conditions(BandedMatrix& system, std::span<double> right) const {
         for (std::size_t r = 0; r < conditions_.size(); ++r) {
             const Condition& row = conditions_[r];
-            const std::size_t place = row.knot * coefficients_ + r;
-            right[place] = row.right;
-            const auto couple = [&](std::size_t piece, const Coefficients& part) {
+            const std::size_t index = row.knot * coefficients_ + r;
+            right[index] = row.right;
+            const auto couple = [&](std::size_t piece, const Coefficients& side) {
                 for (std::size_t k = 0; k < coefficients_; ++k)
-                    system(place, place_of(piece) + k) = system(place_of(piece) + k, place) = part[k];
+                    system(index, first_unknown_of(piece) + k) = system(first_unknown_of(piece) + k, index) =
+                        side[k];
             };
             if (row.knot > 0) couple(row.knot - 1, row.before);
             if (row.knot < pieces_.size()) couple(row.knot, row.after);

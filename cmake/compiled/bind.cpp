@@ -1,0 +1,16 @@
+// Compiles `bind`.
+#include "instantiate.hpp"
+
+#include <cageform/binding/detail/binders.impl.hpp>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+#define CAGEFORM_BIND(T, D)                                                                                  \
+    CAGEFORM_COMPILE Result<Binding<T, D>, BindReport> bind_points(                                          \
+        const BindInput<T, D>&, const BindOptions&, Binding<T, D>&&, const Running&);                        \
+    CAGEFORM_COMPILE BindReport bind_vectors_into(std::span<Binding<T, D>>, const BindInput<T, D>&,          \
+                                                  std::span<const PointReader<T>>, const BindOptions&,       \
+                                                  const Running&);
+CAGEFORM_FOR_SPACES(CAGEFORM_BIND)
+
+} // namespace cageform::inline CAGEFORM_ABI::detail

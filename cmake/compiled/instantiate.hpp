@@ -1,0 +1,29 @@
+// Lists the scalars and dimensions of the compiled library. Each list calls a macro, which
+// instantiates functions for one of them.
+#pragma once
+
+#if !defined(CAGEFORM_COMPILED)
+#error "these files are for the CMake target cageform_compiled"
+#endif
+
+// Every instantiation is part of the interface of a shared library; all else is hidden.
+#if defined(__GNUC__)
+#define CAGEFORM_COMPILE template __attribute__((visibility("default")))
+#else
+#define CAGEFORM_COMPILE template
+#endif
+
+#define CAGEFORM_FOR_SCALARS(instantiate) instantiate(float) instantiate(double)
+#define CAGEFORM_FOR_SPACES(instantiate)                                                                     \
+    instantiate(float, 1) instantiate(float, 2) instantiate(float, 3) instantiate(double, 1)                 \
+        instantiate(double, 2) instantiate(double, 3)
+
+// The functions of the class X that compute weights, with the scalar T.
+#define CAGEFORM_EVALUATION(X, T)                                                                            \
+    CAGEFORM_COMPILE Evaluation X::evaluate(BlockView<const T>, BlockView<T>, std::span<PointState>,         \
+                                            const Running&) const;                                           \
+    CAGEFORM_COMPILE Evaluation X::evaluate_gradients(BlockView<const T>, BlockView<T>,                      \
+                                                      std::span<PointState>, const Running&) const;
+#define CAGEFORM_MEAN_VALUE(Cage, T)                                                                         \
+    CAGEFORM_EVALUATION(detail::MeanValueEvaluation<Cage>, T)                                                \
+    CAGEFORM_COMPILE void detail::MeanValueEvaluation<Cage>::prepare();

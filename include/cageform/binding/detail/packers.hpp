@@ -1,0 +1,23 @@
+// Declares the functions behind `pack`.
+#pragma once
+
+#include <cageform/binding/types/figure_binding.hpp>
+#include <cageform/binding/types/pack_options.hpp>
+#include <cageform/core/result.hpp>
+#include <cageform/core/running.hpp>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+template <Scalar T, std::size_t D>
+Result<PackedBinding<T, D>, PackReport> pack_binding(const BindingView<T, D>& binding,
+                                                     const PackOptions& options, const Running& running);
+
+template <Scalar T, std::size_t D>
+Status pack_parts(const FigureBinding<T, D>& figure, const FigurePackOptions& options, const Running& running,
+                  Result<PackedFigure<T, D>, FigurePackReport>& result);
+
+} // namespace cageform::inline CAGEFORM_ABI::detail
+
+#if !defined(CAGEFORM_COMPILED)
+#include <cageform/binding/detail/figure_packer.hpp>
+#endif

@@ -1,0 +1,32 @@
+// Defines what MeanValueCoordinates compute. mean_value.hpp includes it, unless the program links
+// cageform::compiled.
+#pragma once
+
+#include <cageform/coordinates/mean_value/polygons.hpp>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+template <class Cage>
+Evaluation MeanValueEvaluation<Cage>::evaluate(BlockView<const scalar> points, BlockView<scalar> weights,
+                                               std::span<PointState> states, const Running& running) const {
+    return evaluate_numbers<Simd<T>>({points, weights, states}, running);
+}
+
+template <class Cage>
+Evaluation
+MeanValueEvaluation<Cage>::evaluate_gradients(BlockView<const scalar> points, BlockView<scalar> gradients,
+                                              std::span<PointState> states, const Running& running) const {
+    return evaluate_numbers<Dual<Simd<double>, D>>({points, gradients, states}, running);
+}
+
+template <class Cage>
+void MeanValueEvaluation<Cage>::prepare() {
+    report_ = check(cage_);
+    if (report_.status != Status::ok) return;
+    report_.status = guard_memory([&] {
+        fill_tables();
+        return Status::ok;
+    });
+}
+
+} // namespace cageform::inline CAGEFORM_ABI::detail
