@@ -3,7 +3,7 @@
 # build. With flags for other registers the client must not link, whatever its optimisation.
 file(REMOVE_RECURSE ${WORK})
 file(STRINGS ${BUILD}/CMakeCache.txt flags REGEX "^CMAKE_CXX_FLAGS:")
-string(REGEX REPLACE "^[^=]*=" "" flags "${flags}")
+string(REGEX REPLACE "^CMAKE_CXX_FLAGS:[A-Z]*=(.*)$" "\\1" flags "${flags}")
 execute_process(COMMAND ${CMAKE_COMMAND} --install ${BUILD} --prefix ${WORK}/prefix RESULT_VARIABLE failed OUTPUT_VARIABLE output
                 ERROR_VARIABLE output)
 if(failed)

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <cageform/binding/detail/bind_function.hpp>
-#include <cageform/binding/detail/vector_binder.hpp>
+#include <cageform/binding/detail/binders.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 
