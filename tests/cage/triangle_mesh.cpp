@@ -54,7 +54,8 @@ TEST_CASE("inside, outside and nearest agree with the sphere they come from", "[
         Vec<double, 3> place;
         const auto value = nearest_boundary_value(mesh, p, place);
         Vec<double, 3> sum{};
-        for (std::size_t n = 0; n < value.weight.size(); ++n) sum = sum + value.weight[n] * mesh[value.handle[n]];
+        for (std::size_t n = 0; n < value.weight.size(); ++n)
+            sum = sum + value.weight[n] * mesh[value.handle[n]];
         CHECK(std::sqrt(dot(sum - place, sum - place)) <= 1e-15);
         CHECK(std::fabs(std::sqrt(dot(place - p, place - p)) - std::fabs(1 - r)) <= 0.02);
         if (r < 0.98) CHECK(locate(mesh, p, 1e-14) == PointState::inside);
