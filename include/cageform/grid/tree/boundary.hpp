@@ -271,7 +271,7 @@ public:
     double free_distance(AxisRay<D> ray) const noexcept {
         Vec<double, D> direction{};
         direction[ray.axis] = ray.up ? 1 : -1;
-        boxes_->for_each_on_ray(ray.from, direction, ray.length, [&](std::uint32_t facet) {
+        boxes().for_each_on_ray(ray.from, direction, ray.length, [&](std::uint32_t facet) {
             if (const auto found = hit(facet, ray, false))
                 ray.length = std::fmin(ray.length, ray.distance(found->position));
             return ray.length;
