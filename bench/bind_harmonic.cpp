@@ -70,8 +70,10 @@ void bind_harmonic_cube(benchmark::State& state) {
 struct MeshProblem {
     MeshProblem(const cageform::TriangleMesh<double>& cage, const cageform::HarmonicOptions& options) {
         cageform::SolverReport report;
-        if (place(cageform::CageProblem(cage, options), placed) == cageform::Status::ok)
-            (void)cageform::detail::EmbeddedCage<3>::make(*placed, report, grid);
+        (void)on_placed_cage(cageform::CageProblem(cage, options), [&](auto made) {
+            placed = std::move(made);
+            return cageform::detail::EmbeddedCage<3>::make(*placed, report, grid);
+        });
     }
 
     /// All functions, each block's values lost to the next; returns the most cycles.

@@ -4,13 +4,9 @@
 #include <cageform/coordinates/harmonic/adaptive.impl.hpp>
 #include <cageform/coordinates/harmonic/uniform.impl.hpp>
 
-namespace cageform::inline CAGEFORM_ABI::detail {
+namespace cageform::inline CAGEFORM_ABI {
 
-#define CAGEFORM_HARMONIC(T)                                                                                 \
-    CAGEFORM_COMPILE Status make_adaptive(std::shared_ptr<const PlacedCage<2>>, SolverReport&,               \
-                                          std::shared_ptr<CageFunctions<T, 2>>&);                            \
-    CAGEFORM_COMPILE Status make_uniform(std::shared_ptr<const PlacedCage<2>>, SolverReport&,                \
-                                         std::shared_ptr<CageFunctions<T, 2>>&);
-CAGEFORM_FOR_SCALARS(CAGEFORM_HARMONIC)
+CAGEFORM_HARMONIC(float, 2)
+CAGEFORM_HARMONIC(double, 2)
 
-} // namespace cageform::inline CAGEFORM_ABI::detail
+} // namespace cageform::inline CAGEFORM_ABI

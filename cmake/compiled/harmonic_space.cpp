@@ -1,16 +1,12 @@
-// Compiles the solvers of harmonic coordinates in the space.
+// Compiles the solvers of harmonic coordinates in space.
 #include "instantiate.hpp"
 
 #include <cageform/coordinates/harmonic/adaptive.impl.hpp>
 #include <cageform/coordinates/harmonic/uniform.impl.hpp>
 
-namespace cageform::inline CAGEFORM_ABI::detail {
+namespace cageform::inline CAGEFORM_ABI {
 
-#define CAGEFORM_HARMONIC(T)                                                                                 \
-    CAGEFORM_COMPILE Status make_adaptive(std::shared_ptr<const PlacedCage<3>>, SolverReport&,               \
-                                          std::shared_ptr<CageFunctions<T, 3>>&);                            \
-    CAGEFORM_COMPILE Status make_uniform(std::shared_ptr<const PlacedCage<3>>, SolverReport&,                \
-                                         std::shared_ptr<CageFunctions<T, 3>>&);
-CAGEFORM_FOR_SCALARS(CAGEFORM_HARMONIC)
+CAGEFORM_HARMONIC(float, 3)
+CAGEFORM_HARMONIC(double, 3)
 
-} // namespace cageform::inline CAGEFORM_ABI::detail
+} // namespace cageform::inline CAGEFORM_ABI

@@ -27,3 +27,8 @@
 #define CAGEFORM_MEAN_VALUE(Cage, T)                                                                         \
     CAGEFORM_EVALUATION(detail::MeanValueEvaluation<Cage>, T)                                                \
     CAGEFORM_COMPILE void detail::MeanValueEvaluation<Cage>::prepare();
+#define CAGEFORM_HARMONIC(T, D)                                                                              \
+    CAGEFORM_COMPILE Status detail::make_adaptive(std::shared_ptr<const PlacedCage<D>>, SolverReport&,       \
+                                                  std::shared_ptr<CageFunctions<T, D>>&);                    \
+    CAGEFORM_COMPILE Status detail::make_uniform(std::shared_ptr<const PlacedCage<D>>, SolverReport&,        \
+                                                 std::shared_ptr<CageFunctions<T, D>>&);

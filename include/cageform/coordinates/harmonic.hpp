@@ -16,9 +16,9 @@ struct AdaptiveGrid {
                        std::shared_ptr<FunctionsOf<C>>& made) {
         if (problem->options.solver != HarmonicSolver::multigrid || problem->options.resolution != 0)
             return Status::solver_not_supported;
-        std::shared_ptr<const PlacedCage<C::dimension>> cage;
-        if (const Status status = place(*problem, cage); status != Status::ok) return status;
-        return detail::make_adaptive<typename C::scalar, C::dimension>(cage, report, made);
+        return on_placed_cage(*problem, [&](auto cage) {
+            return detail::make_adaptive<typename C::scalar, C::dimension>(std::move(cage), report, made);
+        });
     }
 };
 

@@ -11,9 +11,9 @@ struct UniformGrid {
     static Status make(const std::shared_ptr<const CageProblem<C>>& problem, SolverReport& report,
                        std::shared_ptr<FunctionsOf<C>>& made) {
         if (problem->options.solver != HarmonicSolver::multigrid) return Status::solver_not_supported;
-        std::shared_ptr<const PlacedCage<C::dimension>> cage;
-        if (const Status status = place(*problem, cage); status != Status::ok) return status;
-        return detail::make_uniform<typename C::scalar, C::dimension>(cage, report, made);
+        return on_placed_cage(*problem, [&](auto cage) {
+            return detail::make_uniform<typename C::scalar, C::dimension>(std::move(cage), report, made);
+        });
     }
 };
 

@@ -36,7 +36,8 @@ public:
 
     static Status make(const Problem& problem, SolverReport& report, std::optional<PyramidSolver>& made) {
         const std::size_t resolution = problem.options.resolution;
-        if (resolution < 8 || resolution > (D == 2 ? 16384 : 1024)) return Status::resolution_not_supported;
+        if (resolution < least_resolution || resolution > most_resolution<D>)
+            return Status::resolution_not_supported;
         if (!(problem.options.averaging.tolerance > 0)) return Status::tolerance_not_positive;
         const auto lattice = grid::lattice_about(bounds_of(problem.cage.vertices()), resolution);
         const double bytes = double(lattice.size()) * (bytes_of_cell(width(problem)) + sizeof(grid::CellTag));

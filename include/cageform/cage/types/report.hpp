@@ -9,25 +9,25 @@
 namespace cageform::inline CAGEFORM_ABI {
 
 enum class CageFaultKind : std::uint8_t {
-    too_few_vertices,   ///< loop or face `a` has only `b` vertices (< 3); a point set has `b` (< D + 1)
-    not_a_simplex,      ///< `a` vertices were given where a simplex has `b`
-    loops_do_not_match, ///< the loop sizes add up to `a`, but there are `b` vertices
-    vertex_not_finite,  ///< vertex `a` is NaN or infinite
-    duplicate_vertices, ///< vertices `a` and `b` coincide within rounding; in a polygon they are neighbours
-    edges_cross,        ///< the edges that start at vertices `a` and `b` cross or touch
-    no_area,            ///< all vertices of loop `a` lie on one line
-    degenerate_simplex, ///< the simplex has no volume relative to its size
-    no_volume, ///< a box has no extent along axis `a`; a mesh has no faces, or the shell of face `a` is flat
-    face_without_vertex,   ///< face `a` of a mesh names a vertex that does not exist
-    face_without_area,     ///< the corners of face `a` lie on one line
-    face_not_planar,       ///< vertex `b`, a corner of face `a`, lies off the face's plane
-    face_crosses_itself,   ///< the loop of face `a` crosses or touches itself, first at vertex `b`
-    open_edge,             ///< only one face has the edge between vertices `a` and `b`
-    edge_not_manifold,     ///< more than two faces have the edge between vertices `a` and `b`
-    face_flipped,          ///< the neighbouring faces `a` and `b` have opposite orientations
-    vertex_not_manifold,   ///< the faces around vertex `a` do not form one closed fan
-    faces_cross,           ///< the faces `a` and `b` pass through each other
-    radius_not_positive,   ///< the interior cell at handle `a` has no positive radius
+    too_few_vertices,    ///< loop or face `a` has only `b` vertices (< 3); a point set has `b` (< D + 1)
+    not_a_simplex,       ///< `a` vertices were given where a simplex has `b`
+    loops_do_not_match,  ///< the loop sizes add up to `a`, but there are `b` vertices
+    vertex_not_finite,   ///< vertex `a` is NaN or infinite
+    duplicate_vertices,  ///< vertices `a` and `b` coincide within rounding; in a polygon they are neighbours
+    edges_cross,         ///< the edges that start at vertices `a` and `b` cross or touch
+    no_area,             ///< all vertices of loop `a` lie on one line
+    degenerate_simplex,  ///< the simplex has no volume relative to its size
+    no_volume,           ///< a mesh has no faces, or the shell of face `a` is flat
+    face_without_vertex, ///< face `a` of a mesh names a vertex that does not exist
+    face_without_area,   ///< the corners of face `a` lie on one line
+    face_not_planar,     ///< vertex `b`, a corner of face `a`, lies off the face's plane
+    face_crosses_itself, ///< the loop of face `a` crosses or touches itself, first at vertex `b`
+    open_edge,           ///< only one face has the edge between vertices `a` and `b`
+    edge_not_manifold,   ///< more than two faces have the edge between vertices `a` and `b`
+    face_flipped,        ///< the neighbouring faces `a` and `b` have opposite orientations
+    vertex_not_manifold, ///< the faces around vertex `a` do not form one closed fan
+    faces_cross,         ///< the faces `a` and `b` pass through each other
+    radius_not_positive, ///< the interior cell at handle `a` has no positive radius
     interior_cell_outside, ///< the interior cell at handle `a` is not inside the boundary
     interior_cells_touch,  ///< the cells or facets at handles `a` and `b` touch outside shared vertices
     vertex_not_convex,     ///< vertex `a` is no convex corner, or starts a second loop; this type needs

@@ -19,9 +19,8 @@ void face_weights(const Plane& coordinates, const Vec<double, 2>& p, std::span<d
 
 /// The values of the handles at surface points of a PolyhedralMesh. On a face with more than three
 /// corners they are the face's coordinates `Plane`: a 2D type of CageCoordinates in double, or a type
-/// with `face_weights` of its own. On
-/// triangles, edges and vertices they are linear. A point is given by the triangle it lies on and
-/// its weights there.
+/// with `face_weights` of its own. On triangles, edges and vertices they are linear. A point is given
+/// by the triangle it lies on and its weights there.
 template <class Plane>
 class FaceCoordinates final : public FaceData {
 public:
@@ -95,7 +94,6 @@ private:
         std::size_t count = 0;
         for (std::size_t n = 0; n < Value::most; ++n) {
             if (value.weight[n] == 0) continue;
-            if (count == 3) return nullptr;
             vertex[count++] = value.handle[n];
         }
         if (count < 2) return nullptr;

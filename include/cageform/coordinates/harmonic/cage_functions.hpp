@@ -103,15 +103,18 @@ CellComplex<double, D> placed(const CellComplex<T, D>& complex) {
     return {placed(complex.boundary()).boundary(), complex.vertices(), complex.cells()};
 }
 
-/// Makes the input of a solver, or returns out_of_memory.
-template <class C>
-Status place(const CageProblem<C>& problem, std::shared_ptr<const PlacedCage<C::dimension>>& cage) {
+/// Makes the input of a solver and calls use(placed), with a shared pointer. Returns what that returns, or
+/// out_of_memory.
+template <class C, class Use>
+Status on_placed_cage(const CageProblem<C>& problem, const Use& use) {
     using T = typename C::scalar;
-    cage = std::make_shared<const PlacedCage<C::dimension>>(PlacedCage<C::dimension>{
+    auto made = std::make_shared<const PlacedCage<C::dimension>>(PlacedCage<C::dimension>{
         placed(problem.cage), problem.report, problem.options, double(problem.tolerance),
         double(epsilon<T>) * double(bounds_of(problem.cage.vertices()).magnitude()), problem.data});
-    const Status status = cage->cage.boundary().status();
-    return status != Status::ok ? status : cage->cage.status();
+    for (const Status status : {made->cage.boundary().status(), made->cage.status()}) {
+        if (status != Status::ok) return status;
+    }
+    return use(std::move(made));
 }
 
 /// The functions of a cage's handles, behind which a solver stands. A solver is made once, and used

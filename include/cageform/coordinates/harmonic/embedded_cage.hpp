@@ -33,8 +33,6 @@ class EmbeddedCage {
     using Boundary = grid::SimplexBoundary<D>;
 
 public:
-    static constexpr std::size_t least_resolution = 8, most_resolution = D == 2 ? 16384 : 1024;
-
     /// Embeds the cage of a problem in a lattice of its options' `resolution`.
     ///
     ///   fails  resolution_not_supported; out_of_memory, with the memory needed and a sufficient
@@ -42,7 +40,7 @@ public:
     static Status make(const PlacedCage<D>& problem, SolverReport& report,
                        std::optional<EmbeddedCage>& made) {
         const std::size_t resolution = problem.options.resolution;
-        if (resolution < least_resolution || resolution > most_resolution)
+        if (resolution < least_resolution || resolution > most_resolution<D>)
             return Status::resolution_not_supported;
         const auto bounds = bounds_of(problem.cage.vertices());
         const auto lattice = lattice_on(bounds, resolution);
@@ -60,7 +58,7 @@ public:
             return Status::ok;
         }
         for (std::size_t finer = 2 * resolution;
-             finer <= most_resolution && memory.bytes(finer) <= double(limit); finer *= 2) {
+             finer <= most_resolution<D> && memory.bytes(finer) <= double(limit); finer *= 2) {
             const Boundary there(problem.cage, lattice_on(bounds, finer));
             if (first_unseen(problem, there, there.crossings()) != SolverReport::none) continue;
             report.sufficient_resolution = finer;

@@ -75,8 +75,7 @@ public:
             return change;
         });
         if (status == Status::ok) {
-            const std::array<std::size_t, 2> resolutions{grid_.resolution(),
-                                                         detail::EmbeddedCage<D>::most_resolution};
+            const std::array<std::size_t, 2> resolutions{grid_.resolution(), most_resolution<D>};
             errors_.measure(first, count, block, resolutions, work.report.multigrid.corners);
         }
         return status;

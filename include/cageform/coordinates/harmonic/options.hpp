@@ -53,6 +53,11 @@ struct MultigridOptions {
     bool corner_functions = true;
 };
 
+/// The range of HarmonicOptions::resolution.
+inline constexpr std::size_t least_resolution = 8;
+template <std::size_t D>
+inline constexpr std::size_t most_resolution = D == 2 ? 16384 : 1024;
+
 struct HarmonicOptions {
     HarmonicSolver solver = HarmonicSolver::multigrid;
     /// The largest error of a weight, 1e-5 … 0.1, for which an adaptive grid is made

@@ -4,44 +4,49 @@
 #include <cageform/coordinates/detail/face_coordinates.hpp>
 #include <cageform/coordinates/harmonic.hpp>
 
+#include <optional>
+
 namespace cageform::inline CAGEFORM_ABI::detail {
 
 /// The functions of one face of a mesh, in its plane: bilinear on a rectangle, which is exact, else
 /// harmonic coordinates.
 class HarmonicFace {
 public:
-    HarmonicFace(const Polygon<double>& polygon, const HarmonicOptions& options)
-        : coordinates_(polygon, options) {
-        if (polygon.size() != 4) return;
-        const auto u = polygon[1] - polygon[0], v = polygon[3] - polygon[0];
-        const auto missed = polygon[2] - polygon[1] - v;
-        const double rounding = 1e-12 * (dot(u, u) + dot(v, v));
-        if (dot(missed, missed) > rounding * 1e-12 || std::fabs(dot(u, v)) > rounding) return;
-        origin_ = polygon[0];
-        sides_ = {(1 / dot(u, u)) * u, (1 / dot(v, v)) * v};
-        is_rectangle_ = true;
+    HarmonicFace(const Polygon<double>& polygon, const HarmonicOptions& options) {
+        if (is_rectangle(polygon)) {
+            const auto u = polygon[1] - polygon[0], v = polygon[3] - polygon[0];
+            origin_ = polygon[0];
+            sides_ = {(1 / dot(u, u)) * u, (1 / dot(v, v)) * v};
+        } else {
+            coordinates_.emplace(polygon, options);
+        }
     }
     /// Solves for the functions and keeps them.
-    Status solve() { return is_rectangle_ ? Status::ok : coordinates_.solve().status; }
+    Status solve() { return coordinates_ ? coordinates_->solve().status : Status::ok; }
 
     friend void face_weights(const HarmonicFace& face, const Vec<double, 2>& p, std::span<double> row) {
-        if (face.is_rectangle_) {
-            const double s = std::clamp(dot(p - face.origin_, face.sides_[0]), 0.0, 1.0);
-            const double t = std::clamp(dot(p - face.origin_, face.sides_[1]), 0.0, 1.0);
-            row[0] = (1 - s) * (1 - t);
-            row[1] = s * (1 - t);
-            row[2] = s * t;
-            row[3] = (1 - s) * t;
-            return;
-        }
-        face_weights(face.coordinates_, p, row);
+        if (face.coordinates_) return face_weights(*face.coordinates_, p, row);
+        const double s = std::clamp(dot(p - face.origin_, face.sides_[0]), 0.0, 1.0);
+        const double t = std::clamp(dot(p - face.origin_, face.sides_[1]), 0.0, 1.0);
+        row[0] = (1 - s) * (1 - t);
+        row[1] = s * (1 - t);
+        row[2] = s * t;
+        row[3] = (1 - s) * t;
     }
 
 private:
-    HarmonicCoordinates<double, 2> coordinates_;
+    /// Whether a polygon is a rectangle, to 1e-12 of its sides.
+    static bool is_rectangle(const Polygon<double>& polygon) noexcept {
+        if (polygon.size() != 4) return false;
+        const auto u = polygon[1] - polygon[0], v = polygon[3] - polygon[0];
+        const auto missed = polygon[2] - polygon[1] - v;
+        const double squares = dot(u, u) + dot(v, v);
+        return dot(missed, missed) <= 1e-24 * squares && std::fabs(dot(u, v)) <= 1e-12 * squares;
+    }
+
+    std::optional<HarmonicCoordinates<double, 2>> coordinates_; ///< none for a rectangle, which has:
     Vec<double, 2> origin_{};
     std::array<Vec<double, 2>, 2> sides_{}; ///< over their squared lengths
-    bool is_rectangle_ = false;
 };
 
 /// On a face with more than three corners the boundary data is the harmonic coordinates of the

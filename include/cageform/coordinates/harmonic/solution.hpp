@@ -160,9 +160,9 @@ struct OnlySolver {
         if constexpr (std::is_same_v<typename S::Problem, CageProblem<C>>) {
             return detail::make_functions<S, T>(problem, report, made);
         } else {
-            std::shared_ptr<const PlacedCage<C::dimension>> cage;
-            if (const Status status = place(*problem, cage); status != Status::ok) return status;
-            return detail::make_functions<S, T>(cage, report, made);
+            return on_placed_cage(*problem, [&](auto cage) {
+                return detail::make_functions<S, T>(std::move(cage), report, made);
+            });
         }
     }
 };

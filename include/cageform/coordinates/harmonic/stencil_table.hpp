@@ -21,10 +21,6 @@ public:
     std::size_t size() const noexcept { return ends_.size(); }
     void reserve(std::size_t count) { ends_.reserve(count); }
 
-    void add_node(std::uint32_t node) {
-        nodes_.push_back({node, 1.0});
-        end_stencil();
-    }
     /// Appends a stencil. `data` is the cage's BoundaryData.
     template <class Data>
     void add(const grid::CutStencil<D>& stencil, const Data& data) {
