@@ -5,6 +5,9 @@
 #include "../support/packed.hpp"
 
 #include <cageform/binding/bind.hpp>
+#include <cageform/binding/detail/row_pursuit.hpp>
+#include <cageform/binding/detail/stored_weights.hpp>
+#include <cageform/binding/detail/weight_loss.hpp>
 #include <cageform/binding/pack.hpp>
 #include <cageform/coordinates/mean_value.hpp>
 #include <cageform/core/threads.hpp>

@@ -1,6 +1,7 @@
 #include "../catch.hpp"
 #include "../support/cages.hpp"
 
+#include <cageform/cage/detail/facet_pairs.hpp>
 #include <cageform/cage/polygon.hpp>
 
 #include <algorithm>

@@ -2,6 +2,7 @@
 #include "../support/cages.hpp"
 #include "../support/larger.hpp"
 
+#include <cageform/cage/detail/loop_sides.hpp>
 #include <cageform/cage/polygon.hpp>
 
 #include <algorithm>

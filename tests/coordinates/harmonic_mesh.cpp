@@ -11,6 +11,7 @@
 #include <cageform/coordinates/mean_value.hpp>
 #include <cageform/coordinates/uniform_harmonic.hpp>
 #include <cageform/core/threads.hpp>
+#include <cageform/grid/lattice/simplex_boundary.hpp>
 
 namespace harmonic_mesh_tests {
 

@@ -10,6 +10,8 @@
 #include <cageform/coordinates/mean_value.hpp>
 #include <cageform/coordinates/uniform_harmonic.hpp>
 
+#include <optional>
+
 namespace polyhedral_tests {
 
 using namespace cageform_tests;
@@ -145,6 +147,7 @@ TEMPLATE_TEST_CASE("on a face the weights are those in its plane", "[coordinates
     REQUIRE(by_mean_value.status() == Status::ok);
     const bool seen = by_harmonic.status() == Status::ok; // of thin stars the grid may not see a corner
     if (!seen) REQUIRE(by_harmonic.status() == Status::grid_too_coarse);
+    std::vector<std::optional<cageform::HarmonicCoordinates<double, 2>>> in_plane(cage.face_count());
     std::size_t on_face = 0;
     for (std::size_t i = 0; i < points.size(); ++i) {
         const auto plane = cageform::detail::plane_of(cage, face_of[i]);
@@ -165,8 +168,12 @@ TEMPLATE_TEST_CASE("on a face the weights are those in its plane", "[coordinates
         }
         if (!seen || by_harmonic.states[i] != PointState::on_boundary) continue;
         // Faces are solved in their planes to 1e-5, whatever the resolution; rectangles are exact.
-        const cageform::HarmonicCoordinates<double, 2> in_plane(polygon, {.accuracy = 1e-5});
-        CHECK(difference(by_harmonic.rows[i], spread(in_plane)) <= 1e-5);
+        auto& face = in_plane[face_of[i]];
+        if (!face) {
+            face.emplace(polygon, HarmonicOptions{.accuracy = 1e-5});
+            REQUIRE(face->solve().status == Status::ok);
+        }
+        CHECK(difference(by_harmonic.rows[i], spread(*face)) <= 1e-5);
     }
     CHECK(on_face > points.size() / 2);
 }

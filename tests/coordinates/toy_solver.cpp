@@ -8,6 +8,7 @@
 #include "../support/weights.hpp"
 
 #include <cageform/binding/bind.hpp>
+#include <cageform/coordinates/harmonic/multigrid_solver.hpp>
 #include <cageform/core/threads.hpp>
 #include <cageform/papers/pyramid_solver.hpp>
 

@@ -94,7 +94,7 @@ TEST_CASE("progress never falls and ends with 1: made cages", "[core][running][p
     check_progress("make_cage, plane", [&](const Running& r) { return cageform::make_cage(drawn, {}, r); });
     const auto ball = sphere(1);
     check_progress("make_cage, space", [&](const Running& r) {
-        return cageform::make_cage(ball.vertices, ball.faces, {.vertices = 24}, r);
+        return cageform::make_cage(ball.vertices, ball.faces, {.vertices = 24, .margin = 0.1}, r);
     });
 }
 

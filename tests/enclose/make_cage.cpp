@@ -2,6 +2,7 @@
 
 #include "../catch.hpp"
 #include "../support/cages.hpp"
+#include "../support/effort.hpp"
 #include "../support/larger.hpp"
 
 #include <cageform/enclose/make_cage.hpp>
@@ -90,7 +91,7 @@ bool is_cage(const CageReport& report) {
 
 TEMPLATE_TEST_CASE("a cage holds its figure at the distance asked for", "[enclose][property]", float,
                    double) {
-    for (std::uint64_t seed = 0; seed < 12; ++seed) {
+    for (std::uint64_t seed = 0; seed < effort(12u, 4u); ++seed) {
         CAPTURE(seed);
         const auto figure = random_figure<TestType>(seed);
         MakeCageOptions options;
@@ -117,7 +118,7 @@ TEMPLATE_TEST_CASE("a cage holds its figure at the distance asked for", "[enclos
 }
 
 TEMPLATE_TEST_CASE("more vertices make a tighter cage", "[enclose][property]", float, double) {
-    for (std::uint64_t seed = 0; seed < 8; ++seed) {
+    for (std::uint64_t seed = 0; seed < effort(8u, 2u); ++seed) {
         CAPTURE(seed);
         const auto figure = random_figure<TestType>(seed);
         double before = std::numeric_limits<double>::infinity();
@@ -135,7 +136,7 @@ TEMPLATE_TEST_CASE("more vertices make a tighter cage", "[enclose][property]", f
 }
 
 TEMPLATE_TEST_CASE("a mirrored cage is its own image", "[enclose][property]", float, double) {
-    for (std::uint64_t seed = 0; seed < 12; ++seed) {
+    for (std::uint64_t seed = 0; seed < effort(12u, 4u); ++seed) {
         CAPTURE(seed);
         const auto figure = random_figure<TestType>(seed);
         MakeCageOptions options;

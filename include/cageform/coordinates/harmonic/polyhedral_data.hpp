@@ -9,7 +9,8 @@
 namespace cageform::inline CAGEFORM_ABI::detail {
 
 /// The functions of one face of a mesh, in its plane: bilinear on a rectangle, which is exact, else
-/// harmonic coordinates.
+/// harmonic coordinates. A template, so that only meshes of polygons compile a solver for the plane.
+template <class Plane>
 class HarmonicFace {
 public:
     HarmonicFace(const Polygon<double>& polygon, const HarmonicOptions& options) {
@@ -44,7 +45,7 @@ private:
         return dot(missed, missed) <= 1e-24 * squares && std::fabs(dot(u, v)) <= 1e-12 * squares;
     }
 
-    std::optional<HarmonicCoordinates<double, 2>> coordinates_; ///< none for a rectangle, which has:
+    std::optional<Plane> coordinates_; ///< none for a rectangle, which has:
     Vec<double, 2> origin_{};
     std::array<Vec<double, 2>, 2> sides_{}; ///< over their squared lengths
 };
@@ -61,9 +62,10 @@ struct HarmonicData<PolyhedralMesh<T>> {
             const HarmonicOptions in_plane{
                 .accuracy = options.resolution != 0 ? 1e-5 : (std::max)(0.25 * options.accuracy, 1e-5),
                 .memory_limit = options.memory_limit};
-            data = BoundaryData<3>(std::make_shared<const FaceCoordinates<HarmonicFace>>(
-                mesh, [&](const Polygon<double>& polygon) {
-                    HarmonicFace face(polygon, in_plane);
+            using Face = HarmonicFace<HarmonicCoordinates<double, 2>>;
+            data = BoundaryData<3>(
+                std::make_shared<const FaceCoordinates<Face>>(mesh, [&](const Polygon<double>& polygon) {
+                    Face face(polygon, in_plane);
                     const Status status = face.solve();
                     if (solved == Status::ok) solved = status;
                     return face;
