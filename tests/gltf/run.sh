@@ -128,6 +128,9 @@ cat log
 "$playback" --at character.obj green.glb 1 posed_mean-value.obj >log 2>&1 && report no "the second reader sees another type" || report yes other
 
 # ---- other shapes of input, for the validator ----
+# The first vertices of the character: a search for enough joints takes seconds there.
+awk -v n=800 '$1 == "v" { if (++v <= n) print; next } $1 == "vn" { if (++m <= n) print; next }
+  $1 == "f" { for (k = 2; k <= 4; k++) { split($k, a, "/"); if (a[1] > n || a[3] > n) next } } { print }' character.obj >part.obj
 # shellcheck disable=SC2086
 {
   works "harmonic, no motion" "$export" character.obj $cage --skin 5 --resolution 32 -o still.glb
@@ -136,11 +139,11 @@ cat log
   says 'off by at most '
   says 'edges by at most '
   says 'poses of the motion'
-  works "as many joints as a distance takes" "$export" character.obj $cage $clip --coordinates mean-value --max-distance 0.02 --report -o near.glb
+  works "as many joints as a distance takes" "$export" part.obj $cage $clip --coordinates mean-value --max-distance 0.012 --report -o near.glb
   says 'skin: 8 weights at most'
-  refuses 'a skin of 16 joints per vertex is off by at most' "$export" character.obj $cage $clip --coordinates mean-value --max-distance 0.0001 -o out.glb
-  refuses 'not even --skin 16 is enough' "$export" character.obj $cage $clip --coordinates mean-value --skin 4 --max-distance 0.001 --weights unorm8 -o out.glb
-  refuses '--skin 8 is enough' "$export" character.obj $cage $clip --coordinates mean-value --skin 4 --max-distance 0.02 -o out.glb
+  refuses 'a skin of 16 joints per vertex is off by at most' "$export" part.obj $cage $clip --coordinates mean-value --max-distance 0.0001 -o out.glb
+  refuses 'not even --skin 16 is enough' "$export" part.obj $cage $clip --coordinates mean-value --skin 4 --max-distance 0.001 --weights unorm8 -o out.glb
+  refuses '--skin 8 is enough' "$export" part.obj $cage $clip --coordinates mean-value --skin 4 --max-distance 0.012 -o out.glb
   refuses '--morph' "$export" character.obj $cage $clip --morph --max-distance 0.1 -o out.glb
   refuses '--max-distance' "$export" character.obj $cage $clip --max-distance 2 -o out.glb
   works "few joints without a distance" "$export" character.obj $cage $clip --coordinates mean-value --skin 4 -o few.glb
@@ -208,7 +211,7 @@ works "materials of a posed file" "$programs/deform_mesh" parts.obj --cage box.o
 says 'note: posed/parts.obj names its materials as parts.obj does: "parts.mtl"'
 grep -q '^mtllib parts.mtl' posed/parts.obj && report yes mtllib || report no "groups and materials stay"
 works "a cage that is made" "$export" parts.obj --cage hull:20 --bend all:zx,1,3,40 --skin 8 -o made.glb
-works "a cage that is made, packed" "$programs/bind_mesh" parts.obj --cage hull:20 --bend all:zx,1,3,40 -o made.figure
+works "a cage that is made, packed" "$programs/bind_mesh" parts.obj --cage box --bend all:zx,1,3,40 -o made.figure
 refuses 'a box has 8 vertices' "$export" parts.obj --cage box:9 --skin 8 -o out.glb
 refuses 'give only one of --clip, --pose, and operations' "$export" parts.obj --cage box.obj --pose box_pose.obj --twist all:z,0,4,40 --skin 8 -o out.glb
 
