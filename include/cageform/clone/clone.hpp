@@ -39,9 +39,11 @@ Status clone(const B& binding, const Pose& pose, Out&& out,
     const auto view = detail::view_of(binding);
     const Status status = detail::check_clone(view, pose, out, options);
     if (status != Status::ok) return status;
-    auto&& target = detail::as_target<typename B::scalar, B::dimension>(out);
-    const detail::BlockCloner cloner(view, pose, target, options);
-    parallel_for(block_count<typename B::scalar>(view.point_count()), detail::clone_grain,
+    using T = typename B::scalar;
+    auto&& source = detail::as_strided<const T, B::dimension>(pose);
+    auto&& target = detail::as_strided<T, B::dimension>(out);
+    const detail::BlockCloner cloner(view, source, target, options);
+    parallel_for(block_count<T>(view.point_count()), detail::clone_grain,
                  [&](std::size_t begin, std::size_t end) { cloner.run(begin, end); });
     return Status::ok;
 }

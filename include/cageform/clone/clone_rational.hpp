@@ -86,7 +86,7 @@ Status clone_rational(const B& binding, const Pose& pose, std::span<const typena
     if (status != Status::ok) return status;
     if (!(range.least < range.most)) return clone(view, pose, out, {}, parallel_for);
 
-    auto&& target = detail::as_target<T, D>(out);
+    auto&& target = detail::as_strided<T, D>(out);
     using Target = detail::RationalTarget<T, D, std::remove_reference_t<decltype(target)>>;
     const PackedBindingView<T, D> packed(view);
     const Vec<T, D> middle = detail::middle_of<T, D>(pose, view.handle_count());

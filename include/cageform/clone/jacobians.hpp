@@ -59,11 +59,13 @@ noexcept {
         const Status status = detail::check_clone(view, pose, jacobians.column(0));
         if (status != Status::ok) return status;
     }
-    const std::size_t blocks = block_count<typename B::scalar>(views[0].point_count());
+    using T = typename B::scalar;
+    auto&& source = detail::as_strided<const T, B::dimension>(pose);
+    const std::size_t blocks = block_count<T>(views[0].point_count());
     parallel_for(blocks, detail::clone_grain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t k = 0; k < D; ++k) {
             auto column = jacobians.column(k);
-            detail::BlockCloner(views[k], pose, column, {}).run(begin, end);
+            detail::BlockCloner(views[k], source, column, {}).run(begin, end);
         }
     });
     return Status::ok;

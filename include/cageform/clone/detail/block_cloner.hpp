@@ -158,4 +158,22 @@ private:
     PoseDisplacements<T, D, Pose> displacements_;
 };
 
+/// The cloner of poses and figures whose numbers lie at regular distances.
+template <class View>
+using StridedCloner = BlockCloner<View, StridedPoints<const typename View::scalar, View::dimension>,
+                                  StridedPoints<typename View::scalar, View::dimension>>;
+
+#if defined(CAGEFORM_COMPILED) // these are in the library, optimised whatever the program is
+extern template void StridedCloner<BindingView<float, 2>>::run(std::size_t, std::size_t) const noexcept;
+extern template void StridedCloner<BindingView<float, 3>>::run(std::size_t, std::size_t) const noexcept;
+extern template void StridedCloner<BindingView<double, 2>>::run(std::size_t, std::size_t) const noexcept;
+extern template void StridedCloner<BindingView<double, 3>>::run(std::size_t, std::size_t) const noexcept;
+extern template void StridedCloner<PackedBindingView<float, 2>>::run(std::size_t, std::size_t) const noexcept;
+extern template void StridedCloner<PackedBindingView<float, 3>>::run(std::size_t, std::size_t) const noexcept;
+extern template void StridedCloner<PackedBindingView<double, 2>>::run(std::size_t,
+                                                                      std::size_t) const noexcept;
+extern template void StridedCloner<PackedBindingView<double, 3>>::run(std::size_t,
+                                                                      std::size_t) const noexcept;
+#endif
+
 } // namespace cageform::inline CAGEFORM_ABI::detail

@@ -93,18 +93,20 @@ template <class P, class T, std::size_t D>
 inline constexpr bool is_plain_point =
     std::is_same_v<P, Vec<T, D>> || std::is_same_v<P, std::array<T, D>> || std::is_same_v<P, T[D]>;
 
-/// Returns a range as a clone writes to it. Contiguous numbers are viewed as StridedPoints,
-/// whatever their type, so that they share code.
-template <Scalar T, std::size_t D, class Out>
-decltype(auto) as_target(Out& out) noexcept {
+/// Returns a range as a clone reads it (`Number` is const) or writes it. Contiguous numbers are viewed
+/// as StridedPoints, whatever their type, so that they share code.
+template <class Number, std::size_t D, class Points>
+decltype(auto) as_strided(Points& points) noexcept {
     if constexpr (requires {
-                      requires is_plain_point<std::remove_pointer_t<decltype(std::data(out))>, T, D>;
+                      requires is_plain_point<
+                          std::remove_const_t<std::remove_pointer_t<decltype(std::data(points))>>,
+                          std::remove_const_t<Number>, D>;
                   }) {
-        return StridedPoints<T, D>(reinterpret_cast<T*>(std::data(out)), std::size(out));
-    } else if constexpr (std::is_same_v<const Out, const StridedPoints<T, D>>) {
-        return StridedPoints<T, D>(out);
+        return StridedPoints<Number, D>(reinterpret_cast<Number*>(std::data(points)), std::size(points));
+    } else if constexpr (std::is_same_v<const Points, const StridedPoints<Number, D>>) {
+        return StridedPoints<Number, D>(points);
     } else {
-        return (out);
+        return (points);
     }
 }
 

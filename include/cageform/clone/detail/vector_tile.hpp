@@ -33,7 +33,8 @@ public:
         // Written axis by axis. The view begins where point 0 would be if it were in the tile.
         StridedPoints<T, D> tile(moved_[0][0].v - begin * lane_count<T>, view.point_count(), sizeof(T),
                                  sizeof(moved_[0]));
-        BlockCloner(view, pose, tile, {}).run(begin, end);
+        auto&& source = as_strided<const T, D>(pose);
+        BlockCloner(view, source, tile, {}).run(begin, end);
         rest_ = PackedBindingView<T, D>(view).rest;
         first_ = begin;
     }
