@@ -89,14 +89,16 @@ TEST_CASE("adaptive weights are as accurate as asked, in space", "[coordinates][
             CHECK(error_of_oracle("l_prism_triangulated", angle, accuracy) <= 1.5 * accuracy);
         }
     }
+#if !defined(CAGEFORM_SANITIZED) // a minute there, and the same code
     for (const char* name : {"cube_triangulated", "box_mixed_diagonals_triangulated", "l_prism_triangulated"})
-        CHECK(error_of_oracle(name, 0, effort(2e-4, 2e-3)) <= effort(2e-4, 2e-3));
+        CHECK(error_of_oracle(name, 0, 2e-4) <= 2e-4);
+#endif
 }
 // Tests a large cage with a small part: 762 handles, fingers 1.7 thick on a body of 180. Reference
 // values come from walks on spheres, to 2.5e-4.
 TEST_CASE("adaptive weights see fingers", "[coordinates][harmonic][tree][oracle]") {
     const Fingers fingers(CAGEFORM_TEST_DATA "/fingers");
-    constexpr double accuracy = effort(5e-3, 2e-2);
+    constexpr double accuracy = 5e-3;
     const auto error = largest_error(fingers.cage(), fingers.points, fingers.weights, accuracy);
     CHECK(error <= accuracy);
 }
