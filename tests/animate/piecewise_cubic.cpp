@@ -134,8 +134,8 @@ TEST_CASE("slopes are limits of differences", "[animate][piecewise_cubic][proper
     }
 }
 
-TEMPLATE_TEST_CASE("values at many times are those at each", "[animate][piecewise_cubic][property]", float,
-                   double) {
+TEMPLATE_TEST_CASE("values at many times are those at each", "[animate][piecewise_cubic][property]",
+                   CAGEFORM_SCALARS) {
     using T = TestType;
     const auto seed = GENERATE(seeds(60));
     CAPTURE(seed);

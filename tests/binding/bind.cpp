@@ -238,8 +238,8 @@ static_assert(cageform::CageCoordinates<AreaCoordinates> && cageform::CageCoordi
 
 } // namespace
 
-TEMPLATE_TEST_CASE("bind returns the cage's own status and an empty binding", "[binding][status]", float,
-                   double) {
+TEMPLATE_TEST_CASE("bind returns the cage's own status and an empty binding", "[binding][status]",
+                   CAGEFORM_SCALARS) {
     using T = TestType;
     const auto status_of = [](const auto& coordinates) {
         const auto result = cageform::bind(coordinates, Points2<T>{{1, 1}});
@@ -261,8 +261,8 @@ TEMPLATE_TEST_CASE("bind returns the cage's own status and an empty binding", "[
     CHECK(status_of(Bary<T>(Points2<T>{{0, 0}, {1, 1}, {3, 3}})) == Status::degenerate_simplex);
 }
 
-TEMPLATE_TEST_CASE("bind returns the solver's own status and an empty binding", "[binding][status]", float,
-                   double) {
+TEMPLATE_TEST_CASE("bind returns the solver's own status and an empty binding", "[binding][status]",
+                   CAGEFORM_SCALARS) {
     using T = TestType;
     const auto status_of = [](const cageform::HarmonicOptions& options) {
         const auto result = cageform::bind(Harmonic<T>(square<T>, options), Points2<T>{{1, 1}});
@@ -777,8 +777,8 @@ TEST_CASE("a user's own coordinate type binds", "[binding][concept]") {
     CHECK(with_corner[2] == points[2]);
 }
 
-TEMPLATE_TEST_CASE("a decorated coordinate type is repaired by linear precision", "[binding][concept]", float,
-                   double) {
+TEMPLATE_TEST_CASE("a decorated coordinate type is repaired by linear precision", "[binding][concept]",
+                   CAGEFORM_SCALARS) {
     using T = TestType;
     const auto seed = GENERATE(seeds(20));
     CAPTURE(seed);

@@ -103,7 +103,7 @@ void check_same(const cageform::PackedBinding<T, D>& separate, std::span<const s
 
 } // namespace
 
-TEMPLATE_TEST_CASE("a figure by one call has the bits of separate calls", "[figure]", float, double) {
+TEMPLATE_TEST_CASE("a figure by one call has the bits of separate calls", "[figure]", CAGEFORM_SCALARS) {
     using T = TestType;
     const auto seed = std::uint64_t(GENERATE(seeds(3)));
     CAPTURE(seed);
@@ -168,7 +168,7 @@ TEMPLATE_TEST_CASE("a figure by one call has the bits of separate calls", "[figu
     }
 }
 
-TEMPLATE_TEST_CASE("in the plane a figure has one tangent", "[figure][plane]", float, double) {
+TEMPLATE_TEST_CASE("in the plane a figure has one tangent", "[figure][plane]", CAGEFORM_SCALARS) {
     using T = TestType;
     const auto seed = std::uint64_t(GENERATE(seeds(3)));
     CAPTURE(seed);

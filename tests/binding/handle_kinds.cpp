@@ -537,8 +537,8 @@ TEMPLATE_TEST_CASE("a pose that cannot be taken leaves the output alone; collaps
     CHECK(handles.back() == Vec<T, D>{});
 }
 
-TEMPLATE_TEST_CASE("the vector of a posed face is the formula's", "[handle_kinds][face_handle]", float,
-                   double) {
+TEMPLATE_TEST_CASE("the vector of a posed face is the formula's", "[handle_kinds][face_handle]",
+                   CAGEFORM_SCALARS) {
     using T = TestType;
     using Long = Vec<long double, 3>;
     for (std::uint64_t seed = 0; seed < 100; ++seed) {
@@ -569,7 +569,7 @@ TEMPLATE_TEST_CASE("the vector of a posed face is the formula's", "[handle_kinds
 }
 
 TEMPLATE_TEST_CASE("the vector of a face is a number, however thin it is or becomes",
-                   "[handle_kinds][face_handle]", float, double) {
+                   "[handle_kinds][face_handle]", CAGEFORM_SCALARS) {
     using T = TestType;
     using Face = std::array<Vec<T, 3>, 3>;
     std::size_t count = 0;

@@ -166,7 +166,7 @@ TEST_CASE("a cage or coordinates without the memory for them are empty and say s
 }
 
 TEMPLATE_TEST_CASE("coordinates that were moved from bind nothing, and say so, or go on", "[binding][status]",
-                   float, double) {
+                   CAGEFORM_SCALARS) {
     using T = TestType;
     const Points2<T> square{{0, 0}, {2, 0}, {2, 2}, {0, 2}}, points{{T(0.5), T(0.5)}};
     cageform::MeanValueCoordinates<T, 2> mean_value(square);

@@ -379,7 +379,7 @@ TEMPLATE_TEST_CASE("integers sum exactly and still fall", "[binding][skin_weight
 }
 
 TEMPLATE_TEST_CASE("skins of given weights keep the largest, which sum to one",
-                   "[binding][skin_weights][bones]", float, double) {
+                   "[binding][skin_weights][bones]", CAGEFORM_SCALARS) {
     using W = TestType;
     const auto seed = GENERATE(seeds(20));
     CAPTURE(seed);

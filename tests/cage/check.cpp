@@ -484,8 +484,8 @@ TEMPLATE_TEST_CASE("check agrees with brute force on integers", "[cage][check][p
     CHECK(crossing > 500);
 }
 
-TEMPLATE_TEST_CASE("check says the same of a cage scaled by a power of two", "[cage][check][property]", float,
-                   double) {
+TEMPLATE_TEST_CASE("check says the same of a cage scaled by a power of two", "[cage][check][property]",
+                   CAGEFORM_SCALARS) {
     const auto seed = GENERATE(seeds(40));
     CAPTURE(seed);
     Random random{std::uint64_t(seed)};
@@ -505,8 +505,8 @@ TEMPLATE_TEST_CASE("check says the same of a cage scaled by a power of two", "[c
     }
 }
 
-TEMPLATE_TEST_CASE("check says the same of a cage moved by a power of two", "[cage][check][property]", float,
-                   double) {
+TEMPLATE_TEST_CASE("check says the same of a cage moved by a power of two", "[cage][check][property]",
+                   CAGEFORM_SCALARS) {
     const auto seed = GENERATE(seeds(40));
     CAPTURE(seed);
     Random random{std::uint64_t(seed)};

@@ -61,7 +61,7 @@ void check_surround(std::uint64_t seed) {
 } // namespace
 
 TEMPLATE_TEST_CASE("surround puts sites on the sides of a box about all points", "[cage][control_points]",
-                   float, double) {
+                   CAGEFORM_SCALARS) {
     const auto seed = std::uint64_t(GENERATE(range(0, 10)));
     check_surround<TestType, 2>(seed);
     check_surround<TestType, 3>(seed);
@@ -85,7 +85,7 @@ TEST_CASE("surround refuses what has no box", "[cage][control_points][status]") 
 }
 
 TEMPLATE_TEST_CASE("figure points become sites once, and each knows its handle", "[cage][control_points]",
-                   float, double) {
+                   CAGEFORM_SCALARS) {
     using T = TestType;
     const auto seed = std::uint64_t(GENERATE(range(0, 20)));
     CAPTURE(seed);

@@ -68,8 +68,8 @@ T tolerance_of(const Polygon<T>& polygon) {
 
 } // namespace
 
-TEMPLATE_TEST_CASE("locate agrees with the angles that a cage turns", "[cage][inside][property]", float,
-                   double) {
+TEMPLATE_TEST_CASE("locate agrees with the angles that a cage turns", "[cage][inside][property]",
+                   CAGEFORM_SCALARS) {
     const auto seed = GENERATE(seeds(60));
     CAPTURE(seed);
     Random random{std::uint64_t(seed)};
@@ -117,8 +117,8 @@ TEMPLATE_TEST_CASE("locate: rays through vertices and along edges", "[cage][insi
     }
 }
 
-TEMPLATE_TEST_CASE("points on vertices and edges are on the boundary", "[cage][inside][property]", float,
-                   double) {
+TEMPLATE_TEST_CASE("points on vertices and edges are on the boundary", "[cage][inside][property]",
+                   CAGEFORM_SCALARS) {
     using T = TestType;
     const auto seed = GENERATE(seeds(60));
     CAPTURE(seed);
@@ -229,8 +229,8 @@ TEMPLATE_TEST_CASE("both ends of an edge are met exactly", "[cage][inside][prope
     });
 }
 
-TEMPLATE_TEST_CASE("nearest_on_boundary is the nearest of all edges", "[cage][inside][property]", float,
-                   double) {
+TEMPLATE_TEST_CASE("nearest_on_boundary is the nearest of all edges", "[cage][inside][property]",
+                   CAGEFORM_SCALARS) {
     using T = TestType;
     const auto seed = GENERATE(seeds(50));
     CAPTURE(seed);
@@ -252,8 +252,8 @@ TEMPLATE_TEST_CASE("nearest_on_boundary is the nearest of all edges", "[cage][in
     }
 }
 
-TEMPLATE_TEST_CASE("nearest_on_boundary has an answer for the farthest points", "[cage][inside]", float,
-                   double) {
+TEMPLATE_TEST_CASE("nearest_on_boundary has an answer for the farthest points", "[cage][inside]",
+                   CAGEFORM_SCALARS) {
     // Here the distance itself is beyond the numbers; the place must be one of the boundary all the same.
     using limits = std::numeric_limits<TestType>;
     const Polygon<TestType> cage(Points2<TestType>{{10, 10}, {12, 10}, {10, 13}});

@@ -139,8 +139,8 @@ TEST_CASE("the diagonal of a float cage does not overflow before its coordinates
     CHECK(std::fabs(small.diagonal() - 5e-30f) <= 4 * epsilon<float> * 5e-30f);
 }
 
-TEMPLATE_TEST_CASE("the signed area is the sum of the shoelaces", "[cage][polygon][property]", float,
-                   double) {
+TEMPLATE_TEST_CASE("the signed area is the sum of the shoelaces", "[cage][polygon][property]",
+                   CAGEFORM_SCALARS) {
     const auto seed = GENERATE(seeds(50));
     CAPTURE(seed);
     auto points = random_star<TestType>(std::uint64_t(seed));

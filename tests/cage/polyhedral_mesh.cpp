@@ -53,7 +53,7 @@ TEST_CASE("a polygon is cut into triangles that have an area", "[cage][polyhedra
 }
 
 TEMPLATE_TEST_CASE("prisms over stars are sound, whatever vertices lie on their edges", "[cage][polyhedral]",
-                   float, double) {
+                   CAGEFORM_SCALARS) {
     const auto seed = GENERATE(range<std::uint64_t>(0, 60));
     CAPTURE(seed);
     const auto data = random_prism(seed);

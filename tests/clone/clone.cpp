@@ -415,8 +415,8 @@ TEST_CASE("the output may have another scalar than the binding", "[clone][ranges
     for (std::size_t i = 0; i < 19; ++i) CHECK(out[i] == cageform::vec_cast<float>(expected[i]));
 }
 
-TEMPLATE_TEST_CASE("threads, and ranges cut anywhere, give the same bits", "[clone][threads]", float,
-                   double) {
+TEMPLATE_TEST_CASE("threads, and ranges cut anywhere, give the same bits", "[clone][threads]",
+                   CAGEFORM_SCALARS) {
     using T = TestType;
     const auto binding = random_binding<T, 3>(12345, 300, 15);
     const auto pose = random_points<T, 3>(300, 10, 16);

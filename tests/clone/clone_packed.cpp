@@ -126,8 +126,8 @@ TEMPLATE_TEST_CASE("packed bindings at rest give the bound points bit for bit", 
     }
 }
 
-TEMPLATE_TEST_CASE("a mask scales displacements, and clones onto an output add up", "[clone][mask]", float,
-                   double) {
+TEMPLATE_TEST_CASE("a mask scales displacements, and clones onto an output add up", "[clone][mask]",
+                   CAGEFORM_SCALARS) {
     using T = TestType;
     const std::size_t points = GENERATE(1u, 16u, 37u);
     const auto binding = random_binding<T, 3>(points, 20, 25);

@@ -160,8 +160,8 @@ TEST_CASE("normals are those of the deformed surface, harmonic", "[clone][normal
     CHECK(worst_angle(coordinates, 0.05, 0.15, seed) <= effort(0.1, 0.4)); // of order h²
 }
 
-TEMPLATE_TEST_CASE("affine poses move normals by the cofactor matrix", "[clone][normals][affine]", float,
-                   double) {
+TEMPLATE_TEST_CASE("affine poses move normals by the cofactor matrix", "[clone][normals][affine]",
+                   CAGEFORM_SCALARS) {
     using T = TestType;
     const auto seed = std::uint64_t(GENERATE(seeds(10)));
     CAPTURE(seed);
@@ -246,8 +246,8 @@ TEST_CASE("normals in the plane are those of deformed curves", "[clone][normals]
     for (std::size_t i = 0; i < points.size(); ++i) CHECK(distance(found[i], normals[i]) <= 1e-15);
 }
 
-TEMPLATE_TEST_CASE("where there is no normal that at rest is given", "[clone][normals][degenerate]", float,
-                   double) {
+TEMPLATE_TEST_CASE("where there is no normal that at rest is given", "[clone][normals][degenerate]",
+                   CAGEFORM_SCALARS) {
     using T = TestType;
     const auto mesh = random_mesh(6).mesh<T>();
     const Mean3<T> coordinates(mesh);

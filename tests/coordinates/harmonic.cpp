@@ -113,8 +113,8 @@ TEMPLATE_TEST_CASE("harmonic weights come near the oracle as the grid becomes fi
     }
 }
 
-TEMPLATE_TEST_CASE("harmonic weights are in [0, 1] and sum to 1", "[coordinates][harmonic][property]", float,
-                   double) {
+TEMPLATE_TEST_CASE("harmonic weights are in [0, 1] and sum to 1", "[coordinates][harmonic][property]",
+                   CAGEFORM_SCALARS) {
     using T = TestType;
     const auto seed = GENERATE(seeds(effort(20, 5)));
     const auto interpolation = GENERATE(Interpolation::nearest_cell, Interpolation::multilinear);

@@ -204,8 +204,8 @@ TEST_CASE("float weights of thousands of vertices sum to 1", "[coordinates][mean
         CHECK(std::fabs(double(sum_of(row) - 1)) <= 12 * double(epsilon<float>) * absolute_sum(row));
 }
 
-TEMPLATE_TEST_CASE("mean value weights reproduce points far outside", "[coordinates][mean_value][far]", float,
-                   double) {
+TEMPLATE_TEST_CASE("mean value weights reproduce points far outside", "[coordinates][mean_value][far]",
+                   CAGEFORM_SCALARS) {
     using T = TestType;
     const auto seed = GENERATE(seeds(effort(50, 10)));
     CAPTURE(seed);
@@ -372,8 +372,8 @@ TEST_CASE("mean value weights have a continuous derivative", "[coordinates][mean
     REQUIRE(tested >= 15);
 }
 
-TEMPLATE_TEST_CASE("mean value states are those of locate", "[coordinates][mean_value][state]", float,
-                   double) {
+TEMPLATE_TEST_CASE("mean value states are those of locate", "[coordinates][mean_value][state]",
+                   CAGEFORM_SCALARS) {
     using T = TestType;
     const auto seed = GENERATE(seeds(effort(40, 8)));
     CAPTURE(seed);

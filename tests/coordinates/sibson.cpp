@@ -656,7 +656,7 @@ struct Disturbed {
 };
 
 TEMPLATE_TEST_CASE("where bind restores linear precision local zeros stay zeros",
-                   "[coordinates][sibson][property]", float, double) {
+                   "[coordinates][sibson][property]", CAGEFORM_SCALARS) {
     using T = TestType;
     const auto seed = std::uint64_t(GENERATE(range(0, 4)));
     CAPTURE(seed);
@@ -941,8 +941,8 @@ TEST_CASE("sibson has linear precision in thin sets, and in ones as small as the
     for (std::size_t i = 0; i < 3; ++i) CHECK(units[i][i] == 1);
 }
 
-TEMPLATE_TEST_CASE("tips pose a site's neighbourhood by a frame", "[coordinates][sibson][property]", float,
-                   double) {
+TEMPLATE_TEST_CASE("tips pose a site's neighbourhood by a frame", "[coordinates][sibson][property]",
+                   CAGEFORM_SCALARS) {
     using T = TestType;
     const auto seed = std::uint64_t(GENERATE(range(0, 4)));
     CAPTURE(seed);

@@ -38,8 +38,8 @@ TEMPLATE_TEST_CASE("blocks hold all points and none too many", "[core][blocks]",
     }
 }
 
-TEMPLATE_TEST_CASE("a block view puts rows of a block side by side", "[core][blocks][property]", float,
-                   double) {
+TEMPLATE_TEST_CASE("a block view puts rows of a block side by side", "[core][blocks][property]",
+                   CAGEFORM_SCALARS) {
     const auto seed = GENERATE(seeds(30));
     CAPTURE(seed);
     Random random{std::uint64_t(seed)};

@@ -89,8 +89,8 @@ bool is_cage(const CageReport& report) {
                        [](const CageFault& fault) { return fault.kind == CageFaultKind::collinear_vertex; });
 }
 
-TEMPLATE_TEST_CASE("a cage holds its figure at the distance asked for", "[enclose][property]", float,
-                   double) {
+TEMPLATE_TEST_CASE("a cage holds its figure at the distance asked for", "[enclose][property]",
+                   CAGEFORM_SCALARS) {
     for (std::uint64_t seed = 0; seed < effort(12u, 4u); ++seed) {
         CAPTURE(seed);
         const auto figure = random_figure<TestType>(seed);
@@ -117,7 +117,7 @@ TEMPLATE_TEST_CASE("a cage holds its figure at the distance asked for", "[enclos
     }
 }
 
-TEMPLATE_TEST_CASE("more vertices make a tighter cage", "[enclose][property]", float, double) {
+TEMPLATE_TEST_CASE("more vertices make a tighter cage", "[enclose][property]", CAGEFORM_SCALARS) {
     for (std::uint64_t seed = 0; seed < effort(8u, 2u); ++seed) {
         CAPTURE(seed);
         const auto figure = random_figure<TestType>(seed);
@@ -135,7 +135,7 @@ TEMPLATE_TEST_CASE("more vertices make a tighter cage", "[enclose][property]", f
     }
 }
 
-TEMPLATE_TEST_CASE("a mirrored cage is its own image", "[enclose][property]", float, double) {
+TEMPLATE_TEST_CASE("a mirrored cage is its own image", "[enclose][property]", CAGEFORM_SCALARS) {
     for (std::uint64_t seed = 0; seed < effort(12u, 4u); ++seed) {
         CAPTURE(seed);
         const auto figure = random_figure<TestType>(seed);
@@ -379,7 +379,7 @@ TEST_CASE("holes stay where they are asked for and nothing is painted", "[enclos
     CHECK(solid.value.loops().size() == 1);
 }
 
-TEMPLATE_TEST_CASE("what cannot be enclosed is named", "[enclose][error]", float, double) {
+TEMPLATE_TEST_CASE("what cannot be enclosed is named", "[enclose][error]", CAGEFORM_SCALARS) {
     using Segments = Figure<TestType>;
     const TestType nan = std::numeric_limits<TestType>::quiet_NaN(),
                    huge = std::numeric_limits<TestType>::max();

@@ -109,8 +109,8 @@ double sampled_clearance(const TriangleMesh<T>& cage, const Figure<T>& figure) {
     return least;
 }
 
-TEMPLATE_TEST_CASE("a cage in space holds its figure at the distance asked for", "[enclose][property]", float,
-                   double) {
+TEMPLATE_TEST_CASE("a cage in space holds its figure at the distance asked for", "[enclose][property]",
+                   CAGEFORM_SCALARS) {
     constexpr std::uint64_t first = std::is_same_v<TestType, float> ? 0 : 2;
     for (std::uint64_t seed = first; seed < first + 2; ++seed) {
         CAPTURE(seed);
@@ -214,7 +214,7 @@ TEST_CASE("balls apart: one cage with bridges, or a shell for each", "[enclose]"
     CHECK(sampled_clearance(each.value, figure) > 0.9 * each.report.margin);
 }
 
-TEMPLATE_TEST_CASE("a mirrored cage in space is its own image", "[enclose][property]", float, double) {
+TEMPLATE_TEST_CASE("a mirrored cage in space is its own image", "[enclose][property]", CAGEFORM_SCALARS) {
     for (const std::size_t axis : {0u, 1u, 2u}) {
         CAPTURE(axis);
         const auto figure = random_soup<TestType>(7);
@@ -284,7 +284,7 @@ TEST_CASE("a cage in space follows its figure, moved and scaled by powers of two
     CHECK(std::ranges::equal(made.value.faces(), other.value.faces()));
 }
 
-TEMPLATE_TEST_CASE("what cannot be enclosed in space is named", "[enclose][error]", float, double) {
+TEMPLATE_TEST_CASE("what cannot be enclosed in space is named", "[enclose][error]", CAGEFORM_SCALARS) {
     using Solid = Figure<TestType>;
     const TestType nan = std::numeric_limits<TestType>::quiet_NaN(),
                    huge = std::numeric_limits<TestType>::max();

@@ -92,7 +92,7 @@ struct RandomGraph {
 
 } // namespace
 
-TEMPLATE_TEST_CASE("solve_graph: the exact puzzles", "[grid][puzzle][oracle]", float, double) {
+TEMPLATE_TEST_CASE("solve_graph: the exact puzzles", "[grid][puzzle][oracle]", CAGEFORM_SCALARS) {
     std::size_t unknown = 0;
     const auto cases = cageform_tests::read_json("puzzles");
     for (const auto& puzzle : cases.at("puzzles")) {

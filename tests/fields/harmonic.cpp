@@ -128,7 +128,7 @@ double difference(std::span<const double> a, std::span<const double> b) {
 
 } // namespace
 
-TEMPLATE_TEST_CASE("solve_surface: reference values", "[surface][oracle]", float, double) {
+TEMPLATE_TEST_CASE("solve_surface: reference values", "[surface][oracle]", CAGEFORM_SCALARS) {
     std::size_t cases = 0;
     const auto file = cageform_tests::read_json("surface");
     for (const auto& json : file.at("cases")) {

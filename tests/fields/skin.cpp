@@ -60,7 +60,7 @@ double largest_difference(std::span<const double> a, std::span<const double> b) 
 
 } // namespace
 
-TEMPLATE_TEST_CASE("bone_heat: reference values", "[surface][skin][oracle]", float, double) {
+TEMPLATE_TEST_CASE("bone_heat: reference values", "[surface][skin][oracle]", CAGEFORM_SCALARS) {
     MeshData mesh;
     std::size_t checked = 0;
     const auto file = cageform_tests::read_json("surface");

@@ -191,8 +191,8 @@ void check_solution(const Problem<T, D>& problem, Stencil stencil, const std::ve
 
 // ---- reference values --------------------------------------------------------------------------
 
-TEMPLATE_TEST_CASE("the solver gives the exact fractions of small grids", "[grid][averaging_pyramid]", float,
-                   double) {
+TEMPLATE_TEST_CASE("the solver gives the exact fractions of small grids", "[grid][averaging_pyramid]",
+                   CAGEFORM_SCALARS) {
     using T = TestType;
     const auto json = cageform_tests::read_json("discrete_dirichlet_grids");
     REQUIRE(json["grids"].size() >= 11);
@@ -228,8 +228,8 @@ TEMPLATE_TEST_CASE("the solver gives the exact fractions of small grids", "[grid
     }
 }
 
-TEMPLATE_TEST_CASE("the solver agrees with elimination", "[grid][averaging_pyramid][property]", float,
-                   double) {
+TEMPLATE_TEST_CASE("the solver agrees with elimination", "[grid][averaging_pyramid][property]",
+                   CAGEFORM_SCALARS) {
     const auto seed = GENERATE(seeds(25));
     CAPTURE(seed);
     Random random{std::uint64_t(seed)};
@@ -256,8 +256,8 @@ TEMPLATE_TEST_CASE("the solver agrees with elimination", "[grid][averaging_pyram
 
 // ---- laws --------------------------------------------------------------------------------------
 
-TEMPLATE_TEST_CASE("every iterate obeys the maximum principle", "[grid][averaging_pyramid][property]", float,
-                   double) {
+TEMPLATE_TEST_CASE("every iterate obeys the maximum principle", "[grid][averaging_pyramid][property]",
+                   CAGEFORM_SCALARS) {
     const auto seed = GENERATE(seeds(40));
     CAPTURE(seed);
     Random random{std::uint64_t(seed)};
@@ -421,8 +421,8 @@ TEMPLATE_TEST_CASE("constant data gives a constant", "[grid][averaging_pyramid]"
     }
 }
 
-TEMPLATE_TEST_CASE("a pyramid ends where one level ends, sooner", "[grid][averaging_pyramid]", float,
-                   double) {
+TEMPLATE_TEST_CASE("a pyramid ends where one level ends, sooner", "[grid][averaging_pyramid]",
+                   CAGEFORM_SCALARS) {
     using T = TestType;
     for (const auto stencil : {Stencil::face_neighbours, Stencil::all_neighbours}) {
         for (const std::size_t n : {32u, 37u}) { // a power of two, and a side that is odd on every level
@@ -529,8 +529,8 @@ TEST_CASE("what a coarser grid pushes is a good first guess", "[grid][averaging_
     CHECK((pyramid.values == guessed.values));
 }
 
-TEMPLATE_TEST_CASE("cells beyond the grid are mirrored", "[grid][averaging_pyramid][property]", float,
-                   double) {
+TEMPLATE_TEST_CASE("cells beyond the grid are mirrored", "[grid][averaging_pyramid][property]",
+                   CAGEFORM_SCALARS) {
     using T = TestType;
     const auto seed = GENERATE(seeds(15));
     CAPTURE(seed);
@@ -672,8 +672,8 @@ TEMPLATE_TEST_CASE("mean_change is the mean over the unknowns of the last sweep"
     }
 }
 
-TEMPLATE_TEST_CASE("a solve can be cancelled and leaves no trace", "[grid][averaging_pyramid]", float,
-                   double) {
+TEMPLATE_TEST_CASE("a solve can be cancelled and leaves no trace", "[grid][averaging_pyramid]",
+                   CAGEFORM_SCALARS) {
     using T = TestType;
     auto problem = all_interior<T, 2>({200, 200});
     for (std::size_t c = 0; c < problem.tags.size(); ++c) {
@@ -697,8 +697,8 @@ TEMPLATE_TEST_CASE("a solve can be cancelled and leaves no trace", "[grid][avera
     }
 }
 
-TEMPLATE_TEST_CASE("problems without fixed or without unknown cells", "[grid][averaging_pyramid]", float,
-                   double) {
+TEMPLATE_TEST_CASE("problems without fixed or without unknown cells", "[grid][averaging_pyramid]",
+                   CAGEFORM_SCALARS) {
     using T = TestType;
     SECTION("no fixed cell: the value the sweeps start from") {
         for (const std::size_t coarsest : {1u, 1000u}) {

@@ -320,8 +320,8 @@ TEMPLATE_TEST_CASE("rasterise: rings of random stars", "[grid][rasterise][proper
         check_domain(ring, rasterise(ring, lattice_about(bounds_of(ring.vertices()), resolution)));
 }
 
-TEMPLATE_TEST_CASE("rasterise: walls thinner than a cell keep both sides apart", "[grid][rasterise]", float,
-                   double) {
+TEMPLATE_TEST_CASE("rasterise: walls thinner than a cell keep both sides apart", "[grid][rasterise]",
+                   CAGEFORM_SCALARS) {
     using T = TestType;
     // Two chambers joined at the bottom; the wall between them, of the exterior, is an eighth of a cell.
     const T left = T(9.5);

@@ -198,8 +198,8 @@ TEMPLATE_TEST_CASE("sampling is the sum of hats, scaled where cells are left out
     check_against_hats<TestType, 3>(random);
 }
 
-TEMPLATE_TEST_CASE("nearest_cell takes the cell that holds the point", "[grid][sample][property]", float,
-                   double) {
+TEMPLATE_TEST_CASE("nearest_cell takes the cell that holds the point", "[grid][sample][property]",
+                   CAGEFORM_SCALARS) {
     const auto seed = GENERATE(seeds(20));
     CAPTURE(seed);
     Random random{std::uint64_t(seed)};
@@ -242,8 +242,8 @@ TEMPLATE_TEST_CASE("there is nothing to sample outside the lattice", "[grid][sam
     }
 }
 
-TEMPLATE_TEST_CASE("a lattice one cell wide is sampled along the other axis", "[grid][sample]", float,
-                   double) {
+TEMPLATE_TEST_CASE("a lattice one cell wide is sampled along the other axis", "[grid][sample]",
+                   CAGEFORM_SCALARS) {
     Lattice<TestType, 2> lattice;
     lattice.cells = {3, 1};
     const std::vector<CellTag> tags(3, CellTag::interior);
