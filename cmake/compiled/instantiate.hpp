@@ -6,6 +6,9 @@
 #error "these files are for the CMake target cageform_compiled"
 #endif
 
+// Function templates of the library have no constraints: clang from 18 on encodes these in the names of
+// symbols, g++ 12 does not, and a program by one could not link a library by the other.
+
 // Every instantiation is part of the interface of a shared library; all else is hidden.
 #if defined(__GNUC__)
 #define CAGEFORM_COMPILE template __attribute__((visibility("default")))

@@ -229,7 +229,7 @@ PointState locate(const CellComplex<T, D>& cage, const Vec<T, D>& p, T tolerance
 /// edges and faces. Bones must have a positive radius, keep that distance from the boundary and
 /// from facets, share vertices only with other bones, and not reach the far ends of these. O(cells
 /// · (cells + facets of the boundary)).
-template <Scalar T, std::size_t D>
+template <class T, std::size_t D>
 CageReport check(const CellComplex<T, D>& cage);
 
 } // namespace cageform::inline CAGEFORM_ABI

@@ -187,7 +187,7 @@ PointState locate(const Polygon<T>& polygon, const Vec<T, 2>& p, T tolerance) no
 /// consecutive vertices are apart, and no two edges touch except neighbours at their common vertex.
 /// Vertices are apart if their distance exceeds the cage's coincidence_tolerance. Usually O(#V log
 /// #V), O(#V²) at worst.
-template <Scalar T>
+template <class T>
 CageReport check(const Polygon<T>& polygon);
 
 } // namespace cageform::inline CAGEFORM_ABI

@@ -146,7 +146,7 @@ BoundaryValue<3> nearest_boundary_value(const PolyhedralMesh<T>& mesh, const Vec
 /// finite, lie in one plane (see off_plane) and form a simple polygon; the other conditions are
 /// those of a TriangleMesh. Faults name faces by number. Costs as much as for a TriangleMesh, plus
 /// O(m log m) for a face of m corners, O(m²) at worst.
-template <Scalar T>
+template <class T>
 CageReport check(const PolyhedralMesh<T>& mesh);
 
 } // namespace cageform::inline CAGEFORM_ABI

@@ -141,7 +141,7 @@ PointState locate(const TriangleMesh<T>& mesh, const Vec<T, 3>& p, T tolerance) 
 /// must lie between two faces that run along it in opposite directions (including faces that close
 /// a small gap). The faces around a vertex must form one fan, and no two faces may pass through
 /// each other. Usually O(#F log #F), O(#F²) at worst.
-template <Scalar T>
+template <class T>
 CageReport check(const TriangleMesh<T>& mesh);
 
 } // namespace cageform::inline CAGEFORM_ABI

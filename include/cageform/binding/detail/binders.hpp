@@ -11,12 +11,12 @@
 namespace cageform::inline CAGEFORM_ABI::detail {
 
 /// Binds points, into the memory of a binding that is no longer needed.
-template <Scalar T, std::size_t D>
+template <class T, std::size_t D>
 Result<Binding<T, D>, BindReport> bind_points(const BindInput<T, D>& input, const BindOptions& options,
                                               Binding<T, D>&& recycled, const Running& running);
 
 /// Binds families of vectors, one binding for each; the input evaluates gradients.
-template <Scalar T, std::size_t D>
+template <class T, std::size_t D>
 BindReport bind_vectors_into(std::span<Binding<T, D>> bindings, const BindInput<T, D>& input,
                              std::span<const PointReader<T>> vectors, const BindOptions& options,
                              const Running& running);

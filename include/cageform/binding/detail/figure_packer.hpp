@@ -87,7 +87,7 @@ inline std::vector<Lanes<double>> packed_clips(std::span<const FigureClipData> c
     return memory;
 }
 
-template <Scalar T, std::size_t D>
+template <class T, std::size_t D>
 Status pack_parts(const FigureBinding<T, D>& figure, const FigurePackOptions& options, const Running& running,
                   Result<PackedFigure<T, D>, FigurePackReport>& result) {
     FigurePackReport& report = result.report;

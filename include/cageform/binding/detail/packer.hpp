@@ -368,7 +368,7 @@ private:
     std::vector<Piece> pieces_;
 };
 
-template <Scalar T, std::size_t D>
+template <class T, std::size_t D>
 Result<PackedBinding<T, D>, PackReport> pack_binding(const BindingView<T, D>& binding,
                                                      const PackOptions& options, const Running& running) {
     Result<PackedBinding<T, D>, PackReport> result;

@@ -8,11 +8,11 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-template <Scalar T, std::size_t D>
+template <class T, std::size_t D>
 Result<PackedBinding<T, D>, PackReport> pack_binding(const BindingView<T, D>& binding,
                                                      const PackOptions& options, const Running& running);
 
-template <Scalar T, std::size_t D>
+template <class T, std::size_t D>
 Status pack_parts(const FigureBinding<T, D>& figure, const FigurePackOptions& options, const Running& running,
                   Result<PackedFigure<T, D>, FigurePackReport>& result);
 

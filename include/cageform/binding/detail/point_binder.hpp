@@ -253,7 +253,7 @@ BindReport report_bind(const BindInput<T, D>& input, const Make& make) {
     return report;
 }
 
-template <Scalar T, std::size_t D>
+template <class T, std::size_t D>
 Result<Binding<T, D>, BindReport> bind_points(const BindInput<T, D>& input, const BindOptions& options,
                                               Binding<T, D>&& recycled, const Running& running) {
     Result<Binding<T, D>, BindReport> result;

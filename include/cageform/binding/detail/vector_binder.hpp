@@ -157,7 +157,7 @@ private:
     std::span<const PointReader<T>> vectors_;
 };
 
-template <Scalar T, std::size_t D>
+template <class T, std::size_t D>
 BindReport bind_vectors_into(std::span<Binding<T, D>> bindings, const BindInput<T, D>& input,
                              std::span<const PointReader<T>> vectors, const BindOptions& options,
                              const Running& running) {

@@ -149,7 +149,7 @@ private:
 
 } // namespace detail
 
-template <Scalar T, std::size_t D>
+template <class T, std::size_t D>
 CageReport check(const CellComplex<T, D>& cage) {
     return detail::report_on(cage.status(), [&](CageReport& report) {
         report = check(cage.boundary());

@@ -67,7 +67,7 @@ std::optional<CageFault> face_fault(const PolyhedralMesh<T>& mesh, std::size_t f
 
 } // namespace detail
 
-template <Scalar T>
+template <class T>
 CageReport check(const PolyhedralMesh<T>& mesh) {
     return detail::report_on(mesh.status(), [&](CageReport& report) {
         for (std::size_t i = 0; i < mesh.size(); ++i) {

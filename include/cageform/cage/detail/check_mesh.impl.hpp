@@ -195,14 +195,14 @@ void check_indices(const TriangleMesh<T>& mesh, CageReport& report) {
     if (faces.empty() && report.status == Status::ok) report.add(CageFaultKind::no_volume, 0);
 }
 
-template <Scalar T>
+template <class T>
 std::vector<MeshFace> closing_faces(std::span<const Vec<T, 3>> vertices, std::span<const MeshFace> faces) {
     return GapCloser<T>(vertices, faces).closing_faces();
 }
 
 } // namespace detail
 
-template <Scalar T>
+template <class T>
 CageReport check(const TriangleMesh<T>& mesh) {
     return detail::report_on(mesh.status(), [&](CageReport& report) {
         detail::check_indices(mesh, report);

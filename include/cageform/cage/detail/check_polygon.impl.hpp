@@ -95,7 +95,7 @@ void check_polygon(const Polygon<T>& polygon, CageReport& report) {
 
 } // namespace detail
 
-template <Scalar T>
+template <class T>
 CageReport check(const Polygon<T>& polygon) {
     return detail::report_on(polygon.status(),
                              [&](CageReport& report) { detail::check_polygon(polygon, report); });

@@ -30,7 +30,7 @@ bool has_missing_vertex(const std::array<std::uint32_t, D>& facet) noexcept {
 }
 
 /// Makes the faces that close small gaps of a mesh; see TriangleMesh. Defined in check_mesh.impl.hpp.
-template <Scalar T>
+template <class T>
 std::vector<MeshFace> closing_faces(std::span<const Vec<T, 3>> vertices, std::span<const MeshFace> faces);
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

@@ -143,10 +143,10 @@ namespace detail {
 
 /// Make the functions of a cage on an adaptive and on a uniform grid. They are defined in
 /// adaptive.impl.hpp and uniform.impl.hpp.
-template <Scalar T, std::size_t D>
+template <class T, std::size_t D>
 Status make_adaptive(std::shared_ptr<const PlacedCage<D>> cage, SolverReport& report,
                      std::shared_ptr<CageFunctions<T, D>>& made);
-template <Scalar T, std::size_t D>
+template <class T, std::size_t D>
 Status make_uniform(std::shared_ptr<const PlacedCage<D>> cage, SolverReport& report,
                     std::shared_ptr<CageFunctions<T, D>>& made);
 

@@ -350,7 +350,7 @@ Status frame_figure(std::span<const DrawnSegment<T>> figure, const std::optional
 }
 
 /// Makes the cage and measures its exact clearance. If it is too near, tries again farther off.
-template <Scalar T>
+template <class T>
 Status make_cage_into(std::span<const DrawnSegment<T>> figure, std::span<const PaintedArea> areas,
                       const MakeCageOptions& options, const Running& running,
                       Result<Polygon<T>, MakeCageReport>& made) {

@@ -329,7 +329,7 @@ Status read_figure(std::span<const Vec<T, 3>> vertices, std::span<const MeshFace
 }
 
 /// Makes the cage and measures its exact clearance. If it is too near, tries again farther off.
-template <Scalar T>
+template <class T>
 Status make_cage_into(std::span<const Vec<T, 3>> vertices, std::span<const MeshFace> faces,
                       const MakeCageOptions& options, const Running& running,
                       Result<TriangleMesh<T>, MakeCageReport>& made) {
