@@ -1,6 +1,7 @@
 # cmake -DBUILD=… -DSOURCE=… -DWORK=… -DCOMPILER=… -DGENERATOR=… -P check_compiled.cmake
 # Installs a build with cageform::compiled, then builds and runs a client of the library, without Eigen, with the flags of that
-# build. With flags for other registers the client must not link, whatever its optimisation.
+# build, and one by clang where it is installed. With flags for other registers the client must not link, whatever its
+# optimisation.
 file(REMOVE_RECURSE ${WORK})
 file(STRINGS ${BUILD}/CMakeCache.txt flags REGEX "^CMAKE_CXX_FLAGS:")
 string(REGEX REPLACE "^CMAKE_CXX_FLAGS:[A-Z]*=(.*)$" "\\1" flags "${flags}")
@@ -28,6 +29,20 @@ endif()
 execute_process(COMMAND ${WORK}/debug/client RESULT_VARIABLE failed OUTPUT_VARIABLE output ERROR_VARIABLE output)
 if(failed)
   message(FATAL_ERROR "the client: ${failed}, ${output}")
+endif()
+find_program(clang NAMES clang++-19 clang++) # a program by another compiler than the library's
+if(clang)
+  set(given ${COMPILER})
+  set(COMPILER ${clang})
+  build(clang "${flags}" failed)
+  if(failed)
+    message(FATAL_ERROR "the client by clang does not link: ${output}")
+  endif()
+  execute_process(COMMAND ${WORK}/clang/client RESULT_VARIABLE failed OUTPUT_VARIABLE output ERROR_VARIABLE output)
+  if(failed)
+    message(FATAL_ERROR "the client by clang: ${failed}, ${output}")
+  endif()
+  set(COMPILER ${given})
 endif()
 build(registers "${flags} -DCAGEFORM_REGISTER_BYTES=0" failed)
 if(NOT failed OR NOT output MATCHES "undefined reference|undefined symbol")
