@@ -1,5 +1,6 @@
 // Tests the progress of all long functions, except those that bind (binding/progress.cpp).
 #include "../catch.hpp"
+#include "../support/effort.hpp"
 #include "../support/keys.hpp"
 #include "../support/meshes.hpp"
 #include "../support/progress.hpp"
@@ -94,7 +95,8 @@ TEST_CASE("progress never falls and ends with 1: made cages", "[core][running][p
     check_progress("make_cage, plane", [&](const Running& r) { return cageform::make_cage(drawn, {}, r); });
     const auto ball = sphere(1);
     check_progress("make_cage, space", [&](const Running& r) {
-        return cageform::make_cage(ball.vertices, ball.faces, {.vertices = 24, .margin = 0.1}, r);
+        return cageform::make_cage(ball.vertices, ball.faces, {.vertices = 24, .margin = effort(0.0, 0.1)},
+                                   r);
     });
 }
 

@@ -211,7 +211,7 @@ works "materials of a posed file" "$programs/deform_mesh" parts.obj --cage box.o
 says 'note: posed/parts.obj names its materials as parts.obj does: "parts.mtl"'
 grep -q '^mtllib parts.mtl' posed/parts.obj && report yes mtllib || report no "groups and materials stay"
 works "a cage that is made" "$export" parts.obj --cage hull:20 --bend all:zx,1,3,40 --skin 8 -o made.glb
-works "a cage that is made, packed" "$programs/bind_mesh" parts.obj --cage box --bend all:zx,1,3,40 -o made.figure
+works "a cage that is made, packed" "$programs/bind_mesh" parts.obj --cage hull:20 --bend all:zx,1,3,40 -o made.figure
 refuses 'a box has 8 vertices' "$export" parts.obj --cage box:9 --skin 8 -o out.glb
 refuses 'give only one of --clip, --pose, and operations' "$export" parts.obj --cage box.obj --pose box_pose.obj --twist all:z,0,4,40 --skin 8 -o out.glb
 
