@@ -479,6 +479,8 @@ def test_hostile(page, count, first):
     server.shutdown()
     page.resize(1280, 900)
     page.click('[data-type="1"]')
+    page.frames(4)  # the browser complains of the last document a little later
+    page.events = [e for e in page.events if e.get('method') == 'Runtime.exceptionThrown']
 
 
 def test_dropped_mesh(page, folder):
@@ -880,6 +882,7 @@ def test_speed(page):
 def test_touch(page):
     page.resize(390, 844, 2, phone=True)
     page.click('[data-figure=cat]')
+    page.click('#rest')  # tests before may have left one vertex below another
     page.frames(4)
     check(page.run('document.documentElement.scrollWidth') <= 390, 'nothing is wider than a phone')
     page.run('page.views[0].div.scrollIntoView()')

@@ -87,6 +87,32 @@ TEST_CASE("inside, outside and nearest agree with the sphere they come from", "[
     }
 }
 
+TEMPLATE_TEST_CASE("the tree of faces finds the nearest face and the inside as a loop over all faces does",
+                   "[cage][mesh][property]", CAGEFORM_SCALARS) {
+    const int seed = GENERATE(seeds(24));
+    CAPTURE(seed);
+    const auto data = random_mesh(std::uint64_t(seed));
+    const auto mesh = data.template mesh<TestType>();
+    const auto tolerance = coincidence_tolerance(bounds_of(mesh.vertices()));
+    for (const auto& p : points_about(data, 200, unsigned(seed))) {
+        const auto q = cageform::vec_cast<TestType>(p);
+        double least = std::numeric_limits<double>::infinity();
+        for (const auto& face : mesh.faces())
+            least = (std::min)(least, cageform::detail::distance_to_facet(
+                                          cageform::vec_cast<double>(q),
+                                          cageform::detail::Facet<3>(face, mesh.vertices()).corner));
+        Vec<TestType, 3> place;
+        (void)nearest_boundary_value(mesh, q, place);
+        const auto way = cageform::vec_cast<double>(place) - cageform::vec_cast<double>(q);
+        CHECK(std::fabs(std::sqrt(dot(way, way)) - least) <= double(tolerance));
+        const bool is_enclosed = cageform::detail::is_enclosed(winding_number(mesh, q));
+        if (least > 2 * double(tolerance))
+            CHECK(locate(mesh, q, tolerance) == (is_enclosed ? PointState::inside : PointState::outside));
+    }
+    const auto nowhere = TriangleMesh<TestType>();
+    CHECK(locate(nowhere, Vec<TestType, 3>{}, tolerance) == PointState::outside);
+}
+
 TEST_CASE("every fault of a mesh is named", "[cage][mesh][status]") {
     const double nan = std::numeric_limits<double>::quiet_NaN();
     const auto good = sphere(1);

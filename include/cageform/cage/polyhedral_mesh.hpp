@@ -128,14 +128,16 @@ void for_each_facet(const PolyhedralMesh<T>& mesh, F&& f) {
     for_each_facet(mesh.triangles(), f);
 }
 
-/// Classifies a point; it is on the boundary if it lies within `tolerance` of a face. O(#corners).
+/// Classifies a point; it is on the boundary if it lies within `tolerance` of a face. The mesh must be
+/// sound. Usually O(log #corners).
 template <Scalar T>
 PointState locate(const PolyhedralMesh<T>& mesh, const Vec<T, 3>& p, T tolerance) noexcept {
     return locate(mesh.triangles(), p, tolerance);
 }
 
 /// Finds the nearest boundary point and returns the data of the triangle there. Coordinates replace
-/// it by the data of the triangle's face (coordinates/detail/face_coordinates.hpp). O(#corners).
+/// it by the data of the triangle's face (coordinates/detail/face_coordinates.hpp). Usually
+/// O(log #corners).
 template <Scalar T>
 BoundaryValue<3> nearest_boundary_value(const PolyhedralMesh<T>& mesh, const Vec<T, 3>& p,
                                         Vec<T, 3>& position) noexcept {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cageform/cage/detail/boundary_value.hpp>
+#include <cageform/cage/detail/encloses.hpp>
 #include <cageform/cage/detail/faces_of.hpp>
 #include <cageform/cage/detail/mesh_face.hpp>
 #include <cageform/cage/types/report.hpp>
@@ -53,6 +54,8 @@ public:
     /// Returns the given faces, then those that close gaps.
     std::span<const Face> faces() const noexcept { return faces_; }
     std::size_t given_faces() const noexcept { return given_; }
+    /// Returns the tree by which points are located; empty if a vertex is missing or not finite.
+    const detail::BoxTree<3>& boxes() const noexcept { return boxes_; }
 
 private:
     explicit TriangleMesh(Status status) noexcept
@@ -69,12 +72,17 @@ private:
         if (std::any_of(faces_.begin(), faces_.end(), detail::has_missing_vertex<3>)) return Status::ok;
         const auto closing = detail::closing_faces<T>(vertices_, faces_);
         faces_.insert(faces_.end(), closing.begin(), closing.end());
+        if (std::all_of(vertices_.begin(), vertices_.end(), [](const auto& p) { return is_finite(p); }))
+            boxes_ = detail::BoxTree<3>(faces_.size(), [&](std::uint32_t f) {
+                return detail::Facet<3>(faces_[f], this->vertices()).bounds();
+            });
         return Status::ok;
     }
 
     std::vector<Vec<T, 3>> vertices_;
     std::vector<Face> faces_;
     std::size_t given_ = 0;
+    detail::BoxTree<3> boxes_;   ///< of the faces
     Status status_ = Status::ok; // declared last: its initialiser fills the other members
 };
 
@@ -102,36 +110,44 @@ double winding_number(const TriangleMesh<T>& mesh, const Vec<T, 3>& p) noexcept 
 }
 
 /// Finds the boundary point nearest to a finite point; returns the boundary data there, which is
-/// linear on the faces, and stores the point in `position`. The mesh must be sound. O(#F).
+/// linear on the faces, and stores the point in `position`. The mesh must be sound. Usually O(log #F).
 template <Scalar T>
 BoundaryValue<3> nearest_boundary_value(const TriangleMesh<T>& mesh, const Vec<T, 3>& p,
                                         Vec<T, 3>& position) noexcept {
     const auto q = vec_cast<double>(p);
-    double least = std::numeric_limits<double>::infinity();
+    constexpr double infinity = std::numeric_limits<double>::infinity();
+    double least = infinity;
+    std::uint32_t nearest = 0;
     BoundaryValue<3> value;
-    for (const auto& face : mesh.faces()) {
-        const detail::Facet<3> facet(face, mesh.vertices());
+    mesh.boxes().for_each_near(q, infinity, [&](std::uint32_t f) {
+        const detail::Facet<3> facet(mesh.faces()[f], mesh.vertices());
         const auto weight = detail::nearest_on_facet(q, facet.corner);
         const auto x = detail::point_on_facet(weight, facet.corner);
-        if (dot(x - q, x - q) >= least) continue;
-        least = dot(x - q, x - q);
-        position = vec_cast<T>(x);
-        value = value_on_facet(face, weight);
-    }
+        const double distance2 = dot(x - q, x - q);
+        if (distance2 < least || (distance2 == least && f < nearest)) {
+            least = distance2;
+            nearest = f;
+            position = vec_cast<T>(x);
+            value = value_on_facet(mesh.faces()[f], weight);
+        }
+        return least;
+    });
     return value;
 }
 
-/// Classifies a point. It is inside if the winding number rounds to an odd integer, so a cavity
-/// counts as outside in either orientation; it is on the boundary if it lies within `tolerance` of
-/// a face. O(#F).
+/// Classifies a point. It is on the boundary if it lies within `tolerance` of a face. Otherwise it is inside
+/// if a ray from it crosses an odd number of faces, so a cavity counts as outside in either orientation. The
+/// mesh must be sound. Usually O(log #F).
 template <Scalar T>
 PointState locate(const TriangleMesh<T>& mesh, const Vec<T, 3>& p, T tolerance) noexcept {
     if (!is_finite(p)) return PointState::not_finite;
+    if (mesh.boxes().is_empty()) return PointState::outside;
     Vec<T, 3> position;
     (void)nearest_boundary_value(mesh, p, position);
-    if (detail::length(vec_cast<double>(position) - vec_cast<double>(p)) <= double(tolerance))
-        return PointState::on_boundary;
-    return detail::is_enclosed(winding_number(mesh, p)) ? PointState::inside : PointState::outside;
+    const auto q = vec_cast<double>(p);
+    if (detail::length(vec_cast<double>(position) - q) <= double(tolerance)) return PointState::on_boundary;
+    return detail::encloses(mesh.boxes(), mesh.vertices(), mesh.faces(), q) ? PointState::inside
+                                                                            : PointState::outside;
 }
 
 // ---- check --------------------------------------------------------------------------------------

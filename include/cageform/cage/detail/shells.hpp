@@ -3,6 +3,7 @@
 
 #include <cageform/cage/detail/faces_of.hpp>
 #include <cageform/cage/detail/primitives.hpp>
+#include <cageform/core/detail/disjoint_sets.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 
@@ -25,17 +26,15 @@ struct Shells {
 /// `first_face`.
 template <Scalar T>
 Shells connected_faces(const TriangleMesh<T>& mesh) {
-    std::vector<std::uint32_t> root(mesh.size());
-    std::iota(root.begin(), root.end(), std::uint32_t{0});
-    const auto find = [&](std::uint32_t i) {
-        while (root[i] != i) i = root[i] = root[root[i]];
-        return i;
-    };
-    for (const auto& face : mesh.faces()) root[find(face[1])] = root[find(face[2])] = find(face[0]);
+    DisjointSets components(mesh.size());
+    for (const auto& [a, b, c] : mesh.faces()) {
+        components.join(a, b);
+        components.join(a, c);
+    }
     Shells shells;
     std::vector<std::uint32_t> number(mesh.size(), no_vertex);
     for (const auto& face : mesh.faces()) {
-        auto& shell = number[find(face[0])];
+        auto& shell = number[components.find(face[0])];
         if (shell == no_vertex) {
             shell = std::uint32_t(shells.first_face.size());
             shells.first_face.push_back(std::uint32_t(shells.of_face.size()));

@@ -1,6 +1,7 @@
 // The facets of the convex hull of sites, with coplanar facets merged.
 #pragma once
 
+#include <cageform/cage/detail/box_tree.hpp>
 #include <cageform/cage/sites/delaunay.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
@@ -152,8 +153,7 @@ private:
     std::uint32_t stamp_ = 0;
 };
 
-/// Finds the point of a hull nearest to a query point. A tree of bounding boxes; each box is halved
-/// along its longest side. O(n log n) to build, usually O(log n) per query.
+/// Finds the point of a hull nearest to a query point. O(n log n) to build, usually O(log n) per query.
 template <std::size_t D>
 class HullTree {
 public:
@@ -165,82 +165,25 @@ public:
 
     HullTree() = default;
     explicit HullTree(std::vector<HullPiece<D>> pieces)
-        : pieces_(std::move(pieces)) {
-        divide(0, std::uint32_t(pieces_.size()));
-    }
+        : pieces_(std::move(pieces))
+        , boxes_(pieces_.size(), [this](std::uint32_t n) {
+            return bounds_of(std::span<const Vec<double, D>>(pieces_[n].corner));
+        }) {}
 
     /// Replaces `best` if some point of the hull is nearer to `q`.
-    void find(const Vec<double, D>& q, Nearest& best) const noexcept { find(0, q, best); }
+    void find(const Vec<double, D>& q, Nearest& best) const {
+        boxes_.for_each_near(q, best.distance2, [&](std::uint32_t n) {
+            const auto& [corner, facet] = pieces_[n];
+            const auto x = point_on_facet(nearest_on_facet(q, corner), corner);
+            const double distance2 = dot(x - q, x - q);
+            if (distance2 < best.distance2) best = {facet, x, distance2};
+            return best.distance2;
+        });
+    }
 
 private:
-    struct Node {
-        Bounds<double, D> bounds;
-        std::uint32_t begin, end; ///< of pieces
-        std::uint32_t second;     ///< the second child; the first is the next node. 0 for a leaf
-    };
-    static constexpr std::uint32_t leaf = 4;
-
-    void divide(std::uint32_t begin, std::uint32_t end) {
-        Node node{bounds_of(std::span<const Vec<double, D>>(pieces_[begin].corner)), begin, end, 0};
-        for (std::uint32_t n = begin + 1; n < end; ++n) {
-            for (const auto& x : pieces_[n].corner) {
-                for (std::size_t k = 0; k < D; ++k) {
-                    node.bounds.lower[k] = (std::min)(node.bounds.lower[k], x[k]);
-                    node.bounds.upper[k] = (std::max)(node.bounds.upper[k], x[k]);
-                }
-            }
-        }
-        const std::size_t number = nodes_.size();
-        nodes_.push_back(node);
-        if (end - begin <= leaf) return;
-        const auto sides = node.bounds.upper - node.bounds.lower;
-        std::size_t axis = 0;
-        for (std::size_t k = 1; k < D; ++k) axis = sides[k] > sides[axis] ? k : axis;
-        const auto middle = [&](const HullPiece<D>& piece) {
-            double sum = 0;
-            for (const auto& x : piece.corner) sum += x[axis];
-            return sum;
-        };
-        const std::uint32_t half = begin + (end - begin) / 2;
-        const auto at = [&](std::uint32_t piece) { return pieces_.begin() + std::ptrdiff_t(piece); };
-        std::nth_element(at(begin), at(half), at(end),
-                         [&](const HullPiece<D>& a, const HullPiece<D>& b) { return middle(a) < middle(b); });
-        divide(begin, half);
-        nodes_[number].second = std::uint32_t(nodes_.size());
-        divide(half, end);
-    }
-
-    static double distance2(const Vec<double, D>& q, const Bounds<double, D>& bounds) noexcept {
-        double sum = 0;
-        for (std::size_t k = 0; k < D; ++k) {
-            const double x = (std::max)((std::max)(bounds.lower[k] - q[k], q[k] - bounds.upper[k]), 0.0);
-            sum += x * x;
-        }
-        return sum;
-    }
-    void find(std::uint32_t number, const Vec<double, D>& q, Nearest& best) const noexcept {
-        const Node& node = nodes_[number];
-        if (node.second == 0) {
-            for (std::uint32_t n = node.begin; n < node.end; ++n) {
-                const auto& [corner, facet] = pieces_[n];
-                const auto x = point_on_facet(nearest_on_facet(q, corner), corner);
-                const double distance = dot(x - q, x - q);
-                if (distance < best.distance2) best = {facet, x, distance};
-            }
-            return;
-        }
-        std::uint32_t nearer = number + 1, farther = node.second;
-        double least = distance2(q, nodes_[nearer].bounds), most = distance2(q, nodes_[farther].bounds);
-        if (most < least) {
-            std::swap(nearer, farther);
-            std::swap(least, most);
-        }
-        if (least < best.distance2) find(nearer, q, best);
-        if (most < best.distance2) find(farther, q, best);
-    }
-
     std::vector<HullPiece<D>> pieces_;
-    std::vector<Node> nodes_;
+    BoxTree<D> boxes_;
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

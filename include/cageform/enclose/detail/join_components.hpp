@@ -2,6 +2,7 @@
 // narrow to deform.
 #pragma once
 
+#include <cageform/core/detail/disjoint_sets.hpp>
 #include <cageform/enclose/detail/distance_lattice.hpp>
 
 #include <map>
@@ -95,17 +96,9 @@ std::vector<Bridge> shortest_bridges(const DistanceLattice<D>& lattice, const La
     std::sort(bridges.begin(), bridges.end(), [](const Bridge& a, const Bridge& b) {
         return std::tuple(a.steps2, a.from, a.to) < std::tuple(b.steps2, b.from, b.to);
     });
-    std::vector<std::uint32_t> root(components.count);
-    std::iota(root.begin(), root.end(), std::uint32_t{0});
-    const auto find = [&](std::uint32_t component) {
-        while (root[component] != component) component = root[component] = root[root[component]];
-        return component;
-    };
+    DisjointSets joined(components.count);
     std::erase_if(bridges, [&](const Bridge& bridge) {
-        const std::uint32_t a = find(components.of_node[bridge.from]),
-                            b = find(components.of_node[bridge.to]);
-        root[a] = b;
-        return a == b;
+        return !joined.join(components.of_node[bridge.from], components.of_node[bridge.to]);
     });
     return bridges;
 }

@@ -3,6 +3,7 @@
 
 #include <cageform/cage/detail/shells.hpp>
 #include <cageform/cage/triangle_mesh.hpp>
+#include <cageform/core/detail/disjoint_sets.hpp>
 #include <cageform/enclose/detail/cage_frame.hpp>
 #include <cageform/enclose/detail/join_components.hpp>
 #include <cageform/enclose/detail/make_cage_into.hpp>
@@ -224,20 +225,15 @@ double exact_clearance(const TriangleMesh<T>& cage, std::span<const Corners<3>> 
 /// over the list.
 template <class F>
 std::vector<std::size_t> component_corners(const F& faces, std::size_t vertices) {
-    std::vector<std::size_t> root(vertices);
-    std::iota(root.begin(), root.end(), std::size_t{0});
-    const auto find = [&](std::size_t v) {
-        while (root[v] != v) v = root[v] = root[root[v]];
-        return v;
-    };
+    DisjointSets components(vertices);
     for (std::size_t f = 0; f < std::size(faces); ++f) {
         for (std::size_t k = 1; k < 3; ++k)
-            root[find(std::size_t(faces[f][k]))] = find(std::size_t(faces[f][0]));
+            components.join(std::uint32_t(faces[f][k]), std::uint32_t(faces[f][0]));
     }
     std::vector<std::size_t> corners;
     std::vector<bool> seen(vertices);
     for (std::size_t f = 0; f < std::size(faces); ++f) {
-        const std::size_t component = find(std::size_t(faces[f][0]));
+        const std::size_t component = components.find(std::uint32_t(faces[f][0]));
         if (!seen[component]) corners.push_back(std::size_t(faces[f][0]));
         seen[component] = true;
     }
@@ -371,7 +367,7 @@ Status make_cage_into(std::span<const Vec<T, 3>> vertices, std::span<const MeshF
         report.clearance =
             exact_clearance(made.value, std::span<const Corners<3>>(figure), 2 * report.margin);
         const bool all_inside = std::all_of(starts.begin(), starts.end(), [&](std::size_t v) {
-            return is_enclosed(winding_number(made.value, vertices[v]));
+            return locate(made.value, vertices[v], T(0)) == PointState::inside;
         });
         if (!all_inside) report.clearance = -report.clearance;
         if (holds_figure(report)) break;

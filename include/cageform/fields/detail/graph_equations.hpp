@@ -1,6 +1,7 @@
 // Checks a graph, and solves the equations of its unknown nodes.
 #pragma once
 
+#include <cageform/core/detail/disjoint_sets.hpp>
 #include <cageform/core/types/solver_report.hpp>
 #include <cageform/fields/detail/graph_factors.hpp>
 #include <cageform/fields/types/graph.hpp>
@@ -66,21 +67,16 @@ public:
 
     /// Returns the first node that no path connects to a given one, or `none`.
     std::size_t unreached() const {
-        std::vector<std::uint32_t> parent(rows_.size());
-        for (std::size_t node = 0; node < parent.size(); ++node) parent[node] = std::uint32_t(node);
-        const auto root = [&](std::uint32_t node) {
-            for (; parent[node] != node; node = parent[node]) parent[node] = parent[parent[node]];
-            return node;
-        };
+        DisjointSets components(rows_.size());
         for (const GraphLink& link : graph_.links) {
-            if (link.conductance != 0) parent[root(link.a)] = root(link.b);
+            if (link.conductance != 0) components.join(link.a, link.b);
         }
         std::vector<std::uint8_t> reached(rows_.size());
         for (std::uint32_t node = 0; node < rows_.size(); ++node) {
-            if (rows_[node] == given_node) reached[root(node)] = 1;
+            if (rows_[node] == given_node) reached[components.find(node)] = 1;
         }
         for (const std::size_t node : nodes_) {
-            if (reached[root(std::uint32_t(node))] == 0) return node;
+            if (reached[components.find(std::uint32_t(node))] == 0) return node;
         }
         return SolverReport::none;
     }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cageform/core/detail/buffer.hpp>
+#include <cageform/core/detail/disjoint_sets.hpp>
 #include <cageform/core/view.hpp>
 #include <cageform/fields/types/dirichlet_options.hpp>
 #include <cageform/grid/lattice/lattice.hpp>
@@ -11,16 +12,13 @@ namespace cageform::inline CAGEFORM_ABI {
 
 namespace detail {
 
-/// The connected components of nodes, as a union-find forest over their runs.
+/// The connected components of nodes, as sets of their runs.
 template <std::size_t D>
 class NodeComponents {
 public:
     explicit NodeComponents(const grid::NodeRuns<D>& nodes)
-        : first_(nodes.row_runs(0)) {
-        for (std::size_t row = 0; row < nodes.rows(); ++row) {
-            for (auto run = nodes.row_runs(row); run != nodes.row_runs_end(row); ++run)
-                parents_.push_back(parents_.size());
-        }
+        : runs_(nodes.runs())
+        , components_(runs_.size()) {
         std::size_t step = 1; // in rows, to the neighbour along the axis
         for (std::size_t axis = 1; axis < D; ++axis) {
             for (std::size_t row = 0; row + step < nodes.rows(); ++row) {
@@ -30,13 +28,10 @@ public:
         }
     }
 
-    std::size_t runs() const noexcept { return parents_.size(); }
+    std::size_t runs() const noexcept { return runs_.size(); }
     /// Returns the first run of a run's component.
-    std::size_t component(std::size_t run) noexcept {
-        while (parents_[run] != run) run = parents_[run] = parents_[parents_[run]];
-        return run;
-    }
-    const typename grid::NodeRuns<D>::Run& operator[](std::size_t run) const noexcept { return first_[run]; }
+    std::size_t component(std::size_t run) noexcept { return components_.find(std::uint32_t(run)); }
+    const typename grid::NodeRuns<D>::Run& operator[](std::size_t run) const noexcept { return runs_[run]; }
 
 private:
     using Run = typename grid::NodeRuns<D>::Run;
@@ -44,17 +39,14 @@ private:
     void join(const grid::NodeRuns<D>& nodes, std::size_t row, std::size_t other_row) noexcept {
         const Run *a = nodes.row_runs(row), *b = nodes.row_runs(other_row);
         while (a != nodes.row_runs_end(row) && b != nodes.row_runs_end(other_row)) {
-            if ((std::max)(a->begin, b->begin) < (std::min)(a->end, b->end)) {
-                const auto [low, high] =
-                    std::minmax({component(std::size_t(a - first_)), component(std::size_t(b - first_))});
-                parents_[high] = low;
-            }
+            if ((std::max)(a->begin, b->begin) < (std::min)(a->end, b->end))
+                components_.join(std::uint32_t(a - runs_.data()), std::uint32_t(b - runs_.data()));
             ++(a->end < b->end ? a : b);
         }
     }
 
-    const Run* first_;
-    std::vector<std::size_t> parents_;
+    std::span<const Run> runs_;
+    DisjointSets components_;
 };
 
 /// The unknown cells of a grid as nodes, with their links to given cells or to nothing.

@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <vector>
 
 namespace cageform::inline CAGEFORM_ABI {
@@ -65,6 +66,7 @@ public:
         }
         count_ += std::uint32_t(end - begin);
     }
+    std::span<const Run> runs() const noexcept { return runs_; }
     void end_row() { row_begin_.push_back(std::uint32_t(runs_.size())); }
 
     const Run* row_runs(std::size_t row) const noexcept { return runs_.data() + row_begin_[row]; }

@@ -2,104 +2,14 @@
 // axis lines meet them.
 #pragma once
 
+#include <cageform/cage/detail/box_tree.hpp>
+#include <cageform/core/detail/disjoint_sets.hpp>
 #include <cageform/grid/lattice/bones.hpp>
 #include <cageform/grid/lattice/placed_facet.hpp>
 #include <cageform/grid/tree/cell_tree.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 namespace detail {
-
-/// A bounding-box hierarchy of facets, for rays.
-template <std::size_t D>
-class FacetBoxes {
-public:
-    ///   slack  how far the exact facets may be from the rounded ones given here
-    FacetBoxes(const Buffer<PlacedFacet<D>>& facets, double slack)
-        : slack_(slack) {
-        for (std::uint32_t n = 0; n < facets.size(); ++n) order_.push_back(n);
-        if (!order_.empty()) divide(facets, 0, std::uint32_t(order_.size()));
-    }
-
-    /// Calls visit(facet) for all facets whose boxes the segment from `from` to from + length ·
-    /// direction meets. visit returns the length to continue with.
-    template <class Visit>
-    void for_each_on_ray(const Vec<double, D>& from, const Vec<double, D>& direction, double length,
-                         const Visit& visit) const {
-        Vec<double, D> inverse{};
-        for (std::size_t k = 0; k < D; ++k) inverse[k] = direction[k] == 0 ? 0 : 1 / direction[k];
-        std::array<std::uint32_t, 64> stack; // deep enough for 2^32 facets
-        stack[0] = 0;
-        std::size_t count = order_.empty() ? 0 : 1;
-        while (count > 0) {
-            const Node& node = nodes_[stack[--count]];
-            if (!meets(node.box, from, inverse, length)) continue;
-            if (node.second == 0) {
-                for (std::uint32_t n = node.begin; n < node.end; ++n) length = visit(order_[n]);
-                continue;
-            }
-            stack[count++] = node.second;
-            stack[count++] = std::uint32_t(&node - nodes_.data()) + 1;
-        }
-    }
-
-private:
-    struct Node {
-        Bounds<double, D> box;
-        std::uint32_t begin, end;
-        /// The node of the second half; the first half follows this node; 0: a leaf.
-        std::uint32_t second;
-    };
-    ///   inverse  1 / direction; 0 where the direction is 0
-    bool meets(const Bounds<double, D>& box, const Vec<double, D>& from, const Vec<double, D>& inverse,
-               double length) const noexcept {
-        double begin = 0, end = length;
-        for (std::size_t k = 0; k < D; ++k) {
-            const double low = box.lower[k] - slack_ - from[k], high = box.upper[k] + slack_ - from[k];
-            if (inverse[k] == 0) {
-                if (low > 0 || high < 0) return false;
-                continue;
-            }
-            const double a = low * inverse[k], b = high * inverse[k];
-            begin = (std::max)(begin, (std::min)(a, b));
-            end = (std::min)(end, (std::max)(a, b));
-        }
-        return begin <= end;
-    }
-    std::uint32_t divide(const Buffer<PlacedFacet<D>>& facets, std::uint32_t begin, std::uint32_t end) {
-        const auto number = std::uint32_t(nodes_.size());
-        Bounds<double, D> box = facets[order_[begin]].bounds();
-        for (std::uint32_t n = begin + 1; n < end; ++n) {
-            const auto b = facets[order_[n]].bounds();
-            for (std::size_t k = 0; k < D; ++k) {
-                box.lower[k] = (std::min)(box.lower[k], b.lower[k]);
-                box.upper[k] = (std::max)(box.upper[k], b.upper[k]);
-            }
-        }
-        nodes_.push_back({box, begin, end, 0});
-        if (end - begin <= 4) return number;
-        std::size_t axis = 0;
-        for (std::size_t k = 1; k < D; ++k) {
-            if (box.upper[k] - box.lower[k] > box.upper[axis] - box.lower[axis]) axis = k;
-        }
-        const auto middle = begin + (end - begin) / 2;
-        const auto position = [&](std::uint32_t n) {
-            const auto b = facets[n].bounds();
-            return b.lower[axis] + b.upper[axis];
-        };
-        std::nth_element(order_.begin() + begin, order_.begin() + middle, order_.begin() + end,
-                         [&](std::uint32_t a, std::uint32_t b) {
-                             return std::pair(position(a), a) < std::pair(position(b), b);
-                         });
-        (void)divide(facets, begin, middle);
-        const std::uint32_t second = divide(facets, middle, end);
-        nodes_[number].second = second;
-        return number;
-    }
-
-    double slack_;
-    Buffer<std::uint32_t> order_;
-    Buffer<Node> nodes_;
-};
 
 /// Tells whether a facet meets a box with a given middle and half side: they do if no axis
 /// separates them (Gottschalk, Lin, Manocha 1996; for triangles Akenine-Möller 2001).
@@ -199,7 +109,7 @@ public:
         };
         for_each_facet(boundary_of(cage), [&](const auto& facet) { add(facet, true); });
         for (const auto& facet : interior_cells(cage).facets) add(facet, false);
-        boxes_.emplace(facets_, rounding + std::ldexp(1.0, -fraction_));
+        boxes_ = detail::BoxTree<D>(facets_.size(), [&](std::uint32_t n) { return facets_[n].bounds(); });
         bones_ = GridBones<D>(interior_cells(cage).bones, std::span<const Vec<double, D>>(placed),
                               Lattice<double, D>{{}, origin_, unit_});
         for (const Facet& facet : facets_) {
@@ -207,7 +117,7 @@ public:
             const double size = detail::length(normal);
             normals_.push_back(size > 0 ? (1 / size) * normal : Vec<double, D>{});
         }
-        orient_normals_outward();
+        orient_normals_outward(rounded.size());
     }
 
     unsigned depth() const noexcept { return depth_; }
@@ -231,7 +141,13 @@ public:
     /// Returns the unit normal. It points outward; for a wall either way. It is zero if the facet
     /// has no area.
     const Vec<double, D>& normal(std::size_t facet) const noexcept { return normals_[facet]; }
-    const detail::FacetBoxes<D>& boxes() const noexcept { return *boxes_; } // NOLINT: always made
+    /// Calls visit(facet) for all facets that the segment from `from` to from + length · direction may
+    /// meet, exact or rounded. visit returns the length to continue with.
+    template <class Visit>
+    void for_each_on_ray(const Vec<double, D>& from, const Vec<double, D>& direction, double length,
+                         const Visit& visit) const {
+        boxes_.for_each_on_ray(from, direction, length, rounding + std::ldexp(1.0, -fraction_), visit);
+    }
 
     /// Tells whether an element passes a cell or comes as near to it as the tolerance. For a bone the
     /// test is conservative.
@@ -271,7 +187,7 @@ public:
     double free_distance(AxisRay<D> ray) const noexcept {
         Vec<double, D> direction{};
         direction[ray.axis] = ray.up ? 1 : -1;
-        boxes().for_each_on_ray(ray.from, direction, ray.length, [&](std::uint32_t facet) {
+        for_each_on_ray(ray.from, direction, ray.length, [&](std::uint32_t facet) {
             if (const auto found = hit(facet, ray, false))
                 ray.length = std::fmin(ray.length, ray.distance(found->position));
             return ray.length;
@@ -298,7 +214,7 @@ public:
     /// Returns the same among all facets, not rounded.
     std::optional<Meeting> first_met(const Vec<double, D>& from, const Vec<double, D>& along) const noexcept {
         Met met;
-        boxes().for_each_on_ray(from, along, 1, [&](std::uint32_t n) {
+        for_each_on_ray(from, along, 1, [&](std::uint32_t n) {
             const auto normal = normal_of(exact_[n]);
             meet(exact_[n], dot(normal, normals_[n]) < 0 ? -1.0 * normal : normal, from, along, met);
             return met.fraction;
@@ -358,28 +274,17 @@ private:
 
     /// Makes the normals of each shell point outward. The facets of a shell are oriented alike, so
     /// they vote, weighted by area.
-    void orient_normals_outward() {
-        // By vertex: a union-find forest whose roots are the shells' first vertices.
-        std::vector<std::uint32_t> shell;
-        const auto find = [&](std::uint32_t v) {
-            while (shell[v] != v) v = shell[v] = shell[shell[v]];
-            return v;
-        };
+    void orient_normals_outward(std::size_t vertices) {
+        detail::DisjointSets shells(vertices);
         for (const Facet& facet : facets_) {
-            for (const std::uint32_t v : facet.vertex) {
-                while (shell.size() <= v) shell.push_back(std::uint32_t(shell.size()));
-            }
             if (!facet.separates) continue;
-            for (const std::uint32_t v : facet.vertex) {
-                const auto a = find(facet.vertex[0]), b = find(v);
-                shell[(std::max)(a, b)] = (std::min)(a, b);
-            }
+            for (const std::uint32_t v : facet.vertex) shells.join(facet.vertex[0], v);
         }
-        std::vector<double> votes(shell.size()); // NOLINT(misc-const-correctness): votes are added
+        std::vector<double> votes(vertices); // NOLINT(misc-const-correctness): votes are added
         for (std::size_t n = 0; n < facets_.size(); ++n)
-            votes[find(facets_[n].vertex[0])] += vote(facets_[n], normals_[n]);
+            votes[shells.find(facets_[n].vertex[0])] += vote(facets_[n], normals_[n]);
         for (std::size_t n = 0; n < facets_.size(); ++n) {
-            if (facets_[n].separates && votes[find(facets_[n].vertex[0])] < 0)
+            if (facets_[n].separates && votes[shells.find(facets_[n].vertex[0])] < 0)
                 normals_[n] = -1.0 * normals_[n];
         }
     }
@@ -402,7 +307,7 @@ private:
         up[axis] = 1;
         bool inside_above = false, apart = true;
         const double all = std::ldexp(2.0, int(depth_));
-        boxes_->for_each_on_ray(middle, up, all, [&](std::uint32_t n) {
+        for_each_on_ray(middle, up, all, [&](std::uint32_t n) {
             if (&facets_[n] == &facet || !facets_[n].separates) return all;
             const auto at = detail::crossing(facets_[n], axis, line, fraction_);
             if (at && std::fabs(*at - *from) <= rounding) apart = false;
@@ -423,7 +328,7 @@ private:
     Buffer<Facet> facets_, exact_;
     Buffer<Vec<double, D>> normals_;
     GridBones<D> bones_{{}, {}, {}};
-    std::optional<detail::FacetBoxes<D>> boxes_;
+    detail::BoxTree<D> boxes_; ///< of the rounded facets
 };
 
 } // namespace grid

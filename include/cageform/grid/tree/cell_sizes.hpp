@@ -196,7 +196,7 @@ private:
         };
         std::uint32_t& faced = faced_[std::size_t{2} * from_facet + (front ? 0 : 1)];
         (void)meet(faced); // it is likely met again, and then limits the search
-        boundary_.boxes().for_each_on_ray(from, direction, nearest, meet);
+        boundary_.for_each_on_ray(from, direction, nearest, meet);
         if (met == from_facet) return none;
         faced = met;
         const double along = dot(direction, boundary_.normal(met));

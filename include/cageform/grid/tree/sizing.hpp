@@ -110,7 +110,7 @@ private:
             return nearest;
         };
         (void)meet(side.faced); // it is likely met again, and then limits the search
-        boundary.boxes().for_each_on_ray(from, side.inwards, nearest, meet);
+        boundary.for_each_on_ray(from, side.inwards, nearest, meet);
         side.faced = met;
         if (met == side.facet) return std::numeric_limits<double>::infinity();
         const double along = dot(side.inwards, boundary.normal(met));
