@@ -9,6 +9,8 @@
 #include <cageform/binding/bind.hpp>
 #include <cageform/binding/pack.hpp>
 #include <cageform/cage/box_mesh.hpp>
+#include <cageform/coordinates/harmonic/multigrid_solver.hpp>
+#include <cageform/coordinates/harmonic/tree_solver.hpp>
 #include <cageform/coordinates/mean_value.hpp>
 #include <cageform/core/threads.hpp>
 #include <cageform/papers/pyramid_solver.hpp>

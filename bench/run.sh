@@ -1,19 +1,21 @@
 #!/bin/sh
-# Usage: sh bench/run.sh [--csv FILE | --count] [WORDS]
+# Usage: sh bench/run.sh [--csv FILE | --count] [--compiled] [WORDS]
 # How fast is it here, beside what others take and what the machine can do at most? Installs what that needs (Debian), builds
 # the benchmarks with -O3 -march=native into build/bench, runs them and prints four tables: one thread; one, two and four
 # threads; clones compiled with -O2 beside -O3; what compiling takes. About five minutes on four processors; bench/README.md says how to read it.
 #   WORDS       only rows that have these words in what they say or in the names of their benchmarks: clone, "solve in space"
 #   --csv FILE  all medians and quartiles, in seconds
 #   --count     no times, but the instructions of our side of each row, by callgrind: the same on every machine (x86-64-v3)
+#   --compiled  with the library compiled once (cageform::compiled), not by headers alone
 set -eu
-usage="usage: sh bench/run.sh [--csv FILE | --count] [WORDS]"
+usage="usage: sh bench/run.sh [--csv FILE | --count] [--compiled] [WORDS]"
 fail() { # SENTENCE
   echo "bench/run.sh: $1" >&2
   exit 1
 }
 csv=
 count=
+compiled=
 words=
 while [ $# -gt 0 ]; do
   case $1 in
@@ -24,6 +26,7 @@ while [ $# -gt 0 ]; do
       shift
       ;;
     --count) count=yes ;;
+    --compiled) compiled=-compiled ;;
     -*) fail "there is no option $1; $usage" ;;
     '') fail "the words are empty; $usage" ;;
     *)
@@ -127,10 +130,10 @@ sh cmake/install_packages.sh libcgal-dev libgmp-dev libmpfr-dev libsuitesparse-d
 read_file() { cat "$1" 2>/dev/null || echo unknown; }
 compiler=${CXX:-c++}
 flags="-O3 -march=native -DNDEBUG"
-folder=build/bench
+folder=build/bench$compiled
 if [ -n "$count" ]; then
   sh cmake/install_packages.sh valgrind
-  folder=build/count
+  folder=build/count$compiled
   [ "$(uname -m)" != x86_64 ] || flags="-O3 -march=x86-64-v3 -DNDEBUG" # callgrind knows no AVX-512
 fi
 # Compilers that are here, and what the objects of bench/level.cpp are called.
@@ -169,7 +172,7 @@ if [ -s $out/groups ]; then
   # shellcheck disable=SC2086 # the targets are words
   {
     cmake -S . -B $folder -G Ninja -DCMAKE_BUILD_TYPE= "-DCMAKE_CXX_FLAGS=$flags" -DCAGEFORM_BUILD_TESTS=OFF \
-      -DCAGEFORM_BUILD_EXAMPLES=OFF -DCAGEFORM_BUILD_BENCH=ON &&
+      -DCAGEFORM_BUILD_EXAMPLES=OFF -DCAGEFORM_BUILD_BENCH=ON ${compiled:+-DCAGEFORM_BUILD_COMPILED=ON} &&
       cmake --build $folder --target $targets &&
       case $targets in *levels*) compile_levels ;; esac
   } >$out/build.txt 2>&1 || { cat $out/build.txt >&2; fail "the benchmarks were not built"; }

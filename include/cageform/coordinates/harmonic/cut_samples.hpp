@@ -18,8 +18,9 @@ public:
 
     /// Adds the stencil of the next point. `data` is the cage's BoundaryData.
     template <class Data>
-    void add(const grid::CutStencil<D>& stencil, const Data& data) {
-        stencils_.add(stencil, data);
+    void add(const grid::CutStencil<D>& stencil, const Data& data,
+             std::span<const typename StencilTable<D>::Handle> corrections = {}) {
+        stencils_.add(stencil, data, corrections);
     }
 
     /// Writes the rows of handles first_handle … first_handle + count − 1, for all points.

@@ -17,9 +17,19 @@ template <std::size_t D>
 class GridErrors {
 public:
     GridErrors() = default;
-    /// `data` is the cage's BoundaryData.
+    using Stencil = grid::CutStencil<D>;
+    using Corrections = std::span<const typename StencilTable<D>::Handle>;
+
     template <class Data>
-    GridErrors(const grid::CutTree<D>& tree, const grid::TreeNodes<D>& nodes, const Data& data) {
+    GridErrors(const grid::CutTree<D>& tree, const grid::TreeNodes<D>& nodes, const Data& data)
+        : GridErrors(tree, nodes, data, [](const Stencil&, const Stencil&, const Vec<double, D>&, double) {
+            return std::array<Corrections, 2>{};
+        }) {}
+    ///   data     the cage's BoundaryData
+    ///   correct  correct(fine, coarse, point, size): the Corrections of two means at a point of a leaf
+    template <class Data, class Correct>
+    GridErrors(const grid::CutTree<D>& tree, const grid::TreeNodes<D>& nodes, const Data& data,
+               const Correct& correct) {
         constexpr std::uint32_t most = 1000;
         const std::uint32_t step = 1 + tree.cells().leaves() / most;
         std::uint32_t count = 0;
@@ -45,8 +55,11 @@ public:
                     return;
                 }
             }
-            fine_.add(stencil(tree, nodes, leaf, middle), data);
-            coarse_.add(stencil(tree, nodes, tree.cells().parent_of(leaf.number), middle), data);
+            const auto fine = stencil(tree, nodes, leaf, middle);
+            const auto coarse = stencil(tree, nodes, tree.cells().parent_of(leaf.number), middle);
+            const auto corrections = correct(fine, coarse, middle, double(leaf.size));
+            fine_.add(fine, data, corrections[0]);
+            coarse_.add(coarse, data, corrections[1]);
         });
     }
 

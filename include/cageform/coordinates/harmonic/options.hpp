@@ -62,10 +62,12 @@ struct HarmonicOptions {
     HarmonicSolver solver = HarmonicSolver::multigrid;
     /// The largest error of a weight, 1e-5 … 0.1, for which an adaptive grid is made
     /// (coordinates/harmonic/tree_solver.hpp). In 2D the error stays within it. In 3D it stays
-    /// within it near large faces, up to their edges and corners, and within 1.5 times next to
-    /// reflex edges. In thin parts and deep below small faces three times the accuracy was
-    /// measured. Closer to a small face than the face is wide the error can reach a tenth, because
-    /// the hat function falls off within a cell or two; SolverReport::grid_error shows it.
+    /// within it near large faces, up to their edges and corners. Next to small faces, in thin parts
+    /// and next to reflex edges nine of ten points stay within it down to 5e-3, and the largest error
+    /// measured was five times as large (`bench_skin`). Around cells inside, and with faces of more
+    /// than three corners, no near field is subtracted (coordinates/harmonic/near_rows.hpp): closer to
+    /// a small face than the face is wide the error can reach a tenth there. SolverReport::grid_error
+    /// shows it.
     double accuracy = 1e-3;
     /// For UniformHarmonicCoordinates: this many cells along the cage's longest side, 8 … 16384, in
     /// 3D 8 … 1024. `accuracy` is then ignored.

@@ -13,17 +13,17 @@ template <std::size_t D>
 class StencilTable {
 public:
     using Node = typename grid::CutStencil<D>::Node;
+    std::size_t size() const noexcept { return ends_.size(); }
+    void reserve(std::size_t count) { ends_.reserve(count); }
+
     struct Handle {
         std::uint32_t handle;
         double share;
     };
 
-    std::size_t size() const noexcept { return ends_.size(); }
-    void reserve(std::size_t count) { ends_.reserve(count); }
-
-    /// Appends a stencil. `data` is the cage's BoundaryData.
+    /// Appends a stencil. `data` is the cage's BoundaryData; `corrections` are added to the handles' weights.
     template <class Data>
-    void add(const grid::CutStencil<D>& stencil, const Data& data) {
+    void add(const grid::CutStencil<D>& stencil, const Data& data, std::span<const Handle> corrections = {}) {
         nodes_.append(stencil.nodes.data(), stencil.nodes.data() + stencil.node_count);
         for (std::uint32_t n = 0; n < stencil.boundary_count; ++n) {
             const auto& [value, share] = stencil.boundary_points[n];
@@ -31,6 +31,7 @@ public:
                 handles_.push_back({handle, factor * weight});
             });
         }
+        handles_.append(corrections.data(), corrections.data() + corrections.size());
         end_stencil();
     }
 

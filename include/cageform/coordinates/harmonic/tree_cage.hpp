@@ -42,7 +42,9 @@ public:
     /// Predicts the size of a tree before it is built.
     class Plan {
     public:
-        Plan(const C& cage, double tolerance) {
+        ///   near  whether a near field is subtracted
+        Plan(const C& cage, double tolerance, bool near)
+            : near_(near) {
             if constexpr (D == 3) planner_.emplace(boundary_of_tree(cage, tolerance, 1));
         }
         double scale(double accuracy) const noexcept { return plan(accuracy).scale; }
@@ -57,16 +59,19 @@ public:
 
     private:
         grid::RefinementPlan plan(double accuracy) const noexcept {
-            if constexpr (D == 3) return planner_->plan(sizing(accuracy)); // NOLINT: made in space
+            if constexpr (D == 3) return planner_->plan(sizing(accuracy, near_)); // NOLINT: made in space
             return {};
         }
         std::optional<grid::RefinementPlanner> planner_;
+        bool near_;
     };
     static constexpr double least_accuracy = 1e-5, most_accuracy = 0.1;
 
-    TreeCage(const C& cage, double tolerance, double scale = 1)
+    ///   near  whether a near field is subtracted
+    TreeCage(const C& cage, double tolerance, bool near, double scale = 1)
         : cage_(cage)
         , tolerance_(tolerance)
+        , near_(near)
         , boundary_(boundary_of_tree(cage, tolerance, scale))
         , tree_(boundary_) {}
     TreeCage(const TreeCage&) = delete;
@@ -77,7 +82,9 @@ public:
     /// with its fourth power in 2D. The factors are measured. In 2D all errors on the oracles and
     /// on random cages stay within the accuracy; in 3D most do, on the oracles and the reference
     /// points of tests/data/fingers.
-    static auto sizing(double accuracy) noexcept {
+    /// With a near field cells need not resolve the kinks of the data, so that they may be far larger than
+    /// small facets.
+    static auto sizing(double accuracy, [[maybe_unused]] bool near) noexcept {
         if constexpr (D == 2) {
             const double finer = std::sqrt(std::sqrt(1e-2 / accuracy));
             return grid::SizingOptions{.across = (std::max)(3.0, 1.5 * finer),
@@ -90,7 +97,7 @@ public:
         } else {
             const double finer = std::sqrt(2e-3 / accuracy), levels = (std::max)(0.0, 1 + std::log2(finer));
             return grid::RefinementOptions{.across = 4.8 * finer,
-                                           .per_facet = 0.89 * finer,
+                                           .per_facet = (near ? 0.25 : 0.89) * finer,
                                            .edge_levels = levels,
                                            .reflex_levels = levels,
                                            // Errors there are of first order.
@@ -103,7 +110,7 @@ public:
     /// Refines the tree. Returns false if more than `most` leaves are needed; `leaves` is then an
     /// estimate of how many.
     bool refine(double accuracy, double most, double& leaves) {
-        const auto options = sizing(accuracy);
+        const auto options = sizing(accuracy, near_);
         bool whole = true;
         if constexpr (D == 2) {
             constexpr double samples_of_leaf = 5; // measured
@@ -139,6 +146,7 @@ public:
     const C& cage() const noexcept { return cage_; }
     /// Returns a handle of a bone that is thinner than the smallest possible cells, if there is one.
     std::optional<std::uint32_t> too_thin() const noexcept { return boundary_.bones().too_thin(); }
+    const grid::TreeBoundary<D>& boundary() const noexcept { return boundary_; }
     const grid::CutTree<D>& tree() const noexcept { return tree_; }
     const grid::TreeNodes<D>& nodes() const noexcept { return nodes_; }
     std::size_t bytes() const noexcept { return tree_.bytes() + nodes_.bytes(); }
@@ -262,6 +270,7 @@ private:
 
     const C& cage_;
     double tolerance_;
+    bool near_;
     grid::TreeBoundary<D> boundary_;
     grid::CutTree<D> tree_;
     grid::TreeNodes<D> nodes_;

@@ -6,6 +6,7 @@
 #include <cageform/coordinates/harmonic/cage_solver.hpp>
 #include <cageform/coordinates/harmonic/cut_samples.hpp>
 #include <cageform/coordinates/harmonic/grid_errors.hpp>
+#include <cageform/coordinates/harmonic/near_rows.hpp>
 #include <cageform/coordinates/harmonic/options.hpp>
 #include <cageform/coordinates/harmonic/tree_cage.hpp>
 #include <cageform/grid/tree/multigrid.hpp>
@@ -109,14 +110,15 @@ public:
             return Status::accuracy_not_supported;
         if (Cage::depth_of(problem.cage, problem.tolerance) < Cage::least_depth)
             return Status::resolution_not_supported;
-        const typename Cage::Plan plan(problem.cage, problem.tolerance);
+        const bool near = has_near_field(problem);
+        const typename Cage::Plan plan(problem.cage, problem.tolerance, near);
         double leaves = plan.leaves(accuracy);
         const double most = (std::min)(double(problem.options.memory_limit) / bytes_of_leaf,
                                        0.125 * double(std::uint32_t(-1)));
         std::unique_ptr<Cage> cage;
         constexpr double few = 2e5; // quick to make, and the plan overestimates such small trees
         if (leaves < (std::max)(1.5 * most, few))
-            cage = std::make_unique<Cage>(problem.cage, problem.tolerance, plan.scale(accuracy));
+            cage = std::make_unique<Cage>(problem.cage, problem.tolerance, near, plan.scale(accuracy));
         if (const auto handle = cage ? cage->too_thin() : std::nullopt) {
             report.unseen_handle = *handle;
             return Status::grid_too_coarse;
@@ -144,9 +146,9 @@ public:
         , tolerance_(of_accuracy * problem.options.accuracy)
         , max_cycles_(problem.options.multigrid.max_cycles)
         , order_(cage_->cage().vertices(), width)
-        , multigrid_(cage_->tree(), cage_->nodes(),
-                     grid::links_of(cage_->tree(), cage_->nodes(), ordered_data()))
-        , errors_(cage_->tree(), cage_->nodes(), ordered_data()) {}
+        , near_(near_field_of(*cage_, problem))
+        , multigrid_(cage_->tree(), cage_->nodes(), links())
+        , errors_(grid_errors()) {}
 
     SolverMemory memory() const noexcept {
         return {cage_->bytes() + multigrid_.bytes(), multigrid_.block_bytes(is_refined())};
@@ -259,6 +261,12 @@ public:
     Samples samples(const detail::Batch<T>& batch, std::size_t first, std::size_t last) const {
         Samples samples(first);
         const auto data = ordered_data();
+        if constexpr (D == 3) {
+            if (near_) {
+                add_near_samples(batch, first, last, samples);
+                return samples;
+            }
+        }
         for (std::size_t i = first; i < last; ++i) samples.add(cage_->stencil(batch, i), data);
         return samples;
     }
@@ -278,6 +286,75 @@ public:
     }
 
 private:
+    using NearField = std::conditional_t<D == 3, std::optional<detail::NearField>, detail::NoNearField>;
+
+    /// Whether a near field is subtracted: in space, for hats as data, without cells inside.
+    static bool has_near_field(const Problem& problem) noexcept {
+        return D == 3 && problem.data.is_linear() &&
+               problem.cage.vertices().size() == problem.cage.boundary().vertices().size() &&
+               problem.cage.cells().empty();
+    }
+    static NearField near_field_of(const Cage& cage, const Problem& problem) {
+        NearField near;
+        if constexpr (D == 3) {
+            if (has_near_field(problem)) near.emplace(cage.boundary(), problem.cage.boundary());
+        }
+        return near;
+    }
+    grid::TreeLinks links() const {
+        if constexpr (D == 3) {
+            const double least = 0.1 * tolerance_; // a hundredth of the accuracy
+            if (near_)
+                return grid::links_of(cage_->tree(), cage_->nodes(), ordered_data(),
+                                      detail::NearRows(*near_, least));
+        }
+        return grid::links_of(cage_->tree(), cage_->nodes(), ordered_data());
+    }
+    detail::GridErrors<D> grid_errors() const {
+        if constexpr (D == 3) {
+            if (near_) {
+                using Errors = detail::GridErrors<D>;
+                using Handle = typename detail::StencilTable<D>::Handle;
+                detail::NearRows near(*near_, 0);
+                std::array<std::vector<Handle>, 2> found; // NOLINT(misc-const-correctness): filled below
+                const auto correct = [&](const typename Errors::Stencil& fine,
+                                         const typename Errors::Stencil& coarse, const Vec<double, D>& p,
+                                         double size) {
+                    for (auto& list : found) list.clear();
+                    near.add(0, p, size, fine, cage_->nodes());
+                    near.add(1, p, size, coarse, cage_->nodes());
+                    near.flush([&](std::uint32_t n, std::uint32_t vertex, double amount) {
+                        found[n].push_back({order_.position(vertex), amount});
+                    });
+                    return std::array<typename Errors::Corrections, 2>{found[0], found[1]};
+                };
+                return {cage_->tree(), cage_->nodes(), ordered_data(), correct};
+            }
+        }
+        return {cage_->tree(), cage_->nodes(), ordered_data()};
+    }
+    /// Adds the stencils of points first … last − 1, with their corrections. Each point is corrected by
+    /// itself, so that its weights do not depend on other points.
+    template <Scalar T>
+    void add_near_samples(const detail::Batch<T>& batch, std::size_t first, std::size_t last,
+                          Samples& samples) const {
+        const auto data = ordered_data();
+        detail::NearRows near(*near_, 0);
+        std::vector<typename detail::StencilTable<D>::Handle> corrections;
+        for (std::size_t i = first; i < last; ++i) {
+            const auto stencil = cage_->stencil(batch, i);
+            corrections.clear();
+            if (i < batch.points.points && batch.states[i] == PointState::inside) {
+                const auto at = cage_->boundary().in_units(vec_cast<double>(block_point<D>(batch.points, i)));
+                near.add(0, at, cage_->tree().leaf_at(at).size, stencil, cage_->nodes());
+                near.flush([&](std::uint32_t, std::uint32_t vertex, double amount) {
+                    corrections.push_back({order_.position(vertex), amount});
+                });
+            }
+            samples.add(stencil, data, corrections);
+        }
+    }
+
     detail::OrderedData<D> ordered_data() const noexcept { return {*data_, order_}; }
     /// Returns the value below which the next coarser level represents a function well enough.
     double cutoff() const noexcept { return is_refined() ? 0 : 2.5 * tolerance_; }
@@ -293,6 +370,7 @@ private:
     double tolerance_;
     std::size_t max_cycles_;
     detail::HandleOrder order_;
+    NearField near_;
     Multigrid multigrid_;
     detail::GridErrors<D> errors_;
 };

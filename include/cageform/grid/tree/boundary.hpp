@@ -149,6 +149,15 @@ public:
         boxes_.for_each_on_ray(from, direction, length, rounding + std::ldexp(1.0, -fraction_), visit);
     }
 
+    /// Calls visit(facet) for all facets whose boxes are at most so far from a point.
+    template <class Visit>
+    void for_each_within(const Vec<double, D>& p, double distance, const Visit& visit) const {
+        boxes_.for_each_near(p, distance * distance, [&](std::uint32_t facet) {
+            visit(facet);
+            return distance * distance;
+        });
+    }
+
     /// Tells whether an element passes a cell or comes as near to it as the tolerance. For a bone the
     /// test is conservative.
     bool passes(std::size_t element, const typename CellTree<D>::Cell& cell) const noexcept {

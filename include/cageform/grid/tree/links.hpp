@@ -2,7 +2,8 @@
 //
 // A node is a corner of a leaf that lies inside the domain (grid/tree/nodes.hpp). Every row has the
 // form diagonal · u(node) − Σ weight · u(neighbour) = Σ weight · (boundary value), and every weight
-// is positive. The matrix is not symmetric: stars and ghost values are not mutual.
+// is positive; a near field adds data of both signs. The matrix is not symmetric: stars and ghost values
+// are not mutual.
 // LinkMaker::add_equation picks one of three formulas:
 //
 // 1. Plane, four equal leaves about the node and no facet in them: the nine-point formula of
@@ -63,9 +64,12 @@ struct NoStar {
     explicit NoStar(const Any&...) noexcept {}
 };
 
+/// Stands in for a near field where there is none.
+struct NoNearField {};
+
 /// Makes the equations, node by node. `Data` turns a point of the boundary into weights of handles:
-/// data.for_each_weight(value, f).
-template <std::size_t D, class Data>
+/// data.for_each_weight(value, f). `Near` corrects equations next to the boundary, or is NoNearField.
+template <std::size_t D, class Data, class Near>
 class LinkMaker {
 public:
     using Nodes = grid::TreeNodes<D>;
@@ -73,14 +77,16 @@ public:
     using Cell = typename grid::CellTree<D>::Cell;
     using AxisRay = grid::AxisRay<D>;
 
-    LinkMaker(const grid::CutTree<D>& tree, const Nodes& nodes, const Data& data)
+    LinkMaker(const grid::CutTree<D>& tree, const Nodes& nodes, const Data& data, Near near)
         : tree_(tree)
         , nodes_(nodes)
         , data_(data)
+        , near_(std::move(near))
         , star_(tree, nodes) {}
 
     grid::TreeLinks make() {
         for (std::uint32_t node = 0; node < nodes_.count(); ++node) add_equation(node);
+        if constexpr (has_near_field) correct_rows();
         std::sort(out_.data.begin(), out_.data.end(), [](const grid::TreeData& a, const grid::TreeData& b) {
             return a.handle != b.handle ? a.handle < b.handle : a.node < b.node;
         });
@@ -182,13 +188,21 @@ private:
         }
         if (!add_star(node, index, about, volume)) {
             const auto shares = shares_of_axes(c);
+            if constexpr (has_near_field) begin_near_row(node, index, about);
             for (std::size_t n = 0; n < 2 * D; ++n) {
                 const double weight = volume * shares[n / 2] * c[n / 2][n % 2];
                 const auto& end = sides_[n].end;
-                for (std::uint32_t k = 0; k < end.node_count; ++k)
-                    add_to_row(end.nodes[k].node, weight * end.nodes[k].share);
-                for (std::uint32_t k = 0; k < end.boundary_count; ++k)
-                    add_data(node, end.boundary_points[k].value, weight * end.boundary_points[k].share);
+                for (std::uint32_t k = 0; k < end.node_count; ++k) {
+                    const auto& [neighbour, share] = end.nodes[k];
+                    add_to_row(neighbour, weight * share);
+                    if constexpr (has_near_field)
+                        near_.at_node(neighbour, node_position<D>(nodes_.index(neighbour)), weight * share);
+                }
+                for (std::uint32_t k = 0; k < end.boundary_count; ++k) {
+                    const auto& [value, share] = end.boundary_points[k];
+                    add_data(node, value, weight * share);
+                    if constexpr (has_near_field) near_.at_boundary(value, weight * share);
+                }
             }
         }
         end_row(volume);
@@ -213,6 +227,30 @@ private:
             }
         }
         return true;
+    }
+    /// Begins a row of the near field. Rows of one cube, of twice the size of the node's smallest leaf, are
+    /// corrected together.
+    void begin_near_row(std::uint32_t node, const Index& index, const LeavesAbout<D>& about) {
+        const std::int32_t size = about.smallest()->size;
+        std::int32_t largest = size;
+        for (std::size_t n = 0; n < about.leaf.size(); ++n)
+            largest = about.counts[n] ? (std::max)(largest, about.leaf[n].size) : largest;
+        std::array<std::int32_t, D + 1> cube{size};
+        for (std::size_t k = 0; k < D; ++k) cube[k + 1] = index[k] / (2 * size);
+        if (cube != cube_) correct_rows();
+        cube_ = cube;
+        near_.begin(node, node_position<D>(index), largest);
+    }
+    void correct_rows() {
+        near_.flush([&](std::uint32_t node, std::uint32_t vertex, double amount) {
+            BoundaryValue<D> value{};
+            value.handle[0] = vertex;
+            value.weight[0] = 1;
+            data_.for_each_weight(value, [&](std::uint32_t handle, double) {
+                out_.data.push_back({handle, node, float(amount)});
+                out_.equations.diagonal[node] += double(float(amount));
+            });
+        });
     }
     void end_row(double volume) {
         std::sort(row_.begin(), row_.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
@@ -298,6 +336,9 @@ private:
     const grid::CutTree<D>& tree_;
     const Nodes& nodes_;
     const Data& data_;
+    static constexpr bool has_near_field = !std::is_same_v<Near, NoNearField>;
+    Near near_;
+    std::array<std::int32_t, D + 1> cube_{}; ///< of the rows that near_ waits for
     std::array<Side, 2 * D> sides_;
     std::vector<std::pair<std::uint32_t, double>> row_;
     double diagonal_ = 0;
@@ -313,9 +354,10 @@ namespace grid {
 ///
 ///   data  data.for_each_weight(value, f): f(handle, weight) for every handle that has weight at a
 ///         point of the boundary; no weight is negative
-template <std::size_t D, class Data = detail::HatData<D>>
-TreeLinks links_of(const CutTree<D>& tree, const TreeNodes<D>& nodes, const Data& data = {}) {
-    return detail::LinkMaker<D, Data>(tree, nodes, data).make();
+///   near  corrects equations next to the boundary (coordinates/harmonic/near_rows.hpp), or NoNearField
+template <std::size_t D, class Data = detail::HatData<D>, class Near = detail::NoNearField>
+TreeLinks links_of(const CutTree<D>& tree, const TreeNodes<D>& nodes, const Data& data = {}, Near near = {}) {
+    return detail::LinkMaker<D, Data, Near>(tree, nodes, data, std::move(near)).make();
 }
 
 } // namespace grid

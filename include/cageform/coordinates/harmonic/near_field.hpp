@@ -1,0 +1,101 @@
+// The faces of a cage, prepared for the double layers of near_patch.hpp.
+#pragma once
+
+#include <cageform/coordinates/green/space.hpp>
+#include <cageform/grid/tree/nodes.hpp>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+/// The faces of a cage in the units of a tree, prepared for NearPatch.
+class NearField {
+public:
+    static constexpr std::uint32_t none = ~std::uint32_t{0};
+    using Point = Vec<double, 3>;
+    using Frame = GreenFrame<double, 3>;
+
+    /// The mesh is that of the boundary. Both must outlive it.
+    NearField(const grid::TreeBoundary<3>& boundary, const TriangleMesh<double>& mesh)
+        : boundary_(boundary)
+        , topology_(mesh)
+        , at_(mesh.size())
+        , star_ends_(mesh.size(), 0)
+        , faces_of_edge_(topology_.edges.size(), std::array<std::uint32_t, 2>{none, none}) {
+        for (std::size_t f = 0; f < topology_.facets.size(); ++f) {
+            for (std::size_t k = 0; k < 3; ++k)
+                at_[boundary.exact(f).vertex[k]] = boundary.exact(f).corner[k];
+            for (const std::uint32_t v : topology_.facets[f]) ++star_ends_[v];
+            for (const std::uint32_t e : topology_.edges_of_facet[f]) {
+                auto& faces = faces_of_edge_[e];
+                faces[faces[0] == none ? 0 : 1] = std::uint32_t(f);
+            }
+        }
+        std::uint32_t begin = 0;
+        for (auto& end : star_ends_) end = std::exchange(begin, begin + end);
+        star_.resize(begin);
+        for (std::size_t f = 0; f < topology_.facets.size(); ++f) {
+            for (const std::uint32_t v : topology_.facets[f]) star_[star_ends_[v]++] = std::uint32_t(f);
+        }
+        frame_ = Frame(topology_, at_, 0);
+    }
+
+    const grid::TreeBoundary<3>& boundary() const noexcept { return boundary_; }
+    std::size_t vertices() const noexcept { return at_.size(); }
+    std::size_t edges() const noexcept { return faces_of_edge_.size(); }
+    std::size_t faces() const noexcept { return frame_.faces.size(); }
+    const Point& at(std::uint32_t vertex) const noexcept { return at_[vertex]; }
+    const Frame::Face& face(std::uint32_t f) const noexcept { return frame_.faces[f]; }
+    const Frame::Edge& edge(std::uint32_t e) const noexcept { return frame_.edges[e]; }
+    const std::array<std::uint32_t, 2>& faces_of_edge(std::uint32_t e) const noexcept {
+        return faces_of_edge_[e];
+    }
+    std::span<const std::uint32_t> star(std::uint32_t vertex) const noexcept {
+        const std::size_t begin = vertex == 0 ? 0 : star_ends_[vertex - 1];
+        return {star_.data() + begin, star_ends_[vertex] - begin};
+    }
+    Corners<3> corners(std::uint32_t f) const noexcept {
+        const auto& c = face(f).corner;
+        return {at_[c[0]], at_[c[1]], at_[c[2]]};
+    }
+    /// Returns the point of the boundary that has a value.
+    Point position(const BoundaryValue<3>& value) const noexcept {
+        Point p{};
+        for (std::size_t k = 0; k < value.handle.size(); ++k) p = p + value.weight[k] * at_[value.handle[k]];
+        return p;
+    }
+
+    /// Moves a place of the boundary inside, towards x where all faces at the place allow that, else against
+    /// their normals.
+    Point moved_inside(const BoundaryValue<3>& value, const Point& x) const noexcept {
+        const auto place = position(value);
+        const auto way = x - place;
+        const double distance = length(way);
+        Point normals{};
+        bool is_free = distance > 0;
+        const auto k =
+            std::size_t(std::max_element(value.weight.begin(), value.weight.end()) - value.weight.begin());
+        for (const std::uint32_t f : star(value.handle[k])) {
+            bool is_at = true;
+            for (std::size_t l = 0; l < 3; ++l) {
+                const auto& corner = face(f).corner;
+                is_at = is_at && (!(value.weight[l] > 1e-9) ||
+                                  std::find(corner.begin(), corner.end(), value.handle[l]) != corner.end());
+            }
+            if (!is_at) continue;
+            is_free = is_free && dot(face(f).normal, way) < -1e-3 * distance;
+            normals = normals + face(f).normal;
+        }
+        const double step = (std::max)(1e-6 * distance, 1e-5);
+        return is_free ? place + ((std::min)(step, 0.5 * distance) / distance) * way
+                       : place - (step / length(normals)) * normals;
+    }
+
+private:
+    const grid::TreeBoundary<3>& boundary_;
+    MeanValueTopology<3> topology_;
+    Buffer<Point> at_;
+    Buffer<std::uint32_t> star_ends_, star_; ///< the faces of every vertex
+    Buffer<std::array<std::uint32_t, 2>> faces_of_edge_;
+    Frame frame_;
+};
+
+} // namespace cageform::inline CAGEFORM_ABI::detail

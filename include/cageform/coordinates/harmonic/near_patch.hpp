@@ -1,0 +1,428 @@
+// The double layers of the vertices near a place; near_rows.hpp says what for.
+#pragma once
+
+#include <cageform/coordinates/harmonic/near_field.hpp>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+/// The double layers of the vertices near a place.
+class NearPatch {
+    using Point = NearField::Point;
+    static constexpr std::uint32_t none = NearField::none;
+
+public:
+    explicit NearPatch(const NearField& field)
+        : field_(field)
+        , local_vertex_(field.vertices(), none)
+        , local_edge_(field.edges(), none)
+        , local_face_(field.faces(), none)
+        , seen_(frame_) {}
+
+    /// Chooses the vertices, the simplex and the mirrors for places about x, a point inside. Returns false
+    /// if no edge of a face that x sees lies within the radius, or too few vertices: nothing is to be done.
+    ///
+    /// The radius shrinks where more than a few hundred faces are near.
+    bool look(const Point& x, double radius) {
+        constexpr std::size_t most_candidates = 150, most_faces = 300;
+        for (;; radius *= 0.7) {
+            forget();
+            origin_ = x;
+            unit_ = radius;
+            find_candidates(radius);
+            if (candidates_.size() > most_candidates) continue;
+            choose_seen();
+            if (!find_vertices(radius) || vertices_.size() < 4) return false;
+            if (!choose_simplex()) return false;
+            add_stars();
+            if (frame_.faces.size() <= most_faces) return true;
+        }
+    }
+
+    /// The vertices, V.
+    std::span<const std::uint32_t> vertices() const noexcept { return vertices_; }
+
+    /// Evaluates the double layers at points.
+    void evaluate(std::span<const Point> points) {
+        constexpr std::size_t lanes = lane_count<double>;
+        batches_ = (points.size() + lanes - 1) / lanes;
+        values_.resize(batches_ * vertices_.size());
+        for (auto& value : values_) Simd<double>(0.0).store(value);
+        Buffer<Point> local;
+        for (const auto& p : points) local.push_back((1 / unit_) * (p - origin_));
+        assign_mirrors({local.data(), local.size()});
+        for (std::size_t b = 0; b < batches_; ++b) {
+            Vec<Lanes<double>, 3> lane;
+            Vec<Simd<double>, 3> p;
+            for (std::size_t k = 0; k < 3; ++k) {
+                for (std::size_t n = 0; n < lanes; ++n)
+                    lane[k][n] = local[(std::min)(b * lanes + n, local.size() - 1)][k];
+                p[k] = Simd<double>::load(lane[k]);
+            }
+            for (unsigned mirrored = 0; mirrored < (1u << mirrors_.size()); ++mirrored)
+                add_layers(p, mirrored, values_.data() + b * vertices_.size());
+        }
+    }
+    double layer(std::size_t vertex, std::size_t point) const noexcept {
+        return double(
+            values_[point / lane_count<double> * vertices_.size() + vertex][point % lane_count<double>]);
+    }
+
+    /// Turns 2 F(D_v) for all vertices into F(L_v).
+    void finish(std::span<double> amount) const noexcept {
+        std::array<double, 4> of_simplex{};
+        for (std::size_t i = 0; i < simplex_.size(); ++i) {
+            double sum = 0;
+            for (std::size_t v = 0; v < vertices_.size(); ++v) sum += beta_[v][i] * amount[v];
+            of_simplex[i] = sum;
+        }
+        for (std::size_t i = 0; i < simplex_.size(); ++i) amount[simplex_[i]] -= of_simplex[i];
+    }
+
+private:
+    struct Candidate {
+        std::uint32_t face;
+        double distance;
+        Point foot;
+    };
+    struct Bend { ///< an edge within the radius
+        double distance;
+        std::uint32_t edge;
+    };
+    struct Mirror { ///< in local units
+        Point normal;
+        double offset;
+    };
+
+    void forget() noexcept {
+        for (const std::uint32_t v : all_vertices_) local_vertex_[v] = none;
+        for (const std::uint32_t e : all_edges_) local_edge_[e] = none;
+        for (const std::uint32_t f : all_faces_) local_face_[f] = none;
+        all_vertices_.clear();
+        all_edges_.clear();
+        all_faces_.clear();
+        frame_.vertices.clear();
+        frame_.edges.clear();
+        frame_.faces.clear();
+        vertices_.clear();
+        bends_.clear();
+        candidates_.clear();
+        planes_.clear();
+        mirrors_.clear();
+    }
+
+    // ---- what x sees --------------------------------------------------------------------------------
+
+    /// Finds the faces within the radius that x lies in front of.
+    void find_candidates(double radius) {
+        field_.boundary().for_each_within(origin_, radius, [&](std::uint32_t f) {
+            const auto corner = field_.corners(f);
+            if (!(height(f, origin_) < 0)) return;
+            const auto foot = point_on_facet(nearest_on_facet(origin_, corner), corner);
+            const double distance = length(foot - origin_);
+            if (distance < radius) candidates_.push_back({f, distance, foot});
+        });
+    }
+    /// Lists those of them that no other one hides.
+    void choose_seen() {
+        std::sort(candidates_.begin(), candidates_.end(), [](const Candidate& a, const Candidate& b) {
+            return a.distance != b.distance ? a.distance < b.distance : a.face < b.face;
+        });
+        seen_faces_.clear();
+        for (std::size_t n = 0; n < candidates_.size(); ++n) {
+            bool hidden = false;
+            for (std::size_t m = 0; m < n && !hidden; ++m)
+                hidden = hides(candidates_[m].face, candidates_[n]);
+            if (!hidden) seen_faces_.push_back(candidates_[n].face);
+        }
+    }
+    /// Returns the height of a point above a face's plane, positive outside.
+    double height(std::uint32_t f, const Point& p) const noexcept {
+        const auto& face = field_.face(f);
+        return dot(face.normal, p - field_.at(face.corner[0]));
+    }
+    /// Whether a face lies between the origin and the nearest point of another face.
+    bool hides(std::uint32_t f, const Candidate& other) const noexcept {
+        const auto to = origin_ + (1 - 1e-6) * (other.foot - origin_);
+        const double from_height = height(f, origin_), to_height = height(f, to);
+        if (!(to_height > 0)) return false;
+        const auto q = origin_ + (from_height / (from_height - to_height)) * (to - origin_);
+        const auto& face = field_.face(f);
+        for (std::size_t k = 0; k < 3; ++k) {
+            if (dot(face.across[k], q - field_.at(face.corner[(k + 1) % 3])) > 0) return false;
+        }
+        return true;
+    }
+
+    std::uint32_t add_vertex(std::uint32_t v) {
+        auto& local = local_vertex_[v];
+        if (local != none) return local;
+        local = std::uint32_t(all_vertices_.size());
+        all_vertices_.push_back(v);
+        frame_.vertices.push_back((1 / unit_) * (field_.at(v) - origin_));
+        return local;
+    }
+    /// Lists the vertices of the faces seen, and of the faces across their edges within the radius. Returns
+    /// whether there is such an edge.
+    bool find_vertices(double radius) {
+        bool any = false;
+        for (const std::uint32_t f : seen_faces_) {
+            const auto& face = field_.face(f);
+            for (const std::uint32_t v : face.corner) add_vertex(v);
+            for (std::size_t k = 0; k < 3; ++k) {
+                const double distance = distance_to_segment(origin_, field_.at(face.corner[(k + 1) % 3]),
+                                                            field_.at(face.corner[(k + 2) % 3]));
+                if (!(distance < radius)) continue;
+                any = true;
+                bends_.push_back({distance, face.edge[k]});
+            }
+        }
+        std::sort(bends_.begin(), bends_.end(), [](const Bend& a, const Bend& b) {
+            return a.distance != b.distance ? a.distance < b.distance : a.edge < b.edge;
+        });
+        for (const Bend& bend : bends_) {
+            for (const std::uint32_t f : field_.faces_of_edge(bend.edge)) {
+                if (f == none) continue;
+                for (const std::uint32_t v : field_.face(f).corner) add_vertex(v);
+            }
+        }
+        vertices_.assign(all_vertices_.begin(), all_vertices_.end());
+        return any;
+    }
+
+    // ---- linear functions ----------------------------------------------------------------------------
+
+    static constexpr double flat = 1e-3; ///< the sine of the angle between faces that make no bend
+
+    bool is_bent(std::uint32_t edge) const noexcept {
+        const auto& [f, g] = field_.faces_of_edge(edge);
+        return g != none && length(cross(field_.face(f).normal, field_.face(g).normal)) > flat;
+    }
+    Point local(std::size_t vertex) const noexcept {
+        return (1 / unit_) * (field_.at(vertices_[vertex]) - origin_);
+    }
+    bool choose_simplex() {
+        constexpr double most = 2.5;
+        for (const Bend& bend : bends_) {
+            if (!is_bent(bend.edge)) continue;
+            const auto& [f, g] = field_.faces_of_edge(bend.edge);
+            simplex_.clear();
+            for (const std::uint32_t v : field_.face(f).corner) simplex_.push_back(local_vertex_[v]);
+            for (const std::uint32_t v : field_.face(g).corner) {
+                if (std::find(simplex_.begin(), simplex_.end(), local_vertex_[v]) == simplex_.end())
+                    simplex_.push_back(local_vertex_[v]);
+            }
+            if (simplex_.size() == 4 && set_beta() < most) return true;
+            break;
+        }
+        return choose_largest() && set_beta() < (std::numeric_limits<double>::max)();
+    }
+    /// Greedily: the nearest vertex, the farthest from it, the largest triangle and tetrahedron.
+    bool choose_largest() {
+        const auto best = [&](const auto& measure) {
+            std::size_t found = 0;
+            double largest = -1;
+            for (std::size_t v = 0; v < vertices_.size(); ++v) {
+                const double m = measure(local(v));
+                if (m > largest) {
+                    largest = m;
+                    found = v;
+                }
+            }
+            return std::pair(std::uint32_t(found), largest);
+        };
+        const auto first = best([](const Point& p) { return 1 / (1e-9 + dot(p, p)); }).first;
+        const auto a = local(first);
+        const auto [second, size] = best([&](const Point& p) { return length(p - a); });
+        const auto b = local(second);
+        const auto [third, area] = best([&](const Point& p) { return length(cross(b - a, p - a)); });
+        if (!(area > 1e-6 * size * size)) return false;
+        const auto normal = cross(b - a, local(third) - a);
+        const auto [fourth, volume] = best([&](const Point& p) { return std::fabs(dot(normal, p - a)); });
+        simplex_.assign({first, second, third});
+        if (volume > 1e-6 * area * size) simplex_.push_back(fourth);
+        return true;
+    }
+    /// Sets the linear functions of the simplex at all vertices; returns the largest.
+    double set_beta() {
+        const auto a = local(simplex_[0]), u = local(simplex_[1]) - a, v = local(simplex_[2]) - a;
+        const auto w = simplex_.size() == 4 ? local(simplex_[3]) - a : cross(u, v);
+        const double volume = dot(cross(u, v), w);
+        if (!(std::fabs(volume) > 1e-12)) return std::numeric_limits<double>::infinity();
+        double largest = 0;
+        beta_.resize(vertices_.size());
+        for (std::size_t n = 0; n < vertices_.size(); ++n) {
+            const auto p = local(n) - a;
+            auto& beta = beta_[n];
+            beta = {0, dot(cross(v, w), p) / volume, dot(cross(w, u), p) / volume,
+                    simplex_.size() == 4 ? dot(cross(u, v), p) / volume : 0};
+            beta[0] = 1 - beta[1] - beta[2] - beta[3];
+            for (const double x : beta) largest = (std::max)(largest, std::fabs(x));
+        }
+        return largest;
+    }
+
+    // ---- double layers -------------------------------------------------------------------------------
+
+    void add_stars() {
+        for (const std::uint32_t v : vertices_) {
+            for (const std::uint32_t f : field_.star(v)) {
+                if (local_face_[f] != none) continue;
+                local_face_[f] = std::uint32_t(all_faces_.size());
+                all_faces_.push_back(f);
+                const auto& from = field_.face(f);
+                auto& face = frame_.faces.push_back();
+                for (std::size_t k = 0; k < 3; ++k) {
+                    face.corner[k] = add_vertex(from.corner[k]);
+                    face.edge[k] = add_edge(from.edge[k]);
+                    face.across[k] = from.across[k];
+                    face.inverse_altitude[k] = unit_ * from.inverse_altitude[k];
+                    face.cosine[k] = from.cosine[k];
+                }
+                face.normal = from.normal;
+            }
+        }
+        seen_.corners.resize(frame_.vertices.size());
+        seen_.edges.resize(frame_.edges.size());
+        find_planes();
+    }
+    std::uint32_t add_edge(std::uint32_t e) {
+        auto& local = local_edge_[e];
+        if (local != none) return local;
+        local = std::uint32_t(all_edges_.size());
+        all_edges_.push_back(e);
+        const auto& from = field_.edge(e);
+        frame_.edges.push_back(
+            {add_vertex(from.from), add_vertex(from.to), from.direction, from.length / unit_});
+        return local;
+    }
+
+    static constexpr double square = 0.2; ///< the cosine between faces at about a right angle
+    /// Finds the planes to mirror at: those of the faces at the nearest convex bends of 60 to 120 degrees.
+    void find_planes() {
+        for (const Bend& bend : bends_) {
+            const auto& [f, g] = field_.faces_of_edge(bend.edge);
+            if (g == none) continue;
+            const auto &a = field_.face(f), &b = field_.face(g);
+            if (!(std::fabs(dot(a.normal, b.normal)) < square)) continue;
+            const auto apex = std::find_if(b.corner.begin(), b.corner.end(), [&](std::uint32_t v) {
+                return v != field_.edge(bend.edge).from && v != field_.edge(bend.edge).to;
+            });
+            if (!(height(f, field_.at(*apex)) < 0)) continue; // reflex
+            for (const std::uint32_t n : {f, g}) {
+                if (planes_.size() == 3) return;
+                const Point normal = field_.face(n).normal;
+                const double offset =
+                    dot(normal, (1 / unit_) * (field_.at(field_.face(n).corner[0]) - origin_));
+                if (std::all_of(planes_.begin(), planes_.end(), [&](const Mirror& other) {
+                        return std::fabs(dot(normal, other.normal)) < square;
+                    }))
+                    planes_.push_back({normal, offset});
+            }
+        }
+    }
+    static constexpr double rounding = 1e-5; ///< in local units
+    double beyond(const Mirror& mirror, const Point& p) const noexcept {
+        return dot(mirror.normal, p) - mirror.offset;
+    }
+    /// Whether a face lies in a mirror's plane.
+    bool is_in(const Mirror& mirror, std::uint32_t f) const noexcept {
+        const auto& face = field_.face(f);
+        if (!(dot(face.normal, mirror.normal) > 0.99)) return false;
+        for (const std::uint32_t v : face.corner) {
+            if (std::fabs(beyond(mirror, (1 / unit_) * (field_.at(v) - origin_))) > rounding) return false;
+        }
+        return true;
+    }
+    /// Keeps the mirrors that all points lie before, and finds the faces in them.
+    void assign_mirrors(std::span<const Point> points) {
+        mirrors_.clear();
+        for (const Mirror& plane : planes_) {
+            if (std::all_of(points.begin(), points.end(),
+                            [&](const Point& p) { return beyond(plane, p) <= rounding; }))
+                mirrors_.push_back(plane);
+        }
+        mirror_of_.assign(all_faces_.size(), none);
+        if (mirrors_.size() < 2) mirrors_.clear();
+        for (std::size_t n = 0; n < all_faces_.size() && !mirrors_.empty(); ++n) {
+            for (std::uint32_t k = 0; k < mirrors_.size(); ++k) {
+                if (is_in(mirrors_[k], all_faces_[n])) mirror_of_[n] = k;
+            }
+            if (mirror_of_[n] == none) continue;
+            for (std::uint32_t k = 0; k < mirrors_.size(); ++k) {
+                for (const std::uint32_t v : field_.face(all_faces_[n]).corner) {
+                    if (k != mirror_of_[n] &&
+                        beyond(mirrors_[k], (1 / unit_) * (field_.at(v) - origin_)) > rounding) {
+                        mirror_of_[n] = none;
+                        break;
+                    }
+                }
+                if (mirror_of_[n] == none) break;
+            }
+        }
+    }
+    /// Adds the layers at the images of points in some mirrors, a bit each: of all faces without mirrors,
+    /// else of the faces in the other mirrors.
+    CAGEFORM_DETAIL_FLATTEN void add_layers(Vec<Simd<double>, 3> p, unsigned mirrored,
+                                            Lanes<double>* to) noexcept {
+        using X = Simd<double>;
+        double sign = 1;
+        for (std::size_t k = 0; k < mirrors_.size(); ++k) {
+            if (((mirrored >> k) & 1u) == 0) continue;
+            const auto normal = mirrors_[k].normal;
+            const X twice = X(2.0) * (product(p, normal) - X(mirrors_[k].offset));
+            for (std::size_t axis = 0; axis < 3; ++axis) p[axis] = p[axis] - twice * X(normal[axis]);
+            sign = -sign;
+        }
+        const auto counts = [&](std::size_t f) {
+            return mirrored == 0 || (mirror_of_[f] != none && ((mirrored >> mirror_of_[f]) & 1u) == 0);
+        };
+        edge_counts_.assign(frame_.edges.size(), 0);
+        bool any = false;
+        for (std::size_t f = 0; f < frame_.faces.size(); ++f) {
+            if (!counts(f)) continue;
+            any = true;
+            for (const std::uint32_t e : frame_.faces[f].edge) edge_counts_[e] = 1;
+        }
+        if (!any) return;
+        for (std::size_t i = 0; i < frame_.vertices.size(); ++i) {
+            auto& [u, r] = seen_.corners[i];
+            for (std::size_t k = 0; k < 3; ++k) u[k] = X(frame_.vertices[i][k]) - p[k];
+            r = sqrt(u[0] * u[0] + (u[1] * u[1] + u[2] * u[2]));
+        }
+        for (std::size_t e = 0; e < frame_.edges.size(); ++e) {
+            if (edge_counts_[e] != 0) look_at_edge<false>(frame_.edges[e], 0.0, seen_, seen_.edges[e]);
+        }
+        constexpr double full = 4 * std::numbers::pi;
+        for (std::size_t f = 0; f < frame_.faces.size(); ++f) {
+            if (!counts(f)) continue;
+            const auto& face = frame_.faces[f];
+            const FaceIntegrals<double> of(face, frame_, seen_, 0.0);
+            for (std::size_t k = 0; k < 3; ++k) {
+                if (face.corner[k] >= vertices_.size()) continue;
+                const std::size_t l = (k + 1) % 3, m = (k + 2) % 3;
+                const X across = of.f[k] + (X(face.cosine[m]) * of.f[l] + X(face.cosine[l]) * of.f[m]);
+                const X share(sign * face.inverse_altitude[k] / full);
+                add(share * (of.rho[k] * of.angle + of.height * across), to[face.corner[k]]);
+            }
+        }
+    }
+
+    const NearField& field_;
+    Point origin_{};
+    double unit_ = 1;
+    Buffer<std::uint32_t> local_vertex_, local_edge_, local_face_;    ///< by number in the cage, or none
+    std::vector<std::uint32_t> all_vertices_, all_edges_, all_faces_; ///< numbers in the cage
+    std::vector<std::uint32_t> vertices_, simplex_, seen_faces_;
+    std::vector<Candidate> candidates_;
+    std::vector<Bend> bends_;
+    std::vector<std::array<double, 4>> beta_;
+    std::vector<Mirror> planes_, mirrors_;
+    std::vector<std::uint32_t> mirror_of_;
+    std::vector<std::uint8_t> edge_counts_;
+    NearField::Frame frame_; ///< about the origin, in units of the radius; the vertices V come first
+    GreenRows<double, 3> seen_;
+    std::size_t batches_ = 0;
+    Buffer<Lanes<double>> values_;
+};
+
+} // namespace cageform::inline CAGEFORM_ABI::detail

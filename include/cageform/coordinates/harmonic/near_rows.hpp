@@ -1,0 +1,148 @@
+// Takes the kinks of the hat functions out of the equations and samples of a tree, in space.
+//
+// A harmonic function of a handle is not smooth next to the boundary: its data, a hat function, has kinks
+// at the edges of the faces. A row of equations, and a sample, is a mean
+//
+//     u(x) = Σ_p s_p u(p) + Σ_n s_n u(n),   Σ s = 1,   Σ s · place = x,
+//
+// over places p of the boundary and nodes n. It is exact for linear functions only. So before the mean is
+// taken, a harmonic function L_i with the same kinks is subtracted from u_i, and after it is added again:
+//
+//     u_i(x) = Σ_p s_p φ_i(p) + Σ_n s_n u_i(n) + F(L_i),   F(L) = L(x) − Σ_p s_p L(p) − Σ_n s_n L(n).
+//
+// NearRows returns the numbers F(L_i). L_i is twice the double layer of the hats near by,
+//
+//     D_v(x) = ∫ φ_v ∂G/∂n over the faces about v,   Σ_v D_v = 1 inside,
+//
+// which is the part of Green coordinates that belongs to vertices (coordinates/green/space.hpp). On a plane
+// the double layer of its own faces is half of the hat. With V the set of vertices near x, and β the linear
+// functions of a simplex of vertices of V (β_i is 1 at vertex i of it and 0 at the others),
+//
+//     L_i = β_i + 2 Σ_{v∈V} (δ_iv − β_i(v)) D_v.
+//
+// So Σ_i F(L_i) = 0 and Σ_i c_i F(L_i) = 0 for the positions c_i, whatever V is: partition of unity and
+// linear precision are kept. At a convex bend of about a right angle the double layer of one face is wrong
+// on the other; there it is reflected at the other's plane with its sign turned (mirrors).
+#pragma once
+
+#include <cageform/coordinates/harmonic/near_patch.hpp>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+/// Computes F(L_i) for rows, those about one place together.
+class NearRows {
+    using Point = NearField::Point;
+
+public:
+    ///   least  corrections below this share of a row's weight are dropped
+    NearRows(const NearField& field, double least)
+        : field_(field)
+        , least_(least)
+        , patch_(field) {}
+
+    /// Begins a row about a point inside.
+    ///
+    ///   number  the caller's, returned by `flush`
+    ///   size    of the largest leaf about the point
+    void begin(std::uint32_t number, const Point& x, double size) {
+        rows_.push_back({number, std::uint32_t(terms_.size()), x, size});
+        terms_.push_back({std::uint32_t(points_.size()), 0});
+        points_.push_back(x);
+    }
+    void at_node(std::uint32_t node, const Point& position, double weight) {
+        auto known =
+            std::find_if(nodes_.begin(), nodes_.end(), [&](const Node& n) { return n.node == node; });
+        if (known == nodes_.end()) {
+            nodes_.push_back({node, std::uint32_t(points_.size())});
+            points_.push_back(position);
+            known = nodes_.end() - 1;
+        }
+        add(known->point, weight);
+    }
+    void at_boundary(const BoundaryValue<3>& value, double weight) {
+        add(std::uint32_t(points_.size()), weight);
+        points_.push_back(field_.moved_inside(value, rows_.back().position));
+    }
+
+    /// Adds a row for a stencil at a point.
+    void add(std::uint32_t number, const Point& x, double size, const grid::CutStencil<3>& stencil,
+             const grid::TreeNodes<3>& nodes) {
+        begin(number, x, size);
+        for (std::uint32_t n = 0; n < stencil.node_count; ++n) {
+            const auto& [node, share] = stencil.nodes[n];
+            at_node(node, node_position<3>(nodes.index(node)), share);
+        }
+        for (std::uint32_t n = 0; n < stencil.boundary_count; ++n)
+            at_boundary(stencil.boundary_points[n].value, stencil.boundary_points[n].share);
+    }
+
+    /// Calls emit(number, vertex, amount) for the corrections of all rows, row by row, and forgets the rows.
+    template <class Emit>
+    void flush(const Emit& emit) {
+        if (rows_.empty()) return;
+        Point middle{};
+        for (const Row& row : rows_) middle = middle + (1 / double(rows_.size())) * row.position;
+        const auto from = std::min_element(rows_.begin(), rows_.end(), [&](const Row& a, const Row& b) {
+                              return length(a.position - middle) < length(b.position - middle);
+                          })->position;
+        double reach = 0, size = 0;
+        for (const Row& row : rows_) {
+            reach = (std::max)(reach, length(row.position - from));
+            size = (std::max)(size, row.size);
+        }
+        if (patch_.look(from, 3 * size + reach)) {
+            patch_.evaluate({points_.data(), points_.size()});
+            amount_.resize(patch_.vertices().size());
+            for (std::size_t r = 0; r < rows_.size(); ++r) {
+                const std::size_t end = r + 1 < rows_.size() ? rows_[r + 1].first : terms_.size();
+                for (std::size_t v = 0; v < amount_.size(); ++v) {
+                    double sum = 0;
+                    for (std::size_t t = rows_[r].first; t < end; ++t)
+                        sum += terms_[t].weight * patch_.layer(v, terms_[t].point);
+                    amount_[v] = 2 * sum;
+                }
+                patch_.finish(amount_);
+                const double limit = least_ * terms_[rows_[r].first].weight;
+                if (!std::all_of(amount_.begin(), amount_.end(), [](double x) { return is_finite(x); }))
+                    continue;
+                for (std::size_t v = 0; v < amount_.size(); ++v) {
+                    if (std::fabs(amount_[v]) > limit)
+                        emit(rows_[r].number, patch_.vertices()[v], amount_[v]);
+                }
+            }
+        }
+        rows_.clear();
+        terms_.clear();
+        points_.clear();
+        nodes_.clear();
+    }
+
+private:
+    struct Row {
+        std::uint32_t number, first; ///< the first of its terms is that of its own position
+        Point position;
+        double size;
+    };
+    struct Term {
+        std::uint32_t point;
+        double weight;
+    };
+    struct Node {
+        std::uint32_t node, point;
+    };
+    void add(std::uint32_t point, double weight) {
+        terms_.push_back({point, -weight});
+        terms_[rows_.back().first].weight += weight;
+    }
+
+    const NearField& field_;
+    double least_;
+    NearPatch patch_;
+    std::vector<Row> rows_;
+    std::vector<Term> terms_;
+    std::vector<Point> points_;
+    std::vector<Node> nodes_;
+    std::vector<double> amount_;
+};
+
+} // namespace cageform::inline CAGEFORM_ABI::detail
