@@ -102,7 +102,11 @@ TEMPLATE_TEST_CASE("the tree of faces finds the nearest face and the inside as a
                                           cageform::vec_cast<double>(q),
                                           cageform::detail::Facet<3>(face, mesh.vertices()).corner));
         Vec<TestType, 3> place;
-        (void)nearest_boundary_value(mesh, q, place);
+        const auto value = nearest_boundary_value(mesh, q, place);
+        auto off = -1.0 * cageform::vec_cast<double>(place);
+        for (std::size_t k = 0; k < 3; ++k)
+            off = off + value.weight[k] * cageform::vec_cast<double>(mesh[value.handle[k]]);
+        CHECK(std::sqrt(dot(off, off)) <= double(tolerance));
         const auto way = cageform::vec_cast<double>(place) - cageform::vec_cast<double>(q);
         CHECK(std::fabs(std::sqrt(dot(way, way)) - least) <= double(tolerance));
         const bool is_enclosed = cageform::detail::is_enclosed(winding_number(mesh, q));

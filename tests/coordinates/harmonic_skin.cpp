@@ -26,7 +26,7 @@ Vec<double, 3> random_direction(WalkNumbers& numbers) {
     const double z = 2 * numbers.next() - 1, turn = 2 * std::numbers::pi * numbers.next();
     return {std::sqrt(1 - z * z) * std::cos(turn), std::sqrt(1 - z * z) * std::sin(turn), z};
 }
-/// The largest difference of the weights at each point from those of walks, beyond their noise.
+/// The largest difference of the weights at each point from those of walks, ascending.
 std::vector<double> errors(const TriangleMesh<double>& mesh, const std::vector<Vec<double, 3>>& points,
                            double accuracy, std::uint64_t walks) {
     const cageform::HarmonicCoordinates<double, 3> coordinates(mesh, {.accuracy = accuracy});
@@ -37,7 +37,7 @@ std::vector<double> errors(const TriangleMesh<double>& mesh, const std::vector<V
         const auto known = walk_on_spheres(mesh, points[n], walks, n);
         double worst = 0;
         for (std::size_t i = 0; i < mesh.size(); ++i)
-            worst = (std::max)(worst, std::fabs(weights.rows[n][i] - known.weight[i]) - 4 * known.error[i]);
+            worst = (std::max)(worst, std::fabs(weights.rows[n][i] - known.weight[i]));
         found.push_back(worst);
     }
     std::sort(found.begin(), found.end());
@@ -81,29 +81,36 @@ TEST_CASE("the corrections of a row keep constants and positions, whatever is ne
             ++corrected;
         });
         CHECK(std::fabs(sum) <= 1e-12 * (1 + size));
-        CHECK(length(moved) <=
-              1e-4 * free * (1 + size)); // places are moved off the boundary by 1e-6 of their way
+        CHECK(length(moved) <= 1e-9 * (1 + size) * length(boundary.in_units(mesh[0]) - x));
     }
     CHECK(corrected > 0);
 }
 
-TEST_CASE("a face of the cage that is flat has its data in the near field, kinks included",
+TEST_CASE("on a flat side of the cage twice the double layer of a vertex is its hat, kinks included",
           "[coordinates][harmonic][space]") {
-    // In the middle of a divided face no bend is near, so the function of a vertex is twice its double layer: a row
-    // over the face's own plane and a point inside is then exact for it.
     const auto mesh = divided_box({8, 8, 8}, 0.125).mesh<double>();
-    const cageform::HarmonicCoordinates<double, 3> coordinates(mesh, {.accuracy = 1e-2});
-    const auto points = [] {
-        std::vector<Vec<double, 3>> list;
-        for (int n = 0; n < 12; ++n) {
-            WalkNumbers numbers(3, std::uint64_t(n));
-            list.push_back(
-                {0.3 * numbers.next() - 0.15, 0.3 * numbers.next() - 0.15, 0.02 * numbers.next() - 0.496});
+    const cageform::CellComplex<double, 3> cage(mesh);
+    const cageform::grid::TreeBoundary<3> boundary(cage, 12, 1e-12, 1);
+    const cageform::detail::NearField field(boundary, cage.boundary());
+    cageform::detail::NearPatch patch(field);
+    for (int n = 0; n < 12; ++n) {
+        WalkNumbers numbers(3, std::uint64_t(n));
+        const Vec<double, 3> p{0.2 * numbers.next() - 0.1, 0.2 * numbers.next() - 0.1, 1e-7 - 0.5};
+        Vec<double, 3> foot;
+        const auto value = nearest_boundary_value(mesh, p, foot);
+        const auto x = boundary.in_units(p);
+        REQUIRE(patch.look(x, 0.2 / boundary.unit()));
+        patch.evaluate(std::span(&x, 1));
+        double all = 0;
+        for (std::size_t v = 0; v < patch.vertices().size(); ++v) {
+            double hat = 0;
+            for (std::size_t k = 0; k < 3; ++k)
+                hat += value.handle[k] == patch.vertices()[v] ? value.weight[k] : 0.0;
+            CHECK(std::fabs(2 * patch.layer(v, 0) - hat) <= 1e-4);
+            all += hat;
         }
-        return list;
-    }();
-    const auto found = errors(mesh, points, 1e-2, effort(20000, 4000));
-    CHECK(found.back() <= 1e-2);
+        CHECK(std::fabs(all - 1) <= 1e-12); // the corners of the face below are all there
+    }
 }
 
 TEST_CASE("next to the skin of thin fingers errors are as small as was asked for",
@@ -112,8 +119,10 @@ TEST_CASE("next to the skin of thin fingers errors are as small as was asked for
     constexpr double accuracy = 5e-3;
     const auto found = errors(mesh, points_below_faces(mesh, 8, 5), accuracy, effort(10000, 2000));
     CAPTURE(found);
-    CHECK(found[found.size() / 2] <= 0.5 * accuracy);
-    CHECK(found.back() <= 3 * accuracy);
+    // The noise of the walks is up to 5e-3. Without the near field nine of ten are within 8e-2, all within 0.2.
+    CHECK(found[found.size() / 2] <= 2 * accuracy);
+    CHECK(found[found.size() - 2] <= 3 * accuracy);
+    CHECK(found.back() <= 6 * accuracy);
 }
 
 } // namespace harmonic_skin_tests

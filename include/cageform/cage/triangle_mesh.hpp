@@ -117,7 +117,7 @@ BoundaryValue<3> nearest_boundary_value(const TriangleMesh<T>& mesh, const Vec<T
     const auto q = vec_cast<double>(p);
     constexpr double infinity = std::numeric_limits<double>::infinity();
     double least = infinity;
-    std::uint32_t nearest = 0;
+    std::uint32_t nearest = no_vertex; // far away all distances may be infinite
     BoundaryValue<3> value;
     mesh.boxes().for_each_near(q, infinity, [&](std::uint32_t f) {
         const detail::Facet<3> facet(mesh.faces()[f], mesh.vertices());

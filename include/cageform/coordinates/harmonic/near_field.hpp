@@ -13,7 +13,8 @@ public:
     using Point = Vec<double, 3>;
     using Frame = GreenFrame<double, 3>;
 
-    /// The mesh is that of the boundary. Both must outlive it.
+    /// The mesh is that of the boundary, which must outlive it. Corners are rounded as the tree's are, so
+    /// that all nodes lie inside.
     NearField(const grid::TreeBoundary<3>& boundary, const TriangleMesh<double>& mesh)
         : boundary_(boundary)
         , topology_(mesh)
@@ -21,8 +22,7 @@ public:
         , star_ends_(mesh.size(), 0)
         , faces_of_edge_(topology_.edges.size(), std::array<std::uint32_t, 2>{none, none}) {
         for (std::size_t f = 0; f < topology_.facets.size(); ++f) {
-            for (std::size_t k = 0; k < 3; ++k)
-                at_[boundary.exact(f).vertex[k]] = boundary.exact(f).corner[k];
+            for (std::size_t k = 0; k < 3; ++k) at_[boundary[f].vertex[k]] = boundary[f].corner[k];
             for (const std::uint32_t v : topology_.facets[f]) ++star_ends_[v];
             for (const std::uint32_t e : topology_.edges_of_facet[f]) {
                 auto& faces = faces_of_edge_[e];
@@ -85,7 +85,8 @@ public:
             normals = normals + face(f).normal;
         }
         const double step = (std::max)(1e-6 * distance, 1e-5);
-        return is_free ? place + ((std::min)(step, 0.5 * distance) / distance) * way
+        is_free = is_free || !(length(normals) > 0);
+        return is_free ? place + (std::min)(step / (std::max)(distance, 1e-9), 0.5) * way
                        : place - (step / length(normals)) * normals;
     }
 

@@ -68,7 +68,12 @@ public:
     }
 
     /// Turns 2 F(D_v) for all vertices into F(L_v).
-    void finish(std::span<double> amount) const noexcept {
+    ///   least  smaller amounts are dropped first, except those of the simplex: sums stay zero
+    void finish(std::span<double> amount, double least) const noexcept {
+        for (std::size_t v = 0; v < amount.size(); ++v) {
+            const bool is_corner = std::find(simplex_.begin(), simplex_.end(), v) != simplex_.end();
+            if (std::fabs(amount[v]) <= least && !is_corner) amount[v] = 0;
+        }
         std::array<double, 4> of_simplex{};
         for (std::size_t i = 0; i < simplex_.size(); ++i) {
             double sum = 0;
@@ -216,7 +221,7 @@ private:
         }
         return choose_largest() && set_beta() < (std::numeric_limits<double>::max)();
     }
-    /// Greedily: the nearest vertex, the farthest from it, the largest triangle and tetrahedron.
+    /// Takes the nearest vertex, the farthest from it, then what makes the largest triangle and tetrahedron.
     bool choose_largest() {
         const auto best = [&](const auto& measure) {
             std::size_t found = 0;
@@ -296,14 +301,14 @@ private:
         return local;
     }
 
-    static constexpr double square = 0.2; ///< the cosine between faces at about a right angle
-    /// Finds the planes to mirror at: those of the faces at the nearest convex bends of 60 to 120 degrees.
+    static constexpr double most_cosine = 0.2; ///< between faces at about a right angle: 78 to 102 degrees
+    /// Finds the planes to mirror at: those of the faces at the nearest convex bends of about 90 degrees.
     void find_planes() {
         for (const Bend& bend : bends_) {
             const auto& [f, g] = field_.faces_of_edge(bend.edge);
             if (g == none) continue;
             const auto &a = field_.face(f), &b = field_.face(g);
-            if (!(std::fabs(dot(a.normal, b.normal)) < square)) continue;
+            if (!(std::fabs(dot(a.normal, b.normal)) < most_cosine)) continue;
             const auto apex = std::find_if(b.corner.begin(), b.corner.end(), [&](std::uint32_t v) {
                 return v != field_.edge(bend.edge).from && v != field_.edge(bend.edge).to;
             });
@@ -314,7 +319,7 @@ private:
                 const double offset =
                     dot(normal, (1 / unit_) * (field_.at(field_.face(n).corner[0]) - origin_));
                 if (std::all_of(planes_.begin(), planes_.end(), [&](const Mirror& other) {
-                        return std::fabs(dot(normal, other.normal)) < square;
+                        return std::fabs(dot(normal, other.normal)) < most_cosine;
                     }))
                     planes_.push_back({normal, offset});
             }
@@ -360,8 +365,8 @@ private:
             }
         }
     }
-    /// Adds the layers at the images of points in some mirrors, a bit each: of all faces without mirrors,
-    /// else of the faces in the other mirrors.
+    /// Adds the layers at the images of points in the mirrors whose bits are set. Without bits all faces
+    /// count, else those in the other mirrors.
     CAGEFORM_DETAIL_FLATTEN void add_layers(Vec<Simd<double>, 3> p, unsigned mirrored,
                                             Lanes<double>* to) noexcept {
         using X = Simd<double>;
@@ -376,12 +381,12 @@ private:
         const auto counts = [&](std::size_t f) {
             return mirrored == 0 || (mirror_of_[f] != none && ((mirrored >> mirror_of_[f]) & 1u) == 0);
         };
-        edge_counts_.assign(frame_.edges.size(), 0);
+        is_edge_used_.assign(frame_.edges.size(), 0);
         bool any = false;
         for (std::size_t f = 0; f < frame_.faces.size(); ++f) {
             if (!counts(f)) continue;
             any = true;
-            for (const std::uint32_t e : frame_.faces[f].edge) edge_counts_[e] = 1;
+            for (const std::uint32_t e : frame_.faces[f].edge) is_edge_used_[e] = 1;
         }
         if (!any) return;
         for (std::size_t i = 0; i < frame_.vertices.size(); ++i) {
@@ -390,7 +395,7 @@ private:
             r = sqrt(u[0] * u[0] + (u[1] * u[1] + u[2] * u[2]));
         }
         for (std::size_t e = 0; e < frame_.edges.size(); ++e) {
-            if (edge_counts_[e] != 0) look_at_edge<false>(frame_.edges[e], 0.0, seen_, seen_.edges[e]);
+            if (is_edge_used_[e] != 0) look_at_edge<false>(frame_.edges[e], 0.0, seen_, seen_.edges[e]);
         }
         constexpr double full = 4 * std::numbers::pi;
         for (std::size_t f = 0; f < frame_.faces.size(); ++f) {
@@ -418,7 +423,7 @@ private:
     std::vector<std::array<double, 4>> beta_;
     std::vector<Mirror> planes_, mirrors_;
     std::vector<std::uint32_t> mirror_of_;
-    std::vector<std::uint8_t> edge_counts_;
+    std::vector<std::uint8_t> is_edge_used_;
     NearField::Frame frame_; ///< about the origin, in units of the radius; the vertices V come first
     GreenRows<double, 3> seen_;
     std::size_t batches_ = 0;

@@ -34,7 +34,7 @@ class NearRows {
     using Point = NearField::Point;
 
 public:
-    ///   least  corrections below this share of a row's weight are dropped
+    ///   least  double layers below this share of a row's weight are dropped
     NearRows(const NearField& field, double least)
         : field_(field)
         , least_(least)
@@ -42,7 +42,7 @@ public:
 
     /// Begins a row about a point inside.
     ///
-    ///   number  the caller's, returned by `flush`
+    ///   number  the caller's; `flush` passes it on
     ///   size    of the largest leaf about the point
     void begin(std::uint32_t number, const Point& x, double size) {
         rows_.push_back({number, std::uint32_t(terms_.size()), x, size});
@@ -101,13 +101,11 @@ public:
                         sum += terms_[t].weight * patch_.layer(v, terms_[t].point);
                     amount_[v] = 2 * sum;
                 }
-                patch_.finish(amount_);
-                const double limit = least_ * terms_[rows_[r].first].weight;
+                patch_.finish(amount_, least_ * terms_[rows_[r].first].weight);
                 if (!std::all_of(amount_.begin(), amount_.end(), [](double x) { return is_finite(x); }))
                     continue;
                 for (std::size_t v = 0; v < amount_.size(); ++v) {
-                    if (std::fabs(amount_[v]) > limit)
-                        emit(rows_[r].number, patch_.vertices()[v], amount_[v]);
+                    if (amount_[v] != 0) emit(rows_[r].number, patch_.vertices()[v], amount_[v]);
                 }
             }
         }

@@ -42,9 +42,9 @@ public:
     /// Predicts the size of a tree before it is built.
     class Plan {
     public:
-        ///   near  whether a near field is subtracted
-        Plan(const C& cage, double tolerance, bool near)
-            : near_(near) {
+        ///   subtracts_kinks  whether a near field is subtracted (near_rows.hpp)
+        Plan(const C& cage, double tolerance, bool subtracts_kinks)
+            : subtracts_kinks_(subtracts_kinks) {
             if constexpr (D == 3) planner_.emplace(boundary_of_tree(cage, tolerance, 1));
         }
         double scale(double accuracy) const noexcept { return plan(accuracy).scale; }
@@ -59,19 +59,20 @@ public:
 
     private:
         grid::RefinementPlan plan(double accuracy) const noexcept {
-            if constexpr (D == 3) return planner_->plan(sizing(accuracy, near_)); // NOLINT: made in space
+            if constexpr (D == 3)
+                return planner_->plan(sizing(accuracy, subtracts_kinks_)); // NOLINT: made in space
             return {};
         }
         std::optional<grid::RefinementPlanner> planner_;
-        bool near_;
+        bool subtracts_kinks_;
     };
     static constexpr double least_accuracy = 1e-5, most_accuracy = 0.1;
 
-    ///   near  whether a near field is subtracted
-    TreeCage(const C& cage, double tolerance, bool near, double scale = 1)
+    ///   subtracts_kinks  whether a near field is subtracted (near_rows.hpp)
+    TreeCage(const C& cage, double tolerance, bool subtracts_kinks, double scale = 1)
         : cage_(cage)
         , tolerance_(tolerance)
-        , near_(near)
+        , subtracts_kinks_(subtracts_kinks)
         , boundary_(boundary_of_tree(cage, tolerance, scale))
         , tree_(boundary_) {}
     TreeCage(const TreeCage&) = delete;
@@ -84,7 +85,7 @@ public:
     /// points of tests/data/fingers.
     /// With a near field cells need not resolve the kinks of the data, so that they may be far larger than
     /// small facets.
-    static auto sizing(double accuracy, [[maybe_unused]] bool near) noexcept {
+    static auto sizing(double accuracy, [[maybe_unused]] bool subtracts_kinks) noexcept {
         if constexpr (D == 2) {
             const double finer = std::sqrt(std::sqrt(1e-2 / accuracy));
             return grid::SizingOptions{.across = (std::max)(3.0, 1.5 * finer),
@@ -95,9 +96,12 @@ public:
                                        // the accuracy.
                                        .largest = 0.0626 * std::pow(100 * accuracy, 0.301)};
         } else {
+            constexpr double infinity = std::numeric_limits<double>::infinity();
             const double finer = std::sqrt(2e-3 / accuracy), levels = (std::max)(0.0, 1 + std::log2(finer));
             return grid::RefinementOptions{.across = 4.8 * finer,
-                                           .per_facet = (near ? 0.25 : 0.89) * finer,
+                                           .per_facet = (subtracts_kinks ? 0.25 : 0.89) * finer,
+                                           // No more faces are near than a near field can take.
+                                           .of_root_area = subtracts_kinks ? 1.7 : infinity,
                                            .edge_levels = levels,
                                            .reflex_levels = levels,
                                            // Errors there are of first order.
@@ -110,7 +114,7 @@ public:
     /// Refines the tree. Returns false if more than `most` leaves are needed; `leaves` is then an
     /// estimate of how many.
     bool refine(double accuracy, double most, double& leaves) {
-        const auto options = sizing(accuracy, near_);
+        const auto options = sizing(accuracy, subtracts_kinks_);
         bool whole = true;
         if constexpr (D == 2) {
             constexpr double samples_of_leaf = 5; // measured
@@ -270,7 +274,7 @@ private:
 
     const C& cage_;
     double tolerance_;
-    bool near_;
+    bool subtracts_kinks_;
     grid::TreeBoundary<D> boundary_;
     grid::CutTree<D> tree_;
     grid::TreeNodes<D> nodes_;

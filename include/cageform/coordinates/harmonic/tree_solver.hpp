@@ -110,15 +110,16 @@ public:
             return Status::accuracy_not_supported;
         if (Cage::depth_of(problem.cage, problem.tolerance) < Cage::least_depth)
             return Status::resolution_not_supported;
-        const bool near = has_near_field(problem);
-        const typename Cage::Plan plan(problem.cage, problem.tolerance, near);
+        const bool subtracts_kinks = has_near_field(problem);
+        const typename Cage::Plan plan(problem.cage, problem.tolerance, subtracts_kinks);
         double leaves = plan.leaves(accuracy);
         const double most = (std::min)(double(problem.options.memory_limit) / bytes_of_leaf,
                                        0.125 * double(std::uint32_t(-1)));
         std::unique_ptr<Cage> cage;
         constexpr double few = 2e5; // quick to make, and the plan overestimates such small trees
         if (leaves < (std::max)(1.5 * most, few))
-            cage = std::make_unique<Cage>(problem.cage, problem.tolerance, near, plan.scale(accuracy));
+            cage = std::make_unique<Cage>(problem.cage, problem.tolerance, subtracts_kinks,
+                                          plan.scale(accuracy));
         if (const auto handle = cage ? cage->too_thin() : std::nullopt) {
             report.unseen_handle = *handle;
             return Status::grid_too_coarse;
@@ -295,35 +296,36 @@ private:
                problem.cage.cells().empty();
     }
     static NearField near_field_of(const Cage& cage, const Problem& problem) {
-        NearField near;
+        NearField made;
         if constexpr (D == 3) {
-            if (has_near_field(problem)) near.emplace(cage.boundary(), problem.cage.boundary());
+            if (has_near_field(problem)) made.emplace(cage.boundary(), problem.cage.boundary());
         }
-        return near;
+        return made;
     }
     grid::TreeLinks links() const {
         if constexpr (D == 3) {
-            const double least = 0.1 * tolerance_; // a hundredth of the accuracy
             if (near_)
                 return grid::links_of(cage_->tree(), cage_->nodes(), ordered_data(),
-                                      detail::NearRows(*near_, least));
+                                      detail::NearRows(*near_, least_layer()));
         }
         return grid::links_of(cage_->tree(), cage_->nodes(), ordered_data());
     }
+    /// Returns the share of a row below which double layers are dropped: a hundredth of the accuracy.
+    double least_layer() const noexcept { return 0.01 * tolerance_ / of_accuracy; }
     detail::GridErrors<D> grid_errors() const {
         if constexpr (D == 3) {
             if (near_) {
                 using Errors = detail::GridErrors<D>;
                 using Handle = typename detail::StencilTable<D>::Handle;
-                detail::NearRows near(*near_, 0);
+                detail::NearRows rows(*near_, 0);
                 std::array<std::vector<Handle>, 2> found; // NOLINT(misc-const-correctness): filled below
                 const auto correct = [&](const typename Errors::Stencil& fine,
                                          const typename Errors::Stencil& coarse, const Vec<double, D>& p,
                                          double size) {
                     for (auto& list : found) list.clear();
-                    near.add(0, p, size, fine, cage_->nodes());
-                    near.add(1, p, size, coarse, cage_->nodes());
-                    near.flush([&](std::uint32_t n, std::uint32_t vertex, double amount) {
+                    rows.add(0, p, size, fine, cage_->nodes());
+                    rows.add(1, p, size, coarse, cage_->nodes());
+                    rows.flush([&](std::uint32_t n, std::uint32_t vertex, double amount) {
                         found[n].push_back({order_.position(vertex), amount});
                     });
                     return std::array<typename Errors::Corrections, 2>{found[0], found[1]};
@@ -339,15 +341,20 @@ private:
     void add_near_samples(const detail::Batch<T>& batch, std::size_t first, std::size_t last,
                           Samples& samples) const {
         const auto data = ordered_data();
-        detail::NearRows near(*near_, 0);
+        detail::NearRows rows(*near_, least_layer());
         std::vector<typename detail::StencilTable<D>::Handle> corrections;
         for (std::size_t i = first; i < last; ++i) {
             const auto stencil = cage_->stencil(batch, i);
             corrections.clear();
             if (i < batch.points.points && batch.states[i] == PointState::inside) {
-                const auto at = cage_->boundary().in_units(vec_cast<double>(block_point<D>(batch.points, i)));
-                near.add(0, at, cage_->tree().leaf_at(at).size, stencil, cage_->nodes());
-                near.flush([&](std::uint32_t, std::uint32_t vertex, double amount) {
+                const auto& tree = cage_->tree();
+                const auto at = tree.boundary().in_units(vec_cast<double>(block_point<D>(batch.points, i)));
+                const auto leaf = tree.leaf_at(at);
+                // Nearer, rounded faces may have the point outside, and its stencil is the data itself.
+                const double least = std::ldexp(4.0, -tree.boundary().fraction());
+                if (tree.boundary().nearest(tree.facets(leaf.number), at).distance > least)
+                    rows.add(0, at, leaf.size, stencil, cage_->nodes());
+                rows.flush([&](std::uint32_t, std::uint32_t vertex, double amount) {
                     corrections.push_back({order_.position(vertex), amount});
                 });
             }

@@ -11,8 +11,10 @@ namespace cageform::inline CAGEFORM_ABI {
 namespace grid {
 
 struct RefinementOptions {
-    double across = 6;        ///< cells across the thickness of the domain
-    double per_facet = 1;     ///< cells along the least altitude of a facet
+    double across = 6;    ///< cells across the thickness of the domain
+    double per_facet = 1; ///< cells along the least altitude of a facet
+    /// The largest cell at a facet, in roots of its area.
+    double of_root_area = std::numeric_limits<double>::infinity();
     double edge_levels = 1;   ///< extra halvings at reflex edges and rims of walls
     double reflex_levels = 1; ///< extra halvings at the ends of such edges
     /// Largest cell at a vertex of more than three facets, as a fraction of the cage's size.
@@ -59,6 +61,7 @@ public:
         for (std::uint32_t n = 0; n < boundary.size(); ++n) {
             faced_[std::size_t{2} * n] = faced_[std::size_t{2} * n + 1] = n;
             altitudes_.push_back(altitude(boundary[n]));
+            root_areas_.push_back(std::sqrt(0.5 * length(normal_of(boundary[n]))));
         }
     }
     double largest() const noexcept { return largest_; }
@@ -90,8 +93,7 @@ public:
         Demand least{largest_, SizeReason::largest};
         for (const std::uint32_t n : facets) {
             if (n >= boundary_.size()) break; // a bone
-            const double by_altitude = altitudes_[n] / options_.per_facet;
-            if (by_altitude < least.size) least = {by_altitude, SizeReason::facet};
+            if (by_facet(n) < least.size) least = {by_facet(n), SizeReason::facet};
             const auto& facet = boundary_[n];
             const auto position = facet.position(nearest_on_facet(middle, facet.corner));
             for (const bool front : {true, false}) {
@@ -107,7 +109,7 @@ public:
 
     /// A piece of the boundary, for RefinementPlanner.
     struct Patch {
-        double area, altitude, thickness;
+        double area, altitude, root_area, thickness; ///< altitude and root of the area of its facet
     };
     /// Divides the facets, and both sides of walls, into patches. Cost: a ray for each patch.
     std::vector<Patch> patches() {
@@ -223,11 +225,15 @@ private:
             return;
         }
         const auto middle = (1.0 / 3) * (c[0] + c[1] + c[2]);
-        patches.push_back({area, altitudes_[piece.facet], thickness(piece.facet, piece.front, middle)});
+        patches.push_back({area, altitudes_[piece.facet], root_areas_[piece.facet],
+                           thickness(piece.facet, piece.front, middle)});
+    }
+    double by_facet(std::uint32_t n) const noexcept {
+        return (std::min)(altitudes_[n] / options_.per_facet, options_.of_root_area * root_areas_[n]);
     }
     double size_of(std::uint32_t n, bool front, const Point& position) {
-        return (std::max)(1.0, (std::min)({largest_, altitudes_[n] / options_.per_facet,
-                                           thickness(n, front, position) / options_.across}));
+        return (std::max)(
+            1.0, (std::min)({largest_, by_facet(n), thickness(n, front, position) / options_.across}));
     }
     /// Returns the size that a facet allows near a point on its rim.
     double size_near(std::uint32_t n, const Point& position) {
@@ -329,6 +335,7 @@ private:
     double cage_size_, largest_;
     std::vector<std::uint32_t> faced_; ///< by facet and side: the facet that the last ray from it met
     std::vector<double> altitudes_;    ///< by facet
+    std::vector<double> root_areas_;   ///< by facet: the root of its area
 };
 
 } // namespace detail

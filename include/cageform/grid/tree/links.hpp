@@ -77,11 +77,11 @@ public:
     using Cell = typename grid::CellTree<D>::Cell;
     using AxisRay = grid::AxisRay<D>;
 
-    LinkMaker(const grid::CutTree<D>& tree, const Nodes& nodes, const Data& data, Near near)
+    LinkMaker(const grid::CutTree<D>& tree, const Nodes& nodes, const Data& data, Near near_field)
         : tree_(tree)
         , nodes_(nodes)
         , data_(data)
-        , near_(std::move(near))
+        , near_(std::move(near_field))
         , star_(tree, nodes) {}
 
     grid::TreeLinks make() {
@@ -354,10 +354,11 @@ namespace grid {
 ///
 ///   data  data.for_each_weight(value, f): f(handle, weight) for every handle that has weight at a
 ///         point of the boundary; no weight is negative
-///   near  corrects equations next to the boundary (coordinates/harmonic/near_rows.hpp), or NoNearField
+///   near_field  corrects equations next to the boundary (coordinates/harmonic/near_rows.hpp), or NoNearField
 template <std::size_t D, class Data = detail::HatData<D>, class Near = detail::NoNearField>
-TreeLinks links_of(const CutTree<D>& tree, const TreeNodes<D>& nodes, const Data& data = {}, Near near = {}) {
-    return detail::LinkMaker<D, Data, Near>(tree, nodes, data, std::move(near)).make();
+TreeLinks links_of(const CutTree<D>& tree, const TreeNodes<D>& nodes, const Data& data = {},
+                   Near near_field = {}) {
+    return detail::LinkMaker<D, Data, Near>(tree, nodes, data, std::move(near_field)).make();
 }
 
 } // namespace grid

@@ -153,8 +153,9 @@ public:
             const double largest = options.largest * cage_size_;
             double leaves = volume_ / std::pow(rounded(largest), 3);
             for (const auto& patch : patches_) {
-                const double size = rounded((std::min)(
-                    {largest, patch.altitude / options.per_facet, patch.thickness / options.across}));
+                const double size = rounded(
+                    (std::min)({largest, patch.altitude / options.per_facet,
+                                options.of_root_area * patch.root_area, patch.thickness / options.across}));
                 // Cells reach beyond narrow facets.
                 leaves +=
                     of_surface * patch.area / (size * size) * (1 + size / (std::max)(patch.altitude, 1e-3));
