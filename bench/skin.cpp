@@ -10,12 +10,10 @@
 #include <cageform/coordinates/harmonic.hpp>
 #include <cageform/core/threads.hpp>
 
-#include <chrono>
 #include <cstdio>
-#include <cstring>
+#include <ctime>
 #include <fstream>
 #include <string>
-#include <sys/resource.h>
 
 namespace {
 

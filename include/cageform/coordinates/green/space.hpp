@@ -66,6 +66,16 @@ Simd<S> product(const Vec<Simd<S>, 3>& a, const Vec<S, 3>& b) noexcept {
     return a[0] * X(b[0]) + (a[1] * X(b[1]) + a[2] * X(b[2]));
 }
 
+/// Computes the vectors from the points to all vertices.
+template <class S>
+void look_at_corners(const GreenFrame<S, 3>& cage, const Vec<Simd<S>, 3>& p, GreenRows<S, 3>& seen) noexcept {
+    for (std::size_t i = 0; i < cage.vertices.size(); ++i) {
+        auto& [u, r] = seen.corners[i];
+        for (std::size_t k = 0; k < 3; ++k) u[k] = Simd<S>(cage.vertices[i][k]) - p[k];
+        r = sqrt(u[0] * u[0] + (u[1] * u[1] + u[2] * u[2]));
+    }
+}
+
 /// Computes the data of an edge once for both its faces, with the same q. Next to the edge the angle
 /// that each face subtends is sensitive to rounding, but their sum is not if q is the same. q is
 /// computed from the nearer end and projected twice, so that its error is a rounding of its own length.
@@ -159,6 +169,11 @@ struct FaceIntegrals {
         touched = select(both(size <= reach, zero <= inmost), one, touched);
         angle = select(zero < touched, zero, select(height < zero, zero - angle, angle));
     }
+    /// Returns Σ_l (ν_k·ν_l) f_l.
+    X across(const typename GreenFrame<S, 3>::Face& face, std::size_t k) const noexcept {
+        const std::size_t l = (k + 1) % 3, m = (k + 2) % 3;
+        return f[k] + (X(face.cosine[m]) * f[l] + X(face.cosine[l]) * f[m]);
+    }
 };
 
 /// Computes the coordinates of Lipman, Levin, Cohen-Or: Green Coordinates (ACM Trans. Graph. 27,
@@ -179,11 +194,7 @@ GreenSum<S> integrate(const GreenFrame<S, 3>& cage, S near_distance, const Vec<S
     using X = Simd<S>;
     constexpr S full = S(4 * 3.14159265358979323846);
     const std::size_t vertices = cage.vertices.size(), handles = vertices + cage.faces.size();
-    for (std::size_t i = 0; i < vertices; ++i) {
-        auto& [u, r] = seen.corners[i];
-        for (std::size_t k = 0; k < 3; ++k) u[k] = X(cage.vertices[i][k]) - p[k];
-        r = sqrt(u[0] * u[0] + (u[1] * u[1] + u[2] * u[2]));
-    }
+    look_at_corners(cage, p, seen);
     for (std::size_t e = 0; e < cage.edges.size(); ++e)
         look_at_edge<gradients>(cage.edges[e], near_distance, seen, seen.edges[e]);
     X angles(S(0)), touched(S(0));
@@ -197,8 +208,7 @@ GreenSum<S> integrate(const GreenFrame<S, 3>& cage, S near_distance, const Vec<S
         Vec<X, 3> slope;
         for (std::size_t axis = 0; axis < 3; ++axis) slope[axis] = of.angle * X(face.normal[axis]);
         for (std::size_t k = 0; k < 3; ++k) {
-            const std::size_t l = (k + 1) % 3, m = (k + 2) % 3;
-            const X across = of.f[k] + (X(face.cosine[m]) * of.f[l] + X(face.cosine[l]) * of.f[m]);
+            const X across = of.across(face, k);
             const X share(face.inverse_altitude[k] / full);
             if constexpr (gradients) {
                 for (std::size_t axis = 0; axis < 3; ++axis) {

@@ -17,14 +17,14 @@ public:
     /// that all nodes lie inside.
     NearField(const grid::TreeBoundary<3>& boundary, const TriangleMesh<double>& mesh)
         : boundary_(boundary)
-        , topology_(mesh)
         , at_(mesh.size())
-        , star_ends_(mesh.size(), 0)
-        , faces_of_edge_(topology_.edges.size(), std::array<std::uint32_t, 2>{none, none}) {
-        for (std::size_t f = 0; f < topology_.facets.size(); ++f) {
+        , star_ends_(mesh.size(), 0) {
+        const MeanValueTopology<3> topology(mesh);
+        faces_of_edge_ = {topology.edges.size(), {none, none}};
+        for (std::size_t f = 0; f < topology.facets.size(); ++f) {
             for (std::size_t k = 0; k < 3; ++k) at_[boundary[f].vertex[k]] = boundary[f].corner[k];
-            for (const std::uint32_t v : topology_.facets[f]) ++star_ends_[v];
-            for (const std::uint32_t e : topology_.edges_of_facet[f]) {
+            for (const std::uint32_t v : topology.facets[f]) ++star_ends_[v];
+            for (const std::uint32_t e : topology.edges_of_facet[f]) {
                 auto& faces = faces_of_edge_[e];
                 faces[faces[0] == none ? 0 : 1] = std::uint32_t(f);
             }
@@ -32,10 +32,10 @@ public:
         std::uint32_t begin = 0;
         for (auto& end : star_ends_) end = std::exchange(begin, begin + end);
         star_.resize(begin);
-        for (std::size_t f = 0; f < topology_.facets.size(); ++f) {
-            for (const std::uint32_t v : topology_.facets[f]) star_[star_ends_[v]++] = std::uint32_t(f);
+        for (std::size_t f = 0; f < topology.facets.size(); ++f) {
+            for (const std::uint32_t v : topology.facets[f]) star_[star_ends_[v]++] = std::uint32_t(f);
         }
-        frame_ = Frame(topology_, at_, 0);
+        frame_ = Frame(topology, at_, 0);
     }
 
     const grid::TreeBoundary<3>& boundary() const noexcept { return boundary_; }
@@ -92,7 +92,6 @@ public:
 
 private:
     const grid::TreeBoundary<3>& boundary_;
-    MeanValueTopology<3> topology_;
     Buffer<Point> at_;
     Buffer<std::uint32_t> star_ends_, star_; ///< the faces of every vertex
     Buffer<std::array<std::uint32_t, 2>> faces_of_edge_;

@@ -28,10 +28,10 @@ public:
             forget();
             origin_ = x;
             unit_ = radius;
-            find_candidates(radius);
+            find_candidates();
             if (candidates_.size() > most_candidates) continue;
             choose_seen();
-            if (!find_vertices(radius) || vertices_.size() < 4) return false;
+            if (!find_vertices() || vertices_.size() < 4) return false;
             if (!choose_simplex()) return false;
             add_stars();
             if (frame_.faces.size() <= most_faces) return true;
@@ -48,7 +48,7 @@ public:
         values_.resize(batches_ * vertices_.size());
         for (auto& value : values_) Simd<double>(0.0).store(value);
         Buffer<Point> local;
-        for (const auto& p : points) local.push_back((1 / unit_) * (p - origin_));
+        for (const auto& p : points) local.push_back(in_units(p));
         assign_mirrors({local.data(), local.size()});
         for (std::size_t b = 0; b < batches_; ++b) {
             Vec<Lanes<double>, 3> lane;
@@ -98,6 +98,7 @@ private:
         double offset;
     };
 
+    Point in_units(const Point& p) const noexcept { return (1 / unit_) * (p - origin_); }
     void forget() noexcept {
         for (const std::uint32_t v : all_vertices_) local_vertex_[v] = none;
         for (const std::uint32_t e : all_edges_) local_edge_[e] = none;
@@ -118,13 +119,13 @@ private:
     // ---- what x sees --------------------------------------------------------------------------------
 
     /// Finds the faces within the radius that x lies in front of.
-    void find_candidates(double radius) {
-        field_.boundary().for_each_within(origin_, radius, [&](std::uint32_t f) {
+    void find_candidates() {
+        field_.boundary().for_each_within(origin_, unit_, [&](std::uint32_t f) {
             const auto corner = field_.corners(f);
             if (!(height(f, origin_) < 0)) return;
             const auto foot = point_on_facet(nearest_on_facet(origin_, corner), corner);
             const double distance = length(foot - origin_);
-            if (distance < radius) candidates_.push_back({f, distance, foot});
+            if (distance < unit_) candidates_.push_back({f, distance, foot});
         });
     }
     /// Lists those of them that no other one hides.
@@ -163,12 +164,12 @@ private:
         if (local != none) return local;
         local = std::uint32_t(all_vertices_.size());
         all_vertices_.push_back(v);
-        frame_.vertices.push_back((1 / unit_) * (field_.at(v) - origin_));
+        frame_.vertices.push_back(in_units(field_.at(v)));
         return local;
     }
     /// Lists the vertices of the faces seen, and of the faces across their edges within the radius. Returns
     /// whether there is such an edge.
-    bool find_vertices(double radius) {
+    bool find_vertices() {
         bool any = false;
         for (const std::uint32_t f : seen_faces_) {
             const auto& face = field_.face(f);
@@ -176,7 +177,7 @@ private:
             for (std::size_t k = 0; k < 3; ++k) {
                 const double distance = distance_to_segment(origin_, field_.at(face.corner[(k + 1) % 3]),
                                                             field_.at(face.corner[(k + 2) % 3]));
-                if (!(distance < radius)) continue;
+                if (!(distance < unit_)) continue;
                 any = true;
                 bends_.push_back({distance, face.edge[k]});
             }
@@ -202,9 +203,7 @@ private:
         const auto& [f, g] = field_.faces_of_edge(edge);
         return g != none && length(cross(field_.face(f).normal, field_.face(g).normal)) > flat;
     }
-    Point local(std::size_t vertex) const noexcept {
-        return (1 / unit_) * (field_.at(vertices_[vertex]) - origin_);
-    }
+    Point local(std::size_t vertex) const noexcept { return in_units(field_.at(vertices_[vertex])); }
     bool choose_simplex() {
         constexpr double most = 2.5;
         for (const Bend& bend : bends_) {
@@ -316,8 +315,7 @@ private:
             for (const std::uint32_t n : {f, g}) {
                 if (planes_.size() == 3) return;
                 const Point normal = field_.face(n).normal;
-                const double offset =
-                    dot(normal, (1 / unit_) * (field_.at(field_.face(n).corner[0]) - origin_));
+                const double offset = dot(normal, in_units(field_.at(field_.face(n).corner[0])));
                 if (std::all_of(planes_.begin(), planes_.end(), [&](const Mirror& other) {
                         return std::fabs(dot(normal, other.normal)) < most_cosine;
                     }))
@@ -334,7 +332,7 @@ private:
         const auto& face = field_.face(f);
         if (!(dot(face.normal, mirror.normal) > 0.99)) return false;
         for (const std::uint32_t v : face.corner) {
-            if (std::fabs(beyond(mirror, (1 / unit_) * (field_.at(v) - origin_))) > rounding) return false;
+            if (std::fabs(beyond(mirror, in_units(field_.at(v)))) > rounding) return false;
         }
         return true;
     }
@@ -355,8 +353,7 @@ private:
             if (mirror_of_[n] == none) continue;
             for (std::uint32_t k = 0; k < mirrors_.size(); ++k) {
                 for (const std::uint32_t v : field_.face(all_faces_[n]).corner) {
-                    if (k != mirror_of_[n] &&
-                        beyond(mirrors_[k], (1 / unit_) * (field_.at(v) - origin_)) > rounding) {
+                    if (k != mirror_of_[n] && beyond(mirrors_[k], in_units(field_.at(v))) > rounding) {
                         mirror_of_[n] = none;
                         break;
                     }
@@ -389,11 +386,7 @@ private:
             for (const std::uint32_t e : frame_.faces[f].edge) is_edge_used_[e] = 1;
         }
         if (!any) return;
-        for (std::size_t i = 0; i < frame_.vertices.size(); ++i) {
-            auto& [u, r] = seen_.corners[i];
-            for (std::size_t k = 0; k < 3; ++k) u[k] = X(frame_.vertices[i][k]) - p[k];
-            r = sqrt(u[0] * u[0] + (u[1] * u[1] + u[2] * u[2]));
-        }
+        look_at_corners(frame_, p, seen_);
         for (std::size_t e = 0; e < frame_.edges.size(); ++e) {
             if (is_edge_used_[e] != 0) look_at_edge<false>(frame_.edges[e], 0.0, seen_, seen_.edges[e]);
         }
@@ -404,10 +397,8 @@ private:
             const FaceIntegrals<double> of(face, frame_, seen_, 0.0);
             for (std::size_t k = 0; k < 3; ++k) {
                 if (face.corner[k] >= vertices_.size()) continue;
-                const std::size_t l = (k + 1) % 3, m = (k + 2) % 3;
-                const X across = of.f[k] + (X(face.cosine[m]) * of.f[l] + X(face.cosine[l]) * of.f[m]);
                 const X share(sign * face.inverse_altitude[k] / full);
-                add(share * (of.rho[k] * of.angle + of.height * across), to[face.corner[k]]);
+                add(share * (of.rho[k] * of.angle + of.height * of.across(face, k)), to[face.corner[k]]);
             }
         }
     }

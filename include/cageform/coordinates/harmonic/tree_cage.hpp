@@ -150,7 +150,6 @@ public:
     const C& cage() const noexcept { return cage_; }
     /// Returns a handle of a bone that is thinner than the smallest possible cells, if there is one.
     std::optional<std::uint32_t> too_thin() const noexcept { return boundary_.bones().too_thin(); }
-    const grid::TreeBoundary<D>& boundary() const noexcept { return boundary_; }
     const grid::CutTree<D>& tree() const noexcept { return tree_; }
     const grid::TreeNodes<D>& nodes() const noexcept { return nodes_; }
     std::size_t bytes() const noexcept { return tree_.bytes() + nodes_.bytes(); }

@@ -298,7 +298,7 @@ private:
     static NearField near_field_of(const Cage& cage, const Problem& problem) {
         NearField made;
         if constexpr (D == 3) {
-            if (has_near_field(problem)) made.emplace(cage.boundary(), problem.cage.boundary());
+            if (has_near_field(problem)) made.emplace(cage.tree().boundary(), problem.cage.boundary());
         }
         return made;
     }
