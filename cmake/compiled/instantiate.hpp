@@ -32,6 +32,6 @@
     CAGEFORM_COMPILE void detail::MeanValueEvaluation<Cage>::prepare();
 #define CAGEFORM_HARMONIC(T, D)                                                                              \
     CAGEFORM_COMPILE Status detail::make_adaptive(std::shared_ptr<const PlacedCage<D>>, SolverReport&,       \
-                                                  std::shared_ptr<CageFunctions<T, D>>&);                    \
+                                                  std::shared_ptr<CageFunctions<T, D>>&, const Running&);    \
     CAGEFORM_COMPILE Status detail::make_uniform(std::shared_ptr<const PlacedCage<D>>, SolverReport&,        \
-                                                 std::shared_ptr<CageFunctions<T, D>>&);
+                                                 std::shared_ptr<CageFunctions<T, D>>&, const Running&);

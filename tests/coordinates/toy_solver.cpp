@@ -32,7 +32,7 @@ public:
     using Problem = cageform::PlacedCage<D>;
 
     static Status make(const Problem& problem, cageform::SolverReport& report,
-                       std::optional<DirectSolver>& made) {
+                       std::optional<DirectSolver>& made, const cageform::Running& /*running*/) {
         std::optional<Grid> grid;
         const Status status = Grid::make(problem, report, grid);
         if (status != Status::ok) return status;

@@ -13,11 +13,12 @@ namespace cageform::inline CAGEFORM_ABI {
 struct AdaptiveGrid {
     template <class C>
     static Status make(const std::shared_ptr<const CageProblem<C>>& problem, SolverReport& report,
-                       std::shared_ptr<FunctionsOf<C>>& made) {
+                       std::shared_ptr<FunctionsOf<C>>& made, const Running& running) {
         if (problem->options.solver != HarmonicSolver::multigrid || problem->options.resolution != 0)
             return Status::solver_not_supported;
         return on_placed_cage(*problem, [&](auto cage) {
-            return detail::make_adaptive<typename C::scalar, C::dimension>(std::move(cage), report, made);
+            return detail::make_adaptive<typename C::scalar, C::dimension>(std::move(cage), report, made,
+                                                                           running);
         });
     }
 };
@@ -93,7 +94,7 @@ public:
     /// Solves all functions and keeps them, so that several batches of points can be evaluated. The
     /// reports of those evaluations repeat the report of this solve.
     Evaluation solve(const Running& running = {}) {
-        return with_functions([&](const auto& functions, SolverReport& report) {
+        return with_functions(running, [&](const auto& functions, SolverReport& report) {
             const Status status = functions->solve(report, running);
             if (status == Status::ok) kept_ = functions;
             return status;
@@ -104,7 +105,7 @@ public:
                         const Running& running = {}) const {
         CAGEFORM_ASSERT(weights.rows == cage().size() && states.size() == points.points,
                         "one row per handle");
-        return with_functions([&](const auto& functions, SolverReport& report) {
+        return with_functions(running, [&](const auto& functions, SolverReport& report) {
             return functions->sample({points, weights, states}, report, running);
         });
     }
@@ -125,7 +126,7 @@ public:
                                   std::span<PointState> states, const Running& running = {}) const {
         CAGEFORM_ASSERT(gradients.rows == D * cage().size() && states.size() == points.points,
                         "a row per axis and handle");
-        return with_functions([&](const auto& functions, SolverReport& report) {
+        return with_functions(running, [&](const auto& functions, SolverReport& report) {
             return functions->sample_gradients({points, gradients, states}, report, running);
         });
     }
@@ -140,7 +141,7 @@ public:
     /// group of sixteen is kept.
     SolverMemory solver_memory() const {
         SolverMemory memory;
-        (void)with_functions([&](const auto& functions, SolverReport&) {
+        (void)with_functions({}, [&](const auto& functions, SolverReport&) {
             memory = functions->memory();
             return Status::ok;
         });
@@ -154,7 +155,7 @@ public:
     template <class F>
     Evaluation for_each_cell(F&& f) const {
         return with_functions(
-            [&](const auto& functions, SolverReport&) { return functions->for_each_cell(std::ref(f)); });
+            {}, [&](const auto& functions, SolverReport&) { return functions->for_each_cell(std::ref(f)); });
     }
 
 private:
@@ -174,7 +175,7 @@ private:
 
     /// Calls use(functions, report) with the kept functions, or with new ones, which are not solved yet.
     template <class Use>
-    Evaluation with_functions(const Use& use) const {
+    Evaluation with_functions(const Running& running, const Use& use) const {
         return detail::guarded_evaluation([&](SolverReport& report) {
             if (cage_report().status != Status::ok) return cage_report().status;
             if (problem_->data_status != Status::ok) return problem_->data_status;
@@ -182,7 +183,7 @@ private:
             if (functions) {
                 report = functions->report();
             } else {
-                const Status status = Solver::make(problem_, report, functions);
+                const Status status = Solver::make(problem_, report, functions, running);
                 if (status != Status::ok) return status;
             }
             return use(functions, report);

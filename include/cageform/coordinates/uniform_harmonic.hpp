@@ -9,10 +9,11 @@ namespace cageform::inline CAGEFORM_ABI {
 struct UniformGrid {
     template <class C>
     static Status make(const std::shared_ptr<const CageProblem<C>>& problem, SolverReport& report,
-                       std::shared_ptr<FunctionsOf<C>>& made) {
+                       std::shared_ptr<FunctionsOf<C>>& made, const Running& running) {
         if (problem->options.solver != HarmonicSolver::multigrid) return Status::solver_not_supported;
         return on_placed_cage(*problem, [&](auto cage) {
-            return detail::make_uniform<typename C::scalar, C::dimension>(std::move(cage), report, made);
+            return detail::make_uniform<typename C::scalar, C::dimension>(std::move(cage), report, made,
+                                                                          running);
         });
     }
 };

@@ -34,7 +34,8 @@ class PyramidSolver {
 public:
     using Problem = CageProblem<C>;
 
-    static Status make(const Problem& problem, SolverReport& report, std::optional<PyramidSolver>& made) {
+    static Status make(const Problem& problem, SolverReport& report, std::optional<PyramidSolver>& made,
+                       const Running& /*running*/) {
         const std::size_t resolution = problem.options.resolution;
         if (resolution < least_resolution || resolution > most_resolution<D>)
             return Status::resolution_not_supported;
@@ -174,16 +175,16 @@ private:
 struct WithAveragingPyramid {
     template <class C>
     static Status make(const std::shared_ptr<const CageProblem<C>>& problem, SolverReport& report,
-                       std::shared_ptr<FunctionsOf<C>>& made) {
+                       std::shared_ptr<FunctionsOf<C>>& made, const Running& running) {
         using T = typename C::scalar;
         if (problem->options.solver == HarmonicSolver::averaging_pyramid) {
             if constexpr (std::is_same_v<C, Polygon<T>> || std::is_same_v<C, TriangleMesh<T>>)
-                return OnlySolver<PyramidSolver<C>>::make(problem, report, made);
+                return OnlySolver<PyramidSolver<C>>::make(problem, report, made, running);
             else
                 return Status::solver_not_supported;
         }
-        if (problem->options.resolution != 0) return UniformGrid::make(problem, report, made);
-        return AdaptiveGrid::make(problem, report, made);
+        if (problem->options.resolution != 0) return UniformGrid::make(problem, report, made, running);
+        return AdaptiveGrid::make(problem, report, made, running);
     }
 };
 

@@ -145,10 +145,10 @@ namespace detail {
 /// adaptive.impl.hpp and uniform.impl.hpp.
 template <class T, std::size_t D>
 Status make_adaptive(std::shared_ptr<const PlacedCage<D>> cage, SolverReport& report,
-                     std::shared_ptr<CageFunctions<T, D>>& made);
+                     std::shared_ptr<CageFunctions<T, D>>& made, const Running& running);
 template <class T, std::size_t D>
 Status make_uniform(std::shared_ptr<const PlacedCage<D>> cage, SolverReport& report,
-                    std::shared_ptr<CageFunctions<T, D>>& made);
+                    std::shared_ptr<CageFunctions<T, D>>& made, const Running& running);
 
 } // namespace detail
 

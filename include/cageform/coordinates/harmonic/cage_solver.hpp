@@ -16,10 +16,11 @@ namespace cageform::inline CAGEFORM_ABI {
 /// Solves for the functions of a cage's handles. It is a GroupSolver, and every handle is in one group.
 ///
 ///   Problem                    the PlacedCage it solves for, or a CageProblem
-///   make(problem, report, made)
+///   make(problem, report, made, running)
 ///                              makes all that does not depend on boundary data (grid, hierarchy)
 ///                              and writes the number of cells to `report`, or returns another status
-///                              than ok. The problem outlives the solver
+///                              than ok. The problem outlives the solver. It may use running.parallel;
+///                              progress is reported by `solve` alone
 ///   memory()                   the size of that, and of a block
 ///   Functions, keep(block)     the functions of a solved group
 ///   Samples, samples(batch, first, last)
@@ -37,8 +38,8 @@ concept CageSolver = grid::GroupSolver<S> &&
     requires(const S& solver, const typename S::Problem& problem, std::optional<S>& made,
              SolverReport& report, const typename S::Block& block, const typename S::Functions& functions,
              typename S::Samples& samples, const detail::Batch<typename S::Problem::scalar>& batch,
-             std::size_t n) {
-    { S::make(problem, report, made) } -> std::same_as<Status>;
+             const Running& running, std::size_t n) {
+    { S::make(problem, report, made, running) } -> std::same_as<Status>;
     { solver.memory() } -> std::same_as<SolverMemory>;
     { solver.keep(block) } -> std::same_as<typename S::Functions>;
     { solver.samples(batch, n, n) } -> std::same_as<typename S::Samples>;

@@ -22,7 +22,8 @@ class MultigridSolver {
 public:
     using Problem = PlacedCage<D>;
 
-    static Status make(const Problem& problem, SolverReport& report, std::optional<MultigridSolver>& made) {
+    static Status make(const Problem& problem, SolverReport& report, std::optional<MultigridSolver>& made,
+                       const Running& /*running*/) {
         if (!(problem.options.multigrid.tolerance > 0)) return Status::tolerance_not_positive;
         std::optional<detail::EmbeddedCage<D>> grid;
         const Status status = detail::EmbeddedCage<D>::make(problem, report, grid);

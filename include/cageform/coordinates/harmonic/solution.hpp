@@ -21,8 +21,8 @@ public:
     explicit Solution(std::shared_ptr<const Problem> problem)
         : problem_(std::move(problem)) {}
 
-    Status make() {
-        const Status status = S::make(*problem_, report_, solver_);
+    Status make(const Running& running) {
+        const Status status = S::make(*problem_, report_, solver_, running);
         if (status != Status::ok) return status;
         const auto [hierarchy, block] = memory();
         report_.bytes = hierarchy + block;
@@ -140,9 +140,10 @@ private:
 /// Makes the functions of a problem by the solver S, or returns another status than ok.
 template <CageSolver S, Scalar T>
 Status make_functions(std::shared_ptr<const typename S::Problem> problem, SolverReport& report,
-                      std::shared_ptr<CageFunctions<T, S::Problem::dimension>>& made) {
+                      std::shared_ptr<CageFunctions<T, S::Problem::dimension>>& made,
+                      const Running& running) {
     auto solution = std::make_shared<Solution<S, T>>(std::move(problem));
-    const Status status = solution->make();
+    const Status status = solution->make(running);
     report = solution->report();
     if (status == Status::ok) made = std::move(solution);
     return status;
@@ -155,13 +156,13 @@ template <CageSolver S>
 struct OnlySolver {
     template <class C>
     static Status make(const std::shared_ptr<const CageProblem<C>>& problem, SolverReport& report,
-                       std::shared_ptr<FunctionsOf<C>>& made) {
+                       std::shared_ptr<FunctionsOf<C>>& made, const Running& running) {
         using T = typename C::scalar;
         if constexpr (std::is_same_v<typename S::Problem, CageProblem<C>>) {
-            return detail::make_functions<S, T>(problem, report, made);
+            return detail::make_functions<S, T>(problem, report, made, running);
         } else {
             return on_placed_cage(*problem, [&](auto cage) {
-                return detail::make_functions<S, T>(std::move(cage), report, made);
+                return detail::make_functions<S, T>(std::move(cage), report, made, running);
             });
         }
     }

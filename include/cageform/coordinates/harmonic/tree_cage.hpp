@@ -43,9 +43,9 @@ public:
     class Plan {
     public:
         ///   subtracts_kinks  whether a near field is subtracted (near_rows.hpp)
-        Plan(const C& cage, double tolerance, bool subtracts_kinks)
+        Plan(const C& cage, double tolerance, bool subtracts_kinks, const Running& running)
             : subtracts_kinks_(subtracts_kinks) {
-            if constexpr (D == 3) planner_.emplace(boundary_of_tree(cage, tolerance, 1));
+            if constexpr (D == 3) planner_.emplace(boundary_of_tree(cage, tolerance, 1), running);
         }
         double scale(double accuracy) const noexcept { return plan(accuracy).scale; }
         double leaves(double accuracy) const noexcept { return plan(accuracy).leaves; }
@@ -113,7 +113,7 @@ public:
 
     /// Refines the tree. Returns false if more than `most` leaves are needed; `leaves` is then an
     /// estimate of how many.
-    bool refine(double accuracy, double most, double& leaves) {
+    bool refine(double accuracy, double most, double& leaves, const Running& running) {
         const auto options = sizing(accuracy, subtracts_kinks_);
         bool whole = true;
         if constexpr (D == 2) {
@@ -128,10 +128,10 @@ public:
                 if (size < finest_.size) finest_ = {size, position, reason};
             }
         } else {
-            whole = grid::refine(tree_, options, std::size_t(most), finest_);
+            whole = grid::refine(tree_, options, std::size_t(most), finest_, running);
         }
         leaves = whole ? double(tree_.cells().leaves()) : (std::max)(leaves, most + 1);
-        if (whole) nodes_ = grid::nodes_of(tree_);
+        if (whole) nodes_ = grid::nodes_of(tree_, running);
         return whole;
     }
 

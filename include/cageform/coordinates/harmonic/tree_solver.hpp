@@ -103,7 +103,8 @@ public:
     using Problem = PlacedCage<D>;
     using Block = typename Multigrid::Block;
 
-    static Status make(const Problem& problem, SolverReport& report, std::optional<TreeSolver>& made) {
+    static Status make(const Problem& problem, SolverReport& report, std::optional<TreeSolver>& made,
+                       const Running& running) {
         constexpr double bytes_of_leaf = 340; // tree, hierarchy and a block, measured
         const double accuracy = problem.options.accuracy;
         if (!(accuracy >= Cage::least_accuracy && accuracy <= Cage::most_accuracy))
@@ -111,7 +112,7 @@ public:
         if (Cage::depth_of(problem.cage, problem.tolerance) < Cage::least_depth)
             return Status::resolution_not_supported;
         const bool subtracts_kinks = has_near_field(problem);
-        const typename Cage::Plan plan(problem.cage, problem.tolerance, subtracts_kinks);
+        const typename Cage::Plan plan(problem.cage, problem.tolerance, subtracts_kinks, running);
         double leaves = plan.leaves(accuracy);
         const double most = (std::min)(double(problem.options.memory_limit) / bytes_of_leaf,
                                        0.125 * double(std::uint32_t(-1)));
@@ -124,13 +125,13 @@ public:
             report.unseen_handle = *handle;
             return Status::grid_too_coarse;
         }
-        if (!cage || !cage->refine(accuracy, most, leaves)) {
+        if (!cage || !cage->refine(accuracy, most, leaves, running)) {
             report.bytes = std::size_t((std::min)(bytes_of_leaf * leaves, 9e18));
             const double more = (std::max)(1.0, leaves / plan.leaves(accuracy)); // than planned
             report.sufficient_accuracy = plan.sufficient_accuracy(accuracy, 0.5 * most / more);
             return Status::out_of_memory;
         }
-        made.emplace(std::move(cage), problem);
+        made.emplace(std::move(cage), problem, running);
         const auto [hierarchy, block] = made->memory();
         if (hierarchy + block > problem.options.memory_limit) {
             report.bytes = hierarchy + block;
@@ -141,14 +142,14 @@ public:
         made->cage_->report_finest(report);
         return Status::ok;
     }
-    TreeSolver(std::unique_ptr<Cage> cage, const Problem& problem)
+    TreeSolver(std::unique_ptr<Cage> cage, const Problem& problem, const Running& running)
         : cage_(std::move(cage))
         , data_(&problem.data)
         , tolerance_(of_accuracy * problem.options.accuracy)
         , max_cycles_(problem.options.multigrid.max_cycles)
         , order_(cage_->cage().vertices(), width)
         , near_(near_field_of(*cage_, problem))
-        , multigrid_(cage_->tree(), cage_->nodes(), links())
+        , multigrid_(cage_->tree(), cage_->nodes(), links(running), running)
         , errors_(grid_errors()) {}
 
     SolverMemory memory() const noexcept {
@@ -302,13 +303,13 @@ private:
         }
         return made;
     }
-    grid::TreeLinks links() const {
+    grid::TreeLinks links(const Running& running) const {
         if constexpr (D == 3) {
             if (near_)
                 return grid::links_of(cage_->tree(), cage_->nodes(), ordered_data(),
-                                      detail::NearRows(*near_, least_layer()));
+                                      detail::NearRows(*near_, least_layer()), running);
         }
-        return grid::links_of(cage_->tree(), cage_->nodes(), ordered_data());
+        return grid::links_of(cage_->tree(), cage_->nodes(), ordered_data(), detail::NoNearField(), running);
     }
     /// Returns the share of a row below which double layers are dropped: a hundredth of the accuracy.
     double least_layer() const noexcept { return 0.01 * tolerance_ / of_accuracy; }

@@ -9,8 +9,8 @@ namespace cageform::inline CAGEFORM_ABI::detail {
 
 template <class T, std::size_t D>
 Status make_uniform(std::shared_ptr<const PlacedCage<D>> cage, SolverReport& report,
-                    std::shared_ptr<CageFunctions<T, D>>& made) {
-    return make_functions<MultigridSolver<D>, T>(std::move(cage), report, made);
+                    std::shared_ptr<CageFunctions<T, D>>& made, const Running& running) {
+    return make_functions<MultigridSolver<D>, T>(std::move(cage), report, made, running);
 }
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

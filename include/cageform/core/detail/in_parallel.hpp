@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <vector>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
@@ -16,6 +17,25 @@ void in_parallel(const Running& running, std::size_t count, std::size_t grain, c
     } else {
         SerialFor{}(count, grain, body);
     }
+}
+
+/// Divides [0, count) into runs, whose lengths do not depend on the threads, and returns what was made for
+/// each run, in order.
+///
+///   least    the shortest run, but for the last; there are at most 64 runs that are longer
+///   work_of  work_of(): a work; work(begin, end, part) fills the part of a run. A thread makes one work
+///            for several runs
+template <class Part, class WorkOf>
+std::vector<Part> in_runs(const Running& running, std::size_t count, std::size_t least,
+                          const WorkOf& work_of) {
+    const std::size_t run = (std::max)(least, (count + 63) / 64);
+    std::vector<Part> parts((count + run - 1) / run);
+    in_parallel(running, parts.size(), 1, [&](std::size_t first, std::size_t last) {
+        auto work = work_of();
+        for (std::size_t n = first; n < last; ++n)
+            work(n * run, (std::min)((n + 1) * run, count), parts[n]);
+    });
+    return parts;
 }
 
 /// Runs body(first, last) over `blocks` (or pieces) in parallel. With a progress callback it takes

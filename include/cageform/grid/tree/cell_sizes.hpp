@@ -4,6 +4,7 @@
 // and vertices where functions are singular. grid/tree/refinement.hpp splits cells accordingly.
 #pragma once
 
+#include <cageform/core/detail/in_parallel.hpp>
 #include <cageform/core/types/solver_report.hpp>
 #include <cageform/grid/tree/bone_sizes.hpp>
 
@@ -112,17 +113,24 @@ public:
         double area, altitude, root_area, thickness; ///< altitude and root of the area of its facet
     };
     /// Divides the facets, and both sides of walls, into patches. Cost: a ray for each patch.
-    std::vector<Patch> patches() {
+    std::vector<Patch> patches(const Running& running) const {
         constexpr double most = 2000; // patches beyond one for each facet
         double area = 0;
         for (std::uint32_t n = 0; n < boundary_.size(); ++n) area += 0.5 * length(normal_of(boundary_[n]));
+        const auto parts = in_runs<std::vector<Patch>>(running, boundary_.size(), 64, [&] {
+            return [this, area, sizes = *this](std::size_t begin, std::size_t end,
+                                               std::vector<Patch>& patches) mutable {
+                for (std::size_t n = begin; n < end; ++n) {
+                    for (const bool front : {true, false}) {
+                        if (front || !boundary_[n].separates)
+                            sizes.add_patches({std::uint32_t(n), front, boundary_[n].corner}, area / most,
+                                              patches);
+                    }
+                }
+            };
+        });
         std::vector<Patch> patches;
-        for (std::uint32_t n = 0; n < boundary_.size(); ++n) {
-            for (const bool front : {true, false}) {
-                if (front || !boundary_[n].separates)
-                    add_patches({n, front, boundary_[n].corner}, area / most, patches);
-            }
-        }
+        for (const auto& part : parts) patches.insert(patches.end(), part.begin(), part.end());
         return patches;
     }
 

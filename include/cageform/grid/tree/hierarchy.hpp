@@ -35,9 +35,10 @@ public:
     using Cell = typename grid::CellTree<D>::Cell;
     static constexpr std::uint32_t none = Nodes::none;
 
-    TreeCoarsener(const grid::CutTree<D>& tree, const Nodes& nodes)
+    TreeCoarsener(const grid::CutTree<D>& tree, const Nodes& nodes, const Running& running)
         : tree_(tree)
         , nodes_(nodes)
+        , running_(running)
         , merges_at_(tree.cells().cells(), 0)
         , number_(nodes.count()) {
         const auto& cells = tree.cells();
@@ -69,7 +70,7 @@ public:
             const auto coarse = std::uint32_t(left_.size());
             const bool ends = level.interpolation.rows() == 0 || coarse == 0 || coarse == count;
             TreeEquations next;
-            if (!ends) next = galerkin(equations, level.interpolation, coarse);
+            if (!ends) next = galerkin(equations, level.interpolation, coarse, running_);
             level.neighbours = std::move(equations.neighbours);
             level.neighbours.shrink_to_fit();
             level.inverse_diagonal.shrink_to_fit();
@@ -128,34 +129,42 @@ private:
         std::swap(fine, left_);
         left_.clear();
         Buffer<std::uint8_t> stays(fine.size(), 0);
+        in_parallel(running_, fine.size(), 4096, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t n = begin; n < end; ++n)
+                stays[n] = is_corner(nodes_.index(fine[n]), about(fine[n])) ? 1 : 0;
+        });
         level.numbers.reserve(fine.size());
         for (std::uint32_t n = 0; n < fine.size(); ++n) {
-            stays[n] = is_corner(nodes_.index(fine[n]), about(fine[n])) ? 1 : 0;
             number_[fine[n]] = stays[n] != 0 ? std::uint32_t(left_.size()) : none;
             level.numbers.push_back(number_[fine[n]]);
             if (stays[n] != 0) left_.push_back(fine[n]);
         }
-        LevelRows rows;
-        Sink sink{*this, rows};
-        LeafGather<D, Sink> gather(tree_.boundary(), nodes_, sink);
-        for (std::uint32_t n = 0; n < fine.size(); ++n) {
-            sink.begin = rows.entries.size();
-            if (stays[n] != 0) {
-                rows.entries.push_back({number_[fine[n]], 1});
-            } else {
-                const auto leaves = about(fine[n]);
-                const Cell* leaf = leaves.smallest();
-                if (leaf != nullptr)
-                    gather.gather(*leaf, tree_.facets(leaf->number), node_position<D>(nodes_.index(fine[n])));
+        const auto make_rows = [&](std::size_t begin, std::size_t end, LevelRows& rows) {
+            Sink sink{*this, rows};
+            LeafGather<D, Sink> gather(tree_.boundary(), nodes_, sink);
+            for (std::size_t n = begin; n < end; ++n) {
+                sink.begin = rows.entries.size();
+                if (stays[n] != 0) {
+                    rows.entries.push_back({number_[fine[n]], 1});
+                } else {
+                    const auto leaves = about(fine[n]);
+                    const Cell* leaf = leaves.smallest();
+                    if (leaf != nullptr)
+                        gather.gather(*leaf, tree_.facets(leaf->number),
+                                      node_position<D>(nodes_.index(fine[n])));
+                }
+                rows.end_row();
             }
-            rows.end_row();
-        }
+        };
+        LevelRows rows =
+            joined(in_runs<LevelRows>(running_, fine.size(), 1024, [&] { return make_rows; }));
         rows.shrink_to_fit();
         return rows;
     }
 
     const grid::CutTree<D>& tree_;
     const Nodes& nodes_;
+    const Running& running_;
     Buffer<std::uint8_t> merges_at_; ///< by cell: the first level on which it is a leaf
     /// By node of the finest level: its number on the current level, or none.
     Buffer<std::uint32_t> number_;

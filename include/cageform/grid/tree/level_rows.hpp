@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cageform/core/detail/buffer.hpp>
+#include <cageform/core/detail/in_parallel.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -24,6 +25,13 @@ struct LevelRows {
         return {entries.data() + begin[row], begin[row + 1] - begin[row]};
     }
     void end_row() { begin.push_back(std::uint32_t(entries.size())); }
+    /// Appends the rows of another matrix.
+    void append(const LevelRows& other) {
+        const auto before = std::uint32_t(entries.size());
+        begin.reserve(begin.size() + other.rows());
+        for (std::size_t row = 0; row < other.rows(); ++row) begin.push_back(before + other.begin[row + 1]);
+        entries.append(other.entries.begin(), other.entries.end());
+    }
     void shrink_to_fit() {
         begin.shrink_to_fit();
         entries.shrink_to_fit();
@@ -47,48 +55,69 @@ inline LevelRows transposed(const LevelRows& matrix, std::size_t columns) {
     return t;
 }
 
+/// Joins parts in their order, by Part::append.
+template <class Part>
+Part joined(std::vector<Part> parts) {
+    Part whole;
+    for (std::size_t n = 0; n < parts.size(); ++n) {
+        if (n == 0) {
+            whole = std::move(parts[n]);
+        } else {
+            whole.append(std::exchange(parts[n], {}));
+        }
+    }
+    return whole;
+}
+
 /// The equations of one level: diagonal · u − neighbours · u = b.
 struct TreeEquations {
     LevelRows neighbours;    ///< the negated off-diagonal entries
     Buffer<double> diagonal; ///< by row
+
+    /// Appends the equations of other rows.
+    void append(const TreeEquations& other) {
+        neighbours.append(other.neighbours);
+        diagonal.append(other.diagonal.begin(), other.diagonal.end());
+    }
 };
 
-/// Returns the coarse equations Pᵀ A P (Galerkin). Entries below 1e-6 of the diagonal are added to
-/// the diagonal instead, which keeps the row sums.
-inline TreeEquations galerkin(const TreeEquations& fine, const LevelRows& p, std::size_t coarse) {
-    constexpr double least = 1e-6;
-    constexpr std::uint32_t none = ~std::uint32_t{0};
-    TreeEquations out;
-    const LevelRows r = transposed(p, coarse);
-    Buffer<std::uint32_t> slot(coarse, none); // by column: its position in `row`, or none
+/// Makes rows of the coarse equations; see `galerkin`. r is the transpose of p.
+class GalerkinRows {
+public:
+    GalerkinRows(const TreeEquations& fine, const LevelRows& p, const LevelRows& r)
+        : fine_(fine)
+        , p_(p)
+        , r_(r)
+        , slot_(r.rows(), none) {}
+
+    void operator()(std::size_t begin, std::size_t end, TreeEquations& out) {
+        for (std::size_t i = begin; i < end; ++i) add_row(std::uint32_t(i), out);
+    }
+
+private:
+    static constexpr std::uint32_t none = ~std::uint32_t{0};
     struct Sum {
         std::uint32_t column;
         double value;
     };
-    Buffer<Sum> row;
-    for (std::uint32_t i = 0; i < coarse; ++i) {
-        row.clear();
-        const auto add = [&](std::uint32_t column, double value) {
-            if (slot[column] == none) {
-                slot[column] = std::uint32_t(row.size());
-                row.push_back({column, 0});
-            }
-            row[slot[column]].value += value;
-        };
-        for (const auto& [k, w] : r.of(i)) {
-            for (const auto& [j, v] : p.of(k)) add(j, double(w) * fine.diagonal[k] * double(v));
-            for (const auto& [n, a] : fine.neighbours.of(k)) {
-                for (const auto& [j, v] : p.of(n)) add(j, -double(w) * double(a) * double(v));
+
+    void add_row(std::uint32_t i, TreeEquations& out) {
+        constexpr double least = 1e-6;
+        row_.clear();
+        for (const auto& [k, w] : r_.of(i)) {
+            for (const auto& [j, v] : p_.of(k)) add(j, double(w) * fine_.diagonal[k] * double(v));
+            for (const auto& [n, a] : fine_.neighbours.of(k)) {
+                for (const auto& [j, v] : p_.of(n)) add(j, -double(w) * double(a) * double(v));
             }
         }
-        std::sort(row.begin(), row.end(), [](const Sum& a, const Sum& b) { return a.column < b.column; });
+        std::sort(row_.begin(), row_.end(), [](const Sum& a, const Sum& b) { return a.column < b.column; });
         double diagonal = 0;
-        for (const auto& [column, value] : row) {
-            slot[column] = none;
+        for (const auto& [column, value] : row_) {
+            slot_[column] = none;
             if (column == i) diagonal = value;
         }
         const double whole = diagonal;
-        for (const auto& [column, value] : row) {
+        for (const auto& [column, value] : row_) {
             if (column == i) continue;
             if (std::abs(value) < least * whole) {
                 diagonal += value;
@@ -99,7 +128,26 @@ inline TreeEquations galerkin(const TreeEquations& fine, const LevelRows& p, std
         out.diagonal.push_back(diagonal);
         out.neighbours.end_row();
     }
-    return out;
+    void add(std::uint32_t column, double value) {
+        if (slot_[column] == none) {
+            slot_[column] = std::uint32_t(row_.size());
+            row_.push_back({column, 0});
+        }
+        row_[slot_[column]].value += value;
+    }
+
+    const TreeEquations& fine_;
+    const LevelRows &p_, &r_;
+    Buffer<std::uint32_t> slot_; ///< by column: its position in row_, or none
+    Buffer<Sum> row_;
+};
+
+/// Returns the coarse equations Pᵀ A P (Galerkin). Entries below 1e-6 of the diagonal are added to
+/// the diagonal instead, which keeps the row sums.
+inline TreeEquations galerkin(const TreeEquations& fine, const LevelRows& p, std::size_t coarse,
+                              const Running& running = {}) {
+    const LevelRows r = transposed(p, coarse);
+    return joined(in_runs<TreeEquations>(running, coarse, 1024, [&] { return GalerkinRows(fine, p, r); }));
 }
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

@@ -52,6 +52,14 @@ struct TreeLinks {
     Buffer<TreeData> data;  ///< sorted by handle, then by node
     Buffer<float> volume;   ///< by node: the product over the axes of the mean link length
     double least_share = 1; ///< the least factor by which shares_of_axes scales a second difference
+
+    /// Appends the equations of other nodes.
+    void append(const TreeLinks& other) {
+        equations.append(other.equations);
+        data.append(other.data.begin(), other.data.end());
+        volume.append(other.volume.begin(), other.volume.end());
+        least_share = (std::min)(least_share, other.least_share);
+    }
 };
 
 } // namespace grid
@@ -67,7 +75,7 @@ struct NoStar {
 /// Stands in for a near field where there is none.
 struct NoNearField {};
 
-/// Makes the equations, node by node. `Data` turns a point of the boundary into weights of handles:
+/// Makes the equations of runs of nodes. `Data` turns a point of the boundary into weights of handles:
 /// data.for_each_weight(value, f). `Near` corrects equations next to the boundary, or is NoNearField.
 template <std::size_t D, class Data, class Near>
 class LinkMaker {
@@ -84,14 +92,12 @@ public:
         , near_(std::move(near_field))
         , star_(tree, nodes) {}
 
-    grid::TreeLinks make() {
-        for (std::uint32_t node = 0; node < nodes_.count(); ++node) add_equation(node);
+    /// Makes the equations of nodes begin … end − 1. The data is not sorted.
+    void operator()(std::size_t begin, std::size_t end, grid::TreeLinks& out) {
+        first_ = std::uint32_t(begin);
+        for (std::size_t node = begin; node < end; ++node) add_equation(std::uint32_t(node));
         if constexpr (has_near_field) correct_rows();
-        std::sort(out_.data.begin(), out_.data.end(), [](const grid::TreeData& a, const grid::TreeData& b) {
-            return a.handle != b.handle ? a.handle < b.handle : a.node < b.node;
-        });
-        out_.equations.neighbours.shrink_to_fit();
-        return std::move(out_);
+        out = std::exchange(out_, {});
     }
 
 private:
@@ -248,7 +254,7 @@ private:
             value.weight[0] = 1;
             data_.for_each_weight(value, [&](std::uint32_t handle, double) {
                 out_.data.push_back({handle, node, float(amount)});
-                out_.equations.diagonal[node] += double(float(amount));
+                out_.equations.diagonal[node - first_] += double(float(amount));
             });
         });
     }
@@ -338,6 +344,7 @@ private:
     const Data& data_;
     static constexpr bool has_near_field = !std::is_same_v<Near, NoNearField>;
     Near near_;
+    std::uint32_t first_ = 0;                ///< the first node of the run
     std::array<std::int32_t, D + 1> cube_{}; ///< of the rows that near_ waits for
     std::array<Side, 2 * D> sides_;
     std::vector<std::pair<std::uint32_t, double>> row_;
@@ -347,6 +354,23 @@ private:
     grid::TreeLinks out_;
 };
 
+/// Sorts data by handle, then by node.
+inline void sort_data(Buffer<grid::TreeData>& data) {
+    std::uint32_t handles = 0;
+    for (const auto& entry : data) handles = (std::max)(handles, entry.handle + 1);
+    Buffer<std::size_t> ends(std::size_t{handles} + 1, 0);
+    for (const auto& entry : data) ++ends[entry.handle + 1];
+    for (std::size_t h = 0; h < handles; ++h) ends[h + 1] += ends[h];
+    Buffer<grid::TreeData> sorted;
+    sorted.resize(data.size());
+    for (const auto& entry : data) sorted[ends[entry.handle]++] = entry;
+    for (std::size_t h = 0; h < handles; ++h) {
+        std::sort(sorted.data() + (h == 0 ? 0 : ends[h - 1]), sorted.data() + ends[h],
+                  [](const auto& a, const auto& b) { return a.node < b.node; });
+    }
+    data = std::move(sorted);
+}
+
 } // namespace detail
 namespace grid {
 
@@ -354,11 +378,17 @@ namespace grid {
 ///
 ///   data  data.for_each_weight(value, f): f(handle, weight) for every handle that has weight at a
 ///         point of the boundary; no weight is negative
-///   near_field  corrects equations next to the boundary (coordinates/harmonic/near_rows.hpp), or NoNearField
+///   near_field  corrects equations next to the boundary (coordinates/harmonic/near_rows.hpp), or NoNearField;
+///               runs of nodes have copies of it
 template <std::size_t D, class Data = detail::HatData<D>, class Near = detail::NoNearField>
 TreeLinks links_of(const CutTree<D>& tree, const TreeNodes<D>& nodes, const Data& data = {},
-                   Near near_field = {}) {
-    return detail::LinkMaker<D, Data, Near>(tree, nodes, data, std::move(near_field)).make();
+                   const Near& near_field = {}, const Running& running = {}) {
+    TreeLinks links = detail::joined(detail::in_runs<TreeLinks>(running, nodes.count(), 2048, [&] {
+        return detail::LinkMaker<D, Data, Near>(tree, nodes, data, near_field);
+    }));
+    detail::sort_data(links.data);
+    links.equations.neighbours.shrink_to_fit();
+    return links;
 }
 
 } // namespace grid

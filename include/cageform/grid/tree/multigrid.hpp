@@ -76,10 +76,11 @@ public:
 
     TreeMultigrid(const CutTree<D>& tree, const TreeNodes<D>& nodes)
         : TreeMultigrid(tree, nodes, links_of(tree, nodes)) {}
-    TreeMultigrid(const CutTree<D>& tree, const TreeNodes<D>& nodes, TreeLinks links)
+    TreeMultigrid(const CutTree<D>& tree, const TreeNodes<D>& nodes, TreeLinks links,
+                  const Running& running = {})
         : data_(std::move(links.data))
         , diagonal_(links.equations.diagonal)
-        , levels_(detail::TreeCoarsener<D>(tree, nodes).make(std::move(links.equations))) {}
+        , levels_(detail::TreeCoarsener<D>(tree, nodes, running).make(std::move(links.equations))) {}
 
     std::uint32_t unknowns() const noexcept { return levels_[0].nodes(); }
     std::span<const detail::TreeLevel> levels() const noexcept { return levels_; }

@@ -1,6 +1,7 @@
 // The unknowns of a problem on a tree of cells: the corners of leaves that lie inside the domain.
 #pragma once
 
+#include <cageform/core/detail/in_parallel.hpp>
 #include <cageform/grid/tree/cut_tree.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
@@ -108,7 +109,7 @@ inline constexpr double on_facet_distance = 1e-6;
 /// outside. A corner of an inside leaf is inside without a test. Other corners are tested in
 /// integer arithmetic.
 template <std::size_t D>
-TreeNodes<D> nodes_of(const CutTree<D>& tree) {
+TreeNodes<D> nodes_of(const CutTree<D>& tree, const Running& running = {}) {
     using Key = typename TreeNodes<D>::Key;
     using Cell = typename CellTree<D>::Cell;
     Buffer<Key> corners; // twice the key, plus 1 if the boundary cuts the leaf
@@ -134,12 +135,17 @@ TreeNodes<D> nodes_of(const CutTree<D>& tree) {
         const auto facets = tree.facets(tree.cells().leaf_at(doubled).number);
         return tree.boundary().nearest(facets, node_position<D>(index)).distance > on_facet_distance;
     };
+    const auto keep = [&](std::size_t begin, std::size_t end, Buffer<Key>& keys) {
+        for (std::size_t n = begin; n < end; ++n) {
+            const Key key = corners[n] / 2;
+            if (n > 0 && key == corners[n - 1] / 2) continue;
+            if (corners[n] % 2 == 0 || is_inside(key)) keys.push_back(key);
+        }
+    };
     Buffer<Key> keys;
-    for (std::size_t n = 0; n < corners.size(); ++n) {
-        const Key key = corners[n] / 2;
-        if (n > 0 && key == corners[n - 1] / 2) continue;
-        if (corners[n] % 2 == 0 || is_inside(key)) keys.push_back(key);
-    }
+    for (const auto& part :
+         detail::in_runs<Buffer<Key>>(running, corners.size(), 4096, [&] { return keep; }))
+        keys.append(part.begin(), part.end());
     return TreeNodes<D>(std::move(keys));
 }
 

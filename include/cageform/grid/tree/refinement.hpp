@@ -35,8 +35,10 @@ class Refiner {
 public:
     using Cell = grid::CellTree<3>::Cell;
 
-    Refiner(grid::CutTree<3>& tree, const grid::RefinementOptions& options, std::size_t most_leaves)
+    Refiner(grid::CutTree<3>& tree, const grid::RefinementOptions& options, std::size_t most_leaves,
+            const Running& running)
         : tree_(tree)
+        , running_(running)
         , sizes_(tree.boundary(), options)
         , bones_(tree.boundary(), options.per_radius)
         , features_(sizes_.features())
@@ -47,10 +49,17 @@ public:
         for (std::uint32_t n = 0; n < features_.size(); ++n) near_.push_back(n);
         ranges_.push_back({0, std::uint32_t(near_.size())});
         const auto& cells = tree_.cells();
-        // The loop reaches cells that it adds.
-        for (std::uint32_t number = 0; number < cells.cells(); ++number) {
-            split_if_too_large(cells.cell(number));
-            if (cells.leaves() > most_leaves_) return false;
+        // Every round splits the cells that the round before has added.
+        for (std::uint32_t first = 0, last = 0; first < cells.cells(); first = last) {
+            last = std::uint32_t(cells.cells());
+            std::uint32_t number = first;
+            for (const Demands& part : demands_of(first, last)) {
+                thin_.insert(thin_.end(), part.thin.begin(), part.thin.end());
+                for (const auto& demand : part.list) {
+                    split_if_too_large(cells.cell(number++), demand);
+                    if (cells.leaves() > most_leaves_) return false;
+                }
+            }
         }
         // Makes cells in the middle of a thin domain as small as at its surface.
         for (const auto& thin : thin_) {
@@ -73,11 +82,26 @@ private:
         for (std::size_t k = 0; k < 3; ++k) middle[k] += 0.5 * cell.size;
         return middle;
     }
-    /// Splits a cell if it is larger than its facets, bones or features allow.
-    void split_if_too_large(const Cell& cell) {
-        if (tree_.state(cell.number) == grid::CellState::out) return;
+    /// The sizes that cells may have, and where the domain is thin.
+    struct Demands {
+        std::vector<CellSizes::Demand> list;
+        std::vector<CellSizes::ThinPoint> thin;
+    };
+    /// Returns what facets, bones and features allow for cells first … last − 1, in order.
+    std::vector<Demands> demands_of(std::uint32_t first, std::uint32_t last) const {
+        return in_runs<Demands>(running_, last - first, 256, [&] {
+            return [this, first, sizes = sizes_](std::size_t begin, std::size_t end, Demands& out) mutable {
+                for (std::size_t n = begin; n < end; ++n)
+                    out.list.push_back(demand_of(tree_.cells().cell(std::uint32_t(first + n)), sizes, out.thin));
+            };
+        });
+    }
+    CellSizes::Demand demand_of(const Cell& cell, CellSizes& sizes,
+                                std::vector<CellSizes::ThinPoint>& thin) const {
+        if (tree_.state(cell.number) == grid::CellState::out)
+            return {std::numeric_limits<double>::infinity(), SizeReason::largest};
         const auto middle = middle_of(cell);
-        auto least = sizes_.of_facets(tree_.facets(cell.number), cell, middle, thin_);
+        auto least = sizes.of_facets(tree_.facets(cell.number), cell, middle, thin);
         if (const double size = bones_.size_of(cell); size < least.size) least = {size, SizeReason::bone};
         const Range features = ranges_[cell.number];
         for (std::uint32_t n = features.begin; n < features.end; ++n) {
@@ -85,9 +109,14 @@ private:
             const double size = CellSizes::size_at(feature, middle);
             if (size < least.size) least = {size, feature.reason};
         }
-        if (cell.size == 1 || cell.size <= least.size) return;
+        return least;
+    }
+    /// Splits a cell if it is larger than is allowed.
+    void split_if_too_large(const Cell& cell, const CellSizes::Demand& allowed) {
+        if (cell.size == 1 || cell.size <= allowed.size) return;
+        const Range features = ranges_[cell.number];
         tree_.split(cell);
-        if (0.5 * cell.size < finest_.size) finest_ = {0.5 * cell.size, middle, least.reason};
+        if (0.5 * cell.size < finest_.size) finest_ = {0.5 * cell.size, middle_of(cell), allowed.reason};
         for (std::size_t n = 0; n < grid::CellTree<3>::children; ++n)
             hand_down(features, tree_.cells().child(cell, n));
     }
@@ -113,6 +142,7 @@ private:
     }
 
     grid::CutTree<3>& tree_;
+    const Running& running_;
     CellSizes sizes_;
     grid::BoneSizes<3> bones_;
     std::vector<CellSizes::Feature> features_;
@@ -130,9 +160,9 @@ namespace grid {
 class RefinementPlanner {
 public:
     /// The boundary must have the scale 1.
-    explicit RefinementPlanner(const TreeBoundary<3>& boundary)
+    explicit RefinementPlanner(const TreeBoundary<3>& boundary, const Running& running = {})
         : cage_size_(detail::CellSizes::size_of_cage(boundary))
-        , patches_(detail::CellSizes(boundary, {}).patches()) {
+        , patches_(detail::CellSizes(boundary, {}).patches(running)) {
         for (std::size_t n = 0; n < boundary.size(); ++n) { // the volume by the divergence theorem
             const auto& facet = boundary[n];
             if (facet.separates)
@@ -177,8 +207,8 @@ private:
 ///   finest       out
 ///   cost         a ray across the domain for each facet in each cell
 inline bool refine(CutTree<3>& tree, const RefinementOptions& options, std::size_t most_leaves,
-                   FinestCells<3>& finest) {
-    detail::Refiner refiner(tree, options, most_leaves);
+                   FinestCells<3>& finest, const Running& running = {}) {
+    detail::Refiner refiner(tree, options, most_leaves, running);
     const bool whole = refiner.make();
     finest = refiner.finest();
     return whole;
