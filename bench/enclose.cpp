@@ -5,8 +5,9 @@
 // figure); `angle` is the smallest angle of the cage, in degrees. For comparison in space, if CGAL is
 // installed, its alpha wrap is measured with the margin as offset, simplified to as many vertices
 // (Portaneri et al., Alpha wrapping with an offset, 2022; Garland & Heckbert 1997). The environment
-// variable CAGEFORM_BENCH_OBJ names an own mesh of triangles to measure as well. stands beside the
-// others where the environment variable CAGEFORM_BENCH_OBJ names one, of triangles.
+// variable CAGEFORM_BENCH_OBJ names an own mesh of triangles to measure as well.
+
+#include "workloads.hpp"
 
 #include <cageform/enclose/make_cage.hpp>
 #include <cageform/enclose/make_cage_3d.hpp>
@@ -31,13 +32,7 @@
 namespace {
 
 using cageform::Vec;
-using Points = std::vector<Vec<double, 3>>;
-using Faces = std::vector<std::array<std::uint32_t, 3>>;
-
-struct Mesh {
-    Points vertices;
-    Faces faces;
-};
+using Mesh = cageform_bench::ObjMesh;
 
 /// A grid of `rings` times `columns` vertices that closes both ways.
 template <class Place>
@@ -98,32 +93,13 @@ Mesh plates() {
     return mesh;
 }
 
-/// Lines "v x y z" and "f a b c" of a file, corners as "a/b/c" or numbers.
-Mesh read_obj(const char* name) {
-    Mesh mesh;
-    std::ifstream file(name != nullptr ? name : "");
-    std::string word;
-    for (std::string line; std::getline(file, line);) {
-        std::istringstream words(line);
-        words >> word;
-        if (word == "v") {
-            auto& p = mesh.vertices.emplace_back();
-            words >> p[0] >> p[1] >> p[2];
-        } else if (word == "f") {
-            auto& face = mesh.faces.emplace_back();
-            for (auto& corner : face) corner = words >> word ? std::uint32_t(std::stoul(word)) - 1 : 0;
-        }
-    }
-    return mesh;
-}
-
 const Mesh& figure(std::int64_t number) {
     static const std::array<Mesh, 6> figures{torus(60, 24, 0),
                                              soup(),
                                              plates(),
                                              torus(300, 166, 0.1),
                                              torus(600, 416, 0.1),
-                                             read_obj(std::getenv("CAGEFORM_BENCH_OBJ"))};
+                                             cageform_bench::read_obj(std::getenv("CAGEFORM_BENCH_OBJ"))};
     return figures[std::size_t(number)];
 }
 constexpr std::array<const char*, 6> names{"torus", "soup", "plates", "wavy_100k", "wavy_500k", "file"};

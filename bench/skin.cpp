@@ -1,7 +1,10 @@
 // How far off are harmonic weights in space next to the skin, and inside, by cage and accuracy?
-// References are walks on spheres (tests/support/walk_on_spheres.hpp), which --keep stores in a folder.
+// References are walks on spheres (tests/support/walk_on_spheres.hpp), which --keep stores in a folder, as
+// examples/sources/convergence.cpp reads them.
 //
-//     bench_skin [--cage NAME] [--points COUNT] [--walks COUNT] [--keep FOLDER] [ACCURACY…]
+//     bench_skin [--cage NAME] [--obj FILE] [--points COUNT] [--walks COUNT] [--keep FOLDER] [ACCURACY…]
+//
+// With -I of another version's headers it measures that version, at the same points.
 #include "../tests/support/fingers.hpp"
 #include "../tests/support/walk_on_spheres.hpp"
 #include "workloads.hpp"
@@ -9,10 +12,15 @@
 #include <cageform/binding/bind.hpp>
 #include <cageform/coordinates/harmonic.hpp>
 #include <cageform/core/threads.hpp>
+#include <cageform/enclose/make_cage_3d.hpp>
 
+#include <charconv>
 #include <cstdio>
+#include <cstdlib>
 #include <ctime>
+#include <filesystem>
 #include <fstream>
+#include <sstream>
 #include <string>
 
 namespace {
@@ -54,33 +62,59 @@ std::vector<NamedCage> cages() {
     list.push_back({"U", prism({{0, 0}, {3, 0}, {3, 2}, {2, 2}, {2, 1}, {1, 1}, {1, 2}, {0, 2}},
                                {{0, 1, 4}, {0, 4, 5}, {1, 2, 4}, {2, 3, 4}, {0, 5, 7}, {5, 6, 7}}, 1)});
     list.push_back({"bumpy112", cageform_bench::bumpy112<double>()});
-    list.push_back({"fingers", cageform_tests::Fingers(CAGEFORM_BENCH_FINGERS).cage()});
+    const Mesh fingers = cageform_tests::Fingers(CAGEFORM_BENCH_FINGERS).cage();
+    for (const std::size_t vertices : {60, 120, 300}) {
+        cageform::MakeCageOptions options;
+        options.vertices = vertices;
+        list.push_back({"made" + std::to_string(vertices),
+                        make_cage(fingers.vertices(), fingers.faces(), options).value});
+    }
+    list.push_back({"fingers", fingers});
     return list;
 }
 
-/// The weights at the points, row after row; kept in a file.
-std::vector<float> references(const NamedCage& cage, const std::vector<Point>& points, std::uint64_t walks,
-                              const std::string& folder, double& error) {
-    const std::size_t handles = cage.mesh.size();
-    std::vector<float> rows(points.size() * handles + 1);
-    const std::string path =
-        folder + "/" + cage.name + "_" + std::to_string(points.size()) + "_" + std::to_string(walks) + ".raw";
-    const auto bytes = std::streamsize(rows.size() * sizeof(float));
-    if (std::ifstream kept(path, std::ios::binary);
-        !folder.empty() && kept.read(reinterpret_cast<char*>(rows.data()), bytes)) {
-        error = double(rows.back());
-        return rows;
+/// Weights of points, row after row.
+using Rows = std::vector<double>;
+
+/// Reads rows from lines x,y,z;handle:weight;…; returns nothing if the file has other numbers of them.
+Rows kept_rows(const std::string& path, std::size_t points, std::size_t handles) {
+    Rows rows(points * handles);
+    std::ifstream file(path);
+    std::size_t n = 0;
+    for (std::string line; std::getline(file, line); ++n) {
+        std::istringstream parts(line);
+        char mark = 0;
+        double x = 0, weight = 0;
+        std::size_t handle = 0;
+        parts >> x >> mark >> x >> mark >> x;
+        while (parts >> mark >> handle >> mark >> weight) {
+            if (n < points && handle < handles) rows[n * handles + handle] = weight;
+        }
     }
-    std::vector<double> errors(points.size());
+    return n == points ? rows : Rows{};
+}
+Rows references(const NamedCage& cage, const std::vector<Point>& points, std::uint64_t walks,
+                const std::string& folder) {
+    const std::size_t handles = cage.mesh.size();
+    const std::string path =
+        folder + "/" + cage.name + "_" + std::to_string(points.size()) + "_" + std::to_string(walks) + ".txt";
+    if (auto kept = kept_rows(path, points.size(), handles); !folder.empty() && !kept.empty()) return kept;
+    Rows rows(points.size() * handles);
     cageform::ThreadedFor{}(points.size(), 1, [&](std::size_t n, std::size_t) {
         const auto found = cageform_tests::walk_on_spheres(cage.mesh, points[n], walks, n);
-        for (std::size_t i = 0; i < handles; ++i) rows[n * handles + i] = float(found.weight[i]);
-        errors[n] = *std::max_element(found.error.begin(), found.error.end());
+        std::copy(found.weight.begin(), found.weight.end(), rows.begin() + std::ptrdiff_t(n * handles));
     });
-    error = *std::max_element(errors.begin(), errors.end());
-    rows.back() = float(error);
-    if (!folder.empty())
-        std::ofstream(path, std::ios::binary).write(reinterpret_cast<const char*>(rows.data()), bytes);
+    if (folder.empty()) return rows;
+    std::ofstream file(path);
+    for (std::size_t n = 0; n < points.size(); ++n) {
+        file.precision(17);
+        file << points[n][0] << ',' << points[n][1] << ',' << points[n][2];
+        file.precision(6);
+        for (std::size_t i = 0; i < handles; ++i) {
+            if (rows[n * handles + i] != 0) file << ';' << i << ':' << rows[n * handles + i];
+        }
+        file << '\n';
+    }
     return rows;
 }
 
@@ -92,6 +126,15 @@ void print(const char* where, std::vector<double> errors, double asked) {
                 100 * double(beyond) / double(errors.size()));
 }
 
+/// Reads a positive number, or ends the program with a message.
+double number_of(const char* what, const std::string& word) {
+    double number = 0;
+    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), number);
+    if (error == std::errc{} && end == word.data() + word.size() && number > 0) return number;
+    std::fprintf(stderr, "bench_skin: %s %s is not a positive number\n", what, word.c_str());
+    std::exit(2);
+}
+
 } // namespace
 
 int main(int argc, char** argv) {
@@ -99,49 +142,64 @@ int main(int argc, char** argv) {
     std::size_t count = 200;
     std::uint64_t walks = 100000;
     std::vector<double> accuracies;
+    std::vector<NamedCage> files;
     for (int n = 1; n < argc; ++n) {
         const std::string word = argv[n];
-        if (word == "--cage" && n + 1 < argc)
+        const bool has_value = n + 1 < argc;
+        if (word == "--cage" && has_value) {
             only = argv[++n];
-        else if (word == "--points" && n + 1 < argc)
-            count = std::stoul(argv[++n]);
-        else if (word == "--walks" && n + 1 < argc)
-            walks = std::stoul(argv[++n]);
-        else if (word == "--keep" && n + 1 < argc)
+        } else if (word == "--obj" && has_value) {
+            const auto obj = cageform_bench::read_obj(argv[++n]);
+            files.push_back({std::filesystem::path(argv[n]).stem().string(), {obj.vertices, obj.faces}});
+            if (const auto report = check(files.back().mesh); report.status != cageform::Status::ok) {
+                std::fprintf(stderr, "bench_skin: %s: %s\n", argv[n], to_string(report.status));
+                return 2;
+            }
+        } else if (word == "--points" && has_value) {
+            count = std::size_t(number_of("--points", argv[++n]));
+        } else if (word == "--walks" && has_value) {
+            walks = std::uint64_t(number_of("--walks", argv[++n]));
+        } else if (word == "--keep" && has_value) {
             folder = argv[++n];
-        else
-            accuracies.push_back(std::stod(word));
+        } else {
+            accuracies.push_back(number_of("accuracy", word));
+        }
     }
     if (accuracies.empty()) accuracies = {1e-2, 5e-3, 2e-3, 1e-3};
-    for (const NamedCage& cage : cages()) {
-        if (!only.empty() && only != cage.name) continue;
+    auto list = files.empty() ? cages() : std::move(files);
+    std::erase_if(list, [&](const NamedCage& cage) { return !only.empty() && only != cage.name; });
+    if (list.empty()) {
+        std::fprintf(stderr, "bench_skin: no cage is called %s\n", only.c_str());
+        return 2;
+    }
+    for (const NamedCage& cage : list) {
         auto points = cageform_tests::points_below_faces(cage.mesh, count, 17);
         const auto deep = cageform_tests::points_anywhere(cage.mesh, count, 18);
         points.insert(points.end(), deep.begin(), deep.end());
-        double noise = 0;
-        const auto known = references(cage, points, walks, folder, noise);
-        std::printf("%s: %zu handles; walks, standard error at most %.1e; max, 99 %%, 90 %%, median (beyond "
-                    "what was asked)\n",
-                    cage.name.c_str(), cage.mesh.size(), noise);
+        const auto known = references(cage, points, walks, folder);
+        std::printf("%s: %zu handles; standard error of a reference at most %.1e; max, 99 %%, 90 %%, median "
+                    "(share beyond what was asked)\n",
+                    cage.name.c_str(), cage.mesh.size(), 0.5 / std::sqrt(double(walks)));
         for (const double accuracy : accuracies) {
             const auto start = std::clock();
             const cageform::HarmonicCoordinates<double, 3> coordinates(cage.mesh, {.accuracy = accuracy});
-            const auto made = std::clock();
             const auto bound = cageform::bind(coordinates, points);
-            const auto end = std::clock();
+            const double seconds = double(std::clock() - start) / CLOCKS_PER_SEC;
             std::vector<double> skin, inside;
             for (std::size_t n = 0; n < points.size(); ++n) {
                 double worst = 0;
                 for (std::size_t i = 0; i < cage.mesh.size(); ++i)
-                    worst = std::fmax(
-                        worst, std::fabs(bound.value.weight(n, i) - double(known[n * cage.mesh.size() + i])));
+                    worst = std::fmax(worst,
+                                      std::fabs(bound.value.weight(n, i) - known[n * cage.mesh.size() + i]));
                 (n < count ? skin : inside).push_back(worst);
             }
-            std::printf("%6g %7zu nodes %5.2f + %5.2f s", accuracy, bound.report.solver.cells,
-                        double(made - start) / CLOCKS_PER_SEC, double(end - made) / CLOCKS_PER_SEC);
+            const auto& solver = bound.report.solver;
+            std::printf("%6g %7zu nodes %5.2f s %4.0f MB", accuracy, solver.cells, seconds,
+                        double(solver.bytes) / 1e6);
             print("skin", skin, accuracy);
             print("inside", inside, accuracy);
-            std::printf("  restored %.1e\n", bound.report.weight_change.value);
+            std::printf("  restored %.1e, estimate %.1e, factor %.2f\n", bound.report.weight_change.value,
+                        solver.grid_error(), solver.multigrid.convergence_factor);
         }
     }
 }

@@ -6,8 +6,11 @@
 
 #include <array>
 #include <cstdint>
+#include <fstream>
 #include <map>
 #include <numbers>
+#include <sstream>
+#include <string>
 #include <vector>
 
 namespace cageform_bench {
@@ -63,6 +66,30 @@ cageform::TriangleMesh<T> bumpy112() {
         }
     }
     return {vertices, faces};
+}
+
+/// A mesh of triangles as a file has it.
+struct ObjMesh {
+    std::vector<cageform::Vec<double, 3>> vertices;
+    std::vector<std::array<std::uint32_t, 3>> faces;
+};
+/// Reads lines "v x y z" and "f a b c" of a file, corners as "a/b/c" or numbers. Empty without a file.
+inline ObjMesh read_obj(const char* name) {
+    ObjMesh mesh;
+    std::ifstream file(name != nullptr ? name : "");
+    std::string word;
+    for (std::string line; std::getline(file, line);) {
+        std::istringstream words(line);
+        words >> word;
+        if (word == "v") {
+            auto& p = mesh.vertices.emplace_back();
+            words >> p[0] >> p[1] >> p[2];
+        } else if (word == "f") {
+            auto& face = mesh.faces.emplace_back();
+            for (auto& corner : face) corner = words >> word ? std::uint32_t(std::stoul(word)) - 1 : 0;
+        }
+    }
+    return mesh;
 }
 
 /// A box about the origin of cells of a given edge, its faces divided: 42 vertices of 2 × 2 × 4 cells, 300 of

@@ -282,7 +282,8 @@ step "how the solver converges"
 known=tests/data/oracle # weights to many digits
 "$programs/convergence" --cage "$data/cat_cage.svg" --cage "$data/biped_cage.svg" --oracle $known/harmonic2d_cat.json \
   --oracle $known/harmonic2d_l_shape.json --oracle $known/harmonic3d_l_prism_triangulated.json \
-  --oracle tests/data/fingers/reference.txt -o out/convergence.svg --png >out/convergence.txt
+  --oracle tests/data/fingers/reference.txt --oracle tests/data/fingers/skin.txt \
+  -o out/convergence.svg --png >out/convergence.txt
 # Where the adaptive grid is fine: in narrow parts, at corners, in fingers.
 grid() { # NAME CAGE [OPTION ...]
   name=$1 cage=$2

@@ -237,7 +237,9 @@ Oracle<D> oracle_of(const std::string& name, const nlohmann::json& json) {
 SvgResult<Oracle<3>> read_oracle(const std::filesystem::path& path, std::string text) {
     auto cage = load_obj(path.parent_path() / "cage.obj");
     if (!cage) return cage.error();
-    Oracle<3> oracle{printable(path.parent_path().filename().string()), std::move(*cage), {}, {}};
+    const std::string folder = printable(path.parent_path().filename().string()),
+                      file = printable(path.stem().string());
+    Oracle<3> oracle{file == "reference" ? folder : folder + ", " + file, std::move(*cage), {}, {}};
     std::replace_if(
         text.begin(), text.end(), [](char c) { return c == ',' || c == ';' || c == ':'; }, ' ');
     std::istringstream lines(std::move(text));

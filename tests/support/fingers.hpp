@@ -18,13 +18,14 @@ inline cageform::Vec<double, 3> turned_about_123(const cageform::Vec<double, 3>&
 }
 
 /// A body of 180 units with fingers 1.7 thick and gaps of 0.4, and weights of all 762 handles at
-/// points inside, by walks on spheres to 2.5e-4. Turned, so that no face lies along the grid.
+/// points inside, by walks on spheres: reference.txt to 2.5e-4, skin.txt to 1.1e-3 at 40 points below faces
+/// (bench_skin). Turned, so that no face lies along the grid.
 struct Fingers {
     std::vector<cageform::Vec<double, 3>> vertices, points;
     std::vector<std::array<int, 3>> faces;
     std::vector<std::vector<double>> weights; ///< [point][handle]
 
-    explicit Fingers(const std::string& folder, double angle = 1) {
+    explicit Fingers(const std::string& folder, double angle = 1, const char* points_file = "reference.txt") {
         std::ifstream cage(folder + "/cage.obj");
         for (std::string word; cage >> word;) {
             double x = 0, y = 0, z = 0;
@@ -34,7 +35,7 @@ struct Fingers {
             else
                 faces.push_back({int(x) - 1, int(y) - 1, int(z) - 1});
         }
-        std::ifstream reference(folder + "/reference.txt");
+        std::ifstream reference(folder + "/" + points_file);
         for (std::string line; std::getline(reference, line);) {
             std::istringstream parts(line);
             char mark = 0;

@@ -53,6 +53,21 @@ public:
         }
     }
 
+    /// Divides the weights of every point by their sum where that differs from 1 by more than `least`: values
+    /// below 0 have been cut. Points without weights stay as they are.
+    template <Scalar T>
+    void normalise(BlockView<T> rows, double least) const noexcept {
+        for (std::size_t n = 0; n < stencils_.size(); ++n) {
+            const std::size_t i = first_ + n, lane = i % lane_count<T>;
+            auto* const row = rows.block(i / lane_count<T>);
+            double sum = 0;
+            for (std::size_t k = 0; k < rows.rows; ++k) sum += double(row[k][lane]);
+            if (!(sum > 0.5) || !(std::fabs(sum - 1) > least)) continue;
+            for (std::size_t k = 0; k < rows.rows; ++k)
+                row[k][lane] = static_cast<T>(double(row[k][lane]) / sum);
+        }
+    }
+
 private:
     std::size_t first_;
     StencilTable<D> stencils_;

@@ -63,6 +63,8 @@ public:
         });
     }
 
+    std::size_t bytes() const noexcept { return fine_.bytes() + coarse_.bytes(); }
+
     /// Returns per point the largest difference over functions first … first + count − 1.
     ///
     ///   functions  functions.value(node): an array of at least `count` values

@@ -41,21 +41,36 @@ public:
     /// The vertices, V.
     std::span<const std::uint32_t> vertices() const noexcept { return vertices_; }
 
+    /// Whether no face lies between the place last looked from and a point within the radius.
+    bool sees(const Point& p) const noexcept {
+        return std::none_of(candidates_.begin(), candidates_.end(),
+                            [&](const Candidate& c) { return hides(c.face, p); });
+    }
+    /// Returns the mirrors that a point lies behind, as bits.
+    unsigned mirrors_before(const Point& p) const noexcept {
+        unsigned bits = 0;
+        for (std::size_t k = 0; k < planes_.size(); ++k)
+            bits |= beyond(planes_[k], in_units(p)) <= rounding ? 0u : 1u << k;
+        return bits;
+    }
+
     /// Evaluates the double layers at points.
-    void evaluate(std::span<const Point> points) {
+    ///
+    ///   unused  the mirrors that are not to be used, as bits
+    void evaluate(std::span<const Point> points, unsigned unused) {
         constexpr std::size_t lanes = lane_count<double>;
         batches_ = (points.size() + lanes - 1) / lanes;
         values_.resize(batches_ * vertices_.size());
         for (auto& value : values_) Simd<double>(0.0).store(value);
-        Buffer<Point> local;
-        for (const auto& p : points) local.push_back(in_units(p));
-        assign_mirrors({local.data(), local.size()});
+        local_.clear();
+        for (const auto& p : points) local_.push_back(in_units(p));
+        assign_mirrors(unused);
         for (std::size_t b = 0; b < batches_; ++b) {
             Vec<Lanes<double>, 3> lane;
             Vec<Simd<double>, 3> p;
             for (std::size_t k = 0; k < 3; ++k) {
                 for (std::size_t n = 0; n < lanes; ++n)
-                    lane[k][n] = local[(std::min)(b * lanes + n, local.size() - 1)][k];
+                    lane[k][n] = local_[(std::min)(b * lanes + n, local_.size() - 1)][k];
                 p[k] = Simd<double>::load(lane[k]);
             }
             for (unsigned mirrored = 0; mirrored < (1u << mirrors_.size()); ++mirrored)
@@ -137,7 +152,7 @@ private:
         for (std::size_t n = 0; n < candidates_.size(); ++n) {
             bool hidden = false;
             for (std::size_t m = 0; m < n && !hidden; ++m)
-                hidden = hides(candidates_[m].face, candidates_[n]);
+                hidden = hides(candidates_[m].face, origin_ + (1 - 1e-6) * (candidates_[n].foot - origin_));
             if (!hidden) seen_faces_.push_back(candidates_[n].face);
         }
     }
@@ -146,9 +161,8 @@ private:
         const auto& face = field_.face(f);
         return dot(face.normal, p - field_.at(face.corner[0]));
     }
-    /// Whether a face lies between the origin and the nearest point of another face.
-    bool hides(std::uint32_t f, const Candidate& other) const noexcept {
-        const auto to = origin_ + (1 - 1e-6) * (other.foot - origin_);
+    /// Whether a face lies between the origin, which is in front of it, and a point.
+    bool hides(std::uint32_t f, const Point& to) const noexcept {
         const double from_height = height(f, origin_), to_height = height(f, to);
         if (!(to_height > 0)) return false;
         const auto q = origin_ + (from_height / (from_height - to_height)) * (to - origin_);
@@ -336,13 +350,11 @@ private:
         }
         return true;
     }
-    /// Keeps the mirrors that all points lie before, and finds the faces in them.
-    void assign_mirrors(std::span<const Point> points) {
+    /// Takes the mirrors whose bits are not set, and finds the faces in them.
+    void assign_mirrors(unsigned unused) {
         mirrors_.clear();
-        for (const Mirror& plane : planes_) {
-            if (std::all_of(points.begin(), points.end(),
-                            [&](const Point& p) { return beyond(plane, p) <= rounding; }))
-                mirrors_.push_back(plane);
+        for (std::size_t k = 0; k < planes_.size(); ++k) {
+            if (((unused >> k) & 1u) == 0) mirrors_.push_back(planes_[k]);
         }
         mirror_of_.assign(all_faces_.size(), none);
         if (mirrors_.size() < 2) mirrors_.clear();
@@ -418,6 +430,7 @@ private:
     NearField::Frame frame_; ///< about the origin, in units of the radius; the vertices V come first
     GreenRows<double, 3> seen_;
     std::size_t batches_ = 0;
+    Buffer<Point> local_; ///< the points
     Buffer<Lanes<double>> values_;
 };
 

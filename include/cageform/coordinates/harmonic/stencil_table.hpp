@@ -14,6 +14,10 @@ class StencilTable {
 public:
     using Node = typename grid::CutStencil<D>::Node;
     std::size_t size() const noexcept { return ends_.size(); }
+    std::size_t bytes() const noexcept {
+        return nodes_.capacity() * sizeof(Node) + handles_.capacity() * sizeof(Handle) +
+               ends_.capacity() * sizeof(Ends);
+    }
     void reserve(std::size_t count) { ends_.reserve(count); }
 
     struct Handle {

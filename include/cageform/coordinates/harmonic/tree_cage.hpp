@@ -97,7 +97,9 @@ public:
                                        .largest = 0.0626 * std::pow(100 * accuracy, 0.301)};
         } else {
             constexpr double infinity = std::numeric_limits<double>::infinity();
-            const double finer = std::sqrt(2e-3 / accuracy), levels = (std::max)(0.0, 1 + std::log2(finer));
+            // Once kinks are subtracted, reflex edges have the largest errors.
+            const double finer = std::sqrt(2e-3 / accuracy), least_levels = subtracts_kinks ? 1.0 : 0.0;
+            const double levels = (std::max)(least_levels, 1 + std::log2(finer));
             return grid::RefinementOptions{.across = 4.8 * finer,
                                            .per_facet = (subtracts_kinks ? 0.25 : 0.89) * finer,
                                            // No more faces are near than a near field can take.
@@ -166,6 +168,23 @@ public:
     /// Returns the size of the leaf at a point, in units of the cage.
     double spacing(const Vec<double, D>& p) const noexcept {
         return boundary_.unit() * tree_.leaf_at(placed(p)).size;
+    }
+    /// Returns a place inside a leaf: its middle, else the first corner that is a node, else the middle. In units
+    /// of the tree.
+    Vec<double, D> place_in(const typename grid::CellTree<D>::Cell& leaf) const noexcept {
+        auto middle = node_position<D>(leaf.low);
+        std::array<std::int64_t, D> line{};
+        for (std::size_t k = 0; k < D; ++k) {
+            middle[k] += 0.5 * leaf.size;
+            line[k] = std::llround(std::ldexp(middle[k], boundary_.fraction()));
+        }
+        if (tree_.state(leaf.number) == grid::CellState::in || tree_.is_inside(line)) return middle;
+        for (std::size_t n = 0; n < grid::CellTree<D>::children; ++n) {
+            auto corner = leaf.low;
+            for (std::size_t k = 0; k < D; ++k) corner[k] += ((n >> k) & 1u) != 0 ? leaf.size : 0;
+            if (nodes_.find(corner) != grid::TreeNodes<D>::none) return node_position<D>(corner);
+        }
+        return middle;
     }
     PointState state_of(const Vec<double, D>& p) const noexcept {
         const auto at = placed(p);

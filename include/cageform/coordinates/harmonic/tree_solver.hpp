@@ -153,7 +153,9 @@ public:
         , errors_(grid_errors()) {}
 
     SolverMemory memory() const noexcept {
-        return {cage_->bytes() + multigrid_.bytes(), multigrid_.block_bytes(is_refined())};
+        std::size_t bytes = cage_->bytes() + multigrid_.bytes() + errors_.bytes();
+        if constexpr (D == 3) bytes += near_ ? near_->bytes() : 0;
+        return {bytes, multigrid_.block_bytes(is_refined())};
     }
     template <class F>
     void for_each_cell(F&& f) const {
@@ -279,7 +281,11 @@ public:
                        [this](std::size_t position) { return order_.handle(position); });
     }
     template <Scalar T>
-    void finish(const Samples& /*samples*/, BlockView<T> /*rows*/) const noexcept {}
+    void finish([[maybe_unused]] const Samples& samples, [[maybe_unused]] BlockView<T> rows) const noexcept {
+        if constexpr (D == 3) {
+            if (near_) samples.normalise(rows, least_layer());
+        }
+    }
 
     double spacing(const Vec<double, D>& p) const noexcept { return cage_->spacing(p); }
     PointState state_of(const Vec<double, D>& p) const noexcept { return cage_->state_of(p); }
@@ -336,31 +342,49 @@ private:
         }
         return {cage_->tree(), cage_->nodes(), ordered_data()};
     }
-    /// Adds the stencils of points first … last − 1, with their corrections. Each point is corrected by
-    /// itself, so that its weights do not depend on other points.
+    /// Adds the stencils of points first … last − 1, with their corrections. The points of a leaf are corrected
+    /// from one place of it, so that weights do not depend on other points.
     template <Scalar T>
     void add_near_samples(const detail::Batch<T>& batch, std::size_t first, std::size_t last,
                           Samples& samples) const {
-        const auto data = ordered_data();
-        detail::NearRows rows(*near_, least_layer());
-        std::vector<typename detail::StencilTable<D>::Handle> corrections;
+        const auto& tree = cage_->tree();
+        struct Placed {
+            std::uint32_t leaf, point; ///< the point's number, less `first`
+        };
+        std::vector<Placed> placed;
+        std::vector<grid::CutStencil<D>> stencils;
         for (std::size_t i = first; i < last; ++i) {
-            const auto stencil = cage_->stencil(batch, i);
-            corrections.clear();
-            if (i < batch.points.points && batch.states[i] == PointState::inside) {
-                const auto& tree = cage_->tree();
-                const auto at = tree.boundary().in_units(vec_cast<double>(block_point<D>(batch.points, i)));
-                const auto leaf = tree.leaf_at(at);
-                // Nearer, rounded faces may have the point outside, and its stencil is the data itself.
-                const double least = std::ldexp(4.0, -tree.boundary().fraction());
-                if (tree.boundary().nearest(tree.facets(leaf.number), at).distance > least)
-                    rows.add(0, at, leaf.size, stencil, cage_->nodes());
-                rows.flush([&](std::uint32_t, std::uint32_t vertex, double amount) {
-                    corrections.push_back({order_.position(vertex), amount});
-                });
-            }
-            samples.add(stencil, data, corrections);
+            stencils.push_back(cage_->stencil(batch, i));
+            if (i >= batch.points.points || batch.states[i] != PointState::inside) continue;
+            const auto at = in_units(batch, i);
+            const auto leaf = tree.leaf_at(at);
+            // Nearer, rounded faces may have the point outside, and its stencil is the data itself.
+            const double least = std::ldexp(4.0, -tree.boundary().fraction());
+            if (tree.boundary().nearest(tree.facets(leaf.number), at).distance > least)
+                placed.push_back({leaf.number, std::uint32_t(i - first)});
         }
+        std::sort(placed.begin(), placed.end(), [](const Placed& a, const Placed& b) {
+            return a.leaf != b.leaf ? a.leaf < b.leaf : a.point < b.point;
+        });
+        using Handle = typename detail::StencilTable<D>::Handle;
+        std::vector<std::vector<Handle>> corrections(stencils.size());
+        detail::NearRows rows(*near_, least_layer());
+        for (auto begin = placed.begin(), end = begin; begin != placed.end(); begin = end) {
+            const auto leaf = tree.cells().cell(begin->leaf);
+            for (; end != placed.end() && end->leaf == begin->leaf; ++end)
+                rows.add(end->point, in_units(batch, first + end->point), leaf.size, stencils[end->point],
+                         cage_->nodes());
+            rows.flush(cage_->place_in(leaf), leaf.size,
+                       [&](std::uint32_t point, std::uint32_t vertex, double amount) {
+                           corrections[point].push_back({order_.position(vertex), amount});
+                       });
+        }
+        const auto data = ordered_data();
+        for (std::size_t n = 0; n < stencils.size(); ++n) samples.add(stencils[n], data, corrections[n]);
+    }
+    template <Scalar T>
+    Vec<double, D> in_units(const detail::Batch<T>& batch, std::size_t i) const noexcept {
+        return cage_->tree().boundary().in_units(vec_cast<double>(block_point<D>(batch.points, i)));
     }
 
     detail::OrderedData<D> ordered_data() const noexcept { return {*data_, order_}; }
