@@ -229,7 +229,7 @@ void bind_smaller_fingers(benchmark::State& state) {
         benchmark::DoNotOptimize(bind_on_grid(state, coordinates, fingers.points).view().weights.data);
 }
 
-/// Binds on several threads: one makes the grid, and all solve the functions.
+/// Binds on several threads, which make the grid and solve the functions.
 void bind_fingers_threads(benchmark::State& state) {
     static const Fingers fingers(CAGEFORM_BENCH_FINGERS);
     const AnyGrid coordinates(Mesh(fingers.vertices, fingers.faces), {.accuracy = 2e-3});
