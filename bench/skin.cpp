@@ -3,13 +3,16 @@
 // examples/sources/convergence.cpp reads them.
 //
 //     bench_skin [--cage NAME] [--obj FILE] [--points COUNT] [--walks COUNT] [--keep FOLDER] [ACCURACY…]
+//     bench_skin --obj CAGE --figure FILE --pose CAGE [ACCURACY…]
 //
+// The second form prints how far the points of a posed figure move from those of the last accuracy.
 // With -I of another version's headers it measures that version, at the same points.
 #include "../tests/support/fingers.hpp"
 #include "../tests/support/walk_on_spheres.hpp"
 #include "workloads.hpp"
 
 #include <cageform/binding/bind.hpp>
+#include <cageform/clone/clone.hpp>
 #include <cageform/coordinates/harmonic.hpp>
 #include <cageform/core/threads.hpp>
 #include <cageform/enclose/make_cage_3d.hpp>
@@ -126,6 +129,36 @@ void print(const char* where, std::vector<double> errors, double asked) {
                 100 * double(beyond) / double(errors.size()));
 }
 
+/// Poses a figure by weights of every accuracy.
+int print_poses(const NamedCage& cage, const cageform_bench::ObjMesh& figure,
+                const cageform_bench::ObjMesh& pose, const std::vector<double>& accuracies) {
+    const double size = bounds_of(cage.mesh.vertices()).diagonal();
+    std::vector<std::vector<Point>> posed;
+    std::vector<double> seconds;
+    for (const double accuracy : accuracies) {
+        const auto start = std::clock();
+        const cageform::HarmonicCoordinates<double, 3> coordinates(cage.mesh, {.accuracy = accuracy});
+        const auto bound = cageform::bind(coordinates, figure.vertices);
+        seconds.push_back(double(std::clock() - start) / CLOCKS_PER_SEC);
+        auto& points = posed.emplace_back(figure.vertices.size());
+        const auto status =
+            bound ? cageform::clone(bound.value.view(), pose.vertices, points) : bound.status();
+        if (status == cageform::Status::ok) continue;
+        std::fprintf(stderr, "bench_skin: accuracy %g: %s\n", accuracy, to_string(status));
+        return 1;
+    }
+    for (std::size_t k = 0; k < posed.size(); ++k) {
+        std::vector<double> apart;
+        for (std::size_t n = 0; n < posed[k].size(); ++n)
+            apart.push_back(cageform::detail::length(posed[k][n] - posed.back()[n]) / size);
+        std::sort(apart.begin(), apart.end());
+        std::printf(
+            "%s, accuracy %g: %.2f s, a posed point moves by %.1e of the cage at most, nine in ten by %.1e\n",
+            cage.name.c_str(), accuracies[k], seconds[k], apart.back(), apart[apart.size() * 9 / 10]);
+    }
+    return 0;
+}
+
 /// Reads a positive number, or ends the program with a message.
 double number_of(const char* what, const std::string& word) {
     double number = 0;
@@ -143,6 +176,7 @@ int main(int argc, char** argv) {
     std::uint64_t walks = 100000;
     std::vector<double> accuracies;
     std::vector<NamedCage> files;
+    cageform_bench::ObjMesh figure, pose;
     for (int n = 1; n < argc; ++n) {
         const std::string word = argv[n];
         const bool has_value = n + 1 < argc;
@@ -155,6 +189,10 @@ int main(int argc, char** argv) {
                 std::fprintf(stderr, "bench_skin: %s: %s\n", argv[n], to_string(report.status));
                 return 2;
             }
+        } else if (word == "--figure" && has_value) {
+            figure = cageform_bench::read_obj(argv[++n]);
+        } else if (word == "--pose" && has_value) {
+            pose = cageform_bench::read_obj(argv[++n]);
         } else if (word == "--points" && has_value) {
             count = std::size_t(number_of("--points", argv[++n]));
         } else if (word == "--walks" && has_value) {
@@ -166,6 +204,13 @@ int main(int argc, char** argv) {
         }
     }
     if (accuracies.empty()) accuracies = {1e-2, 5e-3, 2e-3, 1e-3};
+    if (!figure.vertices.empty() || !pose.vertices.empty()) {
+        if (files.size() == 1 && !figure.vertices.empty() && pose.vertices.size() == files[0].mesh.size())
+            return print_poses(files[0], figure, pose, accuracies);
+        std::fprintf(stderr,
+                     "bench_skin: --figure and --pose need one cage, and a pose of as many vertices\n");
+        return 2;
+    }
     auto list = files.empty() ? cages() : std::move(files);
     std::erase_if(list, [&](const NamedCage& cage) { return !only.empty() && only != cage.name; });
     if (list.empty()) {
