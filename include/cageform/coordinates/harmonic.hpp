@@ -37,8 +37,8 @@ struct AdaptiveGrid {
 ///   range     [0, 1], sum 1, Σ h_i C_i = p: all to the tolerance, on every grid
 ///   accuracy  see HarmonicOptions::accuracy
 ///   cost      `evaluate` solves #V functions, sixteen at a time (unless `solve` has done so
-///             before), and samples them. Running::parallel makes the grid and solves the groups of sixteen; each
-///             thread needs `solver_memory().block` bytes, every point about 80 bytes in 2D and 150 in
+///             before), and samples them. Running::parallel makes the grid and solves the groups of
+///             sixteen; each thread needs `solver_memory().block` bytes, every point about 80 bytes in 2D and 150 in
 ///             3D. Progress is reported before every cycle on the calling thread, which has to take part
 ///             in the work
 ///   compiles  slowly, for it contains a solver; with cageform::compiled the solver is in a library

@@ -131,8 +131,8 @@ private:
     struct Node {
         std::uint32_t node, point;
     };
-    /// What is near, in sizes of the largest leaf: about the rows of equations, and about a leaf with samples.
-    /// With 2 errors are twice as large, with 4 smaller by a tenth to a third (bench_skin).
+    /// Faces within so many sizes of the largest leaf are near: about the rows of equations, and about a leaf
+    /// with samples. With 2 errors are twice as large, with 4 smaller by a tenth to a third (bench_skin).
     static constexpr double radius_of_rows = 3, radius_of_samples = 3.5;
     static constexpr std::uint32_t none = NearField::none;
 

@@ -169,8 +169,8 @@ public:
     double spacing(const Vec<double, D>& p) const noexcept {
         return boundary_.unit() * tree_.leaf_at(placed(p)).size;
     }
-    /// Returns a place inside a leaf: its middle, else the first corner that is a node, else the middle. In units
-    /// of the tree.
+    /// Returns a place inside a leaf: its middle, else the first corner that is a node, else the middle. In
+    /// units of the tree.
     Vec<double, D> place_in(const typename grid::CellTree<D>::Cell& leaf) const noexcept {
         auto middle = node_position<D>(leaf.low);
         std::array<std::int64_t, D> line{};

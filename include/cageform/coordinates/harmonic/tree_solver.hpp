@@ -342,8 +342,8 @@ private:
         }
         return {cage_->tree(), cage_->nodes(), ordered_data()};
     }
-    /// Adds the stencils of points first … last − 1, with their corrections. The points of a leaf are corrected
-    /// from one place of it, so that weights do not depend on other points.
+    /// Adds the stencils of points first … last − 1, with their corrections. The points of a leaf are
+    /// corrected from one place of it, so that weights do not depend on other points.
     template <Scalar T>
     void add_near_samples(const detail::Batch<T>& batch, std::size_t first, std::size_t last,
                           Samples& samples) const {

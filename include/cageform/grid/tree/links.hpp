@@ -378,8 +378,8 @@ namespace grid {
 ///
 ///   data  data.for_each_weight(value, f): f(handle, weight) for every handle that has weight at a
 ///         point of the boundary; no weight is negative
-///   near_field  corrects equations next to the boundary (coordinates/harmonic/near_rows.hpp), or NoNearField;
-///               runs of nodes have copies of it
+///   near_field  corrects equations next to the boundary (coordinates/harmonic/near_rows.hpp), or
+///               NoNearField; runs of nodes have copies of it
 template <std::size_t D, class Data = detail::HatData<D>, class Near = detail::NoNearField>
 TreeLinks links_of(const CutTree<D>& tree, const TreeNodes<D>& nodes, const Data& data = {},
                    const Near& near_field = {}, const Running& running = {}) {

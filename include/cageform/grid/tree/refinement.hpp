@@ -92,12 +92,13 @@ private:
         return in_runs<Demands>(running_, last - first, 256, [&] {
             return [this, first, sizes = sizes_](std::size_t begin, std::size_t end, Demands& out) mutable {
                 for (std::size_t n = begin; n < end; ++n)
-                    out.list.push_back(demand_of(tree_.cells().cell(std::uint32_t(first + n)), sizes, out.thin));
+                    out.list.push_back(demand_of(std::uint32_t(first + n), sizes, out.thin));
             };
         });
     }
-    CellSizes::Demand demand_of(const Cell& cell, CellSizes& sizes,
+    CellSizes::Demand demand_of(std::uint32_t number, CellSizes& sizes,
                                 std::vector<CellSizes::ThinPoint>& thin) const {
+        const Cell cell = tree_.cells().cell(number);
         if (tree_.state(cell.number) == grid::CellState::out)
             return {std::numeric_limits<double>::infinity(), SizeReason::largest};
         const auto middle = middle_of(cell);
