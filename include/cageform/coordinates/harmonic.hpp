@@ -38,9 +38,9 @@ struct AdaptiveGrid {
 ///   accuracy  see HarmonicOptions::accuracy
 ///   cost      `evaluate` solves #V functions, sixteen at a time (unless `solve` has done so
 ///             before), and samples them. Running::parallel makes the grid and solves the groups of
-///             sixteen; each thread needs `solver_memory().block` bytes, every point about 80 bytes in 2D and
-///             150 in 3D. Progress is reported before every cycle on the calling thread, which has to take part
-///             in the work
+///             sixteen; each thread needs `solver_memory().block` bytes, every point about 80 bytes in 2D
+///             and 150 in 3D. Progress is reported before every cycle on the calling thread, which has to
+///             take part in the work
 ///   compiles  slowly, for it contains a solver; with cageform::compiled the solver is in a library
 ///   fails     as check(cage); accuracy_not_supported; resolution_not_supported, if the cage is too small
 ///             for its distance from the origin; grid_too_coarse; not_converged; cancelled;

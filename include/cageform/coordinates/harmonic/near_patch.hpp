@@ -47,7 +47,7 @@ public:
                             [&](const Candidate& c) { return hides(c.face, p); });
     }
     /// Returns the mirrors that a point lies behind, as bits.
-    unsigned mirrors_before(const Point& p) const noexcept {
+    unsigned mirrors_passed(const Point& p) const noexcept {
         unsigned bits = 0;
         for (std::size_t k = 0; k < planes_.size(); ++k)
             bits |= beyond(planes_[k], in_units(p)) <= rounding ? 0u : 1u << k;

@@ -154,16 +154,18 @@ private:
     template <class Emit>
     void correct_from(const Point& from, double radius, const Emit& emit) {
         const bool any = patch_.look(from, radius);
-        const auto hidden = std::stable_partition(waiting_.begin(), waiting_.end(), [&](std::uint32_t r) {
-            return rows_[r].position == from || patch_.sees(rows_[r].position);
-        });
         seen_.clear();
-        for (auto row = waiting_.begin(); any && row != hidden; ++row) {
-            unsigned unused = 0;
-            for (const Term& term : terms_of(*row)) unused |= patch_.mirrors_before(points_[term.point]);
-            seen_.push_back({unused, *row});
+        std::size_t hidden = 0;
+        for (const std::uint32_t row : waiting_) {
+            if (rows_[row].position != from && !patch_.sees(rows_[row].position)) {
+                waiting_[hidden++] = row;
+            } else if (any) {
+                unsigned unused = 0;
+                for (const Term& term : terms_of(row)) unused |= patch_.mirrors_passed(points_[term.point]);
+                seen_.push_back({unused, row});
+            }
         }
-        waiting_.erase(waiting_.begin(), hidden);
+        waiting_.resize(hidden);
         std::sort(seen_.begin(), seen_.end());
         for (auto begin = seen_.begin(), end = begin; begin != seen_.end(); begin = end) {
             while (end != seen_.end() && end->first == begin->first) ++end;
