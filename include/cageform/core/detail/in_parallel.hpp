@@ -32,8 +32,7 @@ std::vector<Part> in_runs(const Running& running, std::size_t count, std::size_t
     std::vector<Part> parts((count + run - 1) / run);
     in_parallel(running, parts.size(), 1, [&](std::size_t first, std::size_t last) {
         auto work = work_of();
-        for (std::size_t n = first; n < last; ++n)
-            work(n * run, (std::min)((n + 1) * run, count), parts[n]);
+        for (std::size_t n = first; n < last; ++n) work(n * run, (std::min)((n + 1) * run, count), parts[n]);
     });
     return parts;
 }
