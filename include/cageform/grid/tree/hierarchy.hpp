@@ -156,8 +156,7 @@ private:
                 rows.end_row();
             }
         };
-        LevelRows rows =
-            joined(in_runs<LevelRows>(running_, fine.size(), 1024, [&] { return make_rows; }));
+        LevelRows rows = joined(in_runs<LevelRows>(running_, fine.size(), 1024, [&] { return make_rows; }));
         rows.shrink_to_fit();
         return rows;
     }

@@ -143,8 +143,7 @@ TreeNodes<D> nodes_of(const CutTree<D>& tree, const Running& running = {}) {
         }
     };
     Buffer<Key> keys;
-    for (const auto& part :
-         detail::in_runs<Buffer<Key>>(running, corners.size(), 4096, [&] { return keep; }))
+    for (const auto& part : detail::in_runs<Buffer<Key>>(running, corners.size(), 4096, [&] { return keep; }))
         keys.append(part.begin(), part.end());
     return TreeNodes<D>(std::move(keys));
 }
