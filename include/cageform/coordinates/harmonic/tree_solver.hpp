@@ -153,7 +153,8 @@ public:
         , errors_(grid_errors()) {}
 
     SolverMemory memory() const noexcept {
-        std::size_t bytes = cage_->bytes() + multigrid_.bytes() + errors_.bytes();
+        std::size_t bytes = // NOLINT(misc-const-correctness): added to in space
+            cage_->bytes() + multigrid_.bytes() + errors_.bytes();
         if constexpr (D == 3) bytes += near_ ? near_->bytes() : 0;
         return {bytes, multigrid_.block_bytes(is_refined())};
     }
