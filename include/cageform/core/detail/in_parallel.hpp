@@ -22,7 +22,7 @@ void in_parallel(const Running& running, std::size_t count, std::size_t grain, c
 /// Divides [0, count) into runs, whose lengths do not depend on the threads, and returns what was made for
 /// each run, in order.
 ///
-///   least    the shortest run, but for the last; there are at most 64 runs that are longer
+///   least    the shortest run, but for the last; runs are longer if there would be more than 64
 ///   work_of  work_of(): a work; work(begin, end, part) fills the part of a run. A thread makes one work
 ///            for several runs
 template <class Part, class WorkOf>
