@@ -77,9 +77,9 @@ struct ObjMesh {
 inline ObjMesh read_obj(const char* name) {
     ObjMesh mesh;
     std::ifstream file(name != nullptr ? name : "");
-    std::string word;
     for (std::string line; std::getline(file, line);) {
         std::istringstream words(line);
+        std::string word;
         words >> word;
         if (word == "v") {
             auto& p = mesh.vertices.emplace_back();

@@ -19,7 +19,7 @@ public:
         : boundary_(boundary)
         , at_(mesh.size())
         , star_ends_(mesh.size(), 0) {
-        const MeanValueTopology<3> topology(oriented(mesh));
+        const MeanValueTopology<3> topology(mesh); // its faces are turned outwards
         faces_of_edge_ = {topology.edges.size(), {none, none}};
         for (std::size_t f = 0; f < topology.facets.size(); ++f) {
             for (std::size_t k = 0; k < 3; ++k) at_[boundary[f].vertex[k]] = boundary[f].corner[k];
@@ -96,15 +96,6 @@ public:
     }
 
 private:
-    /// Returns the mesh with all faces turned outwards, those about cavities too.
-    TriangleMesh<double> oriented(const TriangleMesh<double>& mesh) const {
-        std::vector<TriangleMesh<double>::Face> faces(mesh.faces().begin(), mesh.faces().end());
-        for (std::size_t f = 0; f < faces.size(); ++f) {
-            if (dot(normal_of(boundary_[f]), boundary_.normal(f)) < 0) std::swap(faces[f][1], faces[f][2]);
-        }
-        return {mesh.vertices(), faces};
-    }
-
     const grid::TreeBoundary<3>& boundary_;
     Buffer<Point> at_;
     Buffer<std::uint32_t> star_ends_, star_; ///< the faces of every vertex

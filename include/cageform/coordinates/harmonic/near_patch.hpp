@@ -59,13 +59,13 @@ public:
     ///   unused  the mirrors that are not to be used, as bits
     void evaluate(std::span<const Point> points, unsigned unused) {
         constexpr std::size_t lanes = lane_count<double>;
-        batches_ = (points.size() + lanes - 1) / lanes;
-        values_.resize(batches_ * vertices_.size());
+        const std::size_t batches = (points.size() + lanes - 1) / lanes;
+        values_.resize(batches * vertices_.size());
         for (auto& value : values_) Simd<double>(0.0).store(value);
         local_.clear();
         for (const auto& p : points) local_.push_back(in_units(p));
         assign_mirrors(unused);
-        for (std::size_t b = 0; b < batches_; ++b) {
+        for (std::size_t b = 0; b < batches; ++b) {
             Vec<Lanes<double>, 3> lane;
             Vec<Simd<double>, 3> p;
             for (std::size_t k = 0; k < 3; ++k) {
@@ -301,6 +301,7 @@ private:
         }
         seen_.corners.resize(frame_.vertices.size());
         seen_.edges.resize(frame_.edges.size());
+        is_edge_used_.resize(frame_.edges.size());
         find_planes();
     }
     std::uint32_t add_edge(std::uint32_t e) {
@@ -390,7 +391,7 @@ private:
         const auto counts = [&](std::size_t f) {
             return mirrored == 0 || (mirror_of_[f] != none && ((mirrored >> mirror_of_[f]) & 1u) == 0);
         };
-        is_edge_used_.assign(frame_.edges.size(), 0);
+        std::fill(is_edge_used_.begin(), is_edge_used_.end(), std::uint8_t{0});
         bool any = false;
         for (std::size_t f = 0; f < frame_.faces.size(); ++f) {
             if (!counts(f)) continue;
@@ -429,7 +430,6 @@ private:
     std::vector<std::uint8_t> is_edge_used_;
     NearField::Frame frame_; ///< about the origin, in units of the radius; the vertices V come first
     GreenRows<double, 3> seen_;
-    std::size_t batches_ = 0;
     Buffer<Point> local_; ///< the points
     Buffer<Lanes<double>> values_;
 };

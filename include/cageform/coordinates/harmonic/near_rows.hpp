@@ -98,7 +98,6 @@ public:
                 reach = (std::max)(reach, length(rows_[r].position - from));
                 size = (std::max)(size, rows_[r].size);
             }
-            std::iter_swap(waiting_.begin(), nearest); // it sees itself
             correct_from(from, radius_of_rows * size + reach, emit);
         }
         forget();

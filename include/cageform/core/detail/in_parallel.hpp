@@ -23,8 +23,8 @@ void in_parallel(const Running& running, std::size_t count, std::size_t grain, c
 /// each run, in order.
 ///
 ///   least    the shortest run, but for the last; runs are longer if there would be more than 64
-///   work_of  work_of(): a work; work(begin, end, part) fills the part of a run. A thread makes one work
-///            for several runs
+///   work_of  work_of(): a work; work(begin, end, part) fills the part of a run. The loop makes
+///            one work for all runs that it calls together
 template <class Part, class WorkOf>
 std::vector<Part> in_runs(const Running& running, std::size_t count, std::size_t least,
                           const WorkOf& work_of) {
