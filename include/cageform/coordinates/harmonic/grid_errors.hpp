@@ -36,14 +36,9 @@ public:
         tree.cells().for_each_leaf([&](const Cell& leaf) {
             if (tree.state(leaf.number) == grid::CellState::out || leaf.number == 0) return;
             if (count++ % step != 0) return;
-            Vec<double, D> middle{};
-            std::array<std::int64_t, D> line{};
-            for (std::size_t k = 0; k < D; ++k) {
-                middle[k] = leaf.low[k] + 0.5 * leaf.size;
-                line[k] = std::llround(std::ldexp(middle[k], tree.boundary().fraction()));
-            }
+            const auto middle = leaf.middle();
             const auto facets = tree.facets(leaf.number);
-            if (!tree.is_inside(line)) return;
+            if (!tree.is_inside(middle)) return;
             if (tree.boundary().nearest(facets, middle).distance <= grid::on_facet_distance) return;
             if constexpr (D == 2) {
                 constexpr unsigned degree = HarmonicMean::most_degree;

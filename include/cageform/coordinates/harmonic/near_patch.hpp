@@ -41,9 +41,10 @@ public:
     /// The vertices, V.
     std::span<const std::uint32_t> vertices() const noexcept { return vertices_; }
 
-    /// Whether no face lies between the place last looked from and a point within the radius.
+    /// Whether a point is within the radius, and no face lies between it and the place last looked from.
     bool sees(const Point& p) const noexcept {
-        return std::none_of(candidates_.begin(), candidates_.end(),
+        return length(p - origin_) < unit_ &&
+               std::none_of(candidates_.begin(), candidates_.end(),
                             [&](const Candidate& c) { return hides(c.face, p); });
     }
     /// Returns the mirrors that a point lies behind, as bits.

@@ -28,6 +28,7 @@
 #include <cageform/coordinates/harmonic/near_patch.hpp>
 
 #include <numeric>
+#include <optional>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
@@ -102,13 +103,13 @@ public:
         }
         forget();
     }
-    /// Does so from a given place inside, and one by one for rows that it does not see: what is emitted for a
-    /// row does not depend on the others.
+    /// Does so from a given place inside, if there is one, and one by one for rows that it does not see: what
+    /// is emitted for a row does not depend on the others.
     template <class Emit>
-    void flush(const Point& from, double size, const Emit& emit) {
+    void flush(const std::optional<Point>& from, double size, const Emit& emit) {
         waiting_.resize(rows_.size());
         std::iota(waiting_.begin(), waiting_.end(), std::uint32_t{0});
-        correct_from(from, radius_of_samples * size, emit);
+        if (from) correct_from(*from, radius_of_samples * size, emit);
         const auto hidden = waiting_;
         for (const std::uint32_t r : hidden) {
             waiting_ = {r};

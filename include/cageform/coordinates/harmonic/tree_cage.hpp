@@ -169,22 +169,17 @@ public:
     double spacing(const Vec<double, D>& p) const noexcept {
         return boundary_.unit() * tree_.leaf_at(placed(p)).size;
     }
-    /// Returns a place inside a leaf: its middle, else the first corner that is a node, else the middle. In
-    /// units of the tree.
-    Vec<double, D> place_in(const typename grid::CellTree<D>::Cell& leaf) const noexcept {
-        auto middle = node_position<D>(leaf.low);
-        std::array<std::int64_t, D> line{};
-        for (std::size_t k = 0; k < D; ++k) {
-            middle[k] += 0.5 * leaf.size;
-            line[k] = std::llround(std::ldexp(middle[k], boundary_.fraction()));
-        }
-        if (tree_.state(leaf.number) == grid::CellState::in || tree_.is_inside(line)) return middle;
+    /// Returns a place inside a leaf: its middle, else the first corner that is a node, if one is. In units
+    /// of the tree.
+    std::optional<Vec<double, D>> place_in(const typename grid::CellTree<D>::Cell& leaf) const noexcept {
+        const auto middle = leaf.middle();
+        if (tree_.state(leaf.number) == grid::CellState::in || tree_.is_inside(middle)) return middle;
         for (std::size_t n = 0; n < grid::CellTree<D>::children; ++n) {
             auto corner = leaf.low;
             for (std::size_t k = 0; k < D; ++k) corner[k] += ((n >> k) & 1u) != 0 ? leaf.size : 0;
             if (nodes_.find(corner) != grid::TreeNodes<D>::none) return node_position<D>(corner);
         }
-        return middle;
+        return std::nullopt;
     }
     PointState state_of(const Vec<double, D>& p) const noexcept {
         const auto at = placed(p);
@@ -274,10 +269,7 @@ private:
         const double undecided =
             1e-4 + std::ldexp(2.0, -boundary_.fraction()) + 2 * tolerance_ / boundary_.unit();
         if (in_cube && boundary_.nearest(tree_.facets(leaf.number), at).distance > undecided) {
-            std::array<std::int64_t, D> line{};
-            for (std::size_t k = 0; k < D; ++k)
-                line[k] = std::llround(std::ldexp(at[k], boundary_.fraction()));
-            return {tree_.is_inside(line) ? PointState::inside : PointState::outside, {}};
+            return {tree_.is_inside(at) ? PointState::inside : PointState::outside, {}};
         }
         grid::Located<D> found{locate(cage_, p, tolerance_), {}};
         Vec<double, D> position;

@@ -333,7 +333,7 @@ private:
                     for (auto& list : found) list.clear();
                     rows.add(0, p, size, fine, cage_->nodes());
                     rows.add(1, p, size, coarse, cage_->nodes());
-                    rows.flush([&](std::uint32_t n, std::uint32_t vertex, double amount) {
+                    rows.flush(p, size, [&](std::uint32_t n, std::uint32_t vertex, double amount) {
                         found[n].push_back({order_.position(vertex), amount});
                     });
                     return std::array<typename Errors::Corrections, 2>{found[0], found[1]};

@@ -33,8 +33,7 @@ public:
     /// bones. O(bones).
     double size_of(const typename CellTree<D>::Cell& cell) const noexcept {
         const double half = 0.5 * cell.size;
-        auto middle = node_position<D>(cell.low);
-        for (std::size_t k = 0; k < D; ++k) middle[k] += half;
+        const auto middle = cell.middle();
         double size = std::numeric_limits<double>::infinity();
         for (std::size_t bone = 0; bone < bones_.size(); ++bone) {
             const double from_axis = bones_[bone].distance(middle) + bones_[bone].radius;

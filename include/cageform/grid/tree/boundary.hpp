@@ -162,8 +162,7 @@ public:
     /// test is conservative.
     bool passes(std::size_t element, const typename CellTree<D>::Cell& cell) const noexcept {
         const double half = 0.5 * cell.size;
-        auto middle = node_position<D>(cell.low);
-        for (std::size_t k = 0; k < D; ++k) middle[k] += half;
+        const auto middle = cell.middle();
         if (element < size()) return detail::passes(facets_[element], middle, half + slack_);
         return bones_[element - size()].distance(middle) <= half * std::sqrt(double(D)) + slack_;
     }

@@ -69,6 +69,12 @@ public:
         std::uint32_t number;
         Index low; ///< the lower corner
         std::int32_t size;
+
+        Vec<double, D> middle() const noexcept {
+            Vec<double, D> p{};
+            for (std::size_t k = 0; k < D; ++k) p[k] = low[k] + 0.5 * size;
+            return p;
+        }
     };
 
     explicit CellTree(unsigned depth = 0)

@@ -97,6 +97,12 @@ public:
             }
         }
     }
+    /// Does so for a point in units, which is rounded.
+    bool is_inside(const Vec<double, D>& p) const noexcept {
+        std::array<std::int64_t, D> line{};
+        for (std::size_t k = 0; k < D; ++k) line[k] = std::llround(std::ldexp(p[k], boundary_->fraction()));
+        return is_inside(line);
+    }
 
 private:
     struct Range {

@@ -28,7 +28,6 @@ struct LevelRows {
     /// Appends the rows of another matrix.
     void append(const LevelRows& other) {
         const auto before = std::uint32_t(entries.size());
-        begin.reserve(begin.size() + other.rows());
         for (std::size_t row = 0; row < other.rows(); ++row) begin.push_back(before + other.begin[row + 1]);
         entries.append(other.entries.begin(), other.entries.end());
     }

@@ -77,11 +77,6 @@ private:
         std::uint32_t begin, end; ///< in near_
     };
 
-    static Vec<double, 3> middle_of(const Cell& cell) noexcept {
-        auto middle = node_position<3>(cell.low);
-        for (std::size_t k = 0; k < 3; ++k) middle[k] += 0.5 * cell.size;
-        return middle;
-    }
     /// The sizes that cells may have, and where the domain is thin.
     struct Demands {
         std::vector<CellSizes::Demand> list;
@@ -101,7 +96,7 @@ private:
         const Cell cell = tree_.cells().cell(number);
         if (tree_.state(cell.number) == grid::CellState::out)
             return {std::numeric_limits<double>::infinity(), SizeReason::largest};
-        const auto middle = middle_of(cell);
+        const auto middle = cell.middle();
         auto least = sizes.of_facets(tree_.facets(cell.number), cell, middle, thin);
         if (const double size = bones_.size_of(cell); size < least.size) least = {size, SizeReason::bone};
         const Range features = ranges_[cell.number];
@@ -117,13 +112,13 @@ private:
         if (cell.size == 1 || cell.size <= allowed.size) return;
         const Range features = ranges_[cell.number];
         tree_.split(cell);
-        if (0.5 * cell.size < finest_.size) finest_ = {0.5 * cell.size, middle_of(cell), allowed.reason};
+        if (0.5 * cell.size < finest_.size) finest_ = {0.5 * cell.size, cell.middle(), allowed.reason};
         for (std::size_t n = 0; n < grid::CellTree<3>::children; ++n)
             hand_down(features, tree_.cells().child(cell, n));
     }
     /// Passes a feature on to a child if it limits the size of the child or of cells in it.
     void hand_down(const Range& features, const Cell& child) {
-        const auto middle = middle_of(child);
+        const auto middle = child.middle();
         const auto begin = std::uint32_t(near_.size());
         const bool counts = tree_.state(child.number) != grid::CellState::out;
         for (std::uint32_t n = features.begin; counts && n < features.end; ++n) {
