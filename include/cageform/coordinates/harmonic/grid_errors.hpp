@@ -22,11 +22,12 @@ public:
 
     template <class Data>
     GridErrors(const grid::CutTree<D>& tree, const grid::TreeNodes<D>& nodes, const Data& data)
-        : GridErrors(tree, nodes, data, [](const Stencil&, const Stencil&, const Vec<double, D>&, double) {
+        : GridErrors(tree, nodes, data, [](Stencil&, Stencil&, const Vec<double, D>&, double) {
             return std::array<Corrections, 2>{};
         }) {}
     ///   data     the cage's BoundaryData
-    ///   correct  correct(fine, coarse, point, size): the Corrections of two means at a point of a leaf
+    ///   correct  correct(fine, coarse, point, size): the Corrections of two means at a point of a leaf; it may
+    ///            change the weights of nodes
     template <class Data, class Correct>
     GridErrors(const grid::CutTree<D>& tree, const grid::TreeNodes<D>& nodes, const Data& data,
                const Correct& correct) {
@@ -50,8 +51,8 @@ public:
                     return;
                 }
             }
-            const auto fine = stencil(tree, nodes, leaf, middle);
-            const auto coarse = stencil(tree, nodes, tree.cells().parent_of(leaf.number), middle);
+            auto fine = stencil(tree, nodes, leaf, middle);
+            auto coarse = stencil(tree, nodes, tree.cells().parent_of(leaf.number), middle);
             const auto corrections = correct(fine, coarse, middle, double(leaf.size));
             fine_.add(fine, data, corrections[0]);
             coarse_.add(coarse, data, corrections[1]);

@@ -2,6 +2,9 @@
 #pragma once
 
 #include <cageform/coordinates/harmonic/near_field.hpp>
+#include <cageform/coordinates/harmonic/wedge.hpp>
+
+#include <optional>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
@@ -55,6 +58,19 @@ public:
         return bits;
     }
 
+    /// Returns the wedge at the bent edge whose ends and apices are the simplex, if there is one.
+    const std::optional<Wedge>& wedge() const noexcept { return wedge_; }
+    /// Returns the ends of its edge, by number in vertices().
+    std::array<std::uint32_t, 2> wedge_ends() const noexcept { return wedge_ends_; }
+    /// Whether another bent edge is within a distance of a point.
+    bool has_other_bend(const Point& p, double distance) const noexcept {
+        return std::any_of(bends_.begin(), bends_.end(), [&](const Bend& bend) {
+            const auto& edge = field_.edge(bend.edge);
+            return bend.edge != wedge_edge_ && is_bent(bend.edge) &&
+                   distance_to_segment(p, field_.at(edge.from), field_.at(edge.to)) < distance;
+        });
+    }
+
     /// Evaluates the double layers at points.
     ///
     ///   unused  the mirrors that are not to be used, as bits
@@ -85,7 +101,8 @@ public:
 
     /// Turns 2 F(D_v) for all vertices into F(L_v).
     ///   least  smaller amounts are dropped first, except those of the simplex: sums stay zero
-    void finish(std::span<double> amount, double least) const noexcept {
+    ///   off    F of the position, which is zero for rows that are exact for linear functions
+    void finish(std::span<double> amount, double least, const Point& off) const noexcept {
         for (std::size_t v = 0; v < amount.size(); ++v) {
             const bool is_corner = std::find(simplex_.begin(), simplex_.end(), v) != simplex_.end();
             if (std::fabs(amount[v]) <= least && !is_corner) amount[v] = 0;
@@ -96,7 +113,8 @@ public:
             for (std::size_t v = 0; v < vertices_.size(); ++v) sum += beta_[v][i] * amount[v];
             of_simplex[i] = sum;
         }
-        for (std::size_t i = 0; i < simplex_.size(); ++i) amount[simplex_[i]] -= of_simplex[i];
+        for (std::size_t i = 0; i < simplex_.size(); ++i)
+            amount[simplex_[i]] += dot(slope_[i], off) - of_simplex[i];
     }
 
 private:
@@ -221,6 +239,8 @@ private:
     Point local(std::size_t vertex) const noexcept { return in_units(field_.at(vertices_[vertex])); }
     bool choose_simplex() {
         constexpr double most = 2.5;
+        wedge_.reset();
+        wedge_edge_ = none;
         for (const Bend& bend : bends_) {
             if (!is_bent(bend.edge)) continue;
             const auto& [f, g] = field_.faces_of_edge(bend.edge);
@@ -230,10 +250,32 @@ private:
                 if (std::find(simplex_.begin(), simplex_.end(), local_vertex_[v]) == simplex_.end())
                     simplex_.push_back(local_vertex_[v]);
             }
-            if (simplex_.size() == 4 && set_beta() < most) return true;
+            if (simplex_.size() == 4 && set_beta() < most) {
+                set_wedge(bend.edge);
+                return true;
+            }
             break;
         }
         return choose_largest() && set_beta() < (std::numeric_limits<double>::max)();
+    }
+    void set_wedge(std::uint32_t edge) {
+        const auto& [f, g] = field_.faces_of_edge(edge);
+        const auto& [from, to, along, length_in_units] = field_.edge(edge);
+        const auto apex = [&](std::uint32_t face) {
+            for (const std::uint32_t v : field_.face(face).corner) {
+                if (v != from && v != to) return field_.at(v);
+            }
+            return field_.at(from);
+        };
+        const Point normal = -1.0 * field_.face(f).normal;
+        auto plane = cross(normal, along);
+        if (dot(plane, apex(f) - field_.at(from)) < 0) plane = -1.0 * plane;
+        wedge_ = Wedge{field_.at(from), along, plane, normal, length_in_units, 0};
+        // The first half-plane is at an angle of 0, so that half a turn is where angles are cut.
+        wedge_->angle = 2 * std::numbers::pi;
+        wedge_->angle = wedge_->place(apex(g)).theta;
+        wedge_edge_ = edge;
+        wedge_ends_ = {local_vertex_[from], local_vertex_[to]};
     }
     /// Takes the nearest vertex, the farthest from it, then what makes the largest triangle and tetrahedron.
     bool choose_largest() {
@@ -268,6 +310,10 @@ private:
         const double volume = dot(cross(u, v), w);
         if (!(std::fabs(volume) > 1e-12)) return std::numeric_limits<double>::infinity();
         double largest = 0;
+        const double scale = 1 / (unit_ * volume);
+        slope_ = {Point{}, scale * cross(v, w), scale * cross(w, u),
+                  simplex_.size() == 4 ? scale * cross(u, v) : Point{}};
+        slope_[0] = -1.0 * (slope_[1] + slope_[2] + slope_[3]);
         beta_.resize(vertices_.size());
         for (std::size_t n = 0; n < vertices_.size(); ++n) {
             const auto p = local(n) - a;
@@ -426,6 +472,10 @@ private:
     std::vector<Candidate> candidates_;
     std::vector<Bend> bends_;
     std::vector<std::array<double, 4>> beta_;
+    std::array<Point, 4> slope_{}; ///< of the linear functions of the simplex
+    std::optional<Wedge> wedge_;
+    std::uint32_t wedge_edge_ = none;
+    std::array<std::uint32_t, 2> wedge_ends_{};
     std::vector<Mirror> planes_, mirrors_;
     std::vector<std::uint32_t> mirror_of_;
     std::vector<std::uint8_t> is_edge_used_;

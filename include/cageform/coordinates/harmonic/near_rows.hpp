@@ -23,6 +23,10 @@
 // So Σ_i F(L_i) = 0 and Σ_i c_i F(L_i) = 0 for the positions c_i, whatever V is: partition of unity and
 // linear precision are kept. At a convex bend of about a right angle the double layer of one face is wrong
 // on the other; there it is reflected at the other's plane with its sign turned (mirrors).
+//
+// Next to a bent edge u_i − L_i is nearly k + c S, with the S of coordinates/harmonic/wedge.hpp, its value k
+// on the edge, and an unknown c. There the s_n are multiplied by a factor ρ with which the mean is exact for
+// S, and φ_i at the edge takes the share (1 − ρ) Σ s_n, with which it is exact for k.
 #pragma once
 
 #include <cageform/coordinates/harmonic/near_patch.hpp>
@@ -48,8 +52,9 @@ public:
     ///   number  the caller's; `flush` passes it on
     ///   size    of the largest leaf about the point
     void begin(std::uint32_t number, const Point& x, double size) {
-        rows_.push_back({number, std::uint32_t(terms_.size()), x, size});
-        terms_.push_back({std::uint32_t(points_.size()), 0});
+        rows_.push_back({number, std::uint32_t(terms_.size()), x, size, {}});
+        terms_.push_back({std::uint32_t(points_.size()), false, 0});
+        terms_.push_back(terms_.back()); // for the place of an edge
         points_.push_back(x);
     }
     void at_node(std::uint32_t node, const Point& position, double weight) {
@@ -60,10 +65,10 @@ public:
             points_.push_back(position);
             known = nodes_.end() - 1;
         }
-        add(known->point, weight);
+        add(known->point, true, weight);
     }
     void at_boundary(const BoundaryValue<3>& value, double weight) {
-        add(std::uint32_t(points_.size()), weight);
+        add(std::uint32_t(points_.size()), false, weight);
         points_.push_back(field_.moved_inside(value, rows_.back().position));
     }
 
@@ -80,9 +85,10 @@ public:
     }
 
     /// Calls emit(number, vertex, amount) for the corrections of all rows, row by row, and forgets the rows.
-    /// Rows are corrected together with those that they see.
-    template <class Emit>
-    void flush(const Emit& emit) {
+    /// Rows are corrected together with those that they see. Calls scale(number, factor) where the weights of
+    /// a row's nodes change.
+    template <class Emit, class Scale>
+    void flush(const Emit& emit, const Scale& scale) {
         waiting_.resize(rows_.size());
         std::iota(waiting_.begin(), waiting_.end(), std::uint32_t{0});
         while (!waiting_.empty()) {
@@ -99,33 +105,37 @@ public:
                 reach = (std::max)(reach, length(rows_[r].position - from));
                 size = (std::max)(size, rows_[r].size);
             }
-            correct_from(from, radius_of_rows * size + reach, emit);
+            correct_from(from, radius_of_rows * size + reach, emit, scale);
         }
         forget();
     }
     /// Does so from a given place inside, if there is one, and one by one for rows that it does not see: what
     /// is emitted for a row does not depend on the others.
-    template <class Emit>
-    void flush(const std::optional<Point>& from, double size, const Emit& emit) {
+    template <class Emit, class Scale>
+    void flush(const std::optional<Point>& from, double size, const Emit& emit, const Scale& scale) {
         waiting_.resize(rows_.size());
         std::iota(waiting_.begin(), waiting_.end(), std::uint32_t{0});
-        if (from) correct_from(*from, radius_of_samples * size, emit);
+        if (from) correct_from(*from, radius_of_samples * size, emit, scale);
         const auto hidden = waiting_;
         for (const std::uint32_t r : hidden) {
             waiting_ = {r};
-            correct_from(rows_[r].position, radius_of_samples * rows_[r].size, emit);
+            correct_from(rows_[r].position, radius_of_samples * rows_[r].size, emit, scale);
         }
         forget();
     }
 
 private:
     struct Row {
-        std::uint32_t number, first; ///< the first of its terms is that of its own position
+        /// The first of its terms is that of its own position; the second that of a place on an edge, or of
+        /// its position again.
+        std::uint32_t number, first;
         Point position;
         double size;
+        Point off{}; ///< F of the position: not zero if the row was made exact for a wedge
     };
     struct Term {
         std::uint32_t point;
+        bool at_node;
         double weight;
     };
     struct Node {
@@ -136,8 +146,8 @@ private:
     static constexpr double radius_of_rows = 3, radius_of_samples = 3.5;
     static constexpr std::uint32_t none = NearField::none;
 
-    void add(std::uint32_t point, double weight) {
-        terms_.push_back({point, -weight});
+    void add(std::uint32_t point, bool at_node, double weight) {
+        terms_.push_back({point, at_node, -weight});
         terms_[rows_.back().first].weight += weight;
     }
     void forget() noexcept {
@@ -146,13 +156,13 @@ private:
         points_.clear();
         nodes_.clear();
     }
-    std::span<const Term> terms_of(std::uint32_t row) const noexcept {
+    std::span<Term> terms_of(std::uint32_t row) noexcept {
         const std::size_t end = row + 1 < rows_.size() ? rows_[row + 1].first : terms_.size();
         return {terms_.data() + rows_[row].first, end - rows_[row].first};
     }
     /// Corrects the waiting rows that a place sees; the others go on waiting.
-    template <class Emit>
-    void correct_from(const Point& from, double radius, const Emit& emit) {
+    template <class Emit, class Scale>
+    void correct_from(const Point& from, double radius, const Emit& emit, const Scale& scale) {
         const bool any = patch_.look(from, radius);
         seen_.clear();
         std::size_t hidden = 0;
@@ -161,6 +171,7 @@ private:
                 waiting_[hidden++] = row;
             } else if (any) {
                 unsigned unused = 0;
+                if (patch_.wedge()) fit_to_wedge(row, *patch_.wedge(), scale);
                 for (const Term& term : terms_of(row)) unused |= patch_.mirrors_passed(points_[term.point]);
                 seen_.push_back({unused, row});
             }
@@ -172,6 +183,42 @@ private:
             evaluate({begin, end});
             for (auto row = begin; row != end; ++row) correct(row->second, emit);
         }
+    }
+    /// Makes a row exact for the singular function S of a wedge as well, where it is that of the only edge
+    /// near: its weights of nodes are multiplied by a factor, and what the sum of weights loses goes to the
+    /// point of the edge next to the row, so that constants stay exact.
+    template <class Scale>
+    void fit_to_wedge(std::uint32_t row, const Wedge& wedge, const Scale& scale) {
+        const auto at = wedge.place(rows_[row].position);
+        if (!is_alone(wedge, at, rows_[row])) return;
+        const auto terms = terms_of(row), others = terms.subspan(2);
+        const double here = wedge.singular(at);
+        double nodes = 0, of_nodes = 0, of_row = terms[0].weight * here; // sums of weights, and of S
+        for (const Term& term : others) {
+            const auto there = wedge.place(points_[term.point]);
+            const double singular = wedge.singular(there);
+            if (!wedge.has(there) || (!term.at_node && singular > 0.01 * here)) return;
+            nodes -= term.at_node ? term.weight : 0;
+            (term.at_node ? of_nodes : of_row) += (term.at_node ? -1 : 1) * term.weight * singular;
+        }
+        if (!(of_nodes > 0)) return;
+        const double factor = std::clamp(of_row / of_nodes, 0.5, 2.0);
+        auto& off = rows_[row].off;
+        const auto foot = wedge.from + at.along * wedge.along;
+        for (Term& term : others) {
+            if (!term.at_node) continue;
+            off = off + (factor - 1) * term.weight * (points_[term.point] - foot);
+            term.weight *= factor;
+        }
+        terms[1] = {std::uint32_t(points_.size()), false, (factor - 1) * nodes};
+        points_.push_back(foot + (std::min)(1e-5 / at.r, 0.5) * (rows_[row].position - foot)); // inside
+        scale(rows_[row].number, factor);
+    }
+    /// Whether the edge of a wedge is the only one near a row, which is so close to it that S matters.
+    bool is_alone(const Wedge& wedge, const Wedge::Place& at, const Row& row) const noexcept {
+        constexpr double most_sizes = 2, free = 2; // in sizes of the leaf; in distances from the edge
+        return wedge.is_singular() && at.r < most_sizes * row.size && wedge.has(at) && at.along > at.r &&
+               wedge.length - at.along > at.r && !patch_.has_other_bend(row.position, free * at.r);
     }
     /// Evaluates the layers at all points of rows that use the same mirrors.
     void evaluate(std::span<const std::pair<unsigned, std::uint32_t>> rows) {
@@ -195,7 +242,15 @@ private:
             for (const Term& term : terms) sum += term.weight * patch_.layer(v, place_of_[term.point]);
             amount_[v] = 2 * sum;
         }
-        patch_.finish(amount_, least_ * terms.front().weight);
+        const double at_edge = -terms[1].weight;
+        patch_.finish(amount_, least_ * terms.front().weight, rows_[row].off);
+        if (at_edge != 0) {
+            const auto& wedge = *patch_.wedge();
+            const auto [from, to] = patch_.wedge_ends();
+            const double share = wedge.place(points_[terms[1].point]).along / wedge.length;
+            amount_[from] += (1 - share) * at_edge;
+            amount_[to] += share * at_edge;
+        }
         if (!std::all_of(amount_.begin(), amount_.end(), [](double x) { return is_finite(x); })) return;
         for (std::size_t v = 0; v < amount_.size(); ++v) {
             if (amount_[v] != 0) emit(rows_[row].number, patch_.vertices()[v], amount_[v]);

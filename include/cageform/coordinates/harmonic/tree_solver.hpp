@@ -327,15 +327,19 @@ private:
                 using Handle = typename detail::StencilTable<D>::Handle;
                 detail::NearRows rows(*near_, 0);
                 std::array<std::vector<Handle>, 2> found; // NOLINT(misc-const-correctness): filled below
-                const auto correct = [&](const typename Errors::Stencil& fine,
-                                         const typename Errors::Stencil& coarse, const Vec<double, D>& p,
-                                         double size) {
+                const auto correct = [&](typename Errors::Stencil& fine, typename Errors::Stencil& coarse,
+                                         const Vec<double, D>& p, double size) {
                     for (auto& list : found) list.clear();
                     rows.add(0, p, size, fine, cage_->nodes());
                     rows.add(1, p, size, coarse, cage_->nodes());
-                    rows.flush(p, size, [&](std::uint32_t n, std::uint32_t vertex, double amount) {
-                        found[n].push_back({order_.position(vertex), amount});
-                    });
+                    rows.flush(
+                        p, size,
+                        [&](std::uint32_t n, std::uint32_t vertex, double amount) {
+                            found[n].push_back({order_.position(vertex), amount});
+                        },
+                        [&](std::uint32_t n, double factor) {
+                            (n == 0 ? fine : coarse).scale_nodes(factor);
+                        });
                     return std::array<typename Errors::Corrections, 2>{found[0], found[1]};
                 };
                 return {cage_->tree(), cage_->nodes(), ordered_data(), correct};
@@ -375,10 +379,12 @@ private:
             for (; end != placed.end() && end->leaf == begin->leaf; ++end)
                 rows.add(end->point, in_units(batch, first + end->point), leaf.size, stencils[end->point],
                          cage_->nodes());
-            rows.flush(cage_->place_in(leaf), leaf.size,
-                       [&](std::uint32_t point, std::uint32_t vertex, double amount) {
-                           corrections[point].push_back({order_.position(vertex), amount});
-                       });
+            rows.flush(
+                cage_->place_in(leaf), leaf.size,
+                [&](std::uint32_t point, std::uint32_t vertex, double amount) {
+                    corrections[point].push_back({order_.position(vertex), amount});
+                },
+                [&](std::uint32_t point, double factor) { stencils[point].scale_nodes(factor); });
         }
         const auto data = ordered_data();
         for (std::size_t n = 0; n < stencils.size(); ++n) samples.add(stencils[n], data, corrections[n]);

@@ -24,6 +24,9 @@ struct LevelRows {
     std::span<const Entry> of(std::size_t row) const noexcept {
         return {entries.data() + begin[row], begin[row + 1] - begin[row]};
     }
+    std::span<Entry> of(std::size_t row) noexcept {
+        return {entries.data() + begin[row], begin[row + 1] - begin[row]};
+    }
     void end_row() { begin.push_back(std::uint32_t(entries.size())); }
     /// Appends the rows of another matrix.
     void append(const LevelRows& other) {

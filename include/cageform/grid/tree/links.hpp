@@ -248,15 +248,23 @@ private:
         near_.begin(node, node_position<D>(index), largest);
     }
     void correct_rows() {
-        near_.flush([&](std::uint32_t node, std::uint32_t vertex, double amount) {
-            BoundaryValue<D> value{};
-            value.handle[0] = vertex;
-            value.weight[0] = 1;
-            data_.for_each_weight(value, [&](std::uint32_t handle, double) {
-                out_.data.push_back({handle, node, float(amount)});
-                out_.equations.diagonal[node - first_] += double(float(amount));
+        near_.flush(
+            [&](std::uint32_t node, std::uint32_t vertex, double amount) {
+                BoundaryValue<D> value{};
+                value.handle[0] = vertex;
+                value.weight[0] = 1;
+                data_.for_each_weight(value, [&](std::uint32_t handle, double) {
+                    out_.data.push_back({handle, node, float(amount)});
+                    out_.equations.diagonal[node - first_] += double(float(amount));
+                });
+            },
+            [&](std::uint32_t node, double factor) {
+                for (auto& [column, weight] : out_.equations.neighbours.of(node - first_)) {
+                    const auto scaled = float(factor * double(weight));
+                    out_.equations.diagonal[node - first_] += double(scaled) - double(weight);
+                    weight = scaled;
+                }
             });
-        });
     }
     void end_row(double volume) {
         std::sort(row_.begin(), row_.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
