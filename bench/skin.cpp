@@ -79,29 +79,32 @@ std::vector<NamedCage> cages() {
 /// Weights of points, row after row.
 using Rows = std::vector<double>;
 
-/// Reads rows from lines x,y,z;handle:weight;…; returns nothing if the file has other numbers of them.
-Rows kept_rows(const std::string& path, std::size_t points, std::size_t handles) {
-    Rows rows(points * handles);
+/// Reads rows from lines x,y,z;handle:weight;…; returns nothing if the file is about other points or handles.
+Rows kept_rows(const std::string& path, const std::vector<Point>& points, std::size_t handles) {
+    Rows rows(points.size() * handles);
     std::ifstream file(path);
     std::size_t n = 0;
     for (std::string line; std::getline(file, line); ++n) {
         std::istringstream parts(line);
         char mark = 0;
-        double x = 0, weight = 0;
+        Point p{};
+        double weight = 0;
         std::size_t handle = 0;
-        parts >> x >> mark >> x >> mark >> x;
+        parts >> p[0] >> mark >> p[1] >> mark >> p[2];
+        if (n >= points.size() || p != points[n]) return {};
         while (parts >> mark >> handle >> mark >> weight) {
-            if (n < points && handle < handles) rows[n * handles + handle] = weight;
+            if (handle >= handles) return {};
+            rows[n * handles + handle] = weight;
         }
     }
-    return n == points ? rows : Rows{};
+    return n == points.size() ? rows : Rows{};
 }
 Rows references(const NamedCage& cage, const std::vector<Point>& points, std::uint64_t walks,
                 const std::string& folder) {
     const std::size_t handles = cage.mesh.size();
     const std::string path =
         folder + "/" + cage.name + "_" + std::to_string(points.size()) + "_" + std::to_string(walks) + ".txt";
-    if (auto kept = kept_rows(path, points.size(), handles); !folder.empty() && !kept.empty()) return kept;
+    if (auto kept = kept_rows(path, points, handles); !folder.empty() && !kept.empty()) return kept;
     Rows rows(points.size() * handles);
     cageform::ThreadedFor{}(points.size(), 1, [&](std::size_t n, std::size_t) {
         const auto found = cageform_tests::walk_on_spheres(cage.mesh, points[n], walks, n);
@@ -159,12 +162,14 @@ int print_poses(const NamedCage& cage, const cageform_bench::ObjMesh& figure,
     return 0;
 }
 
-/// Reads a positive number, or ends the program with a message.
-double number_of(const char* what, const std::string& word) {
-    double number = 0;
+/// Reads a positive number, for counts a whole one, or ends the program with a message.
+template <class T = double>
+T number_of(const char* what, const std::string& word) {
+    T number = 0;
     const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), number);
     if (error == std::errc{} && end == word.data() + word.size() && number > 0) return number;
-    std::fprintf(stderr, "bench_skin: %s %s is not a positive number\n", what, word.c_str());
+    std::fprintf(stderr, "bench_skin: %s %s is not a positive %s\n", what, word.c_str(),
+                 std::is_integral_v<T> ? "whole number" : "number");
     std::exit(2);
 }
 
@@ -194,9 +199,9 @@ int main(int argc, char** argv) {
         } else if (word == "--pose" && has_value) {
             pose = cageform_bench::read_obj(argv[++n]);
         } else if (word == "--points" && has_value) {
-            count = std::size_t(number_of("--points", argv[++n]));
+            count = number_of<std::size_t>("--points", argv[++n]);
         } else if (word == "--walks" && has_value) {
-            walks = std::uint64_t(number_of("--walks", argv[++n]));
+            walks = number_of<std::uint64_t>("--walks", argv[++n]);
         } else if (word == "--keep" && has_value) {
             folder = argv[++n];
         } else {
