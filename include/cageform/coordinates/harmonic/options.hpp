@@ -63,9 +63,8 @@ struct HarmonicOptions {
     /// The largest error of a weight, 1e-5 … 0.1, for which an adaptive grid is made
     /// (coordinates/harmonic/tree_solver.hpp). In 2D the error stays within it. In 3D it stays
     /// within it near large faces, up to their edges and corners. Next to small faces, in thin parts
-    /// and next to reflex edges 5e-3 and more are kept by nineteen points of twenty, and the largest
-    /// error measured was six times as large; 2e-3 is kept by four points of five there, and the
-    /// largest error was 19 times that (`bench_skin`). Around cells inside, and with faces of
+    /// and next to reflex edges 5e-3 and more are kept by nineteen points of twenty, 2e-3 by four of
+    /// five, and the largest errors measured were five times as large (`bench_skin`). Around cells inside, and with faces of
     /// more than three corners, no near field is subtracted (coordinates/harmonic/near_rows.hpp): closer to
     /// a small face than the face is wide the error can reach a tenth there. SolverReport::grid_error
     /// shows it.

@@ -84,7 +84,7 @@ public:
     /// on random cages stay within the accuracy; in 3D most do, on the oracles and the reference
     /// points of tests/data/fingers.
     /// With a near field cells need not resolve the kinks of the data, so that they may be far larger than
-    /// small facets.
+    /// small facets, and larger in the open.
     static auto sizing(double accuracy, [[maybe_unused]] bool subtracts_kinks) noexcept {
         if constexpr (D == 2) {
             const double finer = std::sqrt(std::sqrt(1e-2 / accuracy));
@@ -107,9 +107,10 @@ public:
                                            .edge_levels = levels,
                                            .reflex_levels = levels,
                                            // Errors there are of first order.
-                                           .at_vertex = 7 * accuracy,
+                                           .at_vertex = (subtracts_kinks ? 5 : 7) * accuracy,
                                            .per_radius = 10 * finer,
-                                           .largest = (std::min)(0.08, 0.0253 / finer)};
+                                           .largest =
+                                               (std::min)(0.08, (subtracts_kinks ? 0.045 : 0.0253) / finer)};
         }
     }
 

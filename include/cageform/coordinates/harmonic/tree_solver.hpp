@@ -105,13 +105,13 @@ public:
 
     static Status make(const Problem& problem, SolverReport& report, std::optional<TreeSolver>& made,
                        const Running& running) {
-        constexpr double bytes_of_leaf = 340; // tree, hierarchy and a block, measured
         const double accuracy = problem.options.accuracy;
         if (!(accuracy >= Cage::least_accuracy && accuracy <= Cage::most_accuracy))
             return Status::accuracy_not_supported;
         if (Cage::depth_of(problem.cage, problem.tolerance) < Cage::least_depth)
             return Status::resolution_not_supported;
         const bool subtracts_kinks = has_near_field(problem);
+        const double bytes_of_leaf = subtracts_kinks ? 500 : 340; // tree, hierarchy and a block, measured
         const typename Cage::Plan plan(problem.cage, problem.tolerance, subtracts_kinks, running);
         double leaves = plan.leaves(accuracy);
         const double most = (std::min)(double(problem.options.memory_limit) / bytes_of_leaf,
