@@ -26,8 +26,8 @@ public:
             return std::array<Corrections, 2>{};
         }) {}
     ///   data     the cage's BoundaryData
-    ///   correct  correct(fine, coarse, point, size): the Corrections of two means at a point of a leaf; it may
-    ///            change the weights of nodes
+    ///   correct  correct(fine, coarse, point, size): the Corrections of two means at a point of a leaf;
+    ///            it may change the weights of nodes
     template <class Data, class Correct>
     GridErrors(const grid::CutTree<D>& tree, const grid::TreeNodes<D>& nodes, const Data& data,
                const Correct& correct) {

@@ -45,7 +45,7 @@ public:
     std::size_t bytes() const noexcept {
         return at_.capacity() * 2 * sizeof(Point) + // here and in the frame
                (star_ends_.capacity() + star_.capacity()) * sizeof(std::uint32_t) +
-               edges() * (sizeof(faces_of_edge_[0]) + sizeof(Frame::Edge)) + 
+               edges() * (sizeof(faces_of_edge_[0]) + sizeof(Frame::Edge)) +
                faces() * (sizeof(Frame::Face) + sizeof(double));
     }
     const Point& at(std::uint32_t vertex) const noexcept { return at_[vertex]; }

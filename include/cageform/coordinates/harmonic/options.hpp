@@ -64,10 +64,10 @@ struct HarmonicOptions {
     /// (coordinates/harmonic/tree_solver.hpp). In 2D the error stays within it. In 3D it stays
     /// within it near large faces, up to their edges and corners. Next to small faces, in thin parts
     /// and next to reflex edges 5e-3 and more are kept by nineteen points of twenty, 2e-3 by four of
-    /// five, and the largest errors measured were five times as large (`bench_skin`). Around cells inside, and with faces of
-    /// more than three corners, no near field is subtracted (coordinates/harmonic/near_rows.hpp): closer to
-    /// a small face than the face is wide the error can reach a tenth there. SolverReport::grid_error
-    /// shows it.
+    /// five, and the largest errors measured were five times as large (`bench_skin`). Around cells
+    /// inside, and with faces of more than three corners, no near field is subtracted
+    /// (coordinates/harmonic/near_rows.hpp): closer to a small face than the face is wide the error
+    /// can reach a tenth there. SolverReport::grid_error shows it.
     double accuracy = 1e-3;
     /// For UniformHarmonicCoordinates: this many cells along the cage's longest side, 8 … 16384, in
     /// 3D 8 … 1024. `accuracy` is then ignored.

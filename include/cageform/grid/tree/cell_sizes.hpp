@@ -196,7 +196,7 @@ private:
             const double along = dot(direction, boundary_.normal(n));
             if (n == from_facet || !((facet.separates ? along : std::fabs(along)) > 1e-9)) return nearest;
             const double t = dot(boundary_.normal(n), facet.corner[0] - from) / along;
-            // Of two facets at the same distance the first counts, whichever was met before.
+            // If two facets are at the same distance, the first counts, whichever was met before.
             const bool is_first = t < nearest || (t == nearest && met != from_facet && n < met);
             if (!(t > touching && is_first)) return nearest;
             for (const double w : weights_in_plane(facet, from + t * direction)) {
