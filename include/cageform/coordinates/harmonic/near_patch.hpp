@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cageform/coordinates/harmonic/near_field.hpp>
+#include <cageform/coordinates/harmonic/near_simplex.hpp>
 #include <cageform/coordinates/harmonic/wedge.hpp>
 
 #include <optional>
@@ -99,22 +100,9 @@ public:
             values_[point / lane_count<double> * vertices_.size() + vertex][point % lane_count<double>]);
     }
 
-    /// Turns 2 F(D_v) for all vertices into F(L_v).
-    ///   least  smaller amounts are dropped first, except those of the simplex: sums stay zero
-    ///   off    F of the position, which is zero for rows that are exact for linear functions
+    /// Turns 2 F(D_v) for all vertices into F(L_v); see NearSimplex.
     void finish(std::span<double> amount, double least, const Point& off) const noexcept {
-        for (std::size_t v = 0; v < amount.size(); ++v) {
-            const bool is_corner = std::find(simplex_.begin(), simplex_.end(), v) != simplex_.end();
-            if (std::fabs(amount[v]) <= least && !is_corner) amount[v] = 0;
-        }
-        std::array<double, 4> of_simplex{};
-        for (std::size_t i = 0; i < simplex_.size(); ++i) {
-            double sum = 0;
-            for (std::size_t v = 0; v < vertices_.size(); ++v) sum += beta_[v][i] * amount[v];
-            of_simplex[i] = sum;
-        }
-        for (std::size_t i = 0; i < simplex_.size(); ++i)
-            amount[simplex_[i]] += dot(slope_[i], off) - of_simplex[i];
+        simplex_.finish(amount, least, (1 / unit_) * off);
     }
 
 private:
@@ -236,94 +224,46 @@ private:
         const auto& [f, g] = field_.faces_of_edge(edge);
         return g != none && length(cross(field_.face(f).normal, field_.face(g).normal)) > flat;
     }
-    Point local(std::size_t vertex) const noexcept { return in_units(field_.at(vertices_[vertex])); }
+    /// Takes the ends and apices of the nearest bend, unless their functions are large, else a large simplex.
     bool choose_simplex() {
         constexpr double most = 2.5;
         wedge_.reset();
         wedge_edge_ = none;
-        for (const Bend& bend : bends_) {
-            if (!is_bent(bend.edge)) continue;
-            const auto& [f, g] = field_.faces_of_edge(bend.edge);
-            simplex_.clear();
-            for (const std::uint32_t v : field_.face(f).corner) simplex_.push_back(local_vertex_[v]);
-            for (const std::uint32_t v : field_.face(g).corner) {
-                if (std::find(simplex_.begin(), simplex_.end(), local_vertex_[v]) == simplex_.end())
-                    simplex_.push_back(local_vertex_[v]);
-            }
-            if (simplex_.size() == 4 && set_beta() < most) {
-                set_wedge(bend.edge);
+        const std::span<const Point> vertices(frame_.vertices.data(), vertices_.size());
+        const auto bend = std::find_if(bends_.begin(), bends_.end(),
+                                       [this](const Bend& bend) { return is_bent(bend.edge); });
+        if (bend != bends_.end()) {
+            const auto& [f, g] = field_.faces_of_edge(bend->edge);
+            const auto& [from, to] = std::pair(field_.edge(bend->edge).from, field_.edge(bend->edge).to);
+            const double largest = simplex_.set(vertices, {local_vertex_[from], local_vertex_[to],
+                                                           local_vertex_[apex(f, bend->edge)],
+                                                           local_vertex_[apex(g, bend->edge)]});
+            if (largest < most) {
+                set_wedge(bend->edge);
                 return true;
             }
-            break;
         }
-        return choose_largest() && set_beta() < (std::numeric_limits<double>::max)();
+        return simplex_.set_largest(vertices);
+    }
+    /// Returns the corner of a face opposite an edge.
+    std::uint32_t apex(std::uint32_t face, std::uint32_t edge) const noexcept {
+        const auto& corner = field_.face(face).corner;
+        return *std::find_if(corner.begin(), corner.end(), [&](std::uint32_t v) {
+            return v != field_.edge(edge).from && v != field_.edge(edge).to;
+        });
     }
     void set_wedge(std::uint32_t edge) {
         const auto& [f, g] = field_.faces_of_edge(edge);
         const auto& [from, to, along, length_in_units] = field_.edge(edge);
-        const auto apex = [&](std::uint32_t face) {
-            for (const std::uint32_t v : field_.face(face).corner) {
-                if (v != from && v != to) return field_.at(v);
-            }
-            return field_.at(from);
-        };
         const Point normal = -1.0 * field_.face(f).normal;
         auto plane = cross(normal, along);
-        if (dot(plane, apex(f) - field_.at(from)) < 0) plane = -1.0 * plane;
+        if (dot(plane, field_.at(apex(f, edge)) - field_.at(from)) < 0) plane = -1.0 * plane;
         wedge_ = Wedge{field_.at(from), along, plane, normal, length_in_units, 0};
         // The first half-plane is at an angle of 0, so that half a turn is where angles are cut.
         wedge_->angle = 2 * std::numbers::pi;
-        wedge_->angle = wedge_->place(apex(g)).theta;
+        wedge_->angle = wedge_->place(field_.at(apex(g, edge))).theta;
         wedge_edge_ = edge;
         wedge_ends_ = {local_vertex_[from], local_vertex_[to]};
-    }
-    /// Takes the nearest vertex, the farthest from it, then what makes the largest triangle and tetrahedron.
-    bool choose_largest() {
-        const auto best = [&](const auto& measure) {
-            std::size_t found = 0;
-            double largest = -1;
-            for (std::size_t v = 0; v < vertices_.size(); ++v) {
-                const double m = measure(local(v));
-                if (m > largest) {
-                    largest = m;
-                    found = v;
-                }
-            }
-            return std::pair(std::uint32_t(found), largest);
-        };
-        const auto first = best([](const Point& p) { return 1 / (1e-9 + dot(p, p)); }).first;
-        const auto a = local(first);
-        const auto [second, size] = best([&](const Point& p) { return length(p - a); });
-        const auto b = local(second);
-        const auto [third, area] = best([&](const Point& p) { return length(cross(b - a, p - a)); });
-        if (!(area > 1e-6 * size * size)) return false;
-        const auto normal = cross(b - a, local(third) - a);
-        const auto [fourth, volume] = best([&](const Point& p) { return std::fabs(dot(normal, p - a)); });
-        simplex_.assign({first, second, third});
-        if (volume > 1e-6 * area * size) simplex_.push_back(fourth);
-        return true;
-    }
-    /// Sets the linear functions of the simplex at all vertices; returns the largest.
-    double set_beta() {
-        const auto a = local(simplex_[0]), u = local(simplex_[1]) - a, v = local(simplex_[2]) - a;
-        const auto w = simplex_.size() == 4 ? local(simplex_[3]) - a : cross(u, v);
-        const double volume = dot(cross(u, v), w);
-        if (!(std::fabs(volume) > 1e-12)) return std::numeric_limits<double>::infinity();
-        double largest = 0;
-        const double scale = 1 / (unit_ * volume);
-        slope_ = {Point{}, scale * cross(v, w), scale * cross(w, u),
-                  simplex_.size() == 4 ? scale * cross(u, v) : Point{}};
-        slope_[0] = -1.0 * (slope_[1] + slope_[2] + slope_[3]);
-        beta_.resize(vertices_.size());
-        for (std::size_t n = 0; n < vertices_.size(); ++n) {
-            const auto p = local(n) - a;
-            auto& beta = beta_[n];
-            beta = {0, dot(cross(v, w), p) / volume, dot(cross(w, u), p) / volume,
-                    simplex_.size() == 4 ? dot(cross(u, v), p) / volume : 0};
-            beta[0] = 1 - beta[1] - beta[2] - beta[3];
-            for (const double x : beta) largest = (std::max)(largest, std::fabs(x));
-        }
-        return largest;
     }
 
     // ---- double layers -------------------------------------------------------------------------------
@@ -370,10 +310,7 @@ private:
             if (g == none) continue;
             const auto &a = field_.face(f), &b = field_.face(g);
             if (!(std::fabs(dot(a.normal, b.normal)) < most_cosine)) continue;
-            const auto apex = std::find_if(b.corner.begin(), b.corner.end(), [&](std::uint32_t v) {
-                return v != field_.edge(bend.edge).from && v != field_.edge(bend.edge).to;
-            });
-            if (!(height(f, field_.at(*apex)) < 0)) continue; // reflex
+            if (!(height(f, field_.at(apex(g, bend.edge))) < 0)) continue; // reflex
             for (const std::uint32_t n : {f, g}) {
                 if (planes_.size() == 3) return;
                 const Point normal = field_.face(n).normal;
@@ -468,11 +405,10 @@ private:
     double unit_ = 1;
     Buffer<std::uint32_t> local_vertex_, local_edge_, local_face_;    ///< by number in the cage, or none
     std::vector<std::uint32_t> all_vertices_, all_edges_, all_faces_; ///< numbers in the cage
-    std::vector<std::uint32_t> vertices_, simplex_, seen_faces_;
+    std::vector<std::uint32_t> vertices_, seen_faces_;
+    NearSimplex simplex_;
     std::vector<Candidate> candidates_;
     std::vector<Bend> bends_;
-    std::vector<std::array<double, 4>> beta_;
-    std::array<Point, 4> slope_{}; ///< of the linear functions of the simplex
     std::optional<Wedge> wedge_;
     std::uint32_t wedge_edge_ = none;
     std::array<std::uint32_t, 2> wedge_ends_{};

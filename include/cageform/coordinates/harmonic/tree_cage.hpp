@@ -109,8 +109,8 @@ public:
                                            // Errors there are of first order.
                                            .at_vertex = (subtracts_kinks ? 5 : 7) * accuracy,
                                            .per_radius = 10 * finer,
-                                           .largest =
-                                               (std::min)(0.08, (subtracts_kinks ? 0.045 : 0.0253) / finer)};
+                                           .largest = subtracts_kinks ? (std::min)(0.056, 0.045 / finer)
+                                                                      : (std::min)(0.08, 0.0253 / finer)};
         }
     }
 
