@@ -62,6 +62,8 @@ public:
     const Transform<T, D>& box() const noexcept { return box_; }
     /// Returns the number of control points along an axis.
     std::size_t points(std::size_t axis) const noexcept { return axes_[axis].points(); }
+    /// Returns the Greville abscissa of control point i of an axis: where it is at rest, in [0, 1].
+    double greville(std::size_t axis, std::size_t i) const noexcept { return axes_[axis].greville(i); }
 
     /// Returns the control points within so many layers of a face of the box, ascending. Left at rest, they
     /// keep displacements at the faces of order `layers`, so that points outside may stay where they are.

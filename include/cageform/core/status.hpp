@@ -94,6 +94,8 @@ namespace cageform::inline CAGEFORM_ABI {
     X(weight_not_finite, "a weight of the binding is not a finite number")                        \
     X(binding_not_dense, "weights of the packed binding were dropped or rounded")                 \
     X(binding_empty, "the binding has no points")                                        \
+    X(targets_do_not_match, "there is not one target or weight for every point of the lattice's figure")\
+    X(fit_not_determined, "the points do not determine the pose: give more, or more smoothness")  \
     X(vectors_do_not_match, "there is not one normal or tangent for every point")                 \
     X(labels_do_not_match, "there is not one label for every handle")                             \
     X(duplicate_tag, "two parts of a figure have one tag, or one has a tag of the library's own") \
