@@ -27,6 +27,7 @@ FigureControl control_of(const CoordinatesChoice& choice, const CageFile& cage) 
 }
 
 std::string pose_faults(const FigureControl& control, const CageFile& cage) {
+    if (cage.lattice) return {}; // it has no edges that must not cross
     std::size_t count = 0;
     std::string first;
     std::vector<cageform::Vec<double, 2>> places;
