@@ -71,15 +71,13 @@ bool read_axis(const Json& json, cageform::LatticeAxis& axis) {
     return true;
 }
 
-SvgResult<Json> read_json(const std::string& path) {
-    const auto text = read_file(path);
-    if (!text) return text.error();
-    Json json = Json::parse(*text, nullptr, false);
-    if (json.is_discarded()) return SvgError{path + ": is no JSON"};
+SvgResult<Json> parse_json(std::string_view text, const std::string& name) {
+    Json json = Json::parse(text, nullptr, false);
+    if (json.is_discarded()) return SvgError{name + ": is no JSON"};
     const auto axes = json.find("axes");
     if (!json.is_object() || json.value("format", Json()) != "lattice/1" || axes == json.end() ||
         !axes->is_array() || (axes->size() != 2 && axes->size() != 3))
-        return SvgError{path +
+        return SvgError{name +
                         R"(: is no lattice: "format": "lattice/1" and two or three "axes" are expected)"};
     return json;
 }
@@ -134,23 +132,25 @@ bool is_lattice_path(std::string_view path) {
 }
 
 SvgResult<std::size_t> lattice_dimension(const std::string& path) {
-    const auto json = read_json(path);
+    const auto text = read_file(path);
+    if (!text) return text.error();
+    const auto json = parse_json(*text, path);
     if (!json) return json.error();
     return (*json)["axes"].size();
 }
 
 template <std::size_t D>
-SvgResult<LatticeBox<D>> load_lattice(const std::string& path) {
-    const auto read = read_json(path);
+SvgResult<LatticeBox<D>> parse_lattice(std::string_view text, const std::string& name) {
+    const auto read = parse_json(text, name);
     if (!read) return read.error();
     const Json& json = *read;
     if (json["axes"].size() != D)
-        return SvgError{path + (D == 2 ? ": this lattice has three axes, and a drawing two"
+        return SvgError{name + (D == 2 ? ": this lattice has three axes, and a drawing two"
                                        : ": this lattice has two axes, and a mesh three")};
     LatticeBox<D> lattice;
     for (std::size_t k = 0; k < D; ++k) {
         if (!read_axis(json["axes"][k], lattice.axes[k]))
-            return SvgError{path + ": axis " + std::to_string(k) +
+            return SvgError{name + ": axis " + std::to_string(k) +
                             R"( is no object of "points", "degree" and, if need be, "knots")"};
     }
     const auto columns = json.find("frame_columns"), origin = json.find("origin");
@@ -159,11 +159,18 @@ SvgResult<LatticeBox<D>> load_lattice(const std::string& path) {
     for (std::size_t k = 0; k < D && is_sound; ++k)
         is_sound = read_vector<D>((*columns)[k], lattice.frame.columns[k]);
     if (!is_sound)
-        return SvgError{path + R"(: "frame_columns" and "origin" do not hold vectors of the dimension)"};
+        return SvgError{name + R"(: "frame_columns" and "origin" do not hold vectors of the dimension)"};
     const auto falloff = json.find("falloff");
-    if (falloff != json.end() && !falloff->is_number()) return SvgError{path + R"(: "falloff" is no number)"};
+    if (falloff != json.end() && !falloff->is_number()) return SvgError{name + R"(: "falloff" is no number)"};
     if (falloff != json.end()) lattice.falloff = falloff->template get<double>();
-    return accepted(std::move(lattice), path);
+    return accepted(std::move(lattice), name);
+}
+
+template <std::size_t D>
+SvgResult<LatticeBox<D>> load_lattice(const std::string& path) {
+    const auto text = read_file(path);
+    if (!text) return text.error();
+    return parse_lattice<D>(*text, path);
 }
 
 template <std::size_t D>
@@ -230,6 +237,8 @@ std::string describe(const LatticeBox<D>& lattice) {
     return text;
 }
 
+template SvgResult<LatticeBox<2>> parse_lattice(std::string_view, const std::string&);
+template SvgResult<LatticeBox<3>> parse_lattice(std::string_view, const std::string&);
 template SvgResult<LatticeBox<2>> load_lattice(const std::string&);
 template SvgResult<LatticeBox<3>> load_lattice(const std::string&);
 template std::string to_json(const LatticeBox<2>&);

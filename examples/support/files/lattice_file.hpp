@@ -66,11 +66,15 @@ bool is_lattice_path(std::string_view path);
 /// 2 or 3: the number of axes of a lattice's file.
 SvgResult<std::size_t> lattice_dimension(const std::string& path);
 
-/// A lattice from its file; fails also where the library refuses it.
+/// A lattice from the text of a file; fails also where the library refuses it.
+template <std::size_t D>
+SvgResult<LatticeBox<D>> parse_lattice(std::string_view text, const std::string& name);
+
+/// Works as parse_lattice(), from a file; fails also where it cannot be read.
 template <std::size_t D>
 SvgResult<LatticeBox<D>> load_lattice(const std::string& path);
 
-/// The text of a file that load_lattice() reads back to the bit.
+/// The text of a file that parse_lattice() reads back to the bit.
 template <std::size_t D>
 std::string to_json(const LatticeBox<D>& lattice);
 
