@@ -914,6 +914,10 @@ cmp -s moved.obj posed.obj && ok=yes || ok=no
 report $ok "the one point in the middle is free"
 works "a lattice for a game" "$bind" cube.obj --cage lattice:3x3x3 --twist all:z,0,1,40 -o cube.figure
 works "a lattice's joints" "$programs/export_gltf" cube.obj --cage lattice:3x3x3 --twist all:z,0,1,40 --skin 8 -o cube.glb
+works "a face pulled out of a board" "$programs/lattice_board" -o board.png
+grep -q '^35 x 35 x 2 points: the board misses the relief by 0.00' log && ok=yes || ok=no
+report $ok "which follows the relief"
+refuses 'output is required' "$programs/lattice_board"
 refuses 'lattice:0x4: an axis has 2 points or more' "$deform" "$cat" --cage lattice:0x4 -o out.svg
 refuses 'cat.svg: a lattice about a drawing has two axes: lattice:4x4' "$deform" "$cat" --cage lattice:4x4x4 -o out.svg
 refuses 'cube.obj: a lattice about a mesh has three axes: lattice:4x4x4' "$mesh" cube.obj --cage lattice:4x4 -o out.obj
@@ -1474,7 +1478,7 @@ done
 mkdir -p no_files
 version=$(sed -n 's/.*VERSION_STRING "\(.*\)"/\1/p' "$(dirname "$data")/../include/cageform/version.hpp")
 for program in deform_svg coordinate_field cage_weights figure_table contact_sheet convergence adaptive_grid pose_cage make_cage deform_mesh make_character bind_mesh \
-  export_gltf skin_mesh animate_svg fit_curve bezier_tables make_hand pose_hand hand_sheet height_map grid_field diffuse_colours puzzle paths boundary_formula relaxation; do
+  export_gltf skin_mesh animate_svg fit_curve bezier_tables make_hand pose_hand hand_sheet height_map grid_field diffuse_colours puzzle paths boundary_formula relaxation lattice_board; do
   works "version of $program" "$programs/$program" --version
   [ "$(cat log)" = "$program (cageform) $version" ] && ok=yes || ok=no
   report $ok "$program tells its version"
@@ -1485,7 +1489,7 @@ for program in deform_svg coordinate_field cage_weights figure_table contact_she
   # In a folder without files every example fails for want of its file, not for its words.
   grep "^  $program " log | sed 's/^ *[a-z_]* //' >shown_words
   while read -r words; do
-    case $program in fit_curve | make_character | make_hand | hand_sheet | pose_hand) continue ;; esac # which need none
+    case $program in fit_curve | make_character | make_hand | hand_sheet | pose_hand | lattice_board) continue ;; esac # which need none
     (cd no_files && eval "'$programs/$program' $words") >log 2>&1 </dev/null && ok=no || ok=yes
     grep -q 'no such file' log || ok=no
     report $ok "the help of $program shows $words"

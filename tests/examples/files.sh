@@ -217,7 +217,7 @@ form skin_mesh box.obj --bones bones.csv -o out.glb --picture out.png
 told=
 
 # ---- none is forgotten ----
-without_inputs="bezier_tables make_character make_hand hand_sheet sibson_figures"
+without_inputs="lattice_board bezier_tables make_character make_hand hand_sheet sibson_figures"
 # Options whose words are no files.
 words="--lattice --slice --zoom --margin --mirror --move --turn --scale --bend --twist --surround --point --at --values --css --bezier --curve
   --knots --conditions --norm --blue --red --from --make"
