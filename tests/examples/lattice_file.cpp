@@ -169,7 +169,7 @@ TEST_CASE("a file that is no lattice is refused by name", "[examples][lattice][f
                               R"("frame_columns": [[1, 0], [0, 1]], "origin": [0, 0, 0])"})
         CHECK(says(axes + ", " + wrong) == no_box);
     CHECK(says(axes + ", " + box + R"(, "falloff": "1")") == R"(l: "falloff" is no number)");
-    // What only the library knows:
+    // The library alone refuses these:
     CHECK(says(axes + ", " + box + R"(, "falloff": -1)").find("falloff of a lattice") != std::string::npos);
     CHECK(says(axes + R"(, "frame_columns": [[1, 0], [2, 0]], "origin": [0, 0])").find("do not span") !=
           std::string::npos);

@@ -45,9 +45,9 @@ struct MotionChoice {
     void add_options(CommandLine& line);
 
     bool is_given() const { return !clip.empty() || !poses.empty() || !operations.operations.empty(); }
-    /// The motion; without keys where none is given. What stays still is put back to rest. Fails where a file cannot be read or fits not, an
-    /// operation cannot be done, numbers are beyond single precision, or more than one of the three is
-    /// given.
+    /// The motion; without keys where none is given. Vertices that stay still are put back to rest. Fails
+    /// where a file cannot be read or fits not, an operation cannot be done, numbers are beyond single
+    /// precision, or more than one of the three is given.
     SvgResult<PoseClip> motion(const ObjFile& cage) const;
 };
 
