@@ -308,12 +308,12 @@ void draw_lattice(const std::string& folder) {
     sheet.dot(rest[21], true);
     sheet.panel("a corner moves: outside, all fades");
     Points pose = handles_of(fading);
-    for (const std::size_t i : {28, 29, 34, 35}) pose[i] = {pose[i][0] + 0.3, pose[i][1] + 0.4};
+    for (const std::size_t i : {28u, 29u, 34u, 35u}) pose[i] = {pose[i][0] + 0.3, pose[i][1] + 0.4};
     draw_grid(sheet, fading, pose, Shown::everywhere);
     draw_lines(sheet, pose);
     sheet.panel("two outer layers are frozen");
     pose = rest;
-    for (const std::size_t i : {14, 15, 20, 21}) pose[i] = {pose[i][0] + 0.6, pose[i][1] + 0.4};
+    for (const std::size_t i : {14u, 15u, 20u, 21u}) pose[i] = {pose[i][0] + 0.6, pose[i][1] + 0.4};
     draw_grid(sheet, lattice, pose, Shown::everywhere);
     draw_lines(sheet, pose);
     sheet.write(folder + "/coordinates_lattice.svg");

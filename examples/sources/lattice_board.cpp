@@ -142,7 +142,7 @@ int run_program(int argc, char** argv) {
     const auto soft = fitted(board, coarse);
     if (!soft) return fail(to_string(soft.error()));
     for (int round = 0; round < 2; ++round) {
-        for (const std::size_t axis : {0, 1}) {
+        for (const std::size_t axis : {0u, 1u}) {
             auto finer = cageform::halve_spans(axes[axis]);
             if (!finer) return fail(cageform::to_string(finer.status()));
             axes[axis] = std::move(finer.value.axis);
