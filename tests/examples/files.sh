@@ -212,12 +212,14 @@ form deform_mesh inner.obj --cage box.obj --pose bent_box.obj -o out.obj --pictu
 form make_cage box.obj -o out.obj --picture out.png
 form pose_cage box.obj --move 0:0.1,0,0 -o out.obj --picture out.png
 form pose_hand --pose hand.csv -o out.obj --picture out.png
+told=out.png
+form lattice_board -o out.png
 told="out.glb out.png"
 form skin_mesh box.obj --bones bones.csv -o out.glb --picture out.png
 told=
 
 # ---- none is forgotten ----
-without_inputs="lattice_board bezier_tables make_character make_hand hand_sheet sibson_figures"
+without_inputs="bezier_tables make_character make_hand hand_sheet sibson_figures"
 # Options whose words are no files.
 words="--lattice --slice --zoom --margin --mirror --move --turn --scale --bend --twist --surround --point --at --values --css --bezier --curve
   --knots --conditions --norm --blue --red --from --make"
