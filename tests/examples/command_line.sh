@@ -891,6 +891,9 @@ works "whose inner points move" "$deform" "$cat" --cage lattice:4x4 --move 5,6,9
 cmp -s frozen.svg inner.svg && ok=yes || ok=no
 report $ok "frozen points stay at rest"
 works "frozen points of a file's pose stay too" "$deform" "$cat" --cage cat.lattice.json --freeze 1 --pose lattice_pose.svg -o by_pose.svg
+works "a lattice that folds" "$deform" "$cat" --cage lattice:4x4 --move 5:3000,0 -o folded.svg --fit
+grep -q 'warning: .*the posed lattice folds most at (.*): the figure may fold over itself there' log && ok=yes || ok=no
+report $ok "is named"
 works "a turned lattice that fades" "$deform" "$cat" --cage lattice:5x4/2+0.1@20 --turn all:20 -o faded.svg
 works "Bernstein polynomials" "$animate" "$cat" --cage lattice:3x3/bernstein --turn 0-2:10 --seconds 0.2 -o played.svg --fit
 works "a coordinate of a lattice" "$field" --cage cat.lattice.json --vertex 5 -o field.png --surface field_surface.png --size 64

@@ -26,7 +26,7 @@ std::string_view take_until(std::string_view& word, std::string_view marks) {
 std::string read_number_behind(char mark, std::string_view& word, std::string_view marks, double& number) {
     if (!word.starts_with(mark)) return {};
     word.remove_prefix(1);
-    std::string_view digits = take_until(word, marks);
+    const std::string_view digits = take_until(word, marks);
     const std::string why = detail::parse_number(digits, number);
     return !why.empty() || std::isfinite(number) ? why : "not a number: " + detail::quoted(digits);
 }
