@@ -389,6 +389,11 @@ BENCHMARK_TEMPLATE(evaluate_green_mesh, float, Wanted::weights)->Unit(benchmark:
 BENCHMARK_TEMPLATE(evaluate_green_mesh, double, Wanted::gradients)->Unit(benchmark::kMillisecond);
 BENCHMARK(plain_green_mesh)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(limit_write_weights, of_sibson, true)->Args({100000, 400})->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(limit_write_weights, of_lattice, true)
+    ->Args({1000000, 64})
+    ->Args({500000, 64}) // as many bytes in float
+    ->Args({100000, 1000})
+    ->Unit(benchmark::kMillisecond);
 BENCHMARK_TEMPLATE(bind_mean_value_mesh, double)->Unit(benchmark::kMillisecond);
 BENCHMARK_TEMPLATE(bind_mean_value_mesh, float)->Unit(benchmark::kMillisecond);
 BENCHMARK_TEMPLATE(bind_mean_value_mesh_threads, double)->Apply(threads);

@@ -115,6 +115,15 @@ step "the cat, posed by numbers"
 "$programs/contact_sheet" -o out/pose_cage.svg --columns 3 --png --png-width 1800 "the numbers" out/cat_numbers.svg \
   "tail and head turned, a leg bent" out/cat_numbers_posed.svg "the cat by that pose" out/cat_by_numbers.svg
 
+step "a lattice about the cat, a face pulled out of a board"
+# No cage at all: control points in a box.
+"$programs/make_cage" "$data/cat.svg" --lattice 4x4 -o out/cat.lattice.json --picture out/cat_lattice_numbers.svg >>$report
+"$programs/deform_svg" "$data/cat.svg" --cage lattice:4x4 -o out/cat_lattice_look.svg --show-cage --fit
+"$programs/deform_svg" "$data/cat.svg" --cage lattice:4x4+0.2 --turn 0-7:12 -o out/cat_lattice_turned.svg --show-cage --fit
+"$programs/contact_sheet" -o out/cat_lattice.svg --columns 3 --png --png-width 1800 "a lattice" out/cat_lattice_numbers.svg \
+  "a first look" out/cat_lattice_look.svg "its upper half turned, which fades outside" out/cat_lattice_turned.svg
+"$programs/lattice_board" -o out/lattice_board.png >>$report
+
 step "the cat walks"
 # The cat walks: an SVG that browsers play, and twelve frames of a stride.
 "$programs/animate_svg" "$data/cat.svg" --cage "$data/cat_cage.svg" --clip "$data/cat_walk.csv" \
@@ -326,6 +335,7 @@ Open, in out/:
   make_cage.png              a cage made around the cat, and a first pose; cat_wag.svg: a motion to it (in a browser)
   made_cages.png, character_look.png   cages made in the plane and in space; a first look in space
   pose_cage.png              a cage with its vertices' numbers, and a pose by them
+  cat_lattice.png            the cat by a lattice of control points; lattice_board.png: a face pulled out of a board
   aleph.png, man.png         other figures
   types.png                  one pose by five coordinate types; character_types.png: in space
   two_cages.png              a disc in a convex cage, a biped in a concave one, by mean value and harmonic coordinates

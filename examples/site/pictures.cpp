@@ -122,12 +122,14 @@ struct Bound {
     Binding binding;
     std::vector<bool> is_there;
 };
+enum class Shown { inside, everywhere };
 template <class Coordinates>
-Bound bind_points(const Coordinates& coordinates, const Points& points) {
+Bound bind_points(const Coordinates& coordinates, const Points& points, Shown shown) {
     auto [binding, report] = cageform::bind(coordinates, points);
     if (report.status != cageform::Status::ok) std::puts(to_string(report.status));
     Bound bound{std::move(binding), std::vector<bool>(points.size(), report.status == cageform::Status::ok)};
     for (const auto* list : {&report.outside, &report.unreached}) {
+        if (list == &report.outside && shown == Shown::everywhere) continue;
         for (const std::size_t i : *list) bound.is_there[i] = false;
     }
     return bound;
@@ -136,7 +138,7 @@ Bound bind_points(const Coordinates& coordinates, const Points& points) {
 /// The sum of the weights of handles first … last − 1.
 template <class Coordinates>
 void draw_weights(Sheet& sheet, const Coordinates& coordinates, std::size_t first, std::size_t last) {
-    const auto [binding, is_there] = bind_points(coordinates, sheet.places());
+    const auto [binding, is_there] = bind_points(coordinates, sheet.places(), Shown::inside);
     sheet.field([&](std::size_t n) {
         if (!is_there[n]) return std::nan("");
         double sum = 0;
@@ -147,7 +149,8 @@ void draw_weights(Sheet& sheet, const Coordinates& coordinates, std::size_t firs
 
 /// A grid of lines over the square, those parts that are bound, moved to a pose of all handles.
 template <class Coordinates>
-void draw_grid(Sheet& sheet, const Coordinates& coordinates, const Points& pose) {
+void draw_grid(Sheet& sheet, const Coordinates& coordinates, const Points& pose,
+               Shown shown = Shown::inside) {
     constexpr int lines = 21, steps = 200;
     const Points places = sheet.places();
     const Point lower = places.front(), upper = places.back();
@@ -158,7 +161,7 @@ void draw_grid(Sheet& sheet, const Coordinates& coordinates, const Points& pose)
             const double u = n % 2 == 0 ? along : across, v = n % 2 == 0 ? across : along;
             points.push_back({std::lerp(lower[0], upper[0], u), std::lerp(lower[1], upper[1], v)});
         }
-        const auto [binding, is_there] = bind_points(coordinates, points);
+        const auto [binding, is_there] = bind_points(coordinates, points, shown);
         Points handles(binding.handle_count()), moved(points.size());
         if (pose_handles(binding, pose, handles).status != cageform::Status::ok) handles = pose;
         if (clone(binding, handles, moved) != cageform::Status::ok) continue;
@@ -276,6 +279,46 @@ void draw_sibson(const std::string& folder) {
     sheet.write(folder + "/coordinates_sibson.svg");
 }
 
+void draw_lattice(const std::string& folder) {
+    const cageform::LatticeAxis axis{.points = 6};
+    const cageform::Transform<double, 2> box{{{{3.2, 0}, {0, 3.2}}}, {1, 1}};
+    const cageform::LatticeCoordinates<double, 2> lattice({axis, axis}, box), fading({axis, axis}, box, 0.9);
+    const auto handles_of = [](const auto& coordinates) {
+        Points handles;
+        for (const auto& h : coordinates.handles()) handles.push_back({h[0], h[1]});
+        return handles;
+    };
+    const auto draw_lines = [&](Sheet& sheet, const Points& handles) { // rows, and columns
+        for (std::size_t n = 0; n < 6; ++n) {
+            Points row, column;
+            for (std::size_t i = 0; i < 6; ++i) {
+                row.push_back(handles[6 * n + i]);
+                column.push_back(handles[6 * i + n]);
+            }
+            for (const Points& points : {row, column})
+                sheet.line(points, "stroke=\"#777\" stroke-dasharray=\"4 3\"");
+            for (const Point& p : row) sheet.dot(p);
+        }
+    };
+    const Points rest = handles_of(lattice);
+    Sheet sheet({0, 0}, 5.2, 3);
+    sheet.panel("the weight of one point, cubic");
+    draw_weights(sheet, lattice, 21, 22);
+    draw_lines(sheet, rest);
+    sheet.dot(rest[21], true);
+    sheet.panel("a corner moves: outside, all fades");
+    Points pose = handles_of(fading);
+    for (const std::size_t i : {28u, 29u, 34u, 35u}) pose[i] = {pose[i][0] + 0.3, pose[i][1] + 0.4};
+    draw_grid(sheet, fading, pose, Shown::everywhere);
+    draw_lines(sheet, pose);
+    sheet.panel("two outer layers are frozen");
+    pose = rest;
+    for (const std::size_t i : {14u, 15u, 20u, 21u}) pose[i] = {pose[i][0] + 0.6, pose[i][1] + 0.4};
+    draw_grid(sheet, lattice, pose, Shown::everywhere);
+    draw_lines(sheet, pose);
+    sheet.write(folder + "/coordinates_lattice.svg");
+}
+
 void draw_blended(const std::string& folder) {
     using Mean = cageform::MeanValueCoordinates<double, 2>;
     const Points body{{0.6, 0.3}, {4.6, 0.3}, {4.6, 3}, {0.6, 3}},
@@ -307,6 +350,7 @@ int main(int count, char** arguments) {
     draw_three_point(folder);
     draw_green(folder);
     draw_sibson(folder);
+    draw_lattice(folder);
     draw_blended(folder);
     return 0;
 }

@@ -94,7 +94,18 @@ ClipFile clip_to(const CageFile& pose, const CageFile& cage, double seconds) {
 }
 
 SvgResult<ClipFile> read_clip(const Settings& settings, const CageFile& cage) {
-    if (!settings.clip.empty()) return load_clip(settings.clip, cage.vertices.size());
+    if (!settings.clip.empty()) {
+        const auto held = settings.operations.still(cage.lattice);
+        if (!held) return held.error();
+        auto clip = load_clip(settings.clip, cage.vertices.size());
+        if (!clip) return clip;
+        for (ClipControl& control : clip->controls) {
+            std::erase_if(control.shares, [&](const auto& share) {
+                return std::find(held->begin(), held->end(), share.vertex) != held->end();
+            });
+        }
+        return clip;
+    }
     const auto pose =
         read_pose(settings.pose, settings.operations, cage, CageWord::of(settings.cage).is_auto);
     if (!pose) return pose.error();
@@ -277,7 +288,8 @@ int run_program(int argc, char** argv) {
     settings.outside.add_option(line);
     settings.choice.in_plane = settings.choice.with_normals = true;
     settings.choice.add_options(line);
-    line.set_footer(cage_formats + std::string("\n") + pose_operations_format + "\n" + clip_format);
+    line.set_footer(cage_formats + std::string("\n") + lattice_format + "\n" + pose_operations_format + "\n" +
+                    clip_format);
     if (const auto code = line.parse(argc, argv)) return *code;
     if (!settings.clip.empty() && !settings.operations.operations.empty())
         return fail("give --clip or operations such as --turn, but not both");

@@ -262,8 +262,8 @@ int run_program(int argc, char** argv) {
         .one_of({"float", "half", "int16", "int8"})
         .show_default("float; with --max-distance, the smallest that suffices");
     line.add_flag("--report", given.report, "print sizes and errors");
-    line.set_footer(obj_format + std::string("\n") + pose_clip_format + "\n" + pose_operations_format + "\n" +
-                    labels_format);
+    line.set_footer(obj_format + std::string("\n") + lattice_format + "\n" + pose_clip_format + "\n" +
+                    pose_operations_format + "\n" + labels_format);
     if (const auto code = line.parse(argc, argv)) return *code;
     if (given.choice.name == "barycentric")
         return fail("--coordinates barycentric: normals are bound by mean-value, harmonic or green");

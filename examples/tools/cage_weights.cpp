@@ -190,8 +190,13 @@ int run(const Settings& settings) {
         if (!dimension) return fail(to_string(dimension.error()));
         return *dimension == 2 ? run_with_sites<T, 2>(settings) : run_with_sites<T, 3>(settings);
     }
-    if (settings.cage_path.ends_with(".obj")) {
-        if (settings.choice.takes_polygons())
+    if (settings.cage_path.starts_with("lattice:"))
+        return fail("--cage " + settings.cage_path +
+                    ": there is no figure to put it about; make_cage --lattice writes a .lattice.json file");
+    const auto dimension = cage_dimension(settings.cage_path);
+    if (!dimension) return fail(to_string(dimension.error()));
+    if (*dimension == 3) {
+        if (settings.choice.takes_polygons() && !is_lattice_path(settings.cage_path))
             return fail(settings.cage_path + ": " + settings.choice.name + " takes a cage in the plane");
         const auto file = load_mesh_cage(settings.cage_path);
         if (!file) return fail(to_string(file.error()));
@@ -221,7 +226,7 @@ int run_program(int argc, char** argv) {
     Settings settings;
     line.add("--cage", settings.cage_path,
              "the cage: in the plane a CSV or SVG file, in space an OBJ file of a closed mesh; for sibson "
-             "and sibson-c1 a file of points")
+             "and sibson-c1 a file of points; or a .lattice.json file")
         .required();
     line.add("--points", settings.points_path, "a CSV file with a line x,y for each point, in space x,y,z")
         .required();
@@ -230,7 +235,8 @@ int run_program(int argc, char** argv) {
     line.add("-o,--output", settings.out_path, "the CSV file to write: status,w0,w1,…")
         .required()
         .ends_with({".csv"});
-    line.set_footer(cage_formats + std::string("\n") + obj_format + "\n" + site_formats +
+    line.set_footer(cage_formats + std::string("\n") + lattice_format + "\n" + obj_format + "\n" +
+                    site_formats +
                     "\nw0, w1, … belong to the vertices of the loops (or of the OBJ), then to the new\n"
                     "vertices of chains and points; for sibson they belong to the points. The order is\n"
                     "that of the file. For green, the columns of the edges (or faces) follow; an edge\n"

@@ -31,14 +31,18 @@ struct Arguments {
     std::vector<double> values; // of the field, at every vertex: 1 at `vertex`, or any
     bool is_coordinate = true;
     bool y_up = false;
+    bool is_lattice = false;
     FieldStyle style;
     SurfaceView view;
     CoordinatesChoice choice;
 
     std::string name() const {
-        return choice.name + (is_coordinate ? " coordinate of vertex " + std::to_string(vertex)
-                                            : " interpolation of values");
+        return (is_lattice ? "lattice" : choice.name) +
+               (is_coordinate ? " coordinate of vertex " + std::to_string(vertex)
+                              : " interpolation of values");
     }
+    /// Whether a coordinate is 1 at its vertex, and linear on edges.
+    bool interpolates() const { return !choice.takes_normals() && !is_lattice; }
     /// The value on an edge, at a share of the way from vertex i to vertex j.
     double on_edge(std::size_t i, std::size_t j, double t) const {
         return (1 - t) * values[i] + t * values[j];
@@ -119,7 +123,7 @@ private:
 SvgResult<std::vector<PlaneLine>> boundary_of(const Arguments& given, const CageFile& cage,
                                               const CoordinateField& field, const PlaneBox& box) {
     std::vector<PlaneLine> lines;
-    const std::size_t pieces = given.choice.takes_normals() ? 32 : 1;
+    const std::size_t pieces = given.interpolates() ? 1 : 32;
     cage.for_each_edge([&](std::size_t i, std::size_t j) {
         const Point2 &a = cage.vertices[i], &b = cage.vertices[j];
         const auto part = clip_segment(a, b, box);
@@ -170,7 +174,7 @@ SvgResult<Picture> draw_map(const Arguments& given, const CageFile& cage, const 
     const auto boundary = boundary_of(given, cage, field, box);
     if (!boundary) return boundary.error();
     for (const PlaneLine& line : *boundary) {
-        const int pieces = given.choice.takes_normals() ? 2 : 64;
+        const int pieces = given.interpolates() ? 64 : 2;
         const auto at = [&](double t) {
             const Point2 &a = line.points[0], &b = line.points[1];
             return to_picture({a.x + t * (b.x - a.x), a.y + t * (b.y - a.y)});
@@ -185,7 +189,7 @@ SvgResult<Picture> draw_map(const Arguments& given, const CageFile& cage, const 
         const Point2 at = to_picture(cage.vertices[given.vertex]);
         fine.line(at, at, 36, {0.1f, 0.1f, 0.1f});
         double value = 1;
-        if (given.choice.takes_normals()) {
+        if (!given.interpolates()) {
             const auto limit = field.at(std::span(&cage.vertices[given.vertex], 1), given.cage,
                                         cageform::OutsidePoints::nearest_boundary);
             if (!limit) return limit.error();
@@ -200,6 +204,12 @@ SvgResult<Picture> draw_map(const Arguments& given, const CageFile& cage, const 
 SvgResult<Picture> draw_as_surface(const Arguments& given, const CageFile& cage, const CoordinateField& field,
                                    const PlaneBox& box) {
     std::vector<std::vector<Point2>> loops;
+    if (cage.lattice) { // its box
+        const std::size_t last = cage.lattice->points() - 1, along = cage.lattice->axes[0].points - 1;
+        auto& box_loop = loops.emplace_back();
+        for (const std::size_t i : {std::size_t{0}, along, last, last - along})
+            box_loop.push_back(cage.vertices[i]);
+    }
     for (const CageBlock& block : cage.blocks) {
         if (block.kind == CageBlock::Kind::loop) loops.push_back(block.points);
     }
@@ -294,12 +304,13 @@ int run_program(int argc, char** argv) {
     given.view.add_options(line);
     given.choice.in_plane = given.choice.with_normals = true;
     given.choice.add_options(line);
-    line.set_footer(cage_formats);
+    line.set_footer(cage_formats + std::string("\n") + lattice_format);
     if (const auto code = line.parse(argc, argv)) return *code;
 
     const auto cage = cage_about(figure, given.cage);
     if (!cage) return fail(to_string(cage.error()));
     given.cage = cage->name;
+    given.is_lattice = cage->lattice.has_value();
     if (!given.classes.empty() && cage->has_cells())
         return fail("--classes: " + given.cage +
                     ": the papers' grid needs a cage without chains and points inside");

@@ -90,24 +90,30 @@ SvgResult<ObjFile> read_pose(const Arguments& given, const ObjFile& cage) {
     const bool operated = !given.operations.operations.empty();
     if (!given.pose.empty() && operated)
         return SvgError{"give --pose or operations such as --turn, but not both"};
+    const auto held = given.operations.still(cage.lattice);
+    if (!held) return held.error();
+    const auto put_back = [&](ObjFile pose) {
+        for (const std::size_t i : *held) pose.vertices[i] = cage.vertices[i];
+        return pose;
+    };
     if (!given.pose.empty()) {
         auto pose = load_obj(given.pose);
         if (!pose) return pose;
         const std::string why = pose_difference(cage, *pose);
         if (!why.empty()) return SvgError{why};
-        return pose;
+        return put_back(std::move(*pose));
     }
     if (!operated && !CageWord::of(given.cage).is_auto)
         return SvgError{"--pose is required, or operations such as --turn"};
     ObjFile pose = cage;
     if (operated) {
-        auto moved = given.operations.posed(cage.vertices);
+        auto moved = given.operations.posed(cage.vertices, cage.lattice);
         if (!moved) return moved.error();
         pose.vertices = std::move(*moved);
     } else {
         pose.vertices = first_pose(cage.vertices);
     }
-    return pose;
+    return put_back(std::move(pose));
 }
 
 SvgResult<Control> read_control(const Arguments& given, const ObjFile& figure) {
@@ -280,8 +286,8 @@ int run_program(int argc, char** argv) {
         line.add("--weight", given.weight, "paint this vertex's weight on the figure in the picture, from 0");
     line.add_flag("--report", given.report, "print the bind report");
     given.choice.add_options(line);
-    line.set_footer(obj_format + std::string("\n") + pose_operations_format + "\n" + site_formats + "\n" +
-                    site_weights_format);
+    line.set_footer(obj_format + std::string("\n") + lattice_format + "\n" + pose_operations_format + "\n" +
+                    site_formats + "\n" + site_weights_format);
     if (const auto code = line.parse(argc, argv)) return *code;
     const std::string why = given.of_sites.fault(given.choice);
     if (!why.empty()) return fail(why);

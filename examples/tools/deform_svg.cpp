@@ -185,8 +185,8 @@ int run_program(int argc, char** argv) {
     line.add_flag("--show-rest", show_rest, "draw the figure at rest below, in white");
     line.add_flag("--report", report, "print the bind report and the numbers of shapes and points");
     choice.add_options(line);
-    line.set_footer(cage_formats + std::string("\n") + pose_operations_format + "\n" + site_formats + "\n" +
-                    site_weights_format);
+    line.set_footer(cage_formats + std::string("\n") + lattice_format + "\n" + pose_operations_format + "\n" +
+                    site_formats + "\n" + site_weights_format);
     if (const auto code = line.parse(argc, argv)) return *code;
     if (const std::string why = of_sites.fault(choice); !why.empty()) return fail(why);
 

@@ -613,7 +613,7 @@ int run_program(int argc, char** argv) {
         obj_format +
         std::string("Vertices keep the order of the file. A vertex that needs several normals or\n"
                     "texture coordinates is duplicated; the copies follow all other vertices.\n\n") +
-        pose_clip_format + "\n" + pose_operations_format + "\n" + labels_format);
+        pose_clip_format + "\n" + pose_operations_format + "\n" + labels_format + "\n" + lattice_format);
     if (const auto code = line.parse(argc, argv)) return *code;
     if (!given.morph && given.influences == 0 && given.distance == 0)
         return fail("give --skin, --max-distance or --morph to choose what to write");

@@ -3,6 +3,7 @@
 //     make_cage cat.svg --vertices 24 -o cat_cage.svg --picture cat_numbers.svg --png
 //     make_cage icon.svg --mirror x --margin 4% -o icon_cage.csv
 //     make_cage character.obj --vertices 112 -o character_cage.obj --picture cage.png
+//     make_cage cat.svg --lattice 4x4 -o cat.lattice.json --picture cat_numbers.svg
 //
 // The cage holds all that the figure paints, at the margin's distance, and passes every check of the
 // library. deform_svg and the other programs make the same cage themselves if --cage auto is given.
@@ -31,6 +32,11 @@ struct Arguments {
     ViewChoice view;
     bool png = false;
     cageform::MakeCageOptions options;
+    std::optional<LatticeWord> lattice;
+
+    double lattice_margin() const {
+        return options.margin > 0 ? options.margin : cageform_examples::lattice_margin;
+    }
 };
 
 /// "2.5%" or "0.025" as a share.
@@ -71,32 +77,59 @@ ViewBox view_about(const CageFile& cage, const ViewBox& view) {
     return {low.x, low.y, high.x - low.x, high.y - low.y};
 }
 
-int cage_in_plane(const Arguments& given) {
-    if (given.options.fill_tunnels) return fail("--fill-tunnels is for figures in space");
-    const auto figure = load_figure(given.figure);
-    if (!figure) return fail(to_string(figure.error()));
-    const auto view = view_box(*figure);
-    if (!view) return fail(to_string(view.error()));
-    const auto made = make_cage_for(*figure, given.options);
-    if (!made) return fail(to_string(made.error()));
-    print_warnings(warnings_of(made->report, given.options));
+int write_in_plane(const Arguments& given, const SvgDocument& figure, const CageFile& cage,
+                   const ViewBox& view, const std::string& description) {
     OutputFiles outputs;
     if (!given.out.empty()) {
-        const SvgResult<std::string> text = given.out.ends_with(".csv")
-                                                ? to_csv(made->cage)
-                                                : to_svg(made->cage, view_about(made->cage, *view));
+        const SvgResult<std::string> text = is_lattice_path(given.out) ? to_json(*cage.lattice)
+                                            : given.out.ends_with(".csv")
+                                                ? to_csv(cage)
+                                                : to_svg(cage, view_about(cage, view));
         if (!text) return fail(given.out + ": " + to_string(text.error()));
         outputs.add(given.out).write(*text);
     }
     if (!given.picture.empty()) {
-        const auto picture = draw_pose(made->cage, made->cage, &*figure, given.picture);
+        const auto picture = draw_pose(cage, cage, &figure, given.picture);
         if (!picture) return fail(to_string(picture.error()));
         AtomicFile& file = outputs.add(given.picture);
         file.write(to_text(*picture));
         if (given.png) add_png(outputs, file, 1200);
     }
     if (const auto error = outputs.commit()) return fail(*error);
-    std::cout << describe(made->report, 2);
+    std::cout << description;
+    return 0;
+}
+
+int cage_in_plane(const Arguments& given) {
+    if (given.options.fill_tunnels) return fail("--fill-tunnels is for figures in space");
+    const auto figure = load_figure(given.figure);
+    if (!figure) return fail(to_string(figure.error()));
+    const auto view = view_box(*figure);
+    if (!view) return fail(to_string(view.error()));
+    if (given.lattice) {
+        const auto made = make_lattice_for(*figure, *given.lattice, given.lattice_margin());
+        if (!made) return fail(to_string(made.error()));
+        return write_in_plane(given, *figure, *made, *view, describe(*made->lattice) + '\n');
+    }
+    const auto made = make_cage_for(*figure, given.options);
+    if (!made) return fail(to_string(made.error()));
+    print_warnings(warnings_of(made->report, given.options));
+    return write_in_plane(given, *figure, made->cage, *view, describe(made->report, 2));
+}
+
+int write_in_space(const Arguments& given, const ObjFile& figure, const ObjFile& cage,
+                   const std::string& description) {
+    OutputFiles outputs;
+    if (!given.out.empty())
+        outputs.add(given.out).write(is_lattice_path(given.out) ? to_json(*cage.lattice) : cage.text);
+    if (!given.picture.empty()) {
+        const std::array<MeshScene, 2> scenes{
+            {{{figure.vertices, figure.triangles}, {cage.vertices, cage.triangles}},
+             {{cage.vertices, cage.triangles}, {}}}};
+        draw_meshes(scenes, 1600, 1000, given.view.sight).write_png(outputs.add(given.picture));
+    }
+    if (const auto error = outputs.commit()) return fail(*error);
+    std::cout << description;
     return 0;
 }
 
@@ -107,36 +140,46 @@ int cage_in_space(const Arguments& given) {
     const auto figure = load_obj(given.figure);
     if (!figure) return fail(to_string(figure.error()));
     if (const auto why = fault_of_outputs({given.out, given.picture})) return fail(*why);
+    if (given.lattice) {
+        const auto made = make_lattice_for(*figure, *given.lattice, given.lattice_margin());
+        if (!made) return fail(to_string(made.error()));
+        return write_in_space(given, *figure, *made, describe(*made->lattice) + '\n');
+    }
     ProgressBar bar("making the cage");
     const auto made = make_cage_for(*figure, given.options, {.progress = bar.callback()});
     if (!made) return fail(to_string(made.error()));
     print_warnings(warnings_of(made->report, given.options));
-    OutputFiles outputs;
-    if (!given.out.empty()) outputs.add(given.out).write(made->cage.text);
-    if (!given.picture.empty()) {
-        const std::array<MeshScene, 2> scenes{
-            {{{figure->vertices, figure->triangles}, {made->cage.vertices, made->cage.triangles}},
-             {{made->cage.vertices, made->cage.triangles}, {}}}};
-        draw_meshes(scenes, 1600, 1000, given.view.sight).write_png(outputs.add(given.picture));
-    }
-    if (const auto error = outputs.commit()) return fail(*error);
-    std::cout << describe(made->report, 3);
-    return 0;
+    return write_in_space(given, *figure, made->cage, describe(made->report, 3));
 }
 
 int run_program(int argc, char** argv) {
     CommandLine line("Makes a cage around any figure: an SVG drawing of filled shapes, strokes and scattered "
                      "parts, or a mesh, which may have holes or several pieces.");
     line.set_examples({"icon.svg --vertices 16 -o cage.svg --picture numbers.svg --png",
-                       "character.obj --vertices 112 -o cage.obj --picture cage.png"});
+                       "character.obj --vertices 112 -o cage.obj --picture cage.png",
+                       "icon.svg --lattice 4x4 -o icon.lattice.json --picture numbers.svg"});
     Arguments given;
     auto& options = given.options;
     line.add("figure", given.figure, "an SVG file, or in space an OBJ file: any faces").required();
+    CommandOption lattice =
+        line.add_text(
+                "--lattice",
+                [&](const std::string& word) {
+                    if (auto read = parse_lattice_word(word)) given.lattice = std::move(*read);
+                },
+                "make a lattice of points about the figure in place of a cage: 4x4, in space 4x4x4; "
+                "--help-all describes the words")
+            .check([](const std::string& word) {
+                const auto read = parse_lattice_word(word);
+                return read ? "" : to_string(read.error());
+            });
     line.add("--vertices", options.vertices, "the number of the cage's vertices; 24 by default, in space 112")
-        .range(3, 1000000);
+        .range(3, 1000000)
+        .excludes(lattice);
     line.add_text(
             "--margin", [&](const std::string& word) { (void)parse_margin(word, options.margin); },
-            "the distance from the figure, as a share of its diagonal: 2.5% by default, in space 2%")
+            "the distance from the figure, as a share of its diagonal: 2.5% by default, in space and of "
+            "lattices 2%")
         .check([](const std::string& word) {
             double margin = 0;
             return parse_margin(word, margin);
@@ -151,21 +194,28 @@ int run_program(int argc, char** argv) {
         .check([](const std::string& word) {
             cageform::MirrorPlane mirror;
             return parse_mirror(word, mirror);
-        });
+        })
+        .excludes(lattice);
     line.add_text(
             "--cage", [&](const std::string& word) { options.shape = CageWord::of(word).shape; },
             "auto follows the figure (the default), hull its convex hull, box its bounds")
-        .one_of({"auto", "hull", "box"});
+        .one_of({"auto", "hull", "box"})
+        .excludes(lattice);
     bool parts = false;
     line.add_flag("--parts", parts,
-                  "make a loop for each part of the figure; otherwise bridges join the parts");
-    line.add_flag("--holes", options.holes, "keep empty regions that the figure encloses as holes");
-    line.add_flag("--fill-tunnels", options.fill_tunnels, "in space: make no tunnels through the cage");
+                  "make a loop for each part of the figure; otherwise bridges join the parts")
+        .excludes(lattice);
+    line.add_flag("--holes", options.holes, "keep empty regions that the figure encloses as holes")
+        .excludes(lattice);
+    line.add_flag("--fill-tunnels", options.fill_tunnels, "in space: make no tunnels through the cage")
+        .excludes(lattice);
     line.add("--regular", options.regular, "the weight of even angles and lengths against a tight fit")
         .range(0.0, 1000.0)
-        .show_default();
-    line.add("-o,--output", given.out, "the cage to write: .svg or .csv; in space .obj")
-        .ends_with({".svg", ".csv", ".obj"});
+        .show_default()
+        .excludes(lattice);
+    line.add("-o,--output", given.out,
+             "the cage to write: .svg or .csv; in space .obj; of a lattice also .lattice.json")
+        .ends_with({".svg", ".csv", ".obj", ".json"});
     line.add("--picture", given.picture,
              "draw the figure in its cage, in the plane with the numbers of the vertices, to an .svg file; "
              "in space to "
@@ -173,6 +223,7 @@ int run_program(int argc, char** argv) {
         .ends_with({".svg", ".png"});
     given.view.add_options(line);
     line.add_flag("--png", given.png, "also render the picture, to the same name with .png");
+    line.set_footer(lattice_format);
     if (const auto code = line.parse(argc, argv)) return *code;
     if (options.shape == cageform::CageShape::box && options.vertices != 0)
         return fail(
@@ -181,10 +232,12 @@ int run_program(int argc, char** argv) {
     if (given.out.empty() && given.picture.empty())
         return fail("nothing to write: give -o, --picture or both");
     if (given.png && given.picture.empty()) return fail("--png is for --picture");
+    if (given.out.ends_with(".json") && (!given.lattice || !is_lattice_path(given.out)))
+        return fail(given.out + ": give --lattice and a name that ends with .lattice.json");
     const bool in_space = given.figure.ends_with(".obj");
     for (const std::string& path : {given.out, given.picture}) {
         const bool is_of_space = path.ends_with(".obj") || path.ends_with(".png");
-        if (!path.empty() && is_of_space != in_space)
+        if (!path.empty() && !path.ends_with(".json") && is_of_space != in_space)
             return fail(
                 path + (in_space ? ": for a figure in space the cage is an .obj file, the picture a .png file"
                                  : ": for a figure in the plane the cage is an .svg or .csv file, the "

@@ -36,8 +36,9 @@ struct Arguments {
 /// The pose, after a word on how many vertices have moved and where they were.
 template <std::size_t D>
 SvgResult<std::vector<cageform::Vec<double, D>>> posed(const Arguments& given,
-                                                       const std::vector<cageform::Vec<double, D>>& rest) {
-    auto pose = given.choice.posed(rest);
+                                                       const std::vector<cageform::Vec<double, D>>& rest,
+                                                       const std::optional<LatticeBox<D>>& lattice) {
+    auto pose = given.choice.posed(rest, lattice);
     if (!pose) return pose;
     std::size_t moved = 0;
     for (std::size_t i = 0; i < rest.size(); ++i) moved += (*pose)[i] == rest[i] ? 0 : 1;
@@ -53,7 +54,7 @@ SvgResult<std::vector<cageform::Vec<double, D>>> posed(const Arguments& given,
 
 /// Returns the view of the cage's document; for a CSV file its bounds.
 SvgResult<ViewBox> view_of(const CageFile& cage) {
-    if (cage.name.ends_with(".csv")) {
+    if (cage.name.ends_with(".csv") || cage.lattice) {
         PlaneBox box;
         for (const Point2& p : cage.vertices) box.add(p);
         return ViewBox{box.low.x, box.low.y, box.width(), box.height()};
@@ -69,7 +70,7 @@ int pose_in_plane(const Arguments& given) {
     const bool is_svg = ending_of(given.out) == ".svg";
     if (ending_of(given.out) == ".obj")
         return fail("-o " + given.out + ": the cage lies in the plane: write .svg or .csv");
-    if (is_svg && cage->has_cells())
+    if (is_svg && cage->has_cells() && !cage->lattice)
         return fail("-o " + given.out + ": " + given.cage + " has chains or points, which need a .csv file");
     if (ending_of(given.picture) == ".png")
         return fail("--picture " + given.picture +
@@ -80,7 +81,7 @@ int pose_in_plane(const Arguments& given) {
         if (!figure) return fail(to_string(figure.error()));
         below = std::move(*figure);
     }
-    const auto moved = posed<2>(given, cage->places());
+    const auto moved = posed<2>(given, cage->places(), cage->lattice);
     if (!moved) return fail(to_string(moved.error()));
     const CageFile pose = moved_cage(*cage, *moved);
     OutputFiles outputs;
@@ -110,7 +111,7 @@ int pose_in_space(const Arguments& given) {
     if (ending_of(given.picture) == ".svg" || given.png || !given.figure.empty())
         return fail(given.cage + " lies in space: --picture takes a .png file, without --figure and --png");
     if (const auto why = fault_of_outputs({given.out, given.picture})) return fail(*why);
-    const auto pose = posed<3>(given, cage->vertices);
+    const auto pose = posed<3>(given, cage->vertices, cage->lattice);
     if (!pose) return fail(to_string(pose.error()));
     OutputFiles outputs;
     if (!given.out.empty()) outputs.add(given.out).write(to_text(*cage, *pose));
@@ -126,7 +127,8 @@ int run_program(int argc, char** argv) {
         {"cage.svg --figure icon.svg --picture numbers.svg",
          "cage.svg --turn 7-11:-30@v6,12 --move 3:20,40 -o pose.svg --picture pose_numbers.svg"});
     Arguments given;
-    line.add("cage", given.cage, "an SVG or CSV file, or in space an OBJ file").required();
+    line.add("cage", given.cage, "an SVG or CSV file, in space an OBJ file, or a .lattice.json file")
+        .required();
     given.choice.add_options(line);
     line.add("-o,--output", given.out, "the pose to write: .svg or .csv; in space .obj")
         .ends_with({".svg", ".csv", ".obj"});
@@ -136,13 +138,16 @@ int run_program(int argc, char** argv) {
         .ends_with({".svg", ".png"});
     line.add("--figure", given.figure, "an SVG file to draw below the cage in the picture");
     line.add_flag("--png", given.png, "also render the picture, to the same name with .png");
-    line.set_footer(pose_operations_format + std::string("\n") + cage_formats + "\n" + obj_format);
+    line.set_footer(pose_operations_format + std::string("\n") + cage_formats + "\n" + obj_format + "\n" +
+                    lattice_format);
     if (const auto code = line.parse(argc, argv)) return *code;
     if (given.out.empty() && given.picture.empty())
         return fail("nothing to write: give -o, --picture or both");
     if (given.picture.empty() && (given.png || !given.figure.empty()))
         return fail("--png and --figure are for --picture");
-    return given.cage.ends_with(".obj") ? pose_in_space(given) : pose_in_plane(given);
+    const auto dimension = cage_dimension(given.cage);
+    if (!dimension) return fail(to_string(dimension.error()));
+    return *dimension == 3 ? pose_in_space(given) : pose_in_plane(given);
 }
 
 } // namespace

@@ -17,6 +17,8 @@
 #include <cageform/coordinates/blended.hpp>
 #include <cageform/coordinates/green.hpp>
 #include <cageform/coordinates/harmonic.hpp>
+#include <cageform/coordinates/lattice.hpp>
+#include <cageform/coordinates/lattice/refine.hpp>
 #include <cageform/coordinates/mean_value.hpp>
 #include <cageform/coordinates/sibson.hpp>
 #include <cageform/coordinates/three_point.hpp>

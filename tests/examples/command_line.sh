@@ -868,6 +868,84 @@ refuses 'cannot write ./kept.svg: it is the same file as kept.svg, which is read
 cmp -s "$cat" kept.svg && ok=yes || ok=no
 report $ok "the figure stays"
 
+# ---- lattices ----
+works "a lattice, its picture and its rows and columns" "$make_cage" "$cat" --lattice 4x4 -o cat.lattice.json --picture numbers.svg --png
+works "a lattice's rows and columns" "$make_cage" "$cat" --lattice 4x4 -o lattice.svg
+[ "$(grep -c '<polyline' lattice.svg)" -eq 8 ] && ok=yes || ok=no
+report $ok "they are eight lines"
+works "a first look" "$deform" "$cat" --cage lattice:4x4 -o first.svg --png --show-cage
+works "at rest" "$deform" "$cat" --cage lattice:4x4 --pose lattice.svg -o rest.svg
+works "by its file" "$deform" "$cat" --cage cat.lattice.json --move 5:10,0 -o by_file.svg
+works "by its word" "$deform" "$cat" --cage lattice:4x4 --move 5:10,0 -o by_word.svg
+cmp -s by_file.svg by_word.svg && ok=yes || ok=no
+report $ok "a lattice's file is its word"
+works "a pose of a lattice" "$programs/pose_cage" cat.lattice.json --move 5:10,0 -o lattice_pose.svg --picture numbers.svg
+works "as points" "$programs/pose_cage" cat.lattice.json --move 5:10,0 -o lattice_pose.csv
+for lattice_pose in lattice_pose.svg lattice_pose.csv; do
+  works "a figure by $lattice_pose" "$deform" "$cat" --cage cat.lattice.json --pose $lattice_pose -o by_pose.svg
+  cmp -s by_file.svg by_pose.svg && ok=yes || ok=no
+  report $ok "it is the pose"
+done
+works "a frozen lattice" "$deform" "$cat" --cage lattice:4x4 --freeze 1 --move 'all:10,0' -o frozen.svg
+works "whose inner points move" "$deform" "$cat" --cage lattice:4x4 --move 5,6,9,10:10,0 -o inner.svg
+cmp -s frozen.svg inner.svg && ok=yes || ok=no
+report $ok "frozen points stay at rest"
+works "frozen points of a file's pose stay too" "$deform" "$cat" --cage cat.lattice.json --freeze 1 --pose lattice_pose.svg -o by_pose.svg
+works "a lattice that folds" "$deform" "$cat" --cage lattice:4x4 --move 5:3000,0 -o folded.svg --fit
+grep -q 'warning: .*the posed lattice folds most at (.*): the figure may fold over itself there' log && ok=yes || ok=no
+report $ok "is named"
+works "a turned lattice that fades" "$deform" "$cat" --cage lattice:5x4/2+0.1@20 --turn all:20 -o faded.svg
+works "Bernstein polynomials" "$animate" "$cat" --cage lattice:3x3/bernstein --turn 0-2:10 --seconds 0.2 -o played.svg --fit
+works "a coordinate of a lattice" "$field" --cage cat.lattice.json --vertex 5 -o field.png --surface field_surface.png --size 64
+printf '500,400\n-50,400\n' >places.csv
+works "a lattice's weights" "$weights" --cage cat.lattice.json --points places.csv -o lattice_weights.csv
+[ "$(head -1 lattice_weights.csv)" = "status$(seq -f ,w%g -s '' 0 15)" ] && grep -q ^outside lattice_weights.csv && ok=yes || ok=no
+report $ok "their columns are its points, along x first"
+works "a lattice that fades has still handles" "$make_cage" "$cat" --lattice 4x4+0.2 -o fading.lattice.json
+works "with their weights" "$weights" --cage fading.lattice.json --points places.csv -o lattice_weights.csv
+[ "$(sed -n '2s/.*,\(.*\),\(.*\),\(.*\)/\1 \2 \3/p' lattice_weights.csv)" = '0 0 0' ] && ok=yes || ok=no
+report $ok "which are zero inside, in the last columns"
+printf 'v %s %s %s\n' 0 0 0 1 0 0 0 1 0 1 1 0 0 0 1 1 0 1 0 1 1 1 1 1 >cube.obj
+printf 'f %s %s %s %s\n' 1 3 4 2 5 6 8 7 1 2 6 5 2 4 8 6 4 3 7 8 3 1 5 7 >>cube.obj
+works "a lattice in space" "$make_cage" cube.obj --lattice 3x3x3/2+0.5 -o cube.lattice.json --picture lattice.png
+works "as a mesh" "$make_cage" cube.obj --lattice 3x3x3/2+0.5 -o cube_lattice.obj
+works "a mesh by a lattice" "$mesh" cube.obj --cage lattice:4x4x4 --twist all:z,0,1,40 -o twisted.obj --picture lattice.png --report
+works "by a lattice's file" "$mesh" cube.obj --cage cube.lattice.json --freeze 1 --move 'all:0,0,1' -o moved.obj
+works "a lattice's pose in space" "$programs/pose_cage" cube.lattice.json --move 13:0,0,1 -o cube_pose.obj --picture lattice.png
+works "which is the same" "$mesh" cube.obj --cage cube.lattice.json --pose cube_pose.obj -o posed.obj
+cmp -s moved.obj posed.obj && ok=yes || ok=no
+report $ok "the one point in the middle is free"
+works "a lattice for a game" "$bind" cube.obj --cage lattice:3x3x3 --twist all:z,0,1,40 -o cube.figure
+works "a lattice's joints" "$programs/export_gltf" cube.obj --cage lattice:3x3x3 --twist all:z,0,1,40 --skin 8 -o cube.glb
+works "a face pulled out of a board" "$programs/lattice_board" -o board.png
+grep -q '^35 x 35 x 2 points: the board misses the relief by 0.00' log && ok=yes || ok=no
+report $ok "which follows the relief"
+refuses 'output is required' "$programs/lattice_board"
+refuses 'lattice:0x4: an axis has 2 points or more' "$deform" "$cat" --cage lattice:0x4 -o out.svg
+refuses 'cat.svg: a lattice about a drawing has two axes: lattice:4x4' "$deform" "$cat" --cage lattice:4x4x4 -o out.svg
+refuses 'cube.obj: a lattice about a mesh has three axes: lattice:4x4x4' "$mesh" cube.obj --cage lattice:4x4 -o out.obj
+refuses 'lattice:4x4/9: the degree is 1, 2 or 3; /bernstein takes the highest' "$animate" "$cat" --cage lattice:4x4/9 -o out.svg
+refuses 'lattice:4: a lattice has two axes' "$field" --cage lattice:4 --figure "$cat" --vertex 0 -o out.png
+refuses '--lattice: lattice:70x4/bernstein: Bernstein polynomials take at most 64 points along an axis' "$make_cage" "$cat" --lattice 70x4/bernstein -o out.svg
+refuses 'lattice:4x4x4@30: @ANGLE turns the box of a drawing alone' "$bind" cube.obj --cage lattice:4x4x4@30 -o out.figure
+refuses 'cube.lattice.json: this lattice has three axes, and a drawing two' "$deform" "$cat" --cage cube.lattice.json -o out.svg
+refuses 'cat.lattice.json: this lattice has two axes, and a mesh three' "$mesh" cube.obj --cage cat.lattice.json -o out.obj
+refuses 'make_cage --lattice writes a .lattice.json file' "$weights" --cage lattice:4x4 --points places.csv -o out.csv
+refuses 'cat_cage.svg: holds 1 line, and the lattice the lattice about' "$deform" "$cat" --cage lattice:4x4 --pose "$cage" -o out.svg
+refuses 'places.csv: holds 2 points, and the lattice' "$deform" "$cat" --cage lattice:4x4 --pose places.csv -o out.svg
+refuses '--freeze is for lattices' "$deform" "$cat" --cage auto --freeze 1 -o out.svg
+refuses '--freeze 2 leaves no point of the lattice to move' "$deform" "$cat" --cage lattice:4x4 --freeze 2 -o out.svg
+refuses 'there is no vertex 16' "$deform" "$cat" --cage lattice:4x4+1 --move 16:1,1 -o out.svg
+refuses '--lattice' "$make_cage" "$cat" --lattice 4x4 --vertices 12 -o out.svg
+refuses 'out.json: give --lattice and a name that ends with .lattice.json' "$make_cage" "$cat" --lattice 4x4 -o out.json
+refuses 'out.lattice.json: give --lattice' "$make_cage" "$cat" -o out.lattice.json
+echo '{' >broken.lattice.json
+refuses 'broken.lattice.json: is no JSON' "$deform" "$cat" --cage broken.lattice.json -o out.svg
+refuses 'nowhere.lattice.json: no such file' "$weights" --cage nowhere.lattice.json --points places.csv -o out.csv
+works "coordinates that a lattice has not" "$deform" "$cat" --cage lattice:4x4 --coordinates green -o first.svg
+grep -q 'warning: --coordinates green is not used: a lattice has functions of its own' log && ok=yes || ok=no
+report $ok "are named"
+
 # ---- coordinate_field, figure_table, contact_sheet ----
 works "a field" "$field" --cage "$cage" --vertex 8 --coordinates harmonic --resolution 64 --size 120 -o field.png
 works "a field as a surface" "$field" --cage "$cage" --vertex 8 --size 120 -o field.png --surface surface.png --turn 35 -100 0 --height 1
@@ -1403,7 +1481,7 @@ done
 mkdir -p no_files
 version=$(sed -n 's/.*VERSION_STRING "\(.*\)"/\1/p' "$(dirname "$data")/../include/cageform/version.hpp")
 for program in deform_svg coordinate_field cage_weights figure_table contact_sheet convergence adaptive_grid pose_cage make_cage deform_mesh make_character bind_mesh \
-  export_gltf skin_mesh animate_svg fit_curve bezier_tables make_hand pose_hand hand_sheet height_map grid_field diffuse_colours puzzle paths boundary_formula relaxation; do
+  export_gltf skin_mesh animate_svg fit_curve bezier_tables make_hand pose_hand hand_sheet height_map grid_field diffuse_colours puzzle paths boundary_formula relaxation lattice_board; do
   works "version of $program" "$programs/$program" --version
   [ "$(cat log)" = "$program (cageform) $version" ] && ok=yes || ok=no
   report $ok "$program tells its version"
@@ -1414,7 +1492,7 @@ for program in deform_svg coordinate_field cage_weights figure_table contact_she
   # In a folder without files every example fails for want of its file, not for its words.
   grep "^  $program " log | sed 's/^ *[a-z_]* //' >shown_words
   while read -r words; do
-    case $program in fit_curve | make_character | make_hand | hand_sheet | pose_hand) continue ;; esac # which need none
+    case $program in fit_curve | make_character | make_hand | hand_sheet | pose_hand | lattice_board) continue ;; esac # which need none
     (cd no_files && eval "'$programs/$program' $words") >log 2>&1 </dev/null && ok=no || ok=yes
     grep -q 'no such file' log || ok=no
     report $ok "the help of $program shows $words"

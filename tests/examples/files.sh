@@ -36,6 +36,9 @@ cp "$data/puzzle.csv" pool
   printf '0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0\n' >hand.csv
   printf '{"cage": {"vertices": [[0,0],[1,0],[0,1]], "loops": [[0,1,2]]}, "points": [[0.25,0.25]], "coordinates": [[0.5,0.25,0.25]]}' >triangle.json
   printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n' >cage.obj
+  printf '{"format": "lattice/1", "axes": [{"points": 2, "degree": 1}, {"points": 2, "degree": 1}], "frame_columns": [[500,0],[0,500]], "origin": [0,0]}' \
+    >plane.lattice.json
+  printf '0,0\n500,0\n0,500\n520,510\n' >plane_pose.csv
   echo '0.25,0.25,0.25;0:0.25;1:0.25;2:0.25;3:0.25' >reference.txt
   cat >curves.json <<'JSON'
 {"layers": [{"nm": "ball", "ks": {"r": {"a": 1, "k": [
@@ -166,6 +169,7 @@ form() { # PROGRAM WORD…
 # ---- the forms ----
 form deform_svg hexagon.svg --cage hexagon_cage.svg --pose hexagon_pose.svg -o out.svg --png --png-width 40
 form deform_svg fish.svg --cage fish_points.svg --pose fish_pose_fins.svg --coordinates sibson --weights point_weights.txt -o out.svg
+form deform_svg hexagon.svg --cage plane.lattice.json --pose plane_pose.csv -o out.svg
 form animate_svg hexagon.svg --cage hexagon_cage.svg --clip clip.csv -o out.svg --stills still_ --still-count 1 --rate 2 \
   --gif out.gif --apng out.png --mp4 out.mp4 --width 40
 form animate_svg hexagon.svg --cage hexagon_cage.svg --pose hexagon_pose.svg --rate 2 -o out.svg
@@ -178,6 +182,7 @@ form figure_table hexagon.svg hexagon_cage.svg hexagon_pose.svg mean-value
 form contact_sheet -o out.svg --png --png-width 60 one hexagon.svg two red.png
 form deform_mesh inner.obj --cage box.obj --pose bent_box.obj --coordinates sibson --weights corner_weights.txt -o out.obj
 form make_cage hexagon.svg -o out.svg --picture picture.svg --png
+form make_cage hexagon.svg --lattice 3x3 -o out.lattice.json
 form pose_cage hexagon_cage.svg --figure hexagon.svg --move 0:1,1 -o out.svg --picture picture.svg --png
 form adaptive_grid --cage hexagon_cage.svg --figure hexagon.svg --accuracy 0.05 -o out.svg --png --png-width 60
 form bind_mesh inner.obj --cage box.obj --clip box_clip.csv --labels box_labels.txt -o out.figure
@@ -207,6 +212,8 @@ form deform_mesh inner.obj --cage box.obj --pose bent_box.obj -o out.obj --pictu
 form make_cage box.obj -o out.obj --picture out.png
 form pose_cage box.obj --move 0:0.1,0,0 -o out.obj --picture out.png
 form pose_hand --pose hand.csv -o out.obj --picture out.png
+told=out.png
+form lattice_board -o out.png
 told="out.glb out.png"
 form skin_mesh box.obj --bones bones.csv -o out.glb --picture out.png
 told=
@@ -214,7 +221,7 @@ told=
 # ---- none is forgotten ----
 without_inputs="bezier_tables make_character make_hand hand_sheet sibson_figures"
 # Options whose words are no files.
-words="--slice --zoom --margin --mirror --move --turn --scale --bend --twist --surround --point --at --values --css --bezier --curve
+words="--lattice --slice --zoom --margin --mirror --move --turn --scale --bend --twist --surround --point --at --values --css --bezier --curve
   --knots --conditions --norm --blue --red --from --make"
 for file in "$programs"/*; do
   program=${file##*/}

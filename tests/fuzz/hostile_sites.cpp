@@ -6,6 +6,7 @@
 //             -isystem /usr/include/eigen3 tests/fuzz/hostile_sites.cpp -o hostile_sites
 //     ./hostile_sites FIRST_SEED COUNT
 #include "support/cages.hpp"
+#include "support/spoilt.hpp"
 
 #include <cageform/binding/bind.hpp>
 #include <cageform/coordinates/sibson.hpp>
@@ -19,6 +20,7 @@ namespace {
 
 using namespace cageform;
 using cageform_tests::Random;
+using cageform_tests::spoilt;
 
 #define REQUIRE(condition)                                                                                   \
     if (!(condition)) {                                                                                      \
@@ -58,22 +60,6 @@ std::vector<Vec<double, D>> places(Random& random, std::size_t count) {
         if (thin == 1) p[D - 1] *= width;
     }
     return sites;
-}
-
-template <class T>
-T spoilt(Random& random, double x, std::size_t kind) {
-    switch (kind) {
-    case 1: return T(x * 1e300 * 1e8);
-    case 2: return T(x * 1e-300 * 1e-20);
-    case 3: return T(1e6 + x);
-    case 4: return random.below(8) == 0 ? std::numeric_limits<T>::quiet_NaN() : T(x);
-    case 5: return random.below(8) == 0 ? std::numeric_limits<T>::infinity() : T(x);
-    case 6:
-        return T(x * std::pow(10.0, random.uniform(sizeof(T) == 4 ? -44 : -320, sizeof(T) == 4 ? 38 : 308)));
-    case 7: return T(x * double(std::numeric_limits<T>::max()));
-    case 8: return T(x * double(std::numeric_limits<T>::min()));
-    default: return T(x);
-    }
 }
 
 template <class T, std::size_t D>

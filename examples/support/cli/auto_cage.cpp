@@ -40,6 +40,8 @@ std::string percent(double part) {
     return detail::short_number(std::round(part * 1000) / 10) + " %";
 }
 
+constexpr std::string_view lattice_prefix = "lattice:";
+
 double farthest_coordinate(std::span<const double> coordinates, double before) {
     for (const double x : coordinates) before = std::max(before, std::fabs(x));
     return before;
@@ -68,8 +70,9 @@ std::string no_cage(const cageform::MakeCageReport& report, const cageform::Make
 
 CageWord CageWord::of(const std::string& word) {
     using Shape = cageform::CageShape;
+    if (word.starts_with(lattice_prefix)) return {true, true, 0, Shape::figure};
     const std::string name = word.substr(0, word.find(':'));
-    CageWord found{name == "auto" || name == "hull" || word == "box", 0,
+    CageWord found{name == "auto" || name == "hull" || word == "box", false, 0,
                    name == "hull"  ? Shape::hull
                    : name == "box" ? Shape::box
                                    : Shape::figure};
@@ -163,8 +166,42 @@ SvgError with_words(SvgError error, const std::string& word) {
 
 } // namespace
 
+SvgResult<CageFile> make_lattice_for(const SvgDocument& figure, const LatticeWord& word, double margin) {
+    const auto drawn = drawn_figure(figure);
+    if (!drawn) return drawn.error();
+    std::vector<cageform::Vec<double, 2>> corners; // of boxes around the strokes
+    for (const auto& segment : drawn->segments) {
+        for (const auto& p : {segment.a, segment.b}) {
+            for (const double r : {-segment.radius, segment.radius})
+                corners.insert(corners.end(), {{p[0] + r, p[1] + r}, {p[0] + r, p[1] - r}});
+        }
+    }
+    auto lattice = lattice_about<2>(word, corners, margin, figure.name);
+    if (!lattice) return lattice.error();
+    return make_cage("the lattice about " + figure.name, std::move(*lattice));
+}
+
+SvgResult<ObjFile> make_lattice_for(const ObjFile& figure, const LatticeWord& word, double margin) {
+    auto lattice = lattice_about<3>(word, figure.vertices, margin, figure.name);
+    if (!lattice) return lattice.error();
+    return lattice_mesh("the lattice about " + figure.name, std::move(*lattice));
+}
+
+namespace {
+
+/// The lattice that the word of --cage describes.
+template <class Figure>
+auto lattice_by_word(const std::string& word, const Figure& figure) {
+    const auto read = parse_lattice_word(std::string_view(word).substr(lattice_prefix.size()));
+    if (read) return make_lattice_for(figure, *read, lattice_margin);
+    return decltype(make_lattice_for(figure, *read, lattice_margin))(read.error());
+}
+
+} // namespace
+
 SvgResult<CageFile> load_or_make_cage(const std::string& word, const SvgDocument& figure) {
     const CageWord wanted = CageWord::of(word);
+    if (wanted.is_lattice) return lattice_by_word(word, figure);
     if (!wanted.is_auto) {
         auto cage = load_cage(word);
         if (!cage) return with_words(cage.error(), word);
@@ -177,6 +214,7 @@ SvgResult<CageFile> load_or_make_cage(const std::string& word, const SvgDocument
 
 SvgResult<ObjFile> load_or_make_cage(const std::string& word, const ObjFile& figure) {
     const CageWord wanted = CageWord::of(word);
+    if (wanted.is_lattice) return lattice_by_word(word, figure);
     if (!wanted.is_auto) {
         auto cage = load_mesh_cage(word);
         if (!cage) return with_words(cage.error(), word);

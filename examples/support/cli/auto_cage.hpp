@@ -16,12 +16,14 @@ namespace cageform_examples {
 
 /// Text for --help, after the other values of --cage.
 inline constexpr const char* auto_cage_help =
-    "; or auto, hull or box (with N vertices auto:N or hull:N) to make one, as make_cage does";
+    "; or auto, hull or box (with N vertices auto:N or hull:N) to make one, as make_cage does; or a lattice "
+    "of points, lattice:4x4 in the plane and lattice:4x4x4 in space, or a .lattice.json file";
 
-/// The choice of --cage: auto, hull, box, auto:N or hull:N, otherwise a file (write ./auto for a file of
-/// that name).
+/// The choice of --cage: auto, hull, box, auto:N, hull:N or lattice:…, otherwise a file (write ./auto for a
+/// file of that name).
 struct CageWord {
     bool is_auto = false;
+    bool is_lattice = false;  // then the rest of the word says which
     std::size_t vertices = 0; // 0: as many as make_cage takes
     cageform::CageShape shape = cageform::CageShape::figure;
 
@@ -46,6 +48,13 @@ SvgResult<AutoCage<CageFile>> make_cage_for(const SvgDocument& figure,
 /// Makes a cage around all faces of a mesh.
 SvgResult<AutoCage<ObjFile>> make_cage_for(const ObjFile& figure, const cageform::MakeCageOptions& options,
                                            const cageform::Running& running = {});
+
+/// Makes a lattice about everything that a document paints, or about the vertices of a mesh.
+///
+///   margin   of the box, as a part of their diagonal
+inline constexpr double lattice_margin = 0.02;
+SvgResult<CageFile> make_lattice_for(const SvgDocument& figure, const LatticeWord& word, double margin);
+SvgResult<ObjFile> make_lattice_for(const ObjFile& figure, const LatticeWord& word, double margin);
 
 /// The cage that --cage names: made for the figure, or read from a file.
 SvgResult<CageFile> load_or_make_cage(const std::string& word, const SvgDocument& figure);

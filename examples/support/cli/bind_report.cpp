@@ -14,6 +14,7 @@ int numbers_of(cageform::CageFaultKind kind) {
     switch (kind) {
     case Kind::degenerate_simplex:
     case Kind::sites_in_a_plane:
+    case Kind::falloff_negative:
     case Kind::no_volume: // of a mesh; no program reads a box, which would have an axis
         return 0;
     case Kind::vertex_not_finite:
@@ -26,10 +27,14 @@ int numbers_of(cageform::CageFaultKind kind) {
     case Kind::interior_cells_not_supported:
     case Kind::vertex_not_convex:
     case Kind::bone_axes_dependent:
+    case Kind::frame_not_finite:
+    case Kind::frame_flat:
     case Kind::collinear_vertex:
     case Kind::vertex_unused:
     case Kind::loop_orientation_reversed:
     case Kind::shell_orientation_reversed: return 1;
+    case Kind::lattice_degree:
+    case Kind::lattice_knots:
     case Kind::too_few_vertices:
     case Kind::not_a_simplex:
     case Kind::loops_do_not_match:

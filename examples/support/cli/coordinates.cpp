@@ -56,9 +56,15 @@ void CoordinatesChoice::add_options(CommandLine& line) {
         known.insert(known.end(), {"sibson", "sibson-c1"});
         help += "; for points without a cage sibson, or sibson-c1, which is smooth at the points too";
     }
-    line.add("--coordinates", name, help)
+    line.add_text(
+            "--coordinates",
+            [this](const std::string& given) {
+                name = given;
+                is_named = true;
+            },
+            help)
         .check([known](const std::string& given) { return name_fault(given, known); })
-        .show_default();
+        .show_default(name);
     if (in_space) {
         line.add("--faces", faces,
                  "mean-value and harmonic in space: polygons keeps planar faces of more than three corners "

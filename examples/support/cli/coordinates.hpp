@@ -25,6 +25,7 @@ namespace cageform_examples {
 struct CoordinatesChoice {
     /// One of names(); with with_sites sibson, sibson-c1; with with_normals green.
     std::string name = "mean-value";
+    bool is_named = false;            // whether it is given
     bool in_plane = false;            // whether the program takes polygons as cages
     bool in_space = false;            // whether it takes meshes
     std::string faces = "polygons";   // of meshes: polygons or triangles

@@ -9,6 +9,7 @@ namespace cageform_examples {
 
 template <class T>
 ChosenCoordinates<T, 2> make_coordinates(const CoordinatesChoice& choice, const CageFile& file) {
+    if (file.lattice) return lattice_coordinates<T>(choice, *file.lattice);
     return file.visit<T>([&](const auto& cage) -> ChosenCoordinates<T, 2> {
         if (choice.name == "harmonic") {
             using Cage = std::remove_cvref_t<decltype(cage)>;

@@ -22,6 +22,7 @@ std::string polygon_fault(const CoordinatesChoice& choice) {
 
 template <class T>
 ChosenCoordinates<T, 3> make_coordinates(const CoordinatesChoice& choice, const ObjFile& file) {
+    if (file.lattice) return lattice_coordinates<T>(choice, *file.lattice);
     if (choice.name == "barycentric") return cageform::BarycentricCoordinates<T, 3>(std::span(file.vertices));
     const cageform::HarmonicOptions options = choice.harmonic_options(3);
     const bool harmonic = choice.name == "harmonic";

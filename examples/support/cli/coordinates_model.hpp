@@ -3,6 +3,7 @@
 // The coordinate types with every solver: for the files that compile them.
 
 #include "cli/coordinates.hpp"
+#include "cli/guard.hpp"
 
 #include <cageform/papers/pyramid_solver.hpp>
 
@@ -12,5 +13,13 @@ namespace cageform_examples {
 template <class C>
 using Harmonic =
     cageform::HarmonicCoordinates<typename C::scalar, C::dimension, C, cageform::WithAveragingPyramid>;
+
+/// The coordinates of a lattice, which --coordinates does not choose.
+template <class T, std::size_t D>
+ChosenCoordinates<T, D> lattice_coordinates(const CoordinatesChoice& choice, const LatticeBox<D>& lattice) {
+    if (choice.is_named)
+        warn("--coordinates " + choice.name + " is not used: a lattice has functions of its own");
+    return lattice.template coordinates<T>();
+}
 
 } // namespace cageform_examples

@@ -4,11 +4,15 @@
 #include "cli/guard.hpp"
 #include "cli/progress_bar.hpp"
 
+#include <cageform/binding/bind.hpp>
 #include <cageform/cage/polygon.hpp>
 #include <cageform/clone/clone.hpp>
 #include <cageform/clone/clone_rational.hpp>
+#include <cageform/clone/jacobians.hpp>
 
 #include <algorithm>
+#include <array>
+#include <functional>
 
 namespace cageform_examples {
 
@@ -26,21 +30,70 @@ FigureControl control_of(const CoordinatesChoice& choice, const CageFile& cage) 
     return control;
 }
 
-std::string pose_faults(const FigureControl& control, const CageFile& cage) {
-    std::size_t count = 0;
-    std::string first;
-    std::vector<cageform::Vec<double, 2>> places;
-    for (std::size_t i = 0; i < control.poses.size(); ++i) {
-        places.clear();
-        for (const Point2& p : control.poses[i]) places.push_back({p.x, p.y});
+namespace {
+
+/// Returns what is wrong with a posed cage; empty if nothing is.
+using PoseCheck = std::function<std::string(const std::vector<Point2>& pose)>;
+
+PoseCheck check_crossings(const CageFile& cage) {
+    return [&cage](const std::vector<Point2>& pose) {
+        std::vector<cageform::Vec<double, 2>> places;
+        for (const Point2& p : pose) places.push_back({p.x, p.y});
         const auto report = cageform::check(moved_cage(cage, places).polygon<double>());
-        if (report.status == cageform::Status::ok || ++count > 1) continue;
+        std::string text;
+        if (report.status == cageform::Status::ok) return text;
         for (const auto& fault : report.faults) {
             if (cageform::status_of(fault.kind) == cageform::Status::ok) continue;
-            first = control.name_of(i % control.frames) + ": in the posed cage " + describe_fault(fault);
+            text = "in the posed cage " + describe_fault(fault);
             break;
         }
-        if (report.fault_count > 1) first += " and " + std::to_string(report.fault_count - 1) + " more";
+        if (report.fault_count > 1) text += " and " + std::to_string(report.fault_count - 1) + " more";
+        return text;
+    };
+}
+
+/// A lattice folds where the deformation turns small triangles over: where the determinant of its Jacobian,
+/// 1 at rest, is not positive. It is looked at in places of a grid over the box.
+PoseCheck check_folds(const LatticeBox<2>& lattice) {
+    std::array<std::size_t, 2> counts{};
+    for (std::size_t k = 0; k < 2; ++k)
+        counts[k] = std::min<std::size_t>(4 * (lattice.axes[k].points - 1) + 1, 65);
+    std::vector<Point2> places;
+    for (std::size_t n = 0; n < counts[0] * counts[1]; ++n) {
+        const cageform::Vec<double, 2> u{double(n % counts[0]) / double(counts[0] - 1),
+                                         double(n / counts[0]) / double(counts[1] - 1)};
+        const auto p = lattice.frame.translation + lattice.frame.map_vector(u);
+        places.push_back({p[0], p[1]});
+    }
+    auto bound = cageform::bind_jacobians(lattice.coordinates<double>(), places);
+    return [places = std::move(places), columns = std::move(bound.value)](const std::vector<Point2>& pose) {
+        std::vector<double> numbers(4 * places.size());
+        const cageform::StridedMatrices<double, 2> jacobians(numbers.data(), places.size());
+        const auto status = cageform::clone_jacobians(columns, pose, jacobians);
+        double least = 0;
+        std::size_t where = places.size();
+        for (std::size_t i = 0; i < places.size() && status == cageform::Status::ok; ++i) {
+            const double* const j = numbers.data() + 4 * i;
+            const double determinant = j[0] * j[3] - j[1] * j[2];
+            if (determinant > 0 || (where < places.size() && determinant >= least)) continue;
+            least = determinant;
+            where = i;
+        }
+        return where < places.size() ? "the posed lattice folds most at " + name_points(places, {where})
+                                     : std::string();
+    };
+}
+
+} // namespace
+
+std::string pose_faults(const FigureControl& control, const CageFile& cage) {
+    const PoseCheck check = cage.lattice ? check_folds(*cage.lattice) : check_crossings(cage);
+    std::size_t count = 0;
+    std::string first;
+    for (std::size_t i = 0; i < control.poses.size(); ++i) {
+        const std::string fault = check(control.poses[i]);
+        if (fault.empty() || ++count > 1) continue;
+        first = control.name_of(i % control.frames) + ": " + fault;
     }
     if (count == 0) return {};
     return first + (count > 1 ? ", and in " + std::to_string(count - 1) + " more frames" : "") +

@@ -30,7 +30,8 @@ struct FigureControl {
 /// A control by a cage that has no pose yet.
 FigureControl control_of(const CoordinatesChoice& choice, const CageFile& cage);
 
-/// Describes which edges of the posed cage cross, and in how many frames; empty if it is sound in all.
+/// Describes which edges of the posed cage cross, or where a lattice folds, and in how many frames; empty if
+/// it is sound in all.
 ///
 ///   cage   what the poses are of
 std::string pose_faults(const FigureControl& control, const CageFile& cage);

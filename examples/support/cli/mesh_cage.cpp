@@ -9,7 +9,17 @@
 
 namespace cageform_examples {
 
+SvgResult<std::size_t> cage_dimension(const std::string& path) {
+    if (is_lattice_path(path)) return lattice_dimension(path);
+    return std::size_t{path.ends_with(".obj") ? 3u : 2u};
+}
+
 SvgResult<ObjFile> load_mesh_cage(const std::string& path) {
+    if (is_lattice_path(path)) {
+        auto lattice = load_lattice<3>(path);
+        if (!lattice) return lattice.error();
+        return lattice_mesh(path, std::move(*lattice));
+    }
     auto file = load_obj(path);
     if (file && file->faces.empty())
         return SvgError{file->name + ": holds no faces (lines \"f a b c\"); a cage is a closed mesh"};
@@ -18,6 +28,45 @@ SvgResult<ObjFile> load_mesh_cage(const std::string& path) {
                         file->faces[file->folded.front()].line};
     }
     return file;
+}
+
+ObjFile lattice_mesh(std::string name, LatticeBox<3> lattice) {
+    const auto coordinates = lattice.coordinates<double>();
+    std::string text;
+    for (const auto& p : coordinates.handles()) {
+        text += 'v';
+        for (const double x : p.v) detail::append_number(text += ' ', x);
+        text += '\n';
+    }
+    const std::array counts{coordinates.points(0), coordinates.points(1), coordinates.points(2)};
+    const auto number = [&](const std::array<std::size_t, 3>& at) {
+        return ' ' + std::to_string(at[0] + counts[0] * (at[1] + counts[1] * at[2]) + 1);
+    };
+    for (std::size_t k = 0; k < 3; ++k) {
+        const std::size_t a = (k + 1) % 3, b = (k + 2) % 3;
+        std::array<std::size_t, 3> at{};
+        for (at[a] = 0; at[a] + 1 < counts[a]; ++at[a]) {
+            for (at[b] = 0; at[b] + 1 < counts[b]; ++at[b]) {
+                for (const bool is_far : {false, true}) {
+                    at[k] = is_far ? counts[k] - 1 : 0;
+                    auto right = at, over = at, up = at;
+                    ++right[a];
+                    ++over[a];
+                    ++over[b];
+                    ++up[b];
+                    text += 'f' + number(at) + number(is_far ? right : up) + number(over) +
+                            number(is_far ? up : right) + '\n';
+                }
+                if (at[a] == 0 || at[b] == 0) continue;
+                text += 'l';
+                for (at[k] = 0; at[k] < counts[k]; ++at[k]) text += number(at);
+                text += '\n';
+            }
+        }
+    }
+    auto file = parse_obj(std::move(text), std::move(name));
+    file->lattice = std::move(lattice);
+    return std::move(*file);
 }
 
 CageFaces faces_of(const ObjFile& cage, bool keep_polygons) {

@@ -13,8 +13,14 @@
 
 namespace cageform_examples {
 
-/// A cage from an OBJ file; fails also where a face cannot be cut into triangles.
+/// 2 or 3: the dimension of a cage by its file. Fails where a lattice cannot be read.
+SvgResult<std::size_t> cage_dimension(const std::string& path);
+
+/// A cage from an OBJ file, or a lattice; fails also where a face cannot be cut into triangles.
 SvgResult<ObjFile> load_mesh_cage(const std::string& path);
+
+/// A lattice as an OBJ file: its handles, the faces between the outer ones, and the rows inside as lines.
+ObjFile lattice_mesh(std::string name, LatticeBox<3> lattice);
 
 /// The faces of a cage as coordinates get them.
 struct CageFaces {

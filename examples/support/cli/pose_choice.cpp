@@ -22,27 +22,52 @@ void PoseChoice::add_options(CommandLine& line) {
     add("--scale", PoseOperation::scale, "scale vertices: WHICH:FACTOR, or one factor per axis");
     add("--bend", PoseOperation::bend, "bend vertices: WHICH:AXES,FROM,TO,DEGREES");
     add("--twist", PoseOperation::twist, "in space, twist vertices: WHICH:AXIS,FROM,TO,DEGREES");
+    line.add("--freeze", freeze,
+             "of a lattice, the number of layers of points at the faces of its box that every pose leaves at "
+             "rest")
+        .show_default();
 }
 
 template <std::size_t D>
 SvgResult<std::vector<cageform::Vec<double, D>>>
-PoseChoice::posed(const std::vector<cageform::Vec<double, D>>& rest) const {
+PoseChoice::posed(const std::vector<cageform::Vec<double, D>>& rest,
+                  const std::optional<LatticeBox<D>>& lattice) const {
     static constexpr std::array names{"move", "turn", "scale", "bend", "twist"};
+    const auto held = still(lattice);
+    if (!held) return held.error();
     auto pose = rest;
+    const std::size_t count = lattice ? lattice->points() : rest.size();
     for (const auto& [operation, word] : operations) {
-        const std::string why = apply_operation<D>(operation, word, std::span(rest), std::span(pose));
+        const std::string why =
+            apply_operation<D>(operation, word, std::span(rest).first(count), std::span(pose).first(count));
         if (!why.empty()) {
             return SvgError{"--" + std::string(names[std::size_t(operation)]) + " " + detail::quoted(word) +
                             ": " + why};
         }
     }
+    for (const std::size_t i : *held) pose[i] = rest[i];
     return pose;
 }
 
+template <std::size_t D>
+SvgResult<std::vector<std::size_t>> PoseChoice::still(const std::optional<LatticeBox<D>>& lattice) const {
+    if (!lattice && freeze > 0) return SvgError{"--freeze is for lattices, such as --cage lattice:4x4"};
+    if (!lattice) return std::vector<std::size_t>{};
+    const auto coordinates = lattice->template coordinates<double>();
+    const auto frozen = coordinates.frozen_handles(freeze);
+    if (frozen.size() == lattice->points())
+        return SvgError{"--freeze " + std::to_string(freeze) + " leaves no point of the lattice to move"};
+    std::vector<std::size_t> list(frozen.begin(), frozen.end());
+    for (std::size_t i = lattice->points(); i < coordinates.handles().size(); ++i) list.push_back(i);
+    return list;
+}
+
 template SvgResult<std::vector<cageform::Vec<double, 2>>>
-PoseChoice::posed(const std::vector<cageform::Vec<double, 2>>&) const;
+PoseChoice::posed(const std::vector<cageform::Vec<double, 2>>&, const std::optional<LatticeBox<2>>&) const;
 template SvgResult<std::vector<cageform::Vec<double, 3>>>
-PoseChoice::posed(const std::vector<cageform::Vec<double, 3>>&) const;
+PoseChoice::posed(const std::vector<cageform::Vec<double, 3>>&, const std::optional<LatticeBox<3>>&) const;
+template SvgResult<std::vector<std::size_t>> PoseChoice::still(const std::optional<LatticeBox<2>>&) const;
+template SvgResult<std::vector<std::size_t>> PoseChoice::still(const std::optional<LatticeBox<3>>&) const;
 
 void MotionChoice::add_options(CommandLine& line) {
     const CommandOption of_clip = line.add("--clip", clip, "a CSV file of poses, the motion of the cage");
@@ -54,13 +79,21 @@ void MotionChoice::add_options(CommandLine& line) {
 }
 
 SvgResult<PoseClip> MotionChoice::motion(const ObjFile& cage) const {
+    const auto held = operations.still(cage.lattice);
+    if (!held) return held.error();
     if (operations.operations.empty()) {
-        if (!clip.empty()) return load_pose_clip(clip, cage.vertices.size());
-        return poses.empty() ? SvgResult<PoseClip>(PoseClip{}) : clip_through_poses(cage, poses, seconds);
+        if (clip.empty() && poses.empty()) return PoseClip{};
+        auto motion = clip.empty() ? clip_through_poses(cage, poses, seconds)
+                                   : load_pose_clip(clip, cage.vertices.size());
+        if (!motion) return motion;
+        for (PoseKey& key : motion->keys) {
+            for (const std::size_t i : *held) key.places[i] = cage.vertices[i];
+        }
+        return motion;
     }
     if (!clip.empty() || !poses.empty())
         return SvgError{"give only one of --clip, --pose, and operations such as --turn"};
-    auto posed = operations.posed(cage.vertices);
+    auto posed = operations.posed(cage.vertices, cage.lattice);
     if (!posed) return posed.error();
     for (std::size_t i = 0; i < posed->size(); ++i) {
         for (const double x : (*posed)[i].v) {
@@ -77,13 +110,23 @@ SvgResult<PoseClip> MotionChoice::motion(const ObjFile& cage) const {
 SvgResult<CageFile> read_pose(const std::string& path, const PoseChoice& choice, const CageFile& cage,
                               bool is_made) {
     const auto& operations = choice.operations;
-    if (!path.empty() && operations.empty()) return load_pose(path, cage);
-    if (!path.empty()) return SvgError{"give --pose or operations such as --turn, but not both"};
-    if (operations.empty() && !is_made) return SvgError{"--pose is required, or operations such as --turn"};
-    if (operations.empty()) return moved_cage(cage, first_pose(cage.places()));
-    const auto moved = choice.posed(cage.places());
-    if (!moved) return moved.error();
-    return moved_cage(cage, *moved);
+    if (!path.empty() && !operations.empty())
+        return SvgError{"give --pose or operations such as --turn, but not both"};
+    if (path.empty() && operations.empty() && !is_made)
+        return SvgError{"--pose is required, or operations such as --turn"};
+    const auto rest = cage.places();
+    if (!operations.empty()) {
+        const auto moved = choice.posed(rest, cage.lattice);
+        if (!moved) return moved.error();
+        return moved_cage(cage, *moved);
+    }
+    const auto held = choice.still(cage.lattice);
+    if (!held) return held.error();
+    auto pose = path.empty() ? moved_cage(cage, first_pose(rest)) : load_pose(path, cage);
+    if (!pose || held->empty()) return pose;
+    auto places = pose->places();
+    for (const std::size_t i : *held) places[i] = rest[i];
+    return moved_cage(std::move(*pose), places);
 }
 
 } // namespace cageform_examples

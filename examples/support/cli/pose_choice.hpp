@@ -8,6 +8,7 @@
 #include "files/clip_file.hpp"
 #include "files/obj_file.hpp"
 
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -17,13 +18,19 @@ namespace cageform_examples {
 /// The operations --move, --turn, --scale, --bend and --twist, in the order given.
 struct PoseChoice {
     std::vector<std::pair<PoseOperation, std::string>> operations;
+    std::size_t freeze = 0; // layers of a lattice that stay at rest
 
     void add_options(CommandLine& line);
 
-    /// A cage's vertices after all operations; fails with the word that cannot be done.
+    /// A cage's vertices after all operations; fails with the word that cannot be done, and as `still`.
     template <std::size_t D>
-    SvgResult<std::vector<cageform::Vec<double, D>>>
-    posed(const std::vector<cageform::Vec<double, D>>& rest) const;
+    SvgResult<std::vector<cageform::Vec<double, D>>> posed(const std::vector<cageform::Vec<double, D>>& rest,
+                                                           const std::optional<LatticeBox<D>>& lattice) const;
+
+    /// The vertices that no pose moves: frozen and still handles of a lattice. Fails where --freeze is given
+    /// for a cage that is none, or leaves nothing to move.
+    template <std::size_t D>
+    SvgResult<std::vector<std::size_t>> still(const std::optional<LatticeBox<D>>& lattice) const;
 };
 
 /// --clip, --pose, --seconds and the operations say how a cage in space moves: a clip, or from rest through
@@ -38,9 +45,9 @@ struct MotionChoice {
     void add_options(CommandLine& line);
 
     bool is_given() const { return !clip.empty() || !poses.empty() || !operations.operations.empty(); }
-    /// The motion; without keys where none is given. Fails where a file cannot be read or fits not, an
-    /// operation cannot be done, numbers are beyond single precision, or more than one of the three is
-    /// given.
+    /// The motion; without keys where none is given. Vertices that stay still are put back to rest. Fails
+    /// where a file cannot be read or fits not, an operation cannot be done, numbers are beyond single
+    /// precision, or more than one of the three is given.
     SvgResult<PoseClip> motion(const ObjFile& cage) const;
 };
 

@@ -22,7 +22,7 @@ std::string digits_of(const Point2& p) {
 } // namespace
 
 CageFile make_cage(std::string name, std::vector<CageBlock> blocks) {
-    CageFile cage{std::move(name), std::move(blocks), {}, {}};
+    CageFile cage{std::move(name), std::move(blocks), {}, {}, {}};
     cageform::CellComplex<double, 2> complex(cage.polygon<double>());
     std::size_t first = 0;
     for (const CageBlock& block : cage.blocks) {
@@ -36,7 +36,31 @@ CageFile make_cage(std::string name, std::vector<CageBlock> blocks) {
     return cage;
 }
 
+CageFile make_cage(std::string name, LatticeBox<2> lattice) {
+    CageFile cage{std::move(name), {}, {}, {}, std::move(lattice)};
+    const auto coordinates = cage.lattice->coordinates<double>();
+    for (const auto& handle : coordinates.handles()) cage.vertices.push_back({handle[0], handle[1]});
+    const std::array counts{coordinates.points(0), coordinates.points(1)}, strides{std::size_t{1}, counts[0]};
+    for (std::size_t k = 0; k < 2; ++k) { // rows, then columns
+        for (std::size_t n = 0; n < counts[1 - k]; ++n) {
+            CageBlock line{CageBlock::Kind::chain, 0, {}};
+            auto& handles = cage.handles.emplace_back();
+            for (std::size_t i = 0; i < counts[k]; ++i) {
+                handles.push_back(n * strides[1 - k] + i * strides[k]);
+                line.points.push_back(cage.vertices[handles.back()]);
+            }
+            cage.blocks.push_back(std::move(line));
+        }
+    }
+    return cage;
+}
+
 SvgResult<CageFile> load_cage(const std::string& path) {
+    if (is_lattice_path(path)) {
+        auto lattice = load_lattice<2>(path);
+        if (!lattice) return lattice.error();
+        return make_cage(path, std::move(*lattice));
+    }
     if (path.ends_with(".csv")) {
         auto blocks = read_cage_csv(path);
         if (!blocks) return blocks.error();
@@ -52,8 +76,14 @@ SvgResult<CageFile> load_cage(const std::string& path) {
 }
 
 SvgResult<std::string> to_svg(const CageFile& cage, const ViewBox& view) {
-    std::string path;
+    std::string path, lines;
     for (const CageBlock& block : cage.blocks) {
+        if (cage.lattice) {
+            lines += "<polyline points=\"";
+            for (const Point2& p : block.points) lines += (lines.back() == '"' ? "" : " ") + digits_of(p);
+            lines += "\"/>\n";
+            continue;
+        }
         if (block.points.front() == block.points.back())
             return SvgError{cage.name + ": two vertices lie at the same position, " +
                             name_points(block.points, {0}) +
@@ -64,13 +94,18 @@ SvgResult<std::string> to_svg(const CageFile& cage, const ViewBox& view) {
     }
     const auto numbers = [](double x, double y) { return digits_of(x) + ' ' + digits_of(y); };
     return "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"" + numbers(view.x, view.y) + ' ' +
-           numbers(view.width, view.height) + "\">\n<path fill=\"none\" stroke=\"#c2377a\" stroke-width=\"" +
-           detail::short_number(std::hypot(view.width, view.height) / 400) +
-           "\" stroke-linejoin=\"round\" d=\"" + path + "\"/>\n</svg>\n";
+           numbers(view.width, view.height) + "\">\n<" + (cage.lattice ? "g" : "path") +
+           " fill=\"none\" stroke=\"#c2377a\" stroke-width=\"" +
+           detail::short_number(std::hypot(view.width, view.height) / 400) + "\" stroke-linejoin=\"round\"" +
+           (cage.lattice ? ">\n" + lines + "</g>" : " d=\"" + path + "\"/>") + "\n</svg>\n";
 }
 
 std::string to_csv(const CageFile& cage) {
     std::string text;
+    for (std::size_t i = 0; cage.lattice && i < cage.lattice->points(); ++i)
+        text +=
+            (i > 0 && i % cage.lattice->axes[0].points == 0 ? "\n" : "") + digits_of(cage.vertices[i]) + '\n';
+    if (cage.lattice) return text;
     for (const CageBlock& block : cage.blocks) {
         if (!text.empty()) text += '\n';
         if (block.kind == CageBlock::Kind::chain) text += "# chain\n";
@@ -185,7 +220,78 @@ SvgResult<CageFile> make_pose(CageFile pose, const CageFile& cage) {
     return pose;
 }
 
+SvgResult<CageFile> make_lattice_pose(const std::string& name, const std::vector<std::vector<Point2>>& lines,
+                                      const CageFile& cage) {
+    const auto& axes = cage.lattice->axes;
+    const auto counted = [](std::size_t n, const char* what) {
+        return std::to_string(n) + ' ' + what + (n == 1 ? "" : "s");
+    };
+    if (lines.size() != cage.blocks.size())
+        return SvgError{name + ": holds " + counted(lines.size(), "line") + ", and the lattice " + cage.name +
+                        " has " + counted(axes[1].points, "row") + " and " +
+                        counted(axes[0].points, "column")};
+    CageFile pose = cage;
+    pose.name = name;
+    const auto rest = cage.places();
+    const double rounding = 1e-6 * cageform::bounds_of(std::span(rest)).diagonal(); // of an editor
+    const auto differ = [&](const Point2& p, const Point2& q) {
+        return !(std::hypot(p.x - q.x, p.y - q.y) <= rounding);
+    };
+    std::vector<char> moved(cage.vertices.size());
+    for (std::size_t b = 0; b < lines.size(); ++b) {
+        const bool is_row = b < axes[1].points;
+        const std::string line =
+            is_row ? "row " + std::to_string(b) : "column " + std::to_string(b - axes[1].points);
+        if (lines[b].size() != cage.blocks[b].points.size())
+            return SvgError{name + ": line " + std::to_string(b + 1) + ", " + line + " of the lattice, has " +
+                            counted(lines[b].size(), "point") + " in place of " +
+                            std::to_string(cage.blocks[b].points.size())};
+        for (std::size_t k = 0; k < lines[b].size(); ++k) {
+            const std::size_t i = cage.handles[b][k];
+            const Point2& p = lines[b][k];
+            const bool has_moved = differ(p, cage.vertices[i]);
+            if (is_row || (has_moved && moved[i] == 0)) {
+                pose.vertices[i] = p;
+                moved[i] = has_moved ? 1 : 0;
+            } else if (has_moved && differ(p, pose.vertices[i])) {
+                return SvgError{name + ": point " + std::to_string(i) + " of the lattice " + cage.name +
+                                " is at " + name_points(pose.vertices, {i}) + " in its row and at " +
+                                name_points(lines[b], {k}) + " in " + line + "; move it in both, or in one"};
+            }
+        }
+    }
+    return moved_cage(pose, pose.places());
+}
+
+namespace {
+
+SvgResult<CageFile> load_lattice_pose(const std::string& path, const CageFile& cage) {
+    if (!path.ends_with(".csv")) {
+        const auto document = load_svg(path);
+        if (!document) return document.error();
+        const auto lines = straight_lines(*document);
+        if (!lines) return lines.error();
+        return make_lattice_pose(path, *lines, cage);
+    }
+    auto places = cage.places();
+    std::size_t count = 0;
+    PointReader<2> reader(path);
+    for (std::vector<std::array<double, 2>> next; reader.read(next, 1); ++count) {
+        if (count < cage.lattice->points()) places[count] = {next.front()[0], next.front()[1]};
+    }
+    if (!reader.error().empty()) return SvgError{reader.error()};
+    if (count != cage.lattice->points())
+        return SvgError{path + ": holds " + std::to_string(count) + " points, and the lattice " + cage.name +
+                        " has " + std::to_string(cage.lattice->points())};
+    CageFile pose = moved_cage(cage, places);
+    pose.name = path;
+    return pose;
+}
+
+} // namespace
+
 SvgResult<CageFile> load_pose(const std::string& path, const CageFile& cage) {
+    if (cage.lattice) return load_lattice_pose(path, cage);
     auto pose = load_cage(path);
     return pose ? make_pose(std::move(*pose), cage) : pose;
 }

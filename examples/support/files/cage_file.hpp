@@ -3,11 +3,13 @@
 // Cages in the plane and poses of them, as files.
 
 #include "files/csv.hpp"
+#include "files/lattice_file.hpp"
 
 #include <cageform/cage/cell_complex.hpp>
 #include <cageform/core/point.hpp>
 
 #include <algorithm>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -27,12 +29,14 @@ namespace cageform_examples {
 struct SvgDocument;
 struct ViewBox;
 
-/// A cage in the plane, as read: loops, and perhaps chains and points inside them.
+/// A cage in the plane, as read: loops, and perhaps chains and points inside them. The blocks of a lattice
+/// are its rows and columns, as chains; the vertices are its control points, then the still handles.
 struct CageFile {
     std::string name;
     std::vector<CageBlock> blocks;
     std::vector<std::vector<std::size_t>> handles; // of each block's points
     std::vector<Point2> vertices; // by handle: the loops', then those that chains and points add
+    std::optional<LatticeBox<2>> lattice;
 
     bool has(CageBlock::Kind kind) const {
         return std::any_of(blocks.begin(), blocks.end(),
@@ -100,11 +104,14 @@ inline constexpr const char* cage_formats =
     "comments. A pose is a file of the same blocks with the points moved.\n";
 
 CageFile make_cage(std::string name, std::vector<CageBlock> blocks);
+CageFile make_cage(std::string name, LatticeBox<2> lattice);
 
-/// Reads a cage: the first closed polygon of an SVG file, or a CSV file of loops, chains and points.
+/// Reads a cage: the first closed polygon of an SVG file, a CSV file of loops, chains and points, or a
+/// lattice.
 SvgResult<CageFile> load_cage(const std::string& path);
 
-/// A cage as the file that load_cage() reads back to the bit: an SVG document, or CSV.
+/// A cage as the file that load_cage() reads back to the bit: an SVG document, or CSV. A lattice is written
+/// as load_pose() reads it: its rows and columns, or in CSV its control points.
 ///
 ///   view    the document's viewBox
 ///   cage    of loops, in SVG
@@ -132,7 +139,15 @@ std::string describe(const CageBlock& block);
 /// the cage, and what is one vertex there has to be at one place.
 SvgResult<CageFile> make_pose(CageFile pose, const CageFile& cage);
 
-/// Works as make_pose(), from a file; fails also as load_cage() does.
+/// A pose of a lattice, from lines of points: its rows along x, then its columns. Where a row and a column
+/// differ, the one that has moved counts.
+///
+///   fails   where the lines are not those of the lattice, or both have moved a point, to different places
+SvgResult<CageFile> make_lattice_pose(const std::string& name, const std::vector<std::vector<Point2>>& lines,
+                                      const CageFile& cage);
+
+/// Works as make_pose(), from a file; fails also as load_cage() does. A pose of a lattice is an SVG file of
+/// its rows and columns, or a CSV file of its control points.
 SvgResult<CageFile> load_pose(const std::string& path, const CageFile& cage);
 
 } // namespace cageform_examples

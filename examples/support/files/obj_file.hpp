@@ -6,6 +6,7 @@
 // checks everything first and passes on only sound vertices and faces. All other lines are written as
 // they were read, to the byte: groups, materials, texture coordinates, comments, colours after a vertex.
 
+#include "files/lattice_file.hpp"
 #include "svg/path.hpp"
 
 #include <cageform/core/vec.hpp>
@@ -66,6 +67,7 @@ struct ObjFile {
     std::vector<std::array<std::uint32_t, 3>> triangles; // of all faces, in their order
     std::vector<std::uint32_t> triangle_faces;           // #triangles: of which face each is a part
     std::vector<std::size_t> folded; // faces whose triangles do not all look one way: not to be had without
+    std::optional<LatticeBox<3>> lattice; // its control points are the vertices, then the still handles
 };
 
 namespace detail {
@@ -138,6 +140,9 @@ std::string parse_index(std::string_view word, std::size_t so_far, std::size_t c
 
 /// Twice the area of a face times its normal, of any number of corners.
 Point3 area_vector(const ObjFace& face, std::span<const Point3> vertices);
+
+/// Appends a number with the fewest digits that give it back.
+void append_number(std::string& text, double x);
 
 using Triangles = std::vector<std::array<std::uint32_t, 3>>;
 

@@ -38,7 +38,8 @@ void draw_numbers(SvgDocument& document, const CageFile& cage, double letter) {
                 return length == 0 ? Point2{} : Point2{(to.y - from.y) / length, (from.x - to.x) / length};
             };
             const Point2 one = side(before, p), other = side(p, after);
-            const double x = one.x + other.x, y = one.y + other.y, length = std::hypot(x, y);
+            const double x = cage.lattice ? 1 : one.x + other.x, y = cage.lattice ? -1 : one.y + other.y,
+                         length = std::hypot(x, y);
             const double reach = length > 0 ? 0.9 * letter / length : 0;
             auto dot = group.append_child("circle");
             dot.append_attribute("cx") = p.x;

@@ -203,6 +203,25 @@ SvgResult<std::vector<std::vector<Point2>>> first_polygon(const SvgDocument& doc
     return SvgError{document.name + ": no closed polygon: " + first};
 }
 
+SvgResult<std::vector<std::vector<Point2>>> straight_lines(const SvgDocument& document) {
+    const auto all = shapes(document);
+    if (!all) return all.error();
+    std::vector<std::vector<Point2>> lines;
+    for (const SvgShape& shape : *all) {
+        for (const Subpath& subpath : shape.path) {
+            if (subpath.segments.empty()) continue;
+            auto& line = lines.emplace_back();
+            line.push_back(subpath.start);
+            for (const Segment& s : subpath.segments) {
+                if (!s.is_line)
+                    return SvgError{document.name + ": a line of points has curves: " + shape.label};
+                line.push_back(s.p3);
+            }
+        }
+    }
+    return lines;
+}
+
 SvgResult<std::vector<Point2>> figure_vertices(const SvgDocument& document) {
     const auto all = shapes(document);
     if (!all) return all.error();

@@ -177,6 +177,9 @@ SvgResult<std::vector<SvgShape>> shapes(const SvgDocument& document);
 ///   fails     where no shape is one; the message says what the first shape is instead
 SvgResult<std::vector<std::vector<Point2>>> first_polygon(const SvgDocument& document);
 
+/// The points of every subpath, in root user space, in the order drawn; fails where one has curves.
+SvgResult<std::vector<std::vector<Point2>>> straight_lines(const SvgDocument& document);
+
 /// A figure's vertices: the end points of all segments in root user space, in document order. The point
 /// where a subpath returns to its start is not repeated: a polygon of 30 corners gives 30.
 SvgResult<std::vector<Point2>> figure_vertices(const SvgDocument& document);

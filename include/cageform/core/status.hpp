@@ -51,6 +51,10 @@ namespace cageform::inline CAGEFORM_ABI {
     X(coordinates_empty, "the coordinates have no handles: they were moved from")                 \
     X(not_a_simplex, "barycentric coordinates need a simplex: dimension + 1 vertices")            \
     X(degenerate_simplex, "the simplex has no volume relative to its size")                       \
+    X(lattice_degree_not_supported, "lattices have degree 1 to 3, Bernstein ones to 63")          \
+    X(lattice_knots_not_supported, "the knots of a lattice are not clamped, or do not ascend")    \
+    X(frame_flat, "the axes of a lattice's box do not span the space")                            \
+    X(falloff_negative, "the falloff of a lattice is not a number of at least 0")                 \
     X(sibson_degree_not_supported, "Sibson coordinates are of degree 1 or 3")                     \
     X(gradients_not_supported, "these coordinates have no gradients, which normals need")         \
     X(solver_not_supported, "this solver does not exist for these coordinates")                       \
@@ -90,6 +94,8 @@ namespace cageform::inline CAGEFORM_ABI {
     X(weight_not_finite, "a weight of the binding is not a finite number")                        \
     X(binding_not_dense, "weights of the packed binding were dropped or rounded")                 \
     X(binding_empty, "the binding has no points")                                        \
+    X(targets_do_not_match, "there is not one target or weight for every point of the lattice's figure")\
+    X(fit_not_determined, "the points do not determine the pose: give more, or more smoothness")  \
     X(vectors_do_not_match, "there is not one normal or tangent for every point")                 \
     X(labels_do_not_match, "there is not one label for every handle")                             \
     X(duplicate_tag, "two parts of a figure have one tag, or one has a tag of the library's own") \

@@ -34,6 +34,11 @@ enum class CageFaultKind : std::uint8_t {
                            ///< convexity
     sites_in_a_plane,      ///< all sites lie in one plane; in the plane, on one line
     bone_axes_dependent,   ///< the axes of bone `a` lie in one plane; in the plane, on one line
+    lattice_degree,        ///< a lattice has degree `b` along axis `a`: none, or too high a one
+    lattice_knots,         ///< knot `b` of a lattice along axis `a` is out of place, or there are `b` knots
+    frame_not_finite,      ///< column `a` of a box is NaN or infinite; D: its origin
+    frame_flat,            ///< axis `a` of a box depends on the others
+    falloff_negative,      ///< the falloff of a lattice is not a number of at least 0
     interior_cells_not_supported, ///< this coordinate type supports none; there are `a` cells
     gap_closed, ///< warning: only one face had the edge between vertices `a` and `b`; the gap was closed
     collinear_vertex,           ///< warning: vertex `a` lies on the straight line between its neighbours
@@ -82,6 +87,11 @@ inline constexpr CageFaultText cage_fault_texts[] = {
     {CageFaultKind::vertex_not_convex, Status::cage_not_convex, "vertex not convex"},
     {CageFaultKind::sites_in_a_plane, Status::sites_in_a_plane, "sites in a plane"},
     {CageFaultKind::bone_axes_dependent, Status::bone_axes_dependent, "axes of a bone in a plane"},
+    {CageFaultKind::lattice_degree, Status::lattice_degree_not_supported, "degree of a lattice"},
+    {CageFaultKind::lattice_knots, Status::lattice_knots_not_supported, "knot of a lattice"},
+    {CageFaultKind::frame_not_finite, Status::vertex_not_finite, "box not finite"},
+    {CageFaultKind::frame_flat, Status::frame_flat, "axis of a box depends on the others"},
+    {CageFaultKind::falloff_negative, Status::falloff_negative, "falloff negative"},
     {CageFaultKind::interior_cells_not_supported, Status::interior_cells_not_supported,
      "interior cells not supported"},
     {CageFaultKind::gap_closed, Status::ok, "open edge, closed (warning)"},

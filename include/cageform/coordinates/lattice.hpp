@@ -1,0 +1,425 @@
+// Free-form deformation: the control points of a lattice of splines in a box are the handles.
+#pragma once
+
+#include <cageform/coordinates/coordinate.hpp>
+#include <cageform/coordinates/detail/evaluate_blocks.hpp>
+#include <cageform/coordinates/lattice/spline_axis.hpp>
+#include <cageform/core/detail/bounds.hpp>
+#include <cageform/core/detail/simd.hpp>
+#include <cageform/core/result.hpp>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+/// Coordinates in a box that is divided by a lattice of control points (Sederberg, Parry, Free-form
+/// deformation of solid geometric models, SIGGRAPH 1986; B-splines: Griessmair, Purgathofer, Eurographics
+/// 1989). A point o + A u of the box, u in [0, 1]^D, has the weights
+///
+///     w_i = Π_k N_{i_k}(u_k)       control point i at rest: o + A g_i
+///
+/// with the splines N of each axis and their Greville abscissae g, so that Σ w = 1 and Σ w H = p. The first
+/// axis of the handles is the fastest.
+///
+///   range     [0, 1] in the box. Outside, the functions go straight on, with both signs
+///   smooth    as the splines: C^(degree − 1) in the box, C¹ at its faces
+///   falloff   outside, displacements fade to nothing at this distance from the box, C¹ at both ends. The
+///             handles are then followed by D + 1 still handles, o and o + A_k, which poses must leave at
+///             rest
+///   zeros     all but (degree + 1)^D weights in the box, exactly
+///   cost      O(#handles) a point, to write the weights
+///   faults    lattice_degree, lattice_knots, frame_not_finite, frame_flat (the axis depends on the others),
+///             falloff_negative; too_many_handles above 2^24
+template <Scalar T, std::size_t D>
+    requires(D == 2 || D == 3)
+class LatticeCoordinates {
+public:
+    using scalar = T;
+    static constexpr std::size_t dimension = D;
+    static constexpr bool has_extension = true;
+    static constexpr bool closed_form = true;
+    static constexpr bool local = true;
+    static constexpr std::size_t most_handles = std::size_t{1} << 24;
+
+    /// Makes a lattice in the box `box`, the image of [0, 1]^D.
+    ///
+    ///   falloff  the distance at which displacements have faded, in the units of the box; 0: they do not
+    explicit LatticeCoordinates(const std::array<LatticeAxis, D>& axes, const Transform<T, D>& box,
+                                T falloff = 0)
+        : box_(box)
+        , falloff_(falloff) {
+        const Status status = detail::guard_memory([&] {
+            prepare(axes);
+            return Status::ok;
+        });
+        if (status != Status::ok) report_ = {status, {}};
+    }
+
+    std::span<const Vec<T, D>> handles() const noexcept { return handles_; }
+    const CageReport& cage_report() const noexcept { return report_; }
+    /// Returns how many handles at the end must stay at rest.
+    std::size_t still_handles() const noexcept {
+        return handles_.size() - (std::min)(points_, handles_.size());
+    }
+    const Transform<T, D>& box() const noexcept { return box_; }
+    /// Returns the number of control points along an axis.
+    std::size_t points(std::size_t axis) const noexcept { return axes_[axis].points(); }
+    /// Returns the Greville abscissa of control point i of an axis: where it is at rest, in [0, 1].
+    double greville(std::size_t axis, std::size_t i) const noexcept { return axes_[axis].greville(i); }
+
+    /// Returns the control points within so many layers of a face of the box, ascending. Left at rest, they
+    /// keep displacements at the faces of order `layers`, so that points outside may stay where they are.
+    std::vector<std::uint32_t> frozen_handles(std::size_t layers) const {
+        std::vector<std::uint32_t> list;
+        for (std::size_t n = 0; n < points_ && n < handles_.size(); ++n) {
+            std::size_t left = n;
+            bool is_frozen = false;
+            for (const auto& axis : axes_) {
+                const std::size_t i = left % axis.points();
+                left /= axis.points();
+                is_frozen = is_frozen || i < layers || i + layers >= axis.points();
+            }
+            if (is_frozen) list.push_back(std::uint32_t(n));
+        }
+        return list;
+    }
+
+    Evaluation evaluate(BlockView<const T> points, BlockView<T> weights, std::span<PointState> states,
+                        const Running& running = {}) const {
+        return detail::evaluate_blocks<T>(report_, handles_.size(), {points, weights, states}, running,
+                                          [&](std::size_t begin, std::size_t end) {
+                                              Work work(*this);
+                                              for (std::size_t b = begin; b < end; ++b) {
+                                                  look(b, points, states, work);
+                                                  multiply(functions_of(work.value), weights.block(b));
+                                                  fade(work, weights.block(b));
+                                              }
+                                          });
+    }
+
+    /// Computes the gradients of all weights at a batch of points.
+    ///
+    ///   points     as for `evaluate`; so are the states on entry and on return
+    ///   gradients  out, row axis · #handles + handle: the derivative along the axis, per unit of length. On
+    ///              a knot of degree 1 the slope of the span above counts
+    Evaluation evaluate_gradients(BlockView<const T> points, BlockView<T> gradients,
+                                  std::span<PointState> states, const Running& running = {}) const {
+        return detail::evaluate_blocks<T>(report_, D * handles_.size(), {points, gradients, states}, running,
+                                          [&](std::size_t begin, std::size_t end) {
+                                              Work work(*this);
+                                              work.rows.resize((D + 1) * handles_.size());
+                                              for (std::size_t b = begin; b < end; ++b) {
+                                                  look(b, points, states, work);
+                                                  differentiate(work, gradients.block(b));
+                                              }
+                                          });
+    }
+
+    /// Returns the place of the box nearest to a point outside, along its axes, and for a point inside the
+    /// foot on the nearest face.
+    Vec<T, D> nearest_boundary(const Vec<T, D>& p, std::span<T> row) const noexcept {
+        auto u = in_box(p);
+        bool is_inside = true;
+        for (std::size_t k = 0; k < D; ++k) {
+            is_inside = is_inside && u[k] > 0 && u[k] < 1;
+            u[k] = std::clamp(u[k], T(0), T(1));
+        }
+        if (is_inside) {
+            std::size_t nearest = 0;
+            T least = (std::numeric_limits<T>::max)();
+            for (std::size_t k = 0; k < D; ++k) {
+                const T distance = (std::min)(u[k], 1 - u[k]) / size_of(inverse_[k]);
+                if (!(distance < least)) continue;
+                least = distance;
+                nearest = k;
+            }
+            u[nearest] = u[nearest] < T(0.5) ? T(0) : T(1);
+        }
+        std::fill(row.begin(), row.end(), T(0));
+        std::array<Values, D> value;
+        std::array<std::size_t, D> first{};
+        Values slope;
+        for (std::size_t k = 0; k < D; ++k) first[k] = axes_[k].evaluate(u[k], value[k], slope);
+        std::array<std::size_t, D> at{};
+        for (;;) {
+            T weight = 1;
+            std::size_t handle = 0;
+            for (std::size_t k = D; k-- > 0;) {
+                weight *= value[k][at[k]];
+                handle = handle * axes_[k].points() + first[k] + at[k];
+            }
+            row[handle] = weight;
+            std::size_t k = 0;
+            while (k < D && ++at[k] > axes_[k].degree()) at[k++] = 0;
+            if (k == D) break;
+        }
+        return box_.translation + box_.map_vector(u);
+    }
+
+private:
+    using Simd = detail::Simd<T>;
+    using Values = typename detail::SplineAxis<T>::Values;
+    using Fault = CageFaultKind;
+
+    /// Holds the functions of the axes at the points of a block.
+    struct Work {
+        explicit Work(const LatticeCoordinates& lattice) {
+            for (std::size_t k = 0; k < D; ++k) {
+                value[k].resize(lattice.axes_[k].points());
+                slope[k].resize(lattice.axes_[k].points());
+            }
+        }
+        Lanes<T> kept;                                     ///< the share of displacements that is not faded
+        std::array<Lanes<T>, D> place, kept_gradient;      ///< u and ∇kept
+        std::vector<Lanes<T>> rows;                        ///< weights, and their derivatives by u
+        std::array<std::vector<Lanes<T>>, D> value, slope; ///< by axis and control point of it
+    };
+
+    static T size_of(const Vec<T, D>& v) noexcept { return static_cast<T>(std::sqrt(double(dot(v, v)))); }
+    Vec<T, D> in_box(const Vec<T, D>& p) const noexcept {
+        const auto from_origin = p - box_.translation;
+        Vec<T, D> u{};
+        for (std::size_t k = 0; k < D; ++k) u[k] = dot(inverse_[k], from_origin);
+        return u;
+    }
+
+    void prepare(const std::array<LatticeAxis, D>& axes) {
+        double handles = 1;
+        for (std::size_t k = 0; k < D; ++k) {
+            if (const auto fault = detail::SplineAxis<T>::fault_of(axes[k], k))
+                report_.add(fault->kind, fault->a, fault->b);
+            if (!is_finite(box_.columns[k])) report_.add(Fault::frame_not_finite, k);
+            handles *= double(axes[k].points);
+        }
+        if (!is_finite(box_.translation)) report_.add(Fault::frame_not_finite, D);
+        if (!(falloff_ >= 0) || !(falloff_ <= (std::numeric_limits<T>::max)()))
+            report_.add(Fault::falloff_negative);
+        if (report_.status == Status::ok && handles > double(most_handles))
+            report_.status = Status::too_many_handles;
+        if (report_.status == Status::ok) set_inverse();
+        if (report_.status != Status::ok) return;
+        points_ = std::size_t(handles);
+        for (std::size_t k = 0; k < D; ++k) axes_[k] = detail::SplineAxis<T>(axes[k]);
+        handles_.reserve(points_ + D + 1);
+        for (std::size_t n = 0; n < points_; ++n) {
+            Vec<double, D> p = vec_cast<double>(box_.translation);
+            std::size_t left = n;
+            for (std::size_t k = 0; k < D; ++k) {
+                const double g = axes_[k].greville(left % axes_[k].points());
+                left /= axes_[k].points();
+                p = p + g * vec_cast<double>(box_.columns[k]);
+            }
+            handles_.push_back(vec_cast<T>(p));
+        }
+        if (!(falloff_ > 0)) return;
+        handles_.push_back(box_.translation);
+        for (const auto& column : box_.columns) handles_.push_back(box_.translation + column);
+    }
+    /// Sets the rows of A⁻¹ in double, and what lies on the faces. An axis is refused whose component at a
+    /// right angle to the others is within rounding.
+    void set_inverse() {
+        std::array<Vec<double, D>, D> columns;
+        for (std::size_t k = 0; k < D; ++k) columns[k] = vec_cast<double>(box_.columns[k]);
+        std::array<Vec<double, D>, D> across; // at right angles to the other axes
+        if constexpr (D == 2) {
+            across[0] = {-columns[1][1], columns[1][0]};
+            across[1] = {-columns[0][1], columns[0][0]};
+        } else {
+            for (std::size_t k = 0; k < D; ++k) across[k] = cross(columns[(k + 1) % 3], columns[(k + 2) % 3]);
+        }
+        const auto corner = box_.translation + box_.map_vector(ones());
+        Bounds<T, D> bounds{box_.translation, box_.translation};
+        for (std::size_t k = 0; k < D; ++k) {
+            bounds.lower[k] = (std::min)(bounds.lower[k], corner[k]);
+            bounds.upper[k] = (std::max)(bounds.upper[k], corner[k]);
+        }
+        double longest = 0;
+        for (const auto& column : columns) longest = (std::max)(longest, std::sqrt(dot(column, column)));
+        const double tolerance = 8 * double(epsilon<T>) * (std::max)(longest, double(bounds.magnitude()));
+        for (std::size_t k = 0; k < D; ++k) {
+            const double length = std::sqrt(dot(across[k], across[k])), along = dot(across[k], columns[k]);
+            if (!(std::fabs(along) > tolerance * length)) return report_.add(Fault::frame_flat, k);
+            inverse_[k] = vec_cast<T>((1 / along) * across[k]);
+            on_face_[k] = static_cast<T>(tolerance * length / std::fabs(along));
+        }
+    }
+    static Vec<T, D> ones() noexcept {
+        Vec<T, D> all;
+        for (T& x : all.v) x = 1;
+        return all;
+    }
+
+    /// Sets the states of a block's points, the functions of each axis there, and how displacements fade.
+    void look(std::size_t b, BlockView<const T> points, std::span<PointState> states,
+              Work& work) const noexcept {
+        for (auto* axes : {&work.value, &work.slope}) {
+            for (auto& axis : *axes) {
+                for (auto& lanes : axis) Simd(T(0)).store(lanes);
+            }
+        }
+        const std::size_t first = b * lane_count<T>;
+        for (std::size_t lane = 0; lane < lane_count<T>; ++lane) {
+            PointState ignored = PointState::not_finite;
+            PointState& state = first + lane < points.points ? states[first + lane] : ignored;
+            Vec<T, D> u{};
+            if (state != PointState::not_finite) {
+                for (std::size_t k = 0; k < D; ++k) u[k] = points.block(b)[k][lane];
+                u = in_box(u);
+                state = state_at(u);
+                if (state == PointState::unreached) u = {};
+            }
+            look_at(u, lane, work);
+        }
+    }
+    /// Returns where a place of the box lies, and moves it onto the faces that it is within the tolerance of.
+    PointState state_at(Vec<T, D>& u) const noexcept {
+        constexpr auto farthest = T(1e15);
+        auto state = PointState::inside;
+        for (std::size_t k = 0; k < D; ++k) {
+            if (!(std::fabs(u[k]) <= farthest)) return PointState::unreached;
+            for (const T face : {T(0), T(1)}) {
+                if (!(std::fabs(u[k] - face) <= on_face_[k])) continue;
+                u[k] = face;
+                if (state == PointState::inside) state = PointState::on_boundary;
+            }
+            if (u[k] < 0 || u[k] > 1) state = PointState::outside;
+        }
+        return state;
+    }
+    void look_at(const Vec<T, D>& u, std::size_t lane, Work& work) const noexcept {
+        Vec<T, D> beyond{};
+        Values value, slope;
+        for (std::size_t k = 0; k < D; ++k) {
+            const T c = std::clamp(u[k], T(0), T(1));
+            beyond[k] = u[k] - c;
+            const std::size_t first = axes_[k].evaluate(c, value, slope);
+            for (std::size_t r = 0; r <= axes_[k].degree(); ++r) {
+                work.value[k][first + r][lane] = value[r] + beyond[k] * slope[r];
+                work.slope[k][first + r][lane] = slope[r];
+            }
+            work.place[k][lane] = u[k];
+            work.kept_gradient[k][lane] = 0;
+        }
+        work.kept[lane] = 1;
+        if (!(falloff_ > 0)) return;
+        const auto off = box_.map_vector(beyond);
+        const T distance = size_of(off);
+        if (!(distance > 0)) return;
+        const T t = (std::min)(distance / falloff_, T(1));
+        work.kept[lane] = 1 - t * t * (3 - 2 * t);
+        // The distance is |A (u − c)|; c stays where u_k is in [0, 1].
+        const T rate = -6 * t * (1 - t) / (falloff_ * distance);
+        for (std::size_t k = 0; k < D; ++k) {
+            if (beyond[k] == 0) continue;
+            const T along = rate * dot(box_.columns[k], off);
+            for (std::size_t axis = 0; axis < D; ++axis)
+                work.kept_gradient[axis][lane] += along * inverse_[k][axis];
+        }
+    }
+
+    using Functions = std::array<const std::vector<Lanes<T>>*, D>; ///< by axis
+    static Functions functions_of(const std::array<std::vector<Lanes<T>>, D>& axes) noexcept {
+        Functions of;
+        for (std::size_t k = 0; k < D; ++k) of[k] = &axes[k];
+        return of;
+    }
+    /// Multiplies the functions of the axes for every control point.
+    static void multiply(const Functions& of, Lanes<T>* row) noexcept {
+        std::size_t handle = 0;
+        const auto add_rows = [&](const Simd& factor) {
+            for (const auto& y : *of[1]) {
+                const Simd both = factor * Simd::load(y);
+                for (const auto& x : *of[0]) (both * Simd::load(x)).store(row[handle++]);
+            }
+        };
+        if constexpr (D == 2) {
+            add_rows(Simd(T(1)));
+        } else {
+            for (const auto& z : *of[2]) add_rows(Simd::load(z));
+        }
+    }
+    /// Fades weights, and sets those of the still handles.
+    void fade(const Work& work, Lanes<T>* row) const noexcept {
+        if (!(falloff_ > 0)) return;
+        const Simd kept = Simd::load(work.kept), lost = Simd(T(1)) - kept;
+        for (std::size_t n = 0; n < points_; ++n) (kept * Simd::load(row[n])).store(row[n]);
+        Simd rest(T(1));
+        for (std::size_t k = 0; k < D; ++k) {
+            const Simd u = Simd::load(work.place[k]);
+            rest -= u;
+            (lost * u).store(row[points_ + 1 + k]);
+        }
+        (lost * rest).store(row[points_]);
+    }
+    void differentiate(Work& work, Lanes<T>* gradients) const noexcept {
+        const std::size_t count = handles_.size();
+        Lanes<T>* const weights = work.rows.data();
+        multiply(functions_of(work.value), weights);
+        for (std::size_t k = 0; k < D; ++k) {
+            auto of = functions_of(work.value);
+            of[k] = &work.slope[k];
+            multiply(of, work.rows.data() + (k + 1) * count);
+        }
+        const Simd kept = Simd::load(work.kept), lost = Simd(T(1)) - kept;
+        for (std::size_t axis = 0; axis < D; ++axis) {
+            Lanes<T>* const to = gradients + axis * count;
+            const Simd change = Simd::load(work.kept_gradient[axis]);
+            for (std::size_t n = 0; n < points_; ++n) {
+                Simd sum(T(0));
+                for (std::size_t k = 0; k < D; ++k)
+                    sum += Simd(inverse_[k][axis]) * Simd::load(work.rows[(k + 1) * count + n]);
+                (kept * sum + change * Simd::load(weights[n])).store(to[n]);
+            }
+            if (!(falloff_ > 0)) continue;
+            Simd rest(T(1)), rest_slope(T(0));
+            for (std::size_t k = 0; k < D; ++k) {
+                const Simd u = Simd::load(work.place[k]), slope(inverse_[k][axis]);
+                rest -= u;
+                rest_slope -= slope;
+                (lost * slope - change * u).store(to[points_ + 1 + k]);
+            }
+            (lost * rest_slope - change * rest).store(to[points_]);
+        }
+    }
+
+    Transform<T, D> box_;
+    T falloff_;
+    std::array<detail::SplineAxis<T>, D> axes_;
+    std::array<Vec<T, D>, D> inverse_{}; ///< the rows of A⁻¹
+    std::array<T, D> on_face_{};         ///< the tolerance in u
+    std::size_t points_ = 0;             ///< control points, which come before the still handles
+    std::vector<Vec<T, D>> handles_;
+    CageReport report_;
+};
+
+/// Returns an axis-parallel box around points, for a lattice.
+///
+///   margin  is added on all sides, as a part of the diagonal. A side shorter than a thousandth of the
+///           diagonal is widened by that to both sides
+///   status  figure_empty; figure_not_finite; figure_has_no_size, if all points are one
+template <PointRange R>
+auto box_around(const R& points, double margin = 0.02)
+    -> Result<Transform<range_scalar_t<R>, range_dimension<R>>> {
+    using T = range_scalar_t<R>;
+    constexpr std::size_t D = range_dimension<R>;
+    if (std::size(points) == 0) return {{}, Status::figure_empty};
+    Vec<double, D> lower = vec_cast<double>(to_vec<T>(points[0])), upper = lower;
+    for (std::size_t i = 0; i < std::size(points); ++i) {
+        const auto p = vec_cast<double>(to_vec<T>(points[i]));
+        if (!is_finite(p)) return {{}, Status::figure_not_finite};
+        for (std::size_t k = 0; k < D; ++k) {
+            lower[k] = (std::min)(lower[k], p[k]);
+            upper[k] = (std::max)(upper[k], p[k]);
+        }
+    }
+    const auto extent = upper - lower;
+    const double diagonal = std::sqrt(dot(extent, extent));
+    if (!(diagonal > 0)) return {{}, Status::figure_has_no_size};
+    Transform<T, D> box{};
+    for (std::size_t k = 0; k < D; ++k) {
+        const double wider = margin * diagonal + (extent[k] < 1e-3 * diagonal ? 1e-3 * diagonal : 0.0);
+        box.translation[k] = static_cast<T>(lower[k] - wider);
+        box.columns[k][k] = static_cast<T>(extent[k] + 2 * wider);
+    }
+    return {box, Status::ok};
+}
+
+} // namespace cageform::inline CAGEFORM_ABI

@@ -1,0 +1,116 @@
+// One axis of a lattice: B-splines on clamped knots over [0, 1]. With one span they are Bernstein
+// polynomials.
+#pragma once
+
+#include <cageform/cage/types/report.hpp>
+#include <cageform/core/vec.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <vector>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+/// One axis of a lattice.
+struct LatticeAxis {
+    std::size_t points = 4; ///< the number of control points, at least 2
+    /// The degree, lowered to points − 1: 1 … 3, or up to 63 where it is points − 1 (Bernstein polynomials).
+    std::size_t degree = 3;
+    /// points + degree + 1 ascending numbers: degree + 1 times 0, inner ones of which no more than `degree`
+    /// are equal, degree + 1 times 1. Empty: spans of the same length.
+    std::vector<double> knots{};
+};
+
+namespace detail {
+
+/// The functions N_i of an axis. Σ N_i = 1 and Σ g_i N_i(u) = u, where g_i, the Greville abscissa of N_i, is
+/// the mean of its inner knots.
+template <Scalar T>
+class SplineAxis {
+public:
+    static constexpr std::size_t most_degree = 63;
+    using Values = std::array<T, most_degree + 1>;
+
+    SplineAxis() = default;
+    explicit SplineAxis(const LatticeAxis& axis)
+        : points_(axis.points)
+        , degree_((std::min)(axis.degree, axis.points - 1))
+        , knots_(knots_of(axis)) {
+        for (std::size_t i = 0; i < points_; ++i) {
+            double sum = 0;
+            for (std::size_t k = 1; k <= degree_; ++k) sum += knots_[i + k];
+            greville_.push_back(sum / double(degree_));
+        }
+    }
+
+    /// Returns what is wrong with an axis. `a` of the fault is its number.
+    static std::optional<CageFault> fault_of(const LatticeAxis& axis, std::size_t number) {
+        const std::size_t degree = axis.points == 0 ? 0 : (std::min)(axis.degree, axis.points - 1);
+        const std::size_t most = axis.points == degree + 1 ? most_degree : 3;
+        if (degree < 1 || degree > most) return CageFault{CageFaultKind::lattice_degree, number, degree};
+        if (axis.knots.empty()) return std::nullopt;
+        if (axis.knots.size() != axis.points + degree + 1)
+            return CageFault{CageFaultKind::lattice_knots, number, axis.knots.size()};
+        for (std::size_t n = 0; n < axis.knots.size(); ++n) {
+            const double knot = axis.knots[n];
+            const bool is_inner = n > degree && n < axis.points;
+            const double end = n <= degree ? 0 : 1;
+            const bool is_sound =
+                is_inner ? knot > 0 && knot < 1 && knot >= axis.knots[n - 1] && knot > axis.knots[n - degree]
+                         : knot == end;
+            if (!is_sound) return CageFault{CageFaultKind::lattice_knots, number, n};
+        }
+        return std::nullopt;
+    }
+
+    std::size_t points() const noexcept { return points_; }
+    std::size_t degree() const noexcept { return degree_; }
+    double greville(std::size_t i) const noexcept { return greville_[i]; }
+    const std::vector<double>& knots() const noexcept { return knots_; }
+
+    /// Evaluates the degree + 1 functions that are not zero at u in [0, 1], and their slopes, by their
+    /// recurrence (de Boor, J. Approx. Theory 6 (1972)). No term is negative. On a knot the span above it
+    /// counts.
+    ///
+    ///   returns  the number of the first of them
+    std::size_t evaluate(T u, Values& value, Values& slope) const noexcept {
+        const auto above = std::upper_bound(knots_.begin() + std::ptrdiff_t(degree_) + 1,
+                                            knots_.begin() + std::ptrdiff_t(points_), double(u));
+        const auto span = std::size_t(above - knots_.begin()) - 1;
+        value[0] = 1;
+        Values share{}; // of the last step: a function of one degree less, over the length of its knots
+        for (std::size_t p = 1; p <= degree_; ++p) {
+            T carried = 0;
+            for (std::size_t r = 0; r < p; ++r) {
+                const T left = static_cast<T>(double(u) - knots_[span + 1 - p + r]),
+                        right = static_cast<T>(knots_[span + 1 + r] - double(u));
+                share[r] = value[r] / static_cast<T>(knots_[span + 1 + r] - knots_[span + 1 - p + r]);
+                value[r] = carried + right * share[r];
+                carried = left * share[r];
+            }
+            value[p] = carried;
+        }
+        for (std::size_t r = 0; r <= degree_; ++r)
+            slope[r] = T(degree_) * ((r > 0 ? share[r - 1] : T(0)) - (r < degree_ ? share[r] : T(0)));
+        return span - degree_;
+    }
+
+private:
+    std::vector<double> knots_of(const LatticeAxis& axis) const {
+        if (!axis.knots.empty()) return axis.knots;
+        std::vector<double> knots(degree_ + 1, 0.0);
+        const std::size_t spans = points_ - degree_;
+        for (std::size_t n = 1; n < spans; ++n) knots.push_back(double(n) / double(spans));
+        knots.insert(knots.end(), degree_ + 1, 1.0);
+        return knots;
+    }
+
+    std::size_t points_ = 0, degree_ = 0;
+    std::vector<double> knots_, greville_;
+};
+
+} // namespace detail
+
+} // namespace cageform::inline CAGEFORM_ABI
