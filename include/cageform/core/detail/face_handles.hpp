@@ -8,7 +8,10 @@
 
 #include <array>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <limits>
+#include <span>
 #include <type_traits>
 
 namespace cageform::inline CAGEFORM_ABI {
@@ -76,6 +79,16 @@ Vec<T, 3> face_handle(const std::array<Vec<T, 3>, 3>& rest, const std::array<Vec
 }
 
 namespace detail {
+
+/// Returns the mean of a loop's points, at(i) for vertex i: their sum in the order of the loop, times one
+/// over their number. Faces at rest and posed use this function, so that their means agree bit for bit.
+template <class At>
+auto mean_of_loop(std::span<const std::uint32_t> loop, const At& at) noexcept {
+    auto sum = at(loop[0]);
+    using T = std::remove_cvref_t<decltype(sum[0])>;
+    for (std::size_t k = 1; k < loop.size(); ++k) sum = sum + at(loop[k]);
+    return (T(1) / T(loop.size())) * sum;
+}
 
 /// Returns whether results computed from coordinates of this size stay finite, in the scalars of a
 /// binding and of an output.
