@@ -104,6 +104,19 @@ bool can_be_posed(const Vec<T, D>& p) noexcept {
     return true;
 }
 
+/// Returns how many numbers the table of a HandleView's loops has.
+inline std::size_t loop_numbers(const std::uint32_t* loops) noexcept {
+    return loops == nullptr ? 0 : loops[loops[0] - 1];
+}
+
+/// Returns a corner of a face, at(i) for handle i: a handle or the mean of a loop.
+template <Scalar T, std::size_t D, class At>
+Vec<T, D> corner_of_face(const HandleView<T, D>& handles, std::uint32_t corner, const At& at) noexcept {
+    if (corner < handles.count) return at(corner);
+    const std::uint32_t* const begin = handles.loops + (corner - handles.count);
+    return mean_of_loop({handles.loops + begin[0], begin[1] - begin[0]}, at);
+}
+
 /// Returns the vector of a face whose posed corners are in `out`. A face that has not moved keeps
 /// its handle bit for bit.
 template <Scalar T, std::size_t D, class Out>
@@ -111,8 +124,8 @@ Vec<T, D> posed_vector(const HandleView<T, D>& handles, std::size_t handle, cons
                        const Out& out) noexcept {
     std::array<Vec<T, D>, D> rest, posed;
     for (std::size_t k = 0; k < D; ++k) {
-        rest[k] = handles.rest[face[k]];
-        posed[k] = to_vec<T>(out[face[k]]);
+        rest[k] = corner_of_face(handles, face[k], [&](std::uint32_t i) { return handles.rest[i]; });
+        posed[k] = corner_of_face(handles, face[k], [&](std::uint32_t i) { return to_vec<T>(out[i]); });
     }
     if (posed == rest) return handles.rest[handle];
     if constexpr (D == 2) {
