@@ -86,8 +86,9 @@ public:
     /// Divides the edges of a face that `add` will divide. All such faces come first.
     void divide_edges(std::span<const std::uint32_t> loop) {
         if (!is_divided(loop)) return;
+        const auto corners = from_lowest(loop);
         for (std::size_t c = 0; c < 4; ++c) {
-            const Edge edge = std::minmax(loop[c], loop[(c + 1) % 4]);
+            const Edge edge = std::minmax(corners[c], corners[(c + 1) % 4]);
             const auto [place, is_new] = edges_.insert({edge, std::uint32_t(at_.size())});
             for (std::uint32_t i = 1; is_new && i < k_; ++i) {
                 const double t = double(i) / double(k_);
