@@ -20,7 +20,8 @@
 //                   belong to faces
 //     handle_loops  the loops of HandleView × uint32; only if corners of faces are means
 //
-// Blobs without loops are of version 2. Version 1 has no vectors; both can be read as well. A GPU can use these bytes as buffers
+// Readers that know no loops refuse blobs that have some: a corner is then no handle. Version 1 has no
+// vectors and can be read as well. A GPU can use these bytes as buffers
 // (clone/glsl.hpp).
 #pragma once
 
@@ -33,7 +34,7 @@ namespace cageform::inline CAGEFORM_ABI {
 /// The first 192 bytes of a blob. Offsets are in bytes from its beginning, 0 if an array is absent.
 struct BlobHeader {
     static constexpr std::uint64_t magic_number = 0x6D726F6665676163u; // "cageform" in little endian
-    static constexpr std::uint32_t current_version = 3, endian_tag = 0x01020304u;
+    static constexpr std::uint32_t current_version = 2, endian_tag = 0x01020304u;
 
     std::uint64_t magic = magic_number;
     std::uint32_t version = current_version;
@@ -41,13 +42,13 @@ struct BlobHeader {
     std::uint64_t bytes = 0;    ///< of the whole blob, a multiple of 64
     std::uint64_t checksum = 0; ///< `hash_memory` of all that follows this field
     std::uint32_t scalar_bytes = 0, dimension = 0, format = 0;
-    std::uint32_t loop_numbers = 0; ///< of handle_loops; since version 3
+    std::uint32_t loop_numbers = 0; ///< of handle_loops; was 0
     std::uint64_t handles = 0, points = 0, rows = 0;
     std::uint64_t cage_hash = 0, figure_hash = 0;
     std::uint64_t weights = 0, row_begin = 0, row_handle = 0, order = 0, scale = 0, residual = 0,
                   affine_fit = 0, rest = 0, rest_handles = 0;
     std::uint64_t handle_kinds = 0, handle_faces = 0, vectors = 0; ///< since version 2
-    std::uint64_t handle_loops = 0;                                ///< since version 3
+    std::uint64_t handle_loops = 0;                                ///< was 0
 };
 static_assert(sizeof(BlobHeader) == 192);
 
@@ -216,8 +217,10 @@ Result<PackedBindingView<T, D>, BlobReport> open_blob(std::span<const std::byte>
     if (begins != Status::ok) return refused(begins);
     BlobHeader header;
     std::memcpy(&header, data.data(), sizeof(header));
-    if (header.version == 1) header.handle_kinds = header.handle_faces = header.vectors = 0;
-    if (header.version < 3) header.handle_loops = header.loop_numbers = 0;
+    if (header.version == 1) {
+        header.handle_kinds = header.handle_faces = header.vectors = header.handle_loops = 0;
+        header.loop_numbers = 0;
+    }
     if (header.scalar_bytes != sizeof(T) || header.dimension != D) return refused(Status::blob_kind_differs);
     const Status status = detail::check_blob<T, D>(data.data(), header);
     if (status != Status::ok) return refused(status);
@@ -243,7 +246,6 @@ public:
     explicit PackedBinding(BlobHeader header) {
         header.scalar_bytes = sizeof(T);
         header.dimension = D;
-        header.version = header.handle_loops != 0 ? BlobHeader::current_version : 2;
         std::uint64_t end = sizeof(BlobHeader);
         detail::for_each_blob_array<T, D>(header,
                                           [&end](std::uint64_t& offset, std::uint64_t bytes, bool wanted) {
