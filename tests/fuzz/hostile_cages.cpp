@@ -147,9 +147,19 @@ Status in_plane(Random& random, unsigned long long seed) {
 template <class T>
 Status with_fans(std::vector<Vec<T, 3>> vertices, const std::vector<std::vector<std::int64_t>>& faces,
                  Random& random, unsigned long long seed) {
-    const auto warp = T(random.below(3) == 0 ? 0 : std::pow(10.0, random.uniform(-17, 0)));
+    double size = 1;
+    if (random.below(4) != 0) { // a prism over a regular polygon, of any size
+        size = std::pow(10.0, random.below(2) == 0 ? 0 : random.uniform(-1, 1) * (sizeof(T) == 4 ? 30 : 140));
+        const std::size_t n = vertices.size() / 2;
+        for (std::size_t i = 0; i < 2 * n; ++i) {
+            const double angle = 2 * std::numbers::pi * double(i) / double(n);
+            const Vec<double, 3> p{std::cos(angle), std::sin(angle), i < n ? 0.0 : 1.0};
+            vertices[i] = vec_cast<T>(size * p);
+        }
+    }
+    const double warp = random.below(4) == 0 ? 0 : size * std::pow(10.0, random.uniform(-17, 0));
     for (auto& v : vertices) {
-        for (std::size_t k = 0; k < 3; ++k) v[k] += warp * T(random.uniform(-1, 1));
+        for (std::size_t k = 0; k < 3; ++k) v[k] += T(warp * random.uniform(-1, 1));
     }
     const bool all = random.below(2) == 0;
     PolyhedralOptions options{
