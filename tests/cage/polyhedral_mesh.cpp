@@ -200,7 +200,8 @@ TEST_CASE("faults of fans name faces and vertices of the mesh", "[cage][polyhedr
         REQUIRE(report.faults.size() == 1);
         CHECK(report.faults[0].kind == CageFaultKind::face_fanned);
         CHECK(report.faults[0].a == 1);
-        CHECK(report.faults[0].distance == 0.5 / 16 / divisions / divisions);
+        REQUIRE(report.fan_distances.size() == 1);
+        CHECK(report.fan_distances[0] == 0.5 / 16 / divisions / divisions);
         options = {};
         CHECK(first_fault(CageFaultKind::face_not_planar).a == 1);
     }

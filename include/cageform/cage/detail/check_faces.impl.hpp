@@ -128,7 +128,8 @@ void add_fans(const PolyhedralMesh<T>& mesh, CageReport& report) {
         const double cells = double(mesh.options().divisions) * double(mesh.options().divisions);
         const double distance =
             at.size() == 4 ? length((at[0] - at[1]) + (at[2] - at[3])) / (16 * cells) : off_plane;
-        report.add(CageFaultKind::face_fanned, f, 0, distance);
+        report.add(CageFaultKind::face_fanned, f);
+        report.fan_distances.push_back(distance);
     }
 }
 

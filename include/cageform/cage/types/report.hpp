@@ -42,7 +42,7 @@ enum class CageFaultKind : std::uint8_t {
     frame_flat,              ///< axis `a` of a box depends on the others
     falloff_negative,        ///< the falloff of a lattice is not a number of at least 0
     interior_cells_not_supported, ///< this coordinate type supports none; there are `a` cells
-    face_fanned, ///< warning: face `a` is not planar and bound as a fan, `distance` from the bilinear patch
+    face_fanned, ///< warning: face `a` is not planar and is bound as a fan; see `fan_distances`
     gap_closed,  ///< warning: only one face had the edge between vertices `a` and `b`; the gap was closed
     collinear_vertex,           ///< warning: vertex `a` lies on the straight line between its neighbours
     vertex_unused,              ///< warning: no face uses vertex `a`; its weights are zero
@@ -56,7 +56,6 @@ struct CageFault {
     CageFaultKind kind;
     std::size_t a = 0;
     std::size_t b = 0;
-    double distance = 0; ///< of face_fanned, in the units of the cage
 };
 
 namespace detail {
@@ -133,12 +132,14 @@ struct CageReport {
     Status status = Status::ok;
     std::vector<CageFault> faults; ///< all warnings, and the first `most_listed` other faults
     std::size_t fault_count = 0;   ///< number of faults that are not warnings, listed or not
+    /// How far each face_fanned is from its bilinear patch, in the order of these warnings.
+    std::vector<double> fan_distances;
 
-    void add(CageFaultKind kind, std::size_t a = 0, std::size_t b = 0, double distance = 0) {
+    void add(CageFaultKind kind, std::size_t a = 0, std::size_t b = 0) {
         const Status fault = status_of(kind);
         if (fault != Status::ok && ++fault_count > most_listed) return;
         const Status listed = detail::guard_memory([&] {
-            faults.push_back({kind, a, b, distance});
+            faults.push_back({kind, a, b});
             return fault;
         });
         if (status == Status::ok) status = listed;
@@ -158,7 +159,7 @@ CageReport report_on(Status made, const Steps& steps) {
         steps(report);
         return report.status;
     });
-    if (status == Status::out_of_memory) report = {status, {}, 0};
+    if (status == Status::out_of_memory) report = {status, {}, 0, {}};
     return report;
 }
 
