@@ -275,6 +275,19 @@ TEST_CASE("faults of fans name faces and vertices of the mesh", "[cage][polyhedr
         CHECK(fault.b < 8);
         CHECK(fault.a != fault.b);
     }
+    SECTION("a small gap") {
+        data.faces.pop_back();
+        const auto report = check(mesh());
+        for (const auto& fault : report.faults) {
+            CHECK((fault.kind == CageFaultKind::gap_closed || fault.kind == CageFaultKind::open_edge));
+            CHECK(fault.a < 8);
+            CHECK(fault.b < 8);
+        }
+        if (divisions == 1) {
+            CHECK(report.status == Status::ok);
+            CHECK(report.faults.size() == 4);
+        }
+    }
     SECTION("three faces at an edge") {
         data.faces.push_back({0, 1, 9, 8});
         data.vertices.push_back({0, -2, 1});
