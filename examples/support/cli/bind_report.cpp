@@ -25,7 +25,7 @@ int numbers_of(cageform::CageFaultKind kind) {
     case Kind::radius_not_positive:
     case Kind::interior_cell_outside:
     case Kind::interior_cells_not_supported:
-    case Kind::divisions_not_supported:
+    case Kind::face_divisions:
     case Kind::face_fanned:
     case Kind::vertex_not_convex:
     case Kind::bone_axes_dependent:

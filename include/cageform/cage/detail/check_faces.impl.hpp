@@ -171,7 +171,7 @@ CageReport check(const PolyhedralMesh<T>& mesh) {
         }
         const std::uint32_t divisions = mesh.options().divisions;
         if (divisions < 1 || divisions > mesh.most_divisions)
-            report.add(CageFaultKind::divisions_not_supported, divisions);
+            report.add(CageFaultKind::face_divisions, divisions);
         if (report.status != Status::ok) return;
         for (std::size_t f = 0; f < mesh.face_count(); ++f) {
             if (const auto fault = detail::face_fault(mesh, f)) report.add(fault->kind, fault->a, fault->b);

@@ -2,9 +2,10 @@
 #pragma once
 
 #include <cageform/core/detail/face_handles.hpp>
-#include <cageform/core/detail/simd.hpp>
 
 #include <algorithm>
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <span>
@@ -41,32 +42,6 @@ private:
     std::vector<double> weights_;
     std::vector<std::size_t> ends_; ///< where each point ends in both
 };
-
-/// Passes the rows of a block for the points of a mesh on to its vertices.
-///
-///   from  #V + #points rows
-///   to    out, #V rows; adds to each in the order of the points
-template <class T>
-void fold_rows(const FanPoints& points, std::size_t vertices, const Lanes<T>* from, Lanes<T>* to) noexcept {
-    using X = Simd<T>;
-    std::copy_n(from, vertices, to);
-    for (std::size_t n = 0; n < points.size(); ++n) {
-        const X own = X::load(from[vertices + n]);
-        points.for_each_corner(n, [&](std::uint32_t vertex, double weight) {
-            (X::load(to[vertex]) + X(T(weight)) * own).store(to[vertex]);
-        });
-    }
-}
-
-/// Returns the mesh that a cage's surface consists of: a PolyhedralMesh's triangles, else the cage itself.
-template <class Cage>
-const auto& surface_of(const Cage& cage) noexcept {
-    if constexpr (requires { cage.triangles(); }) {
-        return cage.triangles();
-    } else {
-        return cage;
-    }
-}
 
 /// Replaces the faces of a mesh by fans of triangles about the means of their corners. With k divisions
 /// a face of four corners becomes k × k cells of its bilinear patch, each a fan; edges of such faces are

@@ -22,25 +22,25 @@ enum class CageFaultKind : std::uint8_t {
     face_without_area,   ///< the corners of face `a` lie on one line
     face_not_planar,     ///< vertex `b`, a corner of face `a`, lies off the face's plane
     face_crosses_itself, ///< the loop of face `a` crosses or touches itself, first at vertex `b`
-    face_fan_folds,      ///< the mean of face `a`'s corners does not see the edge after vertex `b`: divide it
-    divisions_not_supported, ///< faces are divided by `a`; some coordinates support 1 only, all 1 to 64
-    open_edge,               ///< only one face has the edge between vertices `a` and `b`
-    edge_not_manifold,       ///< more than two faces have the edge between vertices `a` and `b`
-    face_flipped,            ///< the neighbouring faces `a` and `b` have opposite orientations
-    vertex_not_manifold,     ///< the faces around vertex `a` do not form one closed fan
-    faces_cross,             ///< the faces `a` and `b` pass through each other
-    radius_not_positive,     ///< the interior cell at handle `a` has no positive radius
-    interior_cell_outside,   ///< the interior cell at handle `a` is not inside the boundary
-    interior_cells_touch,    ///< the cells or facets at handles `a` and `b` touch outside shared vertices
-    vertex_not_convex,       ///< vertex `a` is no convex corner, or starts a second loop; this type needs
-                             ///< convexity
-    sites_in_a_plane,        ///< all sites lie in one plane; in the plane, on one line
-    bone_axes_dependent,     ///< the axes of bone `a` lie in one plane; in the plane, on one line
-    lattice_degree,          ///< a lattice has degree `b` along axis `a`: none, or too high a one
-    lattice_knots,           ///< knot `b` of a lattice along axis `a` is out of place, or there are `b` knots
-    frame_not_finite,        ///< column `a` of a box is NaN or infinite; D: its origin
-    frame_flat,              ///< axis `a` of a box depends on the others
-    falloff_negative,        ///< the falloff of a lattice is not a number of at least 0
+    face_fan_folds,      ///< the mean of face `a`'s corners does not see the edge after vertex `b`
+    open_edge,           ///< only one face has the edge between vertices `a` and `b`
+    edge_not_manifold,   ///< more than two faces have the edge between vertices `a` and `b`
+    face_flipped,        ///< the neighbouring faces `a` and `b` have opposite orientations
+    vertex_not_manifold, ///< the faces around vertex `a` do not form one closed fan
+    faces_cross,         ///< the faces `a` and `b` pass through each other
+    radius_not_positive, ///< the interior cell at handle `a` has no positive radius
+    interior_cell_outside, ///< the interior cell at handle `a` is not inside the boundary
+    interior_cells_touch,  ///< the cells or facets at handles `a` and `b` touch outside shared vertices
+    vertex_not_convex,     ///< vertex `a` is no convex corner, or starts a second loop; this type needs
+                           ///< convexity
+    sites_in_a_plane,      ///< all sites lie in one plane; in the plane, on one line
+    bone_axes_dependent,   ///< the axes of bone `a` lie in one plane; in the plane, on one line
+    lattice_degree,        ///< a lattice has degree `b` along axis `a`: none, or too high a one
+    lattice_knots,         ///< knot `b` of a lattice along axis `a` is out of place, or there are `b` knots
+    frame_not_finite,      ///< column `a` of a box is NaN or infinite; D: its origin
+    frame_flat,            ///< axis `a` of a box depends on the others
+    falloff_negative,      ///< the falloff of a lattice is not a number of at least 0
+    face_divisions,        ///< faces are divided by `a`: not 1 to 64, or not 1 where only that works
     interior_cells_not_supported, ///< this coordinate type supports none; there are `a` cells
     face_fanned, ///< warning: face `a` is not planar and is bound as a fan; see `fan_distances`
     gap_closed,  ///< warning: only one face had the edge between vertices `a` and `b`; the gap was closed
@@ -80,7 +80,6 @@ inline constexpr CageFaultText cage_fault_texts[] = {
     {CageFaultKind::face_not_planar, Status::face_not_planar, "face not planar"},
     {CageFaultKind::face_crosses_itself, Status::face_crosses_itself, "face crosses or touches itself"},
     {CageFaultKind::face_fan_folds, Status::face_fan_folds, "mean of a face does not see an edge"},
-    {CageFaultKind::divisions_not_supported, Status::divisions_not_supported, "divisions not supported"},
     {CageFaultKind::open_edge, Status::cage_not_closed, "open edge"},
     {CageFaultKind::edge_not_manifold, Status::cage_not_manifold, "edge of more than two faces"},
     {CageFaultKind::face_flipped, Status::cage_faces_flipped, "neighbouring faces turn differently"},
@@ -97,6 +96,7 @@ inline constexpr CageFaultText cage_fault_texts[] = {
     {CageFaultKind::frame_not_finite, Status::vertex_not_finite, "box not finite"},
     {CageFaultKind::frame_flat, Status::frame_flat, "axis of a box depends on the others"},
     {CageFaultKind::falloff_negative, Status::falloff_negative, "falloff negative"},
+    {CageFaultKind::face_divisions, Status::divisions_not_supported, "divisions not supported"},
     {CageFaultKind::interior_cells_not_supported, Status::interior_cells_not_supported,
      "interior cells not supported"},
     {CageFaultKind::face_fanned, Status::ok, "face not planar, bound as a fan (warning)"},

@@ -3,10 +3,10 @@
 #pragma once
 
 #include <cageform/cage/cell_complex.hpp>
-#include <cageform/cage/detail/fan_points.hpp>
 #include <cageform/cage/detail/refuse_interior_cells.hpp>
 #include <cageform/coordinates/coordinate.hpp>
 #include <cageform/coordinates/detail/evaluate_blocks.hpp>
+#include <cageform/coordinates/detail/fold_rows.hpp>
 #include <cageform/coordinates/green/frame.hpp>
 #include <cageform/core/detail/face_handles.hpp>
 

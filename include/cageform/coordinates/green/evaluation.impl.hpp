@@ -43,7 +43,7 @@ void GreenEvaluation<Cage>::prepare() {
     report_ = check(cage_);
     if constexpr (requires { cage_.options().divisions; }) {
         if (report_.status == Status::ok && cage_.options().divisions > 1)
-            report_.add(CageFaultKind::divisions_not_supported, cage_.options().divisions);
+            report_.add(CageFaultKind::face_divisions, cage_.options().divisions);
     }
     if (report_.status != Status::ok) return;
     report_.status = guard_memory([&] {

@@ -2,11 +2,11 @@
 // plane.hpp, space.hpp and polygons.hpp.
 #pragma once
 
-#include <cageform/cage/detail/fan_points.hpp>
 #include <cageform/cage/detail/refuse_interior_cells.hpp>
 #include <cageform/coordinates/coordinate.hpp>
 #include <cageform/coordinates/detail/boundary_data.hpp>
 #include <cageform/coordinates/detail/evaluate_blocks.hpp>
+#include <cageform/coordinates/detail/fold_rows.hpp>
 #include <cageform/coordinates/mean_value/frame.hpp>
 #include <cageform/core/affine/moment_test.hpp>
 #include <cageform/core/detail/buffer.hpp>
