@@ -133,7 +133,7 @@ struct CageReport {
     std::vector<CageFault> faults; ///< all warnings, and the first `most_listed` other faults
     std::size_t fault_count = 0;   ///< number of faults that are not warnings, listed or not
     /// How far each face_fanned is from its bilinear patch, in the order of these warnings.
-    std::vector<double> fan_distances;
+    std::vector<double> fan_distances = {};
 
     void add(CageFaultKind kind, std::size_t a = 0, std::size_t b = 0) {
         const Status fault = status_of(kind);
