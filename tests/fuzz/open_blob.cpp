@@ -296,12 +296,13 @@ std::vector<std::byte> made_up(Numbers& numbers) {
     header.handle_kinds = vectors > 0 ? 1 : 0;
     header.handle_faces = vectors > 0 ? numbers.below(2) : 0;
     std::vector<std::uint32_t> loops; // whose means are corners of faces
-    if (header.handle_faces != 0 && numbers.below(2) == 0) {
-        const std::size_t count = 1 + numbers.below(3);
+    Numbers of_loops = numbers;       // a copy, which leaves all else as it is without loops
+    if (header.handle_faces != 0 && of_loops.below(2) == 0) {
+        const std::size_t count = 1 + of_loops.below(3);
         loops.push_back(std::uint32_t(count + 1));
         for (std::size_t l = 0; l < count; ++l)
-            loops.push_back(loops.back() + std::uint32_t(1 + numbers.below(4)));
-        while (loops.size() < loops[count]) loops.push_back(std::uint32_t(numbers.below(handles - vectors)));
+            loops.push_back(loops.back() + std::uint32_t(1 + of_loops.below(4)));
+        while (loops.size() < loops[count]) loops.push_back(std::uint32_t(of_loops.below(handles - vectors)));
     }
     header.handle_loops = loops.empty() ? 0 : 1;
     header.loop_numbers = std::uint32_t(loops.size());
@@ -324,7 +325,7 @@ std::vector<std::byte> made_up(Numbers& numbers) {
         for (auto& corner : open(view.handle_faces)[n])
             corner = std::uint32_t(numbers.below(handles - vectors));
         if (!loops.empty())
-            open(view.handle_faces)[n][D - 1] = std::uint32_t(handles + numbers.below(loops[0] - 1));
+            open(view.handle_faces)[n][D - 1] = std::uint32_t(handles + of_loops.below(loops[0] - 1));
     }
     std::copy(loops.begin(), loops.end(), open(view.handle_loops));
     packed.seal();
