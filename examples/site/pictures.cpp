@@ -201,8 +201,8 @@ void draw_mean_value(const std::string& folder) {
     sheet.write(folder + "/coordinates_mean_value.svg");
 }
 
-/// A cube whose lid is twisted, cut level with the lid's low corners less a tenth: by the fan about the mean of
-/// the lid's corners, and by the two diagonals.
+/// Weights in a plane below the twisted lid of a cube: by the fan about the mean of the lid's corners, and by
+/// cuts along both diagonals.
 void draw_fans(const std::string& folder) {
     std::vector<std::array<double, 3>> vertices;
     for (const double z : {-1.0, 1.0}) {

@@ -41,9 +41,9 @@ struct PolyhedralOptions {
     Faces faces = Faces::planar;
     /// 1 to 64: a face of four corners is divided into k × k cells of its bilinear patch, each a fan. The
     /// corners' functions on it are then nearly bilinear: k² times nearer than without, and mean value
-    /// weights approach their integral over the patch as fast. Such a face has 4 k² triangles, so a bind takes
-    /// 2 k² times as long. With k > 1 all faces of more than three corners are fans, and gaps next to divided
-    /// faces may be refused as open edges.
+    /// weights approach their integral over the patch as fast. Such a face has 4 k² triangles, so a bind
+    /// takes 2 k² times as long. With k > 1 all faces of more than three corners are fans, and gaps next to
+    /// divided faces may be refused as open edges.
     std::uint32_t divisions = 1;
 };
 
