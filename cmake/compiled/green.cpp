@@ -15,5 +15,7 @@ CAGEFORM_GREEN(Polygon<float>, float, 2)
 CAGEFORM_GREEN(Polygon<double>, double, 2)
 CAGEFORM_GREEN(TriangleMesh<float>, float, 3)
 CAGEFORM_GREEN(TriangleMesh<double>, double, 3)
+CAGEFORM_GREEN(PolyhedralMesh<float>, float, 3)
+CAGEFORM_GREEN(PolyhedralMesh<double>, double, 3)
 
 } // namespace cageform::inline CAGEFORM_ABI

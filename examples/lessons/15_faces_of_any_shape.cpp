@@ -1,4 +1,4 @@
-// 15. Faces of any shape: a cage of planar polygons, whose weights do not depend on how a face is cut.
+// 15. Faces of any shape: a cage of polygons, whose weights do not depend on how a face is cut.
 #include <cageform/cageform.hpp>
 
 #include <array>
@@ -41,6 +41,13 @@ int main() {
         std::printf("%s: face %zu, vertex %zu\n", to_string(fault.kind), fault.a, fault.b);
     const auto report = check(cageform::PolyhedralMesh<double>(bent, quads, 0.01));
     std::printf("up to 0.01: %s\n", to_string(report.status));
+
+    // Or such faces are bound through the fan of triangles about the mean of their corners.
+    const cageform::PolyhedralMesh<double> fans(bent, quads,
+                                                {.non_planar = cageform::PolyhedralOptions::NonPlanar::fan});
+    std::printf("as fans: %s\n", to_string(check(fans).status));
+    print("mean value, fans",
+          cageform::MeanValueCoordinates<double, 3, cageform::PolyhedralMesh<double>>(fans));
 }
 
 //> weights of the lid's corners:
@@ -50,3 +57,5 @@ int main() {
 //> mean value, triangles  0.119 0.281 0.119 0.281
 //> face not planar: face 1, vertex 4
 //> up to 0.01: ok
+//> as fans: ok
+//> mean value, fans       0.200 0.200 0.199 0.200

@@ -204,6 +204,42 @@ void draw_mean_value(const std::string& folder) {
     sheet.write(folder + "/coordinates_mean_value.svg");
 }
 
+/// Weights in a plane below the twisted lid of a cube: by the fan about the mean of the lid's corners, and by
+/// cuts along both diagonals.
+void draw_fans(const std::string& folder) {
+    std::vector<std::array<double, 3>> vertices;
+    for (const double z : {-1.0, 1.0}) {
+        for (const Point& p : Points{{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}) vertices.push_back({p[0], p[1], z});
+    }
+    vertices[4][2] = vertices[6][2] = 1.5;
+    using Loops = std::vector<std::vector<int>>;
+    const Loops sides{{0, 3, 2, 1}, {0, 1, 5, 4}, {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}};
+    Sheet sheet({-1.15, -1.15}, 2.3, 3);
+    const auto draw = [&](const char* title, const Loops& lid, const std::vector<Points>& edges) {
+        Loops faces = sides;
+        faces.insert(faces.end(), lid.begin(), lid.end());
+        const cageform::MeanValueCoordinates coordinates(cageform::PolyhedralMesh(
+            vertices, faces, {.non_planar = cageform::PolyhedralOptions::NonPlanar::fan}));
+        sheet.panel(title);
+        const Points places = sheet.places();
+        sheet.field([&](std::size_t n) {
+            std::array<double, 8> weights{};
+            const std::array<double, 3> p{places[n][0], places[n][1], 0.9};
+            const auto state = weights_at(coordinates, p, std::span(weights));
+            return state == cageform::PointState::inside ? weights[4] + weights[6] : std::nan("");
+        });
+        for (const Points& edge : edges) sheet.line(edge, "stroke=\"#222\" stroke-dasharray=\"4 3\"");
+        sheet.cage({{-1, -1}, {1, -1}, {1, 1}, {-1, 1}});
+        sheet.dot({-1, -1}, true);
+        sheet.dot({1, 1}, true);
+    };
+    const Points rising{{-1, -1}, {1, 1}}, falling{{1, -1}, {-1, 1}};
+    draw("by the fan", {{4, 5, 6, 7}}, {rising, falling});
+    draw("cut by the diagonal of the two corners", {{4, 5, 6}, {4, 6, 7}}, {rising});
+    draw("cut by the other diagonal", {{4, 5, 7}, {5, 6, 7}}, {falling});
+    sheet.write(folder + "/coordinates_fans.svg");
+}
+
 void draw_harmonic(const std::string& folder) {
     const cageform::HarmonicCoordinates<double, 2> coordinates(legs);
     Points pose = legs;
@@ -346,6 +382,7 @@ int main(int count, char** arguments) {
     const std::string folder = arguments[1];
     draw_barycentric(folder);
     draw_mean_value(folder);
+    draw_fans(folder);
     draw_harmonic(folder);
     draw_three_point(folder);
     draw_green(folder);

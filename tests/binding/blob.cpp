@@ -201,6 +201,23 @@ cageform::PackedBinding<float, 3> blob_with_vectors(bool faces) {
     return std::move(result.value);
 }
 
+/// Such a blob with two loops, whose means are corners of the faces.
+cageform::PackedBinding<float, 3> blob_with_loops() {
+    using cageform::HandleKind;
+    const auto points = random_binding<float, 3>(20, 5, 2);
+    const HandleKind kinds[] = {HandleKind::point, HandleKind::vector, HandleKind::point, HandleKind::point,
+                                HandleKind::vector};
+    const cageform::HandleFace<3> corners[] = {{0, 2, 5}, {6, 2, 0}};
+    const std::uint32_t loops[] = {3, 6, 8, 0, 2, 3, 3, 0};
+    auto view = points.view();
+    view.handle_kinds = kinds;
+    view.handle_faces = corners;
+    view.handle_loops = loops;
+    auto result = cageform::pack(view, {.format = WeightFormat::half, .largest = 4});
+    REQUIRE(result.report.status == Status::ok);
+    return std::move(result.value);
+}
+
 } // namespace
 
 TEST_CASE("a blob keeps the kinds of handles and their faces", "[blob][handle_kinds]") {
@@ -246,17 +263,68 @@ TEST_CASE("a blob keeps the kinds of handles and their faces", "[blob][handle_ki
     }));
 }
 
+TEST_CASE("a blob keeps the loops whose means are corners of faces", "[blob][handle_kinds]") {
+    const auto packed = blob_with_loops();
+    BlobHeader header;
+    std::memcpy(&header, packed.bytes().data(), sizeof(header));
+    CHECK(header.loop_numbers == 8);
+    const auto bare = blob_with_vectors(true);
+    std::memcpy(&header, bare.bytes().data(), sizeof(header));
+    CHECK(header.handle_loops == 0); // other blobs are as before
+    CHECK(header.loop_numbers == 0);
+    const auto opened = open_blob<float, 3>(packed.bytes());
+    REQUIRE(opened.status() == Status::ok);
+    const auto handles = opened.value.handle_view();
+    const std::uint32_t table[] = {3, 6, 8, 0, 2, 3, 3, 0};
+    REQUIRE(cageform::detail::loop_numbers(handles.loops) == std::size(table));
+    CHECK(std::equal(std::begin(table), std::end(table), handles.loops));
+
+    const auto refused = [&](auto change) {
+        Aligned memory(packed.bytes());
+        change(memory, memory.header());
+        memory.seal();
+        return status_of(memory.bytes()) == Status::blob_malformed;
+    };
+    const auto number = [](std::size_t place, std::uint32_t x) {
+        return [place, x](Aligned& m, const BlobHeader& h) {
+            m.set(std::size_t(h.handle_loops) + 4 * place, x);
+        };
+    };
+    CHECK_FALSE(refused(number(3, 2)));
+    for (const std::uint32_t x : {0u, 1u, 2u, 4u, 8u, 9u, 0xFFFFFFFFu}) CHECK(refused(number(0, x)));
+    for (const std::uint32_t x : {0u, 3u, 8u, 9u, 0xFFFFFFFFu}) CHECK(refused(number(1, x)));
+    for (const std::uint32_t x : {0u, 6u, 7u, 9u, 0xFFFFFFFFu}) CHECK(refused(number(2, x)));
+    for (const std::size_t place : {3u, 5u, 6u, 7u}) {
+        CHECK(refused(number(place, 1))); // a vector
+        CHECK(refused(number(place, 5))); // no handle
+        CHECK(refused(number(place, 0xFFFFFFFFu)));
+    }
+    const auto corner = [](std::uint32_t handle) {
+        return [handle](Aligned& m, const BlobHeader& h) { m.set(std::size_t(h.handle_faces) + 8, handle); };
+    };
+    CHECK_FALSE(refused(corner(6)));
+    CHECK(refused(corner(7))); // there are two loops
+    CHECK(refused(corner(0xFFFFFFFFu)));
+    for (const std::uint32_t x : {0u, 1u, 7u, 9u, 0xFFFFFFFFu})
+        CHECK(refused([x](Aligned& m, const BlobHeader&) { m.set(offsetof(BlobHeader, loop_numbers), x); }));
+    // Without the table a corner is no handle: so older readers refuse such a blob.
+    for (const std::uint64_t x : {std::uint64_t{0}, std::uint64_t(packed.bytes().size()), ~std::uint64_t{63}})
+        CHECK(refused([x](Aligned& m, const BlobHeader&) { m.set(offsetof(BlobHeader, handle_loops), x); }));
+}
+
 TEST_CASE("a blob of version 1 is read: all its handles are points", "[blob]") {
     const auto packed = small_blob();
     Aligned older(packed.bytes());
     older.set(offsetof(BlobHeader, version), std::uint32_t(1));
     for (std::size_t field = offsetof(BlobHeader, handle_kinds); field < sizeof(BlobHeader); field += 8)
         older.set(field, std::uint64_t(64)); // was padding, of no meaning
+    older.set(offsetof(BlobHeader, loop_numbers), std::uint32_t(7));
     older.seal();
     const auto opened = open_blob<float, 3>(older.bytes());
     REQUIRE(opened.status() == Status::ok);
     CHECK(opened.value.handle_kinds == nullptr);
     CHECK(opened.value.handle_faces == nullptr);
+    CHECK(opened.value.handle_loops == nullptr);
     const auto pose = random_points<float, 3>(9, 10, 2);
     std::vector<Vec<float, 3>> a(37), b(37);
     CHECK(cageform::clone(packed.view(), pose, a) == Status::ok);
@@ -275,6 +343,7 @@ TEST_CASE("a hostile blob neither crashes nor leads a clone out of bounds", "[bl
         sound.emplace_back(small_blob(format, 0).bytes());
     }
     sound.emplace_back(blob_with_vectors(true).bytes());
+    sound.emplace_back(blob_with_loops().bytes());
     Random random{std::uint64_t(GENERATE(range(0, 4)))};
     std::size_t opened_count = 0;
     for (int round = 0; round < 20000; ++round) {

@@ -10,6 +10,7 @@ using namespace cageform_tests;
 using cageform::CageFaultKind;
 using cageform::PointState;
 using cageform::PolyhedralMesh;
+using cageform::PolyhedralOptions;
 using cageform::Status;
 
 namespace {
@@ -172,6 +173,182 @@ TEST_CASE("a faulty polyhedral mesh is refused with the face and the vertex", "[
         for (auto& v : data.vertices) v = 1e300 * v;
         CHECK(check(data.cage<double>()).status != Status::ok); // as of a TriangleMesh
         CHECK(check(data.cage<double>().triangles()).status != Status::ok);
+    }
+}
+
+TEST_CASE("faults of fans name faces and vertices of the mesh", "[cage][polyhedral][fans][status]") {
+    const std::uint32_t divisions = GENERATE(1u, 2u, 5u);
+    CAPTURE(divisions);
+    PolyhedronData data = prism_over({{0, 0}, {2, 0}, {2, 2}, {0, 2}}, 2);
+    PolyhedralOptions options{.faces = PolyhedralOptions::Faces::fan, .divisions = divisions};
+    const auto mesh = [&] { return PolyhedralMesh<double>(data.vertices, data.faces, options); };
+    REQUIRE(check(mesh()).status == Status::ok);
+    CHECK(check(mesh()).faults.empty()); // planar fans are no cause for a warning
+    const auto first_fault = [&](CageFaultKind kind) {
+        const auto report = check(mesh());
+        const auto faults = faults_of(mesh());
+        REQUIRE(!faults.empty());
+        CAPTURE(to_string(faults[0].kind), faults[0].a, faults[0].b);
+        CHECK(faults[0].kind == kind);
+        CHECK(report.status == cageform::status_of(kind));
+        return faults[0];
+    };
+    SECTION("a warped face, and one that is not planar in all directions") {
+        data.vertices[6][2] += 0.5;
+        const auto report = check(mesh());
+        REQUIRE(report.status == Status::ok);
+        REQUIRE(report.faults.size() == 1);
+        CHECK(report.faults[0].kind == CageFaultKind::face_fanned);
+        CHECK(report.faults[0].a == 1);
+        REQUIRE(report.fan_distances.size() == 1);
+        CHECK(report.fan_distances[0] == 0.5 / 16 / divisions / divisions);
+        options = {};
+        CHECK(first_fault(CageFaultKind::face_not_planar).a == 1);
+    }
+    SECTION("a corner beyond the diagonal of the others") {
+        data.vertices[6] = {0.25, 0.25, 2};
+        const auto fault = first_fault(CageFaultKind::face_fan_folds);
+        CHECK(fault.a == 1);
+        CHECK((fault.b >= 4 && fault.b < 8));
+    }
+    SECTION("a bow tie whose triangles have different sizes") {
+        data.faces[1] = {4, 6, 5, 7};
+        data.vertices[5] = {4, -1, 2};
+        CHECK(first_fault(CageFaultKind::face_fan_folds).a == 1);
+    }
+    SECTION("a bow tie") {
+        data.faces[1] = {4, 6, 5, 7};
+        CHECK(first_fault(CageFaultKind::face_without_area).a == 1);
+    }
+    SECTION("a star that goes around its mean twice") {
+        data.faces.push_back({});
+        for (std::uint32_t k = 0; k < 5; ++k) {
+            const double angle = 4 * std::numbers::pi * k / 5;
+            data.vertices.push_back({5 + std::cos(angle), std::sin(angle), 0.1 * (k % 2)});
+            data.faces.back().push_back(8 + k);
+        }
+        CHECK(first_fault(CageFaultKind::face_fan_folds).a == 6);
+    }
+    SECTION("a vertex twice") {
+        data.faces[1] = {4, 5, 6, 4, 7};
+        const auto fault = first_fault(CageFaultKind::face_crosses_itself);
+        CHECK(fault.a == 1);
+        CHECK(fault.b == 4);
+    }
+    SECTION("all corners on a line") {
+        data.faces.push_back({0, 1, 9, 8});
+        data.vertices.push_back({4, 0, 0});
+        data.vertices.push_back({3, 0, 0});
+        CHECK(first_fault(CageFaultKind::face_without_area).a == 6);
+    }
+    SECTION("a mean on an edge") {
+        data.faces.push_back({8, 9, 10, 11});
+        // The mean is (5.5, 1/4, 0); the corners are moved so that it lies between the first two.
+        for (const auto& v : {Vec<double, 3>{5, 0, 0}, {6, 0, 0}, {5.75, 1, 0}, {5.5, -1, 0}})
+            data.vertices.push_back(v);
+        CHECK(first_fault(CageFaultKind::face_without_area).a == 6);
+    }
+    SECTION("fans that cross") {
+        // The middle of the floor is at 1/2, above the ceiling's edge from vertex 4 to 6.
+        data.vertices[1][2] = data.vertices[3][2] = 1;
+        for (std::size_t k = 0; k < 4; ++k) data.vertices[4 + k][2] = data.vertices[k][2] + 0.2;
+        data.faces[1] = {4, 5, 6};
+        data.faces.push_back({4, 6, 7});
+        const auto fault = first_fault(CageFaultKind::faces_cross);
+        CHECK(fault.a == 0);
+        CHECK((fault.b == 1 || fault.b == 6));
+    }
+    SECTION("means that coincide") {
+        auto upper = prism_over({{0.5, 0.5}, {1.5, 0.5}, {1.5, 1.5}, {0.5, 1.5}}, 1);
+        for (auto& v : upper.vertices) data.vertices.push_back(v + Vec<double, 3>{0, 0, 2});
+        for (auto& face : upper.faces) {
+            for (auto& i : face) i += 8;
+            data.faces.push_back(face);
+        }
+        const auto fault = first_fault(CageFaultKind::faces_cross);
+        CHECK(std::min(fault.a, fault.b) == 1);
+        CHECK(std::max(fault.a, fault.b) == 6);
+    }
+    SECTION("an open edge") {
+        data.faces.resize(3);
+        const auto fault = first_fault(CageFaultKind::open_edge);
+        CHECK(fault.a < 8);
+        CHECK(fault.b < 8);
+        CHECK(fault.a != fault.b);
+    }
+    SECTION("a small gap") {
+        data.faces.pop_back();
+        const auto report = check(mesh());
+        for (const auto& fault : report.faults) {
+            CHECK((fault.kind == CageFaultKind::gap_closed || fault.kind == CageFaultKind::open_edge));
+            CHECK(fault.a < 8);
+            CHECK(fault.b < 8);
+        }
+        if (divisions == 1) {
+            CHECK(report.status == Status::ok);
+            CHECK(report.faults.size() == 4);
+        }
+    }
+    SECTION("three faces at an edge") {
+        data.faces.push_back({0, 1, 9, 8});
+        data.vertices.push_back({0, -2, 1});
+        data.vertices.push_back({2, -2, 1});
+        for (const auto& fault : faults_of(mesh())) {
+            CHECK(fault.a < 10);
+            CHECK(fault.b < 10);
+        }
+        CHECK(check(mesh()).status == Status::cage_not_manifold);
+    }
+    SECTION("a mean that is no number") {
+        for (auto& v : data.vertices) v = 8e307 * v;
+        const auto fault = faults_of(mesh()).front();
+        CHECK(fault.a < 8);
+    }
+    SECTION("divisions") {
+        for (const std::uint32_t k : {0u, 65u, ~0u}) {
+            options.divisions = k;
+            CHECK(first_fault(CageFaultKind::face_divisions).a == k);
+        }
+        options.divisions = 64;
+        CHECK(check(mesh()).status == Status::ok);
+    }
+}
+
+TEST_CASE("divided faces beside others form a closed mesh", "[cage][polyhedral][fans]") {
+    // A house: a pentagon in front and behind, quads, and a roof of which one side is two triangles.
+    PolyhedronData data = prism_over({{0, 0}, {2, 0}, {2, 1}, {1, 2}, {0, 1}}, 3);
+    const auto roof = data.faces.back();
+    data.faces.pop_back();
+    data.faces.push_back({roof[0], roof[1], roof[2]});
+    data.faces.push_back({roof[0], roof[2], roof[3]});
+    const std::uint32_t k = GENERATE(1u, 2u, 3u, 7u);
+    CAPTURE(k);
+    const PolyhedralMesh<double> mesh(
+        data.vertices, data.faces, PolyhedralOptions{.faces = PolyhedralOptions::Faces::fan, .divisions = k});
+    REQUIRE(check(mesh).status == Status::ok);
+    CHECK(mesh.vertices().size() == 10);
+    CHECK(mesh.size() == 10);
+    for (std::size_t n = 0; n < mesh.fan_points().size(); ++n) {
+        Vec<double, 3> p{};
+        double sum = 0;
+        mesh.fan_points().for_each_corner(n, [&](std::uint32_t v, double weight) {
+            CHECK(weight > 0);
+            sum += weight;
+            p = p + weight * mesh[v];
+        });
+        CHECK(sum == Approx(1).epsilon(1e-15));
+        CHECK(cageform::detail::length(p - mesh.triangles()[mesh.size() + n]) <= 1e-14);
+    }
+    // The faces are planar, so the volume is that of the prism.
+    double volume = 0;
+    for (const auto& [a, b, c] : mesh.triangles().faces()) {
+        const auto& at = mesh.triangles().vertices();
+        volume += dot(at[a], cross(at[b], at[c])) / 6;
+    }
+    CHECK(volume == Approx(9).epsilon(1e-13));
+    for (std::size_t t = 0; t < mesh.triangles().faces().size(); ++t) {
+        const auto [first, last] = mesh.triangles_of(mesh.face_of(t));
+        CHECK((t >= first && t < last));
     }
 }
 

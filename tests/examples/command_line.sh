@@ -438,8 +438,23 @@ works "polygons for the papers' solver" "$mesh" inner.obj --cage box.obj --pose 
 grep -q "first in line 9: harmonic by the papers' solver supports only triangles" log && ok=yes || ok=no
 report $ok "that they are cut for it is said"
 works "faces that are not planar" "$mesh" inner.obj --cage bent_box.obj --pose box.obj -o polygons.obj
-grep -q 'note: bent_box.obj: 3 faces with more.*; 3 faces are cut into triangles, first in line 10: not planar' log && ok=yes || ok=no
-report $ok "which of them is cut, and why, is said"
+grep -q 'note: bent_box.obj: 3 faces with more.*; 3 faces are bound as fans about the means of their corners; 3 are not planar, first in line 10$' log && ok=yes || ok=no
+report $ok "which of them become fans, and why, is said"
+works "faces that are not planar, by green" "$mesh" inner.obj --cage bent_box.obj --pose box.obj --coordinates green -o polygons.obj
+grep -q 'note: bent_box.obj: 3 faces are bound as fans .*; 3 faces are cut into triangles, first in line 9: green supports only triangles' log && ok=yes || ok=no
+report $ok "only those become fans"
+works "faces that are not planar, cut" "$mesh" inner.obj --cage bent_box.obj --pose box.obj --faces triangles -o triangles.obj
+grep -q 'note: bent_box.obj: 6 faces are cut into triangles, first in line 9$' log && ok=yes || ok=no
+report $ok "all are cut"
+for type in mean-value harmonic green; do
+  works "fans, $type" "$mesh" inner.obj --cage box.obj --pose bent_box.obj --coordinates $type --faces fan -o fans.obj
+  grep -q 'note: box.obj: 6 faces are bound as fans about the means of their corners$' log && ok=yes || ok=no
+  report $ok "fans are said, $type"
+done
+sed '8s/.*/v 0.2 0.2 1.1/' box.obj >dart.obj # the mean of the lid lies beyond its corner
+works "a face whose mean does not see its edges" "$mesh" inner.obj --cage dart.obj --pose box.obj -o out.obj
+grep -q '1 face is cut into triangles, first in line 10: the mean of the corners does not see all edges' log && ok=yes || ok=no
+report $ok "that it is cut, and why, is said"
 head -n 11 box.obj >open_box.obj
 refuses 'the cage is not closed' "$mesh" inner.obj --cage open_box.obj --pose open_box.obj -o out.obj
 refuses '--faces: ' "$mesh" inner.obj --cage box.obj --pose box.obj --faces quads -o out.obj
@@ -447,6 +462,12 @@ echo 0.25,0.5,0.75 >inner.csv
 works "weights of a box of polygons" "$programs/cage_weights" --cage box.obj --points inner.csv --coordinates harmonic -o polygons.csv
 grep -q 'note: box.obj: 6 faces' log && ok=yes || ok=no
 report $ok "cage_weights says what becomes of them too"
+echo 0.5,0.5,0.5 >middle.csv
+works "green weights of fans" "$programs/cage_weights" --cage box.obj --points middle.csv --coordinates green --faces fan -o fans.csv
+# 8 vertices, then 6 faces of 4 triangles each: in the middle of a cube those of a kind are equal.
+awk -F, 'NR == 1 && NF != 33 { exit 1 }
+  NR == 2 { for (i = 2; i <= 33; ++i) if (($i - (i < 10 ? 0.125 : $10)) ^ 2 > 1e-28) exit 1 }' fans.csv && ok=yes || ok=no
+report $ok "the vertices' come first, then those of the fans' vectors"
 works "weights, with no streams to print to" sh -c "'$programs/cage_weights' --cage box.obj --points inner.csv --coordinates harmonic -o closed.csv >&- 2>&-"
 cmp -s polygons.csv closed.csv && ok=yes || ok=no
 report $ok "what would be printed is not in the file"

@@ -3,7 +3,7 @@
 //
 //     clang++ -std=c++20 -O1 -g1 -fsanitize=address,undefined -fno-sanitize-recover=all -Iinclude
 //             -isystem /usr/include/eigen3 -Itests tests/fuzz/hostile_cages.cpp -o hostile_cages
-//     ./hostile_cages FIRST_SEED COUNT
+//     ./hostile_cages FIRST_SEED COUNT [fans]     (fans: only cages with faces that are not planar)
 #include "support/cages.hpp"
 
 #include <cageform/binding/bind.hpp>
@@ -143,9 +143,59 @@ Status in_plane(Random& random, unsigned long long seed) {
     return take(MeanValueCoordinates<T, 2>(cage), random, seed);
 }
 
+/// Faces of any number of corners as fans, most of them warped.
+template <class T>
+Status with_fans(std::vector<Vec<T, 3>> vertices, const std::vector<std::vector<std::int64_t>>& faces,
+                 Random& random, unsigned long long seed) {
+    double size = 1;
+    if (random.below(4) != 0) { // a prism over a regular polygon, of any size
+        size = std::pow(10.0, random.below(2) == 0 ? 0 : random.uniform(-1, 1) * (sizeof(T) == 4 ? 30 : 140));
+        const std::size_t n = vertices.size() / 2;
+        for (std::size_t i = 0; i < 2 * n; ++i) {
+            const double angle = 2 * std::numbers::pi * double(i) / double(n);
+            const Vec<double, 3> p{std::cos(angle), std::sin(angle), i < n ? 0.0 : 1.0};
+            vertices[i] = vec_cast<T>(size * p);
+        }
+    }
+    const double warp = random.below(4) == 0 ? 0 : size * std::pow(10.0, random.uniform(-17, 0));
+    for (auto& v : vertices) {
+        for (std::size_t k = 0; k < 3; ++k) v[k] += T(warp * random.uniform(-1, 1));
+    }
+    const bool all = random.below(2) == 0;
+    PolyhedralOptions options{
+        .off_plane = random.below(8) == 0 ? random.uniform(-1, 1) : 0,
+        .non_planar = all ? PolyhedralOptions::NonPlanar::refuse : PolyhedralOptions::NonPlanar::fan,
+        .faces = all ? PolyhedralOptions::Faces::fan : PolyhedralOptions::Faces::planar};
+    if (random.below(4) == 0) options.divisions = 2 + std::uint32_t(random.below(3));
+    if (random.below(50) == 0) options.divisions = std::uint32_t(random.bits());
+    if (random.below(50) == 0) options.divisions = 0;
+    const PolyhedralMesh<T> mesh(vertices, faces, options);
+    const auto report = check(mesh);
+    for (const auto& fault : report.faults) {
+        const bool of_faces =
+            fault.kind == CageFaultKind::faces_cross || fault.kind == CageFaultKind::face_flipped;
+        // A face from face_count() on closes a gap.
+        if (of_faces) REQUIRE(fault.a <= mesh.face_count() && fault.b <= mesh.face_count());
+        if (fault.kind == CageFaultKind::open_edge || fault.kind == CageFaultKind::gap_closed ||
+            fault.kind == CageFaultKind::edge_not_manifold || fault.kind == CageFaultKind::duplicate_vertices)
+            REQUIRE(fault.a < mesh.size() && fault.b < mesh.size());
+        if (fault.kind == CageFaultKind::vertex_not_manifold || fault.kind == CageFaultKind::vertex_unused ||
+            fault.kind == CageFaultKind::vertex_not_finite)
+            REQUIRE(fault.a < mesh.size());
+    }
+    if (random.below(16) == 0) {
+        HarmonicOptions grid;
+        grid.resolution = 8 + random.below(24);
+        return take(UniformHarmonicCoordinates(mesh, grid), random, seed);
+    }
+    if (random.below(2) == 0) return take(GreenCoordinates(mesh), random, seed);
+    return take(MeanValueCoordinates(mesh), random, seed);
+}
+
 /// The prism's faces as polygons, or any loops.
 template <class T>
-Status with_polygons(const std::vector<Vec<T, 3>>& vertices, Random& random, unsigned long long seed) {
+Status with_polygons(const std::vector<Vec<T, 3>>& vertices, Random& random, unsigned long long seed,
+                     bool fans) {
     const auto n = std::int64_t(vertices.size() / 2);
     std::vector<std::vector<std::int64_t>> faces(2);
     for (std::int64_t i = 0; i < n; ++i) {
@@ -165,6 +215,7 @@ Status with_polygons(const std::vector<Vec<T, 3>>& vertices, Random& random, uns
     if (harm == 7) {
         for (auto& i : face) i = std::int64_t(random.below(vertices.size()));
     }
+    if (fans) return with_fans(vertices, faces, random, seed);
     const T off_plane = random.below(3) == 0 ? T(random.uniform(0, 1)) : T(0);
     if (random.below(4) == 0) {
         HarmonicOptions options;
@@ -177,7 +228,7 @@ Status with_polygons(const std::vector<Vec<T, 3>>& vertices, Random& random, uns
 
 /// A prism of an n-gon, or any faces.
 template <class T>
-Status in_space(Random& random, unsigned long long seed) {
+Status in_space(Random& random, unsigned long long seed, bool only_fans) {
     const std::size_t n = 3 + random.below(4);
     std::vector<std::array<std::int64_t, 3>> faces;
     auto vertices = hostile_points<T, 3>(random, 2 * n, false);
@@ -190,7 +241,8 @@ Status in_space(Random& random, unsigned long long seed) {
             vertices[n + i][2] = height;
         }
     }
-    if (random.below(3) == 0) return with_polygons(vertices, random, seed);
+    const std::size_t kind = random.below(6);
+    if (only_fans || kind < 2) return with_polygons(vertices, random, seed, only_fans || kind == 0);
     const auto m = std::int64_t(n);
     for (std::int64_t i = 0; i < m; ++i) {
         const std::int64_t j = (i + 1) % m;
@@ -213,13 +265,15 @@ Status in_space(Random& random, unsigned long long seed) {
 int main(int count, char** arguments) {
     const unsigned long long first = count > 1 ? std::strtoull(arguments[1], nullptr, 10) : 0;
     const unsigned long long cages = count > 2 ? std::strtoull(arguments[2], nullptr, 10) : 10000;
+    const bool only_fans = count > 3;
     std::map<std::string, std::size_t> outcomes;
     for (unsigned long long seed = first; seed < first + cages; ++seed) {
         Random random(seed);
-        const Status status = seed % 4 == 0   ? in_plane<float>(random, seed)
-                              : seed % 4 == 1 ? in_plane<double>(random, seed)
-                              : seed % 4 == 2 ? in_space<float>(random, seed)
-                                              : in_space<double>(random, seed);
+        const bool in_a_plane = seed % 4 < 2 && !only_fans, in_float = seed % 2 == 0;
+        const Status status =
+            in_a_plane ? (in_float ? in_plane<float>(random, seed) : in_plane<double>(random, seed))
+            : in_float ? in_space<float>(random, seed, only_fans)
+                       : in_space<double>(random, seed, only_fans);
         ++outcomes[to_string(status)];
     }
     for (const auto& [text, times] : outcomes) std::printf("%9zu  %s\n", times, text.c_str());

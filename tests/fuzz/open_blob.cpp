@@ -295,6 +295,17 @@ std::vector<std::byte> made_up(Numbers& numbers) {
     header.vectors = vectors;
     header.handle_kinds = vectors > 0 ? 1 : 0;
     header.handle_faces = vectors > 0 ? numbers.below(2) : 0;
+    std::vector<std::uint32_t> loops; // whose means are corners of faces
+    Numbers of_loops = numbers;       // a copy, which leaves all else as it is without loops
+    if (header.handle_faces != 0 && of_loops.below(2) == 0) {
+        const std::size_t count = 1 + of_loops.below(3);
+        loops.push_back(std::uint32_t(count + 1));
+        for (std::size_t l = 0; l < count; ++l)
+            loops.push_back(loops.back() + std::uint32_t(1 + of_loops.below(4)));
+        while (loops.size() < loops[count]) loops.push_back(std::uint32_t(of_loops.below(handles - vectors)));
+    }
+    header.handle_loops = loops.empty() ? 0 : 1;
+    header.loop_numbers = std::uint32_t(loops.size());
     cageform::PackedBinding<T, D> packed(header);
     const auto view = packed.view();
     const auto open = [](auto* part) {
@@ -313,7 +324,10 @@ std::vector<std::byte> made_up(Numbers& numbers) {
         if (view.handle_faces == nullptr) continue;
         for (auto& corner : open(view.handle_faces)[n])
             corner = std::uint32_t(numbers.below(handles - vectors));
+        if (!loops.empty())
+            open(view.handle_faces)[n][D - 1] = std::uint32_t(handles + of_loops.below(loops[0] - 1));
     }
+    std::copy(loops.begin(), loops.end(), open(view.handle_loops));
     packed.seal();
     return {packed.bytes().begin(), packed.bytes().end()};
 }
@@ -567,8 +581,9 @@ extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t s
         constexpr std::size_t counts = offsetof(BlobHeader, handles), offsets = offsetof(BlobHeader, weights);
         const BlobHeader header = header_of({bytes, size});
         const std::uint64_t tables[] = {header.row_begin,    header.row_handle,   header.order,
-                                        header.rest_handles, header.handle_kinds, header.handle_faces};
-        const std::uint64_t table = tables[numbers.below(6)];
+                                        header.rest_handles, header.handle_kinds, header.handle_faces,
+                                        header.handle_loops};
+        const std::uint64_t table = tables[numbers.below(7)];
         const std::uint64_t limits[] = {size, header.handles, header.points, header.rows};
         const auto limit = std::max<std::size_t>(std::size_t(limits[numbers.below(4)]), 1);
         switch (numbers.below(5)) {

@@ -25,6 +25,8 @@ int numbers_of(cageform::CageFaultKind kind) {
     case Kind::radius_not_positive:
     case Kind::interior_cell_outside:
     case Kind::interior_cells_not_supported:
+    case Kind::face_divisions:
+    case Kind::face_fanned:
     case Kind::vertex_not_convex:
     case Kind::bone_axes_dependent:
     case Kind::frame_not_finite:
@@ -42,6 +44,7 @@ int numbers_of(cageform::CageFaultKind kind) {
     case Kind::edges_cross:
     case Kind::face_not_planar:
     case Kind::face_crosses_itself:
+    case Kind::face_fan_folds:
     case Kind::open_edge:
     case Kind::edge_not_manifold:
     case Kind::face_flipped:

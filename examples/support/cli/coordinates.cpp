@@ -67,9 +67,10 @@ void CoordinatesChoice::add_options(CommandLine& line) {
         .show_default(name);
     if (in_space) {
         line.add("--faces", faces,
-                 "mean-value and harmonic in space: polygons keeps planar faces of more than three corners "
-                 "and uses plane coordinates in each; triangles cuts them")
-            .one_of({"polygons", "triangles"})
+                 "faces of more than three corners in space: planar keeps those that are planar, with plane "
+                 "coordinates in each (mean-value, harmonic), and makes fans about the mean of their corners "
+                 "of the others; fan makes fans of all; triangles cuts them")
+            .one_of({"planar", "fan", "triangles"})
             .show_default();
     }
     if (with_sites) {

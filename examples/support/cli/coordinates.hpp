@@ -28,7 +28,7 @@ struct CoordinatesChoice {
     bool is_named = false;            // whether it is given
     bool in_plane = false;            // whether the program takes polygons as cages
     bool in_space = false;            // whether it takes meshes
-    std::string faces = "polygons";   // of meshes: polygons or triangles
+    std::string faces = "planar";     // of meshes: planar, fan or triangles
     bool with_sites = false;          // whether the program takes control points without a cage
     bool with_normals = false;        // whether the program poses edges or faces too
     std::string gradients = "facets"; // of sibson-c1
@@ -126,7 +126,11 @@ std::string name_of_face(const cageform::HandleView<T, D>& handles, std::size_t 
         return "from vertex " + std::to_string(face[0]) + " to " + std::to_string(face[1]);
     } else {
         std::string text;
-        for (const auto vertex : face) text += (text.empty() ? "v " : ", v ") + std::to_string(vertex + 1);
+        for (const auto vertex : face) {
+            const bool is_mean = vertex >= handles.count;
+            text += (text.empty() ? "" : ", ") +
+                    (is_mean ? "the mean of its face" : "v " + std::to_string(vertex + 1));
+        }
         return text;
     }
 }

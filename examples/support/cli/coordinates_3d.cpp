@@ -10,7 +10,7 @@ namespace cageform_examples {
 
 namespace {
 
-/// Returns why coordinates do not support polygons as faces; empty if they do.
+/// Returns why coordinates do not support planar polygons as faces; empty if they do.
 std::string polygon_fault(const CoordinatesChoice& choice) {
     if (choice.name == "mean-value") return {};
     if (choice.name != "harmonic") return choice.name + " supports only triangles";
@@ -27,14 +27,25 @@ ChosenCoordinates<T, 3> make_coordinates(const CoordinatesChoice& choice, const 
     const cageform::HarmonicOptions options = choice.harmonic_options(3);
     const bool harmonic = choice.name == "harmonic";
     const std::string why_cut = polygon_fault(choice);
-    const CageFaces faces = faces_of(file, why_cut.empty() && choice.faces == "polygons");
+    const bool takes_fans = why_cut.empty() || choice.name == "green";
+    const FacesAsFans fans = !takes_fans || choice.faces == "triangles" ? FacesAsFans::none
+                             : choice.faces == "fan"                    ? FacesAsFans::all
+                                                                        : FacesAsFans::not_planar;
+    const CageFaces faces = faces_of(file, why_cut.empty() && choice.faces == "planar", fans);
     ChosenCoordinates<T, 3> made;
-    if (faces.polygons > 0) {
-        cageform::PolyhedralMesh<T> cage(file.vertices, faces.loops, T(faces.off_plane));
+    if (faces.polygons > 0 || faces.fans > 0) {
+        using Options = cageform::PolyhedralOptions;
+        const cageform::PolyhedralMesh<T> cage(
+            file.vertices, faces.loops,
+            Options{.off_plane = faces.off_plane,
+                    .non_planar = Options::NonPlanar::fan,
+                    .faces = fans == FacesAsFans::all ? Options::Faces::fan : Options::Faces::planar});
         if (harmonic)
             made = Harmonic<cageform::PolyhedralMesh<T>>(cage, options);
-        else
+        else if (choice.name == "mean-value")
             made = cageform::MeanValueCoordinates<T, 3, cageform::PolyhedralMesh<T>>(cage);
+        else
+            made = cageform::GreenCoordinates<T, 3, cageform::PolyhedralMesh<T>>(cage);
     } else {
         const cageform::TriangleMesh<T> cage(file.vertices, file.triangles);
         if (harmonic)

@@ -69,7 +69,7 @@ ObjFile lattice_mesh(std::string name, LatticeBox<3> lattice) {
     return std::move(*file);
 }
 
-CageFaces faces_of(const ObjFile& cage, bool keep_polygons) {
+CageFaces faces_of(const ObjFile& cage, bool keep_planar, FacesAsFans fans) {
     CageFaces faces;
     const auto bounds = cageform::bounds_of(std::span<const Point3>(cage.vertices));
     faces.off_plane = 1e-6 * bounds.diagonal();
@@ -77,22 +77,34 @@ CageFaces faces_of(const ObjFile& cage, bool keep_polygons) {
     for (std::size_t f = 0; f < loops.size(); ++f) {
         for (const ObjCorner& corner : cage.faces[f].corners) loops[f].push_back(corner.vertex);
     }
-    const cageform::PolyhedralMesh<double> whole(cage.vertices, loops, faces.off_plane);
+    using cageform::PolyhedralMesh, cageform::PolyhedralOptions;
+    const PolyhedralMesh<double> whole(cage.vertices, loops, faces.off_plane);
+    const PolyhedralMesh<double> fanned(
+        cage.vertices, loops,
+        PolyhedralOptions{.off_plane = faces.off_plane, .faces = PolyhedralOptions::Faces::fan});
     std::size_t triangle = 0;
     for (std::size_t f = 0; f < loops.size(); ++f) {
         auto& loop = loops[f];
         const std::size_t first = triangle;
         while (triangle < cage.triangles.size() && cage.triangle_faces[triangle] == f) ++triangle;
-        bool keep = keep_polygons || loop.size() == 3;
-        if (keep && loop.size() > 3) {
-            keep = !cageform::detail::face_fault(whole, f);
-            if (!keep) faces.bent.push_back(f);
-        }
-        if (keep) {
-            faces.polygons += loop.size() > 3 ? 1 : 0;
+        if (loop.size() == 3) {
             faces.loops.push_back(std::move(loop));
             continue;
         }
+        const bool is_planar = !cageform::detail::face_fault(whole, f);
+        const bool wants_fan = fans == FacesAsFans::all || (fans == FacesAsFans::not_planar && !is_planar);
+        if (wants_fan && !cageform::detail::face_fault(fanned, f)) {
+            ++faces.fans;
+            if (!is_planar) faces.warped.push_back(f);
+            faces.loops.push_back(std::move(loop));
+            continue;
+        }
+        if (keep_planar && is_planar && !wants_fan) {
+            ++faces.polygons;
+            faces.loops.push_back(std::move(loop));
+            continue;
+        }
+        if (wants_fan || (keep_planar && !is_planar)) faces.bent.push_back(f);
         faces.cut.push_back(f);
         for (std::size_t t = first; t < triangle; ++t)
             faces.loops.emplace_back(cage.triangles[t].begin(), cage.triangles[t].end());
@@ -109,13 +121,23 @@ std::string describe_faces(const ObjFile& cage, const CageFaces& faces, const st
                (one ? "a polygon" : "polygons") + ", with the coordinates in " +
                (one ? "its plane" : "their planes") + " (--faces triangles cuts " + (one ? "it)" : "them)");
     }
+    if (faces.fans > 0) {
+        const bool one = faces.fans == 1;
+        text += (text.empty() ? "" : "; ") + count(faces.fans) +
+                (one ? " is bound as a fan about the mean of its corners"
+                     : " are bound as fans about the means of their corners");
+        if (!faces.warped.empty())
+            text += "; " + std::to_string(faces.warped.size()) + (faces.warped.size() == 1 ? " is" : " are") +
+                    " not planar, first in line " + std::to_string(cage.faces[faces.warped.front()].line);
+    }
     if (!faces.cut.empty()) {
         text += (text.empty() ? "" : "; ") + count(faces.cut.size()) +
                 (faces.cut.size() == 1 ? " is" : " are") + " cut into triangles, first in line " +
                 std::to_string(cage.faces[faces.cut.front()].line) +
-                (!faces.bent.empty() ? ": not planar"
-                 : why.empty()       ? ""
-                                     : ": " + why);
+                (!faces.bent.empty() && faces.bent.front() == faces.cut.front()
+                     ? ": the mean of the corners does not see all edges"
+                 : why.empty() ? ""
+                               : ": " + why);
     }
     return text.empty() ? text : cage.name + ": " + text;
 }

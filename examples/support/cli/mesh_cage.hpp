@@ -25,15 +25,21 @@ ObjFile lattice_mesh(std::string name, LatticeBox<3> lattice);
 /// The faces of a cage as coordinates get them.
 struct CageFaces {
     std::vector<std::vector<std::uint32_t>> loops;
-    std::size_t polygons = 0;      // of the file's faces with more than three corners, those that are kept
-    std::vector<std::size_t> cut;  // the others, cut into the file's triangles
-    std::vector<std::size_t> bent; // of those, the ones that lie in no plane or cross themselves
-    double off_plane = 0;          // as far as corners of a kept face may lie off its plane
+    std::size_t polygons = 0; // of the file's faces with more than three corners, those that keep their plane
+    std::size_t fans = 0;     // those that become fans about the mean of their corners
+    std::vector<std::size_t> warped; // of those, the ones that are not planar
+    std::vector<std::size_t> cut;    // the others, cut into the file's triangles
+    std::vector<std::size_t> bent;   // of those, the ones that are neither planar nor possible as fans
+    double off_plane = 0;            // as far as corners of a kept face may lie off its plane
 };
 
-/// All faces, of which those of more than three corners are kept where that is wanted and they are planar,
-/// to a millionth of the cage's diagonal: what six digits of a file leave of a plane.
-CageFaces faces_of(const ObjFile& cage, bool keep_polygons);
+/// Which faces of more than three corners become fans.
+enum class FacesAsFans { none, not_planar, all };
+
+/// All faces, of which those of more than three corners are kept where that is wanted: as polygons, if they
+/// are planar to a millionth of the cage's diagonal (what six digits of a file leave of a plane), or as fans,
+/// if the mean of their corners sees all edges.
+CageFaces faces_of(const ObjFile& cage, bool keep_planar, FacesAsFans fans);
 
 /// Describes how faces with more than three corners were treated; empty if there are none.
 ///

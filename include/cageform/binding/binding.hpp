@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cageform/core/detail/blocks.hpp>
+#include <cageform/core/detail/face_handles.hpp>
 #include <cageform/core/types/handles.hpp>
 
 #include <utility>
@@ -22,11 +23,12 @@ struct BindingView {
     const HandleKind* handle_kinds = nullptr; ///< #handles; null: all are points
     /// The faces of the vectors, in their order; null: they belong to none.
     const HandleFace<D>* handle_faces = nullptr;
+    const std::uint32_t* handle_loops = nullptr; ///< the loops of HandleView; null: no corner is a mean
 
     std::size_t handle_count() const noexcept { return weights.rows; }
     std::size_t point_count() const noexcept { return weights.points; }
     HandleView<T, D> handle_view() const noexcept {
-        return {rest_handles, weights.rows, handle_kinds, handle_faces};
+        return {rest_handles, weights.rows, handle_kinds, handle_faces, handle_loops};
     }
 };
 
@@ -55,6 +57,7 @@ public:
         rest_handles_ = std::exchange(other.rest_handles_, {});
         handle_kinds_ = std::exchange(other.handle_kinds_, {});
         handle_faces_ = std::exchange(other.handle_faces_, {});
+        handle_loops_ = std::exchange(other.handle_loops_, {});
         point_count_ = std::exchange(other.point_count_, 0);
         return *this;
     }
@@ -69,6 +72,7 @@ public:
         if (handles.kinds != nullptr) handle_kinds_.assign(handles.kinds, handles.kinds + handles.count);
         if (handles.faces != nullptr)
             handle_faces_.assign(handles.faces, handles.faces + handles.vector_count());
+        handle_loops_.assign(handles.loops, handles.loops + detail::loop_numbers(handles.loops));
         CAGEFORM_ASSERT(weights_.size() == block_count<T>(point_count_) * rest_handles_.size(),
                         "one row per handle");
         CAGEFORM_ASSERT(rest_.size() == block_count<T>(point_count_) * D, "one row per axis");
@@ -96,7 +100,8 @@ public:
                 {rest_.data(), D, point_count_},
                 rest_handles_.data(),
                 handle_kinds_.empty() ? nullptr : handle_kinds_.data(),
-                handle_faces_.empty() ? nullptr : handle_faces_.data()};
+                handle_faces_.empty() ? nullptr : handle_faces_.data(),
+                handle_loops_.empty() ? nullptr : handle_loops_.data()};
     }
     HandleView<T, D> handle_view() const noexcept { return view().handle_view(); }
 
@@ -106,6 +111,7 @@ private:
     std::vector<Vec<T, D>> rest_handles_;
     std::vector<HandleKind> handle_kinds_;    // empty: all are points
     std::vector<HandleFace<D>> handle_faces_; // empty: the vectors belong to no faces
+    std::vector<std::uint32_t> handle_loops_; // empty: no corner of a face is a mean
     std::size_t point_count_ = 0;
 };
 

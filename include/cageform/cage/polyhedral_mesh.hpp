@@ -1,7 +1,8 @@
-// The 3D cage whose faces are planar polygons: its data, point location, and its check.
+// The 3D cage whose faces are polygons, planar or not: its data, point location, and its check.
 #pragma once
 
 #include <cageform/cage/detail/face_plane.hpp>
+#include <cageform/cage/detail/fan_points.hpp>
 #include <cageform/cage/triangle_mesh.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
@@ -15,11 +16,43 @@ concept LoopRange = requires(const F& faces, std::size_t i) {
     requires std::integral<std::remove_cvref_t<decltype(faces[i][i])>>;
 };
 
-/// A cage in space with planar faces. A face has any number of corners and may be non-convex; it is
-/// one loop, counter-clockwise seen from outside. The surface equals that of `triangles()`, but the
-/// boundary data on a face differs: it comes from coordinates in the face's plane (Joshi et al.,
-/// Harmonic Coordinates for Character Articulation, sec. 4: every face solves the equation of its
-/// own dimension). The weights therefore do not depend on how a face is triangulated.
+/// How a PolyhedralMesh binds faces of more than three corners.
+///
+/// A *fan* is the triangles between a face's edges and the mean m of its n corners. The function of a
+/// corner is 1 there and 1/n at m, and linear on each triangle. So weights of m are passed on to the
+/// corners: w_c = ω_c + Σ ω_m/n over the faces at c, with ω the weights on the mesh of triangles. Sums,
+/// linear precision, signs and the maximum principle carry over, and nothing depends on a diagonal or on
+/// the first corner. A fan is within |c₀ − c₁ + c₂ − c₃|/16 of the bilinear patch of its corners; a cut
+/// along a diagonal within a quarter.
+struct PolyhedralOptions {
+    enum class NonPlanar : std::uint8_t {
+        refuse, ///< face_not_planar
+        fan,
+    };
+    enum class Faces : std::uint8_t {
+        planar, ///< planar faces have coordinates of their plane
+        fan,    ///< all faces are fans, for one rule on the whole cage
+    };
+    /// Limits how far a corner may lie off its face's plane, in units of the cage; 64 roundings are always
+    /// allowed. Weights on such a face reproduce the point's projection onto the plane, so their error is
+    /// at most that distance.
+    double off_plane = 0;
+    NonPlanar non_planar = NonPlanar::refuse;
+    Faces faces = Faces::planar;
+    /// 1 to 64: a face of four corners is divided into k × k cells of its bilinear patch, each a fan. The
+    /// corners' functions on it are then nearly bilinear: k² times nearer than without, and mean value
+    /// weights approach their integral over the patch as fast. Such a face has 4 k² triangles, so a bind
+    /// takes 2 k² times as long. With k > 1 all faces of more than three corners are fans, and gaps next to
+    /// divided faces may be refused as open edges.
+    std::uint32_t divisions = 1;
+};
+
+/// A cage in space with faces of any number of corners. A face is one loop, counter-clockwise seen from
+/// outside; a planar one may be non-convex. The surface equals that of `triangles()`, but the boundary data
+/// on a planar face differs: it comes from coordinates in the face's plane (Joshi et al., Harmonic
+/// Coordinates for Character Articulation, sec. 4: every face solves the equation of its own dimension).
+/// The weights therefore do not depend on how a face is triangulated. Faces that are not planar are
+/// refused or bound as fans (PolyhedralOptions).
 ///
 /// Copies the vertices and faces. Construction never fails; `check` reports whether the mesh can
 /// serve as a cage. Gaps are closed by triangles, as in a TriangleMesh. O(#corners log #corners),
@@ -29,25 +62,29 @@ class PolyhedralMesh {
 public:
     using scalar = T;
     static constexpr std::size_t dimension = 3;
+    static constexpr std::uint32_t most_divisions = 64;
 
     PolyhedralMesh() = default;
 
-    /// `off_plane` limits how far a corner may lie off its face's plane, in units of the cage; 64
-    /// roundings are always allowed. Weights on such a face reproduce the point's projection onto
-    /// the plane, so their error is at most that distance.
     template <PointRange R, LoopRange F>
         requires(range_dimension<R> == 3)
-    PolyhedralMesh(const R& vertices, const F& faces, T off_plane = 0)
-        : off_plane_(double(off_plane))
+    PolyhedralMesh(const R& vertices, const F& faces, const PolyhedralOptions& options = {})
+        : options_(options)
+        , off_plane_(options.off_plane)
         , status_(detail::guard_memory([&] { return fill(vertices, faces); })) {
         if (status_ != Status::ok) *this = PolyhedralMesh(status_);
     }
+    /// Refuses faces whose corners lie farther off their plane than this.
+    template <PointRange R, LoopRange F>
+        requires(range_dimension<R> == 3)
+    PolyhedralMesh(const R& vertices, const F& faces, T off_plane)
+        : PolyhedralMesh(vertices, faces, PolyhedralOptions{.off_plane = double(off_plane)}) {}
 
     /// Returns out_of_memory if vertices and faces did not fit in memory; the mesh is then empty.
     /// `check` reports it. (Copying throws, as copying a std::vector does.)
     Status status() const noexcept { return status_; }
-    std::size_t size() const noexcept { return triangles_.size(); }
-    std::span<const Vec<T, 3>> vertices() const noexcept { return triangles_.vertices(); }
+    std::size_t size() const noexcept { return size_; }
+    std::span<const Vec<T, 3>> vertices() const noexcept { return triangles_.vertices().first(size_); }
     const Vec<T, 3>& operator[](std::size_t i) const noexcept { return triangles_[i]; }
 
     std::size_t face_count() const noexcept { return ends_.size(); }
@@ -56,9 +93,12 @@ public:
         const std::size_t begin = f == 0 ? 0 : ends_[f - 1];
         return {corners_.data() + begin, ends_[f] - begin};
     }
-    /// Returns the surface as triangles: those of face 0, of face 1, …, then those that close gaps.
+    /// Returns the surface as triangles: those of face 0, of face 1, …, then those that close gaps. Its
+    /// vertices are those of the mesh, then the points of fans: the mean of each, in the order of the
+    /// faces, unless faces are divided.
     const TriangleMesh<T>& triangles() const noexcept { return triangles_; }
-    /// Returns the range [first, second) of a face's triangles; a face of m corners has m − 2.
+    /// Returns the range [first, second) of a face's triangles; a planar face of m corners has m − 2. The
+    /// triangles of a fan begin at the face's first corner.
     std::pair<std::size_t, std::size_t> triangles_of(std::size_t f) const noexcept {
         return {f == 0 ? 0 : triangle_ends_[f - 1], triangle_ends_[f]};
     }
@@ -69,6 +109,11 @@ public:
     }
     /// Returns how far a corner may lie off its face's plane.
     double off_plane() const noexcept { return off_plane_; }
+    const PolyhedralOptions& options() const noexcept { return options_; }
+    /// Returns whether a face is bound as a fan.
+    bool is_fan(std::size_t f) const noexcept { return is_fan_[f]; }
+    /// Returns the points that `triangles()` has after the vertices.
+    const detail::FanPoints& fan_points() const noexcept { return fan_points_; }
 
 private:
     explicit PolyhedralMesh(Status status) noexcept
@@ -78,7 +123,9 @@ private:
     Status fill(const R& vertices, const F& faces) {
         std::vector<Vec<T, 3>> at;
         for (std::size_t i = 0; i < std::size(vertices); ++i) at.push_back(to_vec<T>(vertices[i]));
-        std::vector<std::array<std::uint32_t, 3>> triangles;
+        size_ = at.size();
+        off_plane_ = std::fmax(off_plane_,
+                               8 * double(coincidence_tolerance(bounds_of(std::span<const Vec<T, 3>>(at)))));
         for (std::size_t f = 0; f < std::size(faces); ++f) {
             for (std::size_t k = 0; k < std::size(faces[f]); ++k) {
                 const auto i = faces[f][k];
@@ -86,13 +133,32 @@ private:
                 corners_.push_back(is_there ? std::uint32_t(i) : no_vertex);
             }
             ends_.push_back(corners_.size());
-            cut(face(f), at, triangles);
+            is_fan_.push_back(shall_be_fan(face(f), at));
+        }
+        detail::FanMaker<T> fans(at, fan_points_,
+                                 options_.divisions <= most_divisions ? options_.divisions : 1);
+        for (std::size_t f = 0; f < face_count(); ++f) {
+            if (is_fan_[f]) fans.divide_edges(face(f));
+        }
+        std::vector<std::array<std::uint32_t, 3>> triangles;
+        for (std::size_t f = 0; f < face_count(); ++f) {
+            if (is_fan_[f])
+                fans.add(face(f), triangles);
+            else
+                cut(fans.with_edge_points(face(f)), at, triangles);
             triangle_ends_.push_back(triangles.size());
         }
         triangles_ = TriangleMesh<T>(at, triangles);
-        off_plane_ = std::fmax(off_plane_,
-                               8 * double(coincidence_tolerance(bounds_of(std::span<const Vec<T, 3>>(at)))));
         return triangles_.status();
+    }
+
+    bool shall_be_fan(std::span<const std::uint32_t> loop, std::span<const Vec<T, 3>> at) const {
+        if (loop.size() < 4 || std::find(loop.begin(), loop.end(), no_vertex) != loop.end()) return false;
+        if (options_.faces == PolyhedralOptions::Faces::fan || options_.divisions > 1) return true;
+        if (options_.non_planar == PolyhedralOptions::NonPlanar::refuse) return false;
+        Buffer<Vec<double, 3>> positions;
+        for (const std::uint32_t i : loop) positions.push_back(vec_cast<double>(at[i]));
+        return detail::FarthestCorner(positions, detail::FacePlane(positions)).distance > off_plane_;
     }
 
     /// Triangulates a face and adds its triangles.
@@ -113,14 +179,18 @@ private:
 
     std::vector<std::uint32_t> corners_;            ///< of all faces, one after the other
     std::vector<std::size_t> ends_, triangle_ends_; ///< where each face ends in corners_ and triangles
+    std::vector<bool> is_fan_;                      ///< of each face
+    std::size_t size_ = 0;
+    detail::FanPoints fan_points_;
     TriangleMesh<T> triangles_;
+    PolyhedralOptions options_;
     double off_plane_ = 0;
     Status status_ = Status::ok; // declared last: its initialiser fills the other members
 };
 
 /// Deduces the scalar from the points.
 template <PointRange R, LoopRange F>
-PolyhedralMesh(const R&, const F&) -> PolyhedralMesh<range_scalar_t<R>>;
+PolyhedralMesh(const R&, const F&, const PolyhedralOptions& = {}) -> PolyhedralMesh<range_scalar_t<R>>;
 
 /// Calls f(triangle) with arrays of vertices.
 template <Scalar T, class F>
@@ -145,9 +215,12 @@ BoundaryValue<3> nearest_boundary_value(const PolyhedralMesh<T>& mesh, const Vec
 }
 
 /// Whether a mesh can serve as a cage. Every face must have at least three corners that exist, are
-/// finite, lie in one plane (see off_plane) and form a simple polygon; the other conditions are
-/// those of a TriangleMesh. Faults name faces by number. Costs as much as for a TriangleMesh, plus
-/// O(m log m) for a face of m corners, O(m²) at worst.
+/// finite, lie in one plane (see off_plane) and form a simple polygon. A face that is a fan need not lie
+/// in a plane; its mean must see all its edges, none from behind. The other conditions are those of a
+/// TriangleMesh. Faults name faces by number. Fans that are not planar are named in warnings, with their
+/// distance from the bilinear patch (PolyhedralOptions; of more than four corners: the largest distance
+/// of a corner from the plane). Costs as much as for a TriangleMesh, plus O(m log m) for a face of m corners,
+/// O(m²) at worst.
 template <class T>
 CageReport check(const PolyhedralMesh<T>& mesh);
 

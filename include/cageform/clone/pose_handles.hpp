@@ -38,7 +38,7 @@ concept HasHandles = requires(const B& binding) {
 ///   returns  pose_size_differs, pose_not_finite, output_too_small, handles_not_faces (vectors that
 ///            belong to no face): `out` is then untouched. Or ok, and the faces without area
 ///   cost     O(#handles), no allocation; 80 operations and two roots a face in 3D, two
-///            operations in 2D
+///            operations in 2D; the means of loops are computed for each of their triangles
 ///
 /// The pose at rest gives the handles at rest bit for bit, so `clone` gives the bound points. A
 /// similarity transforms every vector as well, to rounding. A mirrored pose is allowed, but does

@@ -29,6 +29,8 @@ concept CageCoordinateConstants = requires {
 ///                       absent or empty, all are points
 ///   handle_faces()      optional: a span of the faces that vector handles belong to, in their order,
 ///                       so that `pose_handles` can compute their poses from a pose of the vertices
+///   handle_loops()      optional, with handle_faces(): a span of the table of loops whose means are corners
+///                       of faces (HandleView)
 ///   cage_report()       faults of the cage; unless its status is ok, `evaluate` returns that
 ///                       status
 ///   has_extension       whether weights are defined outside the cage
@@ -83,6 +85,10 @@ HandleView<typename C::scalar, C::dimension> handle_view(const C& coordinates) n
         const std::span<const HandleFace<C::dimension>> faces = coordinates.handle_faces();
         CAGEFORM_ASSERT(faces.empty() || faces.size() == view.vector_count(), "a face for every vector");
         if (!faces.empty()) view.faces = faces.data();
+    }
+    if constexpr (requires { coordinates.handle_loops(); }) {
+        const std::span<const std::uint32_t> loops = coordinates.handle_loops();
+        if (!loops.empty()) view.loops = loops.data();
     }
     return view;
 }

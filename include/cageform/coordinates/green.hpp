@@ -2,13 +2,15 @@
 // normals of its edges or faces.
 #pragma once
 
+#include <cageform/cage/polyhedral_mesh.hpp>
 #include <cageform/coordinates/green/evaluation.hpp>
 #include <cageform/coordinates/green/plane.hpp>
 #include <cageform/coordinates/green/space.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 
-template <Scalar T, std::size_t D>
+/// The cage is a Polygon in 2D, a TriangleMesh or a PolyhedralMesh in 3D.
+template <Scalar T, std::size_t D, class Cage = std::conditional_t<D == 2, Polygon<T>, TriangleMesh<T>>>
 class GreenCoordinates;
 
 /// Green coordinates in 2D, for any set of simple loops, holes included. By Green's third identity,
@@ -114,11 +116,29 @@ public:
         : Base(cage) {}
 };
 
+/// Green coordinates for polyhedral meshes: those of `triangles()`, with the weights of means passed on to
+/// the corners. Fans have a vector for each of their triangles; `pose_handles` computes the means of posed
+/// faces. One vector for a whole face would restore points on planar faces only. A planar face that is no
+/// fan is cut into triangles, and weights depend on the cut.
+///
+///   handles   the vertices, then the triangles in the order of the faces
+///   fails     divisions_not_supported too, if faces are divided
+template <Scalar T>
+class GreenCoordinates<T, 3, PolyhedralMesh<T>> : public detail::GreenEvaluation<PolyhedralMesh<T>> {
+    using Base = detail::GreenEvaluation<PolyhedralMesh<T>>;
+
+public:
+    explicit GreenCoordinates(PolyhedralMesh<T> cage)
+        : Base(std::move(cage)) {}
+};
+
 // `GreenCoordinates coordinates(cage)` deduces the scalar and the dimension.
 template <Scalar T>
 GreenCoordinates(Polygon<T>) -> GreenCoordinates<T, 2>;
 template <Scalar T>
 GreenCoordinates(TriangleMesh<T>) -> GreenCoordinates<T, 3>;
+template <Scalar T>
+GreenCoordinates(PolyhedralMesh<T>) -> GreenCoordinates<T, 3, PolyhedralMesh<T>>;
 template <Scalar T, std::size_t D>
 GreenCoordinates(CellComplex<T, D>) -> GreenCoordinates<T, D>;
 template <PointRangeIn<2> R>

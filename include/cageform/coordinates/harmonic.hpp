@@ -26,7 +26,8 @@ struct AdaptiveGrid {
 /// Harmonic coordinates: h_i solves ∇²h_i = 0 inside the cage and equals the hat function of vertex
 /// i on its boundary. In 2D the cage is a Polygon, in 3D a TriangleMesh or a PolyhedralMesh,
 /// in both a CellComplex. On rectangles of a PolyhedralMesh the boundary data is bilinear; for its
-/// other faces harmonic coordinates are first solved in each face's plane.
+/// other planar faces harmonic coordinates are first solved in each face's plane. On fans
+/// (PolyhedralOptions) the data is linear on each triangle.
 ///
 /// Joshi, Meyer, DeRose, Green, Sanocki, Harmonic Coordinates for Character Articulation (SIGGRAPH
 /// 2007), sec. 3 and 4. For points on vertices, edges and faces the boundary data itself is

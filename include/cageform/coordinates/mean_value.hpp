@@ -112,7 +112,8 @@ public:
 /// of MeanValueCoordinates<T, 3>. A face with more corners distributes the sum of its triangles'
 /// weights over its corners, by mean value coordinates in its plane (`share_out` in
 /// mean_value/polygons.hpp). The weights therefore do not depend on the triangulation of a face,
-/// and on the face they are the 2D weights.
+/// and on the face they are the 2D weights. A face that is a fan (PolyhedralOptions) passes the weight of its
+/// mean on to its corners.
 ///
 ///   accuracy   as there. Around faces that are not convex there are points, inside or outside, where
 ///              the weights have a kink (2D mean value coordinates have one on edges)

@@ -28,6 +28,8 @@ namespace cageform::inline CAGEFORM_ABI {
     X(face_without_area, "a face of the cage has no area")                                        \
     X(face_not_planar, "a corner of a face lies off the plane of the face")                       \
     X(face_crosses_itself, "a face of the cage crosses or touches itself")                        \
+    X(face_fan_folds, "the mean of a face's corners does not see all its edges: divide the face") \
+    X(divisions_not_supported, "faces can be divided by 1 to 64, for Green coordinates by 1 only")\
     X(cage_not_closed, "the cage is not closed: an edge belongs to one face only")                \
     X(cage_not_manifold, "the cage is not a manifold at an edge or a vertex")                     \
     X(cage_faces_cross, "two faces of the cage pass through each other")                          \

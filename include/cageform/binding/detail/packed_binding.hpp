@@ -51,6 +51,7 @@ struct PackedBindingView {
     const HandleKind* handle_kinds = nullptr;  ///< #handles; null: all are points
     /// The faces of the vectors, in their order; null: they belong to none.
     const HandleFace<D>* handle_faces = nullptr;
+    const std::uint32_t* handle_loops = nullptr; ///< the loops of HandleView; null: no corner is a mean
 
     PackedBindingView() = default;
     /// Any binding can be read as a packed one from which nothing was dropped.
@@ -61,7 +62,8 @@ struct PackedBindingView {
         , rest(dense.rest.data)
         , rest_handles(dense.rest_handles)
         , handle_kinds(dense.handle_kinds)
-        , handle_faces(dense.handle_faces) {}
+        , handle_faces(dense.handle_faces)
+        , handle_loops(dense.handle_loops) {}
 
     /// Returns a view for a figure whose points have been sorted once into the order of the
     /// binding. Point n of the output is then the bound point `order[n]`, and nothing has to be
@@ -83,13 +85,14 @@ struct PackedBindingView {
                 {rest, D, points},
                 rest_handles,
                 handle_kinds,
-                handle_faces};
+                handle_faces,
+                handle_loops};
     }
 
     std::size_t handle_count() const noexcept { return handles; }
     std::size_t point_count() const noexcept { return points; }
     HandleView<T, D> handle_view() const noexcept {
-        return {rest_handles, handles, handle_kinds, handle_faces};
+        return {rest_handles, handles, handle_kinds, handle_faces, handle_loops};
     }
     std::size_t block_count() const noexcept { return cageform::block_count<T>(points); }
     std::size_t first_row(std::size_t block) const noexcept {

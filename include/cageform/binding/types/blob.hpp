@@ -18,8 +18,10 @@
 //     handle_kinds  #handles × uint8: 0 a point, 1 a vector; only if some are vectors
 //     handle_faces  #vectors × D × uint32: the handles at a face's corners; only if the vectors
 //                   belong to faces
+//     handle_loops  the loops of HandleView × uint32; only if corners of faces are means
 //
-// Version 1 has no vectors and can be read as well. A GPU can use these bytes as buffers
+// Readers that know no loops refuse blobs that have some: a corner is then no handle. Version 1 has no
+// vectors and can be read as well. A GPU can use these bytes as buffers
 // (clone/glsl.hpp).
 #pragma once
 
@@ -39,13 +41,14 @@ struct BlobHeader {
     std::uint32_t endian = endian_tag;
     std::uint64_t bytes = 0;    ///< of the whole blob, a multiple of 64
     std::uint64_t checksum = 0; ///< `hash_memory` of all that follows this field
-    std::uint32_t scalar_bytes = 0, dimension = 0, format = 0, reserved = 0;
+    std::uint32_t scalar_bytes = 0, dimension = 0, format = 0;
+    std::uint32_t loop_numbers = 0; ///< of handle_loops; was 0
     std::uint64_t handles = 0, points = 0, rows = 0;
     std::uint64_t cage_hash = 0, figure_hash = 0;
     std::uint64_t weights = 0, row_begin = 0, row_handle = 0, order = 0, scale = 0, residual = 0,
                   affine_fit = 0, rest = 0, rest_handles = 0;
     std::uint64_t handle_kinds = 0, handle_faces = 0, vectors = 0; ///< since version 2
-    std::uint64_t padding = 0;
+    std::uint64_t handle_loops = 0;                                ///< was 0
 };
 static_assert(sizeof(BlobHeader) == 192);
 
@@ -83,6 +86,7 @@ PackedBindingView<T, D> view_blob(const std::byte* data, const BlobHeader& heade
     find(view.rest_handles, header.rest_handles);
     find(view.handle_kinds, header.handle_kinds);
     find(view.handle_faces, header.handle_faces);
+    find(view.handle_loops, header.handle_loops);
     return view;
 }
 
@@ -104,19 +108,42 @@ void for_each_blob_array(Header& header, const Visit& visit) noexcept {
     visit(header.rest_handles, handles * (D * sizeof(T)), true);
     visit(header.handle_kinds, handles, header.handle_kinds != 0);
     visit(header.handle_faces, header.vectors * (D * sizeof(std::uint32_t)), header.handle_faces != 0);
+    visit(header.handle_loops, std::uint64_t{header.loop_numbers} * 4, header.handle_loops != 0);
+}
+
+/// Checks that a table of `numbers` numbers holds loops, none of them empty, of handles that are points.
+template <Scalar T, std::size_t D>
+bool has_sound_loops(const HandleView<T, D>& handles, std::uint64_t numbers) noexcept {
+    const std::uint32_t* const table = handles.loops;
+    if (table == nullptr) return true;
+    if (numbers < 2 || table[0] < 2 || table[0] > numbers) return false;
+    const std::uint32_t loops = table[0] - 1;
+    for (std::uint32_t l = 0; l < loops; ++l) {
+        if (table[l] >= table[l + 1]) return false;
+    }
+    if (table[loops] != numbers) return false;
+    for (std::uint64_t n = table[0]; n < numbers; ++n) {
+        if (table[n] >= handles.count || !handles.is_point(table[n])) return false;
+    }
+    return true;
 }
 
 /// Checks that there are as many vectors among the handles as a blob says, on faces whose corners
-/// are points.
+/// are points or means of sound loops.
 template <Scalar T, std::size_t D>
-Status check_handles(const HandleView<T, D>& handles, std::uint64_t vectors) noexcept {
+Status check_handles(const HandleView<T, D>& handles, std::uint64_t vectors,
+                     std::uint64_t loop_numbers) noexcept {
     for (std::size_t i = 0; handles.kinds != nullptr && i < handles.count; ++i) {
         if (handles.kinds[i] > HandleKind::vector) return Status::blob_malformed;
     }
-    if (handles.vector_count() != vectors) return Status::blob_malformed;
+    if (handles.vector_count() != vectors || !has_sound_loops(handles, loop_numbers))
+        return Status::blob_malformed;
+    const std::size_t loops = handles.loops != nullptr ? handles.loops[0] - 1 : 0;
     for (std::size_t n = 0; handles.faces != nullptr && n < vectors; ++n) {
         for (const std::uint32_t corner : handles.faces[n]) {
-            if (corner >= handles.count || !handles.is_point(corner)) return Status::blob_malformed;
+            const bool exists =
+                corner < handles.count ? handles.is_point(corner) : corner - handles.count < loops;
+            if (!exists) return Status::blob_malformed;
         }
     }
     return Status::ok;
@@ -162,7 +189,7 @@ Status check_blob(const std::byte* data, const BlobHeader& header) noexcept {
             highest = view.order[i] > highest ? view.order[i] : highest;
         if (header.points > 0 && highest >= header.points) return Status::blob_malformed;
     }
-    return check_handles(view.handle_view(), header.vectors);
+    return check_handles(view.handle_view(), header.vectors, header.loop_numbers);
 }
 
 } // namespace detail
@@ -190,7 +217,10 @@ Result<PackedBindingView<T, D>, BlobReport> open_blob(std::span<const std::byte>
     if (begins != Status::ok) return refused(begins);
     BlobHeader header;
     std::memcpy(&header, data.data(), sizeof(header));
-    if (header.version == 1) header.handle_kinds = header.handle_faces = header.vectors = 0;
+    if (header.version == 1) {
+        header.handle_kinds = header.handle_faces = header.vectors = header.handle_loops = 0;
+        header.loop_numbers = 0;
+    }
     if (header.scalar_bytes != sizeof(T) || header.dimension != D) return refused(Status::blob_kind_differs);
     const Status status = detail::check_blob<T, D>(data.data(), header);
     if (status != Status::ok) return refused(status);

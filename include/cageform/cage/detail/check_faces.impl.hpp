@@ -1,4 +1,5 @@
-// Checks whether the faces of a polyhedral mesh are planar polygons, and its triangles a closed surface.
+// Checks whether the faces of a polyhedral mesh are planar polygons or fans, and its triangles a closed
+// surface.
 #pragma once
 
 #include <cageform/cage/detail/faces_of.hpp>
@@ -13,6 +14,42 @@ namespace cageform::inline CAGEFORM_ABI {
 
 namespace detail {
 
+/// Returns a face that has a vertex, or a point of fans, as a corner; face_count() if there is none.
+template <Scalar T>
+std::size_t face_at(const PolyhedralMesh<T>& mesh, std::size_t point) {
+    const auto faces = mesh.triangles().faces();
+    for (std::size_t t = 0; t < faces.size(); ++t) {
+        if (std::find(faces[t].begin(), faces[t].end(), point) != faces[t].end()) return mesh.face_of(t);
+    }
+    return mesh.face_count();
+}
+
+/// Translates a fault of the triangle mesh that names points of fans to one of vertices or faces.
+template <Scalar T>
+void name_without_points(const PolyhedralMesh<T>& mesh, CageFault& fault) {
+    using Kind = CageFaultKind;
+    const auto is_point = [&](std::size_t i) { return i >= mesh.size() && i < mesh.triangles().size(); };
+    if (fault.kind == Kind::vertex_not_finite) { // the corners are finite, their mean is not
+        if (!is_point(fault.a)) return;
+        const auto corners = mesh.fan_points().corners(fault.a - mesh.size());
+        const auto size = [&](std::uint32_t i) {
+            return bounds_of(mesh.vertices().subspan(i, 1)).magnitude();
+        };
+        fault.a = *std::max_element(corners.begin(), corners.end(),
+                                    [&](auto i, auto j) { return size(i) < size(j); });
+    } else if (fault.kind == Kind::duplicate_vertices) {
+        if (!is_point(fault.a) && !is_point(fault.b)) return;
+        fault = {Kind::faces_cross, face_at(mesh, fault.a), face_at(mesh, fault.b)};
+    } else if (fault.kind == Kind::open_edge || fault.kind == Kind::edge_not_manifold ||
+               fault.kind == Kind::gap_closed) { // a piece of a divided edge
+        if (!is_point(fault.a) && !is_point(fault.b)) return;
+        const auto corners = mesh.fan_points().corners((is_point(fault.a) ? fault.a : fault.b) - mesh.size());
+        fault = {fault.kind, corners[0], corners[1]};
+    } else if (fault.kind == Kind::vertex_not_manifold && is_point(fault.a)) {
+        fault.a = mesh.fan_points().corners(fault.a - mesh.size())[0];
+    }
+}
+
 /// Adds the faults of the triangle mesh, with triangle numbers translated to face numbers.
 template <Scalar T>
 void add_faults_of_triangles(const PolyhedralMesh<T>& mesh, CageReport& report) {
@@ -25,6 +62,7 @@ void add_faults_of_triangles(const PolyhedralMesh<T>& mesh, CageReport& report) 
         const bool names_two = fault.kind == Kind::face_flipped || fault.kind == Kind::faces_cross;
         if (names_one || names_two) fault.a = mesh.face_of(fault.a);
         if (names_two) fault.b = mesh.face_of(fault.b);
+        name_without_points(mesh, fault);
         const auto same = [&](const CageFault& known) {
             return known.kind == fault.kind && known.a == fault.a && known.b == fault.b;
         };
@@ -34,9 +72,70 @@ void add_faults_of_triangles(const PolyhedralMesh<T>& mesh, CageReport& report) 
     if (report.status == Status::ok) report.status = found.status;
 }
 
+/// Returns the first fault of a face that is a fan, if any: face_crosses_itself, face_without_area or
+/// face_fan_folds. Its mean must see all edges from the side that the face's normal ½ Σ c_i × c_{i+1}
+/// points to, and once around. O(m log m) for m corners.
+template <Scalar T>
+std::optional<CageFault> fan_fault(const PolyhedralMesh<T>& mesh, std::size_t f) {
+    using Kind = CageFaultKind;
+    const auto loop = mesh.face(f);
+    std::vector<std::uint32_t> sorted(loop.begin(), loop.end());
+    std::sort(sorted.begin(), sorted.end());
+    const auto twice = std::adjacent_find(sorted.begin(), sorted.end());
+    if (twice != sorted.end()) return CageFault{Kind::face_crosses_itself, f, *twice};
+
+    auto at = corners_of(mesh, f);
+    const auto own = bounds_of(std::span<const Vec<double, 3>>(at));
+    const double scale = unit_scale(own); // keeps products in range
+    const double tolerance = scale * double(coincidence_tolerance(bounds_of(mesh.vertices())));
+    Vec<double, 3> mean{}, normal{};
+    for (const auto& c : at) mean = mean + (1 / double(at.size())) * c;
+    for (auto& c : at) c = scale * (c - mean);
+    const auto next = [&](std::size_t k) { return at[(k + 1) % at.size()]; };
+    for (std::size_t k = 0; k < at.size(); ++k) normal = normal + 0.5 * cross(at[k], next(k));
+    if (!(dot(normal, normal) > 0) || !is_finite(normal)) return CageFault{Kind::face_without_area, f};
+    double turned = 0;
+    for (std::size_t k = 0; k < at.size(); ++k) {
+        if (distance_to_segment({}, at[k], next(k)) <= tolerance)
+            return CageFault{Kind::face_without_area, f};
+        const auto of_triangle = cross(at[k], next(k));
+        if (!(dot(of_triangle, normal) > 0)) return CageFault{Kind::face_fan_folds, f, loop[k]};
+        // Seen along the normal, with lengths times |normal|.
+        const double sine = dot(of_triangle, normal) * length(normal);
+        const double cosine =
+            dot(at[k], next(k)) * dot(normal, normal) - dot(at[k], normal) * dot(next(k), normal);
+        turned += std::atan2(sine, cosine);
+    }
+    if (turned > 3 * std::numbers::pi) return CageFault{Kind::face_fan_folds, f, loop[0]};
+    if (mesh.options().divisions == 1 || loop.size() != 4) return std::nullopt;
+    const auto [first, last] = mesh.triangles_of(f);
+    for (std::size_t t = first; t < last; ++t) { // cells of the patch
+        const auto [a, b, c] = Facet<3>(mesh.triangles().faces()[t], mesh.triangles().vertices()).corner;
+        if (!(dot(cross(scale * (b - a), scale * (c - a)), normal) > 0))
+            return CageFault{Kind::face_fan_folds, f, loop[0]};
+    }
+    return std::nullopt;
+}
+
+/// Adds warnings for the fans that are not planar. With k divisions the distance is that of the cells.
+template <Scalar T>
+void add_fans(const PolyhedralMesh<T>& mesh, CageReport& report) {
+    for (std::size_t f = 0; f < mesh.face_count(); ++f) {
+        if (!mesh.is_fan(f)) continue;
+        const auto at = corners_of(mesh, f);
+        const double off_plane = FarthestCorner(at, FacePlane(at)).distance;
+        if (!(off_plane > mesh.off_plane())) continue;
+        const double cells = double(mesh.options().divisions) * double(mesh.options().divisions);
+        const double distance =
+            at.size() == 4 ? length((at[0] - at[1]) + (at[2] - at[3])) / (16 * cells) : off_plane;
+        report.add(CageFaultKind::face_fanned, f);
+        report.fan_distances.push_back(distance);
+    }
+}
+
 /// Returns the first fault of one face, if any: too_few_vertices, face_without_vertex and, for more
-/// than three corners, face_without_area, face_not_planar or face_crosses_itself. Assumes finite
-/// vertices. O(m log m) for m corners, O(m²) at worst.
+/// than three corners, those of a fan, or face_without_area, face_not_planar or face_crosses_itself. Assumes
+/// finite vertices. O(m log m) for m corners, O(m²) at worst.
 template <Scalar T>
 std::optional<CageFault> face_fault(const PolyhedralMesh<T>& mesh, std::size_t f) {
     using Kind = CageFaultKind;
@@ -45,16 +144,13 @@ std::optional<CageFault> face_fault(const PolyhedralMesh<T>& mesh, std::size_t f
     if (std::find(loop.begin(), loop.end(), no_vertex) != loop.end())
         return CageFault{Kind::face_without_vertex, f};
     if (loop.size() == 3) return std::nullopt;
-    const auto plane = plane_of(mesh, f);
+    if (mesh.is_fan(f)) return fan_fault(mesh, f);
+    const auto corners = corners_of(mesh, f);
+    const FacePlane plane(corners);
     if (!plane.has_area) return CageFault{Kind::face_without_area, f};
-    std::uint32_t farthest = loop[0];
-    double most = 0;
-    for (const std::uint32_t i : loop) {
-        const double height = std::fabs(plane.height(vec_cast<double>(mesh[i])));
-        if (height > most) farthest = i;
-        most = std::fmax(most, height);
-    }
-    if (most > mesh.off_plane()) return CageFault{Kind::face_not_planar, f, farthest};
+    const FarthestCorner farthest(corners, plane);
+    if (farthest.distance > mesh.off_plane())
+        return CageFault{Kind::face_not_planar, f, loop[farthest.corner]};
     const CageReport in_plane = check(flat_face(mesh, f, plane));
     for (const CageFault& fault : in_plane.faults) {
         if (fault.kind == Kind::no_area) return CageFault{Kind::face_without_area, f};
@@ -73,11 +169,15 @@ CageReport check(const PolyhedralMesh<T>& mesh) {
         for (std::size_t i = 0; i < mesh.size(); ++i) {
             if (!is_finite(mesh[i])) report.add(CageFaultKind::vertex_not_finite, i);
         }
+        const std::uint32_t divisions = mesh.options().divisions;
+        if (divisions < 1 || divisions > mesh.most_divisions)
+            report.add(CageFaultKind::face_divisions, divisions);
         if (report.status != Status::ok) return;
         for (std::size_t f = 0; f < mesh.face_count(); ++f) {
             if (const auto fault = detail::face_fault(mesh, f)) report.add(fault->kind, fault->a, fault->b);
         }
         if (report.status != Status::ok) return;
+        detail::add_fans(mesh, report);
         detail::add_faults_of_triangles(mesh, report);
     });
 }

@@ -41,6 +41,20 @@ struct FacePlane {
     double height(const Vec<double, 3>& p) const noexcept { return dot(p - origin, normal); }
 };
 
+/// The corner of a face that lies farthest off its plane, and how far that is.
+struct FarthestCorner {
+    std::size_t corner = 0;
+    double distance = 0;
+
+    FarthestCorner(std::span<const Vec<double, 3>> corners, const FacePlane& plane) noexcept {
+        for (std::size_t k = 0; k < corners.size(); ++k) {
+            const double height = std::fabs(plane.height(corners[k]));
+            if (height > distance) corner = k;
+            distance = std::fmax(distance, height);
+        }
+    }
+};
+
 /// Triangulates one simple polygon, counter-clockwise. Clips ears (Meisters, Polygons have ears,
 /// Amer. Math. Monthly 82, 1975), then flips diagonals until they are locally Delaunay (Lawson,
 /// Software for C1 surface interpolation, 1977). After the flips a vertex on the line of its

@@ -11,12 +11,18 @@ class PolyhedralMesh; // in cage/polyhedral_mesh.hpp
 
 namespace detail {
 
+/// Returns the positions of a face's corners.
+template <Scalar T>
+Buffer<Vec<double, 3>> corners_of(const PolyhedralMesh<T>& mesh, std::size_t f) {
+    Buffer<Vec<double, 3>> positions;
+    for (const std::uint32_t i : mesh.face(f)) positions.push_back(vec_cast<double>(mesh[i]));
+    return positions;
+}
+
 /// Returns the plane of a face.
 template <Scalar T>
 FacePlane plane_of(const PolyhedralMesh<T>& mesh, std::size_t f) {
-    Buffer<Vec<double, 3>> positions;
-    for (const std::uint32_t i : mesh.face(f)) positions.push_back(vec_cast<double>(mesh[i]));
-    return FacePlane(positions);
+    return FacePlane(corners_of(mesh, f));
 }
 
 /// Returns a face as a counter-clockwise polygon in its plane.

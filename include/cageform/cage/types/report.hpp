@@ -22,6 +22,7 @@ enum class CageFaultKind : std::uint8_t {
     face_without_area,   ///< the corners of face `a` lie on one line
     face_not_planar,     ///< vertex `b`, a corner of face `a`, lies off the face's plane
     face_crosses_itself, ///< the loop of face `a` crosses or touches itself, first at vertex `b`
+    face_fan_folds,      ///< the mean of face `a`'s corners does not see the edge after vertex `b`
     open_edge,           ///< only one face has the edge between vertices `a` and `b`
     edge_not_manifold,   ///< more than two faces have the edge between vertices `a` and `b`
     face_flipped,        ///< the neighbouring faces `a` and `b` have opposite orientations
@@ -39,8 +40,10 @@ enum class CageFaultKind : std::uint8_t {
     frame_not_finite,      ///< column `a` of a box is NaN or infinite; D: its origin
     frame_flat,            ///< axis `a` of a box depends on the others
     falloff_negative,      ///< the falloff of a lattice is not a number of at least 0
+    face_divisions,        ///< faces are divided by `a`: not 1 to 64, or not 1 where only that works
     interior_cells_not_supported, ///< this coordinate type supports none; there are `a` cells
-    gap_closed, ///< warning: only one face had the edge between vertices `a` and `b`; the gap was closed
+    face_fanned, ///< warning: face `a` is not planar and is bound as a fan; see `fan_distances`
+    gap_closed,  ///< warning: only one face had the edge between vertices `a` and `b`; the gap was closed
     collinear_vertex,           ///< warning: vertex `a` lies on the straight line between its neighbours
     vertex_unused,              ///< warning: no face uses vertex `a`; its weights are zero
     shell_orientation_reversed, ///< warning: the shell of face `a` is oriented inwards; this is handled
@@ -76,6 +79,7 @@ inline constexpr CageFaultText cage_fault_texts[] = {
     {CageFaultKind::face_without_area, Status::face_without_area, "face without area"},
     {CageFaultKind::face_not_planar, Status::face_not_planar, "face not planar"},
     {CageFaultKind::face_crosses_itself, Status::face_crosses_itself, "face crosses or touches itself"},
+    {CageFaultKind::face_fan_folds, Status::face_fan_folds, "mean of a face does not see an edge"},
     {CageFaultKind::open_edge, Status::cage_not_closed, "open edge"},
     {CageFaultKind::edge_not_manifold, Status::cage_not_manifold, "edge of more than two faces"},
     {CageFaultKind::face_flipped, Status::cage_faces_flipped, "neighbouring faces turn differently"},
@@ -92,8 +96,10 @@ inline constexpr CageFaultText cage_fault_texts[] = {
     {CageFaultKind::frame_not_finite, Status::vertex_not_finite, "box not finite"},
     {CageFaultKind::frame_flat, Status::frame_flat, "axis of a box depends on the others"},
     {CageFaultKind::falloff_negative, Status::falloff_negative, "falloff negative"},
+    {CageFaultKind::face_divisions, Status::divisions_not_supported, "divisions not supported"},
     {CageFaultKind::interior_cells_not_supported, Status::interior_cells_not_supported,
      "interior cells not supported"},
+    {CageFaultKind::face_fanned, Status::ok, "face not planar, bound as a fan (warning)"},
     {CageFaultKind::gap_closed, Status::ok, "open edge, closed (warning)"},
     {CageFaultKind::collinear_vertex, Status::ok, "collinear vertex (warning)"},
     {CageFaultKind::vertex_unused, Status::ok, "unused vertex (warning)"},
@@ -126,6 +132,8 @@ struct CageReport {
     Status status = Status::ok;
     std::vector<CageFault> faults; ///< all warnings, and the first `most_listed` other faults
     std::size_t fault_count = 0;   ///< number of faults that are not warnings, listed or not
+    /// How far each face_fanned is from its bilinear patch, in the order of these warnings.
+    std::vector<double> fan_distances = {};
 
     void add(CageFaultKind kind, std::size_t a = 0, std::size_t b = 0) {
         const Status fault = status_of(kind);
@@ -151,7 +159,7 @@ CageReport report_on(Status made, const Steps& steps) {
         steps(report);
         return report.status;
     });
-    if (status == Status::out_of_memory) report = {status, {}, 0};
+    if (status == Status::out_of_memory) report = {status, {}, 0, {}};
     return report;
 }
 

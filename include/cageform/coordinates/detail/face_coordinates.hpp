@@ -1,4 +1,4 @@
-// Boundary data of a polyhedral mesh: coordinates in the plane of each face.
+// Boundary data of a polyhedral mesh: coordinates in the plane of each face, hat functions on fans.
 #pragma once
 
 #include <cageform/cage/detail/flat_face.hpp>
@@ -17,10 +17,10 @@ void face_weights(const Plane& coordinates, const Vec<double, 2>& p, std::span<d
         (void)coordinates.nearest_boundary(p, row);
 }
 
-/// The values of the handles at surface points of a PolyhedralMesh. On a face with more than three
+/// The values of the handles at surface points of a PolyhedralMesh. On a planar face with more than three
 /// corners they are the face's coordinates `Plane`: a 2D type of CageCoordinates in double, or a type
-/// with `face_weights` of its own. On triangles, edges and vertices they are linear. A point is given
-/// by the triangle it lies on and its weights there.
+/// with `face_weights` of its own. On triangles, edges and vertices they are linear, on fans linear on each
+/// triangle. A point is given by the triangle it lies on and its weights there.
 template <class Plane>
 class FaceCoordinates final : public FaceData {
 public:
@@ -29,10 +29,11 @@ public:
     FaceCoordinates() = default;
     /// `mesh` must be sound. make(polygon) returns the coordinates of a face in its plane.
     template <Scalar T, class Make>
-    FaceCoordinates(const PolyhedralMesh<T>& mesh, const Make& make) {
+    FaceCoordinates(const PolyhedralMesh<T>& mesh, const Make& make)
+        : fan_points_(mesh.fan_points()) {
         for (std::size_t f = 0; f < mesh.face_count(); ++f) {
             const auto loop = mesh.face(f);
-            if (loop.size() < 4) continue;
+            if (loop.size() < 4 || mesh.is_fan(f)) continue;
             const auto face = std::uint32_t(faces_.size());
             const FacePlane plane = plane_of(mesh, f);
             faces_.push_back({plane, {loop.begin(), loop.end()}, make(flat_face(mesh, f, plane))});
@@ -47,7 +48,7 @@ public:
     template <class F>
     void for_each_weight(const Value& value, F&& f) const {
         const Face* const face = face_of(value);
-        if (face == nullptr) return HatData<3>::for_each_weight(value, f);
+        if (face == nullptr) return for_each_hat(value, f);
         std::vector<double> row(face->corners.size());
         face_weights(face->coordinates, face->plane.flat(position_of(value)), std::span(row));
         for (std::size_t k = 0; k < row.size(); ++k) {
@@ -58,7 +59,7 @@ public:
     void weights(const Value& value, const Visit& visit) const override { for_each_weight(value, visit); }
     void handles(const Value& value, const Visit& visit) const override {
         const Face* const face = face_of(value);
-        if (face == nullptr) return HatData<3>::for_each_weight(value, visit);
+        if (face == nullptr) return for_each_hat(value, visit);
         for (const std::uint32_t corner : face->corners) visit(corner, 1);
     }
 
@@ -75,6 +76,15 @@ private:
         auto operator<=>(const Piece&) const = default;
     };
 
+    /// Calls f(handle, weight) for the vertices at a point of a triangle, fans folded.
+    template <class F>
+    void for_each_hat(const Value& value, F&& f) const {
+        HatData<3>::for_each_weight(value, [&](std::uint32_t i, double weight) {
+            if (i < vertices_.size()) return f(i, weight);
+            fan_points_.for_each_corner(
+                i - vertices_.size(), [&](std::uint32_t corner, double share) { f(corner, share * weight); });
+        });
+    }
     void add_triangle(const std::array<std::uint32_t, 3>& triangle, std::span<const std::uint32_t> loop,
                       std::uint32_t face) {
         auto vertex = triangle;
@@ -111,6 +121,7 @@ private:
     std::vector<Face> faces_;
     std::vector<Piece> pieces_; ///< sorted
     std::vector<Vec<double, 3>> vertices_;
+    FanPoints fan_points_;
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

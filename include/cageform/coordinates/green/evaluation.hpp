@@ -6,6 +6,7 @@
 #include <cageform/cage/detail/refuse_interior_cells.hpp>
 #include <cageform/coordinates/coordinate.hpp>
 #include <cageform/coordinates/detail/evaluate_blocks.hpp>
+#include <cageform/coordinates/detail/fold_rows.hpp>
 #include <cageform/coordinates/green/frame.hpp>
 #include <cageform/core/detail/face_handles.hpp>
 
@@ -76,7 +77,9 @@ public:
     const Cage& cage() const noexcept { return cage_; }
     std::span<const Vec<scalar, dimension>> handles() const noexcept { return handles_; }
     std::span<const HandleKind> handle_kinds() const noexcept { return kinds_; }
-    std::span<const HandleFace<dimension>> handle_faces() const noexcept { return topology_.facets; }
+    std::span<const HandleFace<dimension>> handle_faces() const noexcept { return faces_; }
+    /// Returns the loops whose means are corners of faces, as a HandleView has them; empty without fans.
+    std::span<const std::uint32_t> handle_loops() const noexcept { return loops_; }
     const CageReport& cage_report() const noexcept { return report_; }
 
     /// See CageCoordinates.
@@ -115,14 +118,26 @@ private:
     void prepare();
     /// Refuses a cage with coordinates so large that the vector of an edge or face overflows.
     void refuse_overflow() {
-        for (std::size_t h = cage_.vertices().size(); h < handles_.size(); ++h) {
+        for (std::size_t h = cage_.size(); h < handles_.size(); ++h) {
             if (is_finite(handles_[h])) continue;
-            const auto& facet = topology_.facets[h - cage_.vertices().size()];
-            std::size_t farthest = facet[0];
-            for (const std::size_t v : facet) {
-                if (largest_coordinate(v) > largest_coordinate(farthest)) farthest = v;
-            }
+            std::size_t farthest = 0;
+            T largest = -1;
+            for_each_vertex(topology_.facets[h - cage_.size()], [&](std::size_t v) {
+                if (largest_coordinate(v) > largest) farthest = v;
+                largest = std::fmax(largest, largest_coordinate(v));
+            });
             report_.add(CageFaultKind::vertex_not_finite, farthest);
+        }
+    }
+    /// Calls f(vertex) for the vertices of a facet and of the loops whose means are corners of it.
+    template <class F>
+    void for_each_vertex(const HandleFace<D>& facet, F&& f) const {
+        for (const std::uint32_t corner : facet) {
+            if (corner < cage_.size()) {
+                f(corner);
+            } else if constexpr (requires { cage_.fan_points(); }) {
+                for (const std::uint32_t v : cage_.fan_points().corners(corner - cage_.size())) f(v);
+            }
         }
     }
     T largest_coordinate(std::size_t vertex) const noexcept {
@@ -131,18 +146,18 @@ private:
         return largest;
     }
     void fill_tables() {
-        const auto bounds = bounds_of(cage_.vertices());
+        const auto bounds = bounds_of(surface().vertices());
         scale_ = double(unit_scale(bounds));
         tolerance_ = scale_ * double(coincidence_tolerance(bounds));
         middle_ = scale_ * (0.5 * vec_cast<double>(bounds.lower) + 0.5 * vec_cast<double>(bounds.upper));
-        for (const auto& v : cage_.vertices()) at_.push_back(scale_ * vec_cast<double>(v));
-        topology_ = MeanValueTopology<D>(cage_);
+        for (const auto& v : surface().vertices()) at_.push_back(scale_ * vec_cast<double>(v));
+        topology_ = MeanValueTopology<D>(surface());
         frame_ = GreenFrame<T, D>(topology_, at_, scale_ * double(bounds.diagonal()));
         handles_.assign(cage_.vertices().begin(), cage_.vertices().end());
         kinds_.assign(handles_.size(), HandleKind::point);
         for (const auto& facet : topology_.facets) {
             std::array<Vec<T, D>, D> corner;
-            for (std::size_t k = 0; k < D; ++k) corner[k] = cage_[facet[k]];
+            for (std::size_t k = 0; k < D; ++k) corner[k] = surface()[facet[k]];
             if constexpr (D == 2) {
                 handles_.push_back(edge_handle(corner[0], corner[1]));
             } else {
@@ -150,23 +165,68 @@ private:
             }
             kinds_.push_back(HandleKind::vector);
         }
+        faces_ = topology_.facets;
+        if (folds()) name_loops();
+    }
+    /// The mesh that the formula is evaluated on; its points are the cage's vertices, then those of fans.
+    const auto& surface() const noexcept { return surface_of(cage_); }
+    std::size_t points() const noexcept { return surface().size(); }
+    bool folds() const noexcept { return points() != cage_.size(); }
+    /// Fills the table of loops, and makes faces refer to it.
+    void name_loops() {
+        if constexpr (requires { cage_.fan_points(); }) {
+            const FanPoints& fans = cage_.fan_points();
+            loops_.push_back(std::uint32_t(fans.size() + 1));
+            for (std::size_t l = 0; l < fans.size(); ++l)
+                loops_.push_back(loops_.back() + std::uint32_t(fans.corners(l).size()));
+            for (std::size_t l = 0; l < fans.size(); ++l)
+                loops_.insert(loops_.end(), fans.corners(l).begin(), fans.corners(l).end());
+            for (auto& face : faces_) {
+                for (std::uint32_t& corner : face) {
+                    if (corner >= cage_.size()) corner += std::uint32_t(handles_.size() - cage_.size());
+                }
+            }
+        }
     }
 
     template <bool gradients>
     Evaluation evaluate_rows(const Batch<T>& batch, const Running& running) const {
-        const std::size_t rows = (gradients ? D : 1) * handles_.size();
-        return evaluate_blocks(report_, rows, batch, running, [&](std::size_t begin, std::size_t end) {
-            GreenRows<T, D> memory(frame_);
-            for (std::size_t b = begin; b < end; ++b) evaluate_block<gradients>(batch, b, tolerance_, memory);
-        });
+        const std::size_t axes = gradients ? D : 1;
+        return evaluate_blocks(report_, axes * handles_.size(), batch, running,
+                               [&](std::size_t begin, std::size_t end) {
+                                   GreenRows<T, D> memory(frame_);
+                                   std::vector<Lanes<T>> of_points(folds() ? axes * row_count() : 0);
+                                   for (std::size_t b = begin; b < end; ++b)
+                                       evaluate_block<gradients>(batch, b, tolerance_, of_points, memory);
+                               });
+    }
+
+    /// The rows of the formula: one for every point of the surface and for every facet.
+    std::size_t row_count() const noexcept { return points() + topology_.facets.size(); }
+
+    /// Evaluates a block. With fans it uses `of_points`, a row of the formula for each axis, and passes the
+    /// rows of their points on to the vertices.
+    template <bool gradients>
+    void evaluate_block(const Batch<T>& batch, std::size_t b, double near_distance,
+                        std::vector<Lanes<T>>& of_points, GreenRows<T, D>& memory) const {
+        if (!folds()) return evaluate_points<gradients>(batch, b, near_distance, batch.rows.block(b), memory);
+        evaluate_points<gradients>(batch, b, near_distance, of_points.data(), memory);
+        if constexpr (requires { cage_.fan_points(); }) {
+            for (std::size_t axis = 0; axis < (gradients ? D : 1); ++axis) {
+                const Lanes<T>* const from = of_points.data() + axis * row_count();
+                Lanes<T>* const to = batch.rows.block(b) + axis * handles_.size();
+                fold_rows(cage_.fan_points(), cage_.size(), from, to);
+                std::copy_n(from + points(), topology_.facets.size(), to + cage_.size());
+            }
+        }
     }
 
     template <bool gradients>
-    void evaluate_block(const Batch<T>& batch, std::size_t b, double near_distance,
-                        GreenRows<T, D>& memory) const {
+    void evaluate_points(const Batch<T>& batch, std::size_t b, double near_distance, Lanes<T>* rows,
+                         GreenRows<T, D>& memory) const {
         using X = Simd<T>;
-        Lanes<T>* const rows = batch.rows.block(b);
-        for (std::size_t row = 0; row < batch.rows.rows; ++row) X(T(0)).store(rows[row]);
+        const std::size_t count = (gradients ? D : 1) * row_count();
+        for (std::size_t row = 0; row < count; ++row) X(T(0)).store(rows[row]);
         // Farther away the integrals change by less than a rounding error of the continuation,
         // which restores p from any of them.
         constexpr double farthest = sizeof(T) == 8 ? 0x1p24 : 0x1p12;
@@ -177,7 +237,7 @@ private:
         }
         const GreenSum<T> sum = integrate_registers<gradients>(frame_, T(near_distance), p, memory, rows);
         if constexpr (gradients) {
-            for (std::size_t row = 0; row < batch.rows.rows; ++row)
+            for (std::size_t row = 0; row < count; ++row)
                 (X(T(scale_)) * X::load(rows[row])).store(rows[row]);
         }
         Lanes<T> winding, touched;
@@ -218,7 +278,7 @@ private:
     template <bool gradients>
     bool add_facet(const Lane& to, std::size_t facet, const Vec<double, D>& q, double share) const noexcept {
         const FacetContinuation<D> of(corners_of(facet));
-        const std::size_t count = handles_.size();
+        const std::size_t count = row_count();
         bool finite = true;
         const auto add = [&](std::size_t row, double x) {
             T& weight = to.rows[row][to.lane];
@@ -227,7 +287,7 @@ private:
         };
         const auto value = of.at(q);
         for (std::size_t k = 0; k <= D; ++k) {
-            const std::size_t h = k < D ? topology_.facets[facet][k] : cage_.size() + facet;
+            const std::size_t h = k < D ? topology_.facets[facet][k] : points() + facet;
             if constexpr (gradients) {
                 const auto& slope = k < D ? of.hat[k] : of.across;
                 for (std::size_t axis = 0; axis < D; ++axis)
@@ -290,8 +350,10 @@ private:
     CageReport report_;
     std::vector<Vec<T, D>> handles_;
     std::vector<HandleKind> kinds_;
-    MeanValueTopology<D> topology_; ///< its facets belong to the vector handles
-    Buffer<Vec<double, D>> at_;     ///< the vertices, in units of 1/scale
+    std::vector<HandleFace<D>> faces_; ///< of the vector handles
+    std::vector<std::uint32_t> loops_; ///< as in HandleView; empty without fans
+    MeanValueTopology<D> topology_;    ///< its facets belong to the vector handles
+    Buffer<Vec<double, D>> at_;        ///< the vertices and the points of fans, in units of 1/scale
     GreenFrame<T, D> frame_;
     double tolerance_ = 0, scale_ = 1; ///< the tolerance is in units of 1/scale
     Vec<double, D> middle_{};

@@ -30,9 +30,10 @@ auto GreenEvaluation<Cage>::nearest_boundary(const Vec<scalar, dimension>& p, st
     for (std::size_t k = 0; k < D; ++k) std::fill_n(position[k].v, lane_count<T>, nearest[k]);
     PointState state = PointState::unreached;
     GreenRows<T, D> memory(frame_);
+    std::vector<Lanes<T>> of_points(folds() ? row_count() : 0);
     // The rounded point may lie off the boundary by a rounding error.
     evaluate_block<false>({{position.data(), D, 1}, {rows.data(), rows.size(), 1}, {&state, 1}}, 0,
-                          4 * tolerance_, memory);
+                          4 * tolerance_, of_points, memory);
     for (std::size_t h = 0; h < row.size(); ++h) row[h] = rows[h][0];
     return nearest;
 }
@@ -40,6 +41,10 @@ auto GreenEvaluation<Cage>::nearest_boundary(const Vec<scalar, dimension>& p, st
 template <class Cage>
 void GreenEvaluation<Cage>::prepare() {
     report_ = check(cage_);
+    if constexpr (requires { cage_.options().divisions; }) {
+        if (report_.status == Status::ok && cage_.options().divisions > 1)
+            report_.add(CageFaultKind::face_divisions, cage_.options().divisions);
+    }
     if (report_.status != Status::ok) return;
     report_.status = guard_memory([&] {
         fill_tables();

@@ -76,7 +76,8 @@ struct PlacedCage {
     static constexpr std::size_t dimension = D;
 
     CellComplex<double, D> cage;
-    CageReport report; ///< of the given cage; its status is ok
+    std::size_t handles = 0; ///< the first vertices of `cage`; after them it has the points of fans
+    CageReport report;       ///< of the given cage; its status is ok
     HarmonicOptions options;
     double tolerance = 0; ///< points this near to the boundary lie on it
     double rounding = 0;  ///< of the given coordinates
@@ -109,7 +110,7 @@ template <class C, class Use>
 Status on_placed_cage(const CageProblem<C>& problem, const Use& use) {
     using T = typename C::scalar;
     auto made = std::make_shared<const PlacedCage<C::dimension>>(PlacedCage<C::dimension>{
-        placed(problem.cage), problem.report, problem.options, double(problem.tolerance),
+        placed(problem.cage), problem.cage.size(), problem.report, problem.options, double(problem.tolerance),
         double(epsilon<T>) * double(bounds_of(problem.cage.vertices()).magnitude()), problem.data});
     for (const Status status : {made->cage.boundary().status(), made->cage.status()}) {
         if (status != Status::ok) return status;

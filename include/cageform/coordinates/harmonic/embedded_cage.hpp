@@ -69,6 +69,7 @@ public:
 
     EmbeddedCage(const PlacedCage<D>& problem, Boundary boundary, const grid::Crossings<D>& crossings)
         : cage_(&problem.cage)
+        , handles_(problem.handles)
         , data_(&problem.data)
         , tolerance_(problem.tolerance)
         , boundary_(std::move(boundary))
@@ -84,6 +85,7 @@ public:
     ~EmbeddedCage() = default;
 
     const CellComplex<double, D>& cage() const noexcept { return *cage_; }
+    std::size_t handles() const noexcept { return handles_; }
     const BoundaryData<D>& data() const noexcept { return *data_; }
     const Lattice<double, D>& lattice() const noexcept { return boundary_.lattice(); }
     /// Returns the number of cells along the longest side.
@@ -186,7 +188,7 @@ private:
         const auto handles = [&](const BoundaryValue<D>& value, const auto& f) {
             problem.data.for_each_handle(value, f);
         };
-        auto seen = grid::seen_handles<D>(crossings, problem.cage.size(), handles);
+        auto seen = grid::seen_handles<D>(crossings, problem.handles, handles);
         if (const auto thin = boundary.too_thin_bone()) seen[*thin] = false;
         for (const CageFault& fault : problem.report.faults) { // warnings
             if (fault.kind == CageFaultKind::vertex_unused) seen[fault.a] = true;
@@ -196,6 +198,7 @@ private:
     }
 
     const CellComplex<double, D>* cage_;
+    std::size_t handles_;
     const BoundaryData<D>* data_;
     double tolerance_;
     Boundary boundary_;

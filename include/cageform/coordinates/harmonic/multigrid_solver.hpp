@@ -56,7 +56,7 @@ public:
             return cycled.value(node);
         }
     };
-    std::size_t groups() const noexcept { return (grid_.cage().size() + width - 1) / width; }
+    std::size_t groups() const noexcept { return (grid_.handles() + width - 1) / width; }
     Block make_block() const { return {multigrid_.make_block(), {}}; }
     std::size_t helpers() const noexcept { return multigrid_.helpers(); }
 
@@ -117,7 +117,7 @@ public:
                                            stencil);
             }
         }
-        samples.at_corners.reserve(grid_.cage().size());
+        samples.at_corners.reserve(grid_.handles());
         return samples;
     }
     template <class Solved, Scalar T> // Solved: a block or kept functions
@@ -158,7 +158,7 @@ private:
     }
     /// Returns the first handle of a group and the number of its handles.
     std::pair<std::size_t, std::size_t> handles_of(std::size_t group) const noexcept {
-        return {group * width, (std::min)(width, grid_.cage().size() - group * width)};
+        return {group * width, (std::min)(width, grid_.handles() - group * width)};
     }
 
     detail::EmbeddedCage<D> grid_;

@@ -50,7 +50,7 @@ private:
     std::array<Vec<double, 2>, 2> sides_{}; ///< over their squared lengths
 };
 
-/// On a face with more than three corners the boundary data is the harmonic coordinates of the
+/// On a planar face with more than three corners the boundary data is the harmonic coordinates of the
 /// face's polygon (Joshi et al., Harmonic Coordinates for Character Articulation, sec. 4). They are
 /// solved once, when the problem is posed: to a quarter of the accuracy or, for a uniform grid, to the
 /// least.

@@ -34,6 +34,7 @@ public:
     }
     std::uint32_t handle(std::size_t position) const noexcept { return handle_[position]; }
     std::uint32_t position(std::size_t handle) const noexcept { return position_[handle]; }
+    std::size_t size() const noexcept { return handle_.size(); }
 
 private:
     template <std::size_t D>
@@ -147,7 +148,7 @@ public:
         , data_(&problem.data)
         , tolerance_(of_accuracy * problem.options.accuracy)
         , max_cycles_(problem.options.multigrid.max_cycles)
-        , order_(cage_->cage().vertices(), width)
+        , order_(cage_->cage().vertices().first(problem.handles), width)
         , near_(near_field_of(*cage_, problem))
         , multigrid_(cage_->tree(), cage_->nodes(), links(running), running)
         , errors_(grid_errors()) {}
@@ -165,7 +166,7 @@ public:
 
     // ---- groups ------------------------------------------------------------------------------------
 
-    std::size_t groups() const noexcept { return (cage_->cage().size() + width - 1) / width; }
+    std::size_t groups() const noexcept { return (order_.size() + width - 1) / width; }
     Block make_block() const { return multigrid_.make_block(); }
 
     Status solve(std::size_t group, Block& block, grid::GroupWork& work) const {
@@ -401,7 +402,7 @@ private:
     bool is_refined() const noexcept { return tolerance_ < 2e-6; }
     /// Returns the position of a group's first handle, and the number of its handles.
     std::pair<std::size_t, std::size_t> handles_of(std::size_t group) const noexcept {
-        return {group * width, (std::min)(width, cage_->cage().size() - group * width)};
+        return {group * width, (std::min)(width, order_.size() - group * width)};
     }
 
     std::unique_ptr<Cage> cage_;

@@ -6,6 +6,7 @@
 #include <cageform/coordinates/coordinate.hpp>
 #include <cageform/coordinates/detail/boundary_data.hpp>
 #include <cageform/coordinates/detail/evaluate_blocks.hpp>
+#include <cageform/coordinates/detail/fold_rows.hpp>
 #include <cageform/coordinates/mean_value/frame.hpp>
 #include <cageform/core/affine/moment_test.hpp>
 #include <cageform/core/detail/buffer.hpp>
@@ -70,7 +71,7 @@ protected:
 private:
     void prepare();
     void fill_tables() {
-        const auto bounds = bounds_of(cage_.vertices());
+        const auto bounds = bounds_of(surface().vertices());
         tolerance_ = double(coincidence_tolerance(bounds));
         scale_ = double(unit_scale(bounds)); // products of three lengths stay in range
         if constexpr (D == 3) origin_ = cage_[0];
@@ -88,14 +89,18 @@ private:
     using Form = MeanValueForm<Cage>;
     template <class N>
     using Rows = typename Form::template Rows<N>;
+
+    /// The mesh that the formula is evaluated on; its points are the cage's vertices, then those of fans.
+    const auto& surface() const noexcept { return surface_of(cage_); }
+    std::size_t points() const noexcept { return surface().size(); }
     using Wide = std::conditional_t<std::is_same_v<T, float>, double, long double>;
 
     /// Returns the vertices relative to `origin`, in units of 1/scale.
     template <class Number>
     Buffer<Vec<Number, D>> seen_from(const Vec<Number, D>& origin, Number scale) const {
         Buffer<Vec<Number, D>> at;
-        at.reserve(cage_.size());
-        for (const auto& v : cage_.vertices()) at.push_back(scale * (vec_cast<Number>(v) - origin));
+        at.reserve(points());
+        for (const auto& v : surface().vertices()) at.push_back(scale * (vec_cast<Number>(v) - origin));
         return at;
     }
 
@@ -118,28 +123,41 @@ private:
     template <class N>
     Evaluation evaluate_numbers(const Batch<T>& batch, const Running& running) const {
         const std::size_t rows = has_gradient<N> ? D * cage_.size() : cage_.size();
+        const bool folds = points() != cage_.size();
         return evaluate_blocks(report_, rows, batch, running, [&](std::size_t begin, std::size_t end) {
-            Rows<N> memory(topology_, cage_.size());
+            Rows<N> memory(topology_, points());
+            std::vector<Lanes<T>> of_points(folds ? rows / cage_.size() * points() : 0);
             for (std::size_t b = begin; b < end; ++b) {
+                Lanes<T>* const own = folds ? of_points.data() : batch.rows.block(b);
                 for (std::size_t first = 0; first < lane_count<T>; first += lane_count<ScalarOf<ValueOf<N>>>)
-                    evaluate_lanes(batch, b, first, memory);
+                    evaluate_lanes(batch, b, first, own, memory);
+                if (folds) fold(rows / cage_.size(), own, batch.rows.block(b));
             }
         });
     }
+    /// Passes rows of points on to the vertices, for weights or for derivatives along several axes.
+    void fold([[maybe_unused]] std::size_t axes, [[maybe_unused]] const Lanes<T>* from,
+              [[maybe_unused]] Lanes<T>* to) const noexcept {
+        if constexpr (requires { cage_.fan_points(); }) {
+            for (std::size_t axis = 0; axis < axes; ++axis)
+                fold_rows(cage_.fan_points(), cage_.size(), from + axis * points(), to + axis * cage_.size());
+        }
+    }
 
-    /// Evaluates the lanes of block `b` from `first` on, as many as N has.
+    /// Evaluates the lanes of block `b` from `first` on, as many as N has. Each component has a row for
+    /// every point.
     template <class N>
-    void evaluate_lanes(const Batch<T>& batch, std::size_t b, std::size_t first, Rows<N>& memory) const {
+    void evaluate_lanes(const Batch<T>& batch, std::size_t b, std::size_t first, Lanes<T>* rows,
+                        Rows<N>& memory) const {
         using X = ValueOf<N>;
         using S = ScalarOf<X>;
-        Lanes<T>* const rows = batch.rows.block(b);
         Vec<X, D> p;
         for (std::size_t k = 0; k < D; ++k)
             p[k] = X(S(scale_)) * (load_lanes<S>(batch.points.block(b)[k], first) - X(S(origin_[k])));
         const WeightSum<N> result = weigh_registers<N>(frame<N>(), limits<N>(), p, memory);
         const N inverse = X(S(1)) / result.sum;
-        for (std::size_t i = 0; i < cage_.size(); ++i) {
-            for_each_component(memory.weights[i] * inverse, i, cage_.size(), S(scale_),
+        for (std::size_t i = 0; i < points(); ++i) {
+            for_each_component(memory.weights[i] * inverse, i, points(), S(scale_),
                                [&](std::size_t row, const X& x) { store_lanes(x, rows[row], first); });
         }
 
@@ -189,19 +207,19 @@ private:
         const bool on_boundary = distance <= scale_ * tolerance_;
         if constexpr (!has_gradient<N>) {
             if (on_boundary) {
-                store_boundary_value(value, cage_.size(), rows, lane, data_);
+                store_boundary_value(value, points(), rows, lane, data_);
                 return PointState::on_boundary;
             }
         }
-        Rows<N> memory(topology_, cage_.size());
+        Rows<N> memory(topology_, points());
         const Wide unit = Wide(on_boundary ? step_inside : distance) / Wide(scale_);
         const N sum = on_boundary ? weigh_inside(vec_cast<double>(p), unit, memory)
                                   : weigh_about(vec_cast<Wide>(p), unit, memory);
         if (value_of(sum) == 0) return PointState::unreached;
         bool finite = true;
         const N inverse = Wide(1) / sum;
-        for (std::size_t i = 0; i < cage_.size(); ++i) {
-            for_each_component(memory.weights[i] * inverse, i, cage_.size(), 1 / unit,
+        for (std::size_t i = 0; i < points(); ++i) {
+            for_each_component(memory.weights[i] * inverse, i, points(), 1 / unit,
                                [&](std::size_t row, Wide x) {
                                    rows[row][lane] = static_cast<T>(x);
                                    finite = finite && is_finite(rows[row][lane]);
@@ -233,7 +251,7 @@ private:
     N weigh_inside(const Vec<double, D>& p, Wide step, Rows<N>& memory) const {
         std::vector<Vec<double, D>> directions(1);
         for (const auto& facet : topology_.facets) {
-            const auto corner = Facet<D>(facet, cage_.vertices()).corner;
+            const auto corner = Facet<D>(facet, surface().vertices()).corner;
             if (distance_to_facet(p, corner) > 2 * tolerance_) continue;
             const auto normal = outward_normal(corner);
             Vec<double, D> to_middle = -1.0 * p;

@@ -14,7 +14,7 @@ class MeanValueCoordinates; // in coordinates/mean_value.hpp
 
 namespace detail {
 
-/// The connectivity of the triangles, and which of them form a face with more than three corners.
+/// The connectivity of the triangles, and which of them form a planar face with more than three corners.
 struct PolygonTopology : MeanValueTopology<3> {
     struct Polygon {
         std::vector<std::uint32_t> corners;
@@ -23,7 +23,7 @@ struct PolygonTopology : MeanValueTopology<3> {
         MeanValueTopology<2> plane;
     };
     std::vector<Polygon> polygons;
-    std::vector<std::size_t> triangles; ///< triangles that are faces themselves
+    std::vector<std::size_t> triangles; ///< triangles that are faces themselves, or belong to fans
     std::size_t most_corners = 0;       ///< of any polygon
 
     PolygonTopology() = default;
@@ -33,7 +33,7 @@ struct PolygonTopology : MeanValueTopology<3> {
         std::size_t next = 0;
         for (std::size_t f = 0; f < mesh.face_count(); ++f) {
             const auto loop = mesh.face(f);
-            if (loop.size() < 4) continue;
+            if (loop.size() < 4 || mesh.is_fan(f)) continue;
             const FacePlane plane = plane_of(mesh, f);
             polygons.push_back({{loop.begin(), loop.end()},
                                 mesh.triangles_of(f),
@@ -198,7 +198,7 @@ void share_out(const PolygonMean<N>& mean, const typename PolygonFrame<S>::Polyg
     }
 }
 
-/// Computes the weights of a PolyhedralMesh, before normalising.
+/// Computes the weights of the vertices of a PolyhedralMesh and of its fans' points, before normalising.
 template <class N, class S>
 WeightSum<N> weigh(const PolygonFrame<S>& cage, const MeanValueLimits<S>& limits, const Vec<ValueOf<N>, 3>& p,
                    PolygonRows<N>& rows) noexcept {

@@ -8,7 +8,10 @@
 
 #include <array>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <limits>
+#include <span>
 #include <type_traits>
 
 namespace cageform::inline CAGEFORM_ABI {
@@ -77,6 +80,16 @@ Vec<T, 3> face_handle(const std::array<Vec<T, 3>, 3>& rest, const std::array<Vec
 
 namespace detail {
 
+/// Returns the mean of a loop's points, at(i) for vertex i: their sum in the order of the loop, times one
+/// over their number. Faces at rest and posed use this function, so that their means agree bit for bit.
+template <class At>
+auto mean_of_loop(std::span<const std::uint32_t> loop, const At& at) noexcept {
+    auto sum = at(loop[0]);
+    using T = std::remove_cvref_t<decltype(sum[0])>;
+    for (std::size_t k = 1; k < loop.size(); ++k) sum = sum + at(loop[k]);
+    return (T(1) / T(loop.size())) * sum;
+}
+
 /// Returns whether results computed from coordinates of this size stay finite, in the scalars of a
 /// binding and of an output.
 template <Scalar T, class Out, std::size_t D>
@@ -91,6 +104,19 @@ bool can_be_posed(const Vec<T, D>& p) noexcept {
     return true;
 }
 
+/// Returns how many numbers the table of a HandleView's loops has.
+inline std::size_t loop_numbers(const std::uint32_t* loops) noexcept {
+    return loops == nullptr ? 0 : loops[loops[0] - 1];
+}
+
+/// Returns a corner of a face, at(i) for handle i: a handle or the mean of a loop.
+template <Scalar T, std::size_t D, class At>
+Vec<T, D> corner_of_face(const HandleView<T, D>& handles, std::uint32_t corner, const At& at) noexcept {
+    if (corner < handles.count) return at(corner);
+    const std::uint32_t* const begin = handles.loops + (corner - handles.count);
+    return mean_of_loop({handles.loops + begin[0], begin[1] - begin[0]}, at);
+}
+
 /// Returns the vector of a face whose posed corners are in `out`. A face that has not moved keeps
 /// its handle bit for bit.
 template <Scalar T, std::size_t D, class Out>
@@ -98,8 +124,8 @@ Vec<T, D> posed_vector(const HandleView<T, D>& handles, std::size_t handle, cons
                        const Out& out) noexcept {
     std::array<Vec<T, D>, D> rest, posed;
     for (std::size_t k = 0; k < D; ++k) {
-        rest[k] = handles.rest[face[k]];
-        posed[k] = to_vec<T>(out[face[k]]);
+        rest[k] = corner_of_face(handles, face[k], [&](std::uint32_t i) { return handles.rest[i]; });
+        posed[k] = corner_of_face(handles, face[k], [&](std::uint32_t i) { return to_vec<T>(out[i]); });
     }
     if (posed == rest) return handles.rest[handle];
     if constexpr (D == 2) {

@@ -5,6 +5,8 @@
 #include <cageform/core/vec.hpp>
 
 #include <array>
+#include <cstddef>
+#include <cstdint>
 
 namespace cageform::inline CAGEFORM_ABI {
 
@@ -30,7 +32,8 @@ struct Transform {
     }
 };
 
-/// The corners of a face as handle indices.
+/// The corners of a face as handle indices. An index from #handles on names a loop of the HandleView: the
+/// corner is then the mean of the loop's handles.
 template <std::size_t D>
 using HandleFace = std::array<std::uint32_t, D>;
 
@@ -48,14 +51,18 @@ struct HandleView {
     std::size_t count = 0;
     const HandleKind* kinds = nullptr;    ///< #handles; null if all are points
     const HandleFace<D>* faces = nullptr; ///< one per vector, in order; null if vectors belong to no faces
+    /// The loops of points whose means are corners of `faces`; null if there are none. Loop l is the numbers
+    /// loops[loops[l]] to loops[loops[l + 1] − 1]; so loops[0] is one more than the number of loops.
+    const std::uint32_t* loops = nullptr;
 
     HandleView() = default;
     HandleView(const Vec<T, D>* handles, std::size_t size, const HandleKind* kinds_of,
-               const HandleFace<D>* faces_of) noexcept
+               const HandleFace<D>* faces_of, const std::uint32_t* loops_of = nullptr) noexcept
         : rest(handles)
         , count(size)
         , kinds(kinds_of)
-        , faces(faces_of) {}
+        , faces(faces_of)
+        , loops(loops_of) {}
     /// Views points in a vector or span.
     template <class Points>
         requires requires(const Points& points) {
