@@ -3,7 +3,7 @@
 #pragma once
 
 #include <cageform/animate/curves/bezier.hpp>
-#include <cageform/animate/fit/bernstein.hpp>
+#include <cageform/core/detail/bernstein.hpp>
 #include <cageform/animate/fit/fit_options.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {

@@ -2,7 +2,7 @@
 // matrix G of the basis and the load vector l of the curve.
 #pragma once
 
-#include <cageform/animate/fit/gauss.hpp>
+#include <cageform/core/detail/gauss.hpp>
 #include <cageform/animate/fit/linear_systems.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
