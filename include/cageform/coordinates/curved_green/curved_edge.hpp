@@ -1,0 +1,91 @@
+// An edge of a curved cage as the formula needs it.
+#pragma once
+
+#include <cageform/cage/curved/plane_curve.hpp>
+#include <cageform/coordinates/curved_green/roots.hpp>
+
+#include <cstdint>
+#include <numbers>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+/// An edge with the inside on its left, and the handles of its control points and legs in poses.
+struct CurvedEdge {
+    /// One end, seen from there: the coefficients of e(t) − e(0) with t = 0 at this end. Coefficients of
+    /// rounding size at the end of the list are left out.
+    struct End {
+        Number at;
+        Polynomial away; ///< c_0 is 0
+        std::size_t vanishing = 1; ///< r, where e(t) − e(0) ≈ q t^r
+        double log_tangent = 0;    ///< ln |q|
+        std::uint32_t vertex = 0;
+    };
+    /// A Gauss node e(t_g) with ω_g b_k(t_g) e'(t_g) for all k, the sum of these, and ω_g b_k^{m−1}(t_g).
+    struct Node {
+        Number at, turning;
+        std::array<Number, most_posed_degree + 1> share{};
+        std::array<double, most_posed_degree> slope_share{};
+    };
+
+    PlaneCurve curve;
+    std::size_t posed_degree = 3; ///< m
+    std::array<End, 2> end;       ///< the start, then the end
+    Number centre{0, 0};
+    double reach = 0; ///< farther from `centre` the whole edge is far: no root lies inside the ellipse
+    std::array<Node, MomentNodes::count> nodes{};
+    std::array<std::uint32_t, most_posed_degree + 1> point{}; ///< handles of the control points
+    std::array<std::uint32_t, most_posed_degree> leg{};       ///< handles of the legs
+
+    CurvedEdge() = default;
+    CurvedEdge(const PlaneCurve& of, std::size_t degree)
+        : curve(of)
+        , posed_degree(degree)
+        , end{end_of(of), end_of(of.reversed())} {
+        const MomentNodes &values = MomentNodes::of(degree), &slopes = MomentNodes::of(degree - 1);
+        const PlaneCurve slope = of.slope();
+        for (std::size_t g = 0; g < nodes.size(); ++g) {
+            const double t = values.place[g];
+            const Number along = to_number(slope.at(t));
+            nodes[g].at = to_number(of.at(t));
+            nodes[g].turning = {0, 0};
+            for (std::size_t k = 0; k <= degree; ++k) {
+                nodes[g].share[k] = values.value[g][k] * along;
+                nodes[g].turning += nodes[g].share[k];
+            }
+            for (std::size_t k = 0; k < degree; ++k) nodes[g].slope_share[k] = slopes.value[g][k];
+        }
+        set_reach();
+    }
+
+    bool is_line() const noexcept { return end[0].away.degree == 1 && end[1].away.degree == 1; }
+
+private:
+    static End end_of(const PlaneCurve& from) noexcept {
+        End end;
+        end.at = to_number(from.begin());
+        const auto powers = from.powers();
+        double largest = 0;
+        for (std::size_t k = 1; k <= from.degree; ++k) largest = (std::max)(largest, length(powers[k]));
+        for (std::size_t k = 1; k <= from.degree; ++k) {
+            if (length(powers[k]) <= 0x1p-50 * largest) continue;
+            end.away.c[k] = to_number(powers[k]);
+            end.away.degree = k;
+        }
+        while (!(norm(end.away.c[end.vanishing]) > 0)) ++end.vanishing;
+        end.log_tangent = std::log(size(end.away.c[end.vanishing]));
+        return end;
+    }
+    /// Sets the circle about the image of the ellipse |s| + |s − 1| = 5/3.
+    void set_reach() noexcept {
+        for (const auto& c : curve.points()) centre += (1 / double(curve.degree + 1)) * to_number(c);
+        constexpr std::size_t samples = 64;
+        for (std::size_t n = 0; n < samples; ++n) {
+            const double angle = 2 * std::numbers::pi * double(n) / double(samples);
+            const Number s{0.5 + 5.0 / 6 * std::cos(angle), 2.0 / 3 * std::sin(angle)};
+            reach = (std::max)(reach, size(end[0].at - centre + end[0].away.at(s)));
+        }
+        reach *= 1.01; // the largest value lies between samples
+    }
+};
+
+} // namespace cageform::inline CAGEFORM_ABI::detail
