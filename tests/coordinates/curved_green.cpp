@@ -51,6 +51,105 @@ CurvedGreenCoordinates<T> coordinates_of(const Json& json, CurvedGreenOptions<T>
     return CurvedGreenCoordinates<T>(CurvedPolygon<T>(std::move(loops)), options);
 }
 
+template <class T>
+using Loops = std::vector<typename CurvedPolygon<T>::Loop>;
+
+/// Star-shaped loops of lines, quadratics and cubics in each other, of either direction. Some tangents vanish,
+/// and some lines are stored as cubics. Moved, turned and scaled (10^-3 … 10^3). A cubic may cross itself.
+template <class T>
+Loops<T> random_curves(std::uint64_t seed, double tangents_vanish = 0.2) {
+    Random random(seed);
+    const std::size_t count = 3 + random.below(6), rings = 1 + random.below(2);
+    const double scale = std::pow(10.0, random.uniform(-3, 3)), turn = random.uniform(0, 6.3);
+    const Vec<double, 2> centre{random.uniform(-2, 2) * scale, random.uniform(-2, 2) * scale};
+    std::vector<double> angles;
+    for (std::size_t i = 0; i < count; ++i)
+        angles.push_back(turn + 2 * std::numbers::pi * (double(i) + random.uniform(-0.2, 0.2)) / double(count));
+    angles.push_back(angles[0] + 2 * std::numbers::pi);
+    const auto at = [&](double angle, double radius) {
+        return Vec<double, 2>{radius * std::cos(angle), radius * std::sin(angle)};
+    };
+    std::vector<Vec<double, 2>> corners;
+    for (std::size_t i = 0; i < count; ++i) corners.push_back(at(angles[i], random.uniform(0.4, 1)));
+    corners.push_back(corners[0]);
+    std::vector<std::vector<Vec<double, 2>>> outline;
+    for (std::size_t i = 0; i < count; ++i) {
+        const auto a = corners[i], b = corners[i + 1];
+        const auto within = [&](double share) {
+            return at(angles[i] + share * (angles[i + 1] - angles[i]), random.uniform(0.3, 1.2));
+        };
+        switch (random.below(5)) {
+        case 0: outline.push_back({a, b}); break;
+        case 1: outline.push_back({a, within(random.uniform(0.2, 0.8)), b}); break;
+        case 2: outline.push_back({a, a + (1 / 3.0) * (b - a), b - (1 / 3.0) * (b - a), b}); break;
+        default:
+            outline.push_back({a, within(random.uniform(0.1, 0.5)), within(random.uniform(0.5, 0.9)), b});
+            if (random.uniform(0, 1) < tangents_vanish) outline.back()[1] = a;
+            if (random.uniform(0, 1) < tangents_vanish) outline.back()[2] = b;
+            break;
+        }
+    }
+    Loops<T> loops;
+    double factor = 1;
+    for (std::size_t ring = 0; ring < rings; ++ring) {
+        auto& loop = loops.emplace_back();
+        for (const auto& edge : outline) {
+            auto& points = loop.emplace_back();
+            for (const auto& p : edge) points.push_back(vec_cast<T>(centre + (scale * factor) * p));
+        }
+        factor *= random.uniform(0.2, 0.3);
+        if (random.below(2) == 0) continue;
+        std::reverse(loop.begin(), loop.end());
+        for (auto& edge : loop) std::reverse(edge.begin(), edge.end());
+    }
+    return loops;
+}
+/// The point of a curve at t.
+template <class T>
+Vec<T, 2> on_curve(const std::vector<Vec<T, 2>>& edge, double t) {
+    std::vector<Vec<long double, 2>> c;
+    for (const auto& p : edge) c.push_back(vec_cast<long double>(p));
+    for (; c.size() > 1; c.pop_back()) {
+        for (std::size_t i = 0; i + 1 < c.size(); ++i) c[i] = c[i] + static_cast<long double>(t) * (c[i + 1] - c[i]);
+    }
+    return vec_cast<T>(c[0]);
+}
+/// Points on shells about edges, ends and roots of e', and anywhere about the cage.
+template <class T>
+std::vector<Vec<T, 2>> points_about(const Loops<T>& loops, std::size_t count, std::uint64_t seed) {
+    Random random(seed + 99);
+    std::vector<Vec<T, 2>> all;
+    for (const auto& loop : loops) {
+        for (const auto& edge : loop) all.insert(all.end(), edge.begin(), edge.end());
+    }
+    const auto bounds = bounds_of(std::span<const Vec<T, 2>>(all));
+    const double diagonal = double(bounds.diagonal());
+    std::vector<Vec<T, 2>> points;
+    while (points.size() < count) {
+        const auto& loop = loops[random.below(loops.size())];
+        const auto& edge = loop[random.below(loop.size())];
+        const std::size_t kind = random.below(4);
+        double t = kind == 0 ? double(random.below(2)) : random.uniform(0, 1);
+        auto p = vec_cast<double>(on_curve(edge, t));
+        if (kind == 3) { // a double root of e(s) = z
+            detail::PlaneCurve curve{edge.size() - 1, {}};
+            for (std::size_t i = 0; i < edge.size(); ++i) curve.control[i] = vec_cast<double>(edge[i]);
+            const detail::TurningPlaces turning(curve.powers());
+            if (turning.count > 0) {
+                const auto root = turning.root[random.below(turning.count)];
+                detail::Polynomial e{curve.degree, {}};
+                for (std::size_t i = 0; i <= curve.degree; ++i) e.c[i] = detail::to_number(curve.powers()[i]);
+                const auto at = e.at({root[0], root[1]});
+                if (std::hypot(at.re - p[0], at.im - p[1]) < 10 * diagonal) p = {at.re, at.im};
+            }
+        }
+        const double away = diagonal * std::pow(10.0, random.uniform(-16, kind == 2 ? 0.5 : -1)),
+                     angle = random.uniform(0, 6.3);
+        points.push_back({T(p[0] + away * std::cos(angle)), T(p[1] + away * std::sin(angle))});
+    }
+    return points;
+}
+
 /// The largest difference of weights, where those of the legs of a loop may all differ by one number.
 template <class T>
 double difference_of_rows(const CurvedGreenCoordinates<T>& green, const std::vector<T>& row, const Json& points,
@@ -165,6 +264,40 @@ TEST_CASE("Weights of curved cages in a disk are those of the oracle", "[coordin
             CHECK(distance(combine(found.rows[n], posed), vec(row["posed"])) <= 1e-13);
         }
     }
+}
+
+TEMPLATE_TEST_CASE("Weights of curved cages have row sums next to edges, ends and double roots too",
+                   "[coordinates][curved_green][property]", float, double) {
+    using T = TestType;
+    std::size_t cages = 0, outside = 0, inside = 0, on_boundary = 0;
+    double worst_sum = 0, worst_place = 0;
+    for (std::uint64_t seed = 0; seed < effort(3000u, 100u); ++seed) {
+        const auto loops = random_curves<T>(seed);
+        CurvedGreenOptions<T> options;
+        options.posed_degree = 3 + seed % 3;
+        const CurvedGreenCoordinates<T> green(CurvedPolygon<T>(loops), options);
+        if (green.cage_report().status != Status::ok) continue;
+        ++cages;
+        const auto points = points_about<T>(loops, 40, seed);
+        const auto found = evaluate_all(green, points);
+        REQUIRE(found.status() == Status::ok);
+        const double size = size_of(std::vector(green.handles().begin(), green.handles().end()));
+        for (std::size_t n = 0; n < points.size(); ++n) {
+            outside += found.states[n] == PointState::outside;
+            inside += found.states[n] == PointState::inside;
+            on_boundary += found.states[n] == PointState::on_boundary;
+            long double sum = -1;
+            for (std::size_t i = 0; i < green.handles().size() / 2; ++i)
+                sum += static_cast<long double>(found.rows[n][i]);
+            const double off = distance(combine(found.rows[n], green.handles()), points[n]) / size;
+            worst_sum = larger(worst_sum, double(std::fabs(sum)));
+            worst_place = larger(worst_place, off);
+            if (std::fabs(double(sum)) < 1e-13 && off < 1e-13) continue;
+            if (std::is_same_v<T, double>) { CAPTURE(seed, n, points[n][0], points[n][1], to_string(found.states[n]), double(sum), off); CHECK(false); }
+        }
+    }
+    WARN(cages << " cages, " << inside << " in, " << outside << " out, " << on_boundary << " on: sum " << worst_sum << " place " << worst_place);
+    CHECK(cages >= effort(2400u, 80u));
 }
 
 } // namespace curved_green_tests
