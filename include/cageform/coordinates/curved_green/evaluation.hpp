@@ -99,7 +99,7 @@ public:
     template <bool gradients>
     void add_jump(const CurvedEdge& edge, const Number& s, const CurvedRow& to) const noexcept {
         const std::size_t m = edge.posed_degree, degree = gradients ? m - 1 : m;
-        Moments<double> b{};
+        EdgeMoments<double> b{};
         b[0] = {1, 0};
         for (std::size_t d = 1; d <= degree; ++d) {
             b[d] = s * b[d - 1];
@@ -127,7 +127,7 @@ private:
         return near_edge.sums();
     }
     /// Adds real parts to points, and partial sums of imaginary parts to legs.
-    static void add_values(const CurvedEdge& edge, const Moments<double>& c, double* row) noexcept {
+    static void add_values(const CurvedEdge& edge, const EdgeMoments<double>& c, double* row) noexcept {
         double after = 0;
         for (std::size_t k = edge.posed_degree + 1; k-- > 0;) {
             row[edge.point[k]] += c[k].re;
@@ -141,7 +141,7 @@ private:
         return end.vertex == vertex ? end.log_tangent : 0.5 * std::log(norm(end.at - z));
     }
     /// Adds `sign` times c_k = J_k/2πi, and for legs −ln(|V_end − z|/diagonal)/2π − Σ_{j>k} Im c_j.
-    void add_weights(const CurvedEdge& edge, const Moments<double>& j, double distance, double sign,
+    void add_weights(const CurvedEdge& edge, const EdgeMoments<double>& j, double distance, double sign,
                      const CurvedRow& to) const noexcept {
         const double share = sign / (2 * std::numbers::pi);
         double after = std::log(tables_.diagonal) - distance;
@@ -153,7 +153,7 @@ private:
     }
     /// With h_k = m/2π ∫ b_k/(e − z) dt, of degree m − 1, a leg has the gradient (Re h_k, −Im h_k), and a
     /// control point Im and Re of h_{k−1} − h_k. `sign` is of the derivatives by x and by y.
-    static void add_slopes(const CurvedEdge& edge, const Moments<double>& g, const std::array<double, 2>& sign,
+    static void add_slopes(const CurvedEdge& edge, const EdgeMoments<double>& g, const std::array<double, 2>& sign,
                            const CurvedRow& to) noexcept {
         const std::size_t m = edge.posed_degree;
         const double share = double(m) / (2 * std::numbers::pi);
@@ -176,7 +176,7 @@ private:
         const double square = tables_.disk_radius * tables_.disk_radius;
         const Number one{1, 0};
         for (const CurvedEdge& edge : tables_.edges) {
-            Moments<double> value{};
+            EdgeMoments<double> value{};
             for (const auto& node : edge.nodes) {
                 const Number place = node.at - tables_.disk_centre, share = inverse(place * u - one);
                 if constexpr (gradients) {

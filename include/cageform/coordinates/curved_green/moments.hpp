@@ -10,7 +10,7 @@ namespace cageform::inline CAGEFORM_ABI::detail {
 /// The highest degree of a posed edge.
 inline constexpr std::size_t most_posed_degree = 5;
 template <class R>
-using Moments = std::array<Complex<R>, most_posed_degree + 1>;
+using EdgeMoments = std::array<Complex<R>, most_posed_degree + 1>;
 
 /// A root s of e(s) = z, with s − 1 apart: next to 1 both have relative accuracy.
 template <class R>
@@ -29,7 +29,7 @@ inline Number integral_of(const CurveRoot<double>& root) noexcept {
 /// ∫ b^{d−1} = 1/d. Accurate for |s| + |s − 1| < 5/3: 1e-15 of the largest for degree 3, 6e-15 for degree 5.
 template <class R>
 void raise_moments(const CurveRoot<R>& root, const Complex<R>& integral, std::size_t degree,
-                   Moments<R>& j) noexcept {
+                   EdgeMoments<R>& j) noexcept {
     j[0] = integral;
     for (std::size_t d = 1; d <= degree; ++d) {
         const Complex<R> share{R(1 / double(d)), R(0.0)};
@@ -41,7 +41,7 @@ void raise_moments(const CurveRoot<R>& root, const Complex<R>& integral, std::si
 
 /// Computes the moments and their derivatives by s.
 inline void raise_moments(const CurveRoot<double>& root, const Number& integral, std::size_t degree,
-                          Moments<double>& j, Moments<double>& slope) noexcept {
+                          EdgeMoments<double>& j, EdgeMoments<double>& slope) noexcept {
     j[0] = integral;
     slope[0] = inverse(root.s * root.beyond);
     for (std::size_t d = 1; d <= degree; ++d) {
@@ -91,7 +91,7 @@ inline bool is_far(const CurveRoot<double>& root) noexcept {
 ///
 ///   branch  added to the integral of degree 0: 2πi continues the moments across [0, 1] from its left
 inline void moments_of(const CurveRoot<double>& root, const Number& branch, std::size_t degree,
-                       Moments<double>& j, Moments<double>* slope = nullptr) noexcept {
+                       EdgeMoments<double>& j, EdgeMoments<double>* slope = nullptr) noexcept {
     if (!is_far(root)) {
         const Number integral = integral_of(root) + branch;
         if (slope != nullptr) return raise_moments(root, integral, degree, j, *slope);

@@ -7,7 +7,7 @@ namespace cageform::inline CAGEFORM_ABI::detail {
 
 /// The integrals of an edge at a point z.
 struct EdgeSums {
-    Moments<double> value{}; ///< ∫ b_k e'/(e − z) dt; for gradients ∫ b_k/(e − z) dt, of one degree less
+    EdgeMoments<double> value{}; ///< ∫ b_k e'/(e − z) dt; for gradients ∫ b_k/(e − z) dt, of one degree less
     double turning = 0;      ///< the angle by which e − z turns along the edge
 };
 
@@ -86,7 +86,7 @@ public:
             all.value[reversed_ ? m - k : k] += reversed_ ? -x : x;
         };
         for (std::size_t n = 0; n < count_; ++n) {
-            Moments<double> j;
+            EdgeMoments<double> j;
             moments_of(root_[n], {0, 0}, m, j);
             for (std::size_t k = 0; k <= m; ++k) add(k, j[k]);
         }
@@ -104,11 +104,11 @@ public:
         EdgeSums all;
         const std::size_t degree = edge_.posed_degree - 1;
         for (std::size_t n = 0; n < count_; ++n) {
-            Moments<double> j;
+            EdgeMoments<double> j;
             moments_of(root_[n], {0, 0}, 0, j);
             all.turning += reversed_ ? -j[0].im : j[0].im;
         }
-        Moments<double> difference;
+        EdgeMoments<double> difference;
         if (count_ == 1) moments_of(root_[0], {0, 0}, degree, difference);
         if (count_ == 2) difference = divided_difference(root_[0], root_[1], degree);
         if (count_ == 3) {
@@ -154,14 +154,14 @@ private:
     static double distance_from_unit(const Number& s) noexcept {
         return size(s - Number{std::fmin(std::fmax(s.re, 0.0), 1.0), 0});
     }
-    static Moments<double> divided_difference(const CurveRoot<double>& a, const CurveRoot<double>& b,
+    static EdgeMoments<double> divided_difference(const CurveRoot<double>& a, const CurveRoot<double>& b,
                                               std::size_t degree) noexcept {
-        Moments<double> difference{}, j;
+        EdgeMoments<double> difference{}, j;
         const Number apart = b.s - a.s;
         if (size(apart) < 0.05 * (std::min)(distance_from_unit(a.s), distance_from_unit(b.s))) {
             const auto& rule = Gauss<5>::rule(); // of the slope between them
             for (std::size_t g = 0; g < 5; ++g) {
-                Moments<double> slope;
+                EdgeMoments<double> slope;
                 const double u = rule.node[g];
                 moments_of({a.s + u * apart, a.beyond + u * (b.beyond - a.beyond)}, {0, 0}, degree, j, &slope);
                 for (std::size_t k = 0; k <= degree; ++k) difference[k] += rule.weight[g] * slope[k];

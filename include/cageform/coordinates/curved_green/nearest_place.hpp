@@ -78,9 +78,9 @@ inline NearestPlace nearest_place(const PlaneCurve& curve, const Vec<double, 2>&
 /// with Σ c = 1 and Σ c C = z. Where e' is 0, at an end, b' w is replaced by ±(z − C)/(C_k − C) for the end
 /// C and the next control point C_k elsewhere.
 struct CurveContinuation {
-    Moments<double> value{};   ///< c_k
-    Moments<double> along_x{}; ///< ∂c_k/∂x
-    Moments<double> along_y{}; ///< ∂c_k/∂y
+    EdgeMoments<double> value{};   ///< c_k
+    EdgeMoments<double> along_x{}; ///< ∂c_k/∂x
+    EdgeMoments<double> along_y{}; ///< ∂c_k/∂y
 
     CurveContinuation(const CurvedEdge& edge, double t, const Number& z) noexcept {
         const std::size_t m = edge.posed_degree, n = edge.curve.degree;
