@@ -10,6 +10,7 @@
 #include <cageform/clone/clone.hpp>
 #include <cageform/clone/pose_handles.hpp>
 #include <cageform/coordinates/barycentric.hpp>
+#include <cageform/coordinates/curved_green.hpp>
 #include <cageform/coordinates/green.hpp>
 #include <cageform/coordinates/mean_value.hpp>
 #include <cageform/coordinates/three_point.hpp>
@@ -208,6 +209,34 @@ Status in_space(Random& random, unsigned long long seed) {
     return take(MeanValueCoordinates<T, 3>(vertices, faces), random, seed);
 }
 
+/// Loops of curves whose control points lie along a ring, or anywhere. Some are open, or no curves.
+template <class T>
+Status with_curves(Random& random, unsigned long long seed) {
+    std::vector<typename CurvedPolygon<T>::Loop> loops(random.below(16) == 0 ? random.below(4) : 1);
+    for (auto& loop : loops) {
+        const std::size_t edges = (random.below(16) == 0 ? 0 : 1) + random.below(6), count = 4 * edges;
+        const auto points = hostile_points<T, 2>(random, count, random.below(4) != 0);
+        for (std::size_t e = 0; e < edges; ++e) {
+            const std::size_t degree = random.below(20) == 0 ? random.below(6) : 1 + random.below(3);
+            auto& edge = loop.emplace_back();
+            edge.push_back(points[4 * e]);
+            for (std::size_t i = 1; i < degree; ++i) edge.push_back(points[4 * e + i % 4]);
+            if (degree > 0) edge.push_back(points[(4 * e + 4) % count]);
+            if (degree > 2 && random.below(5) == 0) edge[1] = edge[0];
+            if (degree > 2 && random.below(5) == 0) edge[degree - 1] = edge[degree];
+            if (random.below(30) == 0) edge.back() = points[random.below(count)];
+        }
+    }
+    CurvedGreenOptions<T> options;
+    if (random.below(3) == 0) options.posed_degree = random.below(7);
+    if (random.below(8) == 0) {
+        for (std::size_t e = random.below(8); e-- > 0;) options.posed_degrees.push_back(random.below(7));
+    }
+    if (random.below(4) == 0)
+        options.disk = {{T(random.uniform(-1, 1)), T(random.uniform(-1, 1))}, spoilt<T>(random, 3, random.below(9))};
+    return take(CurvedGreenCoordinates<T>(CurvedPolygon<T>(loops), options), random, seed);
+}
+
 } // namespace
 
 int main(int count, char** arguments) {
@@ -216,10 +245,12 @@ int main(int count, char** arguments) {
     std::map<std::string, std::size_t> outcomes;
     for (unsigned long long seed = first; seed < first + cages; ++seed) {
         Random random(seed);
-        const Status status = seed % 4 == 0   ? in_plane<float>(random, seed)
-                              : seed % 4 == 1 ? in_plane<double>(random, seed)
-                              : seed % 4 == 2 ? in_space<float>(random, seed)
-                                              : in_space<double>(random, seed);
+        const Status status = seed % 6 == 0   ? in_plane<float>(random, seed)
+                              : seed % 6 == 1 ? in_plane<double>(random, seed)
+                              : seed % 6 == 2 ? in_space<float>(random, seed)
+                              : seed % 6 == 3 ? in_space<double>(random, seed)
+                              : seed % 6 == 4 ? with_curves<float>(random, seed)
+                                              : with_curves<double>(random, seed);
         ++outcomes[to_string(status)];
     }
     for (const auto& [text, times] : outcomes) std::printf("%9zu  %s\n", times, text.c_str());

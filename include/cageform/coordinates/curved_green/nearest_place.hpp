@@ -11,64 +11,95 @@ struct NearestPlace {
 };
 
 /// Finds the place nearest to p if it is not farther than `most`. Pieces of |e(t) − p|² in Bernstein form
-/// are halved: those whose coefficients all exceed the least value seen are left out, and Newton's method
-/// finishes those where the function is convex.
-inline NearestPlace nearest_place(const PlaneCurve& curve, const Vec<double, 2>& p, double most) noexcept {
-    std::array<Bernstein, 2> axis{Bernstein{curve.degree, {}}, Bernstein{curve.degree, {}}};
-    for (std::size_t k = 0; k < 2; ++k) {
-        for (std::size_t i = 0; i <= curve.degree; ++i) axis[k].c[i] = curve.control[i][k] - p[k];
+/// are halved: those whose coefficients are not below the least value seen, up to rounding, are left out,
+/// and Newton's method finishes those where the function is convex.
+class NearestOnCurve {
+public:
+    NearestOnCurve(const PlaneCurve& curve, const Vec<double, 2>& p) noexcept
+        : curve_(curve)
+        , reversed_(curve.reversed())
+        , slope_(curve.slope())
+        , bend_(curve.degree > 1 ? slope_.slope() : PlaneCurve{0, {}})
+        , p_(p) {}
+
+    NearestPlace search(double most) noexcept {
+        std::array<Bernstein, 2> axis{Bernstein{curve_.degree, {}}, Bernstein{curve_.degree, {}}};
+        for (std::size_t k = 0; k < 2; ++k) {
+            for (std::size_t i = 0; i <= curve_.degree; ++i) axis[k].c[i] = curve_.control[i][k] - p_[k];
+        }
+        std::array<Piece, 64> stack;
+        std::size_t count = 0;
+        stack[count++] = {axis[0] * axis[0] + axis[1] * axis[1], 0, 1};
+        meet(0);
+        meet(1);
+        while (count > 0) {
+            const Piece piece = stack[--count];
+            const double limit = (std::min)(best_.distance, most);
+            const double rounding = 64 * epsilon<double> * piece.square.largest_coefficient();
+            if (!(least_of(piece.square) < limit * limit - rounding)) continue;
+            const Bernstein derivative = piece.square.derivative();
+            const double first = derivative.c[0], last = derivative.c[derivative.degree];
+            const double end = piece.begin + piece.length;
+            const bool is_convex = least_of(derivative.derivative()) >= 0;
+            if (is_convex && (first >= 0 || last <= 0)) {
+                meet(first >= 0 ? piece.begin : end);
+            } else if (is_convex || piece.length < 0x1p-40 || count + 2 > stack.size()) {
+                meet(finish(piece.begin, end, piece.begin + 0.5 * piece.length));
+            } else {
+                const double half = 0.5 * piece.length;
+                const auto [lower, upper] = piece.square.split(0.5);
+                meet(piece.begin + half);
+                stack[count++] = {lower, piece.begin, half};
+                stack[count++] = {upper, piece.begin + half, half};
+            }
+        }
+        // A place that halving met by chance is as near, but not the nearest.
+        if (best_.t > 0 && best_.t < 1) {
+            const double t = finish(0, 1, best_.t), distance = distance_at(t);
+            if (distance <= best_.distance * (1 + 4 * epsilon<double>)) best_ = {t, distance};
+        }
+        return best_;
     }
+
+private:
     struct Piece {
         Bernstein square;
         double begin, length;
     };
-    std::array<Piece, 64> stack;
-    std::size_t count = 0;
-    stack[count++] = {axis[0] * axis[0] + axis[1] * axis[1], 0, 1};
-    const PlaneCurve slope = curve.slope();
-    const PlaneCurve bend = curve.degree > 1 ? slope.slope() : PlaneCurve{0, {}};
-    NearestPlace best;
-    const auto meet = [&](double t) {
-        const auto off = t <= 0.5 ? curve.at(t) - p : curve.reversed().at(1 - t) - p;
-        const double distance = std::hypot(off[0], off[1]);
-        if (distance < best.distance) best = {t, distance};
-    };
-    meet(0);
-    meet(1);
-    const auto least_of = [](const Bernstein& f) { return *std::min_element(f.c.data(), f.c.data() + f.degree + 1); };
-    while (count > 0) {
-        const Piece piece = stack[--count];
-        const double limit = (std::min)(best.distance, most) * (1 + 4 * epsilon<double>);
-        if (least_of(piece.square) > limit * limit) continue;
-        const Bernstein derivative = piece.square.derivative();
-        const double first = derivative.c[0], last = derivative.c[derivative.degree];
-        const bool is_convex = least_of(derivative.derivative()) >= 0;
-        if (is_convex && (first >= 0 || last <= 0)) {
-            meet(first >= 0 ? piece.begin : piece.begin + piece.length);
-            continue;
-        }
-        if (is_convex || piece.length < 0x1p-40 || count + 2 > stack.size()) {
-            double low = piece.begin, high = piece.begin + piece.length, t = 0.5 * (low + high);
-            for (int step = 0; step < 60; ++step) {
-                const auto off = curve.at(t) - p, along = slope.at(t);
-                const double f = dot(off, along), rate = dot(along, along) + dot(off, bend.at(t));
-                (f > 0 ? high : low) = t;
-                double next = t - f / rate;
-                if (!(next >= low && next <= high)) next = 0.5 * (low + high);
-                const bool done = std::fabs(next - t) <= epsilon<double> * t;
-                t = next;
-                if (done) break;
-            }
-            meet(t);
-            continue;
-        }
-        const double half = 0.5 * piece.length;
-        const auto [lower, upper] = piece.square.split(0.5);
-        meet(piece.begin + half);
-        stack[count++] = {lower, piece.begin, half};
-        stack[count++] = {upper, piece.begin + half, half};
+
+    static double least_of(const Bernstein& f) noexcept {
+        return *std::min_element(f.c.data(), f.c.data() + f.degree + 1);
     }
-    return best;
+    double distance_at(double t) const noexcept {
+        const auto off = t <= 0.5 ? curve_.at(t) - p_ : reversed_.at(1 - t) - p_;
+        return std::hypot(off[0], off[1]);
+    }
+    void meet(double t) noexcept {
+        const double distance = distance_at(t);
+        if (distance < best_.distance) best_ = {t, distance};
+    }
+    /// Returns a root of (e − p)·e' in [low, high], by Newton's method from t, with halving.
+    double finish(double low, double high, double t) const noexcept {
+        for (int step = 0; step < 60; ++step) {
+            const auto off = curve_.at(t) - p_, along = slope_.at(t);
+            const double f = dot(off, along), rate = dot(along, along) + dot(off, bend_.at(t));
+            (f > 0 ? high : low) = t;
+            double next = t - f / rate;
+            if (!(next >= low && next <= high)) next = 0.5 * (low + high);
+            const bool is_done = std::fabs(next - t) <= epsilon<double> * t;
+            t = next;
+            if (is_done) break;
+        }
+        return t;
+    }
+
+    const PlaneCurve& curve_;
+    PlaneCurve reversed_, slope_, bend_;
+    Vec<double, 2> p_;
+    NearestPlace best_;
+};
+inline NearestPlace nearest_place(const PlaneCurve& curve, const Vec<double, 2>& p, double most) noexcept {
+    return NearestOnCurve(curve, p).search(most);
 }
 
 /// The continuation of first order across a place t of an edge:
