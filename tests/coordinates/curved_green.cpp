@@ -66,7 +66,8 @@ Loops<T> random_curves(std::uint64_t seed, double tangents_vanish = 0.2) {
     const Vec<double, 2> centre{random.uniform(-2, 2) * scale, random.uniform(-2, 2) * scale};
     std::vector<double> angles;
     for (std::size_t i = 0; i < count; ++i)
-        angles.push_back(turn + 2 * std::numbers::pi * (double(i) + random.uniform(-0.2, 0.2)) / double(count));
+        angles.push_back(turn +
+                         2 * std::numbers::pi * (double(i) + random.uniform(-0.2, 0.2)) / double(count));
     angles.push_back(angles[0] + 2 * std::numbers::pi);
     const auto at = [&](double angle, double radius) {
         return Vec<double, 2>{radius * std::cos(angle), radius * std::sin(angle)};
@@ -112,7 +113,8 @@ Vec<T, 2> on_curve(const std::vector<Vec<T, 2>>& edge, double t) {
     std::vector<Vec<long double, 2>> c;
     for (const auto& p : edge) c.push_back(vec_cast<long double>(p));
     for (; c.size() > 1; c.pop_back()) {
-        for (std::size_t i = 0; i + 1 < c.size(); ++i) c[i] = c[i] + static_cast<long double>(t) * (c[i + 1] - c[i]);
+        for (std::size_t i = 0; i + 1 < c.size(); ++i)
+            c[i] = c[i] + static_cast<long double>(t) * (c[i + 1] - c[i]);
     }
     return vec_cast<T>(c[0]);
 }
@@ -154,8 +156,8 @@ std::vector<Vec<T, 2>> points_about(const Loops<T>& loops, std::size_t count, st
 
 /// The largest difference of weights, where those of the legs of a loop may all differ by one number.
 template <class T>
-double difference_of_rows(const CurvedGreenCoordinates<T>& green, const std::vector<T>& row, const Json& points,
-                          const Json& legs) {
+double difference_of_rows(const CurvedGreenCoordinates<T>& green, const std::vector<T>& row,
+                          const Json& points, const Json& legs) {
     const std::size_t count = points.size();
     double worst = row.size() == 2 * count ? 0 : 1e9;
     for (std::size_t i = 0; i < count; ++i)
@@ -185,7 +187,8 @@ void compare_with_reference(const std::string& name) {
     for (std::size_t i = 0; i < count; ++i) {
         CHECK(distance(green.handles()[i], vec(json["handles"][i])) <= tolerance);
         const auto leg = json["legs"][i];
-        CHECK(green.handle_faces()[i] == HandleFace<2>{leg[0].get<std::uint32_t>(), leg[1].get<std::uint32_t>()});
+        CHECK(green.handle_faces()[i] ==
+              HandleFace<2>{leg[0].get<std::uint32_t>(), leg[1].get<std::uint32_t>()});
     }
     std::vector<Vec<T, 2>> points, pose;
     std::vector<Vec<double, 2>> posed(2 * count);
@@ -209,7 +212,8 @@ void compare_with_reference(const std::string& name) {
         CHECK(distance(at, vec(row["posed"])) <= 4 * tolerance);
         if (row.contains("legs_b_diagonal")) {
             for (std::size_t i = 0; i < count; ++i)
-                CHECK(std::fabs(double(found.rows[n][count + i]) - number(row["legs_b_diagonal"][i])) <= tolerance);
+                CHECK(std::fabs(double(found.rows[n][count + i]) - number(row["legs_b_diagonal"][i])) <=
+                      tolerance);
         }
         if (!row.contains("derivative")) continue;
         ++derivatives;
@@ -245,7 +249,8 @@ TEST_CASE("Weights of curved cages are those of the oracle", "[coordinates][curv
     }
 }
 
-TEST_CASE("Weights of curved cages in a disk are those of the oracle", "[coordinates][curved_green][oracle]") {
+TEST_CASE("Weights of curved cages in a disk are those of the oracle",
+          "[coordinates][curved_green][oracle]") {
     const Json json = read("disk.json");
     for (const auto& test : json["cases"]) {
         CurvedGreenOptions<double> options;
@@ -255,7 +260,8 @@ TEST_CASE("Weights of curved cages in a disk are those of the oracle", "[coordin
         std::vector<Vec<double, 2>> points, posed;
         for (const auto& row : test["rows"]) points.push_back(vec(row["point"]));
         for (const auto& p : test["pose"]) posed.push_back(vec(p));
-        for (const auto& [from, to] : green.handle_faces()) posed.push_back(edge_handle(posed[from], posed[to]));
+        for (const auto& [from, to] : green.handle_faces())
+            posed.push_back(edge_handle(posed[from], posed[to]));
         const auto found = evaluate_all(green, points);
         REQUIRE(found.status() == Status::ok);
         for (std::size_t n = 0; n < points.size(); ++n) {
@@ -294,12 +300,13 @@ TEMPLATE_TEST_CASE("Weights of curved cages have row sums next to edges, ends an
             // Beside an end without tangent the continuation has large weights.
             const double weights = std::max(1.0, absolute_sum(found.rows[n]));
             worst_sum = larger(worst_sum, double(std::fabs(sum)) / weights);
-            worst_place =
-                larger(worst_place, distance(combine(found.rows[n], green.handles()), points[n]) / size / weights);
+            worst_place = larger(worst_place, distance(combine(found.rows[n], green.handles()), points[n]) /
+                                                  size / weights);
         }
     }
     CAPTURE(worst_sum, worst_place);
-    const double tolerance = std::is_same_v<T, float> ? 2e-6 : 1e-14; // in float a vertex reaches 1e-6 of the size
+    const double tolerance =
+        std::is_same_v<T, float> ? 2e-6 : 1e-14; // in float a vertex reaches 1e-6 of the size
     CHECK(worst_sum <= tolerance);
     CHECK(worst_place <= tolerance);
     CHECK(cages == effort(3000u, 100u));
@@ -316,19 +323,21 @@ std::vector<Vec<double, 2>> random_pose(const CurvedGreenCoordinates<T>& green, 
     const double size = double(bounds_of(green.handles().first(count)).diagonal());
     std::vector<Vec<double, 2>> pose;
     for (const auto& p : green.handles().first(count))
-        pose.push_back(vec_cast<double>(p) + Vec<double, 2>{random.uniform(-0.2, 0.2) * size,
-                                                              random.uniform(-0.2, 0.2) * size});
+        pose.push_back(vec_cast<double>(p) +
+                       Vec<double, 2>{random.uniform(-0.2, 0.2) * size, random.uniform(-0.2, 0.2) * size});
     return pose;
 }
 /// The handles of a pose of the control points.
 template <class T>
-std::vector<Vec<double, 2>> with_legs(const CurvedGreenCoordinates<T>& green, std::vector<Vec<double, 2>> pose) {
+std::vector<Vec<double, 2>> with_legs(const CurvedGreenCoordinates<T>& green,
+                                      std::vector<Vec<double, 2>> pose) {
     for (const auto& [from, to] : green.handle_faces()) pose.push_back(edge_handle(pose[from], pose[to]));
     return pose;
 }
 /// Where points go, without a binding.
 template <class T>
-std::vector<Vec<double, 2>> moved(const CurvedGreenCoordinates<T>& green, const std::vector<Vec<T, 2>>& points,
+std::vector<Vec<double, 2>> moved(const CurvedGreenCoordinates<T>& green,
+                                  const std::vector<Vec<T, 2>>& points,
                                   const std::vector<Vec<double, 2>>& pose) {
     const auto handles = with_legs(green, pose);
     std::vector<Vec<double, 2>> result;
@@ -364,7 +373,8 @@ std::vector<std::vector<Vec<double, 2>>> edges_of(const std::vector<Vec<double, 
         const std::size_t begin = first;
         for (std::size_t k = 0; k < size; ++k, ++e) {
             auto& edge = edges.emplace_back();
-            for (std::size_t i = 0; i <= degrees[e]; ++i) edge.push_back(pose[first + i - (k + 1 == size && i == degrees[e] ? first + i - begin : 0)]);
+            for (std::size_t i = 0; i <= degrees[e]; ++i)
+                edge.push_back(pose[first + i - (k + 1 == size && i == degrees[e] ? first + i - begin : 0)]);
             first += degrees[e];
         }
     }
@@ -387,7 +397,8 @@ std::array<std::vector<Vec<T, 2>>, 2> split(std::vector<Vec<T, 2>> c, T t) {
     while (!c.empty()) {
         low.push_back(c.front());
         high.insert(high.begin(), c.back());
-        for (std::size_t i = 0; i + 1 < c.size(); ++i) c[i] = c[i] + t * (c[i + 1] - c[i]); // keeps points that coincide
+        for (std::size_t i = 0; i + 1 < c.size(); ++i)
+            c[i] = c[i] + t * (c[i + 1] - c[i]); // keeps points that coincide
         c.pop_back();
     }
     return {low, high};
@@ -526,7 +537,8 @@ TEST_CASE("Straight cages of posed degree 1 have the weights of GreenCoordinates
         REQUIRE(std::ranges::equal(curved.handles(), green.handles()));
         REQUIRE(std::ranges::equal(curved.handle_faces(), green.handle_faces()));
         REQUIRE(std::ranges::equal(curved.handle_kinds(), green.handle_kinds()));
-        const auto points = points_about<double>(std::vector(curved.cage().loops().begin(), curved.cage().loops().end()), 40, seed);
+        const auto points = points_about<double>(
+            std::vector(curved.cage().loops().begin(), curved.cage().loops().end()), 40, seed);
         const auto a = evaluate_all(green, points), b = evaluate_all(curved, points);
         for (std::size_t n = 0; n < points.size(); ++n) {
             if (a.states[n] != b.states[n] || a.states[n] == PointState::on_boundary) continue;
@@ -577,8 +589,9 @@ TEST_CASE("Gradients of curved cages: sums, the Cauchy-Riemann equations in ever
             sums = larger(sums, double(std::fabs(sum[0][0]) + std::fabs(sum[0][1])) * size / largest);
             if (slopes.states[n] != PointState::outside) {
                 const auto j = jacobian(slopes.rows[n], handles);
-                cauchy_riemann = larger(
-                    cauchy_riemann, double(std::fabs(j[0][0] - j[1][1]) + std::fabs(j[0][1] + j[1][0])) / largest);
+                cauchy_riemann =
+                    larger(cauchy_riemann,
+                           double(std::fabs(j[0][0] - j[1][1]) + std::fabs(j[0][1] + j[1][0])) / largest);
             }
             // Differences need room to the cage and to seams.
             double room = 1e300;
@@ -593,8 +606,8 @@ TEST_CASE("Gradients of curved cages: sums, the Cauchy-Riemann equations in ever
             if (slopes.states[n] == PointState::outside && is_on_seam(cage.loops, p)) continue;
             (slopes.states[n] == PointState::outside ? outside : inside) += 1;
             const double step = 1e-6 * size;
-            const std::vector<Vec<double, 2>> around{{p[0] + step, p[1]}, {p[0] - step, p[1]},
-                                                     {p[0], p[1] + step}, {p[0], p[1] - step}};
+            const std::vector<Vec<double, 2>> around{
+                {p[0] + step, p[1]}, {p[0] - step, p[1]}, {p[0], p[1] + step}, {p[0], p[1] - step}};
             for (const bool of_disk : {false, true}) {
                 const auto& coordinates = of_disk ? disk : green;
                 const auto rows = evaluate_all(coordinates, around).rows;
@@ -603,7 +616,8 @@ TEST_CASE("Gradients of curved cages: sums, the Cauchy-Riemann equations in ever
                 for (std::size_t h = 0; h < gradients.size(); ++h) {
                     for (std::size_t k = 0; k < 2; ++k)
                         worst = larger(worst, std::fabs((rows[2 * k][h] - rows[2 * k + 1][h]) / (2 * step) -
-                                                        gradients[h][k]) * size);
+                                                        gradients[h][k]) *
+                                                  size);
                 }
                 auto& most = of_disk ? in_disk : differences;
                 most = larger(most, worst * room / size / largest);
@@ -640,10 +654,11 @@ TEST_CASE("Weights of curved cages are continuous across edges, with their slope
         CHECK(rows.states[1] == PointState::on_boundary);
         CHECK((rows.states[0] == PointState::inside) == (rows.states[2] == PointState::outside));
         const double speed = 5e5 * detail::length(along) / size; // |e'|
-        for (const std::size_t side : {0, 2}) values = larger(values, difference(rows.rows[1], rows.rows[side]) * speed);
+        for (const std::size_t side : {std::size_t{0}, std::size_t{2}})
+            values = larger(values, difference(rows.rows[1], rows.rows[side]) * speed);
         const auto gradients = gradients_of<double, 2>(green, {at - step, at, at + step}).rows;
         for (std::size_t h = 0; h < gradients[0].size(); ++h) {
-            for (const std::size_t side : {0, 2})
+            for (const std::size_t side : {std::size_t{0}, std::size_t{2}})
                 slopes = larger(slopes, distance(gradients[1][h], gradients[side][h]) * size * speed * speed);
         }
         ++checked;
@@ -654,8 +669,9 @@ TEST_CASE("Weights of curved cages are continuous across edges, with their slope
     CHECK(checked == effort(300u, 20u));
 }
 
-TEST_CASE("A large disk moves nothing, and a disk through a cage of many vertices gives its harmonic extension",
-          "[coordinates][curved_green][disk]") {
+TEST_CASE(
+    "A large disk moves nothing, and a disk through a cage of many vertices gives its harmonic extension",
+    "[coordinates][curved_green][disk]") {
     double worst = 0;
     for (std::uint64_t seed = 0; seed < effort(100u, 10u); ++seed) {
         PosedCage cage(seed);
@@ -691,7 +707,8 @@ TEST_CASE("A large disk moves nothing, and a disk through a cage of many vertice
     for (int n = 0; n < 40; ++n) {
         const double radius = random.uniform(0, 0.9), angle = random.uniform(0, 6.3);
         points.push_back({1 + radius * std::cos(angle), 2 + radius * std::sin(angle)});
-        expected.push_back({std::pow(radius, 3) * std::cos(3 * angle), radius * radius * std::sin(2 * angle)});
+        expected.push_back(
+            {std::pow(radius, 3) * std::cos(3 * angle), radius * radius * std::sin(2 * angle)});
     }
     const auto found = moved(disk, points, pose);
     for (std::size_t n = 0; n < points.size(); ++n) CHECK(distance(found[n], expected[n]) <= 1e-3);
@@ -705,8 +722,8 @@ TEST_CASE("A large disk moves nothing, and a disk through a cage of many vertice
     }
 }
 
-TEMPLATE_TEST_CASE("Weights of curved cages do not depend on the unit of length", "[coordinates][curved_green]",
-                   float, double) {
+TEMPLATE_TEST_CASE("Weights of curved cages do not depend on the unit of length",
+                   "[coordinates][curved_green]", float, double) {
     using T = TestType;
     for (std::uint64_t seed = 0; seed < 20; ++seed) {
         const auto loops = random_curves<T>(seed);
@@ -745,7 +762,8 @@ TEMPLATE_TEST_CASE("A binding to a curved cage rests to the bit, follows similar
         CHECK(bound.report.unreached.empty());
         points[3] = points[4];
         const std::size_t count = green.handles().size() / 2;
-        const std::vector<Vec<T, 2>> control(green.handles().begin(), green.handles().begin() + std::ptrdiff_t(count));
+        const std::vector<Vec<T, 2>> control(green.handles().begin(),
+                                             green.handles().begin() + std::ptrdiff_t(count));
         std::vector<Vec<T, 2>> out(points.size());
         REQUIRE(clone(bound.value, posed_handles(bound.value, control), out) == Status::ok);
         for (std::size_t i = 0; i < points.size(); ++i) CHECK((i == 3 || out[i] == points[i]));
@@ -762,19 +780,24 @@ TEMPLATE_TEST_CASE("A binding to a curved cage rests to the bit, follows similar
         REQUIRE(packed.status() == Status::ok);
         for (const bool is_packed : {false, true}) {
             const auto handles = posed_handles(bound.value, pose);
-            REQUIRE((is_packed ? clone(packed.value, handles, out) : clone(bound.value, handles, out)) == Status::ok);
+            REQUIRE((is_packed ? clone(packed.value, handles, out) : clone(bound.value, handles, out)) ==
+                    Status::ok);
             for (std::size_t i = 0; i < points.size(); ++i) {
                 if (i == 3) continue;
                 double weight = 0;
-                for (std::size_t h = 0; h < 2 * count; ++h) weight += std::fabs(double(bound.value.weight(i, h)));
-                const double size = weight * (size_of(control) + size_of(pose)) + distance(points[i], control[0]);
-                CHECK(distance(out[i], turn(vec_cast<long double>(points[i]))) <= 24 * double(epsilon<T>) * size);
+                for (std::size_t h = 0; h < 2 * count; ++h)
+                    weight += std::fabs(double(bound.value.weight(i, h)));
+                const double size =
+                    weight * (size_of(control) + size_of(pose)) + distance(points[i], control[0]);
+                CHECK(distance(out[i], turn(vec_cast<long double>(points[i]))) <=
+                      24 * double(epsilon<T>) * size);
             }
         }
     }
 }
 
-TEST_CASE("The nearest boundary place of a curved cage has the weights of the limit", "[coordinates][curved_green]") {
+TEST_CASE("The nearest boundary place of a curved cage has the weights of the limit",
+          "[coordinates][curved_green]") {
     for (std::uint64_t seed = 0; seed < effort(60u, 6u); ++seed) {
         const auto loops = random_curves<double>(seed);
         const CurvedGreenCoordinates<double> green{CurvedPolygon<double>(loops)};
@@ -785,13 +808,16 @@ TEST_CASE("The nearest boundary place of a curved cage has the weights of the li
             double least = 1e300; // no sample of the curves is nearer
             for (const auto& loop : loops) {
                 for (const auto& edge : loop) {
-                    for (int k = 0; k <= 50; ++k) least = std::min(least, distance(p, on_curve(edge, k / 50.0)));
+                    for (int k = 0; k <= 50; ++k)
+                        least = std::min(least, distance(p, on_curve(edge, k / 50.0)));
                 }
             }
             CAPTURE(seed, p[0], p[1]);
             CHECK(distance(p, q) <= least + 1e-14 * size);
-            CHECK(distance(combine(row, green.handles()), q) <= 1e-13 * size * std::max(1.0, absolute_sum(row)));
-            CHECK(std::fabs(double(sum_of(std::span(row).first(row.size() / 2))) - 1) <= 1e-13 * std::max(1.0, absolute_sum(row)));
+            CHECK(distance(combine(row, green.handles()), q) <=
+                  1e-13 * size * std::max(1.0, absolute_sum(row)));
+            CHECK(std::fabs(double(sum_of(std::span(row).first(row.size() / 2))) - 1) <=
+                  1e-13 * std::max(1.0, absolute_sum(row)));
         }
     }
 }
@@ -810,7 +836,8 @@ TEST_CASE("Faults of curved cages are named", "[coordinates][curved_green][check
         CHECK(found.faults[0].b == b);
     };
     const Cage::Loop leaf{{{0, 0}, {1, -1}, {2, 0}}, {{2, 0}, {1, 1}, {0, 0}}};
-    const double infinite = std::numeric_limits<double>::infinity(), nan = std::numeric_limits<double>::quiet_NaN();
+    const double infinite = std::numeric_limits<double>::infinity(),
+                 nan = std::numeric_limits<double>::quiet_NaN();
     CHECK(report({leaf}).status == Status::ok);
     CHECK(report({leaf}).faults.empty());
     expect(report({}), Status::too_few_vertices, Kind::too_few_vertices, 0, 0);
@@ -818,23 +845,33 @@ TEST_CASE("Faults of curved cages are named", "[coordinates][curved_green][check
     expect(report({{leaf[0], {{2, 0}}}}), Status::curve_degree_not_supported, Kind::curve_degree, 1, 0);
     expect(report({{leaf[0], {{2, 0}, {2, 1}, {1, 1}, {0, 1}, {0, 0}}}}), Status::curve_degree_not_supported,
            Kind::curve_degree, 1, 4);
-    expect(report({{leaf[0], {{2, 0}, {1, nan}, {0, 0}}}}), Status::vertex_not_finite, Kind::vertex_not_finite, 1, 1);
+    expect(report({{leaf[0], {{2, 0}, {1, nan}, {0, 0}}}}), Status::vertex_not_finite,
+           Kind::vertex_not_finite, 1, 1);
     expect(report({{{{0, 0}, {1, -1}, {infinite, 0}}, leaf[1]}}), Status::vertex_not_finite,
            Kind::vertex_not_finite, 0, 2);
     expect(report({{{{0, 0}, {1e308, -1e308}, {2, 0}}, {{2, 0}, {-1e308, 1e308}, {0, 0}}}}),
            Status::vertex_not_finite, Kind::vertex_not_finite, 0, 1);
-    expect(report({{leaf[0], {{2, 0}, {1, 1}, {0, 1e-9}}}}), Status::loop_not_closed, Kind::loop_not_closed, 0, 1);
-    expect(report({{leaf[0], {{2, 0}, {2, 0}}, leaf[1]}}), Status::duplicate_vertices, Kind::duplicate_vertices, 1, 1);
-    expect(report({{{{0, 0}, {2, 1}}, {{2, 1}, {4, 2}, {0, 0}}}}), Status::cage_has_no_area, Kind::no_area, 0, 0);
+    expect(report({{leaf[0], {{2, 0}, {1, 1}, {0, 1e-9}}}}), Status::loop_not_closed, Kind::loop_not_closed,
+           0, 1);
+    expect(report({{leaf[0], {{2, 0}, {2, 0}}, leaf[1]}}), Status::duplicate_vertices,
+           Kind::duplicate_vertices, 1, 1);
+    expect(report({{{{0, 0}, {2, 1}}, {{2, 1}, {4, 2}, {0, 0}}}}), Status::cage_has_no_area, Kind::no_area, 0,
+           0);
     // A curve there and back, a loop, a line that turns back, two edges that cross, a vertex passed twice.
-    expect(report({{leaf[0], {{2, 0}, {1, -1}, {0, 0}}}}), Status::cage_self_crossing, Kind::edges_cross, 0, 1);
+    expect(report({{leaf[0], {{2, 0}, {1, -1}, {0, 0}}}}), Status::cage_self_crossing, Kind::edges_cross, 0,
+           1);
     expect(report({{{{0, 0}, {4, 3}, {-2, 3}, {2, 0}}, {{2, 0}, {0, 0}}}}), Status::cage_self_crossing,
            Kind::edges_cross, 0, 0);
-    expect(report({{{{0, 0}, {4, 0}, {-2, 0}, {2, 0}}, {{2, 0}, {1, 3}, {0, 0}}}}), Status::cage_self_crossing,
-           Kind::edges_cross, 0, 0);
+    expect(report({{{{0, 0}, {4, 0}, {-2, 0}, {2, 0}}, {{2, 0}, {1, 3}, {0, 0}}}}),
+           Status::cage_self_crossing, Kind::edges_cross, 0, 0);
     expect(report({leaf, {{{1, 0}, {3, 0}}, {{3, 0}, {2, 3}}, {{2, 3}, {1, 0}}}}), Status::cage_self_crossing,
            Kind::edges_cross, 0, 2);
-    expect(report({{{{0, 0}, {2, 0}}, {{2, 0}, {0, 2}}, {{0, 2}, {0, 0}}, {{0, 0}, {-2, 0}}, {{-2, 0}, {0, -2}}, {{0, -2}, {0, 0}}}}),
+    expect(report({{{{0, 0}, {2, 0}},
+                    {{2, 0}, {0, 2}},
+                    {{0, 2}, {0, 0}},
+                    {{0, 0}, {-2, 0}},
+                    {{-2, 0}, {0, -2}},
+                    {{0, -2}, {0, 0}}}}),
            Status::cage_self_crossing, Kind::edges_cross, 0, 3);
     // Curves that touch in one place, between their ends; and curves that stay 1e-9 apart.
     const auto lens = [](double gap) {
@@ -869,9 +906,9 @@ TEST_CASE("Faults of curved cages are named", "[coordinates][curved_green][check
 
     const Cage crossed(Polygon<double>(std::vector<Vec<double, 2>>{{0, 0}, {1, 1}, {1, 0}, {0, 1}}));
     CHECK(check(crossed).status == Status::cage_self_crossing);
-    const Cage unmatched(Polygon<double>(std::vector<Vec<double, 2>>{{0, 0}, {1, 1}, {1, 0}}, std::vector<std::size_t>{4}));
+    const Cage unmatched(
+        Polygon<double>(std::vector<Vec<double, 2>>{{0, 0}, {1, 1}, {1, 0}}, std::vector<std::size_t>{4}));
     CHECK(check(unmatched).status == Status::loops_do_not_match);
 }
-
 
 } // namespace curved_green_tests

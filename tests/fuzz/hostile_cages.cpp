@@ -233,7 +233,8 @@ Status with_curves(Random& random, unsigned long long seed) {
         for (std::size_t e = random.below(8); e-- > 0;) options.posed_degrees.push_back(random.below(7));
     }
     if (random.below(4) == 0)
-        options.disk = {{T(random.uniform(-1, 1)), T(random.uniform(-1, 1))}, spoilt<T>(random, 3, random.below(9))};
+        options.disk = {{T(random.uniform(-1, 1)), T(random.uniform(-1, 1))},
+                        spoilt<T>(random, 3, random.below(9))};
     return take(CurvedGreenCoordinates<T>(CurvedPolygon<T>(loops), options), random, seed);
 }
 

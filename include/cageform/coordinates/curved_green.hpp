@@ -121,26 +121,28 @@ private:
     template <bool gradients>
     Evaluation evaluate_rows(const detail::Batch<T>& batch, const Running& running) const {
         const std::size_t count = tables_.handles.size(), rows = (gradients ? 2 : 1) * count;
-        return detail::evaluate_blocks(report_, rows, batch, running, [&](std::size_t begin, std::size_t end) {
-            std::vector<double> row(rows);
-            for (std::size_t b = begin; b < end; ++b) {
-                for (std::size_t lane = 0; lane < lane_count<T>; ++lane) {
-                    std::fill(row.begin(), row.end(), 0.0);
-                    const std::size_t i = b * lane_count<T> + lane;
-                    if (i < batch.points.points && batch.states[i] != PointState::not_finite) {
-                        const auto p = tables_.scale * vec_cast<double>(block_point<2>(batch.points, i));
-                        batch.states[i] = evaluate_point<gradients>(
-                            detail::to_number(p), {row.data(), row.data() + rows - count}, tables_.tolerance);
-                    }
-                    const double unit = gradients ? tables_.scale : 1.0;
-                    for (std::size_t h = 0; h < rows; ++h) {
-                        const T weight = static_cast<T>(unit * row[h]);
-                        if (!is_finite(weight)) batch.states[i] = PointState::unreached;
-                        batch.rows.block(b)[h][lane] = weight;
+        return detail::evaluate_blocks(
+            report_, rows, batch, running, [&](std::size_t begin, std::size_t end) {
+                std::vector<double> row(rows);
+                for (std::size_t b = begin; b < end; ++b) {
+                    for (std::size_t lane = 0; lane < lane_count<T>; ++lane) {
+                        std::fill(row.begin(), row.end(), 0.0);
+                        const std::size_t i = b * lane_count<T> + lane;
+                        if (i < batch.points.points && batch.states[i] != PointState::not_finite) {
+                            const auto p = tables_.scale * vec_cast<double>(block_point<2>(batch.points, i));
+                            batch.states[i] = evaluate_point<gradients>(
+                                detail::to_number(p), {row.data(), row.data() + rows - count},
+                                tables_.tolerance);
+                        }
+                        const double unit = gradients ? tables_.scale : 1.0;
+                        for (std::size_t h = 0; h < rows; ++h) {
+                            const T weight = static_cast<T>(unit * row[h]);
+                            if (!is_finite(weight)) batch.states[i] = PointState::unreached;
+                            batch.rows.block(b)[h][lane] = weight;
+                        }
                     }
                 }
-            }
-        });
+            });
     }
 
     template <bool gradients>
@@ -189,7 +191,8 @@ private:
             const Number q = end.away.c[end.vanishing];
             return (1 / size(q)) * q;
         };
-        const Number next = leaving(tables_.edges[after].end[0]), last = leaving(tables_.edges[before].end[1]);
+        const Number next = leaving(tables_.edges[after].end[0]),
+                     last = leaving(tables_.edges[before].end[1]);
         const Number turned = last * conjugate(next);
         double angle = std::atan2(turned.im, turned.re); // from the next edge to the one before
         if (angle <= 0) angle += 2 * std::numbers::pi;

@@ -111,7 +111,7 @@ struct CurveLoops {
         if (report.status != Status::ok) return;
         for (std::size_t e = 0; e < edges.size(); ++e) {
             const double t = cusp_inside(edges[e], tolerance);
-            if (t > 0) report.add(CageFaultKind::edge_has_cusp, e, std::size_t(1000 * t + 0.5));
+            if (t > 0) report.add(CageFaultKind::edge_has_cusp, e, std::size_t(std::lround(1000 * t)));
         }
         for (std::size_t k = 0; k < loops.size(); ++k) {
             if (!inside_is_left(k)) report.add(CageFaultKind::loop_orientation_reversed, k);

@@ -45,7 +45,8 @@ private:
     struct Range {
         double lower = (std::numeric_limits<double>::max)(), upper = std::numeric_limits<double>::lowest();
     };
-    static Range along(const PlaneCurve& curve, const Vec<double, 2>& from, const Vec<double, 2>& axis) noexcept {
+    static Range along(const PlaneCurve& curve, const Vec<double, 2>& from,
+                       const Vec<double, 2>& axis) noexcept {
         Range range;
         for (const auto& c : curve.points()) {
             const double x = dot(axis, c - from);
@@ -64,7 +65,8 @@ private:
             axes[count++] = (1 / size) * Vec<double, 2>{-chord[1], chord[0]};
         }
         for (std::size_t n = 0; n < count; ++n) {
-            const Range a = along(pair.a, pair.a.begin(), axes[n]), b = along(pair.b, pair.a.begin(), axes[n]);
+            const Range a = along(pair.a, pair.a.begin(), axes[n]),
+                        b = along(pair.b, pair.a.begin(), axes[n]);
             if (a.lower > b.upper + tolerance_ || b.lower > a.upper + tolerance_) return true;
         }
         return false;

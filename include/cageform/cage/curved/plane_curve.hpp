@@ -30,7 +30,8 @@ struct PlaneCurve {
     /// Returns e', of one degree less; a point for a line.
     PlaneCurve slope() const noexcept {
         PlaneCurve d{degree - 1, {}};
-        for (std::size_t i = 0; i < degree; ++i) d.control[i] = double(degree) * (control[i + 1] - control[i]);
+        for (std::size_t i = 0; i < degree; ++i)
+            d.control[i] = double(degree) * (control[i + 1] - control[i]);
         return d;
     }
     PlaneCurve reversed() const noexcept {

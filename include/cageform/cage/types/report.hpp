@@ -44,7 +44,7 @@ enum class CageFaultKind : std::uint8_t {
     disk_too_small,        ///< control point `a` of the cage lies outside the disk, or there is no disk
     interior_cells_not_supported, ///< this coordinate type supports none; there are `a` cells
     edge_has_cusp, ///< warning: edge `a` has a cusp at `b` thousandths of its parameter; divide it there
-    gap_closed, ///< warning: only one face had the edge between vertices `a` and `b`; the gap was closed
+    gap_closed,    ///< warning: only one face had the edge between vertices `a` and `b`; the gap was closed
     collinear_vertex,           ///< warning: vertex `a` lies on the straight line between its neighbours
     vertex_unused,              ///< warning: no face uses vertex `a`; its weights are zero
     shell_orientation_reversed, ///< warning: the shell of face `a` is oriented inwards; this is handled

@@ -89,7 +89,8 @@ private:
     void add_vertices(std::size_t first_edge, bool left) {
         const std::size_t count = edges.size() - first_edge;
         for (std::size_t i = 0; i < count; ++i) {
-            const std::size_t e = first_edge + i, before = first_edge + (left ? i + count - 1 : i + 1) % count;
+            const std::size_t e = first_edge + i,
+                              before = first_edge + (left ? i + count - 1 : i + 1) % count;
             edges[e].end[0].vertex = edges[before].end[1].vertex = std::uint32_t(vertices.size());
             vertices.push_back(
                 {edges[e].end[0].at, std::uint32_t(before), std::uint32_t(e), edges[e].point[0]});

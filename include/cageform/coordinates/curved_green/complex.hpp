@@ -12,8 +12,12 @@ template <class R>
 struct Complex {
     R re, im;
 
-    friend Complex operator+(const Complex& a, const Complex& b) noexcept { return {a.re + b.re, a.im + b.im}; }
-    friend Complex operator-(const Complex& a, const Complex& b) noexcept { return {a.re - b.re, a.im - b.im}; }
+    friend Complex operator+(const Complex& a, const Complex& b) noexcept {
+        return {a.re + b.re, a.im + b.im};
+    }
+    friend Complex operator-(const Complex& a, const Complex& b) noexcept {
+        return {a.re - b.re, a.im - b.im};
+    }
     friend Complex operator-(const Complex& a) noexcept { return {R(0.0) - a.re, R(0.0) - a.im}; }
     friend Complex operator*(const Complex& a, const Complex& b) noexcept {
         return {a.re * b.re - a.im * b.im, a.re * b.im + a.im * b.re};
@@ -46,8 +50,7 @@ inline Number root(const Number& a) noexcept {
     if (!(length > 0)) return {0, 0};
     // The larger part first: the other one is a quotient.
     const double larger = std::sqrt((length + std::fabs(a.re)) / 2), smaller = a.im / (2 * larger);
-    return a.re >= 0 ? Number{larger, smaller}
-                     : Number{std::fabs(smaller), std::copysign(larger, a.im)};
+    return a.re >= 0 ? Number{larger, smaller} : Number{std::fabs(smaller), std::copysign(larger, a.im)};
 }
 /// Returns a cube root, of any of the three branches.
 inline Number cube_root(const Number& a) noexcept {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cageform/cage/curved/plane_curve.hpp>
+#include <cageform/cage/detail/primitives.hpp>
 #include <cageform/coordinates/curved_green/roots.hpp>
 
 #include <cstdint>
@@ -15,7 +16,7 @@ struct CurvedEdge {
     /// rounding size at the end of the list are left out.
     struct End {
         Number at;
-        Polynomial away; ///< c_0 is 0
+        Polynomial away;           ///< c_0 is 0
         std::size_t vanishing = 1; ///< r, where e(t) − e(0) ≈ q t^r
         double log_tangent = 0;    ///< ln |q|
         std::uint32_t vertex = 0;

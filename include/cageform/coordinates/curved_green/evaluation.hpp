@@ -61,12 +61,13 @@ public:
         sum.vertex = gradients ? tables_.vertices.size() : vertex_at(image);
         for (std::size_t e = 0; e < tables_.edges.size(); ++e) {
             const CurvedEdge& edge = tables_.edges[e];
-            EdgeSums of = edge_sums<gradients>(e, image, sum);
+            const EdgeSums of = edge_sums<gradients>(e, image, sum);
             sum.winding += of.turning / (2 * std::numbers::pi);
             if constexpr (gradients) {
+                auto slopes = of.value;
                 for (std::size_t k = 0; k < edge.posed_degree; ++k)
-                    of.value[k] = rate * (of.value[k] + (1 / double(edge.posed_degree)) * u);
-                add_slopes(edge, of.value, {-1, 1}, to);
+                    slopes[k] = rate * (slopes[k] + (1 / double(edge.posed_degree)) * u);
+                add_slopes(edge, slopes, {-1, 1}, to);
             } else {
                 const double distance = log_distance(edge, image, sum.vertex) + log_share(size(u));
                 add_weights(edge, of.value, distance, -1, to);
@@ -87,7 +88,8 @@ public:
     }
     /// Adds the moments Σ c of a continuation; c has the values of all control points of an edge.
     template <bool gradients>
-    void add_continuation(const CurvedEdge& edge, const CurveContinuation& of, const CurvedRow& to) const noexcept {
+    void add_continuation(const CurvedEdge& edge, const CurveContinuation& of,
+                          const CurvedRow& to) const noexcept {
         if constexpr (gradients) {
             add_values(edge, of.along_x, to.row);
             add_values(edge, of.along_y, to.along_y);
@@ -120,7 +122,8 @@ private:
     EdgeSums edge_sums(std::size_t e, const Number& z, CurvedSum& sum) const noexcept {
         const CurvedEdge& edge = tables_.edges[e];
         if (norm(z - edge.centre) >= edge.reach * edge.reach) return far_sums<gradients>(edge, z);
-        const NearSums near_edge(edge, z, {edge.end[0].vertex == sum.vertex, edge.end[1].vertex == sum.vertex});
+        const NearSums near_edge(edge, z,
+                                 {edge.end[0].vertex == sum.vertex, edge.end[1].vertex == sum.vertex});
         if (near_edge.all_far()) return far_sums<gradients>(edge, z);
         near_edge.find_touch(e, sum.touch);
         if constexpr (gradients) return near_edge.slope_sums();
@@ -153,8 +156,8 @@ private:
     }
     /// With h_k = m/2π ∫ b_k/(e − z) dt, of degree m − 1, a leg has the gradient (Re h_k, −Im h_k), and a
     /// control point Im and Re of h_{k−1} − h_k. `sign` is of the derivatives by x and by y.
-    static void add_slopes(const CurvedEdge& edge, const EdgeMoments<double>& g, const std::array<double, 2>& sign,
-                           const CurvedRow& to) noexcept {
+    static void add_slopes(const CurvedEdge& edge, const EdgeMoments<double>& g,
+                           const std::array<double, 2>& sign, const CurvedRow& to) noexcept {
         const std::size_t m = edge.posed_degree;
         const double share = double(m) / (2 * std::numbers::pi);
         for (std::size_t k = 0; k < m; ++k) {

@@ -3,12 +3,14 @@
 
 #include <cageform/coordinates/curved_green/curved_edge.hpp>
 
+#include <algorithm>
+
 namespace cageform::inline CAGEFORM_ABI::detail {
 
 /// The integrals of an edge at a point z.
 struct EdgeSums {
     EdgeMoments<double> value{}; ///< ∫ b_k e'/(e − z) dt; for gradients ∫ b_k/(e − z) dt, of one degree less
-    double turning = 0;      ///< the angle by which e − z turns along the edge
+    double turning = 0;          ///< the angle by which e − z turns along the edge
 };
 
 /// The place of an edge that a point lies on.
@@ -41,8 +43,7 @@ public:
     /// logarithm of the distance.
     NearSums(const CurvedEdge& edge, const Number& z, const std::array<bool, 2>& at_end) noexcept
         : edge_(edge)
-        , reversed_(at_end[0] || at_end[1] ? !at_end[0]
-                                           : norm(edge.end[1].at - z) < norm(edge.end[0].at - z))
+        , reversed_(at_end[0] || at_end[1] ? !at_end[0] : norm(edge.end[1].at - z) < norm(edge.end[0].at - z))
         , seen_(edge.end[reversed_ ? 1 : 0].away) {
         const auto &here = edge.end[reversed_ ? 1 : 0], &there = edge.end[reversed_ ? 0 : 1];
         beyond_ = there.away;
@@ -155,7 +156,7 @@ private:
         return size(s - Number{std::fmin(std::fmax(s.re, 0.0), 1.0), 0});
     }
     static EdgeMoments<double> divided_difference(const CurveRoot<double>& a, const CurveRoot<double>& b,
-                                              std::size_t degree) noexcept {
+                                                  std::size_t degree) noexcept {
         EdgeMoments<double> difference{}, j;
         const Number apart = b.s - a.s;
         if (size(apart) < 0.05 * (std::min)(distance_from_unit(a.s), distance_from_unit(b.s))) {
@@ -163,7 +164,8 @@ private:
             for (std::size_t g = 0; g < 5; ++g) {
                 EdgeMoments<double> slope;
                 const double u = rule.node[g];
-                moments_of({a.s + u * apart, a.beyond + u * (b.beyond - a.beyond)}, {0, 0}, degree, j, &slope);
+                moments_of({a.s + u * apart, a.beyond + u * (b.beyond - a.beyond)}, {0, 0}, degree, j,
+                           &slope);
                 for (std::size_t k = 0; k <= degree; ++k) difference[k] += rule.weight[g] * slope[k];
             }
             return difference;

@@ -3,6 +3,8 @@
 
 #include <cageform/coordinates/curved_green/curved_edge.hpp>
 
+#include <algorithm>
+
 namespace cageform::inline CAGEFORM_ABI::detail {
 
 /// The nearest place of a curve.
@@ -137,8 +139,8 @@ struct CurveContinuation {
         const PlaneCurve slope_curve = edge.curve.slope();
         const Number slope = to_number(slope_curve.at(t));
         const Number bend = n > 1 ? to_number(slope_curve.slope().at(t)) : Number{0, 0};
-        const Number off = z - (t <= 0.5 ? to_number(edge.curve.at(t))
-                                         : to_number(edge.curve.reversed().at(1 - t)));
+        const Number off =
+            z - (t <= 0.5 ? to_number(edge.curve.at(t)) : to_number(edge.curve.reversed().at(1 - t)));
         const Number w = off / slope;
         // dt = Re(dz conj e')/(|e'|² − Re((z − e) conj e'')); ends stay.
         const double fall = norm(slope) - (off * conjugate(bend)).re;
