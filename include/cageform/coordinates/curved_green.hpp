@@ -2,7 +2,8 @@
 #pragma once
 
 #include <cageform/coordinates/coordinate.hpp>
-#include <cageform/coordinates/curved_green/evaluation.hpp>
+#include <cageform/coordinates/curved_green/block.hpp>
+#include <cageform/coordinates/detail/evaluate_blocks.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 
@@ -73,9 +74,16 @@ public:
         const auto q = tables_.scale * vec_cast<double>(p);
         const auto nearest = nearest_of(q);
         const auto at = tables_.edges[nearest.edge].curve.at(nearest.place.t);
-        std::vector<double> weights(tables_.handles.size());
-        (void)evaluate_point<false>(detail::to_number(at), {weights.data(), nullptr}, 4 * tables_.tolerance);
-        for (std::size_t h = 0; h < row.size(); ++h) row[h] = static_cast<T>(weights[h]);
+        detail::CurvedBlock<T> block(tables_);
+        std::vector<Lanes<double>> weights(tables_.handles.size());
+        std::array<PointState, detail::CurvedBlock<T>::lanes> states;
+        states.fill(PointState::unreached);
+        for (std::size_t lane = 0; lane < states.size(); ++lane) {
+            block.x[lane] = at[0];
+            block.y[lane] = at[1];
+        }
+        evaluate_block<false>(block, weights.data(), states, 4 * tables_.tolerance);
+        for (std::size_t h = 0; h < row.size(); ++h) row[h] = static_cast<T>(weights[h][0]);
         return vec_cast<T>((1 / tables_.scale) * at);
     }
 
@@ -120,58 +128,130 @@ private:
 
     template <bool gradients>
     Evaluation evaluate_rows(const detail::Batch<T>& batch, const Running& running) const {
-        const std::size_t count = tables_.handles.size(), rows = (gradients ? 2 : 1) * count;
+        constexpr std::size_t lanes = detail::CurvedBlock<T>::lanes;
+        const std::size_t rows = (gradients ? 2 : 1) * tables_.handles.size();
         return detail::evaluate_blocks(
             report_, rows, batch, running, [&](std::size_t begin, std::size_t end) {
-                std::vector<double> row(rows);
+                detail::CurvedBlock<T> block(tables_);
+                std::vector<Lanes<double>> values(sizeof(T) == 8 ? 0 : rows);
+                std::array<PointState, lanes> states;
                 for (std::size_t b = begin; b < end; ++b) {
-                    for (std::size_t lane = 0; lane < lane_count<T>; ++lane) {
-                        std::fill(row.begin(), row.end(), 0.0);
-                        const std::size_t i = b * lane_count<T> + lane;
-                        if (i < batch.points.points && batch.states[i] != PointState::not_finite) {
-                            const auto p = tables_.scale * vec_cast<double>(block_point<2>(batch.points, i));
-                            batch.states[i] = evaluate_point<gradients>(
-                                detail::to_number(p), {row.data(), row.data() + rows - count},
-                                tables_.tolerance);
+                    for (std::size_t first = 0; first < lane_count<T>; first += lanes) {
+                        for (std::size_t lane = 0; lane < lanes; ++lane) {
+                            const std::size_t i = b * lane_count<T> + first + lane;
+                            const bool counts =
+                                i < batch.points.points && batch.states[i] != PointState::not_finite;
+                            states[lane] = counts ? PointState::unreached : PointState::not_finite;
+                            block.x[lane] =
+                                counts ? tables_.scale * double(batch.points(i, 0)) : tables_.middle[0];
+                            block.y[lane] =
+                                counts ? tables_.scale * double(batch.points(i, 1)) : tables_.middle[1];
                         }
-                        const double unit = gradients ? tables_.scale : 1.0;
-                        for (std::size_t h = 0; h < rows; ++h) {
-                            const T weight = static_cast<T>(unit * row[h]);
-                            if (!is_finite(weight)) batch.states[i] = PointState::unreached;
-                            batch.rows.block(b)[h][lane] = weight;
+                        Lanes<double>* out = values.data();
+                        if constexpr (sizeof(T) == 8) out = batch.rows.block(b);
+                        evaluate_block<gradients>(block, out, states, tables_.tolerance);
+                        finish_rows<gradients>(out, rows, states);
+                        if constexpr (sizeof(T) == 4) {
+                            for (std::size_t row = 0; row < rows; ++row)
+                                detail::store_lanes<double, T>(detail::Simd<double>::load(out[row]),
+                                                               batch.rows.block(b)[row], first);
+                        }
+                        for (std::size_t lane = 0; lane < lanes; ++lane) {
+                            const std::size_t i = b * lane_count<T> + first + lane;
+                            if (i < batch.points.points) batch.states[i] = states[lane];
                         }
                     }
                 }
             });
     }
-
+    /// Scales gradients, and finds points whose numbers are too large for the scalar.
     template <bool gradients>
-    PointState evaluate_point(const Number& z, const detail::CurvedRow& to, double tolerance) const noexcept {
+    void finish_rows(Lanes<double>* rows, std::size_t count, std::span<PointState> states) const noexcept {
+        using X = detail::Simd<double>;
+        X sum(0.0);
+        for (std::size_t row = 0; row < count; ++row) {
+            X value = X::load(rows[row]);
+            if constexpr (gradients) {
+                value = X(tables_.scale) * value;
+                value.store(rows[row]);
+            }
+            sum += detail::abs(value);
+        }
+        Lanes<double> size;
+        sum.store(size);
+        for (std::size_t lane = 0; lane < states.size(); ++lane) {
+            if (states[lane] != PointState::not_finite && !is_finite(static_cast<T>(size[lane])))
+                states[lane] = PointState::unreached;
+        }
+    }
+
+    /// Evaluates the points of a block, whose states are unreached, or not_finite where they are skipped.
+    template <bool gradients>
+    void evaluate_block(detail::CurvedBlock<T>& block, Lanes<double>* rows, std::span<PointState> states,
+                        double tolerance) const {
         const detail::CurvedPoint<T> point(tables_);
-        const std::size_t vertices = tables_.vertices.size();
+        const std::size_t count = (gradients ? 2 : 1) * tables_.handles.size(),
+                          vertices = tables_.vertices.size();
+        for (std::size_t row = 0; row < count; ++row) detail::Simd<double>(0.0).store(rows[row]);
         // Farther away the integrals change by less than a rounding error of the continuation.
         constexpr double farthest = sizeof(T) == 8 ? 0x1p24 : 0x1p12;
-        Number at{std::clamp(z.re, tables_.middle[0] - farthest, tables_.middle[0] + farthest),
-                  std::clamp(z.im, tables_.middle[1] - farthest, tables_.middle[1] + farthest)};
-        const std::size_t vertex = point.vertex_at(z);
-        if (gradients && vertex < vertices) at = inside_of(vertex);
-        if (tables_.disk_radius > 0 && !(size(z - tables_.disk_centre) < tables_.disk_radius)) {
-            const double distance = add_nearest<gradients>(z, to);
-            return distance <= tolerance ? PointState::on_boundary : PointState::outside;
+        std::array<Number, detail::CurvedBlock<T>::lanes> place{};
+        std::array<std::size_t, detail::CurvedBlock<T>::lanes> vertex{};
+        for (std::size_t lane = 0; lane < states.size(); ++lane) {
+            place[lane] = {block.x[lane], block.y[lane]};
+            block.x[lane] =
+                std::clamp(block.x[lane], tables_.middle[0] - farthest, tables_.middle[0] + farthest);
+            block.y[lane] =
+                std::clamp(block.y[lane], tables_.middle[1] - farthest, tables_.middle[1] + farthest);
+            if constexpr (gradients) {
+                vertex[lane] = point.vertex_at(place[lane]);
+                if (vertex[lane] == vertices) continue;
+                const Number at = inside_of(vertex[lane]);
+                block.x[lane] = at.re;
+                block.y[lane] = at.im;
+            }
         }
-        const auto sum = point.template integrate<gradients>(at, to);
-        if (tables_.disk_radius > 0) point.template subtract_mirrored<gradients>(at, to);
-        if (!gradients && vertex < vertices) {
-            to.row[tables_.vertices[vertex].handle] += 1 - sum.winding;
+        block.template integrate<gradients>(rows);
+        if constexpr (!gradients) vertex = block.vertex;
+        for (std::size_t lane = 0; lane < states.size(); ++lane) {
+            if (states[lane] == PointState::not_finite) continue;
+            const detail::CurvedRow to{rows, lane, count / 2};
+            const Number at{block.x[lane], block.y[lane]};
+            const Where where{place[lane], vertex[lane] < vertices, block.winding[lane], block.touch[lane]};
+            if (tables_.disk_radius > 0) {
+                if (!(size(where.z - tables_.disk_centre) < tables_.disk_radius)) {
+                    for (std::size_t row = 0; row < count; ++row) rows[row][lane] = 0;
+                    const double distance = add_nearest<gradients>(where.z, to);
+                    states[lane] = distance <= tolerance ? PointState::on_boundary : PointState::outside;
+                    continue;
+                }
+                point.template subtract_mirrored<gradients>(at, to);
+            }
+            if (!gradients && where.is_vertex)
+                to.add(tables_.vertices[vertex[lane]].handle, 1 - where.winding);
+            states[lane] = complete<gradients>(where, to, tolerance);
+        }
+    }
+    /// Where a point lies, by the integrals.
+    struct Where {
+        Number z;
+        bool is_vertex;
+        double winding;
+        detail::EdgeTouch touch;
+    };
+    /// Adds what the integrals miss on the boundary and outside, and returns the state.
+    template <bool gradients>
+    PointState complete(const Where& where, const detail::CurvedRow& to, double tolerance) const noexcept {
+        if (where.is_vertex && !gradients) return PointState::on_boundary;
+        if (where.touch.distance <= tolerance) {
+            if (!(where.winding > 0.5))
+                detail::CurvedPoint<T>(tables_).template add_jump<gradients>(tables_.edges[where.touch.edge],
+                                                                             where.touch.s, to);
             return PointState::on_boundary;
         }
-        if (sum.touch.distance <= tolerance || (gradients && vertex < vertices)) {
-            if (!(sum.winding > 0.5) && sum.touch.distance <= tolerance)
-                point.template add_jump<gradients>(tables_.edges[sum.touch.edge], sum.touch.s, to);
-            return PointState::on_boundary;
-        }
-        if (sum.winding > 0.5) return PointState::inside;
-        (void)add_nearest<gradients>(z, to);
+        if (where.is_vertex) return PointState::on_boundary;
+        if (where.winding > 0.5) return PointState::inside;
+        (void)add_nearest<gradients>(where.z, to);
         return PointState::outside;
     }
     /// Adds the continuation across the nearest place, and returns the distance from it.

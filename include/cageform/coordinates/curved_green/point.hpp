@@ -1,52 +1,29 @@
-// Evaluates the coordinates of curved cages: everything around the integrals of an edge.
+// What the coordinates of curved cages add to the integrals, point by point: the jump on the boundary, the
+// continuation outside, the mirror image in a disk.
 #pragma once
 
 #include <cageform/coordinates/curved_green/cage_tables.hpp>
 #include <cageform/coordinates/curved_green/near_sums.hpp>
 #include <cageform/coordinates/curved_green/nearest_place.hpp>
-#include <cageform/coordinates/detail/evaluate_blocks.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Where a point lies, by the integrals over all edges.
-struct CurvedSum {
-    double winding = 0; ///< the angle over 2π that the edges turn by: 1 inside, 0 outside
-    EdgeTouch touch;
-    std::size_t vertex = 0; ///< that the point lies on, or the number of vertices
-};
-
-/// One point's weights, or its gradients: `row` holds a number for every handle, `along_y` for gradients the
-/// derivatives by y.
+/// One point of a block: its numbers in rows of handles. The derivatives by y have rows of their own,
+/// `along_y` further on.
 struct CurvedRow {
-    double* row;
-    double* along_y;
+    Lanes<double>* rows;
+    std::size_t lane, along_y = 0;
+
+    void add(std::size_t row, double x) const noexcept { rows[row][lane] += x; }
 };
 
-/// The formula for a single point, in units of 1/scale.
+/// Adds to the row of a single point, in units of 1/scale.
 template <Scalar T>
 class CurvedPoint {
 public:
     explicit CurvedPoint(const CurvedTables<T>& tables) noexcept
         : tables_(tables) {}
 
-    /// Adds the integrals of all edges to zeroed rows. A point within the tolerance of a vertex counts as
-    /// being there, in weights.
-    template <bool gradients>
-    CurvedSum integrate(const Number& z, const CurvedRow& to) const noexcept {
-        CurvedSum sum;
-        sum.vertex = gradients ? tables_.vertices.size() : vertex_at(z);
-        for (std::size_t e = 0; e < tables_.edges.size(); ++e) {
-            const CurvedEdge& edge = tables_.edges[e];
-            const EdgeSums of = edge_sums<gradients>(e, z, sum);
-            sum.winding += of.turning / (2 * std::numbers::pi);
-            if constexpr (gradients) {
-                add_slopes(edge, of.value, {1, 1}, to);
-            } else {
-                add_weights(edge, of.value, log_distance(edge, z, sum.vertex), 1, to);
-            }
-        }
-        return sum;
-    }
     /// Subtracts the integrals at the mirror image z* = c₀ + R²/conj(z − c₀) of a point in the disk, with the
     /// logarithms of Green's function of the disk, ln(|V − z*| |z − c₀|/R). z* lies outside the cage.
     template <bool gradients>
@@ -57,27 +34,28 @@ public:
         const Number away = inverse(u), image = tables_.disk_centre + away;
         // dz*/d conj(z) times what the logarithm of |z − c₀| adds to 1/(e − z).
         const Number rate = (-1 / square) * (away * away);
-        CurvedSum sum;
-        sum.vertex = gradients ? tables_.vertices.size() : vertex_at(image);
+        EdgeTouch touch;
+        double winding = 0;
+        const std::size_t vertex = gradients ? tables_.vertices.size() : vertex_at(image);
         for (std::size_t e = 0; e < tables_.edges.size(); ++e) {
             const CurvedEdge& edge = tables_.edges[e];
-            const EdgeSums of = edge_sums<gradients>(e, image, sum);
-            sum.winding += of.turning / (2 * std::numbers::pi);
+            const EdgeSums of = edge_sums<gradients>(e, image, vertex, touch);
+            winding += of.turning / (2 * std::numbers::pi);
             if constexpr (gradients) {
                 auto slopes = of.value;
                 for (std::size_t k = 0; k < edge.posed_degree; ++k)
                     slopes[k] = rate * (slopes[k] + (1 / double(edge.posed_degree)) * u);
                 add_slopes(edge, slopes, {-1, 1}, to);
             } else {
-                const double distance = log_distance(edge, image, sum.vertex) + log_share(size(u));
+                const double distance = log_distance(edge, image, vertex) + log_share(size(u));
                 add_weights(edge, of.value, distance, -1, to);
             }
         }
         if constexpr (gradients) return;
-        if (sum.vertex < tables_.vertices.size()) {
-            to.row[tables_.vertices[sum.vertex].handle] += sum.winding;
-        } else if (sum.winding > 0.5) { // on the circle within rounding, and on the cage
-            add_jump<false>(tables_.edges[sum.touch.edge], sum.touch.s, to);
+        if (vertex < tables_.vertices.size()) {
+            to.add(tables_.vertices[vertex].handle, winding);
+        } else if (winding > 0.5) { // on the circle within rounding, and on the cage
+            add_jump<false>(tables_.edges[touch.edge], touch.s, to);
         }
     }
     std::size_t vertex_at(const Number& z) const noexcept {
@@ -91,10 +69,10 @@ public:
     void add_continuation(const CurvedEdge& edge, const CurveContinuation& of,
                           const CurvedRow& to) const noexcept {
         if constexpr (gradients) {
-            add_values(edge, of.along_x, to.row);
-            add_values(edge, of.along_y, to.along_y);
+            add_values(edge, of.along_x, to, 0);
+            add_values(edge, of.along_y, to, to.along_y);
         } else {
-            add_values(edge, of.value, to.row);
+            add_values(edge, of.value, to, 0);
         }
     }
     /// Adds the jump of the integrals at a place of an edge: the values b_k(s), or their derivatives by z.
@@ -113,28 +91,29 @@ public:
             for (auto& x : b) x = share * x;
             add_slopes(edge, b, {1, 1}, to);
         } else {
-            add_values(edge, b, to.row);
+            add_values(edge, b, to, 0);
         }
     }
 
-private:
     template <bool gradients>
-    EdgeSums edge_sums(std::size_t e, const Number& z, CurvedSum& sum) const noexcept {
+    EdgeSums edge_sums(std::size_t e, const Number& z, std::size_t vertex, EdgeTouch& touch) const noexcept {
         const CurvedEdge& edge = tables_.edges[e];
         if (norm(z - edge.centre) >= edge.reach * edge.reach) return far_sums<gradients>(edge, z);
-        const NearSums near_edge(edge, z,
-                                 {edge.end[0].vertex == sum.vertex, edge.end[1].vertex == sum.vertex});
+        const NearSums near_edge(edge, z, {edge.end[0].vertex == vertex, edge.end[1].vertex == vertex});
         if (near_edge.all_far()) return far_sums<gradients>(edge, z);
-        near_edge.find_touch(e, sum.touch);
+        near_edge.find_touch(e, touch);
         if constexpr (gradients) return near_edge.slope_sums();
         return near_edge.sums();
     }
+
+private:
     /// Adds real parts to points, and partial sums of imaginary parts to legs.
-    static void add_values(const CurvedEdge& edge, const EdgeMoments<double>& c, double* row) noexcept {
+    static void add_values(const CurvedEdge& edge, const EdgeMoments<double>& c, const CurvedRow& to,
+                           std::size_t first) noexcept {
         double after = 0;
         for (std::size_t k = edge.posed_degree + 1; k-- > 0;) {
-            row[edge.point[k]] += c[k].re;
-            if (k < edge.posed_degree) row[edge.leg[k]] -= after;
+            to.add(first + edge.point[k], c[k].re);
+            if (k < edge.posed_degree) to.add(first + edge.leg[k], -after);
             after += c[k].im;
         }
     }
@@ -149,8 +128,8 @@ private:
         const double share = sign / (2 * std::numbers::pi);
         double after = std::log(tables_.diagonal) - distance;
         for (std::size_t k = edge.posed_degree + 1; k-- > 0;) {
-            to.row[edge.point[k]] += share * j[k].im;
-            if (k < edge.posed_degree) to.row[edge.leg[k]] += share * after;
+            to.add(edge.point[k], share * j[k].im);
+            if (k < edge.posed_degree) to.add(edge.leg[k], share * after);
             after += j[k].re;
         }
     }
@@ -162,12 +141,12 @@ private:
         const double share = double(m) / (2 * std::numbers::pi);
         for (std::size_t k = 0; k < m; ++k) {
             const Number along_x = (share * sign[0]) * g[k], along_y = (share * sign[1]) * g[k];
-            to.row[edge.leg[k]] += along_x.re;
-            to.along_y[edge.leg[k]] -= along_y.im;
-            to.row[edge.point[k]] -= along_x.im;
-            to.along_y[edge.point[k]] -= along_y.re;
-            to.row[edge.point[k + 1]] += along_x.im;
-            to.along_y[edge.point[k + 1]] += along_y.re;
+            to.add(edge.leg[k], along_x.re);
+            to.add(to.along_y + edge.leg[k], -along_y.im);
+            to.add(edge.point[k], -along_x.im);
+            to.add(to.along_y + edge.point[k], -along_y.re);
+            to.add(edge.point[k + 1], along_x.im);
+            to.add(to.along_y + edge.point[k + 1], along_y.re);
         }
     }
     /// ln(|u| R) of a disk.
