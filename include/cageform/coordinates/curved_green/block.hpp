@@ -35,7 +35,7 @@ public:
         look_at_vertices<gradients>(z);
         X turning(0.0);
         for (std::size_t e = 0; e < tables_.edges.size(); ++e) {
-            Sums sums;
+            Sums sums{};
             set_sums<gradients>(e, z, sums);
             turning += sums.turning;
             if constexpr (gradients) {
@@ -129,26 +129,50 @@ private:
 
     template <bool gradients>
     static void set_far_sums(const CurvedEdge& edge, const Complex<X>& z, Sums& sums) noexcept {
-        const std::size_t count = edge.posed_degree + (gradients ? 0 : 1);
-        for (std::size_t k = 0; k <= most_posed_degree; ++k) sums.value[k] = {X(0.0), X(0.0)};
-        sums.turning = X(0.0);
-        for (const auto& node : edge.nodes) {
-            const Complex<X> away = spread(node.at) - z;
-            const X share = X(1.0) / norm(away), re = share * away.re, im = -(share * away.im);
-            for (std::size_t k = 0; k < count; ++k) {
-                auto& sum = sums.value[k];
-                if constexpr (gradients) {
-                    const X weight(node.slope_share[k]);
-                    sum = {sum.re + weight * re, sum.im + weight * im};
-                } else {
-                    const X a(node.share[k].re), b(node.share[k].im);
-                    sum = {sum.re + (a * re - b * im), sum.im + (a * im + b * re)};
+        switch (edge.posed_degree - (gradients ? 1 : 0)) {
+        case 0: return add_nodes<gradients, 0>(edge, z, sums);
+        case 1: return add_nodes<gradients, 1>(edge, z, sums);
+        case 2: return add_nodes<gradients, 2>(edge, z, sums);
+        case 3: return add_nodes<gradients, 3>(edge, z, sums);
+        case 4: return add_nodes<gradients, 4>(edge, z, sums);
+        default: return add_nodes<gradients, 5>(edge, z, sums);
+        }
+    }
+    /// Sums over the nodes, four at a time: one division gives four reciprocals.
+    template <bool gradients, std::size_t degree>
+    static void add_nodes(const CurvedEdge& edge, const Complex<X>& z, Sums& sums) noexcept {
+        const MomentNodes& table = MomentNodes::of(degree);
+        std::array<Complex<X>, degree + 1> value;
+        value.fill({X(0.0), X(0.0)});
+        X turning(0.0);
+        for (std::size_t first = 0; first < MomentNodes::count; first += 4) {
+            std::array<Complex<X>, 4> away;
+            std::array<X, 4> square;
+            for (std::size_t n = 0; n < 4; ++n) {
+                away[n] = spread(edge.nodes[first + n].at) - z;
+                square[n] = norm(away[n]);
+            }
+            const X low = square[0] * square[1], high = square[2] * square[3], share = X(1.0) / (low * high);
+            const X over_low = share * high, over_high = share * low;
+            const std::array<X, 4> over{over_low * square[1], over_low * square[0], over_high * square[3],
+                                        over_high * square[2]};
+            for (std::size_t n = 0; n < 4; ++n) {
+                const Complex<X> inverted{over[n] * away[n].re, -(over[n] * away[n].im)};
+                const Complex<X> turned = inverted * spread(edge.nodes[first + n].along);
+                const Complex<X>& term = gradients ? inverted : turned;
+                if constexpr (gradients) turning += X(table.weight[first + n]) * turned.im;
+                CAGEFORM_DETAIL_UNROLL
+                for (std::size_t k = 0; k <= degree; ++k) {
+                    const X weight(table.value[first + n][k]);
+                    value[k] = {value[k].re + weight * term.re, value[k].im + weight * term.im};
                 }
             }
-            if constexpr (gradients) sums.turning += X(node.turning.re) * im + X(node.turning.im) * re;
         }
-        if constexpr (gradients) return;
-        for (std::size_t k = 0; k < count; ++k) sums.turning += sums.value[k].im;
+        for (std::size_t k = 0; k <= degree; ++k) {
+            if constexpr (!gradients) turning += value[k].im;
+            sums.value[k] = value[k];
+        }
+        sums.turning = turning;
     }
     /// Replaces the sums of a line at points inside the ellipse of its nodes: there is one root.
     template <bool gradients>

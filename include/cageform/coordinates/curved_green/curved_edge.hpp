@@ -21,11 +21,8 @@ struct CurvedEdge {
         double log_tangent = 0;    ///< ln |q|
         std::uint32_t vertex = 0;
     };
-    /// A Gauss node e(t_g) with ω_g b_k(t_g) e'(t_g) for all k, the sum of these, and ω_g b_k^{m−1}(t_g).
     struct Node {
-        Number at, turning;
-        std::array<Number, most_posed_degree + 1> share{};
-        std::array<double, most_posed_degree> slope_share{};
+        Number at, along; ///< e and e' at a node of MomentNodes
     };
 
     PlaneCurve curve;
@@ -42,18 +39,10 @@ struct CurvedEdge {
         : curve(of)
         , posed_degree(degree)
         , end{end_of(of), end_of(of.reversed())} {
-        const MomentNodes &values = MomentNodes::of(degree), &slopes = MomentNodes::of(degree - 1);
         const PlaneCurve slope = of.slope();
         for (std::size_t g = 0; g < nodes.size(); ++g) {
-            const double t = values.place[g];
-            const Number along = to_number(slope.at(t));
-            nodes[g].at = to_number(of.at(t));
-            nodes[g].turning = {0, 0};
-            for (std::size_t k = 0; k <= degree; ++k) {
-                nodes[g].share[k] = values.value[g][k] * along;
-                nodes[g].turning += nodes[g].share[k];
-            }
-            for (std::size_t k = 0; k < degree; ++k) nodes[g].slope_share[k] = slopes.value[g][k];
+            const double t = MomentNodes::of(0).place[g];
+            nodes[g] = {to_number(of.at(t)), to_number(slope.at(t))};
         }
         set_reach();
     }

@@ -61,12 +61,13 @@ inline void raise_moments(const CurveRoot<double>& root, const Number& integral,
 /// of the largest moment for |s| + |s − 1| ≥ 5/3 (degree 5: 2e-14).
 struct MomentNodes {
     static constexpr std::size_t count = 16;
-    std::array<double, count> place{};
+    std::array<double, count> place{}, weight{};
     std::array<std::array<double, most_posed_degree + 1>, count> value{};
 
     explicit MomentNodes(std::size_t degree) noexcept {
         const auto& rule = Gauss<count>::rule();
         place = rule.node;
+        weight = rule.weight;
         for (std::size_t g = 0; g < count; ++g) {
             for (std::size_t k = 0; k <= degree; ++k) {
                 value[g][k] = rule.weight[g] * binomials[degree][k] * std::pow(place[g], double(k)) *

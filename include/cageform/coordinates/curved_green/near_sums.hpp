@@ -24,14 +24,13 @@ struct EdgeTouch {
 template <bool gradients>
 EdgeSums far_sums(const CurvedEdge& edge, const Number& z) noexcept {
     EdgeSums sums;
-    for (const auto& node : edge.nodes) {
-        const Number share = inverse(node.at - z);
-        sums.turning += (share * node.turning).im;
-        if constexpr (gradients) {
-            for (std::size_t k = 0; k < edge.posed_degree; ++k) sums.value[k] += node.slope_share[k] * share;
-        } else {
-            for (std::size_t k = 0; k <= edge.posed_degree; ++k) sums.value[k] += share * node.share[k];
-        }
+    const std::size_t degree = edge.posed_degree - (gradients ? 1 : 0);
+    const MomentNodes& table = MomentNodes::of(degree);
+    for (std::size_t g = 0; g < MomentNodes::count; ++g) {
+        const Number share = inverse(edge.nodes[g].at - z), turned = share * edge.nodes[g].along;
+        sums.turning += table.weight[g] * turned.im;
+        for (std::size_t k = 0; k <= degree; ++k)
+            sums.value[k] += table.value[g][k] * (gradients ? share : turned);
     }
     return sums;
 }

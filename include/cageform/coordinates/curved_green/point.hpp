@@ -159,15 +159,13 @@ private:
         const Number one{1, 0};
         for (const CurvedEdge& edge : tables_.edges) {
             EdgeMoments<double> value{};
-            for (const auto& node : edge.nodes) {
-                const Number place = node.at - tables_.disk_centre, share = inverse(place * u - one);
-                if constexpr (gradients) {
-                    for (std::size_t k = 0; k < edge.posed_degree; ++k)
-                        value[k] += (-node.slope_share[k] / square) * (share * place);
-                } else {
-                    for (std::size_t k = 0; k <= edge.posed_degree; ++k)
-                        value[k] += share * (u * node.share[k]);
-                }
+            const std::size_t degree = edge.posed_degree - (gradients ? 1 : 0);
+            const MomentNodes& table = MomentNodes::of(degree);
+            for (std::size_t g = 0; g < MomentNodes::count; ++g) {
+                const Number place = edge.nodes[g].at - tables_.disk_centre, share = inverse(place * u - one);
+                const Number term =
+                    gradients ? (-1 / square) * (share * place) : share * (u * edge.nodes[g].along);
+                for (std::size_t k = 0; k <= degree; ++k) value[k] += table.value[g][k] * term;
             }
             if constexpr (gradients) {
                 add_slopes(edge, value, {-1, 1}, to);
