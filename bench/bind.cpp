@@ -217,8 +217,8 @@ void evaluate_green(benchmark::State& state) {
                  points_inside(cage, std::size_t(state.range(0))), wanted);
 }
 
-/// The same vertices, joined by lines (degree 1) or by cubics that bulge outwards by 0.07 of their length;
-/// posed by cubics.
+/// Joins these vertices by lines (degree 1) or by cubics that bulge outwards by 0.07 of their length. Posed
+/// edges are cubics.
 template <class T, std::size_t degree>
 cageform::CurvedGreenCoordinates<T> curved_green(std::size_t m) {
     const auto vertices = star(m);

@@ -170,11 +170,8 @@ private:
         using X = detail::Simd<double>;
         X sum(0.0);
         for (std::size_t row = 0; row < count; ++row) {
-            X value = X::load(rows[row]);
-            if constexpr (gradients) {
-                value = X(tables_.scale) * value;
-                value.store(rows[row]);
-            }
+            const X value = X(gradients ? tables_.scale : 1.0) * X::load(rows[row]);
+            if constexpr (gradients) value.store(rows[row]);
             sum += detail::abs(value);
         }
         Lanes<double> size;

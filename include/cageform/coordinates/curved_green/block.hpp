@@ -198,9 +198,8 @@ private:
         // Backwards the order is reversed, and the sign of weights.
         const Complex<X> over = gradients ? spread(rate) : Complex<X>{X(1.0), X(0.0)};
         for (std::size_t k = 0; k <= degree; ++k) {
-            Complex<X> value{select(forward, j[k].re, -j[degree - k].re),
-                             select(forward, j[k].im, -j[degree - k].im)};
-            if constexpr (gradients) value = over * value;
+            const Complex<X> value = over * Complex<X>{select(forward, j[k].re, -j[degree - k].re),
+                                                       select(forward, j[k].im, -j[degree - k].im)};
             sums.value[k].re = select(is_inside, value.re, sums.value[k].re);
             sums.value[k].im = select(is_inside, value.im, sums.value[k].im);
         }

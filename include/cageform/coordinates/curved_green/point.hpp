@@ -1,5 +1,5 @@
-// What the coordinates of curved cages add to the integrals, point by point: the jump on the boundary, the
-// continuation outside, the mirror image in a disk.
+// Completes the integrals of curved cages point by point: the jump on the boundary, the continuation outside,
+// the mirror image in a disk.
 #pragma once
 
 #include <cageform/coordinates/curved_green/cage_tables.hpp>
