@@ -8,6 +8,7 @@
 #include "workloads.hpp"
 
 #include <cageform/coordinates/barycentric.hpp>
+#include <cageform/coordinates/curved_green.hpp>
 #include <cageform/coordinates/green.hpp>
 #include <cageform/coordinates/mean_value.hpp>
 #include <cageform/coordinates/three_point.hpp>
@@ -216,6 +217,38 @@ void evaluate_green(benchmark::State& state) {
                  points_inside(cage, std::size_t(state.range(0))), wanted);
 }
 
+/// Joins these vertices by lines (degree 1) or by cubics that bulge outwards by 0.07 of their length. Posed
+/// edges are cubics.
+template <class T, std::size_t degree>
+cageform::CurvedGreenCoordinates<T> curved_green(std::size_t m) {
+    const auto vertices = star(m);
+    std::vector<typename cageform::CurvedPolygon<T>::Loop> loops(1);
+    for (std::size_t k = 0; k < m; ++k) {
+        const auto a = vertices[k], b = vertices[(k + 1) % m], along = b - a;
+        const Point out{0.1 * along[1], -0.1 * along[0]};
+        auto& edge = loops[0].emplace_back();
+        edge.push_back(vec_cast<T>(a));
+        if (degree == 3) {
+            edge.push_back(vec_cast<T>(a + (1 / 3.0) * along + out));
+            edge.push_back(vec_cast<T>(b - (1 / 3.0) * along + out));
+        }
+        edge.push_back(vec_cast<T>(b));
+    }
+    return cageform::CurvedGreenCoordinates<T>(cageform::CurvedPolygon<T>(std::move(loops)));
+}
+
+template <class T, std::size_t degree>
+void bind_curved_green(benchmark::State& state) {
+    run_bind(state, curved_green<T, degree>(std::size_t(state.range(1))),
+             points_inside(star(std::size_t(state.range(1))), std::size_t(state.range(0))), true);
+}
+
+template <class T, std::size_t degree, Wanted wanted>
+void evaluate_curved_green(benchmark::State& state) {
+    run_evaluate(state, curved_green<T, degree>(std::size_t(state.range(1))),
+                 points_inside(star(std::size_t(state.range(1))), std::size_t(state.range(0))), wanted);
+}
+
 /// The closed form, one point and one edge after the other: an angle and a logarithm each.
 void plain_green(benchmark::State& state) {
     const auto cage = star(std::size_t(state.range(1)));
@@ -378,6 +411,19 @@ BENCHMARK_TEMPLATE(bind_green, float)->Args({1000000, 25})->Unit(benchmark::kMil
 BENCHMARK_TEMPLATE(evaluate_green, double, Wanted::weights)->Args({10000, 25})->Unit(benchmark::kMicrosecond);
 BENCHMARK_TEMPLATE(evaluate_green, float, Wanted::weights)->Args({10000, 25})->Unit(benchmark::kMicrosecond);
 BENCHMARK_TEMPLATE(evaluate_green, double, Wanted::gradients)
+    ->Args({10000, 25})
+    ->Unit(benchmark::kMicrosecond);
+BENCHMARK_TEMPLATE(bind_curved_green, double, 1)->Args({1000000, 25})->Unit(benchmark::kMillisecond);
+BENCHMARK_TEMPLATE(bind_curved_green, double, 3)->Args({1000000, 25})->Unit(benchmark::kMillisecond);
+BENCHMARK_TEMPLATE(bind_curved_green, float, 1)->Args({1000000, 25})->Unit(benchmark::kMillisecond);
+BENCHMARK_TEMPLATE(bind_curved_green, float, 3)->Args({1000000, 25})->Unit(benchmark::kMillisecond);
+BENCHMARK_TEMPLATE(evaluate_curved_green, double, 1, Wanted::weights)
+    ->Args({10000, 25})
+    ->Unit(benchmark::kMicrosecond);
+BENCHMARK_TEMPLATE(evaluate_curved_green, double, 3, Wanted::weights)
+    ->Args({10000, 25})
+    ->Unit(benchmark::kMicrosecond);
+BENCHMARK_TEMPLATE(evaluate_curved_green, double, 3, Wanted::gradients)
     ->Args({10000, 25})
     ->Unit(benchmark::kMicrosecond);
 BENCHMARK(plain_green)->Args({10000, 25})->Unit(benchmark::kMicrosecond);

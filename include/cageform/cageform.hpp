@@ -15,6 +15,7 @@
 #include <cageform/clone/pose_handles.hpp>
 #include <cageform/coordinates/barycentric.hpp>
 #include <cageform/coordinates/blended.hpp>
+#include <cageform/coordinates/curved_green.hpp>
 #include <cageform/coordinates/green.hpp>
 #include <cageform/coordinates/harmonic.hpp>
 #include <cageform/coordinates/lattice.hpp>

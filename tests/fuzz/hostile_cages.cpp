@@ -3,13 +3,14 @@
 //
 //     clang++ -std=c++20 -O1 -g1 -fsanitize=address,undefined -fno-sanitize-recover=all -Iinclude
 //             -isystem /usr/include/eigen3 -Itests tests/fuzz/hostile_cages.cpp -o hostile_cages
-//     ./hostile_cages FIRST_SEED COUNT [fans]     (fans: only cages with faces that are not planar)
+//     ./hostile_cages FIRST_SEED COUNT [fans|curves]     (only faces that are not planar, only curves)
 #include "support/cages.hpp"
 
 #include <cageform/binding/bind.hpp>
 #include <cageform/clone/clone.hpp>
 #include <cageform/clone/pose_handles.hpp>
 #include <cageform/coordinates/barycentric.hpp>
+#include <cageform/coordinates/curved_green.hpp>
 #include <cageform/coordinates/green.hpp>
 #include <cageform/coordinates/mean_value.hpp>
 #include <cageform/coordinates/three_point.hpp>
@@ -260,20 +261,51 @@ Status in_space(Random& random, unsigned long long seed, bool only_fans) {
     return take(MeanValueCoordinates<T, 3>(vertices, faces), random, seed);
 }
 
+/// Loops of curves whose control points lie along a ring, or anywhere. Some are open, or no curves.
+template <class T>
+Status with_curves(Random& random, unsigned long long seed) {
+    std::vector<typename CurvedPolygon<T>::Loop> loops(random.below(16) == 0 ? random.below(4) : 1);
+    for (auto& loop : loops) {
+        const std::size_t edges = (random.below(16) == 0 ? 0 : 1) + random.below(6), count = 4 * edges;
+        const auto points = hostile_points<T, 2>(random, count, random.below(4) != 0);
+        for (std::size_t e = 0; e < edges; ++e) {
+            const std::size_t degree = random.below(20) == 0 ? random.below(6) : 1 + random.below(3);
+            auto& edge = loop.emplace_back();
+            edge.push_back(points[4 * e]);
+            for (std::size_t i = 1; i < degree; ++i) edge.push_back(points[4 * e + i % 4]);
+            if (degree > 0) edge.push_back(points[(4 * e + 4) % count]);
+            if (degree > 2 && random.below(5) == 0) edge[1] = edge[0];
+            if (degree > 2 && random.below(5) == 0) edge[degree - 1] = edge[degree];
+            if (random.below(30) == 0) edge.back() = points[random.below(count)];
+        }
+    }
+    CurvedGreenOptions<T> options;
+    if (random.below(3) == 0) options.posed_degree = random.below(7);
+    if (random.below(8) == 0) {
+        for (std::size_t e = random.below(8); e-- > 0;) options.posed_degrees.push_back(random.below(7));
+    }
+    if (random.below(4) == 0)
+        options.disk = {{T(random.uniform(-1, 1)), T(random.uniform(-1, 1))},
+                        spoilt<T>(random, 3, random.below(9))};
+    return take(CurvedGreenCoordinates<T>(CurvedPolygon<T>(loops), options), random, seed);
+}
+
 } // namespace
 
 int main(int count, char** arguments) {
     const unsigned long long first = count > 1 ? std::strtoull(arguments[1], nullptr, 10) : 0;
     const unsigned long long cages = count > 2 ? std::strtoull(arguments[2], nullptr, 10) : 10000;
-    const bool only_fans = count > 3;
+    const std::string only = count > 3 ? arguments[3] : "";
     std::map<std::string, std::size_t> outcomes;
     for (unsigned long long seed = first; seed < first + cages; ++seed) {
         Random random(seed);
-        const bool in_a_plane = seed % 4 < 2 && !only_fans, in_float = seed % 2 == 0;
+        const bool in_float = seed % 2 == 0;
+        const auto kind = only.empty() ? seed / 2 % 3 : only == "fans" ? 1 : 2;
         const Status status =
-            in_a_plane ? (in_float ? in_plane<float>(random, seed) : in_plane<double>(random, seed))
-            : in_float ? in_space<float>(random, seed, only_fans)
-                       : in_space<double>(random, seed, only_fans);
+            kind == 0   ? (in_float ? in_plane<float>(random, seed) : in_plane<double>(random, seed))
+            : kind == 2 ? (in_float ? with_curves<float>(random, seed) : with_curves<double>(random, seed))
+            : in_float  ? in_space<float>(random, seed, only == "fans")
+                        : in_space<double>(random, seed, only == "fans");
         ++outcomes[to_string(status)];
     }
     for (const auto& [text, times] : outcomes) std::printf("%9zu  %s\n", times, text.c_str());

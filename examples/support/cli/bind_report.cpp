@@ -31,12 +31,16 @@ int numbers_of(cageform::CageFaultKind kind) {
     case Kind::bone_axes_dependent:
     case Kind::frame_not_finite:
     case Kind::frame_flat:
+    case Kind::disk_too_small:
     case Kind::collinear_vertex:
     case Kind::vertex_unused:
     case Kind::loop_orientation_reversed:
     case Kind::shell_orientation_reversed: return 1;
     case Kind::lattice_degree:
     case Kind::lattice_knots:
+    case Kind::loop_not_closed:
+    case Kind::curve_degree:
+    case Kind::edge_has_cusp:
     case Kind::too_few_vertices:
     case Kind::not_a_simplex:
     case Kind::loops_do_not_match:

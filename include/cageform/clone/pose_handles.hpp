@@ -18,7 +18,8 @@ namespace cageform::inline CAGEFORM_ABI {
 struct PoseReport {
     static constexpr std::size_t none = ~std::size_t{0};
     Status status = Status::ok;
-    /// Faces posed to zero area: their direction is unknown, their vector zero.
+    /// Faces posed to zero area: their direction is unknown, their vector zero. Those of none at rest, as the
+    /// legs of curved cages may be, do not count.
     std::size_t collapsed_faces = 0;
     std::size_t first_collapsed = none; ///< the handle of the first of them
 };
@@ -70,7 +71,7 @@ template <HasHandles B, PointRange Pose, class Out>
         if (handles.is_point(i)) continue;
         const auto vector = detail::posed_vector(handles, i, handles.faces[face++], out);
         store_point(out, i, vector);
-        if (vector != Vec<T, B::dimension>{}) continue;
+        if (vector != Vec<T, B::dimension>{} || handles.rest[i] == Vec<T, B::dimension>{}) continue;
         if (report.collapsed_faces++ == 0) report.first_collapsed = i;
     }
     return report;

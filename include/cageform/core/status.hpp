@@ -57,6 +57,9 @@ namespace cageform::inline CAGEFORM_ABI {
     X(lattice_knots_not_supported, "the knots of a lattice are not clamped, or do not ascend")    \
     X(frame_flat, "the axes of a lattice's box do not span the space")                            \
     X(falloff_negative, "the falloff of a lattice is not a number of at least 0")                 \
+    X(loop_not_closed, "a loop of curves is not closed: an edge ends where the next does not begin") \
+    X(curve_degree_not_supported, "curves have degree 1 to 3 at rest, and from that to 5 in poses") \
+    X(disk_too_small, "the disk does not contain the cage")                                       \
     X(sibson_degree_not_supported, "Sibson coordinates are of degree 1 or 3")                     \
     X(gradients_not_supported, "these coordinates have no gradients, which normals need")         \
     X(solver_not_supported, "this solver does not exist for these coordinates")                       \

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <cageform/animate/curves/bezier.hpp>
-#include <cageform/animate/fit/bernstein.hpp>
+#include <cageform/core/detail/bernstein.hpp>
 #include <cageform/core/result.hpp>
 
 #include <algorithm>

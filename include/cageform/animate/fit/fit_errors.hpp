@@ -2,7 +2,7 @@
 #pragma once
 
 #include <cageform/animate/fit/fit_problem.hpp>
-#include <cageform/animate/fit/gauss.hpp>
+#include <cageform/core/detail/gauss.hpp>
 
 #include <algorithm>
 #include <limits>

@@ -3,8 +3,8 @@
 #pragma once
 
 #include <cageform/animate/curves/bezier.hpp>
-#include <cageform/animate/fit/bernstein.hpp>
 #include <cageform/animate/fit/fit_options.hpp>
+#include <cageform/core/detail/bernstein.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 

@@ -2,8 +2,8 @@
 // matrix G of the basis and the load vector l of the curve.
 #pragma once
 
-#include <cageform/animate/fit/gauss.hpp>
 #include <cageform/animate/fit/linear_systems.hpp>
+#include <cageform/core/detail/gauss.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 

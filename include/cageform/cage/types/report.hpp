@@ -12,9 +12,9 @@ enum class CageFaultKind : std::uint8_t {
     too_few_vertices,    ///< loop or face `a` has only `b` vertices (< 3); a point set has `b` (< D + 1)
     not_a_simplex,       ///< `a` vertices were given where a simplex has `b`
     loops_do_not_match,  ///< the loop sizes add up to `a`, but there are `b` vertices
-    vertex_not_finite,   ///< vertex `a` is NaN or infinite
+    vertex_not_finite,   ///< vertex `a` is NaN or infinite; in a cage of curves, point `b` of edge `a`
     duplicate_vertices,  ///< vertices `a` and `b` coincide within rounding; in a polygon they are neighbours
-    edges_cross,         ///< the edges that start at vertices `a` and `b` cross or touch
+    edges_cross,         ///< the edges that start at vertices `a` and `b` cross or touch; a curve may itself
     no_area,             ///< all vertices of loop `a` lie on one line
     degenerate_simplex,  ///< the simplex has no volume relative to its size
     no_volume,           ///< a mesh has no faces, or the shell of face `a` is flat
@@ -41,9 +41,13 @@ enum class CageFaultKind : std::uint8_t {
     frame_flat,            ///< axis `a` of a box depends on the others
     falloff_negative,      ///< the falloff of a lattice is not a number of at least 0
     face_divisions,        ///< faces are divided by `a`: not 1 to 64, or not 1 where only that works
+    loop_not_closed,       ///< loop `a` of curves is open after edge `b`
+    curve_degree,          ///< edge `a` is of degree `b` at rest or in poses, which is not supported
+    disk_too_small,        ///< control point `a` of the cage lies outside the disk, or there is no disk
     interior_cells_not_supported, ///< this coordinate type supports none; there are `a` cells
-    face_fanned, ///< warning: face `a` is not planar and is bound as a fan; see `fan_distances`
-    gap_closed,  ///< warning: only one face had the edge between vertices `a` and `b`; the gap was closed
+    face_fanned,   ///< warning: face `a` is not planar and is bound as a fan; see `fan_distances`
+    edge_has_cusp, ///< warning: edge `a` has a cusp at `b` thousandths of its parameter; divide it there
+    gap_closed,    ///< warning: only one face had the edge between vertices `a` and `b`; the gap was closed
     collinear_vertex,           ///< warning: vertex `a` lies on the straight line between its neighbours
     vertex_unused,              ///< warning: no face uses vertex `a`; its weights are zero
     shell_orientation_reversed, ///< warning: the shell of face `a` is oriented inwards; this is handled
@@ -97,9 +101,13 @@ inline constexpr CageFaultText cage_fault_texts[] = {
     {CageFaultKind::frame_flat, Status::frame_flat, "axis of a box depends on the others"},
     {CageFaultKind::falloff_negative, Status::falloff_negative, "falloff negative"},
     {CageFaultKind::face_divisions, Status::divisions_not_supported, "divisions not supported"},
+    {CageFaultKind::loop_not_closed, Status::loop_not_closed, "loop of curves not closed"},
+    {CageFaultKind::curve_degree, Status::curve_degree_not_supported, "degree of a curve"},
+    {CageFaultKind::disk_too_small, Status::disk_too_small, "control point outside the disk"},
     {CageFaultKind::interior_cells_not_supported, Status::interior_cells_not_supported,
      "interior cells not supported"},
     {CageFaultKind::face_fanned, Status::ok, "face not planar, bound as a fan (warning)"},
+    {CageFaultKind::edge_has_cusp, Status::ok, "edge with a cusp (warning)"},
     {CageFaultKind::gap_closed, Status::ok, "open edge, closed (warning)"},
     {CageFaultKind::collinear_vertex, Status::ok, "collinear vertex (warning)"},
     {CageFaultKind::vertex_unused, Status::ok, "unused vertex (warning)"},

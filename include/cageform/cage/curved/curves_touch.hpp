@@ -1,0 +1,184 @@
+// Whether Bézier curves touch each other or themselves.
+#pragma once
+
+#include <cageform/cage/curved/plane_curve.hpp>
+#include <cageform/cage/detail/primitives.hpp>
+
+#include <vector>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+/// Finds out whether two curves come within a tolerance of each other, by halving both until boxes about
+/// their pieces are apart or as small as the tolerance. A box has the direction of a piece's chord, so
+/// that curves along each other are told apart after few steps.
+class CurvesTouch {
+public:
+    explicit CurvesTouch(double tolerance)
+        : tolerance_(tolerance) {}
+
+    /// Does not look at pairs of pieces that both lie within `radius` of one of the `exempt` places.
+    bool operator()(const PlaneCurve& a, const PlaneCurve& b, std::span<const Vec<double, 2>> exempt,
+                    double radius) {
+        pairs_.clear();
+        pairs_.push_back({a, b});
+        std::size_t looked_at = 0;
+        while (!pairs_.empty()) {
+            const Pair pair = pairs_.back();
+            pairs_.pop_back();
+            if (are_apart(pair) || are_exempt(pair, exempt, radius)) continue;
+            const double a_size = pair.a.bounds().diagonal(), b_size = pair.b.bounds().diagonal();
+            if ((a_size <= tolerance_ && b_size <= tolerance_) || ++looked_at > most_pairs) return true;
+            const bool splits_a = a_size > b_size;
+            const auto [low, high] = (splits_a ? pair.a : pair.b).halves();
+            for (const auto& half : {low, high})
+                pairs_.push_back(splits_a ? Pair{half, pair.b} : Pair{pair.a, half});
+        }
+        return false;
+    }
+
+private:
+    static constexpr std::size_t most_pairs = std::size_t{1} << 17;
+    struct Pair {
+        PlaneCurve a, b;
+    };
+
+    struct Range {
+        double lower = (std::numeric_limits<double>::max)(), upper = std::numeric_limits<double>::lowest();
+    };
+    static Range along(const PlaneCurve& curve, const Vec<double, 2>& from,
+                       const Vec<double, 2>& axis) noexcept {
+        Range range;
+        for (const auto& c : curve.points()) {
+            const double x = dot(axis, c - from);
+            range = {(std::min)(range.lower, x), (std::max)(range.upper, x)};
+        }
+        return range;
+    }
+    bool are_apart(const Pair& pair) const noexcept {
+        std::array<Vec<double, 2>, 6> axes{Vec<double, 2>{1, 0}, Vec<double, 2>{0, 1}};
+        std::size_t count = 2;
+        for (const PlaneCurve* curve : {&pair.a, &pair.b}) {
+            const auto chord = curve->end() - curve->begin();
+            const double size = std::hypot(chord[0], chord[1]);
+            if (!(size > 0)) continue;
+            axes[count++] = (1 / size) * chord;
+            axes[count++] = (1 / size) * Vec<double, 2>{-chord[1], chord[0]};
+        }
+        for (std::size_t n = 0; n < count; ++n) {
+            const Range a = along(pair.a, pair.a.begin(), axes[n]),
+                        b = along(pair.b, pair.a.begin(), axes[n]);
+            if (a.lower > b.upper + tolerance_ || b.lower > a.upper + tolerance_) return true;
+        }
+        return false;
+    }
+    static bool are_exempt(const Pair& pair, std::span<const Vec<double, 2>> exempt, double radius) noexcept {
+        return std::any_of(exempt.begin(), exempt.end(), [&](const Vec<double, 2>& place) {
+            for (const PlaneCurve* curve : {&pair.a, &pair.b}) {
+                for (const auto& c : curve->points()) {
+                    if (std::hypot(c[0] - place[0], c[1] - place[1]) > radius) return false;
+                }
+            }
+            return true;
+        });
+    }
+
+    double tolerance_;
+    std::vector<Pair> pairs_;
+};
+
+/// The complex roots of e', from the coefficients of e. A curve turns back next to a root that is nearly
+/// real.
+struct TurningPlaces {
+    std::array<Vec<double, 2>, 2> root{}; ///< real and imaginary parts
+    std::size_t count = 0;
+
+    explicit TurningPlaces(const std::array<Vec<double, 2>, 4>& c) noexcept {
+        // e' = c_1 + 2 c_2 t + 3 c_3 t²
+        const auto a = 3.0 * c[3], b = c[2], d = c[1]; // a t² + 2 b t + d
+        const auto times = [](const Vec<double, 2>& x, const Vec<double, 2>& y) {
+            return Vec<double, 2>{x[0] * y[0] - x[1] * y[1], x[0] * y[1] + x[1] * y[0]};
+        };
+        const auto over = [](const Vec<double, 2>& x, const Vec<double, 2>& y) {
+            return (1 / dot(y, y)) * Vec<double, 2>{dot(x, y), cross(y, x)};
+        };
+        const auto under_root = times(b, b) - times(a, d);
+        const double size = length(under_root);
+        Vec<double, 2> w{std::sqrt(std::fmax(0.0, (size + under_root[0]) / 2)),
+                         std::copysign(std::sqrt(std::fmax(0.0, (size - under_root[0]) / 2)), under_root[1])};
+        if (dot(w, b) < 0) w = -1.0 * w;
+        const auto h = -1.0 * (b + w);
+        if (dot(h, h) > 0) root[count++] = over(d, h);
+        if (dot(a, a) > 0) root[count++] = over(h, a);
+    }
+};
+
+/// Whether a curve comes within a tolerance of itself: a loop, or a line that turns back. A cubic meets
+/// itself at s and t where (e(s) − e(t))/(s − t) = c_1 + c_2 (s + t) + c_3 (s² + s t + t²) = 0.
+///
+///   joined  whether the ends of the curve may meet
+inline bool touches_itself(const PlaneCurve& curve, bool joined, double tolerance) noexcept {
+    const auto c = curve.powers();
+    const auto apart = [&](double s, double t) { return length(curve.at(s) - curve.at(t)); };
+    const auto meet = [&](double s, double t) {
+        s = std::clamp(s, 0.0, 1.0);
+        t = std::clamp(t, 0.0, 1.0);
+        if (joined && (std::min)(s, t) < 0x1p-10 && (std::max)(s, t) > 1 - 0x1p-10) return false;
+        return apart(s, t) <= tolerance && apart(s, 0.5 * (s + t)) > 8 * tolerance;
+    };
+    if (curve.degree == 1) return false;
+    if (!joined && meet(0, 1)) return true;
+    if (curve.degree == 3) {
+        const double sum = -cross(c[3], c[1]) / cross(c[3], c[2]);
+        const double product = sum * sum + dot(c[3], sum * c[2] + c[1]) / dot(c[3], c[3]);
+        const double under_root = sum * sum - 4 * product;
+        if (under_root >= 0 && is_finite(under_root)) {
+            const double root = std::sqrt(under_root);
+            if (meet(0.5 * (sum - root), 0.5 * (sum + root))) return true;
+        }
+    }
+    // A line: its places along the control point farthest from the start must not turn back.
+    Vec<double, 2> axis{};
+    for (const auto& p : curve.points()) {
+        if (dot(p - c[0], p - c[0]) > dot(axis, axis)) axis = p - c[0];
+    }
+    const double size = length(axis);
+    if (!(size > 0)) return false;
+    for (const auto& p : curve.points()) {
+        if (std::fabs(cross(axis, p - c[0])) > tolerance * size) return false;
+    }
+    const TurningPlaces turning(c);
+    double highest = dot(curve.begin() - c[0], axis);
+    std::array<double, 4> places{0, 1, 1, 1};
+    for (std::size_t n = 0; n < turning.count; ++n) places[n] = std::clamp(turning.root[n][0], 0.0, 1.0);
+    places[turning.count] = 0;
+    std::sort(places.begin(), places.end());
+    const double way = dot(curve.end() - curve.begin(), axis) < 0 ? -1 : 1;
+    highest *= way;
+    return std::any_of(places.begin(), places.end(), [&](double t) {
+        const double along = way * dot(curve.at(t) - c[0], axis);
+        const bool turns_back = along < highest - tolerance * size;
+        highest = (std::max)(highest, along);
+        return turns_back;
+    });
+}
+
+/// Returns a place strictly inside a curve where it has a cusp, within a tolerance, or NaN: e' has a root
+/// there whose place on the curve differs from the real one by no more.
+inline double cusp_inside(const PlaneCurve& curve, double tolerance) noexcept {
+    const double none = std::numeric_limits<double>::quiet_NaN();
+    if (curve.degree < 3) return none;
+    const auto c = curve.powers();
+    const TurningPlaces turning(c);
+    for (std::size_t n = 0; n < turning.count; ++n) {
+        const double t = turning.root[n][0], off = turning.root[n][1];
+        if (!(t > 0 && t < 1)) continue;
+        const auto at = curve.at(t);
+        if (length(at - curve.begin()) <= tolerance || length(at - curve.end()) <= tolerance) continue;
+        // e' ≈ e'' (t − τ) near the root, so that the places differ by |e''| off² or so.
+        const auto bend = 2.0 * (c[2] + 3 * t * c[3]);
+        if (length(bend) * off * off <= tolerance) return t;
+    }
+    return none;
+}
+
+} // namespace cageform::inline CAGEFORM_ABI::detail

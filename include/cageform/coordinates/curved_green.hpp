@@ -1,0 +1,322 @@
+// Coordinates of cages whose edges are Bézier curves: deformations preserve angles.
+#pragma once
+
+#include <cageform/coordinates/coordinate.hpp>
+#include <cageform/coordinates/curved_green/block.hpp>
+#include <cageform/coordinates/detail/evaluate_blocks.hpp>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+/// Green coordinates in the plane for cages of Bézier curves, in Cauchy's form. With z = x + iy, edges e at
+/// rest of degree 1 to 3 and their posed curves F of degree m up to 5,
+///
+///     f(z) = 1/2πi Σ_edges ∫ F(t) e'(t)/(e(t) − z) dt = Σ c_k(z) P'_k
+///
+/// where P' are the posed control points. (Liu, Liu, Fu, arXiv 2408.06831; Michel, Thiery, Polynomial 2D
+/// Green coordinates, 2023, for straight edges at rest.)
+///
+///   handles    the control points of all edges in poses, around the loops, ends once; then the legs of the
+///              control polygon, from each to the next, as normal vectors of the leg's length. At rest they
+///              are those of the curves raised to their degree in poses. The weights are Re c_k and, for
+///              legs, sums of Im c_k. `pose_handles` makes a pose of all from one of the control points
+///   range      the weights of control points sum to 1. Weights have both signs
+///   poses      holomorphic inside, whatever the pose: angles are preserved where the derivative is not
+///              zero. Similarities are reproduced, other affine maps and reflections are not
+///   boundary   the limits from inside. They do not interpolate
+///   outside    continued to first order across the nearest place of the cage. In a pose there are jumps
+///              where the nearest place changes to another edge
+///   accuracy   double: 1e-14, next to edges and ends too, but beside a cusp inside an edge at distance δ
+///              only 2e-16/√δ (divide the edge there); float: 1e-6
+///   disk       with the option `disk`, poses are harmonic in the disk, not holomorphic (ours). Outside the
+///              disk the continuation remains
+///   cost       O(#edges) a point: 16 reciprocals for an edge that is far, the roots of e(s) = z and a
+///              logarithm of each for one that is near
+///   faults     those of the cage; curve_degree (5 < m, or m below the degree at rest, or not one for every
+///              edge: a is then their number), disk_too_small
+///   gradients  as accurate as the weights, except on vertices, where those at a place 1e-6 diagonals inside
+///              are returned
+template <Scalar T>
+class CurvedGreenCoordinates {
+public:
+    using scalar = T;
+    static constexpr std::size_t dimension = 2;
+    static constexpr bool has_extension = true;
+    static constexpr bool closed_form = true;
+
+    explicit CurvedGreenCoordinates(CurvedPolygon<T> cage, const CurvedGreenOptions<T>& options = {})
+        : cage_(std::move(cage)) {
+        const Status status = detail::guard_memory([&] {
+            prepare(options);
+            return Status::ok;
+        });
+        if (status != Status::ok) report_ = {status, {}};
+    }
+
+    const CurvedPolygon<T>& cage() const noexcept { return cage_; }
+    std::span<const Vec<T, 2>> handles() const noexcept { return tables_.handles; }
+    std::span<const HandleKind> handle_kinds() const noexcept { return tables_.kinds; }
+    std::span<const HandleFace<2>> handle_faces() const noexcept { return tables_.faces; }
+    const CageReport& cage_report() const noexcept { return report_; }
+
+    /// See CageCoordinates.
+    Evaluation evaluate(BlockView<const T> points, BlockView<T> weights, std::span<PointState> states,
+                        const Running& running = {}) const {
+        return evaluate_rows<false>({points, weights, states}, running);
+    }
+    /// See GradientCoordinates. On the boundary the limits from inside are returned.
+    Evaluation evaluate_gradients(BlockView<const T> points, BlockView<T> gradients,
+                                  std::span<PointState> states, const Running& running = {}) const {
+        return evaluate_rows<true>({points, gradients, states}, running);
+    }
+    /// Returns the nearest boundary point, with the limits from inside as weights. May throw
+    /// std::bad_alloc.
+    Vec<T, 2> nearest_boundary(const Vec<T, 2>& p, std::span<T> row) const {
+        const auto q = tables_.scale * vec_cast<double>(p);
+        const auto nearest = nearest_of(q);
+        const auto at = tables_.edges[nearest.edge].curve.at(nearest.place.t);
+        detail::CurvedBlock<T> block(tables_);
+        std::vector<Lanes<double>> weights(tables_.handles.size());
+        std::array<PointState, detail::CurvedBlock<T>::lanes> states;
+        states.fill(PointState::unreached);
+        for (std::size_t lane = 0; lane < states.size(); ++lane) {
+            block.x[lane] = at[0];
+            block.y[lane] = at[1];
+        }
+        evaluate_block<false>(block, weights.data(), states, 4 * tables_.tolerance);
+        for (std::size_t h = 0; h < row.size(); ++h) row[h] = static_cast<T>(weights[h][0]);
+        return vec_cast<T>((1 / tables_.scale) * at);
+    }
+
+private:
+    using Number = detail::Number;
+
+    void prepare(const CurvedGreenOptions<T>& options) {
+        report_ = check(cage_);
+        if (report_.status != Status::ok) return;
+        CageReport read;
+        const detail::CurveLoops loops(cage_, read);
+        std::vector<std::size_t> degrees = options.posed_degrees;
+        for (std::size_t e = 0; degrees.size() < loops.edges.size() && options.posed_degrees.empty(); ++e)
+            degrees.push_back((std::max)(options.posed_degree, loops.edges[e].degree));
+        if (degrees.size() != loops.edges.size())
+            return report_.add(CageFaultKind::curve_degree, degrees.size(), 0);
+        for (std::size_t e = 0; e < degrees.size(); ++e) {
+            if (degrees[e] < loops.edges[e].degree || degrees[e] > detail::most_posed_degree)
+                report_.add(CageFaultKind::curve_degree, e, degrees[e]);
+        }
+        if (report_.status != Status::ok) return;
+        tables_ = detail::CurvedTables<T>(loops, degrees);
+        for (std::size_t i = 0; i < tables_.handles.size(); ++i) {
+            if (is_finite(tables_.handles[i])) continue;
+            report_.add(CageFaultKind::vertex_not_finite, i % tables_.points());
+        }
+        if (options.disk && report_.status == Status::ok) set_disk(*options.disk);
+    }
+    void set_disk(const CurvedGreenDisk<T>& disk) {
+        const auto centre = vec_cast<double>(disk.centre);
+        const double radius = double(disk.radius);
+        if (!is_finite(centre) || !(radius > 0) || !is_finite(radius))
+            return report_.add(CageFaultKind::disk_too_small);
+        for (std::size_t i = 0; i < tables_.points(); ++i) {
+            const auto off = vec_cast<double>(tables_.handles[i]) - centre;
+            if (!(std::hypot(off[0], off[1]) <= radius * (1 + 4 * double(epsilon<T>))))
+                report_.add(CageFaultKind::disk_too_small, i);
+        }
+        tables_.disk_centre = detail::to_number(tables_.scale * centre);
+        tables_.disk_radius = tables_.scale * radius;
+    }
+
+    template <bool gradients>
+    Evaluation evaluate_rows(const detail::Batch<T>& batch, const Running& running) const {
+        constexpr std::size_t lanes = detail::CurvedBlock<T>::lanes;
+        const std::size_t rows = (gradients ? 2 : 1) * tables_.handles.size();
+        return detail::evaluate_blocks(
+            report_, rows, batch, running, [&](std::size_t begin, std::size_t end) {
+                detail::CurvedBlock<T> block(tables_);
+                std::vector<Lanes<double>> values(sizeof(T) == 8 ? 0 : rows);
+                std::array<PointState, lanes> states;
+                for (std::size_t b = begin; b < end; ++b) {
+                    for (std::size_t first = 0; first < lane_count<T>; first += lanes) {
+                        for (std::size_t lane = 0; lane < lanes; ++lane) {
+                            const std::size_t i = b * lane_count<T> + first + lane;
+                            const bool counts =
+                                i < batch.points.points && batch.states[i] != PointState::not_finite;
+                            states[lane] = counts ? PointState::unreached : PointState::not_finite;
+                            block.x[lane] =
+                                counts ? tables_.scale * double(batch.points(i, 0)) : tables_.middle[0];
+                            block.y[lane] =
+                                counts ? tables_.scale * double(batch.points(i, 1)) : tables_.middle[1];
+                        }
+                        Lanes<double>* out = values.data();
+                        if constexpr (sizeof(T) == 8) out = batch.rows.block(b);
+                        evaluate_block<gradients>(block, out, states, tables_.tolerance);
+                        finish_rows<gradients>(out, rows, states);
+                        if constexpr (sizeof(T) == 4) {
+                            for (std::size_t row = 0; row < rows; ++row)
+                                detail::store_lanes<double, T>(detail::Simd<double>::load(out[row]),
+                                                               batch.rows.block(b)[row], first);
+                        }
+                        for (std::size_t lane = 0; lane < lanes; ++lane) {
+                            const std::size_t i = b * lane_count<T> + first + lane;
+                            if (i < batch.points.points) batch.states[i] = states[lane];
+                        }
+                    }
+                }
+            });
+    }
+    /// Scales gradients, and finds points whose numbers are too large for the scalar.
+    template <bool gradients>
+    void finish_rows(Lanes<double>* rows, std::size_t count, std::span<PointState> states) const noexcept {
+        using X = detail::Simd<double>;
+        X sum(0.0);
+        for (std::size_t row = 0; row < count; ++row) {
+            const X value = X(gradients ? tables_.scale : 1.0) * X::load(rows[row]);
+            if constexpr (gradients) value.store(rows[row]);
+            sum += detail::abs(value);
+        }
+        Lanes<double> size;
+        sum.store(size);
+        for (std::size_t lane = 0; lane < states.size(); ++lane) {
+            if (states[lane] != PointState::not_finite && !is_finite(static_cast<T>(size[lane])))
+                states[lane] = PointState::unreached;
+        }
+    }
+
+    /// Evaluates the points of a block, whose states are unreached, or not_finite where they are skipped.
+    template <bool gradients>
+    void evaluate_block(detail::CurvedBlock<T>& block, Lanes<double>* rows, std::span<PointState> states,
+                        double tolerance) const {
+        const detail::CurvedPoint<T> point(tables_);
+        const std::size_t count = (gradients ? 2 : 1) * tables_.handles.size(),
+                          vertices = tables_.vertices.size();
+        for (std::size_t row = 0; row < count; ++row) detail::Simd<double>(0.0).store(rows[row]);
+        // Farther away the integrals change by less than a rounding error of the continuation.
+        constexpr double farthest = sizeof(T) == 8 ? 0x1p24 : 0x1p12;
+        std::array<Number, detail::CurvedBlock<T>::lanes> place{};
+        std::array<std::size_t, detail::CurvedBlock<T>::lanes> vertex{};
+        for (std::size_t lane = 0; lane < states.size(); ++lane) {
+            place[lane] = {block.x[lane], block.y[lane]};
+            block.x[lane] =
+                std::clamp(block.x[lane], tables_.middle[0] - farthest, tables_.middle[0] + farthest);
+            block.y[lane] =
+                std::clamp(block.y[lane], tables_.middle[1] - farthest, tables_.middle[1] + farthest);
+            if constexpr (gradients) {
+                vertex[lane] = point.vertex_at(place[lane]);
+                if (vertex[lane] == vertices) continue;
+                const Number at = inside_of(vertex[lane]);
+                block.x[lane] = at.re;
+                block.y[lane] = at.im;
+            }
+        }
+        block.template integrate<gradients>(rows);
+        if constexpr (!gradients) vertex = block.vertex;
+        for (std::size_t lane = 0; lane < states.size(); ++lane) {
+            if (states[lane] == PointState::not_finite) continue;
+            const detail::CurvedRow to{rows, lane, count / 2};
+            const Number at{block.x[lane], block.y[lane]};
+            const Where where{place[lane], vertex[lane] < vertices, block.winding[lane], block.touch[lane]};
+            if (tables_.disk_radius > 0) {
+                if (!(size(where.z - tables_.disk_centre) < tables_.disk_radius)) {
+                    for (std::size_t row = 0; row < count; ++row) rows[row][lane] = 0;
+                    const double distance = add_nearest<gradients>(where.z, to);
+                    states[lane] = distance <= tolerance ? PointState::on_boundary : PointState::outside;
+                    continue;
+                }
+                point.template subtract_mirrored<gradients>(at, to);
+            }
+            if (!gradients && where.is_vertex)
+                to.add(tables_.vertices[vertex[lane]].handle, 1 - where.winding);
+            states[lane] = complete<gradients>(where, to, tolerance);
+        }
+    }
+    /// Where a point lies, by the integrals.
+    struct Where {
+        Number z;
+        bool is_vertex;
+        double winding;
+        detail::EdgeTouch touch;
+    };
+    /// Adds what the integrals miss on the boundary and outside, and returns the state.
+    template <bool gradients>
+    PointState complete(const Where& where, const detail::CurvedRow& to, double tolerance) const noexcept {
+        if (where.is_vertex && !gradients) return PointState::on_boundary;
+        if (where.touch.distance <= tolerance) {
+            if (!(where.winding > 0.5))
+                detail::CurvedPoint<T>(tables_).template add_jump<gradients>(tables_.edges[where.touch.edge],
+                                                                             where.touch.s, to);
+            return PointState::on_boundary;
+        }
+        if (where.is_vertex) return PointState::on_boundary;
+        if (where.winding > 0.5) return PointState::inside;
+        (void)add_nearest<gradients>(where.z, to);
+        return PointState::outside;
+    }
+    /// Adds the continuation across the nearest place, and returns the distance from it.
+    template <bool gradients>
+    double add_nearest(const Number& z, const detail::CurvedRow& to) const noexcept {
+        const auto nearest = nearest_of({z.re, z.im});
+        const auto& edge = tables_.edges[nearest.edge];
+        const detail::CurveContinuation continuation(edge, nearest.place.t, z);
+        detail::CurvedPoint<T>(tables_).template add_continuation<gradients>(edge, continuation, to);
+        return nearest.place.distance;
+    }
+
+    /// Returns the place 1e-6 diagonals from a vertex along the middle of its corner.
+    Number inside_of(std::size_t vertex) const noexcept {
+        const auto& [at, before, after, handle] = tables_.vertices[vertex];
+        const auto leaving = [](const detail::CurvedEdge::End& end) {
+            const Number q = end.away.c[end.vanishing];
+            return (1 / size(q)) * q;
+        };
+        const Number next = leaving(tables_.edges[after].end[0]),
+                     last = leaving(tables_.edges[before].end[1]);
+        const Number turned = last * conjugate(next);
+        double angle = std::atan2(turned.im, turned.re); // from the next edge to the one before
+        if (angle <= 0) angle += 2 * std::numbers::pi;
+        const double step = 1e-6 * tables_.diagonal;
+        return at + step * (next * Number{std::cos(angle / 2), std::sin(angle / 2)});
+    }
+
+    struct Nearest {
+        std::size_t edge = 0;
+        detail::NearestPlace place;
+    };
+    /// Finds the nearest place of all edges. Among edges as near it is on the one whose tangent the point
+    /// lies farthest beyond, then on the first.
+    Nearest nearest_of(const Vec<double, 2>& q) const noexcept {
+        Nearest best;
+        double farthest_beyond = 0;
+        for (std::size_t e = 0; e < tables_.edges.size(); ++e) {
+            const auto& curve = tables_.edges[e].curve;
+            const double rounding =
+                64 * epsilon<double> *
+                (1 + (std::max)(std::fabs(tables_.middle[0]), std::fabs(tables_.middle[1])) +
+                 (best.place.distance < 1e300 ? best.place.distance : 0));
+            const auto place = detail::nearest_place(curve, q, best.place.distance + rounding);
+            if (!(place.distance <= best.place.distance + rounding)) continue;
+            const double beyond = beyond_tangent(tables_.edges[e], place.t, q);
+            if (place.distance < best.place.distance - rounding || beyond > farthest_beyond + rounding) {
+                best = {e, place};
+                farthest_beyond = beyond;
+            }
+            best.place.distance = (std::min)(best.place.distance, place.distance);
+        }
+        return best;
+    }
+    /// Returns how far a point lies to the right of the tangent at a place of an edge.
+    static double beyond_tangent(const detail::CurvedEdge& edge, double t, const Vec<double, 2>& q) noexcept {
+        auto along = edge.curve.slope().at(t);
+        if (t == 0) along = edge.curve.leaving();
+        if (t == 1) along = -1.0 * edge.curve.reversed().leaving();
+        return cross(q - edge.curve.at(t), along) / detail::length(along);
+    }
+
+    CurvedPolygon<T> cage_;
+    CageReport report_;
+    detail::CurvedTables<T> tables_;
+};
+
+template <Scalar T>
+CurvedGreenCoordinates(CurvedPolygon<T>) -> CurvedGreenCoordinates<T>;
+
+} // namespace cageform::inline CAGEFORM_ABI

@@ -1,0 +1,260 @@
+// The integrals over all edges of a curved cage for a register of points.
+#pragma once
+
+#include <cageform/coordinates/curved_green/cage_tables.hpp>
+#include <cageform/coordinates/curved_green/point.hpp>
+#include <cageform/core/detail/simd_angle.hpp>
+#include <cageform/core/detail/simd_log.hpp>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+/// Computes the integrals of a block of points. Edges that are far, and lines, are done for all points at
+/// once; curves that are near, one by one.
+template <Scalar T>
+class CurvedBlock {
+    using X = Simd<double>;
+
+public:
+    static constexpr std::size_t lanes = lane_count<double>;
+
+    explicit CurvedBlock(const CurvedTables<T>& tables)
+        : tables_(tables)
+        , logs_(tables.vertices.size()) {}
+
+    Lanes<double> x, y;                      ///< the points, in units of 1/scale
+    Lanes<double> winding;                   ///< out: the angle over 2π that the edges turn by: 1 inside
+    std::array<EdgeTouch, lanes> touch;      ///< out
+    std::array<std::size_t, lanes> vertex{}; ///< that a point lies on, or the number of vertices
+
+    /// Adds the integrals to zeroed rows. A point within the tolerance of a vertex counts as being there, in
+    /// weights.
+    template <bool gradients>
+    void integrate(Lanes<double>* rows) {
+        touch.fill({});
+        const Complex<X> z{X::load(x), X::load(y)};
+        look_at_vertices<gradients>(z);
+        X turning(0.0);
+        for (std::size_t e = 0; e < tables_.edges.size(); ++e) {
+            Sums sums{};
+            set_sums<gradients>(e, z, sums);
+            turning += sums.turning;
+            if constexpr (gradients) {
+                add_slopes(tables_.edges[e], sums, rows);
+            } else {
+                add_weights(tables_.edges[e], sums, rows);
+            }
+        }
+        (X(1 / (2 * std::numbers::pi)) * turning).store(winding);
+    }
+
+private:
+    struct Sums {
+        EdgeMoments<X> value;
+        X turning;
+    };
+
+    Number place(std::size_t lane) const noexcept { return {x[lane], y[lane]}; }
+    /// Finds the points on vertices, and sets the logarithms of distances.
+    template <bool gradients>
+    void look_at_vertices(const Complex<X>& z) noexcept {
+        vertex.fill(tables_.vertices.size());
+        X least((std::numeric_limits<double>::max)());
+        if constexpr (gradients) return;
+        for (std::size_t v = 0; v < tables_.vertices.size(); ++v) {
+            const X square = norm(spread(tables_.vertices[v].at) - z);
+            least = (min)(least, square);
+            (X(0.5) * log((max)(square, X(1e-300)))).store(logs_[v]);
+        }
+        Lanes<double> nearest;
+        least.store(nearest);
+        for (std::size_t lane = 0; lane < lanes; ++lane) {
+            if (nearest[lane] <= tables_.tolerance * tables_.tolerance)
+                vertex[lane] = CurvedPoint<T>(tables_).vertex_at(place(lane));
+        }
+    }
+    static Complex<X> spread(const Number& a) noexcept { return {X(a.re), X(a.im)}; }
+
+    template <bool gradients>
+    void set_sums(std::size_t e, const Complex<X>& z, Sums& sums) noexcept {
+        const CurvedEdge& edge = tables_.edges[e];
+        Lanes<double> square;
+        norm(z - spread(edge.centre)).store(square);
+        std::array<bool, lanes> is_near;
+        std::size_t count = 0;
+        for (std::size_t lane = 0; lane < lanes; ++lane) {
+            is_near[lane] = square[lane] < edge.reach * edge.reach;
+            count += is_near[lane] ? 1 : 0;
+        }
+        const bool is_line = edge.is_line();
+        if (count < lanes || is_line) set_far_sums<gradients>(edge, z, sums);
+        if (count == 0) return;
+        if (is_line) add_line<gradients>(e, z, sums);
+        Values stored;
+        bool is_stored = false;
+        for (std::size_t lane = 0; lane < lanes; ++lane) {
+            if (!is_near[lane]) continue;
+            if (is_line && edge.end[0].vertex != vertex[lane] && edge.end[1].vertex != vertex[lane]) continue;
+            if (!is_stored) stored.load(sums);
+            is_stored = true;
+            stored.set(lane, CurvedPoint<T>(tables_).template edge_sums<gradients>(
+                                 e, place(lane), vertex[lane], touch[lane]));
+        }
+        if (is_stored) stored.store(sums);
+    }
+    /// Sums in memory, where single points can be set.
+    struct Values {
+        std::array<Lanes<double>, most_posed_degree + 1> re, im;
+        Lanes<double> turning;
+
+        void load(const Sums& sums) noexcept {
+            for (std::size_t k = 0; k <= most_posed_degree; ++k) {
+                sums.value[k].re.store(re[k]);
+                sums.value[k].im.store(im[k]);
+            }
+            sums.turning.store(turning);
+        }
+        void set(std::size_t lane, const EdgeSums& of) noexcept {
+            for (std::size_t k = 0; k <= most_posed_degree; ++k) {
+                re[k][lane] = of.value[k].re;
+                im[k][lane] = of.value[k].im;
+            }
+            turning[lane] = of.turning;
+        }
+        void store(Sums& sums) const noexcept {
+            for (std::size_t k = 0; k <= most_posed_degree; ++k)
+                sums.value[k] = {X::load(re[k]), X::load(im[k])};
+            sums.turning = X::load(turning);
+        }
+    };
+
+    template <bool gradients>
+    static void set_far_sums(const CurvedEdge& edge, const Complex<X>& z, Sums& sums) noexcept {
+        switch (edge.posed_degree - (gradients ? 1 : 0)) {
+        case 0: return add_nodes<gradients, 0>(edge, z, sums);
+        case 1: return add_nodes<gradients, 1>(edge, z, sums);
+        case 2: return add_nodes<gradients, 2>(edge, z, sums);
+        case 3: return add_nodes<gradients, 3>(edge, z, sums);
+        case 4: return add_nodes<gradients, 4>(edge, z, sums);
+        default: return add_nodes<gradients, 5>(edge, z, sums);
+        }
+    }
+    /// Sums over the nodes, four at a time: one division gives four reciprocals.
+    template <bool gradients, std::size_t degree>
+    static void add_nodes(const CurvedEdge& edge, const Complex<X>& z, Sums& sums) noexcept {
+        const MomentNodes& table = MomentNodes::of(degree);
+        std::array<Complex<X>, degree + 1> value;
+        value.fill({X(0.0), X(0.0)});
+        X turning(0.0);
+        for (std::size_t first = 0; first < MomentNodes::count; first += 4) {
+            std::array<Complex<X>, 4> away;
+            std::array<X, 4> square;
+            for (std::size_t n = 0; n < 4; ++n) {
+                away[n] = spread(edge.nodes[first + n].at) - z;
+                square[n] = norm(away[n]);
+            }
+            const X low = square[0] * square[1], high = square[2] * square[3], share = X(1.0) / (low * high);
+            const X over_low = share * high, over_high = share * low;
+            const std::array<X, 4> over{over_low * square[1], over_low * square[0], over_high * square[3],
+                                        over_high * square[2]};
+            for (std::size_t n = 0; n < 4; ++n) {
+                const Complex<X> inverted{over[n] * away[n].re, -(over[n] * away[n].im)};
+                const Complex<X> turned = inverted * spread(edge.nodes[first + n].along);
+                const Complex<X>& term = gradients ? inverted : turned;
+                if constexpr (gradients) turning += X(table.weight[first + n]) * turned.im;
+                CAGEFORM_DETAIL_UNROLL
+                for (std::size_t k = 0; k <= degree; ++k) {
+                    const X weight(table.value[first + n][k]);
+                    value[k] = {value[k].re + weight * term.re, value[k].im + weight * term.im};
+                }
+            }
+        }
+        for (std::size_t k = 0; k <= degree; ++k) {
+            if constexpr (!gradients) turning += value[k].im;
+            sums.value[k] = value[k];
+        }
+        sums.turning = turning;
+    }
+    /// Replaces the sums of a line at points inside the ellipse of its nodes: there is one root.
+    template <bool gradients>
+    void add_line(std::size_t e, const Complex<X>& z, Sums& sums) noexcept {
+        const CurvedEdge& edge = tables_.edges[e];
+        const Complex<X> from_start = spread(edge.end[0].at) - z, from_end = spread(edge.end[1].at) - z;
+        const auto forward = norm(from_start) <= norm(from_end);
+        const Number rate = inverse(edge.end[0].away.c[1]);
+        // s = −c₀/c₁ from the nearer end.
+        const X sign = select(forward, X(-1.0), X(1.0));
+        const Complex<X> c{sign * select(forward, from_start.re, from_end.re),
+                           sign * select(forward, from_start.im, from_end.im)};
+        const Complex<X> s = spread(rate) * c, beyond{s.re - X(1.0), s.im};
+        const X along = (s.re - X(0.5)) * X(1.2), off = s.im * X(1.5); // half axes 5/6 and 2/3
+        const auto is_inside = along * along + off * off < X(1.0);
+        const X square = (max)(norm(s), X(1e-300));
+        const Complex<X> turned = beyond * Complex<X>{s.re, -s.im};
+        const X size = angle(abs(turned.im), turned.re), argument = select(turned.im < X(0.0), -size, size);
+        const Complex<X> integral{X(0.5) * log((max)(norm(beyond), X(1e-300)) / square), argument};
+        const std::size_t degree = edge.posed_degree - (gradients ? 1 : 0);
+        EdgeMoments<X> j;
+        raise_moments(CurveRoot<X>{s, beyond}, integral, degree, j);
+        // Backwards the order is reversed, and the sign of weights.
+        const Complex<X> over = gradients ? spread(rate) : Complex<X>{X(1.0), X(0.0)};
+        for (std::size_t k = 0; k <= degree; ++k) {
+            const Complex<X> value = over * Complex<X>{select(forward, j[k].re, -j[degree - k].re),
+                                                       select(forward, j[k].im, -j[degree - k].im)};
+            sums.value[k].re = select(is_inside, value.re, sums.value[k].re);
+            sums.value[k].im = select(is_inside, value.im, sums.value[k].im);
+        }
+        sums.turning = select(is_inside, select(forward, argument, -argument), sums.turning);
+        find_touch(e, s, forward);
+    }
+    /// Finds the points that lie on a line.
+    void find_touch(std::size_t e, const Complex<X>& s, const typename X::Mask& forward) noexcept {
+        const X off_end = s.re - (max)(X(0.0), (min)(X(1.0), s.re));
+        Lanes<double> square, re, im, is_forward;
+        (off_end * off_end + s.im * s.im).store(square);
+        const double length = size(tables_.edges[e].end[0].away.c[1]), reach = 4 * tables_.tolerance / length;
+        for (std::size_t lane = 0; lane < lanes; ++lane) {
+            if (!(square[lane] <= reach * reach)) continue;
+            s.re.store(re);
+            s.im.store(im);
+            select(forward, X(1.0), X(0.0)).store(is_forward);
+            const double distance = length * std::sqrt(square[lane]);
+            if (!(distance < touch[lane].distance)) continue;
+            const Number root{re[lane], im[lane]};
+            touch[lane] = {e, is_forward[lane] != 0 ? root : Number{1, 0} - root, distance};
+        }
+    }
+    /// See CurvedPoint.
+    void add_weights(const CurvedEdge& edge, const Sums& sums, Lanes<double>* rows) const noexcept {
+        const X share(1 / (2 * std::numbers::pi));
+        const std::uint32_t end = edge.end[1].vertex;
+        Lanes<double> distance = logs_[end];
+        for (std::size_t lane = 0; lane < lanes; ++lane) {
+            if (vertex[lane] == end) distance[lane] = edge.end[1].log_tangent;
+        }
+        X after = X(std::log(tables_.diagonal)) - X::load(distance);
+        for (std::size_t k = edge.posed_degree + 1; k-- > 0;) {
+            add(share * sums.value[k].im, rows[edge.point[k]]);
+            if (k < edge.posed_degree) add(share * after, rows[edge.leg[k]]);
+            after += sums.value[k].re;
+        }
+    }
+    void add_slopes(const CurvedEdge& edge, const Sums& sums, Lanes<double>* rows) const noexcept {
+        const std::size_t m = edge.posed_degree, along_y = 2 * tables_.points();
+        const X share(double(m) / (2 * std::numbers::pi));
+        for (std::size_t k = 0; k < m; ++k) {
+            const Complex<X> h = share * sums.value[k];
+            add(h.re, rows[edge.leg[k]]);
+            add(-h.im, rows[along_y + edge.leg[k]]);
+            add(-h.im, rows[edge.point[k]]);
+            add(-h.re, rows[along_y + edge.point[k]]);
+            add(h.im, rows[edge.point[k + 1]]);
+            add(h.re, rows[along_y + edge.point[k + 1]]);
+        }
+    }
+    static void add(const X& value, Lanes<double>& row) noexcept { (X::load(row) + value).store(row); }
+
+    const CurvedTables<T>& tables_;
+    std::vector<Lanes<double>> logs_; ///< of the distances from the vertices
+};
+
+} // namespace cageform::inline CAGEFORM_ABI::detail

@@ -1,0 +1,182 @@
+// Completes the integrals of curved cages point by point: the jump on the boundary, the continuation outside,
+// the mirror image in a disk.
+#pragma once
+
+#include <cageform/coordinates/curved_green/cage_tables.hpp>
+#include <cageform/coordinates/curved_green/near_sums.hpp>
+#include <cageform/coordinates/curved_green/nearest_place.hpp>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+/// One point of a block: its numbers in rows of handles. The derivatives by y have rows of their own,
+/// `along_y` further on.
+struct CurvedRow {
+    Lanes<double>* rows;
+    std::size_t lane, along_y = 0;
+
+    void add(std::size_t row, double x) const noexcept { rows[row][lane] += x; }
+};
+
+/// Adds to the row of a single point, in units of 1/scale.
+template <Scalar T>
+class CurvedPoint {
+public:
+    explicit CurvedPoint(const CurvedTables<T>& tables) noexcept
+        : tables_(tables) {}
+
+    /// Subtracts the integrals at the mirror image z* = c₀ + R²/conj(z − c₀) of a point in the disk, with the
+    /// logarithms of Green's function of the disk, ln(|V − z*| |z − c₀|/R). z* lies outside the cage.
+    template <bool gradients>
+    void subtract_mirrored(const Number& z, const CurvedRow& to) const noexcept {
+        const double square = tables_.disk_radius * tables_.disk_radius;
+        const Number u = (1 / square) * conjugate(z - tables_.disk_centre); // 1/(z* − c₀)
+        if (16 * size(u) * tables_.disk_radius < 1) return subtract_far_mirrored<gradients>(u, to);
+        const Number away = inverse(u), image = tables_.disk_centre + away;
+        // dz*/d conj(z) times what the logarithm of |z − c₀| adds to 1/(e − z).
+        const Number rate = (-1 / square) * (away * away);
+        EdgeTouch touch;
+        double winding = 0;
+        const std::size_t vertex = gradients ? tables_.vertices.size() : vertex_at(image);
+        for (std::size_t e = 0; e < tables_.edges.size(); ++e) {
+            const CurvedEdge& edge = tables_.edges[e];
+            const EdgeSums of = edge_sums<gradients>(e, image, vertex, touch);
+            winding += of.turning / (2 * std::numbers::pi);
+            if constexpr (gradients) {
+                auto slopes = of.value;
+                for (std::size_t k = 0; k < edge.posed_degree; ++k)
+                    slopes[k] = rate * (slopes[k] + (1 / double(edge.posed_degree)) * u);
+                add_slopes(edge, slopes, {-1, 1}, to);
+            } else {
+                const double distance = log_distance(edge, image, vertex) + log_share(size(u));
+                add_weights(edge, of.value, distance, -1, to);
+            }
+        }
+        if constexpr (gradients) return;
+        if (vertex < tables_.vertices.size()) {
+            to.add(tables_.vertices[vertex].handle, winding);
+        } else if (winding > 0.5) { // on the circle within rounding, and on the cage
+            add_jump<false>(tables_.edges[touch.edge], touch.s, to);
+        }
+    }
+    std::size_t vertex_at(const Number& z) const noexcept {
+        std::size_t v = 0;
+        const double reach = tables_.tolerance * tables_.tolerance;
+        while (v < tables_.vertices.size() && !(norm(tables_.vertices[v].at - z) <= reach)) ++v;
+        return v;
+    }
+    /// Adds the moments Σ c of a continuation; c has the values of all control points of an edge.
+    template <bool gradients>
+    void add_continuation(const CurvedEdge& edge, const CurveContinuation& of,
+                          const CurvedRow& to) const noexcept {
+        if constexpr (gradients) {
+            add_values(edge, of.along_x, to, 0);
+            add_values(edge, of.along_y, to, to.along_y);
+        } else {
+            add_values(edge, of.value, to, 0);
+        }
+    }
+    /// Adds the jump of the integrals at a place of an edge: the values b_k(s), or their derivatives by z.
+    template <bool gradients>
+    void add_jump(const CurvedEdge& edge, const Number& s, const CurvedRow& to) const noexcept {
+        const std::size_t m = edge.posed_degree, degree = gradients ? m - 1 : m;
+        EdgeMoments<double> b{};
+        b[0] = {1, 0};
+        for (std::size_t d = 1; d <= degree; ++d) {
+            b[d] = s * b[d - 1];
+            for (std::size_t k = d - 1; k > 0; --k) b[k] = s * b[k - 1] + (Number{1, 0} - s) * b[k];
+            b[0] = (Number{1, 0} - s) * b[0];
+        }
+        if constexpr (gradients) {
+            const Number share = Number{0, 2 * std::numbers::pi} / edge.end[0].away.slope(s);
+            for (auto& x : b) x = share * x;
+            add_slopes(edge, b, {1, 1}, to);
+        } else {
+            add_values(edge, b, to, 0);
+        }
+    }
+
+    template <bool gradients>
+    EdgeSums edge_sums(std::size_t e, const Number& z, std::size_t vertex, EdgeTouch& touch) const noexcept {
+        const CurvedEdge& edge = tables_.edges[e];
+        if (norm(z - edge.centre) >= edge.reach * edge.reach) return far_sums<gradients>(edge, z);
+        const NearSums near_edge(edge, z, {edge.end[0].vertex == vertex, edge.end[1].vertex == vertex});
+        if (near_edge.all_far()) return far_sums<gradients>(edge, z);
+        near_edge.find_touch(e, touch);
+        if constexpr (gradients) return near_edge.slope_sums();
+        return near_edge.sums();
+    }
+
+private:
+    /// Adds real parts to points, and partial sums of imaginary parts to legs.
+    static void add_values(const CurvedEdge& edge, const EdgeMoments<double>& c, const CurvedRow& to,
+                           std::size_t first) noexcept {
+        double after = 0;
+        for (std::size_t k = edge.posed_degree + 1; k-- > 0;) {
+            to.add(first + edge.point[k], c[k].re);
+            if (k < edge.posed_degree) to.add(first + edge.leg[k], -after);
+            after += c[k].im;
+        }
+    }
+    /// Returns ln |V_end − z|, on the vertex that of the tangent.
+    static double log_distance(const CurvedEdge& edge, const Number& z, std::size_t vertex) noexcept {
+        const auto& end = edge.end[1];
+        return end.vertex == vertex ? end.log_tangent : 0.5 * std::log(norm(end.at - z));
+    }
+    /// Adds `sign` times c_k = J_k/2πi, and for legs −ln(|V_end − z|/diagonal)/2π − Σ_{j>k} Im c_j.
+    void add_weights(const CurvedEdge& edge, const EdgeMoments<double>& j, double distance, double sign,
+                     const CurvedRow& to) const noexcept {
+        const double share = sign / (2 * std::numbers::pi);
+        double after = std::log(tables_.diagonal) - distance;
+        for (std::size_t k = edge.posed_degree + 1; k-- > 0;) {
+            to.add(edge.point[k], share * j[k].im);
+            if (k < edge.posed_degree) to.add(edge.leg[k], share * after);
+            after += j[k].re;
+        }
+    }
+    /// With h_k = m/2π ∫ b_k/(e − z) dt, of degree m − 1, a leg has the gradient (Re h_k, −Im h_k), and a
+    /// control point Im and Re of h_{k−1} − h_k. `sign` is of the derivatives by x and by y.
+    static void add_slopes(const CurvedEdge& edge, const EdgeMoments<double>& g,
+                           const std::array<double, 2>& sign, const CurvedRow& to) noexcept {
+        const std::size_t m = edge.posed_degree;
+        const double share = double(m) / (2 * std::numbers::pi);
+        for (std::size_t k = 0; k < m; ++k) {
+            const Number along_x = (share * sign[0]) * g[k], along_y = (share * sign[1]) * g[k];
+            to.add(edge.leg[k], along_x.re);
+            to.add(to.along_y + edge.leg[k], -along_y.im);
+            to.add(edge.point[k], -along_x.im);
+            to.add(to.along_y + edge.point[k], -along_y.re);
+            to.add(edge.point[k + 1], along_x.im);
+            to.add(to.along_y + edge.point[k + 1], along_y.re);
+        }
+    }
+    /// ln(|u| R) of a disk.
+    double log_share(double u) const noexcept { return std::log(u * tables_.disk_radius); }
+    /// Subtracts the integrals at c₀ + 1/u, where all edges are far, also for u = 0. Factors 1/u are
+    /// cancelled: 1/(e − z*) = u/((e − c₀) u − 1).
+    template <bool gradients>
+    void subtract_far_mirrored(const Number& u, const CurvedRow& to) const noexcept {
+        const double square = tables_.disk_radius * tables_.disk_radius;
+        const Number one{1, 0};
+        for (const CurvedEdge& edge : tables_.edges) {
+            EdgeMoments<double> value{};
+            const std::size_t degree = edge.posed_degree - (gradients ? 1 : 0);
+            const MomentNodes& table = MomentNodes::of(degree);
+            for (std::size_t g = 0; g < MomentNodes::count; ++g) {
+                const Number place = edge.nodes[g].at - tables_.disk_centre, share = inverse(place * u - one);
+                const Number term =
+                    gradients ? (-1 / square) * (share * place) : share * (u * edge.nodes[g].along);
+                for (std::size_t k = 0; k <= degree; ++k) value[k] += table.value[g][k] * term;
+            }
+            if constexpr (gradients) {
+                add_slopes(edge, value, {-1, 1}, to);
+            } else {
+                const Number end = (edge.end[1].at - tables_.disk_centre) * u - one;
+                add_weights(edge, value, 0.5 * std::log(norm(end)) + std::log(tables_.disk_radius), -1, to);
+            }
+        }
+    }
+
+    const CurvedTables<T>& tables_;
+};
+
+} // namespace cageform::inline CAGEFORM_ABI::detail

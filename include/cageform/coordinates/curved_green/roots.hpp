@@ -1,0 +1,115 @@
+// The places s in the complex plane where a curve e of degree 1 to 3 has the value z.
+#pragma once
+
+#include <cageform/coordinates/curved_green/moments.hpp>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+/// A polynomial c_0 + c_1 s + …
+struct Polynomial {
+    std::size_t degree = 0;
+    std::array<Number, 4> c{};
+
+    Number at(const Number& s) const noexcept {
+        Number sum = c[degree];
+        for (std::size_t k = degree; k-- > 0;) sum = s * sum + c[k];
+        return sum;
+    }
+    Number slope(const Number& s) const noexcept {
+        Number sum = double(degree) * c[degree];
+        for (std::size_t k = degree; k-- > 1;) sum = s * sum + double(k) * c[k];
+        return degree == 0 ? Number{0, 0} : sum;
+    }
+    /// Returns the polynomial whose roots are 1/s.
+    Polynomial reversed() const noexcept {
+        Polynomial r{degree, {}};
+        for (std::size_t k = 0; k <= degree; ++k) r.c[k] = c[degree - k];
+        return r;
+    }
+    /// Returns the polynomial without a root at 0.
+    Polynomial divided_by_s() const noexcept {
+        Polynomial q{degree - 1, {}};
+        for (std::size_t k = 0; k < degree; ++k) q.c[k] = c[k + 1];
+        return q;
+    }
+    /// Returns the polynomial without a root at 1.
+    Polynomial divided_by_s_minus_one() const noexcept {
+        Polynomial q{degree - 1, {}};
+        Number sum{0, 0};
+        for (std::size_t k = degree; k-- > 0;) q.c[k] = sum = sum + c[k + 1];
+        return q;
+    }
+};
+
+struct PolynomialRoots {
+    std::size_t count = 0;
+    std::array<Number, 3> s{};
+
+    void add(const Number& root) noexcept { s[count++] = root; }
+};
+
+/// Adds the two roots of a s² + b s + c, without cancellation.
+inline void add_quadratic_roots(const Number& a, const Number& b, const Number& c,
+                                PolynomialRoots& roots) noexcept {
+    Number w = root(b * b - 4.0 * (a * c));
+    if (w.re * b.re + w.im * b.im < 0) w = -w;
+    const Number h = -0.5 * (b + w);
+    if (!(norm(h) > 0)) { // a double root at 0
+        roots.add({0, 0});
+        roots.add({0, 0});
+        return;
+    }
+    roots.add(c / h);
+    roots.add(h / a);
+}
+
+/// Returns the root of x³ + a x² + b x + c that is farthest from the other two, by Cardano's formula.
+inline Number loneliest_root(const Number& a, const Number& b, const Number& c) noexcept {
+    const Number third = (1 / 3.0) * a, p = b - a * third, q = third * (2.0 * (third * third) - b) + c;
+    const Number half = 0.5 * q, cube = (1 / 3.0) * p;
+    Number w = root(half * half + cube * cube * cube);
+    if (w.re * half.re + w.im * half.im < 0) w = -w;
+    const Number u = cube_root(-(half + w)); // of the larger one
+    const Number v = norm(u) > 0 ? -(cube / u) : Number{0, 0};
+    constexpr Number turn{-0.5, 0.86602540378443865};
+    const std::array<Number, 3> x{u + v, u * turn + v * conjugate(turn), u * conjugate(turn) + v * turn};
+    std::size_t loneliest = 0;
+    double most = -1;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const double nearest = (std::min)(norm(x[k] - x[(k + 1) % 3]), norm(x[k] - x[(k + 2) % 3]));
+        if (!(nearest > most)) continue;
+        most = nearest;
+        loneliest = k;
+    }
+    return x[loneliest] - third;
+}
+
+/// Returns the roots of a polynomial whose last coefficient is not zero, and none of whose roots is 0. Only
+/// the loneliest root of a cubic is refined, and divided out: next to a double root each of the two is
+/// ill-determined, but what is left determines their sum and their product.
+inline PolynomialRoots roots_of(const Polynomial& of) noexcept {
+    PolynomialRoots roots;
+    const auto& c = of.c;
+    if (of.degree == 1) roots.add(-(c[0] / c[1]));
+    if (of.degree == 2) add_quadratic_roots(c[2], c[1], c[0], roots);
+    if (of.degree < 3) return roots;
+    // Looks for s, or for 1/s, so that the first coefficient is not the smaller end.
+    const bool inverted = norm(c[0]) > norm(c[3]);
+    const Polynomial p = inverted ? of.reversed() : of;
+    const Number share = inverse(p.c[3]);
+    Number x = loneliest_root(share * p.c[2], share * p.c[1], share * p.c[0]);
+    for (int step = 0; step < 2; ++step) {
+        const Number slope = p.slope(x);
+        if (norm(slope) > 0) x = x - p.at(x) / slope;
+    }
+    const Number s = inverted ? inverse(x) : x;
+    roots.add(s);
+    const Number last = -(c[0] / s);
+    const double r = size(s);
+    const bool from_above = (size(c[2]) + size(c[3]) * r) * r <= size(last) + size(c[1]);
+    const Number middle = from_above ? c[2] + c[3] * s : (last - c[1]) / s;
+    add_quadratic_roots(c[3], middle, last, roots);
+    return roots;
+}
+
+} // namespace cageform::inline CAGEFORM_ABI::detail
