@@ -230,8 +230,8 @@ private:
         wedge_.reset();
         wedge_edge_ = none;
         const std::span<const Point> vertices(frame_.vertices.data(), vertices_.size());
-        const auto bend = std::find_if(bends_.begin(), bends_.end(),
-                                       [this](const Bend& bend) { return is_bent(bend.edge); });
+        const auto bend =
+            std::find_if(bends_.begin(), bends_.end(), [this](const Bend& b) { return is_bent(b.edge); });
         if (bend != bends_.end()) {
             const auto& [f, g] = field_.faces_of_edge(bend->edge);
             const auto& [from, to] = std::pair(field_.edge(bend->edge).from, field_.edge(bend->edge).to);
