@@ -857,6 +857,7 @@ TEST_CASE("Faults of curved cages are named", "[coordinates][curved_green][check
     CHECK(report({leaf}).faults.empty());
     expect(report({}), Status::too_few_vertices, Kind::too_few_vertices, 0, 0);
     expect(report({leaf, {}}), Status::too_few_vertices, Kind::too_few_vertices, 1, 0);
+    expect(report({{leaf[0], {}}}), Status::curve_degree_not_supported, Kind::curve_degree, 1, 0);
     expect(report({{leaf[0], {{2, 0}}}}), Status::curve_degree_not_supported, Kind::curve_degree, 1, 0);
     expect(report({{leaf[0], {{2, 0}, {2, 1}, {1, 1}, {0, 1}, {0, 0}}}}), Status::curve_degree_not_supported,
            Kind::curve_degree, 1, 4);

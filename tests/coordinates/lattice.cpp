@@ -411,6 +411,7 @@ TEST_CASE("what no lattice can be is refused by name", "[coordinates][lattice][f
                                                               {0, 0.1, 0.4, 0.6, 1, 1},
                                                               {0, 0, 0.4, 0.6, 1, 2},
                                                               {0, 0, 0, 0.6, 1, 1},
+                                                              {0, 0, 1e-60, 0.6, 1, 1},
                                                               {0, 0, std::nan(""), 0.6, 1, 1}}) {
         CAPTURE(knots);
         CHECK(report({4, 1, knots}, box).status == Status::lattice_knots_not_supported);
@@ -435,6 +436,23 @@ TEST_CASE("what no lattice can be is refused by name", "[coordinates][lattice][f
     CHECK(found.states == std::vector{PointState::not_finite, PointState::unreached, PointState::inside});
 }
 
+TEST_CASE("slopes of a lattice are finite where the square of a falloff is not above zero",
+          "[coordinates][lattice]") {
+    constexpr float size = 1e-25f;
+    const LatticeCoordinates<float, 2> lattice(
+        {LatticeAxis{}, LatticeAxis{}}, {{Vec<float, 2>{size, 0}, Vec<float, 2>{0, size}}, {0, 0}}, size);
+    REQUIRE(lattice.cage_report().status == Status::ok);
+    const std::size_t rows = 2 * lattice.handles().size();
+    std::vector<cageform::Lanes<float>> place(2), slopes(rows);
+    for (auto& x : place) x = {};
+    place[0][0] = 1.5f * size;
+    place[1][0] = 0.5f * size;
+    std::vector<PointState> states(1, PointState::inside);
+    (void)lattice.evaluate_gradients({place.data(), 2, 1}, {slopes.data(), rows, 1}, states);
+    CHECK(states[0] == PointState::outside);
+    for (const auto& slope : slopes) CHECK(std::isfinite(slope[0]));
+}
+
 TEST_CASE("a box about a figure has room on all sides, flat figures too", "[coordinates][lattice]") {
     const auto box = cageform::box_around(std::vector<Vec<double, 3>>{{0, 1, 5}, {3, 5, 5}}, 0.1);
     REQUIRE(box);
@@ -445,6 +463,8 @@ TEST_CASE("a box about a figure has room on all sides, flat figures too", "[coor
     CHECK(cageform::box_around(Points{{1, 1}, {1, 1}}).status() == Status::figure_has_no_size);
     CHECK(cageform::box_around(Points{}).status() == Status::figure_empty);
     CHECK(cageform::box_around(Points{{1, std::nanf("")}}).status() == Status::figure_not_finite);
+    CHECK(cageform::box_around(Points{{-3e38f, 0}, {3e38f, 1}}).status() == Status::figure_not_finite);
+    CHECK(cageform::box_around(Points{{0, 0}, {1, 1}}, std::nan("")).status() == Status::value_not_finite);
     const auto flat = cageform::box_around(Points{{0, 0}, {1, 0}}, 0.0);
     REQUIRE(flat);
     CHECK(LatticeCoordinates<float, 2>({LatticeAxis{}, LatticeAxis{}}, flat.value).cage_report().status ==

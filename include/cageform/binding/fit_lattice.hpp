@@ -20,10 +20,11 @@ namespace cageform::inline CAGEFORM_ABI {
 ///   returns        the pose of all handles, for `clone`, with frozen and still handles at rest, and a report
 ///   cost           O(#points · #handles) to read weights, O(Σ non-zeros²) to add them, then a Cholesky
 ///                  decomposition: dense to 1,000 free handles, sparse beyond. All in double
-///   fails          as the lattice; targets_do_not_match (the numbers of handles, displacements or weights
-///                  differ); value_not_finite (also a negative smoothness); weights_not_positive (one is
-///                  negative, or none is positive); index_out_of_range (a frozen handle); fit_not_determined
-///                  (too few points for λ = 0); out_of_memory
+///   fails          as the lattice; coordinates_empty (it has no handles); targets_do_not_match (the
+///                  numbers of handles, displacements or weights differ); value_not_finite (also a negative
+///                  smoothness); weights_not_positive (one is negative, or none is positive);
+///                  index_out_of_range (a frozen handle); fit_not_determined (too few points for λ = 0);
+///                  out_of_memory
 template <Scalar T, std::size_t D, PointRangeIn<D> R>
 Result<std::vector<Vec<T, D>>, LatticeFitReport>
 fit_lattice(const LatticeCoordinates<T, D>& lattice, const BindingView<T, D>& binding, const R& displacements,

@@ -306,10 +306,10 @@ private:
         const T t = (std::min)(distance / falloff_, T(1));
         work.kept[lane] = 1 - t * t * (3 - 2 * t);
         // The distance is |A (u − c)|; c stays where u_k is in [0, 1].
-        const T rate = -6 * t * (1 - t) / (falloff_ * distance);
+        const T rate = -6 * t * (1 - t) / falloff_;
         for (std::size_t k = 0; k < D; ++k) {
             if (beyond[k] == 0) continue;
-            const T along = rate * dot(box_.columns[k], off);
+            const T along = rate * dot(box_.columns[k], (1 / distance) * off);
             for (std::size_t axis = 0; axis < D; ++axis)
                 work.kept_gradient[axis][lane] += along * inverse_[k][axis];
         }
@@ -410,14 +410,17 @@ auto box_around(const R& points, double margin = 0.02)
             upper[k] = (std::max)(upper[k], p[k]);
         }
     }
+    if (!is_finite(margin)) return {{}, Status::value_not_finite};
     const auto extent = upper - lower;
-    const double diagonal = std::sqrt(dot(extent, extent));
+    double diagonal = 0;
+    for (const double x : extent.v) diagonal = std::hypot(diagonal, x);
     if (!(diagonal > 0)) return {{}, Status::figure_has_no_size};
     Transform<T, D> box{};
     for (std::size_t k = 0; k < D; ++k) {
         const double wider = margin * diagonal + (extent[k] < 1e-3 * diagonal ? 1e-3 * diagonal : 0.0);
         box.translation[k] = static_cast<T>(lower[k] - wider);
         box.columns[k][k] = static_cast<T>(extent[k] + 2 * wider);
+        if (!is_finite(box.translation) || !is_finite(box.columns[k])) return {{}, Status::figure_not_finite};
     }
     return {box, Status::ok};
 }

@@ -47,6 +47,7 @@ public:
             if (i < number_.size() && number_[i] != still)
                 place = place + value_of(solution.values, number_[i]);
             pose.push_back(vec_cast<T>(place));
+            if (!is_finite(pose.back())) return Status::value_not_finite;
         }
         return Status::ok;
     }

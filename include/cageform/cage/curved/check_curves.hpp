@@ -50,7 +50,7 @@ struct CurveLoops {
             if (polygon.loops()[k].empty()) report.add(Fault::too_few_vertices, k, 0);
             for (const auto& edge : polygon.loops()[k]) {
                 if (edge.size() < 2 || edge.size() > PlaneCurve::most_degree + 1)
-                    report.add(Fault::curve_degree, number, edge.size() - 1);
+                    report.add(Fault::curve_degree, number, edge.empty() ? 0 : edge.size() - 1);
                 for (std::size_t i = 0; i < edge.size(); ++i) {
                     if (!is_finite(edge[i])) report.add(Fault::vertex_not_finite, number, i);
                 }

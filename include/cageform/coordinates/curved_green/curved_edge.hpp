@@ -13,7 +13,7 @@ namespace cageform::inline CAGEFORM_ABI::detail {
 /// An edge with the inside on its left, and the handles of its control points and legs in poses.
 struct CurvedEdge {
     /// One end, seen from there: the coefficients of e(t) − e(0) with t = 0 at this end. Coefficients of
-    /// rounding size at the end of the list are left out.
+    /// rounding size at both ends of the list are left out.
     struct End {
         Number at;
         Polynomial away;           ///< c_0 is 0

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cageform/coordinates/lattice/spline_axis.hpp>
+#include <cageform/core/detail/guard_memory.hpp>
 #include <cageform/core/result.hpp>
 
 #include <span>
@@ -28,7 +29,7 @@ inline RefinedAxis unrefined(const LatticeAxis& axis) {
     for (std::size_t i = 0; i < same.before; ++i) same.matrix[i * same.before + i] = 1;
     return same;
 }
-/// Makes control points (1 − share) · i − 1 + share · i, for i = 0 … points.
+/// Makes one control point more: point r is the mean of r − 1 and r, with the weight share(r) for r.
 template <class Share>
 void mix(RefinedAxis& axis, const Share& share) {
     std::vector<double> mixed((axis.axis.points + 1) * axis.before);
@@ -54,54 +55,67 @@ inline void insert(RefinedAxis& refined, double knot) {
     });
     knots.insert(above, knot);
 }
+/// Refines an axis that has no fault: change(refined) returns a status.
+template <class Change>
+Result<RefinedAxis> refine(const LatticeAxis& axis, const Change& change) {
+    if (const auto fault = SplineAxis<double>::fault_of(axis, 0)) return {{}, status_of(fault->kind)};
+    RefinedAxis refined;
+    const Status status = guard_memory([&] {
+        refined = unrefined(axis);
+        if (const Status changed = change(refined); changed != Status::ok) return changed;
+        const auto fault = SplineAxis<double>::fault_of(refined.axis, 0);
+        return fault ? status_of(fault->kind) : Status::ok;
+    });
+    if (status != Status::ok) return {{}, status};
+    return {std::move(refined), Status::ok};
+}
 
 } // namespace detail
 
-/// Adds a knot in (0, 1), and with it one control point.
+/// Adds a knot in (0, 1), and with it one control point. O(points²).
 ///
 ///   status  lattice_degree_not_supported, lattice_knots_not_supported: of the axis, or the knot is out of
-///           range or there are `degree` of it already; splines of degree 4 and more have one span
+///           range or there are `degree` of it already; splines of degree 4 and more have one span.
+///           out_of_memory
 inline Result<RefinedAxis> insert_knot(const LatticeAxis& axis, double knot) {
-    if (const auto fault = detail::SplineAxis<double>::fault_of(axis, 0)) return {{}, status_of(fault->kind)};
-    if (!(knot > 0 && knot < 1)) return {{}, Status::lattice_knots_not_supported};
-    auto refined = detail::unrefined(axis);
-    detail::insert(refined, knot);
-    if (const auto fault = detail::SplineAxis<double>::fault_of(refined.axis, 0))
-        return {{}, status_of(fault->kind)};
-    return {std::move(refined), Status::ok};
+    return detail::refine(axis, [&](RefinedAxis& refined) {
+        if (!(knot > 0 && knot < 1)) return Status::lattice_knots_not_supported;
+        detail::insert(refined, knot);
+        return Status::ok;
+    });
 }
 
-/// Halves every span. Evenly spaced knots stay so.
-inline Result<RefinedAxis> halve_spans(const LatticeAxis& axis) {
-    if (const auto fault = detail::SplineAxis<double>::fault_of(axis, 0)) return {{}, status_of(fault->kind)};
-    auto refined = detail::unrefined(axis);
-    const auto knots = refined.axis.knots;
-    for (std::size_t n = 0; n + 1 < knots.size(); ++n) {
-        if (knots[n] < knots[n + 1]) detail::insert(refined, 0.5 * (knots[n] + knots[n + 1]));
-    }
-    if (const auto fault = detail::SplineAxis<double>::fault_of(refined.axis, 0))
-        return {{}, status_of(fault->kind)};
-    return {std::move(refined), Status::ok};
-}
-
-/// Raises the degree of an axis of one span by one (Bernstein polynomials).
+/// Halves every span. Evenly spaced knots stay so. O(points³).
 ///
-///   status  lattice_degree_not_supported: the axis has several spans, or has degree 63
+///   status  as for `insert_knot`
+inline Result<RefinedAxis> halve_spans(const LatticeAxis& axis) {
+    return detail::refine(axis, [](RefinedAxis& refined) {
+        const auto knots = refined.axis.knots;
+        for (std::size_t n = 0; n + 1 < knots.size(); ++n) {
+            if (knots[n] < knots[n + 1]) detail::insert(refined, 0.5 * (knots[n] + knots[n + 1]));
+        }
+        return Status::ok;
+    });
+}
+
+/// Raises the degree of an axis of one span by one (Bernstein polynomials). O(points²).
+///
+///   status  lattice_degree_not_supported: the axis has several spans, or has degree 63; out_of_memory
 inline Result<RefinedAxis> raise_degree(const LatticeAxis& axis) {
-    if (const auto fault = detail::SplineAxis<double>::fault_of(axis, 0)) return {{}, status_of(fault->kind)};
-    auto refined = detail::unrefined(axis);
-    const std::size_t degree = refined.axis.degree;
-    if (refined.axis.points != degree + 1 || degree == detail::SplineAxis<double>::most_degree)
-        return {{}, Status::lattice_degree_not_supported};
-    detail::mix(refined, [&](std::size_t i) { return 1 - double(i) / double(degree + 1); });
-    refined.axis.degree = degree + 1;
-    refined.axis.knots.insert(refined.axis.knots.begin(), 0.0);
-    refined.axis.knots.push_back(1.0);
-    return {std::move(refined), Status::ok};
+    return detail::refine(axis, [](RefinedAxis& refined) {
+        const std::size_t degree = refined.axis.degree;
+        if (refined.axis.points != degree + 1 || degree == detail::SplineAxis<double>::most_degree)
+            return Status::lattice_degree_not_supported;
+        detail::mix(refined, [&](std::size_t i) { return 1 - double(i) / double(degree + 1); });
+        refined.axis.degree = degree + 1;
+        refined.axis.knots.insert(refined.axis.knots.begin(), 0.0);
+        refined.axis.knots.push_back(1.0);
+        return Status::ok;
+    });
 }
 
 /// Refines control points along one axis, those at rest or those of a pose. Points after them (still handles)
-/// stay.
+/// stay. Throws std::bad_alloc.
 ///
 ///   counts  the number of control points along every axis, before
 template <Scalar T, std::size_t D>

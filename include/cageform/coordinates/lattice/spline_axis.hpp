@@ -19,7 +19,8 @@ struct LatticeAxis {
     /// The degree, lowered to points − 1: 1 … 3, or up to 63 where it is points − 1 (Bernstein polynomials).
     std::size_t degree = 3;
     /// points + degree + 1 ascending numbers: degree + 1 times 0, inner ones of which no more than `degree`
-    /// are equal, degree + 1 times 1. Empty: spans of the same length.
+    /// are equal, degree + 1 times 1. Knots that differ are at least 1e-9 apart. Empty: spans of the same
+    /// length.
     std::vector<double> knots{};
 };
 
@@ -31,6 +32,7 @@ template <Scalar T>
 class SplineAxis {
 public:
     static constexpr std::size_t most_degree = 63;
+    static constexpr double least_span = 1e-9;
     using Values = std::array<T, most_degree + 1>;
 
     SplineAxis() = default;
@@ -56,11 +58,11 @@ public:
         for (std::size_t n = 0; n < axis.knots.size(); ++n) {
             const double knot = axis.knots[n];
             const bool is_inner = n > degree && n < axis.points;
-            const double end = n <= degree ? 0 : 1;
+            const double end = n <= degree ? 0 : 1, step = n == 0 ? 0 : knot - axis.knots[n - 1];
             const bool is_sound =
-                is_inner ? knot > 0 && knot < 1 && knot >= axis.knots[n - 1] && knot > axis.knots[n - degree]
-                         : knot == end;
-            if (!is_sound) return CageFault{CageFaultKind::lattice_knots, number, n};
+                is_inner ? knot > 0 && knot < 1 && knot > axis.knots[n - degree] : knot == end;
+            if (!is_sound || !(step == 0 || step >= least_span))
+                return CageFault{CageFaultKind::lattice_knots, number, n};
         }
         return std::nullopt;
     }
@@ -80,7 +82,7 @@ public:
                                             knots_.begin() + std::ptrdiff_t(points_), double(u));
         const auto span = std::size_t(above - knots_.begin()) - 1;
         value[0] = 1;
-        Values share{}; // of the last step: a function of one degree less, over the length of its knots
+        Values share{}; // the last step's: a function of one degree less, over the length of its knots
         for (std::size_t p = 1; p <= degree_; ++p) {
             T carried = 0;
             for (std::size_t r = 0; r < p; ++r) {
