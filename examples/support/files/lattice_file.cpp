@@ -111,11 +111,11 @@ SvgResult<LatticeWord> parse_lattice_word(std::string_view word) {
             if (count > 64) return refuse("Bernstein polynomials take at most 64 points along an axis");
         }
     } else if (left.starts_with('/')) {
-        double degree = 0;
-        const std::string why = read_number_behind('/', left, "/+@", degree);
-        if (!why.empty() || (degree != 1 && degree != 2 && degree != 3))
+        double wanted = 0;
+        const std::string why = read_number_behind('/', left, "/+@", wanted);
+        if (!why.empty() || (wanted != 1 && wanted != 2 && wanted != 3))
             return refuse("the degree is 1, 2 or 3; /bernstein takes the highest");
-        read.degree = std::size_t(degree);
+        read.degree = std::size_t(wanted);
     }
     std::string why = read_number_behind('+', left, "@", read.falloff);
     if (why.empty() && !(read.falloff >= 0)) why = "+R is a number of at least 0";
