@@ -1,7 +1,7 @@
 // The linear functions of a simplex of vertices; near_rows.hpp says what for.
 #pragma once
 
-#include <cageform/core/vec.hpp>
+#include <cageform/cage/detail/primitives.hpp>
 
 #include <algorithm>
 #include <array>
