@@ -276,7 +276,7 @@ TEST_CASE("a blob keeps the loops whose means are corners of faces", "[blob][han
     REQUIRE(opened.status() == Status::ok);
     const auto handles = opened.value.handle_view();
     const std::uint32_t table[] = {3, 6, 8, 0, 2, 3, 3, 0};
-    REQUIRE(cageform::detail::loop_numbers(handles.loops) == std::size(table));
+    REQUIRE(handles.loop_numbers() == std::size(table));
     CHECK(std::equal(std::begin(table), std::end(table), handles.loops));
 
     const auto refused = [&](auto change) {

@@ -253,6 +253,7 @@ TEST_CASE("every fault has a name and leads to a status", "[cage][check]") {
         CHECK(names.insert(name).second);
         const bool warning = kind == CageFaultKind::collinear_vertex ||
                              kind == CageFaultKind::vertex_unused || kind == CageFaultKind::gap_closed ||
+                             kind == CageFaultKind::face_fanned || kind == CageFaultKind::edge_has_cusp ||
                              kind == CageFaultKind::shell_orientation_reversed ||
                              kind == CageFaultKind::loop_orientation_reversed;
         CHECK((status_of(kind) == Status::ok) == warning);

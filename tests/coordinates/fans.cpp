@@ -413,9 +413,10 @@ TEST_CASE("harmonic weights on fans are those on their triangles, folded", "[coo
     compare(UniformHarmonic<double>(mesh, options),
             cageform::UniformHarmonicCoordinates<double, 3>(triangles, options), 1e-7);
     const HarmonicOptions adaptive{.accuracy = 2e-3};
-    // Both have errors of their own; on triangles a near field is subtracted.
+    // Both have errors of their own. On triangles a near field is subtracted; on fans it is not, and errors
+    // next to their small triangles exceed the accuracy (options.hpp).
     compare(Harmonic<double>(mesh, adaptive), cageform::HarmonicCoordinates<double, 3>(triangles, adaptive),
-            2 * adaptive.accuracy);
+            3 * adaptive.accuracy);
 }
 
 TEST_CASE("poses of fans: bits at rest, similarities, and the cage of triangles",

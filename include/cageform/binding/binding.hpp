@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cageform/core/detail/blocks.hpp>
-#include <cageform/core/detail/face_handles.hpp>
 #include <cageform/core/types/handles.hpp>
 
 #include <utility>
@@ -72,7 +71,7 @@ public:
         if (handles.kinds != nullptr) handle_kinds_.assign(handles.kinds, handles.kinds + handles.count);
         if (handles.faces != nullptr)
             handle_faces_.assign(handles.faces, handles.faces + handles.vector_count());
-        handle_loops_.assign(handles.loops, handles.loops + detail::loop_numbers(handles.loops));
+        handle_loops_.assign(handles.loops, handles.loops + handles.loop_numbers());
         CAGEFORM_ASSERT(weights_.size() == block_count<T>(point_count_) * rest_handles_.size(),
                         "one row per handle");
         CAGEFORM_ASSERT(rest_.size() == block_count<T>(point_count_) * D, "one row per axis");

@@ -99,8 +99,7 @@ private:
         for (std::size_t e = 0; degrees.size() < loops.edges.size() && options.posed_degrees.empty(); ++e)
             degrees.push_back((std::max)(options.posed_degree, loops.edges[e].degree));
         if (degrees.size() != loops.edges.size())
-            return report_.add(CageFaultKind::curve_degree, (std::min)(degrees.size(), loops.edges.size()),
-                               0);
+            return report_.add(CageFaultKind::curve_degree, degrees.size(), 0);
         for (std::size_t e = 0; e < degrees.size(); ++e) {
             if (degrees[e] < loops.edges[e].degree || degrees[e] > detail::most_posed_degree)
                 report_.add(CageFaultKind::curve_degree, e, degrees[e]);

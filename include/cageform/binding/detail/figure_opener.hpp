@@ -36,8 +36,8 @@ bool same_handles(const HandleView<T, D>& a, const HandleView<T, D>& b) noexcept
         return p == q || (p != nullptr && q != nullptr && std::memcmp(p, q, count * sizeof(X)) == 0);
     };
     return a.count == b.count && same(a.rest, b.rest, a.count) && same(a.kinds, b.kinds, a.count) &&
-           same(a.faces, b.faces, a.vector_count()) && loop_numbers(a.loops) == loop_numbers(b.loops) &&
-           same(a.loops, b.loops, loop_numbers(a.loops));
+           same(a.faces, b.faces, a.vector_count()) && a.loop_numbers() == b.loop_numbers() &&
+           same(a.loops, b.loops, a.loop_numbers());
 }
 
 /// Opens the bindings of a figure whose table is sound.

@@ -201,7 +201,7 @@ private:
         header.handle_faces = binding_.handle_faces != nullptr ? 1 : 0;
         header.vectors = binding_.handle_view().vector_count();
         header.handle_loops = binding_.handle_loops != nullptr ? 1 : 0;
-        header.loop_numbers = std::uint32_t(loop_numbers(binding_.handle_loops));
+        header.loop_numbers = std::uint32_t(binding_.handle_view().loop_numbers());
         header.cage_hash = options_.cage_hash;
         header.figure_hash = options_.figure_hash;
         if (header.cage_hash == 0)
@@ -295,7 +295,7 @@ private:
             std::copy_n(binding_.handle_faces, binding_.handle_view().vector_count(),
                         blob.writable(out.handle_faces));
         if (out.handle_loops != nullptr)
-            std::copy_n(binding_.handle_loops, loop_numbers(binding_.handle_loops),
+            std::copy_n(binding_.handle_loops, binding_.handle_view().loop_numbers(),
                         blob.writable(out.handle_loops));
         for (std::size_t h = 0; out.affine_fit != nullptr && h < handles_; ++h) {
             const Column fit = moments_.fit(h);

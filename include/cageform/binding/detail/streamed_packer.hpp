@@ -239,7 +239,7 @@ private:
         copy(from.affine_fit, to.affine_fit, from.handles);
         copy(from.handle_kinds, to.handle_kinds, from.handles);
         copy(from.handle_faces, to.handle_faces, from.handle_view().vector_count());
-        copy(from.handle_loops, to.handle_loops, loop_numbers(from.handle_loops));
+        copy(from.handle_loops, to.handle_loops, from.handle_view().loop_numbers());
     }
     /// Copies a block to position `b`, with its rows from `row` on. Returns where its rows end.
     std::size_t copy_block(const BlockSource& source, std::size_t b, std::size_t row,

@@ -88,7 +88,7 @@ public:
         const auto corners = from_lowest(loop);
         const auto middle = std::uint32_t(at_.size());
         points_.add(corners, std::vector<double>(corners.size(), 1 / double(corners.size())));
-        at_.push_back(mean_of_loop(corners, [&](std::uint32_t i) { return at_[i]; }));
+        at_.push_back(mean_of_loop(corners.data(), corners.size(), [&](std::uint32_t i) { return at_[i]; }));
         add_triangles(with_edge_points(loop), middle, triangles);
     }
 

@@ -11,7 +11,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <span>
 #include <type_traits>
 
 namespace cageform::inline CAGEFORM_ABI {
@@ -80,14 +79,14 @@ Vec<T, 3> face_handle(const std::array<Vec<T, 3>, 3>& rest, const std::array<Vec
 
 namespace detail {
 
-/// Returns the mean of a loop's points, at(i) for vertex i: their sum in the order of the loop, times one
-/// over their number. Faces at rest and posed use this function, so that their means agree bit for bit.
+/// Returns the mean of a loop of `count` points, at(i) for vertex i: their sum in the order of the loop,
+/// times one over their number. Faces at rest and posed use this function, so that their means agree bit for bit.
 template <class At>
-auto mean_of_loop(std::span<const std::uint32_t> loop, const At& at) noexcept {
+auto mean_of_loop(const std::uint32_t* loop, std::size_t count, const At& at) noexcept {
     auto sum = at(loop[0]);
     using T = std::remove_cvref_t<decltype(sum[0])>;
-    for (std::size_t k = 1; k < loop.size(); ++k) sum = sum + at(loop[k]);
-    return (T(1) / T(loop.size())) * sum;
+    for (std::size_t k = 1; k < count; ++k) sum = sum + at(loop[k]);
+    return (T(1) / T(count)) * sum;
 }
 
 /// Returns whether results computed from coordinates of this size stay finite, in the scalars of a
@@ -104,17 +103,12 @@ bool can_be_posed(const Vec<T, D>& p) noexcept {
     return true;
 }
 
-/// Returns how many numbers the table of a HandleView's loops has.
-inline std::size_t loop_numbers(const std::uint32_t* loops) noexcept {
-    return loops == nullptr ? 0 : loops[loops[0] - 1];
-}
-
 /// Returns a corner of a face, at(i) for handle i: a handle or the mean of a loop.
 template <Scalar T, std::size_t D, class At>
 Vec<T, D> corner_of_face(const HandleView<T, D>& handles, std::uint32_t corner, const At& at) noexcept {
     if (corner < handles.count) return at(corner);
     const std::uint32_t* const begin = handles.loops + (corner - handles.count);
-    return mean_of_loop({handles.loops + begin[0], begin[1] - begin[0]}, at);
+    return mean_of_loop(handles.loops + begin[0], begin[1] - begin[0], at);
 }
 
 /// Returns the vector of a face whose posed corners are in `out`. A face that has not moved keeps

@@ -80,6 +80,8 @@ struct HandleView {
         for (std::size_t i = 0; i < count; ++i) vectors += is_point(i) ? 0 : 1;
         return vectors;
     }
+    /// Returns how many numbers the table of loops has.
+    std::size_t loop_numbers() const noexcept { return loops == nullptr ? 0 : loops[loops[0] - 1]; }
 };
 
 } // namespace cageform::inline CAGEFORM_ABI
