@@ -80,7 +80,8 @@ Vec<T, 3> face_handle(const std::array<Vec<T, 3>, 3>& rest, const std::array<Vec
 namespace detail {
 
 /// Returns the mean of a loop of `count` points, at(i) for vertex i: their sum in the order of the loop,
-/// times one over their number. Faces at rest and posed use this function, so that their means agree bit for bit.
+/// times one over their number. Faces at rest and posed use this function, so that their means agree bit for
+/// bit.
 template <class At>
 auto mean_of_loop(const std::uint32_t* loop, std::size_t count, const At& at) noexcept {
     auto sum = at(loop[0]);
