@@ -60,11 +60,11 @@ int main() {
     const auto bound = cageform::bind(lattice, board);
     const auto fit = cageform::fit_lattice(lattice, bound.value, wanted);
     if (!fit) return std::puts(to_string(fit.status()));
-    std::printf("a pose by least squares misses by %.4f at most; %zu points move nothing\n",
+    std::printf("a pose by least squares misses by %.4f at most, and %zu points move nothing\n",
                 fit.report.largest, fit.report.idle.size());
 }
 
 //> the middle of the board goes up by 0.333, its edge by 0.006, its corner by 0.000
 //> 32 of 35 points are in the two outer layers
 //> 55 points instead of 35: the board moves by nothing
-//> a pose by least squares misses by 0.0003 at most; 0 points move nothing
+//> a pose by least squares misses by 0.0003 at most, and 0 points move nothing

@@ -462,8 +462,8 @@ echo 0.25,0.5,0.75 >inner.csv
 works "weights of a box of polygons" "$programs/cage_weights" --cage box.obj --points inner.csv --coordinates harmonic -o polygons.csv
 grep -q 'note: box.obj: 6 faces' log && ok=yes || ok=no
 report $ok "cage_weights says what becomes of them too"
-echo 0.5,0.5,0.5 >middle.csv
-works "green weights of fans" "$programs/cage_weights" --cage box.obj --points middle.csv --coordinates green --faces fan -o fans.csv
+echo 0.5,0.5,0.5 >fan_point.csv
+works "green weights of fans" "$programs/cage_weights" --cage box.obj --points fan_point.csv --coordinates green --faces fan -o fans.csv
 # 8 vertices, then 6 faces of 4 triangles each: in the middle of a cube those of a kind are equal.
 awk -F, 'NR == 1 && NF != 33 { exit 1 }
   NR == 2 { for (i = 2; i <= 33; ++i) if (($i - (i < 10 ? 0.125 : $10)) ^ 2 > 1e-28) exit 1 }' fans.csv && ok=yes || ok=no
