@@ -808,6 +808,19 @@ TEST_CASE("what an adaptive grid cannot do is refused by name", "[coordinates][h
         CHECK(sufficient > options.accuracy);
         CHECK(status(cage, {.accuracy = sufficient, .memory_limit = options.memory_limit}) == Status::ok);
     }
+    const Polygon<double> l_shape(
+        std::vector<Vec<double, 2>>{{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}});
+    const HarmonicOptions options{.accuracy = 1e-5, .memory_limit = std::size_t{1} << 21};
+    const auto refused =
+        evaluate_all(Adaptive<Polygon<double>>(l_shape, options), std::vector<Vec<double, 2>>{{0.5, 0.5}});
+    CHECK(refused.status() == Status::out_of_memory);
+    CHECK(refused.evaluation.solver.bytes > options.memory_limit);
+    const double sufficient = refused.evaluation.solver.sufficient_accuracy;
+    CHECK(sufficient > options.accuracy);
+    const auto accepted = evaluate_all(
+        Adaptive<Polygon<double>>(l_shape, {.accuracy = sufficient, .memory_limit = options.memory_limit}),
+        std::vector<Vec<double, 2>>{{0.5, 0.5}});
+    CHECK(accepted.status() == Status::ok);
 }
 
 } // namespace

@@ -7,7 +7,6 @@
 #include <cageform/cage/cell_complex.hpp>
 #include <cageform/grid/tree/nodes.hpp>
 #include <cageform/grid/tree/refinement.hpp>
-#include <cageform/grid/tree/sizing.hpp>
 
 #include <map>
 
@@ -164,32 +163,14 @@ TEST_CASE("nodes of a tree are found by their place", "[grid][tree][property]") 
 
 // ---- boundaries -----------------------------------------------------------------------------------
 
-template <std::size_t D>
-std::span<const SizeSample<D>> view(const SizeSamples<D>& samples) {
-    return {samples.list.data(), samples.list.size()};
-}
-
 template <class Cage>
 void check_states(const Cage& cage, double across, std::uint64_t seed) {
     constexpr std::size_t D = Cage::dimension;
     REQUIRE(check(cage).status == Status::ok);
     const TreeBoundary<D> boundary(cage, 10);
     CutTree<D> tree(boundary);
-    if constexpr (D == 2) {
-        const SizingOptions options{.across = across};
-        const auto samples = size_samples(boundary, options, 1000000);
-        REQUIRE(refine(tree, view(samples), options, 1000000));
-        for (const auto& sample : samples.list) { // every one has its size
-            typename CellTree<D>::Index doubled{};
-            for (std::size_t k = 0; k < D; ++k) doubled[k] = std::int32_t(std::floor(2 * sample.position[k]));
-            CHECK(tree.cells().leaf_at(doubled).size <= std::max(1.0, sample.size));
-            if (sample.reason == cageform::SizeReason::thickness)
-                CHECK(locate(cage, boundary.in_cage(sample.position), 0.0) != PointState::outside);
-        }
-    } else {
-        FinestCells<3> finest;
-        REQUIRE(refine(tree, {.across = across}, 1000000, finest));
-    }
+    FinestCells<D> finest;
+    REQUIRE(refine(tree, {.across = across}, 1000000, finest));
     // Leaves that no facet passes are on one side, which is that of any place in them.
     Random random(seed);
     std::size_t inside = 0, beyond = 0;
@@ -271,28 +252,26 @@ TEST_CASE("rays meet facets as they are, also where the rounded ones end short o
 }
 
 TEST_CASE("sizes are bounded at wedges and narrow gaps", "[grid][tree][sizing]") {
-    const SizingOptions options;
     for (const double height : {0.3, 0.01, 1e-4, 1e-6}) {
         CAPTURE(height);
         const TreeBoundary<2> boundary(tessellated_wedge(200, height), 12);
-        const auto samples = size_samples(boundary, options, 200000);
-        CHECK(samples.count < 200000);
-        CHECK(double(samples.list.size()) == samples.count);
         CutTree<2> tree(boundary);
-        CHECK(refine(tree, view(samples), options, 200000));
+        FinestCells<2> finest;
+        CHECK(refine(tree, {}, 200000, finest));
     }
 }
 
-// ---- sizes in space -------------------------------------------------------------------------------
+// ---- sizes of cells --------------------------------------------------------------------------------
 
-/// Checks the sizes of the cells around a mesh, for cells with points inside.
-void check_sizes(const TriangleMesh<double>& mesh, const RefinementOptions& options, std::uint64_t seed) {
-    const TreeBoundary<3> boundary(mesh, 12);
-    CutTree<3> tree(boundary);
-    FinestCells<3> finest;
+/// Checks the sizes of the cells around a cage, for cells with points inside.
+template <class Cage>
+void check_sizes(const Cage& cage, const RefinementOptions& options) {
+    constexpr std::size_t D = Cage::dimension;
+    const TreeBoundary<D> boundary(cage, 12);
+    CutTree<D> tree(boundary);
+    FinestCells<D> finest;
     REQUIRE(refine(tree, options, 2000000, finest));
-    const double largest = options.largest * cageform::detail::CellSizes::size_of_cage(boundary);
-    Random random(seed);
+    const double largest = options.largest * cageform::detail::CellSizes<D>::size_of_cage(boundary);
     std::int32_t smallest = tree.cells().size();
     tree.cells().for_each_leaf([&](const auto& leaf) {
         if (tree.state(leaf.number) == CellState::out) return;
@@ -300,22 +279,50 @@ void check_sizes(const TriangleMesh<double>& mesh, const RefinementOptions& opti
         CHECK(leaf.size <= largest);
         for (const std::uint32_t n : tree.facets(leaf.number)) {
             const auto& c = boundary[n].corner;
-            double longest = 0;
-            for (std::size_t k = 0; k < 3; ++k)
-                longest = std::max(longest, cageform::detail::length(c[(k + 1) % 3] - c[k]));
-            CHECK(leaf.size <= std::max(1.0, cageform::detail::length(normal_of(boundary[n])) / longest /
-                                                 options.per_facet * (1 + 1e-9)));
+            double altitude = cageform::detail::length(normal_of(boundary[n]));
+            if constexpr (D == 3) {
+                double longest = 0;
+                for (std::size_t k = 0; k < 3; ++k)
+                    longest = std::max(longest, cageform::detail::length(c[(k + 1) % 3] - c[k]));
+                altitude /= longest;
+            }
+            CHECK(leaf.size <= std::max(1.0, altitude / options.per_facet * (1 + 1e-9)));
         }
     });
     CHECK(finest.size >= smallest); // before neighbours, and what is thin inside, asked for more
     CHECK(finest.size <= 4 * smallest);
 }
-TEST_CASE("cells in space are as small as facets ask", "[grid][tree][sizing][property]") {
+TEST_CASE("cells are as small as facets ask", "[grid][tree][sizing][property]") {
     const int seed = GENERATE(range(0, 3));
     CAPTURE(seed);
-    check_sizes(cageform_tests::random_mesh(std::uint64_t(seed)).mesh<double>(), {.across = 3}, 1);
-    check_sizes(cageform_tests::divided_box({2, 1, 1}, 0.5).mesh<double>(), {.per_facet = 3, .largest = 0.03},
-                2);
+    check_sizes(cageform_tests::random_mesh(std::uint64_t(seed)).mesh<double>(), {.across = 3});
+    check_sizes(cageform_tests::divided_box({2, 1, 1}, 0.5).mesh<double>(),
+                {.per_facet = 3, .largest = 0.03});
+    const Polygon<double> star(cageform_tests::random_star<double>(std::uint64_t(seed)));
+    check_sizes(star, {.across = 3});
+    check_sizes(star, {.per_facet = 3, .corner_levels = 3, .corner_gradation = 2, .largest = 0.03});
+}
+TEST_CASE("cells grow with the distance from a reflex vertex in the plane", "[grid][tree][sizing]") {
+    const Polygon<double> cage(std::vector<Vec<double, 2>>{{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}});
+    for (const double gradation : {1.0, 2.0, 4.0}) {
+        CAPTURE(gradation);
+        const TreeBoundary<2> boundary(cage, 14);
+        CutTree<2> tree(boundary);
+        FinestCells<2> finest;
+        // The exponent there is 2/3: 9 halvings of the largest cells.
+        const RefinementOptions options{.across = 1, .corner_levels = 6, .corner_gradation = gradation};
+        REQUIRE(refine(tree, options, 1000000, finest));
+        CHECK(finest.reason == cageform::SizeReason::singular_vertex);
+        const double expected = std::ldexp(1.0, 14 - 4 - 9);
+        CHECK(finest.size == expected);
+        const auto corner = boundary.in_units(Vec<double, 2>{1, 1});
+        CHECK(cageform::detail::length(finest.position - corner) <= gradation * 2 * expected);
+        tree.cells().for_each_leaf([&](const auto& leaf) {
+            if (tree.state(leaf.number) == CellState::out) return;
+            const double distance = cageform::detail::length(leaf.middle() - corner);
+            CHECK(leaf.size <= std::max(expected, distance / gradation));
+        });
+    }
 }
 TEST_CASE("cells say where they are finest and why", "[grid][tree][sizing]") {
     const auto finest_of = [](const TriangleMesh<double>& mesh, const RefinementOptions& options) {
@@ -357,26 +364,33 @@ TEST_CASE("cells say where they are finest and why", "[grid][tree][sizing]") {
     CHECK(reason == SizeReason::singular_edge);
     CHECK(std::hypot(place[0] - 1, place[1] - 1) < 4 * size);
 }
+template <class Cage>
+void check_plan(const Cage& cage, const RefinementOptions& options) {
+    constexpr std::size_t D = Cage::dimension;
+    const auto plan = RefinementPlanner<D>(TreeBoundary<D>(cage, 12)).plan(options);
+    CHECK((plan.scale >= 1 && plan.scale < 2));
+    const TreeBoundary<D> boundary(cage, 12, 0, plan.scale);
+    CutTree<D> tree(boundary);
+    FinestCells<D> finest;
+    REQUIRE(refine(tree, options, 4000000, finest));
+    CAPTURE(D, plan.leaves, tree.cells().leaves());
+    constexpr double factor = D == 2 ? 2 : 4;
+    CHECK(plan.leaves < factor * double(tree.cells().leaves()));
+    CHECK(plan.leaves > 1 / factor * double(tree.cells().leaves()));
+}
 TEST_CASE("what trees take is known beforehand", "[grid][tree][sizing]") {
     for (const double finer : {1.0, 2.0, 3.0}) {
-        const auto mesh = cageform_tests::random_mesh(4).mesh<double>();
+        CAPTURE(finer);
         const RefinementOptions options{.across = 5 * finer, .per_facet = finer, .largest = 0.03 / finer};
-        const auto plan = RefinementPlanner(TreeBoundary<3>(mesh, 12)).plan(options);
-        CHECK((plan.scale >= 1 && plan.scale < 2));
-        const TreeBoundary<3> boundary(mesh, 12, 0, plan.scale);
-        CutTree<3> tree(boundary);
-        FinestCells<3> finest;
-        REQUIRE(refine(tree, options, 4000000, finest));
-        CAPTURE(finer, plan.leaves, tree.cells().leaves());
-        CHECK(plan.leaves < 4 * double(tree.cells().leaves()));
-        CHECK(plan.leaves > 0.25 * double(tree.cells().leaves()));
+        check_plan(cageform_tests::random_mesh(4).mesh<double>(), options);
+        check_plan(Polygon<double>(cageform_tests::random_star<double>(4)), options);
     }
     // Two plates 1e-6 apart: more cells than allowed are counted, not made.
     const auto box = cageform_tests::divided_box({1, 1, 1}, 1.0);
     auto vertices = box.vertices;
     for (auto& p : vertices) p[2] *= 1e-6;
     const TreeBoundary<3> boundary(TriangleMesh<double>(vertices, box.faces), 16);
-    CHECK(RefinementPlanner(boundary).plan({}).leaves > 1e9);
+    CHECK(RefinementPlanner<3>(boundary).plan({}).leaves > 1e9);
     CutTree<3> tree(boundary);
     FinestCells<3> finest;
     CHECK(!refine(tree, {}, 5000, finest));

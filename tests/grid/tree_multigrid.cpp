@@ -6,7 +6,6 @@
 
 #include <cageform/grid/tree/multigrid.hpp>
 #include <cageform/grid/tree/refinement.hpp>
-#include <cageform/grid/tree/sizing.hpp>
 
 namespace tree_multigrid_tests {
 
@@ -17,6 +16,13 @@ using cageform_tests::Random;
 
 namespace {
 
+/// A size limit at a point: the leaf that holds it is at most `size` large. In units.
+template <std::size_t D>
+struct SizeSample {
+    Vec<double, D> position;
+    double size;
+};
+
 /// A cage on a tree.
 template <std::size_t D>
 struct Problem {
@@ -25,41 +31,47 @@ struct Problem {
     TreeNodes<D> nodes;
 
     template <class Cage>
-    explicit Problem(const Cage& cage, const SizingOptions& options, unsigned depth = 12)
-        : boundary(cage, depth)
-        , tree(boundary) {
-        refine_by(size_samples(boundary, options, 10000000).list, options);
-    }
-    template <class Cage>
     explicit Problem(const Cage& cage, const RefinementOptions& options, unsigned depth = 12)
         : boundary(cage, depth)
         , tree(boundary) {
-        FinestCells<3> finest;
+        FinestCells<D> finest;
         REQUIRE(refine(tree, options, 1000000, finest));
-        nodes = nodes_of(tree);
-        REQUIRE(nodes.count() > 0);
+        number_nodes();
     }
-    /// By samples of one's own.
+    /// Leaves are no larger than `largest` of the cube, and than the samples in them allow.
     template <class Cage>
-    Problem(const Cage& cage, unsigned depth, double largest, const Buffer<SizeSample<D>>& samples)
+    Problem(const Cage& cage, unsigned depth, double largest, const std::vector<SizeSample<D>>& samples)
         : boundary(cage, depth)
         , tree(boundary) {
-        refine_by(samples, {.largest = largest});
+        const auto& cells = tree.cells();
+        for (std::size_t n = 0; n < cells.cells(); ++n) { // the loop reaches cells that it adds
+            const auto cell = cells.cell(std::uint32_t(n));
+            if (cells.is_leaf(cell.number) && cell.size > largest * double(cells.size())) tree.split(cell);
+        }
+        for (const auto& [position, size] : samples) {
+            typename CellTree<D>::Index doubled{};
+            for (std::size_t k = 0; k < D; ++k) doubled[k] = std::int32_t(std::floor(2 * position[k]));
+            for (auto leaf = cells.leaf_at(doubled); leaf.size > 1 && leaf.size > size;
+                 leaf = cells.leaf_at(doubled))
+                tree.split(leaf);
+        }
+        tree.find_states();
+        balance(tree);
+        number_nodes();
     }
     Problem(const Problem&) = delete;
     Problem& operator=(const Problem&) = delete;
 
 private:
-    void refine_by(const Buffer<SizeSample<D>>& samples, const SizingOptions& options) {
-        REQUIRE(refine<D>(tree, std::span(samples.data(), samples.size()), options, 1000000));
+    void number_nodes() {
         nodes = nodes_of(tree);
         REQUIRE(nodes.count() > 0);
     }
 };
 
 template <std::size_t D>
-Buffer<SizeSample<D>> random_samples(Random& random, unsigned depth) {
-    Buffer<SizeSample<D>> samples;
+std::vector<SizeSample<D>> random_samples(Random& random, unsigned depth) {
+    std::vector<SizeSample<D>> samples;
     const double size = std::ldexp(1.0, int(depth));
     for (std::size_t n = 0; n < (D == 2 ? 20u : 12u); ++n) {
         SizeSample<D> sample{{}, std::ldexp(size, -int(3 + random.below(D == 2 ? 5 : 3)))};
@@ -186,7 +198,7 @@ TEST_CASE("on a refined patch in the plane the order is four", "[grid][tree]") {
     std::vector<double> errors;
     for (const unsigned level : {3u, 4u, 5u}) { // the coarse cells of a side
         const unsigned depth = level + 2;
-        Buffer<SizeSample<2>> samples; // two levels finer in a patch that reaches the boundary
+        std::vector<SizeSample<2>> samples; // two levels finer in a patch that reaches the boundary
         const int cells = 4 << level;
         for (int x = cells / 2; x < cells; ++x) {
             for (int y = 3 * cells / 8; y < 5 * cells / 8; ++y) samples.push_back({{x + 0.5, y + 0.5}, 1.0});
@@ -231,7 +243,7 @@ TEST_CASE("a cycle leaves a quarter of the error at most, on every oracle cage",
           "splitting_chain_hexagonlike_split_chain", "straight_chain_square_straight_chain", "unit_square"}) {
         CAPTURE(name);
         const auto oracle = cageform_tests::read_oracle(std::string("harmonic2d_") + name);
-        const SizingOptions options{.singular_levels = 5.0};
+        const RefinementOptions options{.corner_levels = 5.0};
         const auto factor = oracle.chain.empty()
                                 ? convergence_factor(Problem<2>(oracle.cage<double>(), options))
                                 : convergence_factor(Problem<2>(oracle.complex<double>(), options));
@@ -321,7 +333,7 @@ TEST_CASE("what a wall or a common plane parts knows nothing of the other side",
         CHECK(second > 20);
     }
     const auto oracle = cageform_tests::read_oracle("harmonic2d_splitting_chain_hexagonlike_split_chain");
-    const Problem<2> problem(oracle.complex<double>(), SizingOptions{});
+    const Problem<2> problem(oracle.complex<double>(), RefinementOptions{});
     const TreeMultigrid<2> multigrid(problem.tree, problem.nodes);
     auto block = multigrid.make_block();
     multigrid.start(block, 0);

@@ -6,7 +6,6 @@
 #include <cageform/coordinates/harmonic/cage_solver.hpp>
 #include <cageform/grid/tree/leaf_gather.hpp>
 #include <cageform/grid/tree/refinement.hpp>
-#include <cageform/grid/tree/sizing.hpp>
 #include <cageform/grid/tree/star.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
@@ -44,9 +43,8 @@ public:
     public:
         ///   subtracts_kinks  whether a near field is subtracted (near_rows.hpp)
         Plan(const C& cage, double tolerance, bool subtracts_kinks, const Running& running)
-            : subtracts_kinks_(subtracts_kinks) {
-            if constexpr (D == 3) planner_.emplace(boundary_of_tree(cage, tolerance, 1), running);
-        }
+            : planner_(boundary_of_tree(cage, tolerance, 1), running)
+            , subtracts_kinks_(subtracts_kinks) {}
         double scale(double accuracy) const noexcept { return plan(accuracy).scale; }
         double leaves(double accuracy) const noexcept { return plan(accuracy).leaves; }
         /// Returns a coarser accuracy that needs at most `most` leaves, or 0 if there is none.
@@ -54,16 +52,14 @@ public:
             do {
                 accuracy *= 1.25;
             } while (accuracy < most_accuracy && leaves(accuracy) > most);
-            return accuracy < most_accuracy && D == 3 ? accuracy : 0;
+            return accuracy < most_accuracy ? accuracy : 0;
         }
 
     private:
         grid::RefinementPlan plan(double accuracy) const noexcept {
-            if constexpr (D == 3)
-                return planner_->plan(sizing(accuracy, subtracts_kinks_)); // NOLINT: made in space
-            return {};
+            return planner_.plan(sizing(accuracy, subtracts_kinks_));
         }
-        std::optional<grid::RefinementPlanner> planner_;
+        grid::RefinementPlanner<D> planner_;
         bool subtracts_kinks_;
     };
     static constexpr double least_accuracy = 1e-5, most_accuracy = 0.1;
@@ -85,54 +81,39 @@ public:
     /// points of tests/data/fingers.
     /// With a near field cells need not resolve the kinks of the data, so that they may be far larger than
     /// small facets, and larger in the open.
-    static auto sizing(double accuracy, [[maybe_unused]] bool subtracts_kinks) noexcept {
+    static grid::RefinementOptions sizing(double accuracy, [[maybe_unused]] bool subtracts_kinks) noexcept {
         if constexpr (D == 2) {
             const double finer = std::sqrt(std::sqrt(1e-2 / accuracy));
-            return grid::SizingOptions{.across = (std::max)(3.0, 1.5 * finer),
-                                       .per_facet = (std::max)(1.0, 0.75 * finer),
-                                       .singular_levels = 0.8 * std::log2(1 / accuracy) - 1.4,
-                                       .layers = unsigned(std::lround(0.5 + 1.3 * finer)),
-                                       // Sizes are powers of two, so the cells halve for a tenth of
-                                       // the accuracy.
-                                       .largest = 0.0626 * std::pow(100 * accuracy, 0.301)};
+            return {.across = (std::max)(3.0, 1.5 * finer),
+                    .per_facet = (std::max)(1.0, 0.75 * finer),
+                    .corner_levels = 0.8 * std::log2(1 / accuracy) - 1.4,
+                    .corner_gradation = 0.7 + 0.6 * finer,
+                    // Sizes are powers of two, so the cells halve for a tenth of the accuracy.
+                    .largest = 0.0626 * std::pow(100 * accuracy, 0.301)};
         } else {
             constexpr double infinity = std::numeric_limits<double>::infinity();
             // Once kinks are subtracted, reflex edges have the largest errors.
             const double finer = std::sqrt(2e-3 / accuracy), least_levels = subtracts_kinks ? 1.0 : 0.0;
             const double levels = (std::max)(least_levels, 1 + std::log2(finer));
-            return grid::RefinementOptions{.across = 4.8 * finer,
-                                           .per_facet = (subtracts_kinks ? 0.25 : 0.89) * finer,
-                                           // No more faces are near than a near field can take.
-                                           .of_root_area = subtracts_kinks ? 1.7 : infinity,
-                                           .edge_levels = levels,
-                                           .reflex_levels = levels,
-                                           // Errors there are of first order.
-                                           .at_vertex = (subtracts_kinks ? 5 : 7) * accuracy,
-                                           .per_radius = 10 * finer,
-                                           .largest = subtracts_kinks ? (std::min)(0.056, 0.045 / finer)
-                                                                      : (std::min)(0.08, 0.0253 / finer)};
+            return {.across = 4.8 * finer,
+                    .per_facet = (subtracts_kinks ? 0.25 : 0.89) * finer,
+                    // No more faces are near than a near field can take.
+                    .of_root_area = subtracts_kinks ? 1.7 : infinity,
+                    .edge_levels = levels,
+                    .reflex_levels = levels,
+                    // Errors there are of first order.
+                    .at_vertex = (subtracts_kinks ? 5 : 7) * accuracy,
+                    .per_radius = 10 * finer,
+                    .largest = subtracts_kinks ? (std::min)(0.056, 0.045 / finer)
+                                               : (std::min)(0.08, 0.0253 / finer)};
         }
     }
 
     /// Refines the tree. Returns false if more than `most` leaves are needed; `leaves` is then an
     /// estimate of how many.
     bool refine(double accuracy, double most, double& leaves, const Running& running) {
-        const auto options = sizing(accuracy, subtracts_kinks_);
-        bool whole = true;
-        if constexpr (D == 2) {
-            constexpr double samples_of_leaf = 5; // measured
-            const auto samples =
-                grid::size_samples(boundary_, options, std::size_t(4 * samples_of_leaf * most));
-            leaves = samples.count / samples_of_leaf;
-            if (double(samples.list.size()) < samples.count) return false;
-            const std::span<const grid::SizeSample<D>> list(samples.list.data(), samples.list.size());
-            whole = grid::refine(tree_, list, options, std::size_t(most));
-            for (const auto& [position, size, reason] : list) {
-                if (size < finest_.size) finest_ = {size, position, reason};
-            }
-        } else {
-            whole = grid::refine(tree_, options, std::size_t(most), finest_, running);
-        }
+        const bool whole =
+            grid::refine(tree_, sizing(accuracy, subtracts_kinks_), std::size_t(most), finest_, running);
         leaves = whole ? double(tree_.cells().leaves()) : (std::max)(leaves, most + 1);
         if (whole) nodes_ = grid::nodes_of(tree_, running);
         return whole;

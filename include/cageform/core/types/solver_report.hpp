@@ -101,7 +101,7 @@ struct SolverReport {
     /// out_of_memory `bytes` holds the memory that was needed, if known. For an adaptive grid that
     /// number is an estimate, off by at most a factor of two on the cages measured.
     std::size_t sufficient_resolution = 0;
-    /// For out_of_memory on an adaptive grid in space: an accuracy that would work, by an estimate;
+    /// For out_of_memory on an adaptive grid: an accuracy that would work, by an estimate;
     /// 0: none is known.
     double sufficient_accuracy = 0;
     /// The index of the input that is refused: a cell or value (fields/dirichlet.hpp), a node or

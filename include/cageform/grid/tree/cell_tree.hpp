@@ -30,9 +30,10 @@
 //   cell_tree        the cells, and keeping neighbours within a factor of two in size
 //   boundary         the facets and bones of a cage in units of the tree
 //   cut_tree         which facets pass which cells, and which cells are inside
-//   sizing           how small cells must be, in the plane
-//   cell_sizes       how small cells must be, in space, with refinement
+//   cell_sizes       how small cells must be at facets
+//   features         how small cells must be about vertices and edges where functions are singular
 //   bone_sizes       how small cells must be about bones
+//   refinement       splits cells until they are, and estimates beforehand how many there will be
 //   nodes            the unknowns: corners of leaves
 //   leaf_gather      interpolation inside a leaf
 //   leaves_about     the leaves that touch a node

@@ -1,11 +1,11 @@
-// Refines a tree in space until every cell is small enough.
+// Refines a tree until every cell is small enough.
 //
 // The Refiner visits cells from the root down and splits those larger than allowed. How large a
 // cell may be depends on the facets that pass it, on bones, and on the features near it (reflex
-// edges and vertices, see CellSizes). RefinementPlanner estimates the number of leaves beforehand.
+// edges and vertices, see Features). RefinementPlanner estimates the number of leaves beforehand.
 #pragma once
 
-#include <cageform/grid/tree/cell_sizes.hpp>
+#include <cageform/grid/tree/features.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 namespace grid {
@@ -31,17 +31,20 @@ struct FinestCells {
 namespace detail {
 
 /// Refines a tree that consists of one cell.
+template <std::size_t D>
 class Refiner {
 public:
-    using Cell = grid::CellTree<3>::Cell;
+    using Cell = typename grid::CellTree<D>::Cell;
+    using Demand = typename CellSizes<D>::Demand;
+    using ThinPoint = typename CellSizes<D>::ThinPoint;
 
-    Refiner(grid::CutTree<3>& tree, const grid::RefinementOptions& options, std::size_t most_leaves,
+    Refiner(grid::CutTree<D>& tree, const grid::RefinementOptions& options, std::size_t most_leaves,
             const Running& running)
         : tree_(tree)
         , running_(running)
         , sizes_(tree.boundary(), options)
         , bones_(tree.boundary(), options.per_radius)
-        , features_(sizes_.features())
+        , features_(Features<D>(sizes_).find())
         , most_leaves_(most_leaves) {}
 
     bool make() {
@@ -70,7 +73,7 @@ public:
         grid::balance(tree_);
         return cells.leaves() <= most_leaves_;
     }
-    const grid::FinestCells<3>& finest() const noexcept { return finest_; }
+    const grid::FinestCells<D>& finest() const noexcept { return finest_; }
 
 private:
     struct Range {
@@ -79,8 +82,8 @@ private:
 
     /// The sizes that cells may have, and where the domain is thin.
     struct Demands {
-        std::vector<CellSizes::Demand> list;
-        std::vector<CellSizes::ThinPoint> thin;
+        std::vector<Demand> list;
+        std::vector<ThinPoint> thin;
     };
     /// Returns what facets, bones and features allow for cells first … last − 1, in order.
     std::vector<Demands> demands_of(std::uint32_t first, std::uint32_t last) const {
@@ -91,8 +94,7 @@ private:
             };
         });
     }
-    CellSizes::Demand demand_of(std::uint32_t number, CellSizes& sizes,
-                                std::vector<CellSizes::ThinPoint>& thin) const {
+    Demand demand_of(std::uint32_t number, CellSizes<D>& sizes, std::vector<ThinPoint>& thin) const {
         const Cell cell = tree_.cells().cell(number);
         if (tree_.state(cell.number) == grid::CellState::out)
             return {std::numeric_limits<double>::infinity(), SizeReason::largest};
@@ -102,18 +104,18 @@ private:
         const Range features = ranges_[cell.number];
         for (std::uint32_t n = features.begin; n < features.end; ++n) {
             const auto& feature = features_[near_[n]];
-            const double size = CellSizes::size_at(feature, middle);
+            const double size = feature.size_at(middle);
             if (size < least.size) least = {size, feature.reason};
         }
         return least;
     }
     /// Splits a cell if it is larger than is allowed.
-    void split_if_too_large(const Cell& cell, const CellSizes::Demand& allowed) {
+    void split_if_too_large(const Cell& cell, const Demand& allowed) {
         if (cell.size == 1 || cell.size <= allowed.size) return;
         const Range features = ranges_[cell.number];
         tree_.split(cell);
         if (0.5 * cell.size < finest_.size) finest_ = {0.5 * cell.size, cell.middle(), allowed.reason};
-        for (std::size_t n = 0; n < grid::CellTree<3>::children; ++n)
+        for (std::size_t n = 0; n < grid::CellTree<D>::children; ++n)
             hand_down(features, tree_.cells().child(cell, n));
     }
     /// Passes a feature on to a child if it limits the size of the child or of cells in it.
@@ -122,14 +124,14 @@ private:
         const auto begin = std::uint32_t(near_.size());
         const bool counts = tree_.state(child.number) != grid::CellState::out;
         for (std::uint32_t n = features.begin; counts && n < features.end; ++n) {
-            if (CellSizes::size_at(features_[near_[n]], middle) < child.size) near_.push_back(near_[n]);
+            if (features_[near_[n]].size_at(middle) < child.size) near_.push_back(near_[n]);
         }
         ranges_.push_back({begin, std::uint32_t(near_.size())});
     }
     /// Splits the leaf at a point until it is no larger than `size`.
-    void split_at(const Vec<double, 3>& position, double size) {
-        grid::CellTree<3>::Index doubled{};
-        for (std::size_t k = 0; k < 3; ++k) doubled[k] = std::int32_t(std::floor(2 * position[k]));
+    void split_at(const Vec<double, D>& position, double size) {
+        typename grid::CellTree<D>::Index doubled{};
+        for (std::size_t k = 0; k < D; ++k) doubled[k] = std::int32_t(std::floor(2 * position[k]));
         auto leaf = tree_.cells().leaf_at(doubled);
         while (leaf.size > 1 && leaf.size > size && tree_.state(leaf.number) != grid::CellState::out) {
             tree_.split(leaf);
@@ -137,39 +139,45 @@ private:
         }
     }
 
-    grid::CutTree<3>& tree_;
+    grid::CutTree<D>& tree_;
     const Running& running_;
-    CellSizes sizes_;
-    grid::BoneSizes<3> bones_;
-    std::vector<CellSizes::Feature> features_;
+    CellSizes<D> sizes_;
+    grid::BoneSizes<D> bones_;
+    std::vector<Feature<D>> features_;
     std::size_t most_leaves_;
     Buffer<std::uint32_t> near_; ///< indices of features
     Buffer<Range> ranges_;       ///< ranges of near_, by cell
-    std::vector<CellSizes::ThinPoint> thin_;
-    grid::FinestCells<3> finest_;
+    std::vector<ThinPoint> thin_;
+    grid::FinestCells<D> finest_;
 };
 
 } // namespace detail
 namespace grid {
 
 /// Estimates the number of leaves of trees about a boundary.
+template <std::size_t D>
 class RefinementPlanner {
 public:
     /// The boundary must have the scale 1.
-    explicit RefinementPlanner(const TreeBoundary<3>& boundary, const Running& running = {})
-        : cage_size_(detail::CellSizes::size_of_cage(boundary))
-        , patches_(detail::CellSizes(boundary, {}).patches(running)) {
+    explicit RefinementPlanner(const TreeBoundary<D>& boundary, const Running& running = {})
+        : cage_size_(detail::CellSizes<D>::size_of_cage(boundary))
+        , patches_(detail::CellSizes<D>(boundary, {}).patches(running)) {
+        if constexpr (D == 2) {
+            detail::CellSizes<2> sizes(boundary, {});
+            inverse_exponents_ = detail::Features<2>(sizes).inverse_exponents();
+        }
         for (std::size_t n = 0; n < boundary.size(); ++n) { // the volume by the divergence theorem
             const auto& facet = boundary[n];
             if (facet.separates)
-                volume_ += dot(boundary.normal(n), facet.corner[0]) * detail::length(normal_of(facet)) / 6;
+                volume_ += dot(boundary.normal(n), facet.corner[0]) * detail::measure(facet.corner) / D;
         }
     }
 
     RefinementPlan plan(const RefinementOptions& options) const noexcept {
-        // Measured: leaves made for each one that the area of a face needs.
-        constexpr double of_surface = 6.5;
-        constexpr int steps = 16;
+        // Measured: leaves made for each one that the area of a face, or the length of an edge, needs.
+        constexpr double of_surface = D == 2 ? 2.5 : 6.5;
+        // In the plane the largest size is chosen for the scale 1.
+        constexpr int steps = D == 2 ? 1 : 16;
         RefinementPlan best{1, std::numeric_limits<double>::infinity()};
         for (int step = 0; step < steps; ++step) {
             const double scale = std::exp2(double(step) / steps), unit = (std::max)(scale, 1.0);
@@ -177,15 +185,17 @@ public:
                 return unit * std::exp2((std::max)(std::floor(std::log2(size / unit)), 0.0));
             };
             const double largest = options.largest * cage_size_;
-            double leaves = volume_ / std::pow(rounded(largest), 3);
+            double leaves = volume_ / std::pow(rounded(largest), double(D));
             for (const auto& patch : patches_) {
                 const double size = rounded(
                     (std::min)({largest, patch.altitude / options.per_facet,
                                 options.of_root_area * patch.root_area, patch.thickness / options.across}));
                 // Cells reach beyond narrow facets.
-                leaves +=
-                    of_surface * patch.area / (size * size) * (1 + size / (std::max)(patch.altitude, 1e-3));
+                const double beyond = 1 + size / (std::max)(patch.altitude, 1e-3);
+                leaves += of_surface * patch.area / std::pow(size, double(D - 1)) * beyond;
             }
+            const double g = options.corner_gradation; // measured: leaves made for each halving
+            leaves += options.corner_levels * inverse_exponents_ * (12 + 5.5 * g * g);
             if (leaves < best.leaves) best = {scale, leaves};
         }
         return best;
@@ -193,8 +203,9 @@ public:
 
 private:
     double cage_size_;
-    std::vector<detail::CellSizes::Patch> patches_;
+    std::vector<typename detail::CellSizes<D>::Patch> patches_;
     double volume_ = 0;
+    double inverse_exponents_ = 0; ///< in the plane
 };
 
 /// Refines a tree that consists of one cell, down to cells of one unit, and then balances it.
@@ -202,9 +213,10 @@ private:
 ///   most_leaves  returns false if more would be needed; the tree is then incomplete
 ///   finest       out
 ///   cost         a ray across the domain for each facet in each cell
-inline bool refine(CutTree<3>& tree, const RefinementOptions& options, std::size_t most_leaves,
-                   FinestCells<3>& finest, const Running& running = {}) {
-    detail::Refiner refiner(tree, options, most_leaves, running);
+template <std::size_t D>
+bool refine(CutTree<D>& tree, const RefinementOptions& options, std::size_t most_leaves,
+            FinestCells<D>& finest, const Running& running = {}) {
+    detail::Refiner<D> refiner(tree, options, most_leaves, running);
     const bool whole = refiner.make();
     finest = refiner.finest();
     return whole;

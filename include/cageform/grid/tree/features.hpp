@@ -1,0 +1,232 @@
+// Finds the vertices and edges about which cells must be smaller than facets ask: functions are
+// singular there, or data has kinks.
+#pragma once
+
+#include <cageform/grid/tree/cell_sizes.hpp>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+/// A segment or a point about which cells are small.
+template <std::size_t D>
+struct Feature {
+    Vec<double, D> begin, end;
+    double size; ///< of the cells there, in units
+    /// A cell near the feature is no larger than its distance from the feature divided by this.
+    double gradation;
+    SizeReason reason;
+
+    /// Returns the size that the feature allows for a cell with a given middle. It grows with the
+    /// distance from the feature.
+    double size_at(const Vec<double, D>& middle) const noexcept {
+        const auto along = end - begin;
+        const double all = dot(along, along);
+        const double fraction = all > 0 ? std::clamp(dot(middle - begin, along) / all, 0.0, 1.0) : 0;
+        return (std::max)(size, length(middle - (begin + fraction * along)) / gradation);
+    }
+};
+
+template <std::size_t D>
+class Features;
+
+/// Finds the features in the plane: vertices where functions decrease like a power below two of the
+/// distance.
+template <>
+class Features<2> {
+public:
+    /// `sizes` must outlive it.
+    explicit Features(CellSizes<2>& sizes)
+        : sizes_(sizes)
+        , boundary_(sizes.boundary()) {}
+
+    std::vector<Feature<2>> find() {
+        std::vector<Feature<2>> features;
+        for_each_vertex([&](std::span<const End> about) {
+            const double levels = std::round(sizes_.options().corner_levels / exponent(about));
+            if (levels > 0) add(about, levels, features);
+        });
+        return features;
+    }
+    /// Returns the sum over all vertices of 1/α, which corner_levels is multiplied by.
+    double inverse_exponents() const {
+        double sum = 0;
+        for_each_vertex([&](std::span<const End> about) { sum += 1 / exponent(about); });
+        return sum;
+    }
+
+private:
+    struct End { ///< the end of an edge
+        std::uint32_t vertex, edge;
+        std::size_t corner;
+    };
+    /// Calls f with the ends that meet at each vertex.
+    template <class F>
+    void for_each_vertex(F&& f) const {
+        std::vector<End> ends;
+        for (std::uint32_t n = 0; n < boundary_.size(); ++n) {
+            for (std::size_t k = 0; k < 2; ++k) ends.push_back({boundary_[n].vertex[k], n, k});
+        }
+        std::sort(ends.begin(), ends.end(), [](const End& a, const End& b) {
+            return a.vertex != b.vertex ? a.vertex < b.vertex : a.edge < b.edge;
+        });
+        for (auto begin = ends.begin(), end = begin; begin != ends.end(); begin = end) {
+            while (end != ends.end() && end->vertex == begin->vertex) ++end;
+            f(std::span<const End>(begin, end));
+        }
+    }
+    /// Returns the exponent α for which the steepest functions at a vertex decrease like
+    /// distance^α: π over the interior angle. Returns infinity if the tree need not be finer there.
+    double exponent(std::span<const End> about) const noexcept {
+        constexpr double pi = std::numbers::pi, obtuse = 0.55 * pi;
+        double angle = about.size() == 1 ? 2 * pi : pi;
+        if (about.size() == 2) {
+            const auto &a = boundary_[about[0].edge], &b = boundary_[about[1].edge];
+            const auto u = across(about[0]), v = across(about[1]);
+            const double size = length(u) * length(v);
+            if (!(size > 0)) return std::numeric_limits<double>::infinity();
+            angle = std::acos(std::clamp(dot(u, v) / size, -1.0, 1.0));
+            const bool convex = dot(boundary_.normal(about[0].edge), v) < 0;
+            if (!a.separates && !b.separates) {
+                angle = (std::max)(angle, 2 * pi - angle);
+            } else if (a.separates && b.separates && !convex) {
+                angle = 2 * pi - angle;
+            } else if (a.separates != b.separates) {
+                angle = pi;
+            }
+        }
+        return angle > obtuse ? pi / angle : std::numeric_limits<double>::infinity();
+    }
+    /// Returns the vector from a vertex along its edge to the other end.
+    Vec<double, 2> across(const End& end) const noexcept {
+        const auto& corner = boundary_[end.edge].corner;
+        return corner[1 - end.corner] - corner[end.corner];
+    }
+    /// Adds a vertex, about which cells are the size that its edges allow, halved `levels` times.
+    void add(std::span<const End> about, double levels, std::vector<Feature<2>>& features) {
+        const auto position = boundary_[about[0].edge].corner[about[0].corner];
+        double size = sizes_.largest();
+        for (const End& end : about) size = (std::min)(size, sizes_.size_near(end.edge, position));
+        features.push_back({position, position, (std::max)(std::ldexp(size, -int(levels)), 1.0),
+                            sizes_.options().corner_gradation, SizeReason::singular_vertex});
+    }
+
+    CellSizes<2>& sizes_;
+    const grid::TreeBoundary<2>& boundary_;
+};
+
+/// Finds the features in space: reflex edges, cut in pieces, their ends, and other vertices of more
+/// than three facets.
+template <>
+class Features<3> {
+public:
+    /// `sizes` must outlive it.
+    explicit Features(CellSizes<3>& sizes)
+        : sizes_(sizes)
+        , boundary_(sizes.boundary()) {}
+
+    std::vector<Feature<3>> find() {
+        std::vector<Feature<3>> features;
+        const auto reflex = reflex_edges();
+        for (const auto& about : reflex) add_edge(about, features);
+        add_vertices(reflex, features);
+        return features;
+    }
+
+private:
+    using Point = Vec<double, 3>;
+    static constexpr std::size_t pieces = 8; ///< pieces of a singular edge, each with its own size
+    static constexpr double edge_gradation = 1.5, vertex_gradation = 2;
+
+    struct Ridge { ///< an edge of a facet
+        std::array<std::uint32_t, 2> vertex;
+        std::uint32_t facet;
+        std::uint32_t apex; ///< the facet's corner opposite the edge
+    };
+    /// Returns, for each reflex edge or rim of a wall, the facets that meet there.
+    std::vector<std::vector<Ridge>> reflex_edges() const {
+        std::vector<Ridge> ridges;
+        for (std::uint32_t n = 0; n < boundary_.size(); ++n) {
+            for (std::uint32_t apex = 0; apex < 3; ++apex) {
+                const std::uint32_t a = boundary_[n].vertex[(apex + 1) % 3];
+                const std::uint32_t b = boundary_[n].vertex[(apex + 2) % 3];
+                ridges.push_back({{(std::min)(a, b), (std::max)(a, b)}, n, apex});
+            }
+        }
+        std::sort(ridges.begin(), ridges.end(), [](const Ridge& a, const Ridge& b) {
+            return a.vertex != b.vertex ? a.vertex < b.vertex : a.facet < b.facet;
+        });
+        std::vector<std::vector<Ridge>> reflex;
+        for (auto begin = ridges.begin(), end = begin; begin != ridges.end(); begin = end) {
+            while (end != ridges.end() && end->vertex == begin->vertex) ++end;
+            if (is_reflex({begin, end})) reflex.emplace_back(begin, end);
+        }
+        return reflex;
+    }
+    /// Tells whether functions are singular at an edge: the domain has an angle of more than 180
+    /// degrees there, or a wall ends or bends there.
+    bool is_reflex(std::span<const Ridge> about) const noexcept {
+        constexpr double flat = -0.988; // the cosine of 171 degrees
+        if (about.size() != 2) return about.size() == 1;
+        const bool separates = boundary_[about[0].facet].separates;
+        const auto u = across(about[0]), v = across(about[1]);
+        const double size = length(u) * length(v);
+        if (!(size > 0) || separates != boundary_[about[1].facet].separates || dot(u, v) < flat * size)
+            return false;
+        return !separates || dot(boundary_.normal(about[0].facet), v) > 0;
+    }
+    /// Returns the vector from an edge to the opposite corner, at a right angle to the edge.
+    Point across(const Ridge& ridge) const noexcept {
+        const auto& corner = boundary_[ridge.facet].corner;
+        const auto& a = corner[(ridge.apex + 1) % 3];
+        const auto along = corner[(ridge.apex + 2) % 3] - a, to_apex = corner[ridge.apex] - a;
+        const double all = dot(along, along);
+        return all > 0 ? to_apex - (dot(to_apex, along) / all) * along : to_apex;
+    }
+    void add_edge(std::span<const Ridge> about, std::vector<Feature<3>>& features) {
+        const auto& corner = boundary_[about[0].facet].corner;
+        const auto a = corner[(about[0].apex + 1) % 3], b = corner[(about[0].apex + 2) % 3];
+        for (std::size_t n = 0; n < pieces; ++n) {
+            const auto at = [&](double fraction) {
+                return a + ((double(n) + fraction) / double(pieces)) * (b - a);
+            };
+            double size = sizes_.largest();
+            for (const Ridge& ridge : about) size = (std::min)(size, sizes_.size_near(ridge.facet, at(0.5)));
+            size = (std::max)(size * std::exp2(-sizes_.options().edge_levels), 1.0);
+            features.push_back({at(0), at(1), size, edge_gradation, SizeReason::singular_edge});
+        }
+    }
+    /// Adds the vertices that need smaller cells than their facets do: the ends of reflex edges,
+    /// vertices of more than three facets, and vertices of walls.
+    void add_vertices(std::span<const std::vector<Ridge>> reflex, std::vector<Feature<3>>& features) {
+        const auto& options = sizes_.options();
+        std::vector<std::uint32_t> ends;
+        for (const auto& about : reflex)
+            ends.insert(ends.end(), about[0].vertex.begin(), about[0].vertex.end());
+        std::sort(ends.begin(), ends.end());
+        std::vector<std::pair<std::uint32_t, std::uint32_t>> corners; // a vertex, 3 · facet + corner
+        for (std::uint32_t n = 0; n < boundary_.size(); ++n) {
+            for (std::uint32_t k = 0; k < 3; ++k) corners.push_back({boundary_[n].vertex[k], 3 * n + k});
+        }
+        std::sort(corners.begin(), corners.end());
+        for (auto begin = corners.begin(), end = begin; begin != corners.end(); begin = end) {
+            while (end != corners.end() && end->first == begin->first) ++end;
+            const std::uint32_t facet = begin->second / 3;
+            // Functions are nearly linear at such a vertex.
+            if (end - begin <= 3 && boundary_[facet].separates) continue;
+            const auto position = boundary_[facet].corner[begin->second % 3];
+            double size = sizes_.largest();
+            for (auto at = begin; at != end; ++at)
+                size = (std::min)(size, sizes_.size_near(at->second / 3, position));
+            const bool is_end = std::binary_search(ends.begin(), ends.end(), begin->first);
+            const double here =
+                (std::max)(1.0, (std::min)(is_end ? size * std::exp2(-options.reflex_levels) : size,
+                                           options.at_vertex * sizes_.cage_size()));
+            if (here < size)
+                features.push_back({position, position, here, vertex_gradation, SizeReason::singular_vertex});
+        }
+    }
+
+    CellSizes<3>& sizes_;
+    const grid::TreeBoundary<3>& boundary_;
+};
+
+} // namespace cageform::inline CAGEFORM_ABI::detail
