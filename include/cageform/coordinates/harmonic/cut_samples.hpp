@@ -40,10 +40,8 @@ public:
                 const auto& at_node = functions.value(node);
                 for (std::size_t k = 0; k < value.size(); ++k) value[k] += share * at_node[k];
             }
-            for (const auto& [handle, share] : stencils_.handles(n)) {
-                const std::size_t k = handle - first_handle;
-                if (k < count) value[k] += share;
-            }
+            for (const auto& [handle, share] : stencils_.handles(n, first_handle, count))
+                value[handle - first_handle] += share;
             // A mean of boundary data is in [0, 1]; solver errors must not leave this range.
             const std::size_t i = first_ + n;
             auto* const row = rows.block(i / lane_count<T>);
@@ -55,16 +53,26 @@ public:
 
     /// Divides the weights of every point by their sum where that differs from 1 by more than `least`: values
     /// below 0 have been cut. Points without weights stay as they are.
+    /// `first` must be the first of a block of points.
     template <Scalar T>
     void normalise(BlockView<T> rows, double least) const noexcept {
-        for (std::size_t n = 0; n < stencils_.size(); ++n) {
-            const std::size_t i = first_ + n, lane = i % lane_count<T>;
-            auto* const row = rows.block(i / lane_count<T>);
-            double sum = 0;
-            for (std::size_t k = 0; k < rows.rows; ++k) sum += double(row[k][lane]);
-            if (!(sum > 0.5) || !(std::fabs(sum - 1) > least)) continue;
-            for (std::size_t k = 0; k < rows.rows; ++k)
-                row[k][lane] = static_cast<T>(double(row[k][lane]) / sum);
+        constexpr std::size_t lanes = lane_count<T>;
+        for (std::size_t n = 0; n < stencils_.size(); n += lanes) {
+            auto* const row = rows.block((first_ + n) / lanes);
+            std::array<double, lanes> sum{};
+            for (std::size_t k = 0; k < rows.rows; ++k) {
+                for (std::size_t lane = 0; lane < lanes; ++lane) sum[lane] += double(row[k][lane]);
+            }
+            bool any = false;
+            for (double& of_point : sum) {
+                const bool differs = of_point > 0.5 && std::fabs(of_point - 1) > least;
+                any = any || differs;
+                if (!differs) of_point = 1;
+            }
+            for (std::size_t k = 0; any && k < rows.rows; ++k) {
+                for (std::size_t lane = 0; lane < lanes; ++lane)
+                    row[k][lane] = static_cast<T>(double(row[k][lane]) / sum[lane]);
+            }
         }
     }
 

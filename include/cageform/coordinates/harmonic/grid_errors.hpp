@@ -97,9 +97,7 @@ private:
             const auto& at_node = functions.value(node);
             for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += share * at_node[k];
         }
-        for (const auto& [handle, share] : stencils.handles(n)) {
-            if (handle - first < count) sum[handle - first] += share;
-        }
+        for (const auto& [handle, share] : stencils.handles(n, first, count)) sum[handle - first] += share;
         return sum;
     }
 

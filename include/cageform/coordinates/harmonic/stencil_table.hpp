@@ -4,6 +4,7 @@
 #include <cageform/core/detail/buffer.hpp>
 #include <cageform/grid/lattice/cut_stencil.hpp>
 
+#include <algorithm>
 #include <span>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
@@ -36,6 +37,9 @@ public:
             });
         }
         handles_.append(corrections.data(), corrections.data() + corrections.size());
+        std::sort(handles_.data() + (ends_.empty() ? 0 : ends_.back().handles),
+                  handles_.data() + handles_.size(),
+                  [](const Handle& a, const Handle& b) { return a.handle < b.handle; });
         end_stencil();
     }
 
@@ -43,9 +47,14 @@ public:
         const std::size_t begin = n == 0 ? 0 : ends_[n - 1].nodes;
         return {nodes_.data() + begin, ends_[n].nodes - begin};
     }
-    std::span<const Handle> handles(std::size_t n) const noexcept {
-        const std::size_t begin = n == 0 ? 0 : ends_[n - 1].handles;
-        return {handles_.data() + begin, ends_[n].handles - begin};
+    /// Returns the weights of a stencil's handles first … first + count − 1, ascending. A handle may stand
+    /// there more than once.
+    std::span<const Handle> handles(std::size_t n, std::size_t first, std::size_t count) const noexcept {
+        const auto* const begin = handles_.data() + (n == 0 ? 0 : ends_[n - 1].handles);
+        const auto* const end = handles_.data() + ends_[n].handles;
+        const auto is_before = [](const Handle& a, std::size_t handle) { return a.handle < handle; };
+        const auto* const from = std::lower_bound(begin, end, first, is_before);
+        return {from, std::lower_bound(from, end, first + count, is_before)};
     }
 
 private:
