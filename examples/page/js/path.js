@@ -7,9 +7,10 @@ const numbersIn = text => (text.match(NUMBERS) ?? []).map(Number);
 const between = (a, b, t) => [a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1])];
 const lineSegment = (from, to) => ({ line: true, c1: between(from, to, 1 / 3), c2: between(from, to, 2 / 3), to });
 
-/** Collects subpaths: { start, segments: [{ line, c1, c2, to }], closed }. */
+/** Collects subpaths: { start, segments: [{ line, c1, c2, to }], closed }; a quadratic segment also has its `control` point. Arcs become
+ *  cubics of at most `widest`. */
 class PathBuilder {
-  constructor() { this.subpaths = []; this.at = [0, 0]; }
+  constructor(widest = Math.PI / 2) { this.subpaths = []; this.at = [0, 0]; this.widest = widest; }
   move(p) { this.current = null; this.at = p; }
   open() {
     if (!this.current) this.subpaths.push(this.current = { start: this.at, segments: [], closed: false });
@@ -17,7 +18,10 @@ class PathBuilder {
   }
   line(p) { this.open().push(lineSegment(this.at, p)); this.at = p; }
   cubic(c1, c2, to) { this.open().push({ line: false, c1, c2, to }); this.at = to; }
-  quadratic(c, to) { this.cubic(between(this.at, c, 2 / 3), between(to, c, 2 / 3), to); }
+  quadratic(c, to) {
+    this.cubic(between(this.at, c, 2 / 3), between(to, c, 2 / 3), to);
+    this.current.segments.at(-1).control = c;
+  }
   close() {
     if (!this.current) return;
     const { start } = this.current;
@@ -25,7 +29,7 @@ class PathBuilder {
     this.current.closed = true;
     this.move(start);
   }
-  /** Converts an elliptic arc from its end points (SVG 2, appendix B.2.4) to cubics of at most a quarter turn. */
+  /** Converts an elliptic arc from its end points (SVG 2, appendix B.2.4) to cubics. */
   arc(rx, ry, degrees, large, sweep, to) {
     const [x0, y0] = this.at;
     rx = Math.abs(rx); ry = Math.abs(ry);
@@ -44,7 +48,7 @@ class PathBuilder {
     if (!sweep && turn > 0) turn -= 2 * Math.PI;
     const mx = (x0 + to[0]) / 2, my = (y0 + to[1]) / 2;
     const place = (u, v) => [c * (cx + rx * u) - s * (cy + ry * v) + mx, s * (cx + rx * u) + c * (cy + ry * v) + my];
-    const pieces = Math.max(1, Math.ceil(Math.abs(turn) / (Math.PI / 2) - 1e-9)), step = turn / pieces;
+    const pieces = Math.max(1, Math.ceil(Math.abs(turn) / this.widest - 1e-9)), step = turn / pieces;
     const k = 4 / 3 * Math.tan(step / 4);
     for (let i = 0; i < pieces; ++i) {
       const a = from + i * step, b = a + step;
@@ -75,8 +79,7 @@ function arcNumbers(text) {
 const COMMAND_SIZE = { m: 2, l: 2, h: 1, v: 1, c: 6, s: 4, q: 4, t: 2, a: 7, z: 0 };
 
 /** Returns the subpaths of a path's data, up to the first fault, as SVG requires. */
-function parsePath(text) {
-  const path = new PathBuilder();
+function parsePath(text, path = new PathBuilder()) {
   let smooth = null; // the last control point, for S and T
   for (const [, letter, rest] of text.matchAll(/([mlhvcsqtaz])([^mlhvcsqtaz]*)/gi)) {
     let kind = letter.toLowerCase();
