@@ -245,10 +245,9 @@ class App {
   changeCage(changes, isStep, rows = sameRows(this.cage.rest.length / 2)) {
     this.replaceCage(this.followedBy({ ...this.cage, ...changes }, rows), this.selection, isStep);
   }
-  /** Changes the numbers of columns and rows of a lattice; the pose is that of the lattice so far at the new points. */
-  changeCounts(counts, word) {
-    const axes = axesOf(counts, word), cage = { ...this.cage, axes };
-    this.changeCage({ axes }, true, latticeRows(this.engine, this.cage, this.engine.makeLattice(cage)));
+  /** Changes points and degree of a lattice; the pose is that of the lattice so far at the new points. */
+  changeAxes(axes) {
+    if (JSON.stringify(axes) !== JSON.stringify(this.cage.axes)) this.changeCage({ axes }, true, latticeRows(this.engine, this.cage, this.engine.makeLattice({ ...this.cage, axes })));
   }
 
   /** Shows the figure in a cage of another kind, as it was left or as new; or in a given one, at rest. */

@@ -10,7 +10,10 @@ const allOf = count => Array.from({ length: count }, (x, i) => i);
 
 /** Moves the points of a pose to those of another cage: new point i follows the old points of rows[i], a list of [point, share]. */
 function followRows(rows, old, pose, rest) {
-  return rest.map((x, k) => rows[k >> 1].reduce((sum, [i, share]) => sum + share * (pose[2 * i + k % 2] - old[2 * i + k % 2]), x));
+  return rest.map((x, k) => {
+    const row = rows[k >> 1], of = i => 2 * i + k % 2, isSame = row.length === 1 && row[0][1] === 1 && x === old[of(row[0][0])];
+    return isSame ? pose[of(row[0][0])] : row.reduce((sum, [i, share]) => sum + share * (pose[of(i)] - old[of(i)]), x);
+  });
 }
 const sameRows = count => allOf(count).map(i => [[i, 1]]);
 

@@ -145,9 +145,8 @@ function connectKinds(app) {
   byId('open-cage').onchange = event => { if (event.target.files[0]) openCage(app, event.target.files[0]); event.target.value = ''; };
   const count = id => Math.max(2, Math.min(20, Math.round(Number(byId(id).value)) || 4));
   const change = f => attempt(app, () => { app.pause(); f(); });
-  const changeCounts = () => change(() => app.changeCounts([count('columns'), count('rows')], byId('degree').value || '3'));
-  byId('columns').onchange = byId('rows').onchange = changeCounts;
-  byId('degree').onchange = event => change(() => app.changeCage({ axes: axesOf(countsOf(app.cage), event.target.value) }, true));
+  for (const id of ['columns', 'rows', 'degree'])
+    byId(id).onchange = () => change(() => app.changeAxes(axesOf([count('columns'), count('rows')], byId('degree').value || '3')));
   byId('frozen').onchange = event => change(() => {
     const frozen = Math.max(0, Math.min(9, Math.round(Number(event.target.value)) || 0)), cage = { ...app.cage, frozen };
     const rows = sameRows(cage.rest.length / 2).map((row, i) => isFrozen(cage, i) ? [] : row);

@@ -80,27 +80,27 @@ const COMMAND_SIZE = { m: 2, l: 2, h: 1, v: 1, c: 6, s: 4, q: 4, t: 2, a: 7, z: 
 
 /** Returns the subpaths of a path's data, up to the first fault, as SVG requires. */
 function parsePath(text, path = new PathBuilder()) {
-  let smooth = null; // the last control point, for S and T
+  let smooth = null, last = ''; // the last control point, for S and T, and its command
   for (const [, letter, rest] of text.matchAll(/([mlhvcsqtaz])([^mlhvcsqtaz]*)/gi)) {
     let kind = letter.toLowerCase();
     const relative = letter === kind, size = COMMAND_SIZE[kind];
     const numbers = kind === 'a' ? arcNumbers(rest) : numbersIn(rest);
-    if (kind === 'z') { path.close(); smooth = null; continue; }
+    if (kind === 'z') { path.close(); last = ''; continue; }
     for (let i = 0; i + size <= numbers.length; i += size) {
       const [ox, oy] = relative ? path.at : [0, 0];
       const n = numbers.slice(i, i + size), point = k => [n[k] + ox, n[k + 1] + oy];
-      const mirrored = () => smooth ? [2 * path.at[0] - smooth[0], 2 * path.at[1] - smooth[1]] : path.at;
+      const mirrored = after => after.includes(last || '-') ? [2 * path.at[0] - smooth[0], 2 * path.at[1] - smooth[1]] : path.at;
       let control = null;
       if (kind === 'm') { path.move(point(0)); kind = 'l'; }
       else if (kind === 'l') path.line(point(0));
       else if (kind === 'h') path.line([n[0] + ox, path.at[1]]);
       else if (kind === 'v') path.line([path.at[0], n[0] + oy]);
       else if (kind === 'c') { control = point(2); path.cubic(point(0), control, point(4)); }
-      else if (kind === 's') { control = point(0); path.cubic(mirrored(), control, point(2)); }
+      else if (kind === 's') { control = point(0); path.cubic(mirrored('cs'), control, point(2)); }
       else if (kind === 'q') { control = point(0); path.quadratic(control, point(2)); }
-      else if (kind === 't') { control = mirrored(); path.quadratic(control, point(0)); }
+      else if (kind === 't') { control = mirrored('qt'); path.quadratic(control, point(0)); }
       else if (kind === 'a') path.arc(n[0], n[1], n[2], n[3] !== 0, n[4] !== 0, point(5));
-      smooth = control;
+      [smooth, last] = [control, kind];
     }
   }
   return path.subpaths;
