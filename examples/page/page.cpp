@@ -265,8 +265,8 @@ PAGE_EXPORT(page_box) int page_box(std::size_t segments) {
     return refuse(box.status());
 }
 
-/// Makes the coordinates of a lattice. In: the points, the degree and the knots' number of each axis, with its
-/// knots; origin and columns of the box; the falloff. Out: the points at rest.
+/// Makes the coordinates of a lattice. In: the points, the degree and the number of knots of each axis, with
+/// its knots; origin and columns of the box; the falloff. Out: the points at rest.
 PAGE_EXPORT(page_lattice) int page_lattice() {
     Reader reader;
     std::array<cageform::LatticeAxis, 2> axes;
@@ -290,9 +290,9 @@ PAGE_EXPORT(page_lattice) int page_lattice() {
     return refuse(status);
 }
 
-/// Makes the coordinates of a cage of curves, posed as cubics. In: the numbers of edges of the loops; the degree
-/// of each edge; the control points of one edge after the other, with both ends; centre and radius of a
-/// disk, radius 0 for none. Out: the control points at rest.
+/// Makes the coordinates of a cage of curves, posed as cubics. In: the numbers of edges of the loops; the
+/// degree of each edge; the control points of one edge after the other, with both ends; centre and radius of
+/// a disk, radius 0 for none. Out: the control points at rest.
 PAGE_EXPORT(page_curves) int page_curves(std::size_t loops, std::size_t edges) {
     Reader reader;
     const auto sizes = reader.counts(loops), degrees = reader.counts(edges);

@@ -12,7 +12,7 @@ import tempfile
 import threading
 import time
 
-from cages import test_curved, test_kinds, test_lattice
+from cages import take_cage_pictures, test_curved, test_kinds, test_lattice
 from hostile import hostile_svg
 from support import BUILT, DATA, PROGRAMS, TYPES, Page, check, compare_pictures, farthest, native_places, pairs, read_csv
 
@@ -785,6 +785,7 @@ def take_pictures(page, out):
     page.picture(os.path.join(out, 'page_types.png'))
     page.run('page.showsWeights = false')
     page.click('[data-type="1"]')
+    take_cage_pictures(page, out)
     page.click('#walk')
     page.click('#play')
     page.run("page.timeline.setTime(0.5); document.getElementById('curves').open = true; window.scrollTo(0, 0)")

@@ -1,7 +1,7 @@
 // The kinds of cages in the plane: a polygon; a lattice, whose points stand in rows and columns; and loops of curves, posed as
 // cubics. All have points at rest, `rest`, in the order of a pose. A lattice also has `axes`, `frame` (origin and columns of its
 // box), `falloff` and the number of `frozen` layers; a curved cage has `curves` (loops of edges, each of 2 to 4 points), `loops`
-// (the numbers of their points, 3 an edge) and `disk`, the smallest disk's radius as a part of that used, 0 for none.
+// (the numbers of their points, 3 an edge) and `disk`, the radius of the smallest disk as a part of that used, 0 for none.
 
 const kindOf = cage => KINDS[cage?.kind ?? 'polygon'];
 const pointAt = (points, i) => [points[2 * i], points[2 * i + 1]];
@@ -80,7 +80,7 @@ const KINDS = {
     mark: i => i % 3 === 0 ? 'rect' : 'circle',
     shownPoints: shownOfCurves,
     isFixed: () => false,
-    describe: cage => `a cage of ${cage.rest.length / 6} curves`,
+    describe: cage => `a cage of ${cage.rest.length / 6} curves` + (cage.disk ? `, by a disk of radius ${diskOf(cage)[2].toPrecision(4)}` : ''),
     path: curvesPath,
     outline(cage) {
       const points = [], loops = cage.loops.map(size => size / 3 * CURVE_STEPS);
@@ -108,7 +108,7 @@ function moveEach(cage, points, f, from) {
 // ---- lattices ----
 
 const countsOf = cage => cage.axes.map(({ points }) => points);
-/** The rows of a lattice, then its columns: the points of each. */
+/** Returns the rows of a lattice, then its columns, each as a list of points. */
 function linesOf(cage) {
   const [u, v] = countsOf(cage);
   return [...allOf(v).map(j => allOf(u).map(i => i + u * j)), ...allOf(u).map(i => allOf(v).map(j => i + u * j))];
@@ -122,7 +122,7 @@ const diagonalOf = frame => Math.hypot(...frame.slice(2));
 const degreeOf = (word, points) => word === 'bernstein' ? points - 1 : Math.min(Number(word), points - 1);
 /** Returns the axes of a lattice with so many columns and rows. */
 const axesOf = (counts, word) => counts.map(points => ({ points, degree: degreeOf(word, points) }));
-/** Returns the degree as it is chosen; none if the axes have knots or degrees of their own. */
+/** Returns the degree as it is chosen, or an empty word if the axes have knots or degrees of their own. */
 function degreeWord({ axes }) {
   return ['3', '2', '1', 'bernstein'].find(word => axes.every(({ points, degree, knots }) => !knots && degree === degreeOf(word, points))) ?? '';
 }
@@ -178,7 +178,7 @@ function edgeBefore(loops, node) {
   const { begin, loop } = loopOf(loops, node);
   return edgeOf(loops, node === begin ? begin + loops[loop] - 3 : node - 3);
 }
-/** Applies de Casteljau's rule: the points of the part before and of the part after t. */
+/** Returns the points of the part before t and of the part after it, by de Casteljau's rule. */
 function splitCurve(points, t) {
   const before = [points[0]], after = [points[points.length - 1]];
   for (let level = points; level.length > 1;) {
@@ -210,11 +210,34 @@ function curvesOf({ curves, loops, rest }) {
   });
   return loops.map(size => all.splice(0, size / 3));
 }
-/** Returns centre and radius of the disk of a curved cage; radius 0 for none. */
+/** Returns centre and radius of the disk of a curved cage, about the smallest one that holds its points; radius 0 for none. */
 function diskOf({ curves, disk }) {
   if (!disk) return [0, 0, 0];
-  const points = curves.flat(2), [x0, y0, x1, y1] = boundsOf(points), centre = [(x0 + x1) / 2, (y0 + y1) / 2];
-  return [...centre, Math.max(...points.map(p => distance(p, centre))) / disk];
+  const margin = 1e-6; // so that no point lies on the circle
+  const [x, y, radius] = smallestDisk(curves.flat().flatMap(edge => cubicOf(edge).slice(1)));
+  return [x, y, (1 + margin) * radius / disk];
+}
+/** Returns the smallest disk that holds points (Welzl 1991, point by point): its centre and radius. */
+function smallestDisk(points) {
+  const holds = ([x, y, r], p) => distance([x, y], p) <= r * (1 + 1e-12);
+  const onTwo = (p, q) => [...between(p, q, 0.5), distance(p, q) / 2];
+  const onThree = (p, q, r) => {
+    const [bx, by, cx, cy] = [q[0] - p[0], q[1] - p[1], r[0] - p[0], r[1] - p[1]], twice = 2 * (bx * cy - by * cx);
+    const [b2, c2] = [bx * bx + by * by, cx * cx + cy * cy], [x, y] = [(cy * b2 - by * c2) / twice, (bx * c2 - cx * b2) / twice];
+    return Number.isFinite(x + y) ? [p[0] + x, p[1] + y, Math.hypot(x, y)]
+      : [onTwo(p, q), onTwo(q, r), onTwo(r, p)].reduce((a, b) => a[2] > b[2] ? a : b);
+  };
+  let disk = [...points[0], 0];
+  points.forEach((p, i) => {
+    if (holds(disk, p)) return;
+    disk = onTwo(p, points[0]);
+    for (let j = 1; j < i; ++j) {
+      if (holds(disk, points[j])) continue;
+      disk = onTwo(p, points[j]);
+      for (let k = 0; k < j; ++k) if (!holds(disk, points[k])) disk = onThree(p, points[j], points[k]);
+    }
+  });
+  return disk;
 }
 /** Returns a curved cage with the edges of a polygon, and how its points follow the polygon's. */
 function curvesOfPolygon({ loops, rest }) {

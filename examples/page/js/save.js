@@ -58,14 +58,14 @@ function linesSvg(points, elements) {
   return `<svg xmlns="http://www.w3.org/2000/svg" viewBox="${view}">\n<g fill="none" stroke="#c2377a" stroke-width="${+width.toPrecision(3)}" ` +
     `stroke-linejoin="round">\n${elements.join('\n')}\n</g>\n</svg>\n`;
 }
-/** The rows of a lattice, then its columns. */
+/** Returns a pose of a lattice: its rows, then its columns. */
 function latticeSvg(cage, places) {
   return linesSvg(places, linesOf(cage).map(line => `<polyline points="${line.map(i => pointAt(places, i).join(',')).join(' ')}"/>`));
 }
 function latticeJson({ axes, frame, falloff }) {
   return JSON.stringify({ format: 'lattice/1', axes, frame_columns: [frame.slice(2, 4), frame.slice(4)], origin: frame.slice(0, 2), falloff }, null, 2) + '\n';
 }
-/** The edges at rest, each of its own degree. */
+/** Returns the path of the edges at rest, each of its own degree. */
 function curvesData(curves) {
   return curves.map(loop => 'M' + loop[0][0].join(' ') + loop.map(edge => ' LQC'[edge.length - 1] + edge.slice(1).flat().join(' ')).join('') + 'Z').join('');
 }
