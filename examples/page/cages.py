@@ -105,6 +105,62 @@ def test_kinds(page):
     check(page.run("page.cage.kind === 'lattice' && page.views[0].type === 4"), 'and the cat its lattice again')
 
 
+ANY_ORDER = '''(seed => {
+  const random = () => { // mulberry32
+    let t = seed = seed + 0x6D2B79F5 | 0;
+    t = Math.imul(t ^ t >>> 15, t | 1);
+    t ^= t + Math.imul(t ^ t >>> 7, t | 61);
+    return ((t ^ t >>> 14) >>> 0) / 4294967296;
+  };
+  const any = n => Math.floor(n * random()), points = () => page.pose.length / 2, isLattice = () => page.cage.kind === 'lattice';
+  const set = (id, value) => { byId(id).value = value; for (const kind of ['input', 'change']) byId(id).dispatchEvent(new Event(kind)); };
+  const move = (f, isBroken = false) => { page.history.remember(); page.moveSelected(f, page.shownPose, isBroken); page.finishEdit(); };
+  const steps = {
+    kind: () => chooseKind(page, ['polygon', 'lattice', 'curved'][any(3)]),
+    drag: () => { page.select([any(points())]); const [dx, dy] = [any(60) - 30, any(60) - 30]; move((x, y) => [x + dx, y + dy], any(3) === 0); },
+    turn: () => { page.select(allOf(points()).filter(() => any(3) === 0)); move(turned([500, 400], random() - 0.5)); },
+    add: () => isLattice() || page.addVertex(any(points()), 0.1 + 0.8 * random()),
+    remove: () => { page.select([3 * any(points() / 3), any(points())]); if (!isLattice()) page.removeSelected(); },
+    undo: () => page.history.undo(), redo: () => page.history.redo(), edit: () => byId('edit').click(),
+    key: () => { page.timeline.setTime(2.4 * random()); page.timeline.setKey(); }, time: () => page.timeline.setTime(2.4 * random()),
+    count: () => isLattice() && set(['columns', 'rows'][any(2)], 2 + any(6)), degree: () => isLattice() && set('degree', ['1', '2', '3', 'bernstein'][any(4)]),
+    frozen: () => isLattice() && set('frozen', any(3)), slide: () => set(isLattice() ? 'falloff' : 'disk', page.cage.kind ? random() : 0),
+    line: () => isLattice() && selectLine(page), step: () => page.stepVertex(any(2) ? 1 : -1, any(2) === 0), weights: () => byId('weights').click(),
+  };
+  const names = Object.keys(steps), log = [], first = Array.from(page.pose);
+  for (let k = 0; k < 150; ++k) {
+    log.push(names[any(names.length)]);
+    try {
+      steps[log[k]]();
+    } catch (error) {
+      if (error instanceof TypeError || error instanceof RangeError) return log.slice(-5) + ': ' + error.stack;
+    }
+    page.draw();
+    const count = points(), fault = page.views.find(view => view.fault)?.fault;
+    if (fault || 2 * count !== page.cage.rest.length || !page.pose.every(Number.isFinite) || page.views[0].parts.dots.length !== count ||
+        [...page.selection].some(i => i >= count) || page.clip.poseTracks.some(({ vertex }) => vertex >= count)) return log.slice(-5) + ': ' + fault;
+  }
+  if (page.isEditing) byId('edit').click();
+  if (page.showsWeights) byId('weights').click();
+  while (page.history.earlier.length > 0) page.history.undo();
+  page.draw();
+  return page.cage.kind || page.pose.join() !== first.join() ? 'undo does not lead back' : '';
+})(%d)'''
+
+
+def test_any_order(page, first):
+    """What a user can do to cages, in any order; undo leads back to the beginning."""
+    page.click('[data-figure=cat]')
+    page.click('[data-cage=polygon]')
+    faults = []
+    for seed in range(first, first + 6):
+        page.run("page.show({ figure: page.figure, cage: cageOfSvg(DATA.cat.cage) }); page.onCage()")
+        fault = page.run(ANY_ORDER % seed)
+        faults += ['seed %d: %s' % (seed, fault)] if fault else []
+    check(not faults, '900 steps in any order from seed %d' % first if not faults else '; '.join(faults))
+    page.run("page.show({ figure: page.figure, cage: cageOfSvg(DATA.cat.cage) }); page.onCage()")
+
+
 def take_cage_pictures(page, out):
     page.click('[data-figure=cat]')
     page.click('[data-cage=polygon]')

@@ -12,7 +12,7 @@ import tempfile
 import threading
 import time
 
-from cages import take_cage_pictures, test_curved, test_kinds, test_lattice
+from cages import take_cage_pictures, test_any_order, test_curved, test_kinds, test_lattice
 from hostile import hostile_svg
 from support import BUILT, DATA, PROGRAMS, TYPES, Page, check, compare_pictures, farthest, native_places, pairs, read_csv
 
@@ -772,6 +772,16 @@ def test_touch(page):
     page.touch('touchEnd', [])
     check(page.run('page.window.w') < wide, 'two fingers zoom')
     check(page.pose() == after, 'and move no vertex')
+    page.run("page.changeKind('lattice'); page.fit()")
+    page.frames(4)
+    before, (x, y) = page.pose(), page.vertex(6)
+    page.touch('touchStart', [(x, y)])
+    for k in range(1, 5):
+        page.touch('touchMove', [(x + 5 * k, y - 5 * k)])
+    page.touch('touchEnd', [])
+    page.frames()
+    check({k // 2 for k, (a, b) in enumerate(zip(before, page.pose())) if a != b} == {6}, 'a finger drags a point of a lattice')
+    page.run("page.changeKind('polygon'); page.fit()")
 
 
 def take_pictures(page, out):
@@ -827,6 +837,7 @@ def main():
             test_kinds(page)
             test_lattice(page, folder)
             test_curved(page, folder)
+            test_any_order(page, first_seed)
             test_drop(page, folder)
             test_script(page, folder)
             test_expansion(page, folder)

@@ -247,7 +247,9 @@ class App {
   }
   /** Changes points and degree of a lattice; the pose is that of the lattice so far at the new points. */
   changeAxes(axes) {
-    if (JSON.stringify(axes) !== JSON.stringify(this.cage.axes)) this.changeCage({ axes }, true, latticeRows(this.engine, this.cage, this.engine.makeLattice({ ...this.cage, axes })));
+    if (JSON.stringify(axes) === JSON.stringify(this.cage.axes)) return;
+    this.selection.clear(); // of points that are no more
+    this.changeCage({ axes }, true, latticeRows(this.engine, this.cage, this.engine.makeLattice({ ...this.cage, axes })));
   }
 
   /** Shows the figure in a cage of another kind, as it was left or as new; or in a given one, at rest. */
