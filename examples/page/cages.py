@@ -235,6 +235,9 @@ def test_lattice(page, folder):
     row = page.run('[...page.selection].sort((a, b) => a - b)')
     page.key('l', 'KeyL')
     check((row, page.run('[...page.selection].sort((a, b) => a - b)')) == ([0, 1, 2, 3], [0, 4, 8, 12]), 'L selects the row, again the column')
+    page.key('n', 'KeyN')
+    page.key('Insert')
+    check(page.run('page.pose.length') == 32 and 'columns and rows' in page.run(STATUS), 'a point alone is not added: ' + page.run(STATUS))
     page.key('Escape')
 
     error = farthest(places(page)[1], native_lattice(page, folder))

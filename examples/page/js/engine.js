@@ -1,6 +1,7 @@
 // The library: page.cpp compiled to WebAssembly. Its functions take and return arrays of numbers.
 
 const TYPE_NAMES = ['Mean value', 'Harmonic', 'Green', 'Sibson', 'Lattice', 'Curved Green'];
+const LATTICE_TYPE = 4, CURVED_TYPE = 5;
 
 /** Returns the bytes of gzip data in base64. */
 async function unpack(text) {

@@ -54,7 +54,7 @@ const KINDS = {
   },
 
   lattice: {
-    types: [4],
+    types: [LATTICE_TYPE],
     mark: () => 'circle',
     shownPoints: () => () => true,
     isFixed: isFrozen,
@@ -73,10 +73,12 @@ const KINDS = {
     },
     settled: (engine, cage) => ({ ...cage, rest: engine.makeLattice(cage) }),
     nearestEdge: () => null,
+    withPoint: refuseToEdit,
+    withoutPoints: refuseToEdit,
   },
 
   curved: {
-    types: [5],
+    types: [CURVED_TYPE],
     mark: i => i % 3 === 0 ? 'rect' : 'circle',
     shownPoints: shownOfCurves,
     isFixed: () => false,
@@ -107,6 +109,7 @@ function moveEach(cage, points, f, from) {
 
 // ---- lattices ----
 
+function refuseToEdit() { throw new Error('The numbers of columns and rows add and remove points of a lattice'); }
 const countsOf = cage => cage.axes.map(({ points }) => points);
 /** Returns the rows of a lattice, then its columns, each as a list of points. */
 function linesOf(cage) {
@@ -129,9 +132,9 @@ function degreeWord({ axes }) {
 /** Returns for each point of a finer or coarser lattice the shares of the points of this one, by its weights. */
 function latticeRows(engine, cage, rest) {
   engine.makeLattice(cage);
-  engine.bind(4, 1, rest);
+  engine.bind(LATTICE_TYPE, 1, rest);
   const rows = allOf(rest.length / 2).map(() => []);
-  for (let v = 0; 2 * v < cage.rest.length; ++v) engine.weights(4, 1, v).forEach((w, i) => { if (w !== 0) rows[i].push([v, w]); });
+  for (let v = 0; 2 * v < cage.rest.length; ++v) engine.weights(LATTICE_TYPE, 1, v).forEach((w, i) => { if (w !== 0) rows[i].push([v, w]); });
   return rows;
 }
 /** Returns the line through a vertex that a pointer moves across rather than along: its row or its column. */

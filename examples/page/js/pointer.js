@@ -95,7 +95,7 @@ function startGesture(app, view, place, reach, event) {
   const vertex = found >= 0 && !isBox && kindOf(app.cage).isFixed(app.cage, found) ? -1 : found;
   const shift = to => (x, y) => [x + to[0] - place[0], y + to[1] - place[1]];
   if (event.shiftKey && app.showsCage && app.cage.kind === 'lattice' && !isBox) {
-    if (found >= 0) return dragLine(app, vertex < 0 ? found : vertex, place, shift);
+    if (found >= 0) return dragLine(app, found, place, shift);
     const line = lineNear(app.cage, app.shownPose, place, reach);
     if (line) { app.select(line); app.redraw(); return dragSelection(app, shift); }
   }
