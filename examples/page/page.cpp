@@ -10,8 +10,10 @@
 #include <cageform/clone/clone.hpp>
 #include <cageform/clone/glsl.hpp>
 #include <cageform/clone/pose_handles.hpp>
+#include <cageform/coordinates/curved_green.hpp>
 #include <cageform/coordinates/green.hpp>
 #include <cageform/coordinates/harmonic.hpp>
+#include <cageform/coordinates/lattice.hpp>
 #include <cageform/coordinates/mean_value.hpp>
 #include <cageform/coordinates/sibson.hpp>
 #include <cageform/enclose/make_cage.hpp>
@@ -78,19 +80,25 @@ public:
     virtual Status solve() = 0;
     virtual cageform::BindReport bind(std::size_t batch, std::span<const Point2> points) = 0;
 
+    /// Moves a batch by a pose of all points but the still ones.
     Status clone(std::size_t batch, std::span<const Point2> pose) {
         const auto& binding = bindings[batch];
+        const auto handles = binding.handle_view();
+        pose_.assign(pose.begin(), pose.end());
+        for (std::size_t i = handles.count - still_handles; i < handles.count; ++i)
+            pose_.push_back(handles.rest[i]);
         handles_.resize(binding.handle_count());
         places_.resize(binding.point_count());
-        const auto posed = pose_handles(binding, pose, handles_);
+        const auto posed = pose_handles(binding, pose_, handles_);
         return posed.status == Status::ok ? cageform::clone(binding, handles_, places_) : posed.status;
     }
     const Point2* places() const { return places_.data(); }
 
     std::array<cageform::Binding<double, 2>, batches> bindings;
+    std::size_t still_handles = 0; // the last ones, which poses leave at rest
 
 private:
-    std::vector<Point2> handles_, places_;
+    std::vector<Point2> pose_, handles_, places_;
 };
 
 template <class C>
@@ -121,8 +129,8 @@ private:
     C coordinates_;
 };
 
-enum Type { mean_value, harmonic, green, sibson };
-std::array<std::unique_ptr<Plane>, 4> planes;
+enum Type { mean_value, harmonic, green, sibson, lattice, curved };
+std::array<std::unique_ptr<Plane>, 6> planes;
 
 template <class C>
 std::unique_ptr<Plane> plane_of(C coordinates) {
@@ -136,6 +144,22 @@ std::unique_ptr<Plane> make_plane(int type, const cageform::Polygon<double>& cag
     case sibson: return plane_of(cageform::SibsonCoordinates<double, 2>(cage.vertices()));
     default: return plane_of(cageform::MeanValueCoordinates<double, 2>(cage));
     }
+}
+
+/// Makes the first `count` handles, the points of a pose, the output.
+void tell_points(std::span<const Point2> handles, std::size_t count) {
+    output.clear();
+    for (const Point2& p : handles.first(count)) output.insert(output.end(), {p[0], p[1]});
+}
+
+/// Reads segments, each two ends and a radius.
+std::vector<cageform::DrawnSegment<double>> read_segments(Reader& reader, std::size_t count) {
+    std::vector<cageform::DrawnSegment<double>> drawn;
+    for (std::size_t i = 0; i < count; ++i) {
+        const auto ends = reader.points<2>(2);
+        drawn.push_back({ends[0], ends[1], reader.number()});
+    }
+    return drawn;
 }
 
 // ---- the mesh ----
@@ -221,6 +245,77 @@ PAGE_EXPORT(page_cage) int page_cage(int type, std::size_t loops, std::size_t ve
     return refuse(status);
 }
 
+/// Out: the origin and the two columns of a box about the drawing, for a lattice. In: segments, each two ends
+/// and a radius.
+PAGE_EXPORT(page_box) int page_box(std::size_t segments) {
+    Reader reader;
+    std::vector<Point2> corners; // of boxes around the strokes
+    for (const auto& segment : read_segments(reader, segments)) {
+        for (const Point2& p : {segment.a, segment.b}) {
+            for (const double r : {-segment.radius, segment.radius})
+                corners.insert(corners.end(), {{p[0] + r, p[1] + r}, {p[0] + r, p[1] - r}});
+        }
+    }
+    const auto box = cageform::box_around(corners);
+    if (box) {
+        const auto& [u, v] = box.value.columns;
+        const auto& origin = box.value.translation;
+        output = {origin[0], origin[1], u[0], u[1], v[0], v[1]};
+    }
+    return refuse(box.status());
+}
+
+/// Makes the coordinates of a lattice. In: the points, the degree and the number of knots of each axis, with
+/// its knots; origin and columns of the box; the falloff. Out: the points at rest.
+PAGE_EXPORT(page_lattice) int page_lattice() {
+    Reader reader;
+    std::array<cageform::LatticeAxis, 2> axes;
+    for (auto& axis : axes) {
+        axis = {reader.count(), reader.count(), {}};
+        axis.knots.resize(reader.count());
+        for (double& knot : axis.knots) knot = reader.number();
+    }
+    const auto frame = reader.points<2>(3);
+    cageform::Transform<double, 2> box;
+    box.translation = frame[0];
+    box.columns = {frame[1], frame[2]};
+    cageform::LatticeCoordinates<double, 2> coordinates(axes, box, reader.number());
+    const Status status = coordinates.cage_report().status;
+    if (status == Status::ok) {
+        const std::size_t still = coordinates.still_handles();
+        tell_points(coordinates.handles(), coordinates.handles().size() - still);
+        planes[lattice] = plane_of(std::move(coordinates));
+        planes[lattice]->still_handles = still;
+    }
+    return refuse(status);
+}
+
+/// Makes the coordinates of a cage of curves, posed as cubics. In: the numbers of edges of the loops; the
+/// degree of each edge; the control points of one edge after the other, with both ends; centre and radius of
+/// a disk, radius 0 for none. Out: the control points at rest.
+PAGE_EXPORT(page_curves) int page_curves(std::size_t loops, std::size_t edges) {
+    Reader reader;
+    const auto sizes = reader.counts(loops), degrees = reader.counts(edges);
+    std::vector<cageform::CurvedPolygon<double>::Loop> curves(loops);
+    for (std::size_t k = 0, e = 0; k < loops; ++k) {
+        for (std::size_t i = 0; i < sizes[k]; ++i) {
+            const auto points = reader.points<2>(degrees[e++] + 1);
+            curves[k].emplace_back(points.begin(), points.end());
+        }
+    }
+    cageform::CurvedGreenOptions<double> options;
+    const Point2 centre = reader.points<2>(1)[0];
+    if (const double radius = reader.number(); radius > 0) options.disk = {centre, radius};
+    cageform::CurvedGreenCoordinates<double> coordinates(cageform::CurvedPolygon<double>(std::move(curves)),
+                                                         options);
+    const Status status = coordinates.cage_report().status;
+    if (status == Status::ok) {
+        tell_points(coordinates.handles(), 3 * edges);
+        planes[curved] = plane_of(std::move(coordinates));
+    }
+    return refuse(status);
+}
+
 /// Binds points. In: points. Out: how many are outside, not reached, or not finite; the least weight.
 PAGE_EXPORT(page_bind) int page_bind(std::size_t type, std::size_t batch, std::size_t points) {
     Reader reader;
@@ -249,12 +344,8 @@ PAGE_EXPORT(page_weights) std::size_t page_weights(std::size_t type, std::size_t
 /// sizes of the loops, vertices.
 PAGE_EXPORT(page_make_cage)
 int page_make_cage(std::size_t segments, std::size_t vertices) {
-    std::vector<cageform::DrawnSegment<double>> drawn;
     Reader reader;
-    for (std::size_t i = 0; i < segments; ++i) {
-        const auto ends = reader.points<2>(2);
-        drawn.push_back({ends[0], ends[1], reader.number()});
-    }
+    const auto drawn = read_segments(reader, segments);
     const auto [cage, report] = cageform::make_cage(drawn, {.vertices = vertices}, with_progress());
     output = {double(cage.loops().size()), report.clearance, report.seconds};
     for (const auto& loop : cage.loops()) output.push_back(double(loop.size()));

@@ -1,6 +1,5 @@
 """Tests of the page in a real browser; see test.sh."""
 
-import csv
 import http.server
 import json
 import math
@@ -13,11 +12,9 @@ import tempfile
 import threading
 import time
 
-from browser import Browser
+from cages import take_cage_pictures, test_any_order, test_curved, test_kinds, test_lattice
 from hostile import hostile_svg
-
-PROGRAMS, DATA, BUILT = 'build/examples/', 'examples/data/', 'build/page/'
-TYPES = {'mean-value': 0, 'harmonic': 1, 'green': 2, 'sibson': 3}
+from support import BUILT, DATA, PROGRAMS, TYPES, Page, check, compare_pictures, farthest, native_places, pairs, read_csv
 
 # What is hard to get right of SVG: arcs, flags without spaces, use, nested transforms, percentages, styles, text.
 HARD_SVG = '''<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink" viewBox="-20 -10 240 180" width="120mm">
@@ -32,108 +29,6 @@ HARD_SVG = '''<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3
 <text x="120" y="90" font-size="22">cage</text><circle cx="180" cy="30" r="12" style="fill:url(#sun);stroke:#222;display:inline"/>
 <circle cx="9999" cy="0" r="5" display="none"/><script>window.hacked = true</script></svg>'''
 
-
-class Page(Browser):
-    def __init__(self, path, still=True):
-        super().__init__()
-        self.downloads = tempfile.mkdtemp()
-        self.call('Browser.setDownloadBehavior', {'behavior': 'allow', 'downloadPath': self.downloads, 'eventsEnabled': True}, session=None)
-        if still:  # else the first scene moves
-            self.still()
-        start = time.time()
-        self.open(path)
-        self.opened_after = time.time() - start
-
-    def computed(self):
-        """Seconds that all threads of the page have computed for."""
-        self.call('Performance.enable')
-        return next(m['value'] for m in self.call('Performance.getMetrics')['metrics'] if m['name'] == 'ProcessTime')
-
-    def pose(self):
-        return self.run('Array.from(page.pose)')
-
-    def vertex(self, i, view=0):
-        """Where a vertex is on the screen."""
-        return self.run('(() => { const v = page.views[%d], f = v.frame(), r = v.div.getBoundingClientRect(), p = page.shownPose;'
-                        'return [r.left + v.div.clientLeft + f.x + f.scale * p[2 * %d], r.top + v.div.clientTop + f.y + f.scale * p[2 * %d + 1]]; })()'
-                        % (view, i, i))
-
-    def drag_vertex(self, i, dx, dy, **more):
-        x, y = (round(v) for v in self.vertex(i))  # a press lies on a whole pixel
-        self.drag((x, y), (x + dx, y + dy), **more)
-
-    def places(self, coordinates):
-        """Bound points, and where the pose takes them."""
-        kind = TYPES[coordinates]
-        self.run('page.ensureBound(%d)' % kind)
-        flat = self.run('[Array.from(page.figure.points), Array.from(page.cloneFigure(%d, page.pose))]' % kind)
-        return [list(zip(points[::2], points[1::2])) for points in flat]
-
-    def saved(self, selector, name):
-        path = os.path.join(self.downloads, name)
-        if os.path.exists(path):
-            os.remove(path)
-        self.click(selector)
-        limit = time.time() + 20
-        while not os.path.exists(path) or os.path.exists(path + '.crdownload'):
-            if time.time() > limit:
-                raise TimeoutError('nothing saved as ' + name)
-            time.sleep(0.05)
-        return path
-
-
-def check(condition, text):
-    print(('ok    ' if condition else 'FAULT ') + text, flush=True)
-    check.faults += not condition
-
-
-check.faults = 0
-
-
-def pairs(flat):
-    return list(zip(flat[::2], flat[1::2]))
-
-
-def write_points(path, points):
-    with open(path, 'w') as file:
-        file.writelines('%r,%r\n' % tuple(p) for p in points)
-
-
-def native_places(coordinates, cage, pose, points, folder):
-    """Points moved by the weights that cage_weights has for them."""
-    cage_path, points_path, out = (os.path.join(folder, n) for n in ('cage.csv', 'points.csv', 'weights.csv'))
-    write_points(cage_path, cage)
-    write_points(points_path, points)
-    subprocess.run([PROGRAMS + 'cage_weights', '--cage', cage_path, '--points', points_path, '--coordinates', coordinates, '-o', out],
-                   check=True, stdout=subprocess.DEVNULL)
-    handles, moved_handles = list(cage), list(pose)
-    if coordinates == 'green':  # edges' normals, as long as the edges
-        area = sum(a[0] * b[1] - a[1] * b[0] for a, b in zip(cage, cage[1:] + cage[:1]))
-
-        def normals(loop):
-            edges = zip(loop, loop[1:] + loop[:1])
-            return [(math.copysign(1, area) * (b[1] - a[1]), math.copysign(1, area) * (a[0] - b[0])) for a, b in edges]
-        handles, moved_handles = handles + normals(handles), moved_handles + normals(moved_handles)
-    moved = []
-    with open(out) as file:
-        for point, row in zip(points, list(csv.reader(file))[1:]):
-            weights = [float(w) for w in row[1:]]
-            assert len(weights) == len(handles)
-            moved.append(tuple(point[k] + sum(w * (m[k] - h[k]) for w, m, h in zip(weights, moved_handles, handles)) for k in (0, 1)))
-    return moved
-
-
-def farthest(a, b):
-    assert len(a) == len(b)
-    return max(math.dist(p, q) for p, q in zip(a, b))
-
-
-def read_csv(path):
-    with open(path) as file:
-        return [tuple(map(float, line.split(','))) for line in file if line.strip() and not line.startswith('#')]
-
-
-# ---- tests ----
 
 def test_opening(page, path):
     size = os.path.getsize(path)
@@ -218,31 +113,6 @@ def test_saves(page, folder):
                     os.path.join(page.downloads, 'cat_pose.csv'), '--coordinates', kind, '-o', native], check=True, stderr=subprocess.DEVNULL)
     difference = compare_pictures(page, mine, open(native).read(), same_view=True)
     check(difference < 0.002, 'the SVG saved looks as that of deform_svg with these files: %.5f of the colours differ' % difference)
-
-
-def compare_pictures(page, one, other, same_view=False):
-    """Mean difference of the colours of two SVG documents, in the viewBox of the second."""
-    if same_view:
-        view = re.search(r'viewBox="[^"]*"', other).group(0)
-        one = re.sub(r'viewBox="[^"]*"', view, one, count=1)
-
-    def sized(text):
-        head, tag, rest = re.match(r'(.*?)(<svg\b[^>]*>)(.*)', text, re.S).groups()
-        return head + re.sub(r'\s(width|height)="[^"]*"', '', tag).replace('<svg', '<svg width="600" height="480"') + rest
-    return page.run('''(async texts => {
-      const pixels = [];
-      for (const text of texts) {
-        const image = new Image();
-        image.src = 'data:image/svg+xml;charset=utf-8,' + encodeURIComponent(text);
-        await image.decode();
-        const canvas = new OffscreenCanvas(600, 480), context = canvas.getContext('2d');
-        context.fillStyle = '#fff';
-        context.fillRect(0, 0, 600, 480);
-        context.drawImage(image, 0, 0);
-        pixels.push(context.getImageData(0, 0, 600, 480).data);
-      }
-      return pixels[0].reduce((sum, x, k) => sum + Math.abs(x - pixels[1][k]), 0) / pixels[0].length / 255;
-    })(%s)''' % json.dumps([sized(one), sized(other)]))
 
 
 def test_cage_edits(page):
@@ -902,6 +772,16 @@ def test_touch(page):
     page.touch('touchEnd', [])
     check(page.run('page.window.w') < wide, 'two fingers zoom')
     check(page.pose() == after, 'and move no vertex')
+    page.run("page.changeKind('lattice'); page.fit()")
+    page.frames(4)
+    before, (x, y) = page.pose(), page.vertex(6)
+    page.touch('touchStart', [(x, y)])
+    for k in range(1, 5):
+        page.touch('touchMove', [(x + 5 * k, y - 5 * k)])
+    page.touch('touchEnd', [])
+    page.frames()
+    check({k // 2 for k, (a, b) in enumerate(zip(before, page.pose())) if a != b} == {6}, 'a finger drags a point of a lattice')
+    page.run("page.changeKind('polygon'); page.fit()")
 
 
 def take_pictures(page, out):
@@ -915,6 +795,7 @@ def take_pictures(page, out):
     page.picture(os.path.join(out, 'page_types.png'))
     page.run('page.showsWeights = false')
     page.click('[data-type="1"]')
+    take_cage_pictures(page, out)
     page.click('#walk')
     page.click('#play')
     page.run("page.timeline.setTime(0.5); document.getElementById('curves').open = true; window.scrollTo(0, 0)")
@@ -953,6 +834,10 @@ def main():
             test_saves(page, folder)
             test_cage_edits(page)
             test_clip(page, folder)
+            test_kinds(page)
+            test_lattice(page, folder)
+            test_curved(page, folder)
+            test_any_order(page, first_seed)
             test_drop(page, folder)
             test_script(page, folder)
             test_expansion(page, folder)

@@ -20,48 +20,57 @@ class App {
 
   /** Returns the state with its undo history; show() continues from it. */
   session() {
-    const { figure, cage, pose, clip, window, history: { earlier, later } } = this;
-    return { figure, cage, pose, clip, window, earlier, later };
+    const { figure, cage, pose, clip, kinds, window, history: { earlier, later } } = this;
+    return { figure, cage, pose, clip, kinds, window, earlier, later };
   }
   /** Shows a figure in its cage, as new or from a session. Throws if it cannot be bound; then nothing changes. */
-  show({ figure, cage, pose = cage.rest.slice(), clip = new Clip(), window = null, earlier = [], later = [] }) {
+  show({ figure, cage, pose = cage.rest.slice(), clip = new Clip(), kinds = {}, window = null, earlier = [], later = [] }) {
     const before = [this.figure, this.cage, this.pose, this.clip];
     [this.figure, this.cage, this.pose, this.clip] = [figure, cage, pose, clip];
     this.bound = TYPE_NAMES.map(() => null);
     this.fields = TYPE_NAMES.map(() => null);
     try {
-      this.ensureBound(this.types?.[0] ?? 0);
+      this.ensureBound(this.types[0]);
     } catch (error) {
       [this.figure, this.cage, this.pose, this.clip] = before;
       this.bound = TYPE_NAMES.map(() => null);
       throw error;
     }
+    this.kinds = kinds;
     this.selection.clear();
     this.hovered = -1;
     this.history.set(earlier, later);
     this.window = window;
     if (!window) this.fit();
-    this.views.forEach(view => view.rebuild());
+    if (!this.matchViews()) this.views.forEach(view => view.rebuild());
     this.onClip?.();
     this.redraw();
   }
   /** Fits the posed figure and its cage into the views. */
   fit() {
-    const pose = this.shownPose, box = boundsOf([...pairs(pose), ...pairs(this.cloneFigure(this.types?.[0] ?? 0, pose))]);
+    const pose = this.shownPose, box = boundsOf([...pairs(pose), ...pairs(this.cloneFigure(this.types[0], pose))]);
     const pad = 0.07 * Math.hypot(box[2] - box[0], box[3] - box[1]);
     this.window = { x: box[0] - pad, y: box[1] - pad, w: box[2] - box[0] + 2 * pad, h: box[3] - box[1] + 2.6 * pad }; // room for the caption
     this.redraw();
   }
 
-  /** Chooses the coordinate types to show, one view for each. */
+  /** Chooses the coordinate types to show for polygons, one view for each. Other cages have one type. */
   setTypes(types) {
-    this.types = types;
+    this.chosenTypes = types;
+    this.matchViews();
+    this.redraw();
+  }
+  get types() { return kindOf(this.cage).types ?? this.chosenTypes ?? [0]; }
+  /** Makes the views of the types to show; returns false if they are there. */
+  matchViews() {
+    const { types } = this;
+    if (types.join() === this.views.map(view => view.type).join()) return false;
     const parent = document.getElementById('views');
     this.views = types.map(type => new View(this, type));
     parent.replaceChildren(...this.views.map(view => view.div));
     parent.classList.toggle('many', types.length > 1);
     if (this.figure) this.views.forEach(view => view.rebuild());
-    this.redraw();
+    return true;
   }
 
   // ---- binding ----
@@ -78,7 +87,7 @@ class App {
   }
   fieldOf(type) {
     if (!this.fields[type]) {
-      this.fields[type] = fieldMesh(this.cage, 110);
+      this.fields[type] = fieldMesh(kindOf(this.cage).outline(this.cage), 110);
       this.engine.bind(type, 1, this.fields[type].nodes);
     }
     return this.fields[type];
@@ -146,8 +155,7 @@ class App {
     }
     tellLegend(this, this.weightVertex);
     if (this.notice) return;
-    const count = this.cage.rest.length / 2;
-    this.say(`${this.figure.name}: ${number.format(this.figure.points.length / 2)} points in a cage of ${count} vertices` +
+    this.say(`${this.figure.name}: ${number.format(this.figure.points.length / 2)} points in ${kindOf(this.cage).describe(this.cage)}` +
              (this.selection.size > 0 ? `, ${this.selection.size} selected` : '') +
              (this.weightVertex >= 0 ? `; weights of vertex ${this.weightVertex}` : '') +
              (this.isEditing ? '; the cage at rest is being edited' : ''), false);
@@ -165,18 +173,24 @@ class App {
 
   // ---- changes ----
 
-  /** Moves the selected vertices; f(x, y, i) returns the new position of each. */
-  moveSelected(f, from = this.shownPose) {
-    const moved = from.slice();
-    for (const i of this.selection) [moved[2 * i], moved[2 * i + 1]] = f(from[2 * i], from[2 * i + 1], i);
-    this.setShownPose(moved);
+  /** Selects vertices, but none that poses leave at rest. The box of a lattice is edited as a whole. */
+  select(vertices) {
+    const isBox = this.isEditing && this.cage.kind === 'lattice', chosen = [...vertices];
+    this.selection = new Set(isBox && chosen.length > 0 ? allOf(this.cage.rest.length / 2)
+      : chosen.filter(i => isBox || !kindOf(this.cage).isFixed(this.cage, i)));
+  }
+  /** Moves the selected vertices, and what follows them; f(x, y, i) returns the new position of each. Ends of curves are smooth
+   *  where they are at rest, unless `isBroken`. */
+  moveSelected(f, from = this.shownPose, isBroken = false) {
+    const isBox = this.isEditing && this.cage.kind === 'lattice';
+    this.setShownPose(isBox ? moveEach(this.cage, this.selection, f, from) : kindOf(this.cage).move(this.cage, this.selection, f, from, isBroken));
   }
   setShownPose(places) {
     if (this.isEditing) {
       const change = places.map((x, k) => x - this.cage.rest[k]);
       this.cage = { ...this.cage, rest: places };
       this.pose = this.pose.map((x, k) => x + change[k]);
-      this.isStale = true;
+      this.isStale = this.isReshaped = true;
     } else {
       this.pose = places;
     }
@@ -185,8 +199,13 @@ class App {
   /** Binds again after the cage was edited; undoes the edit if binding fails. */
   finishEdit() {
     if (!this.isStale) return;
-    this.isStale = false;
+    const kind = kindOf(this.cage), { cage, pose, isReshaped } = this;
+    this.isStale = this.isReshaped = false;
     try {
+      if (isReshaped) {
+        this.cage = kind.settled(this.engine, kind.reshaped(cage));
+        this.pose = followRows(sameRows(pose.length / 2), cage.rest, pose, this.cage.rest);
+      }
       this.rebind();
     } catch (error) {
       this.history.undo();
@@ -195,37 +214,68 @@ class App {
     }
     this.redraw();
   }
-  /** Replaces the cage, and keeps the pose; does not throw. */
-  replaceCage({ cage, pose }, selection, editClip) {
-    this.history.remember();
-    [this.cage, this.pose] = [cage, pose];
-    editClip();
-    this.selection = new Set(selection);
+  /** Replaces the cage and what it does; does not throw. */
+  replaceCage({ cage, pose, clip = this.clip, kinds = this.kinds }, selection = [], isStep = true) {
+    if (isStep) this.history.remember();
+    Object.assign(this, { cage, pose, clip, kinds });
+    this.select(selection);
     this.hovered = -1;
     this.isStale = true;
     this.finishEdit();
-    this.views.forEach(view => view.rebuildCage());
+    if (!this.matchViews()) this.views.forEach(view => view.rebuildCage());
+    this.onCage?.();
     this.onClip?.();
     this.redraw();
   }
+  /** Returns this state in another cage, whose points follow those of this one by rows. Throws the cage's fault. */
+  followedBy(cage, rows, { cage: old, pose, clip } = this) {
+    const settled = kindOf(cage).settled(this.engine, cage), moved = clip.copy();
+    moved.follow(rows);
+    return { cage: settled, pose: followRows(rows, old.rest, pose, settled.rest), clip: moved };
+  }
   addVertex(vertex, share = 0.5) {
-    const { loop, begin } = loopOf(this.cage.loops, vertex), next = begin + (vertex + 1 - begin) % this.cage.loops[loop];
-    this.replaceCage(withVertex(this.cage, this.pose, vertex, share), [vertex + 1],
-                     () => this.clip.insertVertex(vertex, next, share));
+    const { cage, rows, chosen } = kindOf(this.cage).withPoint(this.cage, vertex, share);
+    this.replaceCage(this.followedBy(cage, rows), [chosen]);
   }
   removeSelected() {
-    const next = withoutVertices(this.cage, this.pose, this.selection);
-    if (!next) return this.sayFault(new Error('A loop needs at least three vertices'));
-    const gone = this.selection;
-    this.replaceCage(next, [], () => this.clip.removeVertices(gone));
+    const { cage, rows } = kindOf(this.cage).withoutPoints(this.cage, this.pose, this.selection);
+    this.replaceCage(this.followedBy(cage, rows));
+  }
+  /** Changes numbers of a lattice or a curved cage; the points keep their displacement, or follow by rows. */
+  changeCage(changes, isStep, rows = sameRows(this.cage.rest.length / 2)) {
+    this.replaceCage(this.followedBy({ ...this.cage, ...changes }, rows), this.selection, isStep);
+  }
+  /** Changes points and degree of a lattice; the pose is that of the lattice so far at the new points. */
+  changeAxes(axes) {
+    if (JSON.stringify(axes) === JSON.stringify(this.cage.axes)) return;
+    this.selection.clear(); // of points that are no more
+    this.changeCage({ axes }, true, latticeRows(this.engine, this.cage, this.engine.makeLattice({ ...this.cage, axes })));
+  }
+
+  /** Shows the figure in a cage of another kind, as it was left or as new; or in a given one, at rest. */
+  changeKind(name, given = null) {
+    const { cage, pose, clip } = this, kind = cage.kind ?? 'polygon', kinds = { ...this.kinds, [kind]: { cage, pose, clip } };
+    if (name === kind && !given) return;
+    const left = kinds[name], isLeft = left && (left.cage.of ?? kinds.polygon.cage) === kinds.polygon.cage;
+    if (given) this.replaceCage({ cage: given, pose: given.rest.slice(), clip: new Clip(clip.length), kinds });
+    else this.replaceCage({ ...(isLeft ? { ...left, clip: left.clip.copy() } : this.newCage(name, kinds.polygon)), kinds });
+  }
+  newCage(name, polygon) {
+    if (name === 'curved') {
+      const { cage, rows } = curvesOfPolygon(polygon.cage);
+      return this.followedBy({ ...cage, of: polygon.cage }, rows, polygon);
+    }
+    const axes = axesOf([4, 4], '3'), frame = this.engine.boxAbout(this.figure.drawnSegments());
+    const cage = kindOf({ kind: name }).settled(this.engine, { kind: name, axes, frame, falloff: 0, frozen: 0, loops: [] });
+    return { cage, pose: cage.rest.slice(), clip: new Clip(polygon.clip.length) };
   }
   /** Selects the next or the previous vertex; `adds` keeps the current selection. */
   stepVertex(by, adds) {
     const count = this.pose.length / 2, last = [...this.selection].pop();
-    const next = last === undefined ? (by > 0 ? 0 : count - 1) : (last + by + count) % count;
-    if (!adds) this.selection.clear();
-    this.selection.delete(next); // a set keeps the order of insertion
-    this.selection.add(next);
+    let next = last === undefined ? (by > 0 ? 0 : count - 1) : (last + by + count) % count;
+    for (let k = 0; k < count && kindOf(this.cage).isFixed(this.cage, next); ++k) next = (next + by + count) % count;
+    const chosen = adds ? [...this.selection].filter(i => i !== next) : []; // a set keeps the order of insertion
+    this.select([...chosen, next]);
     this.hovered = -1;
     this.onSelect?.(next);
     this.redraw();
@@ -234,17 +284,18 @@ class App {
   // ---- undo ----
 
   state() {
-    const { cage, pose, clip } = this;
-    return { cage, pose, clip: clip.copy() };
+    const { cage, pose, clip, kinds } = this;
+    return { cage, pose, clip: clip.copy(), kinds };
   }
-  restore({ cage, pose, clip }) {
+  restore({ cage, pose, clip, kinds }) {
     const isOther = cage !== this.cage;
-    Object.assign(this, { cage, pose, clip });
+    Object.assign(this, { cage, pose, clip, kinds });
     if (isOther) {
       this.selection.clear();
       this.hovered = -1;
       this.rebind();
-      this.views.forEach(view => view.rebuildCage());
+      if (!this.matchViews()) this.views.forEach(view => view.rebuildCage());
+      this.onCage?.();
     }
     this.onClip?.();
     this.redraw();

@@ -1,4 +1,4 @@
-// A cage and its pose: loops of vertices, as flat arrays x, y, x, y, …
+// A cage and its pose as files, and loops of vertices: flat arrays x, y, x, y, …
 
 /** Calls f(i, j) for every edge, by its vertices. */
 function forEachEdge(loops, f) {
@@ -32,29 +32,65 @@ function cageCsv(loops, places, heading) {
   return `# ${heading}\n${blocks.join('\n\n')}\n`;
 }
 
-/** Returns a cage and a pose with one more vertex, after `vertex`, at a share of the edge to the next. */
-function withVertex(cage, pose, vertex, share) {
-  const { loop, begin } = loopOf(cage.loops, vertex);
-  const next = begin + (vertex + 1 - begin) % cage.loops[loop];
-  const insert = points => {
-    const all = [...points], place = k => points[2 * vertex + k] + share * (points[2 * next + k] - points[2 * vertex + k]);
-    all.splice(2 * vertex + 2, 0, place(0), place(1));
-    return Float64Array.from(all);
-  };
-  return { cage: { loops: cage.loops.map((n, k) => n + (k === loop ? 1 : 0)), rest: insert(cage.rest) }, pose: insert(pose) };
+
+// ---- files of cages ----
+
+const MOST_CAGE_POINTS = 4000;
+/** Reads a cage in a format of the programs; throws a sentence with the file's name. */
+function readCage(text, name) {
+  const refuse = why => { throw new Error(`${name}: ${why}`); };
+  const cage = /\.json$/i.test(name) ? readLattice(text, refuse) : /\.csv$/i.test(name) ? readLoops(text, refuse) : readPath(text, refuse);
+  const count = cage.axes ? cage.axes[0].points * cage.axes[1].points : cage.curves ? 3 * cage.curves.flat().length : cage.rest.length / 2;
+  if (!(count <= MOST_CAGE_POINTS)) refuse(`has more than the ${MOST_CAGE_POINTS} points that this page can show`);
+  return cage;
 }
-/** Removes some vertices; returns null if a loop would have fewer than three. */
-function withoutVertices(cage, pose, gone) {
-  const keep = points => points.filter((x, k) => !gone.has(k >> 1));
-  const loops = [];
-  let at = 0;
-  for (const size of cage.loops) {
-    let left = 0;
-    for (let k = 0; k < size; ++k, ++at) left += gone.has(at) ? 0 : 1;
-    if (left > 0 && left < 3) return null;
-    if (left > 0) loops.push(left);
-  }
-  return loops.length > 0 ? { cage: { loops, rest: keep(cage.rest) }, pose: keep(pose) } : null;
+function readLattice(text, refuse) {
+  let json = null;
+  try { json = JSON.parse(text); } catch { refuse('is no JSON'); }
+  const isNumbers = (list, size) => Array.isArray(list) && (size === undefined || list.length === size) && list.every(Number.isFinite);
+  const { format, axes, frame_columns: columns, origin, falloff = 0 } = json ?? {};
+  const isAxis = axis => [axis?.points, axis?.degree].every(n => Number.isInteger(n) && n >= 0) && isNumbers(axis.knots ?? []);
+  if (format !== 'lattice/1' || !Array.isArray(axes) || axes.length !== 2 || !axes.every(isAxis)) refuse('is no lattice of two axes');
+  if (!isNumbers(origin, 2) || !Array.isArray(columns) || columns.length !== 2 || !columns.every(v => isNumbers(v, 2)) || !Number.isFinite(falloff))
+    refuse('has no box');
+  const own = axes.map(({ points, degree, knots }) => knots ? { points, degree, knots } : { points, degree });
+  return { kind: 'lattice', axes: own, frame: [...origin, ...columns.flat()], falloff, frozen: 0, loops: [] };
+}
+function readLoops(text, refuse) {
+  if (/^#\s*(chain|point)\b/m.test(text)) refuse('has chains or points inside the cage, which this page does not show');
+  const blocks = text.replace(/\r/g, '').replace(/^#.*\n?/gm, '').split(/\n\s*\n/).map(block => block.trim()).filter(block => block);
+  const loops = blocks.map(block => block.split('\n').map(line => line.split(',').map(Number)));
+  if (loops.length === 0 || !loops.flat().every(p => p.length === 2 && p.every(Number.isFinite))) refuse('has lines that are not x,y');
+  return { loops: loops.map(loop => loop.length), rest: Float64Array.from(loops.flat(2)) };
+}
+/** Reads the first path or polygon of an SVG document: a polygon if all is straight, else loops of curves. */
+function readPath(text, refuse) {
+  const element = parseSvg(text)?.querySelector('path,polygon');
+  if (!element) refuse('has no path');
+  if (element.closest('[transform]')) refuse('its path has a transform, which a cage here may not have');
+  const subpaths = element.localName === 'path' ? parsePath(element.getAttribute('d') ?? '', new PathBuilder(Math.PI / 4)) : outlineOf(element);
+  if (subpaths.length === 0) refuse('its path is empty');
+  const open = subpaths.findIndex(({ closed }) => !closed);
+  if (open >= 0) refuse(`subpath ${open} is not closed`);
+  const size = sizeOf(subpaths.flatMap(({ start, segments }) => [start, ...segments.map(({ to }) => to)]).flat());
+  const curves = subpaths.map(({ start, segments }) => {
+    let from = start;
+    const edges = segments.map(({ line, c1, c2, control, to }) => {
+      const edge = line ? [from, to] : control ? [from, control, to] : [from, c1, c2, to];
+      from = to;
+      return edge;
+    });
+    const last = edges[edges.length - 1]; // closes the path; what is within rounding is no edge
+    if (edges.length > 1 && last.length === 2 && distance(...last) <= 1e-9 * size) {
+      edges.pop();
+      const before = edges[edges.length - 1];
+      before[before.length - 1] = start;
+    }
+    return edges;
+  });
+  const isStraight = curves.flat().every(edge => edge.length === 2);
+  return isStraight ? { loops: curves.map(loop => loop.length), rest: Float64Array.from(curves.flatMap(loop => loop.flatMap(([p]) => p))) }
+    : { kind: 'curved', curves, loops: [], disk: 0 };
 }
 
 /** Tests whether a point is inside loops, by the even-odd rule. */

@@ -138,30 +138,22 @@ class Clip {
     this.length = length;
   }
 
-  /** Inserts a vertex after `vertex`, at a share of the edge to `next` (in the old numbering); it moves with both. */
-  insertVertex(vertex, next, share) {
-    const at = vertex + 1, number = i => i + (i >= at ? 1 : 0), added = [];
-    for (const track of this.tracks) {
-      const own = track.vertex !== undefined, mine = [];
-      for (const [i, dx, dy] of track.targets) {
-        const part = (i === vertex ? 1 - share : 0) + (i === next ? share : 0);
-        if (part > 0 && !own) mine.push([at, part * dx, part * dy]);
-      }
-      if (own && track.vertex === vertex) {
-        const other = this.tracks.find(t => t.vertex === next && t.axis === track.axis);
-        const keys = track.keys.map((key, k) => ({ ...key, v: (1 - share) * key.v + share * other.keys[k].v, in: null, out: null }));
-        added.push(poseTrack(at, track.axis, track.period, keys));
-      }
-      if (own) added.push({ ...poseTrack(number(track.vertex), track.axis, track.period, track.keys) });
-      else added.push({ ...track, targets: [...track.targets.map(([i, dx, dy]) => [number(i), dx, dy]), ...mine] });
-    }
-    this.tracks = added;
-  }
-  removeVertices(gone) {
-    const number = i => i - [...gone].filter(k => k < i).length;
-    this.tracks = this.tracks.filter(track => !gone.has(track.vertex)).map(track => track.vertex !== undefined
-      ? { ...poseTrack(number(track.vertex), track.axis, track.period, track.keys) }
-      : { ...track, targets: track.targets.filter(([i]) => !gone.has(i)).map(([i, dx, dy]) => [number(i), dx, dy]) });
+  /** Moves the points of another cage: its point i as the old points of rows[i], a list of [point, share]. */
+  follow(rows) {
+    const own = (vertex, axis) => this.poseTracks.find(track => track.vertex === vertex && track.axis === axis), [first] = this.poseTracks;
+    const others = this.tracks.filter(track => track.vertex === undefined).map(track => {
+      const moves = new Map();
+      for (const [i, dx, dy] of track.targets) moves.set(i, [dx + (moves.get(i)?.[0] ?? 0), dy + (moves.get(i)?.[1] ?? 0)]);
+      const targets = rows.map((row, i) => [i, ...[0, 1].map(k => row.reduce((sum, [j, share]) => sum + share * (moves.get(j)?.[k] ?? 0), 0))]);
+      return { ...track, targets: targets.filter(([, dx, dy]) => dx !== 0 || dy !== 0) };
+    });
+    const poses = !first ? [] : rows.flatMap((row, i) => [0, 1].map(axis => {
+      const followed = row.map(([j, share]) => [own(j, axis), share]), keys = (followed[0]?.[0] ?? first).keys;
+      const isSame = row.length === 1 && row[0][1] === 1;
+      return poseTrack(i, axis, first.period, isSame ? keys : keys.map((key, k) =>
+        ({ ...key, v: followed.reduce((sum, [track, share]) => sum + share * track.keys[k].v, 0), in: null, out: null })));
+    }));
+    this.tracks = [...others, ...poses];
   }
 
   /** Reads a clip file of the programs (support/files/clip_file.hpp). */

@@ -1,6 +1,7 @@
 // The library: page.cpp compiled to WebAssembly. Its functions take and return arrays of numbers.
 
-const TYPE_NAMES = ['Mean value', 'Harmonic', 'Green', 'Sibson'];
+const TYPE_NAMES = ['Mean value', 'Harmonic', 'Green', 'Sibson', 'Lattice', 'Curved Green'];
+const LATTICE_TYPE = 4, CURVED_TYPE = 5;
 
 /** Returns the bytes of gzip data in base64. */
 async function unpack(text) {
@@ -62,10 +63,31 @@ class Engine {
     if (status !== 0) throw new Error(this.text(this.calls.page_message()));
   }
 
-  /** Makes coordinates of a type on the cage of these loops; throws the cage's fault. */
+  /** Makes coordinates of a type on a cage; throws the cage's fault. */
   makeCoordinates(type, cage) {
+    if (cage.kind === 'lattice') return this.makeLattice(cage);
+    if (cage.kind === 'curved') return this.makeCurves(cage);
     this.give(cage.loops, cage.rest);
     this.check(this.calls.page_cage(type, cage.loops.length, cage.rest.length / 2));
+  }
+  /** Makes the coordinates of a lattice, and returns its points at rest. */
+  makeLattice({ axes, frame, falloff }) {
+    this.give(axes.flatMap(({ points, degree, knots = [] }) => [points, degree, knots.length, ...knots]), frame, [falloff]);
+    this.check(this.calls.page_lattice());
+    return this.taken(2 * axes[0].points * axes[1].points).slice();
+  }
+  /** Makes the coordinates of a curved cage, and returns its points at rest. */
+  makeCurves(cage) {
+    const edges = cage.curves.flat();
+    this.give(cage.curves.map(loop => loop.length), edges.map(edge => edge.length - 1), edges.flat(2), diskOf(cage));
+    this.check(this.calls.page_curves(cage.curves.length, edges.length));
+    return this.taken(6 * edges.length).slice();
+  }
+  /** Returns origin and columns of a box about segments (ax, ay, bx, by, radius each), for a lattice. */
+  boxAbout(segments) {
+    this.give(segments);
+    this.check(this.calls.page_box(segments.length / 5));
+    return Array.from(this.taken(6));
   }
   bind(type, batch, points) {
     this.give(points);

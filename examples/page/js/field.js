@@ -1,12 +1,12 @@
 // Draws the weights of a vertex inside the cage as colours with level lines, on triangles that move with the figure.
 
-/** Returns the nodes of a lattice inside a cage and next to it, and the triangles between them. */
-function fieldMesh(cage, size) {
-  const box = boundsOf(pairs(cage.rest)), h = Math.max(box[2] - box[0], box[3] - box[1]) / size;
+/** Returns the nodes of a grid inside loops and next to them, and the triangles between them. */
+function fieldMesh({ loops, points }, size) {
+  const box = boundsOf(pairs(points)), h = Math.max(box[2] - box[0], box[3] - box[1]) / size;
   const nx = Math.ceil((box[2] - box[0]) / h) + 3, ny = Math.ceil((box[3] - box[1]) / h) + 3;
   const x = i => box[0] + (i - 1) * h, y = j => box[1] + (j - 1) * h;
   const inside = new Uint8Array(nx * ny), number = new Int32Array(nx * ny).fill(-1), nodes = [], triangles = [];
-  for (let j = 0; j < ny; ++j) for (let i = 0; i < nx; ++i) inside[j * nx + i] = isInside(cage.loops, cage.rest, x(i), y(j)) ? 1 : 0;
+  for (let j = 0; j < ny; ++j) for (let i = 0; i < nx; ++i) inside[j * nx + i] = isInside(loops, points, x(i), y(j)) ? 1 : 0;
   const node = (i, j) => {
     const at = j * nx + i;
     if (number[at] < 0) { number[at] = nodes.length / 2; nodes.push(x(i), y(j)); }

@@ -51,6 +51,7 @@ function showFigure(app, name, session) {
   if (app.current && app.current !== name) app.sessions.set(app.current, app.session());
   app.show(session);
   app.current = name;
+  markKind(app);
   showPlane(app);
 }
 function markFigure(app) {
@@ -62,7 +63,6 @@ function markFigure(app) {
     button.hidden = !title;
     button.textContent = title ?? '';
   }
-  byId('walk').disabled = shown !== 'cat';
   for (const id of ['mesh-pose', 'mesh-dance']) byId(id).disabled = shown !== 'character';
   markHistory(app);
 }
@@ -108,6 +108,64 @@ function chooseTypes(app, word) {
   app.setTypes(word === 'all' ? [0, 1, 2, 3] : [Number(word)]);
   for (const button of document.querySelectorAll('#types button')) button.classList.toggle('chosen', button.dataset.type === word);
 }
+/** Shows the figure in a cage of another kind. */
+function chooseKind(app, name) {
+  app.pause();
+  if (app.isEditing) toggle(app, 'edit', 'isEditing');
+  app.changeKind(name);
+}
+async function openCage(app, file) {
+  await attempt(app, async () => {
+    const cage = readCage(await file.text(), file.name);
+    app.pause();
+    if (app.isEditing) toggle(app, 'edit', 'isEditing');
+    app.changeKind(cage.kind ?? 'polygon', kindOf(cage).settled(app.engine, cage));
+  });
+}
+/** Shows the kind of the cage and its numbers in the tools. */
+function markKind(app) {
+  const { cage } = app, kind = cage.kind ?? 'polygon';
+  document.body.dataset.cage = kind;
+  for (const button of document.querySelectorAll('#cages button')) button.classList.toggle('chosen', button.dataset.cage === kind);
+  for (const button of document.querySelectorAll('#types button')) button.disabled = kind !== 'polygon';
+  byId('walk').disabled = app.current !== 'cat' || kind !== 'polygon';
+  byId('edit').title = kind === 'lattice' ? "E: move, turn and scale the lattice's box; the figure is bound again"
+    : 'E: drag vertices of the rest cage; the figure is bound again';
+  if (kind === 'lattice') {
+    [byId('columns').value, byId('rows').value] = countsOf(cage);
+    byId('degree').value = degreeWord(cage);
+    byId('falloff').value = cage.falloff / diagonalOf(cage.frame);
+    byId('frozen').value = cage.frozen;
+  } else if (kind === 'curved') {
+    byId('disk').value = cage.disk;
+  }
+}
+function connectKinds(app) {
+  for (const button of document.querySelectorAll('#cages button')) button.onclick = () => attempt(app, () => chooseKind(app, button.dataset.cage));
+  byId('open-cage').onchange = event => { if (event.target.files[0]) openCage(app, event.target.files[0]); event.target.value = ''; };
+  const count = id => Math.max(2, Math.min(20, Math.round(Number(byId(id).value)) || 4));
+  const change = f => attempt(app, () => { app.pause(); f(); });
+  for (const id of ['columns', 'rows', 'degree'])
+    byId(id).onchange = () => change(() => app.changeAxes(axesOf([count('columns'), count('rows')], byId('degree').value || '3')));
+  byId('frozen').onchange = event => change(() => {
+    const frozen = Math.max(0, Math.min(9, Math.round(Number(event.target.value)) || 0)), cage = { ...app.cage, frozen };
+    const rows = sameRows(cage.rest.length / 2).map((row, i) => isFrozen(cage, i) ? [] : row);
+    if (rows.every(row => row.length === 0)) { markKind(app); throw new Error(`${frozen} still layers leave no point of the lattice to move`); }
+    app.changeCage({ frozen }, true, rows);
+  });
+  connectSlider(app, 'falloff', share => ({ falloff: share * diagonalOf(app.cage.frame) }));
+  connectSlider(app, 'disk', disk => ({ disk }));
+}
+/** Changes the cage while a slider moves, as one step of undo. */
+function connectSlider(app, id, changes) {
+  let isMoving = false;
+  byId(id).oninput = event => attempt(app, () => {
+    app.pause();
+    app.changeCage(changes(Number(event.target.value)), !isMoving);
+    isMoving = true;
+  });
+  byId(id).onchange = () => { isMoving = false; };
+}
 /** A button that is on or off. */
 function toggle(app, id, name) {
   app[name] = !app[name];
@@ -133,13 +191,17 @@ function connectButtons(app) {
     more: () => byId('more').setAttribute('aria-expanded', byId('bar').classList.toggle('open')),
     weights: () => toggle(app, 'weights', 'showsWeights'),
     cage: () => toggle(app, 'cage', 'showsCage'),
-    edit: () => { app.pause(); toggle(app, 'edit', 'isEditing'); },
+    edit: () => {
+      app.pause();
+      toggle(app, 'edit', 'isEditing');
+      app.select(app.cage.kind === 'lattice' && app.isEditing ? [0] : []);
+    },
     add: () => app.selection.size === 1 ? app.addVertex([...app.selection][0]) : app.say('Select one vertex first'),
     remove: () => app.selection.size > 0 ? app.removeSelected() : app.say('Select vertices first'),
     make: async () => {
       const { figure } = app, made = await makeCage(app, 'makeCage', figure.drawnSegments(), wantedVertices());
       if (figure !== app.figure) return;
-      app.replaceCage({ cage: made, pose: made.rest.slice() }, [], () => { app.clip = new Clip(app.clip.length); });
+      app.replaceCage({ cage: made, pose: made.rest.slice(), clip: new Clip(app.clip.length) });
       app.say(tellMade(made, made.rest.length / 2));
     },
     walk: () => { app.timeline.replaceClip(Clip.fromCsv(DATA.walk, app.cage.rest)); app.timeline.toggle(); },
@@ -213,6 +275,14 @@ function connectKeys(app) {
     event.preventDefault();
   });
 }
+/** Selects the row of the vertex selected last; again, its column. */
+function selectLine(app) {
+  const last = [...app.selection].pop(), isAll = line => line.every(i => app.selection.has(i) || isFrozen(app.cage, i));
+  if (last === undefined) return app.say('Select a point of the lattice first');
+  const [row, column] = linesOf(app.cage).filter(line => line.includes(last)), line = isAll(row) && app.selection.size <= row.length ? column : row;
+  app.select([...line.filter(i => i !== last), last]);
+  app.redraw();
+}
 /** Handles a key for a figure in the plane; returns false if it has no effect. */
 function pressInPlane(app, key, event) {
   const step = app.figure.size / 400 * (event.shiftKey ? 10 : 1);
@@ -228,8 +298,10 @@ function pressInPlane(app, key, event) {
     const [mx, my] = middleOfSelection(app), f = key === '-' ? 1 / 1.05 : 1.05;
     nudge(app, (x, y) => [mx + f * (x - mx), my + f * (y - my)]);
   } else if (key === 'a' || key === 'Escape') {
-    app.selection = new Set(key === 'a' ? Array.from({ length: app.pose.length / 2 }, (x, i) => i) : []);
+    app.select(key === 'a' ? allOf(app.pose.length / 2).filter(i => app.cage.kind !== 'curved' || i % 3 === 0) : []);
     app.redraw();
+  } else if (key === 'l' && app.cage.kind === 'lattice') {
+    selectLine(app);
   } else if (/^[1-5]$/.test(key)) {
     chooseTypes(app, key === '5' ? 'all' : String(key - 1));
   } else if (key === ',' || key === '.') {
@@ -291,7 +363,9 @@ async function startPage() {
   app.timeline = new Timeline(app);
   app.mesh.onDrag = () => dance(app, false);
   app.history.onChange = app.mesh.history.onChange = () => markHistory(app);
+  app.onCage = () => markKind(app);
   connectButtons(app);
+  connectKinds(app);
   connectKeys(app);
   connectDrops(app);
   chooseTypes(app, '1');

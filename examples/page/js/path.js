@@ -7,9 +7,10 @@ const numbersIn = text => (text.match(NUMBERS) ?? []).map(Number);
 const between = (a, b, t) => [a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1])];
 const lineSegment = (from, to) => ({ line: true, c1: between(from, to, 1 / 3), c2: between(from, to, 2 / 3), to });
 
-/** Collects subpaths: { start, segments: [{ line, c1, c2, to }], closed }. */
+/** Collects subpaths: { start, segments: [{ line, c1, c2, to }], closed }; a quadratic segment also has its `control` point. Arcs become
+ *  cubics of at most `widest`. */
 class PathBuilder {
-  constructor() { this.subpaths = []; this.at = [0, 0]; }
+  constructor(widest = Math.PI / 2) { this.subpaths = []; this.at = [0, 0]; this.widest = widest; }
   move(p) { this.current = null; this.at = p; }
   open() {
     if (!this.current) this.subpaths.push(this.current = { start: this.at, segments: [], closed: false });
@@ -17,7 +18,10 @@ class PathBuilder {
   }
   line(p) { this.open().push(lineSegment(this.at, p)); this.at = p; }
   cubic(c1, c2, to) { this.open().push({ line: false, c1, c2, to }); this.at = to; }
-  quadratic(c, to) { this.cubic(between(this.at, c, 2 / 3), between(to, c, 2 / 3), to); }
+  quadratic(c, to) {
+    this.cubic(between(this.at, c, 2 / 3), between(to, c, 2 / 3), to);
+    this.current.segments.at(-1).control = c;
+  }
   close() {
     if (!this.current) return;
     const { start } = this.current;
@@ -25,7 +29,7 @@ class PathBuilder {
     this.current.closed = true;
     this.move(start);
   }
-  /** Converts an elliptic arc from its end points (SVG 2, appendix B.2.4) to cubics of at most a quarter turn. */
+  /** Converts an elliptic arc from its end points (SVG 2, appendix B.2.4) to cubics. */
   arc(rx, ry, degrees, large, sweep, to) {
     const [x0, y0] = this.at;
     rx = Math.abs(rx); ry = Math.abs(ry);
@@ -44,7 +48,7 @@ class PathBuilder {
     if (!sweep && turn > 0) turn -= 2 * Math.PI;
     const mx = (x0 + to[0]) / 2, my = (y0 + to[1]) / 2;
     const place = (u, v) => [c * (cx + rx * u) - s * (cy + ry * v) + mx, s * (cx + rx * u) + c * (cy + ry * v) + my];
-    const pieces = Math.max(1, Math.ceil(Math.abs(turn) / (Math.PI / 2) - 1e-9)), step = turn / pieces;
+    const pieces = Math.max(1, Math.ceil(Math.abs(turn) / this.widest - 1e-9)), step = turn / pieces;
     const k = 4 / 3 * Math.tan(step / 4);
     for (let i = 0; i < pieces; ++i) {
       const a = from + i * step, b = a + step;
@@ -75,29 +79,28 @@ function arcNumbers(text) {
 const COMMAND_SIZE = { m: 2, l: 2, h: 1, v: 1, c: 6, s: 4, q: 4, t: 2, a: 7, z: 0 };
 
 /** Returns the subpaths of a path's data, up to the first fault, as SVG requires. */
-function parsePath(text) {
-  const path = new PathBuilder();
-  let smooth = null; // the last control point, for S and T
+function parsePath(text, path = new PathBuilder()) {
+  let smooth = null, last = ''; // the last control point, for S and T, and its command
   for (const [, letter, rest] of text.matchAll(/([mlhvcsqtaz])([^mlhvcsqtaz]*)/gi)) {
     let kind = letter.toLowerCase();
     const relative = letter === kind, size = COMMAND_SIZE[kind];
     const numbers = kind === 'a' ? arcNumbers(rest) : numbersIn(rest);
-    if (kind === 'z') { path.close(); smooth = null; continue; }
+    if (kind === 'z') { path.close(); last = ''; continue; }
     for (let i = 0; i + size <= numbers.length; i += size) {
       const [ox, oy] = relative ? path.at : [0, 0];
       const n = numbers.slice(i, i + size), point = k => [n[k] + ox, n[k + 1] + oy];
-      const mirrored = () => smooth ? [2 * path.at[0] - smooth[0], 2 * path.at[1] - smooth[1]] : path.at;
+      const mirrored = after => after.includes(last || '-') ? [2 * path.at[0] - smooth[0], 2 * path.at[1] - smooth[1]] : path.at;
       let control = null;
       if (kind === 'm') { path.move(point(0)); kind = 'l'; }
       else if (kind === 'l') path.line(point(0));
       else if (kind === 'h') path.line([n[0] + ox, path.at[1]]);
       else if (kind === 'v') path.line([path.at[0], n[0] + oy]);
       else if (kind === 'c') { control = point(2); path.cubic(point(0), control, point(4)); }
-      else if (kind === 's') { control = point(0); path.cubic(mirrored(), control, point(2)); }
+      else if (kind === 's') { control = point(0); path.cubic(mirrored('cs'), control, point(2)); }
       else if (kind === 'q') { control = point(0); path.quadratic(control, point(2)); }
-      else if (kind === 't') { control = mirrored(); path.quadratic(control, point(0)); }
+      else if (kind === 't') { control = mirrored('qt'); path.quadratic(control, point(0)); }
       else if (kind === 'a') path.arc(n[0], n[1], n[2], n[3] !== 0, n[4] !== 0, point(5));
-      smooth = control;
+      [smooth, last] = [control, kind];
     }
   }
   return path.subpaths;

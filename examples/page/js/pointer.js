@@ -23,7 +23,7 @@ function attachPointer(view, app) {
       fingers.set(event.pointerId, [event.clientX, event.clientY]);
       gesture?.move(view.placeOf(event), event);
     } else {
-      app.hover(nearestVertex(app.shownPose, view.placeOf(event), 1.7 * reach(event)));
+      app.hover(nearestVertex(app, view.placeOf(event), 1.7 * reach(event)));
     }
   });
   const release = event => {
@@ -35,8 +35,8 @@ function attachPointer(view, app) {
   div.addEventListener('pointercancel', release);
   div.addEventListener('pointerleave', event => { if (!fingers.has(event.pointerId)) app.hover(-1); });
   div.addEventListener('dblclick', event => {
-    const edge = nearestEdge(app, view.placeOf(event), 1.5 * reach(event));
-    if (edge) app.addVertex(edge.vertex, edge.share);
+    const edge = kindOf(app.cage).nearestEdge(app.cage, app.shownPose, view.placeOf(event), 1.5 * reach(event));
+    if (edge) attempt(app, () => app.addVertex(edge.vertex, edge.share));
   });
   div.addEventListener('wheel', event => {
     zoom(app, view.placeOf(event), Math.exp(0.0015 * Math.max(-200, Math.min(200, event.deltaY))));
@@ -50,22 +50,28 @@ App.prototype.hover = function (vertex) {
   this.redraw();
 };
 
-function nearestVertex(pose, [x, y], reach) {
+/** Returns the vertex nearest to a place of those shown; -1 if none is within reach. Ends of curves come before tangents that lie on them. */
+function nearestVertex(app, [x, y], reach) {
+  const pose = app.shownPose, kind = kindOf(app.cage), isShown = kind.shownPoints(app.cage, pose, app.selection);
   let best = -1, least = reach;
   for (let i = 0; 2 * i < pose.length; ++i) {
-    const d = Math.hypot(pose[2 * i] - x, pose[2 * i + 1] - y);
-    if (d < least) { least = d; best = i; }
+    const d = Math.hypot(pose[2 * i] - x, pose[2 * i + 1] - y) - (kind.mark(i) === 'rect' ? 1e-3 * reach : 0);
+    if (d < least && isShown(i)) { least = d; best = i; }
   }
   return best;
 }
-function nearestEdge(app, [x, y], reach) {
-  const pose = app.shownPose;
+/** Returns how far a place is from the line between two points, and where along it; `margin` is a share kept from the ends. */
+function distanceToSide(p, q, [x, y], margin) {
+  const [ux, uy] = [q[0] - p[0], q[1] - p[1]];
+  const share = Math.max(margin, Math.min(1 - margin, ((x - p[0]) * ux + (y - p[1]) * uy) / (ux * ux + uy * uy) || 0));
+  return { gap: Math.hypot(p[0] + share * ux - x, p[1] + share * uy - y), share };
+}
+/** Returns the side of a polygon nearest to a place, by its first vertex and how far along it is; null if none is within reach. */
+function nearestSide(cage, pose, place, reach) {
   let best = null, least = reach;
-  forEachEdge(app.cage.loops, (i, j) => {
-    const [px, py, ux, uy] = [pose[2 * i], pose[2 * i + 1], pose[2 * j] - pose[2 * i], pose[2 * j + 1] - pose[2 * i + 1]];
-    const share = Math.max(0.1, Math.min(0.9, ((x - px) * ux + (y - py) * uy) / (ux * ux + uy * uy)));
-    const d = Math.hypot(px + share * ux - x, py + share * uy - y);
-    if (d < least) { least = d; best = { vertex: i, share }; }
+  forEachEdge(cage.loops, (i, j) => {
+    const { gap, share } = distanceToSide(pointAt(pose, i), pointAt(pose, j), place, 0.1);
+    if (gap < least) { least = gap; best = { vertex: i, share }; }
   });
   return best;
 }
@@ -85,17 +91,44 @@ function startGesture(app, view, place, reach, event) {
     const corner = grips.corners.findIndex(p => distance(p, place) < reach);
     if (corner >= 0) return dragSelection(app, scaleAbout(grips.corners[(corner + 2) % 4], place));
   }
-  const vertex = app.showsCage ? nearestVertex(app.shownPose, place, reach) : -1;
-  if (vertex < 0) return startLasso(app, view, place, event.shiftKey);
-  if (event.shiftKey) {
-    if (!app.selection.delete(vertex)) app.selection.add(vertex);
-  } else if (!app.selection.has(vertex)) {
-    app.selection = new Set([vertex]);
+  const found = app.showsCage ? nearestVertex(app, place, reach) : -1, isBox = app.isEditing && app.cage.kind === 'lattice';
+  const vertex = found >= 0 && !isBox && kindOf(app.cage).isFixed(app.cage, found) ? -1 : found;
+  const shift = to => (x, y) => [x + to[0] - place[0], y + to[1] - place[1]];
+  if (event.shiftKey && app.showsCage && app.cage.kind === 'lattice' && !isBox) {
+    if (found >= 0) return dragLine(app, found, place, shift);
+    const line = lineNear(app.cage, app.shownPose, place, reach);
+    if (line) { app.select(line); app.redraw(); return dragSelection(app, shift); }
   }
+  if (vertex < 0) return startLasso(app, view, place, event.shiftKey);
+  if (event.shiftKey) toggleSelected(app, vertex);
+  else if (!app.selection.has(vertex)) app.select([vertex]);
   app.hovered = vertex;
   app.onSelect?.(vertex);
   app.redraw();
-  return dragSelection(app, to => (x, y) => [x + to[0] - place[0], y + to[1] - place[1]]);
+  return dragSelection(app, shift);
+}
+function toggleSelected(app, vertex) {
+  app.select(app.selection.has(vertex) ? [...app.selection].filter(i => i !== vertex) : [...app.selection, vertex]);
+}
+/** Drags the row of a lattice through a vertex, or the column: the one that the pointer first moves across. A click selects the vertex. */
+function dragLine(app, vertex, place, shift) {
+  let drag = null;
+  return {
+    move(to, event) {
+      if (!drag) {
+        if (to[0] === place[0] && to[1] === place[1]) return;
+        app.select(lineAcross(app.cage, app.shownPose, vertex, place, to));
+        drag = dragSelection(app, shift);
+      }
+      drag.move(to, event);
+    },
+    end() {
+      if (drag) return drag.end();
+      toggleSelected(app, vertex);
+      app.onSelect?.(vertex);
+      app.redraw();
+    },
+  };
 }
 const turnAbout = (middle, from) => to => {
   const angle = Math.atan2(to[1] - middle[1], to[0] - middle[0]) - Math.atan2(from[1] - middle[1], from[0] - middle[0]);
@@ -110,16 +143,17 @@ const scaleAbout = (fixed, from) => to => {
   return (x, y) => [fixed[0] + fx * (x - fixed[0]), fixed[1] + fy * (y - fixed[1])];
 };
 
-/** Moves the selection by mapTo(place) for the pointer's position. */
+/** Moves the selection by mapTo(place) for the pointer's position; Alt breaks smooth ends of curves. */
 function dragSelection(app, mapTo) {
   const begin = app.shownPose;
   let moved = false;
   app.drag = true;
   return {
-    move(place) {
+    move(place, event) {
+      if (app.selection.size === 0) return; // all are still
       if (!moved) app.history.remember();
       moved = true;
-      app.moveSelected(mapTo(place), begin);
+      app.moveSelected(mapTo(place), begin, event.altKey);
     },
     end() {
       app.drag = false;
@@ -138,9 +172,9 @@ function startLasso(app, view, place, adds) {
       app.lasso = null;
       app.redraw();
       if (isCancelled) return;
-      if (!adds) app.selection.clear();
-      for (let i = 0; 2 * i < pose.length; ++i)
-        if (isInside([points.length / 2], points, pose[2 * i], pose[2 * i + 1])) app.selection.add(i);
+      const isShown = kindOf(app.cage).shownPoints(app.cage, pose, app.selection);
+      const caught = allOf(pose.length / 2).filter(i => isShown(i) && isInside([points.length / 2], points, ...pointAt(pose, i)));
+      app.select(adds ? [...app.selection, ...caught] : caught);
     },
   };
 }

@@ -51,11 +51,37 @@ async function savePng(app) {
   download(app.figure.name + '_posed.png', [blob], 'image/png');
 }
 
+/** Returns an SVG document of lines about points, which the programs read as a cage or a pose. */
+function linesSvg(points, elements) {
+  const [x0, y0, x1, y1] = boundsOf(pairs(points)), pad = 0.05 * Math.hypot(x1 - x0, y1 - y0), width = 0.05 * pad;
+  const view = [x0 - pad, y0 - pad, x1 - x0 + 2 * pad, y1 - y0 + 2 * pad].map(x => +x.toPrecision(9)).join(' ');
+  return `<svg xmlns="http://www.w3.org/2000/svg" viewBox="${view}">\n<g fill="none" stroke="#c2377a" stroke-width="${+width.toPrecision(3)}" ` +
+    `stroke-linejoin="round">\n${elements.join('\n')}\n</g>\n</svg>\n`;
+}
+/** Returns a pose of a lattice: its rows, then its columns. */
+function latticeSvg(cage, places) {
+  return linesSvg(places, linesOf(cage).map(line => `<polyline points="${line.map(i => pointAt(places, i).join(',')).join(' ')}"/>`));
+}
+function latticeJson({ axes, frame, falloff }) {
+  return JSON.stringify({ format: 'lattice/1', axes, frame_columns: [frame.slice(2, 4), frame.slice(4)], origin: frame.slice(0, 2), falloff }, null, 2) + '\n';
+}
+/** Returns the path of the edges at rest, each of its own degree. */
+function curvesData(curves) {
+  return curves.map(loop => 'M' + loop[0][0].join(' ') + loop.map(edge => ' LQC'[edge.length - 1] + edge.slice(1).flat().join(' ')).join('') + 'Z').join('');
+}
+
+/** Saves a pose in the format that the programs read for a cage of this kind. */
 function savePose(app) {
-  download(app.figure.name + '_pose.csv', [cageCsv(app.cage.loops, app.pose, `a pose of the cage of ${app.figure.name}`)], 'text/csv');
+  const { figure: { name }, cage, pose } = app;
+  if (cage.kind === 'lattice') download(name + '_pose.svg', [latticeSvg(cage, pose)], 'image/svg+xml');
+  else if (cage.kind === 'curved') download(name + '_pose.svg', [linesSvg(pose, [`<path d="${curvesPath(cage, pose)}"/>`])], 'image/svg+xml');
+  else download(name + '_pose.csv', [cageCsv(cage.loops, pose, `a pose of the cage of ${name}`)], 'text/csv');
 }
 function saveCage(app) {
-  download(app.figure.name + '_cage.csv', [cageCsv(app.cage.loops, app.cage.rest, `the cage of ${app.figure.name}`)], 'text/csv');
+  const { figure: { name }, cage } = app;
+  if (cage.kind === 'lattice') download(name + '.lattice.json', [latticeJson(cage)], 'application/json');
+  else if (cage.kind === 'curved') download(name + '_cage.svg', [linesSvg(cage.rest, [`<path d="${curvesData(cage.curves)}"/>`])], 'image/svg+xml');
+  else download(name + '_cage.csv', [cageCsv(cage.loops, cage.rest, `the cage of ${name}`)], 'text/csv');
 }
 
 // ---- animations ----

@@ -36,10 +36,12 @@ class View {
     this.overlay.replaceChildren();
     parts.rest = svgElement('path', { class: 'edge rest' }, this.overlay);
     parts.edges = svgElement('path', { class: 'edge' }, this.overlay);
+    parts.tangents = svgElement('path', { class: 'edge tangent' }, this.overlay);
     parts.box = svgElement('rect', { class: 'box' }, this.overlay);
     parts.grips = [0, 1, 2, 3, 4].map(k => svgElement(k < 4 ? 'rect' : 'circle', { class: 'grip' }, this.overlay));
     parts.lasso = svgElement('path', { class: 'lasso' }, this.overlay);
-    parts.dots = Array.from({ length: this.app.pose.length / 2 }, () => svgElement('circle', {}, this.overlay));
+    const { mark } = kindOf(this.app.cage);
+    parts.dots = allOf(this.app.pose.length / 2).map(i => svgElement(mark(i), {}, this.overlay));
   }
 
   /** Returns the map from the figure's coordinates to pixels of this view: p · scale + (x, y). */
@@ -65,16 +67,19 @@ class View {
   }
 
   drawCage(pose) {
-    const { app, parts } = this, unit = 1 / this.frame().scale;
+    const { app, parts } = this, unit = 1 / this.frame().scale, { cage, selection } = app, kind = kindOf(cage);
+    const isShown = kind.shownPoints(cage, pose, selection);
     this.overlay.classList.toggle('bare', !app.showsCage);
-    parts.edges.setAttribute('d', loopsPath(app.cage.loops, pose));
-    parts.rest.setAttribute('d', app.isEditing ? '' : loopsPath(app.cage.loops, app.cage.rest));
+    parts.edges.setAttribute('d', kind.path(cage, pose));
+    parts.rest.setAttribute('d', app.isEditing ? '' : kind.path(cage, cage.rest));
+    parts.tangents.setAttribute('d', cage.kind === 'curved' ? tangentLines(cage, pose, isShown) : '');
     const radius = (matchMedia('(pointer: coarse)').matches ? 8 : 5.5) * unit * (app.views.length > 1 ? 0.8 : 1);
     parts.dots.forEach((dot, i) => {
-      dot.setAttribute('cx', pose[2 * i]);
-      dot.setAttribute('cy', pose[2 * i + 1]);
-      dot.setAttribute('r', radius);
-      dot.setAttribute('class', (app.selection.has(i) ? 'chosen ' : '') + (app.hovered === i ? 'near' : ''));
+      const [x, y] = pointAt(pose, i), isEnd = kind.mark(i) === 'rect', r = cage.kind === 'curved' && !isEnd ? 0.7 * radius : radius;
+      const place = isEnd ? { x: x - r, y: y - r, width: 2 * r, height: 2 * r } : { cx: x, cy: y, r };
+      for (const [name, value] of Object.entries(place)) dot.setAttribute(name, value);
+      dot.setAttribute('class', ['dot', selection.has(i) ? 'chosen' : '', app.hovered === i ? 'near' : '',
+        kind.isFixed(cage, i) ? 'still' : '', isShown(i) ? '' : 'unseen'].join(' '));
     });
     this.drawGrips(app.gripsOf(pose, unit), unit);
     parts.lasso.setAttribute('d', app.lasso?.view === this ? loopsPath([app.lasso.points.length / 2], app.lasso.points) : '');
@@ -110,8 +115,10 @@ class View {
     context.clearRect(0, 0, width, height);
     if (!picture) return;
     context.save();
-    const clip = new Path2D(loopsPath(app.cage.loops, pose.map((v, k) => v * frame.scale + (k % 2 ? frame.y : frame.x))));
-    context.clip(clip, 'evenodd');
+    if (app.cage.kind !== 'lattice') { // whose outline bends between its points
+      const clip = new Path2D(kindOf(app.cage).path(app.cage, pose.map((v, k) => v * frame.scale + (k % 2 ? frame.y : frame.x))));
+      context.clip(clip, 'evenodd');
+    }
     context.drawImage(picture, 0, 0);
     context.restore();
   }
