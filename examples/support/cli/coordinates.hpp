@@ -23,7 +23,7 @@ namespace cageform_examples {
 
 /// The choice of --coordinates, --resolution, --tolerance and --solver, which is common to all programs.
 struct CoordinatesChoice {
-    /// One of names(); with with_sites sibson, sibson-c1; with with_normals green.
+    /// One of names(); with with_sites sibson, sibson-c1; with with_normals green, in the plane curved too.
     std::string name = "mean-value";
     bool is_named = false;            // whether it is given
     bool in_plane = false;            // whether the program takes polygons as cages
@@ -35,6 +35,8 @@ struct CoordinatesChoice {
     std::size_t resolution = 0; // 0: the adaptive grid, of the papers' solver 128 in the plane, 64 in space
     bool is_uniform = false;    // --tolerance is given, which the adaptive grid does not look at
     cageform::HarmonicOptions harmonic;
+    bool in_disk = false;   // curved: by the function of a disk about the cage
+    double disk_radius = 0; // 0: as small as it can be
 
     static const std::vector<std::string>& names(); // of polygons
     /// Returns why `given` is none of `known`; empty if it is one.
@@ -46,10 +48,13 @@ struct CoordinatesChoice {
     bool takes_sites() const { return name.starts_with("sibson"); }
 
     /// Whether edges or faces are handles too. Values at vertices are then not those on the cage.
-    bool takes_normals() const { return name == "green"; }
+    bool takes_normals() const { return name == "green" || name == "curved"; }
 
-    /// Whether the type takes polygons alone.
-    bool takes_polygons() const { return name == "wachspress" || name == "discrete-harmonic"; }
+    /// Returns how a cage in the plane is read.
+    CageEdges edges() const { return name == "curved" ? CageEdges::curves : CageEdges::lines; }
+
+    /// Whether the type is for cages in the plane alone.
+    bool is_planar() const { return name == "wachspress" || name == "discrete-harmonic" || name == "curved"; }
 
     /// Returns the options of harmonic coordinates in the plane (2) or in space (3).
     cageform::HarmonicOptions harmonic_options(std::size_t dimension) const;
