@@ -30,14 +30,14 @@ namespace cageform_examples {
 struct SvgDocument;
 struct ViewBox;
 
-/// What a cage of curves has beside the control points of its loops.
+/// A cage of curves has this beside the control points of its loops.
 struct CageCurves {
     std::vector<std::vector<unsigned>> degrees; // of each loop's edges, as drawn: 1 to 3
 };
 
 /// A cage in the plane, as read: loops, and perhaps chains and points inside them. The blocks of a lattice
-/// are its rows and columns, as chains; the vertices are its control points, then the still handles. Of
-/// curves, which are posed as cubics, a block has three points for every edge: its start and the control
+/// are its rows and columns, as chains; the vertices are its control points, then the still handles. A
+/// block of curves, which are posed as cubics, has three points for every edge: its start and the control
 /// points that follow.
 struct CageFile {
     std::string name;
@@ -154,7 +154,7 @@ inline constexpr const char* cage_formats =
     "the two that follow. A pose is an outline of the same commands, or of commands of a\n"
     "higher degree (C in place of L). The numbers of vertices are those of control points.\n";
 
-/// What becomes of edges when a cage is read.
+/// How the edges of a cage are read.
 enum class CageEdges {
     lines,   ///< an outline with curves is refused
     curves,  ///< all are curves, lines too
@@ -187,8 +187,8 @@ SvgResult<std::string> to_svg(const CageFile& cage, const ViewBox& view);
 std::string to_csv(const CageFile& cage);
 
 /// Draws a cage into an SVG document, in root user space: loops and chains as dashed lines, points as
-/// circles. Of curves, ends of edges are squares, and control points circles on thin lines to their end; an
-/// edge that is a line shows none.
+/// circles. Ends of curves are squares, and their control points circles on thin lines to them; an edge that
+/// is a line shows none.
 ///
 ///   diagonal   of the picture, which thicknesses go by
 void draw_cage(SvgDocument& document, const CageFile& cage, double diagonal, const std::string& colour);
