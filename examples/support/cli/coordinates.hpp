@@ -12,6 +12,8 @@
 #include <cageform/clone/pose_handles.hpp>
 #include <cageform/coordinates/harmonic/options.hpp>
 
+#include <algorithm>
+#include <cmath>
 #include <functional>
 #include <memory>
 #include <span>
@@ -140,13 +142,29 @@ std::string name_of_face(const cageform::HandleView<T, D>& handles, std::size_t 
     }
 }
 
+/// Puts vertices of a pose in the plane that are within rounding of their places at rest there: the control
+/// points of a line or quadratic as a cubic are sums, which the library may round in another way.
+template <cageform::Scalar T>
+void settle(const cageform::HandleView<T, 2>& handles, std::vector<Point2>& pose) {
+    const std::size_t count = std::min(pose.size(), handles.count);
+    double largest = 0;
+    for (std::size_t i = 0; i < count; ++i)
+        largest = std::max(largest, double(std::hypot(handles.rest[i][0], handles.rest[i][1])));
+    const double rounding = 2 * double(cageform::epsilon<T>) * largest;
+    for (std::size_t i = 0; i < count; ++i) {
+        const Point2 rest{double(handles.rest[i][0]), double(handles.rest[i][1])};
+        if (std::hypot(pose[i].x - rest.x, pose[i].y - rest.y) <= rounding) pose[i] = rest;
+    }
+}
+
 /// The pose of all handles, from one of the vertices.
 ///
 ///   pose, name   of the vertices, and their file
 ///   warning      out: of edges or faces that have no area in the pose; as it was where there are none
 template <cageform::Scalar T, std::size_t D, class P>
-SvgResult<std::vector<P>> pose_of_handles(const cageform::Binding<T, D>& binding, const std::vector<P>& pose,
+SvgResult<std::vector<P>> pose_of_handles(const cageform::Binding<T, D>& binding, std::vector<P> pose,
                                           const std::string& name, std::string& warning) {
+    if constexpr (std::is_same_v<P, Point2>) settle(binding.handle_view(), pose);
     std::vector<P> handles(binding.handle_count());
     const auto report = cageform::pose_handles(binding, pose, handles);
     if (report.status != cageform::Status::ok)
