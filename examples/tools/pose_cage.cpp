@@ -140,8 +140,7 @@ int run_program(int argc, char** argv) {
              "too, "
              "with others a path with curves is refused")
         .one_of(
-            {"barycentric", "mean-value", "harmonic", "wachspress", "discrete-harmonic", "green", "curved"})
-        .show_default("curved for a path with curves");
+            {"barycentric", "mean-value", "harmonic", "wachspress", "discrete-harmonic", "green", "curved"});
     given.choice.in_plane = true;
     given.choice.add_options(line);
     line.add("-o,--output", given.out, "the pose to write: .svg or .csv; in space .obj")

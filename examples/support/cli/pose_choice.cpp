@@ -24,7 +24,7 @@ void PoseChoice::add_options(CommandLine& line) {
     add("--twist", PoseOperation::twist, "in space, twist vertices: WHICH:AXIS,FROM,TO,DEGREES");
     if (in_plane)
         add("--curve", PoseOperation::curve,
-            "of --coordinates curved, move one control point of an edge alone: LOOP:K:DX,DY");
+            "move one control point of a cage of curves alone: LOOP:K:DX,DY");
     line.add("--freeze", freeze,
              "of a lattice, the number of layers of points at the faces of its box that every pose leaves at "
              "rest")

@@ -40,9 +40,9 @@ inline constexpr const char* pose_operations_format =
     "                             passes through the point\n"
     "    --twist all:y,0,5,90     in space: turns about y, by 0 at y = 0 up to 90 at\n"
     "                             y = 5 and beyond\n"
-    "    --curve 0:4:10,0         of --coordinates curved: moves control point 4 of\n"
-    "                             loop 0 alone. All other operations on the end of an\n"
-    "                             edge take the control points beside it along\n";
+    "    --curve 0:4:10,0         of a cage of curves: moves control point 4 of loop 0\n"
+    "                             alone. All other operations on the end of an edge\n"
+    "                             take the control points beside it along\n";
 
 /// The vertices that a word selects, in rising order.
 ///

@@ -147,12 +147,12 @@ inline constexpr const char* cage_formats =
     "line \"# chain\", or one point, headed by \"# point RADIUS\". A point of a chain\n"
     "that equals an earlier vertex is that vertex. Other lines that begin with # are\n"
     "comments. A pose is a file of the same blocks with the points moved.\n"
-    "--coordinates curved takes the first closed outline instead, which may have curves:\n"
-    "every edge has the degree that it is drawn with, an arc is cubics of at most 45\n"
-    "degrees, and each subpath is a loop. A polygon is an outline too. In poses every\n"
-    "edge is a cubic, so a cage has three control points for each: the edge's start and\n"
-    "the two that follow. A pose is an outline of the same commands, or of commands of a\n"
-    "higher degree (C in place of L). The numbers of vertices are those of control points.\n";
+    "For curved coordinates it is the first closed outline, which may have curves: an\n"
+    "edge has the degree that it is drawn with, an arc is cubics of at most 45 degrees,\n"
+    "and each subpath is a loop. A polygon is an outline too. In poses all edges are\n"
+    "cubics, so vertices are control points, three for each edge: its start and the two\n"
+    "that follow. A pose is an outline of the same commands, or of commands of a higher\n"
+    "degree (C in place of L).\n";
 
 /// How the edges of a cage are read.
 enum class CageEdges {
