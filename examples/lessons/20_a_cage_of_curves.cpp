@@ -1,5 +1,5 @@
-// 20. A cage of curves: Green coordinates whose edges are Bézier curves. The handles are control points, as in
-// any drawing program, so few of them bend a figure smoothly, and a straight edge can bend too.
+// 20. A cage of curves: Green coordinates for edges that are Bézier curves. The handles are control points,
+// as in any drawing program, so few of them bend a figure smoothly, and a straight edge can bend too.
 #include <cageform/cageform.hpp>
 
 #include <cmath>
@@ -10,7 +10,7 @@ using Points = std::vector<Point>;
 using Curves = cageform::CurvedPolygon<double>;
 using Coordinates = cageform::CurvedGreenCoordinates<double>;
 
-/// Binds points and moves them by a pose of the control points, or ends the program.
+/// Binds points and moves them by a pose of the control points; prints why not.
 Points moved(const Coordinates& coordinates, const Points& points, const Points& pose) {
     const auto [binding, report] = cageform::bind(coordinates, points);
     if (report.status != cageform::Status::ok) {
