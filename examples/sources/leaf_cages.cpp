@@ -133,6 +133,7 @@ int run_program(int argc, char** argv) {
     if (!figure) return fail(to_string(figure.error()));
     const auto cage = load_cage(given.cage, CageEdges::curves);
     if (!cage) return fail(to_string(cage.error()));
+    if (!cage->curves) return fail(given.cage + ": is no outline");
     const auto pose = load_pose(given.pose, *cage);
     if (!pose) return fail(to_string(pose.error()));
     const auto view = view_box(*figure);
@@ -147,7 +148,7 @@ int run_program(int argc, char** argv) {
     trials[0] = {*cage, *pose, "curved", "curves", {}, {}};
     trials[1] = {
         polygon_on(*cage, given.vertices), polygon_on(*pose, given.vertices), "green", "polygon", {}, {}};
-    for (std::size_t n : {1, 0, 1}) { // the polygon's points lie in both
+    for (const std::size_t n : {1u, 0u, 1u}) { // the polygon's points lie in both
         if (const std::string why = run_trial(given, *figure, points, trials[n]); !why.empty())
             return fail(why);
     }

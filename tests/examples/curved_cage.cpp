@@ -2,6 +2,11 @@
 #include "files/cage_file.hpp"
 #include "svg/document.hpp"
 
+#include <cageform/binding/bind.hpp>
+#include <cageform/clone/clone.hpp>
+#include <cageform/clone/pose_handles.hpp>
+#include <cageform/coordinates/curved_green.hpp>
+
 #include "catch.hpp"
 
 #include <algorithm>
@@ -229,6 +234,35 @@ TEST_CASE("a cage of curves has three control points for each edge", "[examples]
         const auto cubics = moved.curved_polygon<double>();
         for (const auto& loop : cubics.loops()) {
             for (const auto& edge : loop) CHECK(edge.size() == 4);
+        }
+    }
+}
+
+TEST_CASE("vertices of a cage of curves are the handles of its coordinates", "[examples][curved_cage]") {
+    // Also where loops turn the wrong way: a pose goes the way of its cage.
+    for (const char* data :
+         {"M0 0L6 0Q8 3 6 6C4 7 2 7 0 6Z", "M0 0L0 6C2 7 4 7 6 6Q8 3 6 0Z",
+          "M0 0L6 0Q8 3 6 6C4 7 2 7 0 6ZM1 1H2Q2 2 1 2Z", "M0 0L6 0L6 6L0 6ZM1 1V2H2V1Z"}) {
+        CAPTURE(data);
+        const CageFile cage = cage_of(data);
+        const cageform::CurvedGreenCoordinates<double> coordinates(cage.curved_polygon<double>());
+        REQUIRE(coordinates.cage_report().status == cageform::Status::ok);
+        const auto handles = coordinates.handles();
+        REQUIRE(handles.size() == 2 * cage.vertices.size());
+        for (std::size_t i = 0; i < cage.vertices.size(); ++i)
+            CHECK(distance({handles[i][0], handles[i][1]}, cage.vertices[i]) <= 4e-15);
+        // A pose from a file moves the figure as its control points do.
+        const std::vector<cageform::Vec<double, 2>> points{{3, 5}, {5, 3}, {0.5, 2.5}};
+        const auto [binding, report] = cageform::bind(coordinates, points);
+        REQUIRE(report.status == cageform::Status::ok);
+        auto places = cage.places();
+        for (auto& p : places) p = {3 - 2 * p[1], 1 + 2 * p[0]}; // a similarity
+        std::vector<cageform::Vec<double, 2>> all(binding.handle_count()), out(points.size());
+        REQUIRE(pose_handles(binding, places, all).status == cageform::Status::ok);
+        REQUIRE(clone(binding, all, out) == cageform::Status::ok);
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            CHECK(std::fabs(out[i][0] - (3 - 2 * points[i][1])) <= 1e-13);
+            CHECK(std::fabs(out[i][1] - (1 + 2 * points[i][0])) <= 1e-13);
         }
     }
 }
