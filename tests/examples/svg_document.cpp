@@ -959,6 +959,7 @@ TEST_CASE("mutated documents never break the program", "[examples][svg_document]
         if (!document) continue;
         ++loaded;
         (void)static_cast<bool>(first_polygon(*document));
+        (void)static_cast<bool>(first_outline(*document));
         (void)static_cast<bool>(figure_vertices(*document));
         const auto report = deform(*document, wave, {.max_halvings = 2});
         if (!report) continue;
