@@ -126,7 +126,7 @@ step "a lattice about the cat, a face pulled out of a board"
 
 step "a leaf in a cage of curves"
 # Four cubics, and the polygon of 25 vertices that does the same; poses by the numbers of control points.
-"$programs/leaf_cages" "$data/leaf.svg" --cage "$data/leaf_cage.svg" --pose "$data/leaf_pose.svg" -o out/leaf_cages.svg --png >>$report
+"$programs/leaf_cages" "$data/leaf.svg" --cage "$data/leaf_cage.svg" --pose "$data/leaf_pose.svg" -o out/leaf_cages.svg --png --seconds >>$report
 set -- --turn 6:40 --curve 0:4:0,-60
 "$programs/pose_cage" "$data/leaf_cage.svg" "$@" --figure "$data/leaf.svg" --picture out/leaf_numbers.svg >>$report
 set -- "$data/leaf.svg" --cage "$data/leaf_cage.svg" --coordinates curved --show-cage-lines "$@"

@@ -342,8 +342,8 @@ int run_program(int argc, char** argv) {
     given.cage = cage->name;
     given.is_lattice = cage->lattice.has_value();
     if (!given.classes.empty() && (cage->has_cells() || cage->curves))
-        return fail("--classes: " + given.cage +
-                    ": the papers' grid needs a cage of lines, without chains and points inside");
+        return fail("--classes: " + given.cage + ": the papers' grid needs a cage " +
+                    (cage->curves ? "of lines" : "without chains and points inside"));
     given.is_coordinate = vertex.is_given();
     if (vertex.is_given() == of_values.is_given())
         return fail("give --vertex or --values to choose what to draw");
