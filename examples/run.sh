@@ -23,7 +23,7 @@ esac
 start=$(date +%s)
 step() { # WHAT
   count=$((${count:-0} + 1))
-  printf '[%d/%d] %s\n' $count 23 "$1"
+  printf '[%d/%d] %s\n' $count 24 "$1"
 }
 mkdir -p out
 step "configure"
@@ -123,6 +123,17 @@ step "a lattice about the cat, a face pulled out of a board"
 "$programs/contact_sheet" -o out/cat_lattice.svg --columns 3 --png --png-width 1800 "a lattice" out/cat_lattice_numbers.svg \
   "a first look" out/cat_lattice_look.svg "its upper half turned, which fades outside" out/cat_lattice_turned.svg
 "$programs/lattice_board" -o out/lattice_board.png >>$report
+
+step "a leaf in a cage of curves"
+# Four cubics, and the polygon of 25 vertices that does the same; poses by the numbers of control points.
+"$programs/leaf_cages" "$data/leaf.svg" --cage "$data/leaf_cage.svg" --pose "$data/leaf_pose.svg" -o out/leaf_cages.svg --png --seconds >>$report
+set -- --turn 6:40 --curve 0:4:0,-60
+"$programs/pose_cage" "$data/leaf_cage.svg" "$@" --figure "$data/leaf.svg" --picture out/leaf_numbers.svg >>$report
+set -- "$data/leaf.svg" --cage "$data/leaf_cage.svg" --coordinates curved --show-cage-lines "$@"
+"$programs/deform_svg" "$@" -o out/leaf_curved.svg
+"$programs/deform_svg" "$@" --disk -o out/leaf_disk.svg
+"$programs/contact_sheet" -o out/leaf.svg --columns 3 --png --png-width 1800 "control points" out/leaf_numbers.svg \
+  "the leaf by that pose" out/leaf_curved.svg "by the function of a disk" out/leaf_disk.svg
 
 step "the cat walks"
 # The cat walks: an SVG that browsers play, and twelve frames of a stride.
@@ -336,6 +347,7 @@ Open, in out/:
   made_cages.png, character_look.png   cages made in the plane and in space; a first look in space
   pose_cage.png              a cage with its vertices' numbers, and a pose by them
   cat_lattice.png            the cat by a lattice of control points; lattice_board.png: a face pulled out of a board
+  leaf_cages.png             a leaf in a cage of four cubics, and in the polygon that does the same; leaf.png: posed by numbers
   aleph.png, man.png         other figures
   types.png                  one pose by five coordinate types; character_types.png: in space
   two_cages.png              a disc in a convex cage, a biped in a concave one, by mean value and harmonic coordinates

@@ -30,7 +30,7 @@ SOLVERS = ("grid/", "papers/")  # what their public headers need of their machin
 # The coordinate types in the order of the menu: the page's file and its name there.
 TYPES = [
     ("barycentric", "Barycentric"), ("mean_value", "Mean value"), ("three_point", "Wachspress and family"),
-    ("harmonic", "Harmonic"), ("green", "Green"), ("sibson", "Natural neighbours"), ("lattice", "Lattices"), ("blended", "Blended"),
+    ("harmonic", "Harmonic"), ("green", "Green"), ("curved_green", "Cages of curves"), ("sibson", "Natural neighbours"), ("lattice", "Lattices"), ("blended", "Blended"),
 ]
 
 

@@ -293,6 +293,59 @@ void draw_green(const std::string& folder) {
     sheet.write(folder + "/coordinates_green.svg");
 }
 
+void draw_curved_green(const std::string& folder) {
+    using Curves = cageform::CurvedPolygon<double>;
+    const auto draw_cage = [](Sheet& sheet, const Points& control) { // three control points an edge
+        Points curve;
+        for (std::size_t k = 0; k < control.size(); k += 3) {
+            const Point &a = control[k], &d = control[(k + 3) % control.size()];
+            for (const std::size_t inner : {k + 1, k + 2}) {
+                sheet.line({inner == k + 1 ? a : d, control[inner]}, "stroke=\"#777\" stroke-width=\"0.7\"");
+                sheet.dot(control[inner]);
+            }
+            for (int n = 0; n < 40; ++n) {
+                const double t = n / 40.0, u = 1 - t;
+                Point& p = curve.emplace_back();
+                for (std::size_t axis = 0; axis < 2; ++axis)
+                    p[axis] = u * u * u * a[axis] + 3 * u * u * t * control[k + 1][axis] +
+                              3 * u * t * t * control[k + 2][axis] + t * t * t * d[axis];
+            }
+        }
+        sheet.cage(curve);
+        for (std::size_t k = 0; k < control.size(); k += 3) sheet.dot(control[k]);
+    };
+    const auto control_points = [](const auto& coordinates) {
+        Points points;
+        const auto handles = coordinates.handles();
+        for (std::size_t i = 0; i < handles.size() / 2; ++i) points.push_back({handles[i][0], handles[i][1]});
+        return points;
+    };
+    const cageform::CurvedGreenCoordinates<double> leaf(Curves(
+        {{{{0.4, 2.6}, {1, 0.4}, {3.8, 0.4}, {5, 2.6}}, {{5, 2.6}, {3.8, 4.8}, {1, 4.8}, {0.4, 2.6}}}}));
+    Sheet sheet({0, 0}, 5.4, 3);
+    sheet.panel("the weight of one control point");
+    Points pose = control_points(leaf);
+    draw_weights(sheet, leaf, 1, 2);
+    draw_cage(sheet, pose);
+    sheet.dot(pose[1], true);
+    sheet.panel("an end turned with its control points");
+    pose[2] = {2.6, 1.2};
+    pose[3] = {4.6, 4.4};
+    pose[4] = {2.4, 5.2};
+    draw_grid(sheet, leaf, pose);
+    draw_cage(sheet, pose);
+    const Points square{{1, 1}, {4.4, 1}, {4.4, 4.4}, {1, 4.4}};
+    const cageform::CurvedGreenCoordinates<double> lines{Curves(cageform::Polygon<double>(square))};
+    sheet.panel("straight edges bent");
+    pose = control_points(lines);
+    pose[1][1] = pose[2][1] = 0.2;
+    pose[7][1] = 5;
+    pose[8][1] = 3.8;
+    draw_grid(sheet, lines, pose);
+    draw_cage(sheet, pose);
+    sheet.write(folder + "/coordinates_curved_green.svg");
+}
+
 void draw_sibson(const std::string& folder) {
     const Points sites{{0.1, 0.2}, {4.9, 0.1}, {4.8, 4.9}, {0.2, 4.8}, {1.3, 1.6},
                        {2.9, 1.2}, {3.7, 2.6}, {2.4, 2.7}, {1.2, 3.3}, {3.2, 3.9}};
@@ -386,6 +439,7 @@ int main(int count, char** arguments) {
     draw_harmonic(folder);
     draw_three_point(folder);
     draw_green(folder);
+    draw_curved_green(folder);
     draw_sibson(folder);
     draw_lattice(folder);
     draw_blended(folder);

@@ -40,12 +40,12 @@ std::string print_row(const std::string& figure_path, const std::string& cage_pa
     if (!document) return to_string(document.error());
     const auto figure = figure_vertices(*document);
     if (!figure) return to_string(figure.error());
-    const auto cage = load_cage(cage_path);
+    CoordinatesChoice choice;
+    choice.name = coordinates_name;
+    const auto cage = load_cage(cage_path, choice.edges());
     if (!cage) return to_string(cage.error());
     const auto pose = load_pose(pose_path, *cage);
     if (!pose) return to_string(pose.error());
-    CoordinatesChoice choice;
-    choice.name = coordinates_name;
     const auto coordinates = make_coordinates<double>(choice, *cage);
     const auto [binding, report] = coordinates.bind(*figure);
     if (report.status != cageform::Status::ok) return describe_faults(cage_path, report);
@@ -83,7 +83,7 @@ int run_program(int argc, char** argv) {
     std::vector<std::string> words;
     line.add("rows", words, "FIGURE.svg CAGE.svg POSE.svg COORDINATES[,COORDINATES…], repeatedly").required();
     auto names = CoordinatesChoice::names();
-    names.emplace_back("green");
+    names.insert(names.end(), {"green", "curved"});
     std::string known;
     for (const std::string& name : names) known += (known.empty() ? "COORDINATES: " : ", ") + name;
     line.set_footer(known + "\n\n" + cage_formats);

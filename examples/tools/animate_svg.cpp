@@ -41,13 +41,13 @@ pugi::xml_node draw_ground(SvgDocument& document, double y, double period) {
     group.append_attribute("stroke") = "#7c8f4e";
     group.append_attribute("stroke-width") = 4;
     group.append_attribute("stroke-linecap") = "round";
-    Path path{{{left, y}, {{{left, y}, {right, y}, {right, y}, true}}, false}};
+    Path path{{{left, y}, {{{left, y}, {right, y}, {right, y}, 1}}, false}};
     constexpr std::array<double, 4> heights{16, 9, 13, 6};
     for (std::size_t i = 0; left + double(i) * step < right; ++i) {
         const double x = left + (double(i) + 0.5) * step, height = heights[i % 4];
         for (const double lean : {-0.5, 0.1, 0.6}) {
             const Point2 tip{x + lean * height, y + 6 - height};
-            path.push_back({{x + 8 * lean, y + 6}, {{tip, tip, tip, true}}, false});
+            path.push_back({{x + 8 * lean, y + 6}, {{tip, tip, tip, 1}}, false});
         }
     }
     group.append_child((detail::name_prefix(root) + "path").c_str()).append_attribute("d") =
@@ -233,7 +233,9 @@ int run_program(int argc, char** argv) {
     Settings settings;
     line.add("figure", settings.figure, "the SVG file to animate").required();
     line.add("--cage", settings.cage,
-             "its cage: the first closed polygon of an SVG, or a CSV file of loops, chains and points" +
+             "its cage: the first closed polygon of an SVG, for curved the first closed outline, or a CSV "
+             "file "
+             "of loops, chains and points" +
                  std::string(auto_cage_help))
         .required();
     CommandOption clip = line.add("--clip", settings.clip, "its motion: a CSV file of controls and keys");
@@ -241,6 +243,7 @@ int run_program(int argc, char** argv) {
              "instead of --clip: move to this pose of the cage and back; or give operations such as --turn; "
              "with --cage auto and none of these, half the figure bends and returns")
         .excludes(clip);
+    settings.operations.in_plane = true;
     settings.operations.add_options(line);
     line.add("--seconds", settings.seconds, "the seconds to the pose and back")
         .range(0.01, 1000.0)
@@ -304,7 +307,7 @@ int run_program(int argc, char** argv) {
     const bool is_first_look =
         settings.clip.empty() && settings.pose.empty() && settings.operations.operations.empty();
     settings.options.fit = settings.options.fit || is_first_look;
-    const auto cage = load_or_make_cage(settings.cage, *document);
+    const auto cage = load_or_make_cage(settings.cage, *document, settings.choice.edges());
     if (!cage) return fail(to_string(cage.error()));
     const auto file = read_clip(settings, *cage);
     if (!file) return fail(to_string(file.error()));

@@ -196,7 +196,7 @@ int run(const Settings& settings) {
     const auto dimension = cage_dimension(settings.cage_path);
     if (!dimension) return fail(to_string(dimension.error()));
     if (*dimension == 3) {
-        if (settings.choice.takes_polygons() && !is_lattice_path(settings.cage_path))
+        if (settings.choice.is_planar() && !is_lattice_path(settings.cage_path))
             return fail(settings.cage_path + ": " + settings.choice.name + " takes a cage in the plane");
         const auto file = load_mesh_cage(settings.cage_path);
         if (!file) return fail(to_string(file.error()));
@@ -205,7 +205,7 @@ int run(const Settings& settings) {
         return run(settings, make_coordinates<T>(settings.choice, *file),
                    [&](const auto& report) { return describe_mesh_faults(settings.cage_path, report); });
     }
-    const auto file = load_cage(settings.cage_path);
+    const auto file = load_cage(settings.cage_path, settings.choice.edges());
     if (!file) return fail(to_string(file.error()));
     for (std::size_t i = 0; i < file->vertices.size() && sizeof(T) == 4; ++i) {
         for (const double x : {file->vertices[i].x, file->vertices[i].y}) {

@@ -118,14 +118,37 @@ private:
     ChosenCoordinates<double, 2> coordinates_;
 };
 
+/// The loops of a cage as polygons; curves are cut into pieces too short to be seen.
+std::vector<std::vector<Point2>> loops_of(const CageFile& cage) {
+    std::vector<std::vector<Point2>> loops;
+    if (!cage.curves) {
+        for (const CageBlock& block : cage.blocks) {
+            if (block.kind == CageBlock::Kind::loop) loops.push_back(block.points);
+        }
+        return loops;
+    }
+    PlaneBox box;
+    for (const Point2& p : cage.vertices) box.add(p);
+    for (const Subpath& outline : cage.outline()) {
+        auto& loop = loops.emplace_back();
+        Point2 from = outline.start;
+        for (const Segment& s : outline.segments) {
+            const std::size_t pieces = std::max<std::size_t>(8, pieces_of(from, s, 1e-4 * box.extent()));
+            for (std::size_t n = 0; n < pieces; ++n)
+                loop.push_back(place_on(from, s, double(n) / double(pieces)));
+            from = s.p3;
+        }
+    }
+    return loops;
+}
+
 /// The boundary's edges within a box, with the values on them: linear, or of coordinates that do not
 /// interpolate piece by piece their limits from inside.
 SvgResult<std::vector<PlaneLine>> boundary_of(const Arguments& given, const CageFile& cage,
                                               const CoordinateField& field, const PlaneBox& box) {
     std::vector<PlaneLine> lines;
-    const std::size_t pieces = given.interpolates() ? 1 : 32;
-    cage.for_each_edge([&](std::size_t i, std::size_t j) {
-        const Point2 &a = cage.vertices[i], &b = cage.vertices[j];
+    const std::size_t pieces = given.interpolates() ? 1 : cage.curves ? 4 : 32;
+    const auto add = [&](const Point2& a, const Point2& b, const auto& value) {
         const auto part = clip_segment(a, b, box);
         if (!part) return;
         for (std::size_t n = 0; n < pieces; ++n) {
@@ -133,10 +156,20 @@ SvgResult<std::vector<PlaneLine>> boundary_of(const Arguments& given, const Cage
             for (const std::size_t end : {n, n + 1}) {
                 const double s = double(end) / double(pieces), t = (1 - s) * (*part)[0] + s * (*part)[1];
                 line.points.push_back({a.x + t * (b.x - a.x), a.y + t * (b.y - a.y)});
-                line.values.push_back(given.on_edge(i, j, t));
+                line.values.push_back(value(t));
             }
         }
-    });
+    };
+    if (cage.curves) {
+        for (const auto& loop : loops_of(cage)) {
+            for (std::size_t k = 0; k < loop.size(); ++k)
+                add(loop[k], loop[(k + 1) % loop.size()], [](double) { return 0.0; }); // read below
+        }
+    } else {
+        cage.for_each_edge([&](std::size_t i, std::size_t j) {
+            add(cage.vertices[i], cage.vertices[j], [&](double t) { return given.on_edge(i, j, t); });
+        });
+    }
     if (pieces == 1) return lines;
     std::vector<Point2> points;
     for (const PlaneLine& line : lines) points.insert(points.end(), line.points.begin(), line.points.end());
@@ -203,15 +236,12 @@ SvgResult<Picture> draw_map(const Arguments& given, const CageFile& cage, const 
 
 SvgResult<Picture> draw_as_surface(const Arguments& given, const CageFile& cage, const CoordinateField& field,
                                    const PlaneBox& box) {
-    std::vector<std::vector<Point2>> loops;
+    std::vector<std::vector<Point2>> loops = loops_of(cage);
     if (cage.lattice) { // its box
         const std::size_t last = cage.lattice->points() - 1, along = cage.lattice->axes[0].points - 1;
         auto& box_loop = loops.emplace_back();
         for (const std::size_t i : {std::size_t{0}, along, last, last - along})
             box_loop.push_back(cage.vertices[i]);
-    }
-    for (const CageBlock& block : cage.blocks) {
-        if (block.kind == CageBlock::Kind::loop) loops.push_back(block.points);
     }
     FieldSurface surface;
     surface.mesh = cut_by_lattice(loops, box, std::clamp<std::size_t>(given.style.size / 4, 16, 400));
@@ -265,11 +295,11 @@ Picture draw_classes(const Arguments& given, const CageFile& cage) {
     return fine.halved();
 }
 
-SvgResult<CageFile> cage_about(const std::string& figure, const std::string& word) {
-    if (!CageWord::of(word).is_auto) return load_cage(word);
+SvgResult<CageFile> cage_about(const std::string& figure, const std::string& word, CageEdges edges) {
+    if (!CageWord::of(word).is_auto) return load_cage(word, edges);
     if (figure.empty()) return SvgError{"--cage " + word + " needs a --figure, around which it is made"};
     const auto document = load_svg(figure);
-    return document ? load_or_make_cage(word, *document) : document.error();
+    return document ? load_or_make_cage(word, *document, edges) : document.error();
 }
 
 int run_program(int argc, char** argv) {
@@ -307,13 +337,13 @@ int run_program(int argc, char** argv) {
     line.set_footer(cage_formats + std::string("\n") + lattice_format);
     if (const auto code = line.parse(argc, argv)) return *code;
 
-    const auto cage = cage_about(figure, given.cage);
+    const auto cage = cage_about(figure, given.cage, given.choice.edges());
     if (!cage) return fail(to_string(cage.error()));
     given.cage = cage->name;
     given.is_lattice = cage->lattice.has_value();
-    if (!given.classes.empty() && cage->has_cells())
-        return fail("--classes: " + given.cage +
-                    ": the papers' grid needs a cage without chains and points inside");
+    if (!given.classes.empty() && (cage->has_cells() || cage->curves))
+        return fail("--classes: " + given.cage + ": the papers' grid needs a cage " +
+                    (cage->curves ? "of lines" : "without chains and points inside"));
     given.is_coordinate = vertex.is_given();
     if (vertex.is_given() == of_values.is_given())
         return fail("give --vertex or --values to choose what to draw");

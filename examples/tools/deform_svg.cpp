@@ -90,7 +90,7 @@ SvgResult<Control> read_control(const CoordinatesChoice& choice, const CagePaths
                                 const SiteChoice& of_sites, const SvgDocument& figure,
                                 const std::string& figure_path) {
     if (choice.takes_sites()) return read_sites(choice, paths, of_sites, figure);
-    const auto cage = load_or_make_cage(paths.cage, figure);
+    const auto cage = load_or_make_cage(paths.cage, figure, choice.edges());
     if (!cage) return cage.error();
     const bool is_made = CageWord::of(paths.cage).is_auto;
     auto pose = read_pose(paths.pose, paths.operations, *cage, is_made);
@@ -156,12 +156,13 @@ int run_program(int argc, char** argv) {
     line.add("figure", figure_path, "the SVG file to deform").required();
     line.add("--cage", cage_path,
              "its cage: the first closed polygon of an SVG, or a CSV file of loops, chains and points; for "
-             "sibson and sibson-c1 a file of points" +
+             "curved the first closed outline; for sibson and sibson-c1 a file of points" +
                  std::string(auto_cage_help))
         .required();
     line.add("--pose", pose_path,
              "the pose: the same blocks or points with vertices moved; or give operations such as --turn; "
              "with --cage auto and none of these, half the figure bends, and the picture is enlarged to fit");
+    operations.in_plane = true;
     operations.add_options(line);
     line.add("-o,--output", out_path, "the SVG file to write").required().ends_with({".svg"});
     line.add_flag("--png", png, "also render it, to the same name with .png");
@@ -209,7 +210,7 @@ int run_program(int argc, char** argv) {
     if (show_cage || show_lines) {
         const auto view = view_box(*document);
         const double diagonal = view ? std::hypot(view->width, view->height) : 100;
-        draw_cage(*document, posed->drawn.blocks, diagonal, "#c2377a");
+        draw_cage(*document, posed->drawn, diagonal, "#c2377a");
         if (show_cage) draw_numbers(*document, posed->drawn, diagonal / 60);
     }
     OutputFiles outputs;

@@ -28,22 +28,22 @@ std::string ending_of(const std::string& path) {
 }
 
 struct Arguments {
-    std::string cage, out, picture, figure;
+    std::string cage, out, picture, figure, coordinates;
     bool png = false;
     PoseChoice choice;
 };
 
 /// The pose, after a word on how many vertices have moved and where they were.
 template <std::size_t D>
-SvgResult<std::vector<cageform::Vec<double, D>>> posed(const Arguments& given,
-                                                       const std::vector<cageform::Vec<double, D>>& rest,
-                                                       const std::optional<LatticeBox<D>>& lattice) {
-    auto pose = given.choice.posed(rest, lattice);
+SvgResult<std::vector<cageform::Vec<double, D>>>
+posed(const Arguments& given, const std::vector<cageform::Vec<double, D>>& rest,
+      const std::optional<LatticeBox<D>>& lattice, const CageFile* curves = nullptr) {
+    auto pose = given.choice.posed(rest, lattice, curves);
     if (!pose) return pose;
     std::size_t moved = 0;
     for (std::size_t i = 0; i < rest.size(); ++i) moved += (*pose)[i] == rest[i] ? 0 : 1;
     std::cout << printable(given.cage) << ": " << moved << " of " << rest.size()
-              << " vertices moved; at rest";
+              << (curves != nullptr ? " control points moved; at rest" : " vertices moved; at rest");
     const auto box = cageform::bounds_of(std::span(rest)); // for selections by place
     for (std::size_t k = 0; k < D; ++k)
         std::cout << (k == 0 ? " " : ", ") << "xyz"[k] << " from " << detail::short_number(box.lower[k])
@@ -65,13 +65,17 @@ SvgResult<ViewBox> view_of(const CageFile& cage) {
 }
 
 int pose_in_plane(const Arguments& given) {
-    const auto cage = load_cage(given.cage);
+    const auto cage = load_cage(given.cage, given.coordinates.empty()       ? CageEdges::as_drawn
+                                            : given.coordinates == "curved" ? CageEdges::curves
+                                                                            : CageEdges::lines);
     if (!cage) return fail(to_string(cage.error()));
     const bool is_svg = ending_of(given.out) == ".svg";
     if (ending_of(given.out) == ".obj")
         return fail("-o " + given.out + ": the cage lies in the plane: write .svg or .csv");
     if (is_svg && cage->has_cells() && !cage->lattice)
         return fail("-o " + given.out + ": " + given.cage + " has chains or points, which need a .csv file");
+    if (ending_of(given.out) == ".csv" && cage->curves)
+        return fail("-o " + given.out + ": " + given.cage + " has curves, which need an .svg file");
     if (ending_of(given.picture) == ".png")
         return fail("--picture " + given.picture +
                     ": in the plane the picture is an .svg file; --png renders it too");
@@ -81,7 +85,7 @@ int pose_in_plane(const Arguments& given) {
         if (!figure) return fail(to_string(figure.error()));
         below = std::move(*figure);
     }
-    const auto moved = posed<2>(given, cage->places(), cage->lattice);
+    const auto moved = posed<2>(given, cage->places(), cage->lattice, cage->curves ? &*cage : nullptr);
     if (!moved) return fail(to_string(moved.error()));
     const CageFile pose = moved_cage(*cage, *moved);
     OutputFiles outputs;
@@ -110,6 +114,8 @@ int pose_in_space(const Arguments& given) {
         return fail("-o " + given.out + ": the cage lies in space: write .obj");
     if (ending_of(given.picture) == ".svg" || given.png || !given.figure.empty())
         return fail(given.cage + " lies in space: --picture takes a .png file, without --figure and --png");
+    if (given.coordinates == "curved")
+        return fail("--coordinates curved: " + given.cage + " lies in space, and curves in the plane");
     if (const auto why = fault_of_outputs({given.out, given.picture})) return fail(*why);
     const auto pose = posed<3>(given, cage->vertices, cage->lattice);
     if (!pose) return fail(to_string(pose.error()));
@@ -129,6 +135,13 @@ int run_program(int argc, char** argv) {
     Arguments given;
     line.add("cage", given.cage, "an SVG or CSV file, in space an OBJ file, or a .lattice.json file")
         .required();
+    line.add("--coordinates", given.coordinates,
+             "the coordinates that the pose is for: with curved the edges of a polygon are posed as cubics "
+             "too, "
+             "with others a path with curves is refused")
+        .one_of(
+            {"barycentric", "mean-value", "harmonic", "wachspress", "discrete-harmonic", "green", "curved"});
+    given.choice.in_plane = true;
     given.choice.add_options(line);
     line.add("-o,--output", given.out, "the pose to write: .svg or .csv; in space .obj")
         .ends_with({".svg", ".csv", ".obj"});

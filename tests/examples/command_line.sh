@@ -967,6 +967,91 @@ works "coordinates that a lattice has not" "$deform" "$cat" --cage lattice:4x4 -
 grep -q 'warning: --coordinates green is not used: a lattice has functions of its own' log && ok=yes || ok=no
 report $ok "are named"
 
+# ---- cages of curves ----
+leaf="$data/leaf.svg"
+leaf_cage="$data/leaf_cage.svg"
+works "a leaf by curves" "$deform" "$leaf" --cage "$leaf_cage" --pose "$data/leaf_pose.svg" --coordinates curved -o leaf.svg --png --show-cage --report
+grep -q 'status: ok' log && [ -s leaf.png ] && ok=yes || ok=no
+report $ok "it is bound and drawn"
+works "at rest" "$deform" "$leaf" --cage "$leaf_cage" --pose "$leaf_cage" --coordinates curved -o leaf_rest.svg
+cmp -s "$leaf" leaf_rest.svg && ok=yes || ok=no
+report $ok "a cage of curves at rest moves nothing"
+works "a pose by numbers" "$programs/pose_cage" "$leaf_cage" --turn 6:20 --curve 0:4:0,-30 -o leaf_pose.svg --picture leaf_numbers.svg
+grep -q 'leaf_cage.svg: 3 of 12 control points moved' log && [ "$(grep -o '>[0-9]*</text>' leaf_numbers.svg | wc -l)" -eq 12 ] && ok=yes || ok=no
+report $ok "an end takes its control points along, and all have numbers"
+works "by its file" "$deform" "$leaf" --cage "$leaf_cage" --pose leaf_pose.svg --coordinates curved -o leaf_by_file.svg
+works "by the operations" "$deform" "$leaf" --cage "$leaf_cage" --turn 6:20 --curve 0:4:0,-30 --coordinates curved -o leaf_by_words.svg
+cmp -s leaf_by_file.svg leaf_by_words.svg && ok=yes || ok=no
+report $ok "the file is the pose"
+works "a leaf that moves" "$animate" "$leaf" --cage "$leaf_cage" --pose leaf_pose.svg --coordinates curved --seconds 0.2 -o leaf_moves.svg
+printf 'length,1\ncontrol,tip\nvertices,5,6,7\n0,0,0,0,linear\n0.5,0,40,0,linear\n1,0,0,0,linear\n' >leaf_clip.csv
+works "by a clip of its control points" "$animate" "$leaf" --cage "$leaf_cage" --clip leaf_clip.csv --coordinates curved --rate 5 -o leaf_moves.svg
+works "a control point's coordinate" "$field" --cage "$leaf_cage" --vertex 1 --coordinates curved --size 64 -o leaf_field.png --surface leaf_surface.png
+works "a row of the table" "$table" "$leaf" "$leaf_cage" leaf_pose.svg curved
+printf '300,200\n10,10\n' >leaf_points.csv
+works "the weights of curves" "$weights" --cage "$leaf_cage" --points leaf_points.csv --coordinates curved -o leaf_weights.csv
+awk -F, 'NR == 1 { fits = NF == 25 && $13 == "w11" && $25 == "w23" }
+  NR > 1 { sum = 0; for (i = 2; i <= 13; ++i) sum += $i; if ((sum - 1) ^ 2 > 1e-24) fits = 0 }
+  END { exit !(fits && NR == 3) }' leaf_weights.csv && grep -q ^inside leaf_weights.csv && grep -q ^outside leaf_weights.csv && ok=yes || ok=no
+report $ok "are those of control points, which sum to one, then of legs"
+works "in single precision" "$weights" --cage "$leaf_cage" --points leaf_points.csv --coordinates curved --scalar float -o leaf_float.csv
+works "in the smallest disk" "$weights" --cage "$leaf_cage" --points leaf_points.csv --coordinates curved --disk -o leaf_disk.csv
+works "in a large disk" "$weights" --cage "$leaf_cage" --points leaf_points.csv --coordinates curved --disk-radius 1e9 -o leaf_large.csv
+cmp -s leaf_weights.csv leaf_disk.csv && ok=no || ok=yes
+report $ok "a disk changes the weights"
+awk -F, 'NR == FNR { if (FNR == 2) for (i = 2; i <= 13; ++i) w[i] = $i; next }
+  FNR == 2 { for (i = 2; i <= 13; ++i) if (($i - w[i]) ^ 2 > 1e-12) exit 1 }' leaf_weights.csv leaf_large.csv && ok=yes || ok=no
+report $ok "but one that is large hardly does"
+works "a polygon as curves" "$deform" "$cat" --cage "$cage" --pose "$pose" --coordinates curved -o curved_cat.svg
+works "whose edges bend" "$deform" "$cat" --cage auto:12 --coordinates curved --curve 0:1:-60,10 -o curved_cat.svg --show-cage
+works "its pose by numbers" "$programs/pose_cage" "$cage" --coordinates curved --move 3:5,5 -o curved_pose.svg
+grep -q 'cat_cage.svg: 3 of 75 control points moved' log && grep -q 'd="M[^C]*C[^C]*C[^C]*L[^C]*Z"' curved_pose.svg && ok=yes || ok=no
+report $ok "the edges beside it are cubics, and the others lines"
+works "which is a pose of the polygon" "$deform" "$cat" --cage "$cage" --pose curved_pose.svg --coordinates curved -o curved_cat.svg
+works "a circle as a cage" "$programs/pose_cage" "$data/fish_points.svg" --coordinates curved --picture circle_numbers.svg
+grep -q ': 0 of 24 control points moved' log && ok=yes || ok=no
+report $ok "is eight cubics"
+works "curves that cross" "$deform" "$leaf" --cage "$leaf_cage" --move 3:0,600 --coordinates curved -o crossing.svg --fit
+grep -q 'warning: .*in the posed cage edges cross' log && ok=yes || ok=no
+report $ok "are named"
+works "a leaf in two cages" "$programs/leaf_cages" "$leaf" --cage "$leaf_cage" --pose "$data/leaf_pose.svg" -o leaf_cages.svg --png
+grep -q '^curves *24 handles' log && grep -q '^polygon *50 handles' log && awk '/differ by/ { exit !($5 < 2) }' log && ok=yes || ok=no
+report $ok "by half the handles it is the same figure to a pixel"
+works "a disk that is not used" "$deform" "$cat" --cage "$cage" --pose "$pose" --disk -o curved_cat.svg
+grep -q 'warning: --disk is not used: it is for cages of --coordinates curved' log && ok=yes || ok=no
+report $ok "is named"
+
+for type in mean-value harmonic green; do
+  refuses 'the first shape is a path with curves: path (line 3); --coordinates curved takes curves' "$deform" "$leaf" --cage "$leaf_cage" --coordinates $type --move 0:1,1 -o out.svg
+done
+refuses '--coordinates curved takes curves' "$weights" --cage "$leaf_cage" --points leaf_points.csv -o out.csv
+refuses '--coordinates curved takes curves' "$animate" "$leaf" --cage "$leaf_cage" --turn 0:9 -o out.svg
+refuses '--coordinates curved takes curves' "$programs/pose_cage" "$leaf_cage" --coordinates green -o out.svg
+svg gap.svg '<path id="gap" d="M0 0C10 -20 40 -20 50 0L50 50M10 10H20V20Z"/>'
+refuses 'gap.svg: no closed outline: a loop of curves is not closed: an edge ends where the next does not begin: subpath 0, counted from 0, of path "gap" (line 1) begins at (0, 0) and ends at (50, 50)' \
+  "$deform" "$leaf" --cage gap.svg --coordinates curved --move 0:1,1 -o out.svg
+refuses 'subpath 0, counted from 0, of path "gap"' "$programs/pose_cage" gap.svg -o out.svg
+svg eight.svg '<path d="M0 0C60 60 -10 60 50 0Z"/>'
+refuses 'eight.svg: two edges of the cage cross or touch' "$weights" --cage eight.svg --points leaf_points.csv --coordinates curved -o out.csv
+svg flat.svg '<path d="M0 0Q25 0 50 0Z"/>'
+refuses 'flat.svg: ' "$weights" --cage flat.svg --points leaf_points.csv --coordinates curved -o out.csv
+svg fewer.svg '<path d="M0 0C1 1 2 2 9 9C1 5 1 1 0 0Z"/>'
+refuses 'fewer.svg: the pose has 2 edges, the cage' "$deform" "$leaf" --cage "$leaf_cage" --pose fewer.svg --coordinates curved -o out.svg
+sed 's/C 510 290 400 365 290 365/L 290 365/' "$leaf_cage" >lower.svg
+refuses 'lower.svg: edge 2, counted from 0, a line (L), is a cubic (C) in the cage' "$animate" "$leaf" --cage "$leaf_cage" --pose lower.svg --coordinates curved -o out.svg
+refuses 'cat_cage_head.csv: this coordinate type does not support interior cells: --coordinates curved takes loops alone' "$weights" --cage "$data/cat_cage_head.csv" --points leaf_points.csv --coordinates curved -o out.csv
+refuses 'the disk does not contain the cage' "$weights" --cage "$leaf_cage" --points leaf_points.csv --coordinates curved --disk-radius 10 -o out.csv
+refuses '--disk-radius' "$weights" --cage "$leaf_cage" --points leaf_points.csv --coordinates curved --disk-radius -1 -o out.csv
+refuses '--curve "0:0:1,1": the cage has no curves; --coordinates curved makes its edges curves' "$deform" "$cat" --cage "$cage" --curve 0:0:1,1 -o out.svg
+refuses '--curve "1:0:1,1": there is no loop 1: the cage has 1, 0 to 0' "$deform" "$leaf" --cage "$leaf_cage" --coordinates curved --curve 1:0:1,1 -o out.svg
+refuses 'there is no vertex 12' "$deform" "$leaf" --cage "$leaf_cage" --coordinates curved --move 12:1,1 -o out.svg
+refuses 'out.csv: '"$leaf_cage"' has curves, which need an .svg file' "$programs/pose_cage" "$leaf_cage" --move 0:1,1 -o out.csv
+refuses 'cube.obj lies in space' "$programs/pose_cage" cube.obj --coordinates curved -o out.obj
+refuses 'cube.obj: curved takes a cage in the plane' "$weights" --cage cube.obj --points leaf_points.csv --coordinates curved -o out.csv
+refuses 'curved' "$mesh" cube.obj --cage auto --coordinates curved -o out.obj
+refuses '--values: curved coordinates do not interpolate' "$field" --cage "$leaf_cage" --coordinates curved --values 1,2,3,4,5,6,7,8,9,10,11,12 -o out.png
+refuses "--classes: $leaf_cage: the papers' grid needs a cage of lines" "$field" --cage "$leaf_cage" --coordinates curved --vertex 0 --classes out.classes.png -o out.png
+
 # ---- coordinate_field, figure_table, contact_sheet ----
 works "a field" "$field" --cage "$cage" --vertex 8 --coordinates harmonic --resolution 64 --size 120 -o field.png
 works "a field as a surface" "$field" --cage "$cage" --vertex 8 --size 120 -o field.png --surface surface.png --turn 35 -100 0 --height 1
@@ -1502,7 +1587,7 @@ done
 mkdir -p no_files
 version=$(sed -n 's/.*VERSION_STRING "\(.*\)"/\1/p' "$(dirname "$data")/../include/cageform/version.hpp")
 for program in deform_svg coordinate_field cage_weights figure_table contact_sheet convergence adaptive_grid pose_cage make_cage deform_mesh make_character bind_mesh \
-  export_gltf skin_mesh animate_svg fit_curve bezier_tables make_hand pose_hand hand_sheet height_map grid_field diffuse_colours puzzle paths boundary_formula relaxation lattice_board; do
+  export_gltf skin_mesh animate_svg fit_curve bezier_tables make_hand pose_hand hand_sheet height_map grid_field diffuse_colours puzzle paths boundary_formula relaxation lattice_board leaf_cages; do
   works "version of $program" "$programs/$program" --version
   [ "$(cat log)" = "$program (cageform) $version" ] && ok=yes || ok=no
   report $ok "$program tells its version"
@@ -1523,7 +1608,7 @@ for program in deform_svg coordinate_field cage_weights figure_table contact_she
   report $ok "--help-all of $program tells more"
   grep -q 'support/\|\.hpp' log && ok=no || ok=yes
   report $ok "the help of $program names no source file"
-  if grep -q -- '--coordinates' log; then
+  if [ "$program" != pose_cage ] && grep -q -- '--coordinates' log; then # which has no default
     grep -q -- '--coordinates .*=mean-value' log && grep -q -- '--resolution .*128 in the plane, 64 in space' log &&
       grep -q -- '--tolerance .*=1e-06' log && grep -q -- '--solver .*=multigrid' log && ok=yes || ok=no
     report $ok "the defaults of $program are those of all"

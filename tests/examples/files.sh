@@ -11,7 +11,7 @@ cd files || exit 1
 escape=$(printf '\033')
 
 # ---- the files ----
-for name in hexagon hexagon_cage hexagon_pose fish fish_points fish_pose_fins hills; do cp "$data/$name.svg" pool; done
+for name in hexagon hexagon_cage hexagon_pose fish fish_points fish_pose_fins hills leaf leaf_cage leaf_pose; do cp "$data/$name.svg" pool; done
 cp "$data/puzzle.csv" pool
 (
   cd pool || exit 1
@@ -191,6 +191,7 @@ form export_gltf inner.obj --cage box.obj --clip box_clip.csv --labels box_label
 form export_gltf inner.obj --cage box.obj --pose bent_box.obj --morph -o out.gltf
 form grid_field table.csv -o out.png --surface surface.png --size 40
 form paths --cage hexagon_cage.svg --point 250,250 -o out.svg --png --paths 10 --rays 10 --drawn 1
+form leaf_cages leaf.svg --cage leaf_cage.svg --pose leaf_pose.svg -o out.svg --png
 form boundary_formula --cage hexagon_cage.svg --vertex 0
 form relaxation line.csv -o out.svg --png --play plays.svg
 form height_map hills.svg -o out.png -o out.pgm -o out.csv --lines lines.svg --size 48

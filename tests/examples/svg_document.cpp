@@ -406,7 +406,7 @@ TEST_CASE("lines stay lines and closed paths closed", "[examples][svg_document][
     const auto all = shapes_of(deformed(svg(R"(<circle cx="50" cy="50" r="40"/>)"), wave).text);
     REQUIRE(all[0].path.size() == 1);
     CHECK(all[0].path[0].closed);
-    CHECK_FALSE(all[0].path[0].segments.back().is_line); // the last curve meets the start by itself
+    CHECK_FALSE(all[0].path[0].segments.back().is_line()); // the last curve meets the start by itself
 }
 
 TEST_CASE("the path written follows the deformed curve within the tolerance",
@@ -959,6 +959,7 @@ TEST_CASE("mutated documents never break the program", "[examples][svg_document]
         if (!document) continue;
         ++loaded;
         (void)static_cast<bool>(first_polygon(*document));
+        (void)static_cast<bool>(first_outline(*document));
         (void)static_cast<bool>(figure_vertices(*document));
         const auto report = deform(*document, wave, {.max_halvings = 2});
         if (!report) continue;

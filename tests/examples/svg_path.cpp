@@ -138,7 +138,7 @@ TEST_CASE("path data: subpaths, and drawing on after Z", "[examples][svg_path]")
     CHECK(square[0].closed);
     REQUIRE(square[0].segments.size() == 4); // the closing line is one of them
     CHECK(square[0].segments.back().p3 == square[0].start);
-    CHECK(square[0].segments.back().is_line);
+    CHECK(square[0].segments.back().is_line());
     const Path returned = parsed("M0 0H2V2H0V0Z");
     CHECK(returned[0].segments.size() == 4);
     CHECK(normal("M0 0H2V2H0V0Z") == "M0 0 L2 0 L2 2 L0 2 Z");
@@ -294,7 +294,7 @@ TEST_CASE("written path data reads back as the same path", "[examples][svg_path]
         REQUIRE(again[i].segments.size() == path[i].segments.size());
         for (std::size_t k = 0; k < path[i].segments.size(); ++k) {
             CHECK(again[i].segments[k].p3 == path[i].segments[k].p3);
-            CHECK(again[i].segments[k].is_line == path[i].segments[k].is_line);
+            CHECK(again[i].segments[k].is_line() == path[i].segments[k].is_line());
         }
     }
     CHECK(write_path_data(again, 17) == write_path_data(path, 17));

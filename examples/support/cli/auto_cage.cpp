@@ -199,17 +199,17 @@ auto lattice_by_word(const std::string& word, const Figure& figure) {
 
 } // namespace
 
-SvgResult<CageFile> load_or_make_cage(const std::string& word, const SvgDocument& figure) {
+SvgResult<CageFile> load_or_make_cage(const std::string& word, const SvgDocument& figure, CageEdges edges) {
     const CageWord wanted = CageWord::of(word);
     if (wanted.is_lattice) return lattice_by_word(word, figure);
     if (!wanted.is_auto) {
-        auto cage = load_cage(word);
+        auto cage = load_cage(word, edges);
         if (!cage) return with_words(cage.error(), word);
         return cage;
     }
     auto made = made_by_word(wanted, figure);
     if (!made) return made.error();
-    return std::move(made->cage);
+    return edges == CageEdges::curves ? with_curves(std::move(made->cage)) : std::move(made->cage);
 }
 
 SvgResult<ObjFile> load_or_make_cage(const std::string& word, const ObjFile& figure) {

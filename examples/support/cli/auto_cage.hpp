@@ -57,7 +57,8 @@ SvgResult<CageFile> make_lattice_for(const SvgDocument& figure, const LatticeWor
 SvgResult<ObjFile> make_lattice_for(const ObjFile& figure, const LatticeWord& word, double margin);
 
 /// The cage that --cage names: made for the figure, or read from a file.
-SvgResult<CageFile> load_or_make_cage(const std::string& word, const SvgDocument& figure);
+SvgResult<CageFile> load_or_make_cage(const std::string& word, const SvgDocument& figure,
+                                      CageEdges edges = CageEdges::lines);
 SvgResult<ObjFile> load_or_make_cage(const std::string& word, const ObjFile& figure);
 
 /// "24 vertices, …": the report for people, two lines.

@@ -52,6 +52,11 @@ void CoordinatesChoice::add_options(CommandLine& line) {
         known.emplace_back("green");
         help += "; green, which preserves angles, but does not follow the cage's boundary exactly";
     }
+    const bool with_curves = in_plane && with_normals;
+    if (with_curves) {
+        known.emplace_back("curved");
+        help += "; curved, which is green for cages of curves, in the plane";
+    }
     if (with_sites) {
         known.insert(known.end(), {"sibson", "sibson-c1"});
         help += "; for points without a cage sibson, or sibson-c1, which is smooth at the points too";
@@ -79,6 +84,20 @@ void CoordinatesChoice::add_options(CommandLine& line) {
                  "weights) or mirrored (for rings of points)")
             .one_of({"facets", "gentle", "mirrored"})
             .show_default()
+            .rarely_needed();
+    }
+    if (with_curves) {
+        line.add_flag("--disk", in_disk,
+                      "curved: use the function of the smallest disk that holds the cage; the figure follows "
+                      "a round cage more closely, and angles change a little");
+        line.add_number(
+                "--disk-radius",
+                [this](double radius) {
+                    in_disk = true;
+                    disk_radius = radius;
+                },
+                "curved: use the function of a disk of this radius in place of the smallest")
+            .range(1e-100, 1e100)
             .rarely_needed();
     }
     const CommandOption accuracy = line.add("--accuracy", harmonic.accuracy,

@@ -12,6 +12,8 @@
 #include <cageform/clone/pose_handles.hpp>
 #include <cageform/coordinates/harmonic/options.hpp>
 
+#include <algorithm>
+#include <cmath>
 #include <functional>
 #include <memory>
 #include <span>
@@ -23,7 +25,7 @@ namespace cageform_examples {
 
 /// The choice of --coordinates, --resolution, --tolerance and --solver, which is common to all programs.
 struct CoordinatesChoice {
-    /// One of names(); with with_sites sibson, sibson-c1; with with_normals green.
+    /// One of names(); with with_sites sibson, sibson-c1; with with_normals green, in the plane curved too.
     std::string name = "mean-value";
     bool is_named = false;            // whether it is given
     bool in_plane = false;            // whether the program takes polygons as cages
@@ -35,6 +37,8 @@ struct CoordinatesChoice {
     std::size_t resolution = 0; // 0: the adaptive grid, of the papers' solver 128 in the plane, 64 in space
     bool is_uniform = false;    // --tolerance is given, which the adaptive grid does not look at
     cageform::HarmonicOptions harmonic;
+    bool in_disk = false;   // curved: by the function of a disk about the cage
+    double disk_radius = 0; // 0: as small as it can be
 
     static const std::vector<std::string>& names(); // of polygons
     /// Returns why `given` is none of `known`; empty if it is one.
@@ -46,10 +50,13 @@ struct CoordinatesChoice {
     bool takes_sites() const { return name.starts_with("sibson"); }
 
     /// Whether edges or faces are handles too. Values at vertices are then not those on the cage.
-    bool takes_normals() const { return name == "green"; }
+    bool takes_normals() const { return name == "green" || name == "curved"; }
 
-    /// Whether the type takes polygons alone.
-    bool takes_polygons() const { return name == "wachspress" || name == "discrete-harmonic"; }
+    /// Returns how a cage in the plane is read.
+    CageEdges edges() const { return name == "curved" ? CageEdges::curves : CageEdges::lines; }
+
+    /// Whether the type is for cages in the plane alone.
+    bool is_planar() const { return name == "wachspress" || name == "discrete-harmonic" || name == "curved"; }
 
     /// Returns the options of harmonic coordinates in the plane (2) or in space (3).
     cageform::HarmonicOptions harmonic_options(std::size_t dimension) const;
@@ -135,13 +142,29 @@ std::string name_of_face(const cageform::HandleView<T, D>& handles, std::size_t 
     }
 }
 
+/// Puts vertices of a pose in the plane that are within rounding of their places at rest there: the control
+/// points of a line or quadratic as a cubic are sums, which the library may round in another way.
+template <cageform::Scalar T>
+void settle(const cageform::HandleView<T, 2>& handles, std::vector<Point2>& pose) {
+    const std::size_t count = std::min(pose.size(), handles.count);
+    double largest = 0;
+    for (std::size_t i = 0; i < count; ++i)
+        largest = std::max(largest, double(std::hypot(handles.rest[i][0], handles.rest[i][1])));
+    const double rounding = 2 * double(cageform::epsilon<T>) * largest;
+    for (std::size_t i = 0; i < count; ++i) {
+        const Point2 rest{double(handles.rest[i][0]), double(handles.rest[i][1])};
+        if (std::hypot(pose[i].x - rest.x, pose[i].y - rest.y) <= rounding) pose[i] = rest;
+    }
+}
+
 /// The pose of all handles, from one of the vertices.
 ///
 ///   pose, name   of the vertices, and their file
 ///   warning      out: of edges or faces that have no area in the pose; as it was where there are none
 template <cageform::Scalar T, std::size_t D, class P>
-SvgResult<std::vector<P>> pose_of_handles(const cageform::Binding<T, D>& binding, const std::vector<P>& pose,
+SvgResult<std::vector<P>> pose_of_handles(const cageform::Binding<T, D>& binding, std::vector<P> pose,
                                           const std::string& name, std::string& warning) {
+    if constexpr (std::is_same_v<P, Point2>) settle(binding.handle_view(), pose);
     std::vector<P> handles(binding.handle_count());
     const auto report = cageform::pose_handles(binding, pose, handles);
     if (report.status != cageform::Status::ok)

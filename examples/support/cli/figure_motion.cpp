@@ -39,7 +39,9 @@ PoseCheck check_crossings(const CageFile& cage) {
     return [&cage](const std::vector<Point2>& pose) {
         std::vector<cageform::Vec<double, 2>> places;
         for (const Point2& p : pose) places.push_back({p.x, p.y});
-        const auto report = cageform::check(moved_cage(cage, places).polygon<double>());
+        const CageFile moved = moved_cage(cage, places);
+        const auto report = cage.curves ? cageform::check(moved.curved_polygon<double>())
+                                        : cageform::check(moved.polygon<double>());
         std::string text;
         if (report.status == cageform::Status::ok) return text;
         for (const auto& fault : report.faults) {

@@ -22,6 +22,9 @@ void PoseChoice::add_options(CommandLine& line) {
     add("--scale", PoseOperation::scale, "scale vertices: WHICH:FACTOR, or one factor per axis");
     add("--bend", PoseOperation::bend, "bend vertices: WHICH:AXES,FROM,TO,DEGREES");
     add("--twist", PoseOperation::twist, "in space, twist vertices: WHICH:AXIS,FROM,TO,DEGREES");
+    if (in_plane)
+        add("--curve", PoseOperation::curve,
+            "move one control point of a cage of curves alone: LOOP:K:DX,DY");
     line.add("--freeze", freeze,
              "of a lattice, the number of layers of points at the faces of its box that every pose leaves at "
              "rest")
@@ -31,15 +34,20 @@ void PoseChoice::add_options(CommandLine& line) {
 template <std::size_t D>
 SvgResult<std::vector<cageform::Vec<double, D>>>
 PoseChoice::posed(const std::vector<cageform::Vec<double, D>>& rest,
-                  const std::optional<LatticeBox<D>>& lattice) const {
-    static constexpr std::array names{"move", "turn", "scale", "bend", "twist"};
+                  const std::optional<LatticeBox<D>>& lattice, const CageFile* curves) const {
+    static constexpr std::array names{"move", "turn", "scale", "bend", "twist", "curve"};
     const auto held = still(lattice);
     if (!held) return held.error();
     auto pose = rest;
     const std::size_t count = lattice ? lattice->points() : rest.size();
+    const auto followers = curves != nullptr ? curves->followers() : std::vector<std::vector<std::size_t>>();
     for (const auto& [operation, word] : operations) {
-        const std::string why =
-            apply_operation<D>(operation, word, std::span(rest).first(count), std::span(pose).first(count));
+        std::string why = "the cage has no curves; --coordinates curved makes its edges curves";
+        if (operation != PoseOperation::curve)
+            why = apply_operation<D>(operation, word, std::span(rest).first(count),
+                                     std::span(pose).first(count), followers);
+        else if constexpr (D == 2)
+            why = curves != nullptr ? move_control_point(word, curves->handles, pose) : why;
         if (!why.empty()) {
             return SvgError{"--" + std::string(names[std::size_t(operation)]) + " " + detail::quoted(word) +
                             ": " + why};
@@ -63,9 +71,11 @@ SvgResult<std::vector<std::size_t>> PoseChoice::still(const std::optional<Lattic
 }
 
 template SvgResult<std::vector<cageform::Vec<double, 2>>>
-PoseChoice::posed(const std::vector<cageform::Vec<double, 2>>&, const std::optional<LatticeBox<2>>&) const;
+PoseChoice::posed(const std::vector<cageform::Vec<double, 2>>&, const std::optional<LatticeBox<2>>&,
+                  const CageFile*) const;
 template SvgResult<std::vector<cageform::Vec<double, 3>>>
-PoseChoice::posed(const std::vector<cageform::Vec<double, 3>>&, const std::optional<LatticeBox<3>>&) const;
+PoseChoice::posed(const std::vector<cageform::Vec<double, 3>>&, const std::optional<LatticeBox<3>>&,
+                  const CageFile*) const;
 template SvgResult<std::vector<std::size_t>> PoseChoice::still(const std::optional<LatticeBox<2>>&) const;
 template SvgResult<std::vector<std::size_t>> PoseChoice::still(const std::optional<LatticeBox<3>>&) const;
 
@@ -116,7 +126,7 @@ SvgResult<CageFile> read_pose(const std::string& path, const PoseChoice& choice,
         return SvgError{"--pose is required, or operations such as --turn"};
     const auto rest = cage.places();
     if (!operations.empty()) {
-        const auto moved = choice.posed(rest, cage.lattice);
+        const auto moved = choice.posed(rest, cage.lattice, cage.curves ? &cage : nullptr);
         if (!moved) return moved.error();
         return moved_cage(cage, *moved);
     }

@@ -15,17 +15,21 @@
 
 namespace cageform_examples {
 
-/// The operations --move, --turn, --scale, --bend and --twist, in the order given.
+/// The operations --move, --turn, --scale, --bend, --twist and --curve, in the order given.
 struct PoseChoice {
+    bool in_plane = false; // whether the program takes cages of curves
     std::vector<std::pair<PoseOperation, std::string>> operations;
     std::size_t freeze = 0; // layers of a lattice that stay at rest
 
     void add_options(CommandLine& line);
 
     /// A cage's vertices after all operations; fails with the word that cannot be done, and as `still`.
+    ///
+    ///   curves   the cage, if its edges are curves; else null
     template <std::size_t D>
     SvgResult<std::vector<cageform::Vec<double, D>>> posed(const std::vector<cageform::Vec<double, D>>& rest,
-                                                           const std::optional<LatticeBox<D>>& lattice) const;
+                                                           const std::optional<LatticeBox<D>>& lattice,
+                                                           const CageFile* curves = nullptr) const;
 
     /// The vertices that no pose moves: frozen and still handles of a lattice. Fails where --freeze is given
     /// for a cage that is none, or leaves nothing to move.

@@ -69,12 +69,16 @@ std::string keep_where(std::string_view condition, std::span<const Vec<double, D
     return {};
 }
 
-std::string parse_vertex(std::string_view text, std::size_t count, std::size_t& vertex) {
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), vertex);
-    if (end != text.data() + text.size() || text.empty()) return refusal(text, "is not a vertex number");
-    if (error == std::errc{} && vertex < count) return {};
-    return "there is no vertex " + std::string(text.substr(0, 40)) + ": the cage has " +
-           std::to_string(count) + ", 0 to " + std::to_string(count - 1);
+/// Reads the number of one of `count` things, such as vertices of a cage.
+std::string parse_number_of(const std::string& thing, std::string_view text, std::size_t count,
+                            std::size_t& number) {
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+    if (end != text.data() + text.size() || text.empty())
+        return refusal(text, "is not a " + thing + " number");
+    if (error == std::errc{} && number < count) return {};
+    return "there is no " + thing + " " + std::string(text.substr(0, 40)) + ": the " +
+           (thing == "control point" ? "loop" : "cage") + " has " + std::to_string(count) + ", 0 to " +
+           std::to_string(count - 1);
 }
 
 /// One part of a list.
@@ -93,10 +97,10 @@ std::string select(std::string_view part, std::span<const Vec<double, D>> rest,
     }
     const std::size_t dash = part.find('-');
     std::size_t first = 0;
-    std::string why = parse_vertex(detail::trim(part.substr(0, dash)), rest.size(), first);
+    std::string why = parse_number_of("vertex", detail::trim(part.substr(0, dash)), rest.size(), first);
     std::size_t last = first;
     if (why.empty() && dash != part.npos)
-        why = parse_vertex(detail::trim(part.substr(dash + 1)), rest.size(), last);
+        why = parse_number_of("vertex", detail::trim(part.substr(dash + 1)), rest.size(), last);
     if (!why.empty()) return why;
     if (last < first) return refusal(part, "counts backwards");
     selected.resize(last + 1);
@@ -145,7 +149,8 @@ public:
 
     void apply(Point& p) const {
         switch (kind_) {
-        case PoseOperation::move: p = p + vector_; break;
+        case PoseOperation::move:
+        case PoseOperation::curve: p = p + vector_; break;
         case PoseOperation::turn: p = centre_ + turned(p - centre_); break;
         case PoseOperation::scale:
             for (std::size_t k = 0; k < D; ++k) p[k] = centre_[k] + vector_[k] * (p[k] - centre_[k]);
@@ -160,6 +165,7 @@ private:
         constexpr bool in_plane = D == 2;
         switch (kind_) {
         case PoseOperation::move:
+        case PoseOperation::curve:
             if (parts.size() != D) return refusal(text_, in_plane ? "is not x,y" : "is not x,y,z");
             return parse_all(parts, vector_.v);
         case PoseOperation::scale:
@@ -305,11 +311,12 @@ SvgResult<std::vector<std::size_t>> parse_selection(std::string_view word,
 
 template <std::size_t D>
 std::string apply_operation(PoseOperation operation, std::string_view word,
-                            std::span<const Vec<double, D>> rest, std::span<Vec<double, D>> pose) {
+                            std::span<const Vec<double, D>> rest, std::span<Vec<double, D>> pose,
+                            std::span<const std::vector<std::size_t>> followers) {
     const std::size_t colon = word.find(':');
     if (colon == word.npos)
         return refusal(word, "has no colon between the vertices and the numbers, such as 5-9:30");
-    const auto selected = parse_selection(word.substr(0, colon), rest);
+    auto selected = parse_selection(word.substr(0, colon), rest);
     if (!selected) return to_string(selected.error());
     const std::string_view numbers = word.substr(colon + 1);
     const std::size_t at = std::min(numbers.find('@'), numbers.size());
@@ -323,6 +330,12 @@ std::string apply_operation(PoseOperation operation, std::string_view word,
     }
     Operation<D> what(operation, centre);
     if (std::string why = what.parse(detail::trim(numbers.substr(0, at))); !why.empty()) return why;
+    for (std::size_t n = followers.empty() ? 0 : selected->size(); n-- > 0;) {
+        const auto& more = followers[(*selected)[n]];
+        selected->insert(selected->end(), more.begin(), more.end());
+    }
+    std::sort(selected->begin(), selected->end());
+    selected->erase(std::unique(selected->begin(), selected->end()), selected->end());
     std::vector<Vec<double, D>> moved;
     for (const std::size_t i : *selected) {
         what.apply(moved.emplace_back(pose[i]));
@@ -332,13 +345,32 @@ std::string apply_operation(PoseOperation operation, std::string_view word,
     return {};
 }
 
+std::string move_control_point(std::string_view word, std::span<const std::vector<std::size_t>> loops,
+                               std::span<Vec<double, 2>> pose) {
+    const auto parts = parts_of(word, ':');
+    if (parts.size() != 3)
+        return refusal(word, "is not LOOP:K:DX,DY: a loop, one of its control points, and a move");
+    std::size_t loop = 0, point = 0;
+    if (std::string why = parse_number_of("loop", parts[0], loops.size(), loop); !why.empty()) return why;
+    const auto& handles = loops[loop];
+    if (std::string why = parse_number_of("control point", parts[1], handles.size(), point); !why.empty())
+        return why;
+    Operation<2> move(PoseOperation::curve, {});
+    if (std::string why = move.parse(parts[2]); !why.empty()) return why;
+    auto moved = pose[handles[point]];
+    move.apply(moved);
+    if (!is_finite(moved)) return "control point " + std::to_string(point) + " leaves the range of numbers";
+    pose[handles[point]] = moved;
+    return {};
+}
+
 template SvgResult<std::vector<std::size_t>> parse_selection(std::string_view,
                                                              std::span<const Vec<double, 2>>);
 template SvgResult<std::vector<std::size_t>> parse_selection(std::string_view,
                                                              std::span<const Vec<double, 3>>);
 template std::string apply_operation(PoseOperation, std::string_view, std::span<const Vec<double, 2>>,
-                                     std::span<Vec<double, 2>>);
+                                     std::span<Vec<double, 2>>, std::span<const std::vector<std::size_t>>);
 template std::string apply_operation(PoseOperation, std::string_view, std::span<const Vec<double, 3>>,
-                                     std::span<Vec<double, 3>>);
+                                     std::span<Vec<double, 3>>, std::span<const std::vector<std::size_t>>);
 
 } // namespace cageform_examples

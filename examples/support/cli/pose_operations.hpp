@@ -14,7 +14,7 @@
 
 namespace cageform_examples {
 
-enum class PoseOperation { move, turn, scale, bend, twist };
+enum class PoseOperation { move, turn, scale, bend, twist, curve };
 
 /// The text for --help.
 inline constexpr const char* pose_operations_format =
@@ -39,7 +39,10 @@ inline constexpr const char* pose_operations_format =
     "                             part below turns. The line that keeps its length\n"
     "                             passes through the point\n"
     "    --twist all:y,0,5,90     in space: turns about y, by 0 at y = 0 up to 90 at\n"
-    "                             y = 5 and beyond\n";
+    "                             y = 5 and beyond\n"
+    "    --curve 0:4:10,0         of a cage of curves: moves control point 4 of loop 0\n"
+    "                             alone. All other operations on the end of an edge\n"
+    "                             take the control points beside it along\n";
 
 /// The vertices that a word selects, in rising order.
 ///
@@ -52,13 +55,22 @@ SvgResult<std::vector<std::size_t>> parse_selection(std::string_view word,
 /// Applies an operation, WHICH:NUMBERS[@POINT], to a pose. Middles are means of vertices where they are by
 /// then.
 ///
-///   rest      the cage, as long as `pose`
-///   pose      the cage after the operations before; vertices that are not selected keep every bit
-///   returns   empty, or why not, and `pose` is as it was
+///   rest        the cage, as long as `pose`
+///   pose        the cage after the operations before; vertices that are not selected keep every bit
+///   followers   of every vertex, those that come along, see CageFile::followers(); empty: none
+///   returns     empty, or why not, and `pose` is as it was
 template <std::size_t D>
 std::string apply_operation(PoseOperation operation, std::string_view word,
                             std::span<const cageform::Vec<double, D>> rest,
-                            std::span<cageform::Vec<double, D>> pose);
+                            std::span<cageform::Vec<double, D>> pose,
+                            std::span<const std::vector<std::size_t>> followers = {});
+
+/// Applies the operation `curve`, LOOP:K:DX,DY, to a pose.
+///
+///   loops     the handles of every loop of a cage of curves
+///   returns   empty, or why not, and `pose` is as it was
+std::string move_control_point(std::string_view word, std::span<const std::vector<std::size_t>> loops,
+                               std::span<cageform::Vec<double, 2>> pose);
 
 extern template SvgResult<std::vector<std::size_t>>
     parse_selection(std::string_view, std::span<const cageform::Vec<double, 2>>);
@@ -66,9 +78,11 @@ extern template SvgResult<std::vector<std::size_t>>
     parse_selection(std::string_view, std::span<const cageform::Vec<double, 3>>);
 extern template std::string apply_operation(PoseOperation, std::string_view,
                                             std::span<const cageform::Vec<double, 2>>,
-                                            std::span<cageform::Vec<double, 2>>);
+                                            std::span<cageform::Vec<double, 2>>,
+                                            std::span<const std::vector<std::size_t>>);
 extern template std::string apply_operation(PoseOperation, std::string_view,
                                             std::span<const cageform::Vec<double, 3>>,
-                                            std::span<cageform::Vec<double, 3>>);
+                                            std::span<cageform::Vec<double, 3>>,
+                                            std::span<const std::vector<std::size_t>>);
 
 } // namespace cageform_examples

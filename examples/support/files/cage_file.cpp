@@ -22,7 +22,7 @@ std::string digits_of(const Point2& p) {
 } // namespace
 
 CageFile make_cage(std::string name, std::vector<CageBlock> blocks) {
-    CageFile cage{std::move(name), std::move(blocks), {}, {}, {}};
+    CageFile cage{std::move(name), std::move(blocks), {}, {}};
     cageform::CellComplex<double, 2> complex(cage.polygon<double>());
     std::size_t first = 0;
     for (const CageBlock& block : cage.blocks) {
@@ -37,7 +37,8 @@ CageFile make_cage(std::string name, std::vector<CageBlock> blocks) {
 }
 
 CageFile make_cage(std::string name, LatticeBox<2> lattice) {
-    CageFile cage{std::move(name), {}, {}, {}, std::move(lattice)};
+    CageFile cage{std::move(name), {}, {}, {}};
+    cage.lattice = std::move(lattice);
     const auto coordinates = cage.lattice->coordinates<double>();
     for (const auto& handle : coordinates.handles()) cage.vertices.push_back({handle[0], handle[1]});
     const std::array counts{coordinates.points(0), coordinates.points(1)}, strides{std::size_t{1}, counts[0]};
@@ -55,7 +56,36 @@ CageFile make_cage(std::string name, LatticeBox<2> lattice) {
     return cage;
 }
 
-SvgResult<CageFile> load_cage(const std::string& path) {
+namespace {
+
+bool has_curves(const std::vector<Subpath>& outline) {
+    return std::any_of(outline.begin(), outline.end(), [](const Subpath& loop) {
+        return !std::all_of(loop.segments.begin(), loop.segments.end(),
+                            [](const Segment& s) { return s.is_line(); });
+    });
+}
+
+/// The path data of closed loops that reads back to the bit.
+std::string path_data_of(const std::vector<Subpath>& outline) {
+    std::string path;
+    for (const Subpath& loop : outline) {
+        path += 'M' + digits_of(loop.start);
+        Point2 from = loop.start;
+        for (const Segment& s : loop.segments) {
+            path += s.degree == 1 ? "L" : s.degree == 2 ? "Q" : "C";
+            if (s.degree == 2) path += digits_of(quadratic_control(from, s.p1)) + ' ';
+            if (s.degree == 3) path += digits_of(s.p1) + ' ' + digits_of(s.p2) + ' ';
+            path += digits_of(s.p3);
+            from = s.p3;
+        }
+        path += 'Z';
+    }
+    return path;
+}
+
+} // namespace
+
+SvgResult<CageFile> load_cage(const std::string& path, CageEdges edges) {
     if (is_lattice_path(path)) {
         auto lattice = load_lattice<2>(path);
         if (!lattice) return lattice.error();
@@ -64,20 +94,28 @@ SvgResult<CageFile> load_cage(const std::string& path) {
     if (path.ends_with(".csv")) {
         auto blocks = read_cage_csv(path);
         if (!blocks) return blocks.error();
-        return make_cage(path, std::move(*blocks));
+        CageFile cage = make_cage(path, std::move(*blocks));
+        return edges == CageEdges::curves ? with_curves(std::move(cage)) : cage;
     }
     const auto document = load_svg(path);
     if (!document) return document.error();
     auto loops = first_polygon(*document);
-    if (!loops) return loops.error();
+    if (!loops || edges == CageEdges::curves) {
+        const auto outline = first_outline(*document);
+        if (outline && edges != CageEdges::lines) return make_curved_cage(path, *outline);
+        if (edges != CageEdges::lines) return outline.error();
+        if (outline && has_curves(*outline))
+            return SvgError{loops.error().message + "; --coordinates curved takes curves"};
+        return loops.error();
+    }
     std::vector<CageBlock> blocks;
     for (auto& loop : *loops) blocks.push_back({CageBlock::Kind::loop, 0, std::move(loop)});
     return make_cage(path, std::move(blocks));
 }
 
 SvgResult<std::string> to_svg(const CageFile& cage, const ViewBox& view) {
-    std::string path, lines;
-    for (const CageBlock& block : cage.blocks) {
+    std::string path = cage.curves ? path_data_of(cage.outline()) : "", lines;
+    for (const CageBlock& block : cage.curves ? std::vector<CageBlock>() : cage.blocks) {
         if (cage.lattice) {
             lines += "<polyline points=\"";
             for (const Point2& p : block.points) lines += (lines.back() == '"' ? "" : " ") + digits_of(p);
@@ -115,15 +153,55 @@ std::string to_csv(const CageFile& cage) {
     return text;
 }
 
-void draw_cage(SvgDocument& document, const std::vector<CageBlock>& blocks, double diagonal,
-               const std::string& colour) {
+namespace {
+
+/// Draws the ends of edges as squares, and their control points as circles on thin lines.
+void draw_curve_handles(pugi::xml_node group, const CageFile& cage, double diagonal) {
+    const double size = diagonal / 120;
+    auto marks = group.append_child("g");
+    marks.append_attribute("stroke-width") = diagonal / 1000;
+    marks.append_attribute("stroke-dasharray") = "none";
+    marks.append_attribute("fill") = "white";
+    std::string lines;
+    const auto add = [&](const Point2& end, const Point2& control) {
+        lines += write_path_data({{end, {{control, control, control, 1}}}}, 3);
+        auto circle = marks.append_child("circle");
+        circle.append_attribute("cx") = control.x;
+        circle.append_attribute("cy") = control.y;
+        circle.append_attribute("r") = size / 2;
+    };
+    for (const Subpath& loop : cage.outline()) {
+        Point2 from = loop.start;
+        for (const Segment& s : loop.segments) {
+            if (!s.is_line()) {
+                add(from, s.p1);
+                add(s.p3, s.p2);
+            }
+            auto square = marks.append_child("rect");
+            square.append_attribute("x") = from.x - size / 2;
+            square.append_attribute("y") = from.y - size / 2;
+            for (const char* side : {"width", "height"}) square.append_attribute(side) = size;
+            from = s.p3;
+        }
+    }
+    if (!lines.empty()) marks.prepend_child("path").append_attribute("d") = lines.c_str();
+}
+
+} // namespace
+
+void draw_cage(SvgDocument& document, const CageFile& cage, double diagonal, const std::string& colour) {
     auto group = document.xml.document_element().append_child("g");
     group.append_attribute("fill") = "none";
     group.append_attribute("stroke") = colour.c_str();
     group.append_attribute("stroke-width") = diagonal / 400;
     group.append_attribute("stroke-linejoin") = "round";
     group.append_attribute("stroke-dasharray") = diagonal / 100;
-    for (const CageBlock& block : blocks) {
+    if (cage.curves) {
+        const auto outline = cage.outline();
+        group.append_child("path").append_attribute("d") = write_path_data(outline, 3).c_str();
+        return draw_curve_handles(group, cage, diagonal);
+    }
+    for (const CageBlock& block : cage.blocks) {
         const Point2& first = block.points.front();
         if (block.kind == CageBlock::Kind::point) {
             auto circle = group.append_child("circle");
@@ -143,7 +221,7 @@ void draw_cage(SvgDocument& document, const std::vector<CageBlock>& blocks, doub
         line.closed = block.kind == CageBlock::Kind::loop;
         for (std::size_t k = 1; k < block.points.size() + (line.closed ? 1 : 0); ++k) {
             const Point2& p = block.points[k % block.points.size()];
-            line.segments.push_back({p, p, p, true});
+            line.segments.push_back({p, p, p, 1});
         }
         group.append_child("path").append_attribute("d") = write_path_data({line}, 3).c_str();
     }
@@ -157,6 +235,9 @@ std::vector<cageform::Vec<double, 2>> CageFile::places() const {
 }
 
 CageFile moved_cage(CageFile cage, std::span<const cageform::Vec<double, 2>> places) {
+    if (cage.curves) {
+        for (auto& degrees : cage.curves->degrees) std::fill(degrees.begin(), degrees.end(), 3U);
+    }
     for (std::size_t i = 0; i < places.size(); ++i) cage.vertices[i] = {places[i][0], places[i][1]};
     for (std::size_t b = 0; b < cage.blocks.size(); ++b) {
         for (std::size_t k = 0; k < cage.handles[b].size(); ++k)
@@ -186,6 +267,7 @@ std::string describe(const CageBlock& block) {
 }
 
 SvgResult<CageFile> make_pose(CageFile pose, const CageFile& cage) {
+    if (cage.curves) return make_curved_pose(std::move(pose), cage);
     const auto differ = [&](const std::string& where, const std::string& has, const std::string& expected) {
         return SvgError{pose.name + ": " + where + "the pose has " + has + ", the cage " + cage.name + " " +
                         expected};
@@ -292,7 +374,7 @@ SvgResult<CageFile> load_lattice_pose(const std::string& path, const CageFile& c
 
 SvgResult<CageFile> load_pose(const std::string& path, const CageFile& cage) {
     if (cage.lattice) return load_lattice_pose(path, cage);
-    auto pose = load_cage(path);
+    auto pose = load_cage(path, cage.curves ? CageEdges::curves : CageEdges::lines);
     return pose ? make_pose(std::move(*pose), cage) : pose;
 }
 

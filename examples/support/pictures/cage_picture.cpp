@@ -19,6 +19,7 @@ void draw_numbers(SvgDocument& document, const CageFile& cage, double letter) {
     group.append_attribute("stroke") = "white";
     group.append_attribute("stroke-width") = letter / 5;
     group.append_attribute("paint-order") = "stroke";
+    const auto outline = cage.curves ? cage.outline() : std::vector<Subpath>();
     std::vector<bool> is_drawn(cage.vertices.size());
     for (std::size_t b = 0; b < cage.blocks.size(); ++b) {
         const auto& points = cage.blocks[b].points;
@@ -41,12 +42,15 @@ void draw_numbers(SvgDocument& document, const CageFile& cage, double letter) {
             const double x = cage.lattice ? 1 : one.x + other.x, y = cage.lattice ? -1 : one.y + other.y,
                          length = std::hypot(x, y);
             const double reach = length > 0 ? 0.9 * letter / length : 0;
-            auto dot = group.append_child("circle");
-            dot.append_attribute("cx") = p.x;
-            dot.append_attribute("cy") = p.y;
-            dot.append_attribute("r") = letter / 6;
-            dot.append_attribute("fill") = "#c2377a";
-            dot.append_attribute("stroke") = "none";
+            if (!cage.curves ||
+                (k % 3 != 0 && outline[b].segments[k / 3].is_line())) { // draw_cage() marks curves
+                auto dot = group.append_child("circle");
+                dot.append_attribute("cx") = p.x;
+                dot.append_attribute("cy") = p.y;
+                dot.append_attribute("r") = letter / 6;
+                dot.append_attribute("fill") = "#c2377a";
+                dot.append_attribute("stroke") = "none";
+            }
             auto text = group.append_child("text");
             text.append_attribute("x") = p.x + reach * x;
             text.append_attribute("y") = p.y + reach * y + 0.35 * letter;
@@ -111,8 +115,8 @@ SvgResult<SvgDocument> draw_pose(const CageFile& cage, const CageFile& pose, con
         if (!view) return view.error();
         draw_figure(*picture, *figure, *view, seen);
     }
-    if (cage.vertices != pose.vertices) draw_cage(*picture, cage.blocks, diagonal, "#888888");
-    draw_cage(*picture, pose.blocks, diagonal, "#c2377a");
+    if (cage.vertices != pose.vertices) draw_cage(*picture, cage, diagonal, "#888888");
+    draw_cage(*picture, pose, diagonal, "#c2377a");
     draw_numbers(*picture, pose, letter);
     return picture;
 }

@@ -21,7 +21,7 @@ SvgResult<SvgDocument> draw_pose(const CageFile& cage, const CageFile& pose, con
                                  const std::string& name);
 
 /// Draws into a document, in root user space, a dot and a number at every vertex of a cage, the number
-/// outside its loop.
+/// outside its loop. The vertices of curves are control points, and those that draw_cage() marks get no dot.
 ///
 ///   letter   the size of the numbers
 void draw_numbers(SvgDocument& document, const CageFile& cage, double letter);

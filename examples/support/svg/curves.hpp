@@ -286,7 +286,7 @@ private:
         };
         const auto cubic = [&](std::span<const Point2> p) { return cubic_through(p, stops); };
         const bool full = next.size() >= most_pieces || next.size() * frames_ >= most_segments;
-        if (curve.rest.is_line && in_all_frames([&](auto p) { return is_straight(p); })) {
+        if (curve.rest.is_line() && in_all_frames([&](auto p) { return is_straight(p); })) {
             take(line_through);
         } else if (in_all_frames([&](auto p) { return is_near(p, cubic(p)); })) {
             take(cubic);
@@ -333,8 +333,7 @@ private:
 
     static Segment line_through(std::span<const Point2> samples) {
         const Point2 &a = samples.front(), &d = samples.back();
-        return {
-            {(2 * a.x + d.x) / 3, (2 * a.y + d.y) / 3}, {(a.x + 2 * d.x) / 3, (a.y + 2 * d.y) / 3}, d, true};
+        return {{(2 * a.x + d.x) / 3, (2 * a.y + d.y) / 3}, {(a.x + 2 * d.x) / 3, (a.y + 2 * d.y) / 3}, d, 1};
     }
 
     /// Where the curve stops, the cubic does too: its direction there would be that of rounding, which
@@ -348,8 +347,7 @@ private:
         Segment cubic{
             {(-5 * a.x + 18 * b.x - 9 * c.x + 2 * d.x) / 6, (-5 * a.y + 18 * b.y - 9 * c.y + 2 * d.y) / 6},
             {(2 * a.x - 9 * b.x + 18 * c.x - 5 * d.x) / 6, (2 * a.y - 9 * b.y + 18 * c.y - 5 * d.y) / 6},
-            d,
-            false};
+            d};
         if (stops.at_start != stops.at_end) {
             const Point2 control = control_of_stopping(samples, stops.at_start);
             cubic.p1 = stops.at_start ? a : control;

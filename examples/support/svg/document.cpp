@@ -5,6 +5,8 @@
 #include "svg/walk.hpp"
 #include "svg/xml.hpp"
 
+#include <cageform/cage/polygon.hpp>
+
 #include <zlib.h>
 
 #include <algorithm>
@@ -146,12 +148,12 @@ SvgResult<ViewBox> view_box(const SvgDocument& document) {
 namespace detail {
 
 /// The shapes of a document that stays as it is.
-SvgResult<std::vector<SvgShape>> read_shapes(const SvgDocument& document) {
+SvgResult<std::vector<SvgShape>> read_shapes(const SvgDocument& document, bool as_cage = false) {
     SvgDocument work = copy_of(document);
     std::vector<std::string> ignored;
     const StyleSheets styles(root_element(work.xml));
     IdTable ids(root_element(work.xml));
-    auto drawing = walk(work, styles, ids, {.follow_references = false}, ignored);
+    auto drawing = walk(work, styles, ids, {.follow_references = false, .as_cage = as_cage}, ignored);
     if (!drawing) return drawing.error();
     std::vector<SvgShape> shapes;
     shapes.reserve(drawing->shapes.size());
@@ -171,7 +173,7 @@ std::string polygon_loops(const Path& path, std::vector<std::vector<Point2>>& lo
         if (subpath.segments.empty()) continue;
         std::vector<Point2> loop = {subpath.start};
         for (const Segment& s : subpath.segments) {
-            if (!s.is_line) return "a path with curves";
+            if (!s.is_line()) return "a path with curves";
             loop.push_back(s.p3);
         }
         if (!(loop.back() == loop.front())) return "an open path";
@@ -180,6 +182,33 @@ std::string polygon_loops(const Path& path, std::vector<std::vector<Point2>>& lo
         loops.push_back(std::move(loop));
     }
     return loops.empty() ? "an empty path" : "";
+}
+
+/// Puts the ends of subpaths on their starts where they are within a tolerance, without the line that Z has
+/// added between them. Subpaths without segments are left out.
+///
+///   returns   for each whether it is closed
+std::vector<bool> close_loops(std::vector<Subpath>& path) {
+    std::erase_if(path, [](const Subpath& subpath) { return subpath.segments.empty(); });
+    std::vector<cageform::Vec<double, 2>> points;
+    for (const Subpath& subpath : path) {
+        points.push_back({subpath.start.x, subpath.start.y});
+        for (const Segment& s : subpath.segments)
+            points.insert(points.end(), {{s.p1.x, s.p1.y}, {s.p2.x, s.p2.y}, {s.p3.x, s.p3.y}});
+    }
+    const auto box = cageform::bounds_of(std::span<const cageform::Vec<double, 2>>(points));
+    const double tolerance = cageform::coincidence_tolerance(box);
+    std::vector<bool> closed;
+    for (auto& [start, segments, is_closed, has_closing_line] : path) {
+        const auto meets = [&, &begin = start](const Point2& p) {
+            return std::hypot(p.x - begin.x, p.y - begin.y) <= tolerance;
+        };
+        if (has_closing_line && segments.size() > 1 && meets(segments[segments.size() - 2].p3))
+            segments.pop_back();
+        closed.push_back(meets(segments.back().p3));
+        if (closed.back()) segments.back().p3 = start;
+    }
+    return closed;
 }
 
 } // namespace detail
@@ -203,6 +232,29 @@ SvgResult<std::vector<std::vector<Point2>>> first_polygon(const SvgDocument& doc
     return SvgError{document.name + ": no closed polygon: " + first};
 }
 
+SvgResult<std::vector<Subpath>> first_outline(const SvgDocument& document) {
+    auto all = detail::read_shapes(document, true);
+    if (!all) return all.error();
+    std::string first = "there is no shape";
+    for (SvgShape& shape : *all) {
+        const std::vector<bool> closed = detail::close_loops(shape.path);
+        const auto open = std::find(closed.begin(), closed.end(), false);
+        if (open == closed.end() && !closed.empty()) return std::move(shape.path);
+        if (open != closed.end() && first.starts_with("there")) {
+            const auto number = open - closed.begin();
+            const Subpath& subpath = shape.path[std::size_t(number)];
+            const auto place = [](const Point2& p) {
+                return '(' + format_number(p.x, 6) + ", " + format_number(p.y, 6) + ')';
+            };
+            first = cageform::to_string(cageform::Status::loop_not_closed) + std::string(": subpath ") +
+                    std::to_string(number) + ", counted from 0, of " + shape.label + " begins at " +
+                    place(subpath.start) + " and ends at " + place(subpath.segments.back().p3);
+        }
+        if (std::find(closed.begin(), closed.end(), true) != closed.end()) break;
+    }
+    return SvgError{document.name + ": no closed outline: " + first};
+}
+
 SvgResult<std::vector<std::vector<Point2>>> straight_lines(const SvgDocument& document) {
     const auto all = shapes(document);
     if (!all) return all.error();
@@ -213,7 +265,7 @@ SvgResult<std::vector<std::vector<Point2>>> straight_lines(const SvgDocument& do
             auto& line = lines.emplace_back();
             line.push_back(subpath.start);
             for (const Segment& s : subpath.segments) {
-                if (!s.is_line)
+                if (!s.is_line())
                     return SvgError{document.name + ": a line of points has curves: " + shape.label};
                 line.push_back(s.p3);
             }

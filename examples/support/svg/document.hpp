@@ -177,6 +177,16 @@ SvgResult<std::vector<SvgShape>> shapes(const SvgDocument& document);
 ///   fails     where no shape is one; the message says what the first shape is instead
 SvgResult<std::vector<std::vector<Point2>>> first_polygon(const SvgDocument& document);
 
+/// A cage of curves: the subpaths of the first shape that has a closed one, in root user space.
+///
+///   returns   them in the order and direction drawn, with the degrees of their segments; each ends exactly
+///             where it begins. Arcs are cubics of at most 45 degrees
+///   closing   the line that Z adds is left out where it is no longer than the coincidence tolerance of the
+///             shape's control points
+///   fails     where there is no such shape, or another subpath of it is open; the message has its number,
+///             counted from 0
+SvgResult<std::vector<Subpath>> first_outline(const SvgDocument& document);
+
 /// The points of every subpath, in root user space, in the order drawn; fails where one has curves.
 SvgResult<std::vector<std::vector<Point2>>> straight_lines(const SvgDocument& document);
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
-#include <numbers>
 
 namespace cageform_examples {
 
@@ -22,7 +21,7 @@ SvgError error_in_text(std::string why, std::string_view text, std::size_t posit
 }
 
 std::size_t pieces_of(const Point2& from, const Segment& s, double tolerance) {
-    if (s.is_line) return 1;
+    if (s.is_line()) return 1;
     // A cubic is no farther from its chord than 3/4 of its larger second difference.
     const double bend = std::max(std::hypot(from.x - 2 * s.p1.x + s.p2.x, from.y - 2 * s.p1.y + s.p2.y),
                                  std::hypot(s.p1.x - 2 * s.p2.x + s.p3.x, s.p1.y - 2 * s.p2.y + s.p3.y));
@@ -45,7 +44,7 @@ Path transformed(Path path, const Affine2& map) {
     for (Subpath& subpath : path) {
         subpath.start = apply(map, subpath.start);
         for (Segment& s : subpath.segments) {
-            s = {apply(map, s.p1), apply(map, s.p2), apply(map, s.p3), s.is_line};
+            s = {apply(map, s.p1), apply(map, s.p2), apply(map, s.p3), s.degree};
         }
     }
     return path;
@@ -140,8 +139,9 @@ private:
 /// The `d` attribute, one command at a time.
 class PathReader {
 public:
-    explicit PathReader(std::string_view text)
-        : scan_(text) {}
+    PathReader(std::string_view text, double most_turn)
+        : scan_(text)
+        , builder_(most_turn) {}
 
     SvgResult<Path> read() {
         for (scan_.skip_space(); !scan_.at_end(); scan_.skip_space()) {
@@ -288,8 +288,8 @@ private:
 
 } // namespace detail
 
-SvgResult<Path> parse_path_data(std::string_view text) {
-    return detail::PathReader(text).read();
+SvgResult<Path> parse_path_data(std::string_view text, double most_turn) {
+    return detail::PathReader(text, most_turn).read();
 }
 
 SvgResult<std::vector<double>> parse_numbers(std::string_view text) {
@@ -417,11 +417,11 @@ std::string write_path_data(const Path& path, int decimals) {
         Point2 from = subpath.start;
         for (std::size_t i = 0; i < subpath.segments.size(); ++i) {
             const Segment& s = subpath.segments[i];
-            const bool closing = subpath.closed && s.is_line && i + 1 == subpath.segments.size();
+            const bool closing = subpath.closed && s.is_line() && i + 1 == subpath.segments.size();
             if (closing && !(from == subpath.start)) break;
             from = s.p3;
-            text += s.is_line ? 'L' : 'C';
-            if (!s.is_line) {
+            text += s.is_line() ? 'L' : 'C';
+            if (!s.is_line()) {
                 put(s.p1);
                 put(s.p2);
             }

@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <cstddef>
+#include <numbers>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -54,19 +55,28 @@ private:
     std::variant<T, SvgError> content_;
 };
 
-/// One cubic from the end of the one before; a line has its control points at its thirds.
+/// One curve from the end of the one before, as a cubic. A line has its control points at its thirds, a
+/// quadratic those of the cubic that it equals.
 struct Segment {
     Point2 p1;
     Point2 p2;
     Point2 p3;
-    bool is_line = false;
+    unsigned degree = 3; // as it was drawn: 1 to 3
+
+    bool is_line() const { return degree == 1; }
 };
+
+/// Returns the control point of a quadratic, from those of the cubic that it equals.
+inline Point2 quadratic_control(const Point2& from, const Point2& p1) {
+    return {1.5 * p1.x - from.x / 2, 1.5 * p1.y - from.y / 2};
+}
 
 /// A closed one ends exactly where it starts: its closing line is among the segments.
 struct Subpath {
     Point2 start;
     std::vector<Segment> segments;
     bool closed = false;
+    bool has_closing_line = false; // Z has added the last segment
 };
 
 using Path = std::vector<Subpath>;
@@ -114,10 +124,17 @@ std::optional<Affine2> inverse(const Affine2& m);
 
 Path transformed(Path path, const Affine2& map);
 
+/// The turn of an arc that one cubic stands for at most: so that it meets the radius to 2.8e-4 of itself, and
+/// as an edge of a cage, to 4e-6.
+constexpr double arc_of_figure = std::numbers::pi / 2, arc_of_cage = std::numbers::pi / 4;
+
 /// Builds absolute subpaths; the commands have SVG's meaning. A drawing command after close() starts a
 /// new subpath where the closed one started. Overflow is remembered, see `finite()`.
 class PathBuilder {
 public:
+    explicit PathBuilder(double most_turn = arc_of_figure)
+        : most_turn_(most_turn) {}
+
     Point2 current() const { return current_; }
     bool finite() const { return finite_; }
     Path take() { return std::move(path_); }
@@ -129,17 +146,16 @@ public:
         finite_ = finite_ && is_finite(p);
     }
 
-    void line_to(const Point2& p) { add(third(current_, p), third(p, current_), p, true); }
+    void line_to(const Point2& p) { add(third(current_, p), third(p, current_), p, 1); }
 
     void quadratic_to(const Point2& control, const Point2& p) {
-        add(third(control, current_), third(control, p), p, false);
+        add(third(control, current_), third(control, p), p, 2);
     }
 
-    void cubic_to(const Point2& p1, const Point2& p2, const Point2& p) { add(p1, p2, p, false); }
+    void cubic_to(const Point2& p1, const Point2& p2, const Point2& p) { add(p1, p2, p, 3); }
 
-    /// Uses cubics of at most a quarter turn, so that the radius is met to 2.8e-4 of itself. The ellipse is
-    /// mapped to the unit circle, where `h` is half the chord: its length is the sine of half the
-    /// turn, and beyond one the radii are too small and grow by it.
+    /// The ellipse is mapped to the unit circle, where `h` is half the chord: its length is the sine of half
+    /// the turn, and beyond one the radii are too small and grow by it.
     void arc_to(double rx, double ry, double degrees, bool large, bool sweep, const Point2& end) {
         if (end == current_) return;
         rx = std::abs(rx);
@@ -166,7 +182,7 @@ public:
         const double turn = large ? 2 * std::numbers::pi - small_turn : small_turn;
         const double signed_turn = sweep ? turn : -turn;
         const double first = std::atan2(-h.y - centre.y, -h.x - centre.x);
-        const int count = std::max(1, static_cast<int>(std::ceil(turn / (std::numbers::pi / 2) - 1e-6)));
+        const int count = std::max(1, static_cast<int>(std::ceil(turn / most_turn_ - 1e-6)));
         const double step = signed_turn / count;
         const double reach = 4.0 / 3.0 * std::tan(step / 4);
 
@@ -183,7 +199,7 @@ public:
             const Point2 next =
                 i + 1 == count ? end : Point2{middle.x + on_ellipse.x, middle.y + on_ellipse.y};
             add({current_.x + leave.x, current_.y + leave.y}, {next.x - arrive.x, next.y - arrive.y}, next,
-                false);
+                3);
         }
     }
 
@@ -199,6 +215,7 @@ public:
         const double last = std::hypot(current_.x - before.x, current_.y - before.y);
         if (gap > 1e-13 * size || gap > 1e-3 * last) {
             line_to(start);
+            subpath.has_closing_line = true;
         } else if (!segments.empty()) {
             segments.back().p3 = start;
         }
@@ -207,18 +224,20 @@ public:
         current_ = start;
     }
 
-private:
-    static Point2 third(const Point2& near, const Point2& far) { // a third of the way to `far`
+    /// A third of the way to `far`.
+    static Point2 third(const Point2& near, const Point2& far) {
         return {near.x * (2.0 / 3.0) + far.x / 3, near.y * (2.0 / 3.0) + far.y / 3};
     }
 
-    void add(const Point2& p1, const Point2& p2, const Point2& p3, bool is_line) {
+private:
+    void add(const Point2& p1, const Point2& p2, const Point2& p3, unsigned degree) {
         if (!open_) move_to(current_);
-        path_.back().segments.push_back({p1, p2, p3, is_line});
+        path_.back().segments.push_back({p1, p2, p3, degree});
         current_ = p3;
         finite_ = finite_ && is_finite(p1) && is_finite(p2) && is_finite(p3);
     }
 
+    double most_turn_;
     Path path_;
     Point2 current_;
     bool open_ = false;
@@ -243,9 +262,10 @@ inline bool is_letter(char c) {
 
 /// Path data as absolute subpaths of cubics; empty text is an empty path.
 ///
-///   fails   at the first place that is not SVG's grammar, with a number beyond double's range, or where
-///           a sum of relative steps leaves it; nothing of a malformed path is returned
-SvgResult<Path> parse_path_data(std::string_view text);
+///   fails       at the first place that is not SVG's grammar, with a number beyond double's range, or where
+///               a sum of relative steps leaves it; nothing of a malformed path is returned
+///   most_turn   of an arc for one cubic
+SvgResult<Path> parse_path_data(std::string_view text, double most_turn = arc_of_figure);
 
 /// Numbers parted by white space with at most one comma, as in `points` and `viewBox`.
 SvgResult<std::vector<double>> parse_numbers(std::string_view text);

@@ -82,7 +82,7 @@ Box bounds(const Path& path, const Affine2& map) {
             const Point2 p1 = apply(map, s.p1);
             const Point2 p2 = apply(map, s.p2);
             const Point2 p3 = apply(map, s.p3);
-            if (s.is_line) {
+            if (s.is_line()) {
                 box.add(p3);
             } else {
                 add_extremes(from.x, p1.x, p2.x, p3.x, box.x0, box.x1);
@@ -126,16 +126,17 @@ SvgResult<double> length_of(const SvgDocument& document, pugi::xml_node node, co
 /// Reads one element; the first error stays.
 class ShapeReader {
 public:
-    ShapeReader(const SvgDocument& document, pugi::xml_node node, const Viewport& viewport)
+    ShapeReader(const SvgDocument& document, pugi::xml_node node, const Viewport& viewport, double most_turn)
         : document_(document)
         , node_(node)
-        , viewport_(viewport) {}
+        , viewport_(viewport)
+        , most_turn_(most_turn) {}
 
     SvgResult<Path> read() {
         const std::string kind = local_name(node_);
         if (kind == "path") {
             const std::string data = attribute_text(node_, "d");
-            auto parsed = parse_path_data(trimmed(data) == "none" ? std::string_view() : data);
+            auto parsed = parse_path_data(trimmed(data) == "none" ? std::string_view() : data, most_turn_);
             if (!parsed) return error_in(document_, node_, "d", parsed.error());
             return parsed;
         }
@@ -191,7 +192,7 @@ private:
         ry = std::min(ry, height / 2);
         const bool round = rx > 0 && ry > 0;
         if (!round) rx = ry = 0;
-        PathBuilder builder;
+        PathBuilder builder(most_turn_);
         const auto line = [&](const Point2& p) {
             if (!(p == builder.current())) builder.line_to(p);
         };
@@ -218,7 +219,7 @@ private:
         if (rx < 0) rx = ry;
         if (ry < 0) ry = rx;
         if (!(rx > 0 && ry > 0)) return {};
-        PathBuilder builder;
+        PathBuilder builder(most_turn_);
         builder.move_to({centre.x + rx, centre.y});
         builder.arc_to(rx, ry, 0, false, true, {centre.x, centre.y + ry});
         builder.arc_to(rx, ry, 0, false, true, {centre.x - rx, centre.y});
@@ -231,11 +232,13 @@ private:
     const SvgDocument& document_;
     pugi::xml_node node_;
     Viewport viewport_;
+    double most_turn_;
     std::optional<SvgError> error_;
 };
 
-SvgResult<Path> shape_path(const SvgDocument& document, pugi::xml_node node, const Viewport& viewport) {
-    return ShapeReader(document, node, viewport).read();
+SvgResult<Path> shape_path(const SvgDocument& document, pugi::xml_node node, const Viewport& viewport,
+                           double most_turn) {
+    return ShapeReader(document, node, viewport, most_turn).read();
 }
 
 void write_shape(pugi::xml_node node, const std::string& data) {

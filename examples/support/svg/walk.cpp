@@ -223,7 +223,7 @@ double ShapeCollector::length(pugi::xml_node node, const char* name, double whol
 }
 
 bool ShapeCollector::add_shape(pugi::xml_node node, const Place& place) {
-    auto path = shape_path(document_, node, place.viewport);
+    auto path = shape_path(document_, node, place.viewport, options_.as_cage ? arc_of_cage : arc_of_figure);
     if (!path) {
         error_ = path.error();
         return false;
@@ -241,7 +241,7 @@ void ShapeCollector::straighten(Path& path) {
             const double near = 1e-6 * std::hypot(to.x - from.x, to.y - from.y);
             const bool stops = std::hypot(s.p1.x - from.x, s.p1.y - from.y) <= near &&
                                std::hypot(s.p2.x - to.x, s.p2.y - to.y) <= near;
-            if (!s.is_line && stops && near > 0) {
+            if (!s.is_line() && stops && near > 0) {
                 PathBuilder line;
                 line.move_to(from);
                 line.line_to(to);
@@ -253,7 +253,7 @@ void ShapeCollector::straighten(Path& path) {
 }
 
 bool ShapeCollector::add(pugi::xml_node node, Path path, const Place& place, bool is_box) {
-    straighten(path);
+    if (!options_.as_cage) straighten(path);
     const std::optional<Affine2> from_root = inverse(place.to_root);
     if (!from_root) {
         warn(node, "has a transform without inverse and stays as it is");

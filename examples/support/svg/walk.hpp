@@ -35,6 +35,7 @@ struct Drawing {
 struct WalkOptions {
     bool follow_references = true; // list what clip paths and masks hold, leave out what is not displayed
     bool boxes = false;            // list text and images too, with their boxes
+    bool as_cage = false;          // divide arcs as a cage's, and leave all curves as they are drawn
 };
 
 /// Walks a document, which is changed on the way, without changing what it shows: every `use` becomes a
