@@ -4,7 +4,6 @@
 #include <cageform/coordinates/coordinate.hpp>
 #include <cageform/coordinates/detail/evaluate_blocks.hpp>
 #include <cageform/coordinates/lattice/spline_axis.hpp>
-#include <cageform/core/detail/bounds.hpp>
 #include <cageform/core/detail/simd.hpp>
 #include <cageform/core/result.hpp>
 
@@ -124,9 +123,10 @@ public:
         }
         if (is_inside) {
             std::size_t nearest = 0;
-            T least = (std::numeric_limits<T>::max)();
+            double least = (std::numeric_limits<double>::max)();
             for (std::size_t k = 0; k < D; ++k) {
-                const T distance = (std::min)(u[k], 1 - u[k]) / size_of(inverse_[k]);
+                const double distance =
+                    double((std::min)(u[k], 1 - u[k])) / length((1 / scale_) * vec_cast<double>(inverse_[k]));
                 if (!(distance < least)) continue;
                 least = distance;
                 nearest = k;
@@ -173,7 +173,7 @@ private:
         std::array<std::vector<Lanes<T>>, D> value, slope; ///< by axis and control point of it
     };
 
-    static T size_of(const Vec<T, D>& v) noexcept { return static_cast<T>(std::sqrt(double(dot(v, v)))); }
+    static double length(const Vec<double, D>& v) noexcept { return std::sqrt(dot(v, v)); }
     Vec<T, D> in_box(const Vec<T, D>& p) const noexcept {
         const auto from_origin = p - box_.translation;
         Vec<T, D> u{};
@@ -209,15 +209,26 @@ private:
             }
             handles_.push_back(vec_cast<T>(p));
         }
-        if (!(falloff_ > 0)) return;
-        handles_.push_back(box_.translation);
-        for (const auto& column : box_.columns) handles_.push_back(box_.translation + column);
+        if (falloff_ > 0) {
+            handles_.push_back(box_.translation);
+            for (const auto& column : box_.columns) handles_.push_back(box_.translation + column);
+        }
+        if (std::all_of(handles_.begin(), handles_.end(), [](const auto& h) { return is_finite(h); })) return;
+        report_.add(Fault::frame_not_finite, D);
+        handles_.clear();
     }
     /// Sets the rows of A⁻¹ in double, and what lies on the faces. An axis is refused whose component at a
     /// right angle to the others is within rounding.
     void set_inverse() {
+        T largest = 0;
+        for (const auto& column : box_.columns) {
+            for (const T x : column.v) largest = (std::max)(largest, std::fabs(x));
+        }
+        int exponent = 0;
+        std::frexp(double(largest), &exponent);
+        scale_ = std::ldexp(1.0, std::clamp(-exponent, -1000, 1000));
         std::array<Vec<double, D>, D> columns;
-        for (std::size_t k = 0; k < D; ++k) columns[k] = vec_cast<double>(box_.columns[k]);
+        for (std::size_t k = 0; k < D; ++k) columns[k] = scale_ * vec_cast<double>(box_.columns[k]);
         std::array<Vec<double, D>, D> across; // at right angles to the other axes
         if constexpr (D == 2) {
             across[0] = {-columns[1][1], columns[1][0]};
@@ -225,26 +236,20 @@ private:
         } else {
             for (std::size_t k = 0; k < D; ++k) across[k] = cross(columns[(k + 1) % 3], columns[(k + 2) % 3]);
         }
-        const auto corner = box_.translation + box_.map_vector(ones());
-        Bounds<T, D> bounds{box_.translation, box_.translation};
+        const auto origin = scale_ * vec_cast<double>(box_.translation);
+        auto corner = origin;
+        for (const auto& column : columns) corner = corner + column;
+        double farthest = 0;
+        for (std::size_t k = 0; k < D; ++k)
+            farthest = (std::max)({farthest, length(columns[k]), std::fabs(origin[k]), std::fabs(corner[k])});
+        const double tolerance = 8 * double(epsilon<T>) * farthest;
         for (std::size_t k = 0; k < D; ++k) {
-            bounds.lower[k] = (std::min)(bounds.lower[k], corner[k]);
-            bounds.upper[k] = (std::max)(bounds.upper[k], corner[k]);
+            const double size = length(across[k]), along = dot(across[k], columns[k]);
+            inverse_[k] = vec_cast<T>((scale_ / along) * across[k]);
+            if (!(std::fabs(along) > tolerance * size) || !is_finite(inverse_[k]))
+                return report_.add(Fault::frame_flat, k);
+            on_face_[k] = static_cast<T>(tolerance * size / std::fabs(along));
         }
-        double longest = 0;
-        for (const auto& column : columns) longest = (std::max)(longest, std::sqrt(dot(column, column)));
-        const double tolerance = 8 * double(epsilon<T>) * (std::max)(longest, double(bounds.magnitude()));
-        for (std::size_t k = 0; k < D; ++k) {
-            const double length = std::sqrt(dot(across[k], across[k])), along = dot(across[k], columns[k]);
-            if (!(std::fabs(along) > tolerance * length)) return report_.add(Fault::frame_flat, k);
-            inverse_[k] = vec_cast<T>((1 / along) * across[k]);
-            on_face_[k] = static_cast<T>(tolerance * length / std::fabs(along));
-        }
-    }
-    static Vec<T, D> ones() noexcept {
-        Vec<T, D> all;
-        for (T& x : all.v) x = 1;
-        return all;
     }
 
     /// Sets the states of a block's points, the functions of each axis there, and how displacements fade.
@@ -271,7 +276,8 @@ private:
     }
     /// Returns where a place of the box lies, and moves it onto the faces that it is within the tolerance of.
     PointState state_at(Vec<T, D>& u) const noexcept {
-        constexpr auto farthest = T(1e15);
+        // Farther away, numbers are farther apart than an eighth of the box.
+        constexpr auto farthest = T(sizeof(T) == 8 ? 1e15 : 1e6);
         auto state = PointState::inside;
         for (std::size_t k = 0; k < D; ++k) {
             if (!(std::fabs(u[k]) <= farthest)) return PointState::unreached;
@@ -301,7 +307,7 @@ private:
         work.kept[lane] = 1;
         if (!(falloff_ > 0)) return;
         const auto off = box_.map_vector(beyond);
-        const T distance = size_of(off);
+        const auto distance = static_cast<T>(length(scale_ * vec_cast<double>(off)) / scale_);
         if (!(distance > 0)) return;
         const T t = (std::min)(distance / falloff_, T(1));
         work.kept[lane] = 1 - t * t * (3 - 2 * t);
@@ -309,7 +315,10 @@ private:
         const T rate = -6 * t * (1 - t) / falloff_;
         for (std::size_t k = 0; k < D; ++k) {
             if (beyond[k] == 0) continue;
-            const T along = rate * dot(box_.columns[k], (1 / distance) * off);
+            T along = 0;
+            for (std::size_t axis = 0; axis < D; ++axis)
+                along += box_.columns[k][axis] * (off[axis] / distance);
+            along *= rate;
             for (std::size_t axis = 0; axis < D; ++axis)
                 work.kept_gradient[axis][lane] += along * inverse_[k][axis];
         }
@@ -385,6 +394,7 @@ private:
     std::array<detail::SplineAxis<T>, D> axes_;
     std::array<Vec<T, D>, D> inverse_{}; ///< the rows of A⁻¹
     std::array<T, D> on_face_{};         ///< the tolerance in u
+    double scale_ = 1;                   ///< a power of two that makes the box about 1 in size
     std::size_t points_ = 0;             ///< control points, which come before the still handles
     std::vector<Vec<T, D>> handles_;
     CageReport report_;
