@@ -396,7 +396,7 @@ TEST_CASE("points that no handle moves have no residual, and are counted", "[bin
     const auto none = cageform::bind(figure.lattice, lost);
     REQUIRE(none);
     const auto refused = cageform::fit_lattice(figure.lattice, none.value, target);
-    CHECK(refused.status() == Status::weights_not_positive);
+    CHECK(refused.status() == Status::fit_not_determined);
     CHECK(refused.report.unreached == 1);
 }
 

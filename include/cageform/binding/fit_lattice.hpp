@@ -23,8 +23,8 @@ namespace cageform::inline CAGEFORM_ABI {
 ///                  decomposition: dense to 1,000 free handles, sparse beyond. All in double
 ///   fails          as the lattice; coordinates_empty (it has no handles); targets_do_not_match (the
 ///                  numbers of handles, displacements or weights differ); value_not_finite (also a negative
-///                  smoothness); weights_not_positive (one is negative, or none is positive of a point that moves);
-///                  index_out_of_range (a frozen handle); fit_not_determined (too few points for λ = 0);
+///                  smoothness); weights_not_positive (one is negative, or none is positive);
+///                  index_out_of_range (a frozen handle); fit_not_determined (too few points for λ, or none);
 ///                  out_of_memory
 template <Scalar T, std::size_t D, PointRangeIn<D> R>
 Result<std::vector<Vec<T, D>>, LatticeFitReport>

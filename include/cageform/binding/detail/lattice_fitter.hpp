@@ -72,6 +72,7 @@ private:
             heaviest_ = (std::max)(heaviest_, weight);
         }
         if (given.empty()) heaviest_ = 1;
+        if (!(heaviest_ > 0)) return Status::weights_not_positive;
         counts_.assign(count, 0);
         for (std::size_t j = 0; j < count; ++j) {
             if (!is_finite(block_point<D>(binding_.rest, j))) continue;
@@ -80,7 +81,7 @@ private:
             if (counts_[j] == 0) ++unreached_;
             if (counts_[j] != 0) total_ += relative_weight(j);
         }
-        if (!(total_ > 0)) return Status::weights_not_positive;
+        if (!(total_ > 0)) return Status::fit_not_determined;
         for (const std::uint32_t i : options_.frozen) {
             if (i >= lattice_.handles().size()) return Status::index_out_of_range;
         }
