@@ -967,6 +967,48 @@ works "coordinates that a lattice has not" "$deform" "$cat" --cage lattice:4x4 -
 grep -q 'warning: --coordinates green is not used: a lattice has functions of its own' log && ok=yes || ok=no
 report $ok "are named"
 
+# ---- lattice_fit ----
+fit="$programs/lattice_fit"
+works "a lattice fitted to what a lattice has made" "$fit" cube.obj twisted.obj --cage lattice:4x4x4 --smoothness 1e-12 -o fit_pose.obj --picture fit.png
+grep -q '^cube.obj: by 4 x 4 x 4 control points of degree 3, 3, 3$' log && grep -Eq '^largest distance: [0-9.]+e-[0-9]+, of vertex [1-8] at \([01], [01], [01]\); rms: [0-9.]+e-' log &&
+  grep -q '^points of the lattice that move no vertex: 0$' log && grep -q '^seconds to bind and fit: ' log && ok=yes || ok=no
+report $ok "follows it"
+works "by the fitted pose" "$mesh" cube.obj --cage lattice:4x4x4 --pose fit_pose.obj -o fitted.obj
+grep '^v' twisted.obj >twisted_v && grep '^v' fitted.obj | paste - twisted_v | awk '{ for (k = 2; k < 5; k++) if (($k - $(k + 4)) ^ 2 > 1e-10) exit 1 }' && ok=yes || ok=no
+report $ok "the cube is the twisted one"
+works "with a frozen layer" "$fit" cube.obj twisted.obj --cage cube.lattice.json --freeze 1 -o fit_pose.obj
+[ "$(grep -c '^v' fit_pose.obj)" = 31 ] && ok=yes || ok=no # still handles too
+report $ok "the pose has all its points"
+svg lines.svg '<path d="M 10 10 L 90 10 L 90 40 L 10 40 Z"/>'
+svg moved_lines.svg '<path d="M 15 12 L 95 12 L 95 42 L 15 42 Z"/>'
+for out in fit_pose.svg fit_pose.csv; do
+  works "a lattice fitted in the plane" "$fit" lines.svg moved_lines.svg --cage lattice:3x3 -o $out
+  grep -Eq '^largest distance: ([0-9.]+e-[0-9]+|0), of vertex [1-4] at ' log && ok=yes || ok=no
+  report $ok "a shift is followed by every lattice"
+  works "by that pose" "$deform" lines.svg --cage lattice:3x3 --pose $out -o fitted.svg
+  grep -q 'd="M15[ ,]12' fitted.svg && ok=yes || ok=no
+  report $ok "the lines have moved"
+done
+: >empty.obj
+: >empty.svg
+refuses 'character.obj has 8066 vertices, cube.obj has 8: give a pose of the same figure' "$fit" cube.obj character.obj --cage lattice:4x4x4 -o out.obj
+refuses 'empty.obj' "$fit" empty.obj cube.obj --cage lattice:4x4x4 -o out.obj
+refuses 'empty.obj' "$fit" cube.obj empty.obj --cage lattice:4x4x4 -o out.obj
+refuses 'empty.svg' "$fit" lines.svg empty.svg --cage lattice:3x3 -o out.svg
+refuses 'nowhere.obj' "$fit" cube.obj nowhere.obj --cage lattice:4x4x4 -o out.obj
+refuses 'nowhere.obj' "$fit" nowhere.obj cube.obj --cage lattice:4x4x4 -o out.obj
+refuses 'nowhere.lattice.json' "$fit" cube.obj cube.obj --cage nowhere.lattice.json -o out.obj
+refuses 'a lattice about a mesh has three axes: lattice:4x4x4' "$fit" cube.obj cube.obj --cage lattice:4x4 -o out.obj
+refuses '--cage "cube.obj" is no lattice: write one such as lattice:4x4x4' "$fit" cube.obj cube.obj --cage cube.obj -o out.obj
+refuses '--freeze 2 leaves no point of the lattice to move' "$fit" cube.obj cube.obj --cage lattice:4x4x4 --freeze 2 -o out.obj
+refuses '--smoothness' "$fit" cube.obj cube.obj --cage lattice:4x4x4 --smoothness -1 -o out.obj
+refuses '--smoothness' "$fit" cube.obj cube.obj --cage lattice:4x4x4 --smoothness word -o out.obj
+refuses 'twisted.obj: the points do not determine the pose: give more, or more smoothness' "$fit" cube.obj twisted.obj --cage lattice:4x4x4 --smoothness 0 -o out.obj
+refuses 'the figure lies in space: write .obj' "$fit" cube.obj cube.obj --cage lattice:4x4x4 -o out.svg
+refuses 'the figure lies in the plane: write .svg or .csv' "$fit" lines.svg lines.svg --cage lattice:4x4 -o out.obj
+refuses '--picture is for figures in space' "$fit" lines.svg lines.svg --cage lattice:4x4 -o out.svg --picture out.png
+refuses 'output is required' "$fit" cube.obj cube.obj --cage lattice:4x4x4
+
 # ---- coordinate_field, figure_table, contact_sheet ----
 works "a field" "$field" --cage "$cage" --vertex 8 --coordinates harmonic --resolution 64 --size 120 -o field.png
 works "a field as a surface" "$field" --cage "$cage" --vertex 8 --size 120 -o field.png --surface surface.png --turn 35 -100 0 --height 1
@@ -1502,7 +1544,7 @@ done
 mkdir -p no_files
 version=$(sed -n 's/.*VERSION_STRING "\(.*\)"/\1/p' "$(dirname "$data")/../include/cageform/version.hpp")
 for program in deform_svg coordinate_field cage_weights figure_table contact_sheet convergence adaptive_grid pose_cage make_cage deform_mesh make_character bind_mesh \
-  export_gltf skin_mesh animate_svg fit_curve bezier_tables make_hand pose_hand hand_sheet height_map grid_field diffuse_colours puzzle paths boundary_formula relaxation lattice_board; do
+  export_gltf skin_mesh animate_svg fit_curve bezier_tables make_hand pose_hand hand_sheet height_map grid_field diffuse_colours puzzle paths boundary_formula relaxation lattice_board lattice_fit; do
   works "version of $program" "$programs/$program" --version
   [ "$(cat log)" = "$program (cageform) $version" ] && ok=yes || ok=no
   report $ok "$program tells its version"
