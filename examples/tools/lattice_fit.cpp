@@ -5,8 +5,8 @@
 //     lattice_fit icon.svg icon_edited.svg --cage lattice:4x4 -o pose.svg
 //
 // The posed figure is the same file with its vertices moved, by whatever program. The pose is one by least
-// squares (fit_lattice), and deform_mesh, deform_svg and the other programs read it. What the lattice is too
-// coarse to follow is left: the program says how far, and where.
+// squares (fit_lattice), and deform_mesh, deform_svg and the other programs read it. A coarse lattice cannot
+// follow every bend: the program says how far the figure is off, and where.
 
 #include "cli/auto_cage.hpp"
 #include "cli/bind_report.hpp"

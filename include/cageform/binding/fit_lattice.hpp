@@ -15,8 +15,8 @@ namespace cageform::inline CAGEFORM_ABI {
 /// where E is the mean square of the second differences of x along the axes of the lattice, divided by the
 /// Greville abscissae. E is zero exactly for affine displacements, so λ does not change these.
 ///
-///   binding        the figure, bound to the lattice. Points that are not finite are skipped, and points that it
-///                  keeps in place, which the report counts
+///   binding        the figure, bound to the lattice. Points that are not finite are skipped; so are points
+///                  that it keeps in place, which the report counts
 ///   displacements  d, one for each point
 ///   returns        the pose of all handles, for `clone`, with frozen and still handles at rest, and a report
 ///   cost           O(#points · #handles) to read weights, O(Σ non-zeros²) to add them, then a Cholesky

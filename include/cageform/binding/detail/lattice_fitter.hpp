@@ -106,7 +106,9 @@ private:
     double relative_weight(std::size_t j) const noexcept {
         return options_.point_weights.empty() ? 1 : options_.point_weights[j] / heaviest_;
     }
-    double share_of(std::size_t j) const noexcept { return counts_[j] != 0 ? relative_weight(j) / total_ : 0; }
+    double share_of(std::size_t j) const noexcept {
+        return counts_[j] != 0 ? relative_weight(j) / total_ : 0;
+    }
     void read_row(std::size_t j) {
         row_.clear();
         for (std::size_t i = 0; i < number_.size(); ++i) {
@@ -193,7 +195,7 @@ private:
     const std::vector<Vec<double, D>>& displacements_;
     const LatticeFitOptions& options_;
     double heaviest_ = 0, total_ = 0; ///< the largest weight of a point; the sum of all over it
-    std::vector<char> counts_;           ///< whether a point has a residual
+    std::vector<char> counts_;        ///< whether a point has a residual
     std::size_t unreached_ = 0, unknowns_ = 0;
     std::vector<std::uint32_t> number_; ///< the unknown of each control point, or `still`
     std::vector<Term> row_;

@@ -27,7 +27,7 @@ struct LatticeFitReport {
     double rms = 0;     ///< the root of the weighted mean square of the residuals
     double largest = 0; ///< the largest residual
     std::size_t farthest = 0;
-    std::size_t unreached = 0; ///< finite points that no handle moves: the binding keeps them in place
+    std::size_t unreached = 0;       ///< finite points that no handle moves: the binding keeps them in place
     std::vector<std::uint32_t> idle; ///< free handles that move no point: smoothness alone places them
     /// The least over the largest pivot of the scaled matrix. Near rounding the pose is poorly determined.
     double pivot_ratio = 0;
