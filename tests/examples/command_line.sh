@@ -411,6 +411,7 @@ f 3 1 5 7
 END
 sed '8s/.*/v 1.3 1.2 1.1/' box.obj >bent_box.obj
 printf 'v 0.25 0.25 0.25\nv 0.75 0.25 0.5\nv 0.5 0.75 0.5\nf 1 2 3\n' >inner.obj
+echo 0.25,0.5,0.75 >inner.csv
 for type in mean-value harmonic; do
   works "polygons, $type" "$mesh" inner.obj --cage box.obj --pose bent_box.obj --coordinates $type -o polygons.obj --report
   grep -q 'note: box.obj: 6 faces with more than three corners are kept as polygons' log && ok=yes || ok=no
@@ -451,14 +452,38 @@ for type in mean-value harmonic green; do
   grep -q 'note: box.obj: 6 faces are bound as fans about the means of their corners$' log && ok=yes || ok=no
   report $ok "fans are said, $type"
 done
+for type in mean-value harmonic; do
+  works "fans of divided quads, $type" "$mesh" inner.obj --cage box.obj --pose bent_box.obj --coordinates $type --divisions 3 -o divided.obj
+  grep -q 'note: box.obj: 6 faces are bound as fans about the means of their corners; 6 are divided into 3 x 3 cells$' log && ok=yes || ok=no
+  report $ok "divisions are said, $type"
+  works "fans, $type" "$mesh" inner.obj --cage box.obj --pose bent_box.obj --coordinates $type --faces fan --divisions 1 -o fans.obj
+  cmp -s fans.obj divided.obj && ok=no || ok=yes
+  report $ok "divisions are heard, $type"
+done
+works "divisions without fans" "$mesh" inner.obj --cage box.obj --pose bent_box.obj --faces triangles --divisions 3 -o divided.obj
+works "the same without divisions" "$mesh" inner.obj --cage box.obj --pose bent_box.obj --faces triangles -o triangles.obj
+cmp -s triangles.obj divided.obj && ok=yes || ok=no
+report $ok "only fans are divided"
+for faces in planar fan; do
+  refuses 'box.obj: faces can be divided by 1 to 64, for Green coordinates by 1 only' "$mesh" inner.obj --cage box.obj --pose box.obj --coordinates green --faces $faces --divisions 2 -o out.obj
+done
+works "one division for green" "$mesh" inner.obj --cage box.obj --pose box.obj --coordinates green --faces fan --divisions 1 -o fans.obj
+for wrong in 0 -1 65 1.5 nan many; do
+  refuses '--divisions: ' "$mesh" inner.obj --cage box.obj --pose box.obj --divisions $wrong -o out.obj
+done
+works "weights of divided faces" "$programs/cage_weights" --cage box.obj --points inner.csv --divisions 2 -o divided.csv
+grep -q '6 are divided into 2 x 2 cells$' log && ok=yes || ok=no
+report $ok "cage_weights divides too"
 sed '8s/.*/v 0.2 0.2 1.1/' box.obj >dart.obj # the mean of the lid lies beyond its corner
 works "a face whose mean does not see its edges" "$mesh" inner.obj --cage dart.obj --pose box.obj -o out.obj
 grep -q '1 face is cut into triangles, first in line 10: the mean of the corners does not see all edges' log && ok=yes || ok=no
 report $ok "that it is cut, and why, is said"
+works "such a face, with divisions" "$mesh" inner.obj --cage dart.obj --pose box.obj --divisions 2 -o out.obj
+grep -q 'the mean of the corners does not see all edges, or a cell of it folds' log && ok=yes || ok=no
+report $ok "a cell that folds is named too"
 head -n 11 box.obj >open_box.obj
 refuses 'the cage is not closed' "$mesh" inner.obj --cage open_box.obj --pose open_box.obj -o out.obj
 refuses '--faces: ' "$mesh" inner.obj --cage box.obj --pose box.obj --faces quads -o out.obj
-echo 0.25,0.5,0.75 >inner.csv
 works "weights of a box of polygons" "$programs/cage_weights" --cage box.obj --points inner.csv --coordinates harmonic -o polygons.csv
 grep -q 'note: box.obj: 6 faces' log && ok=yes || ok=no
 report $ok "cage_weights says what becomes of them too"
