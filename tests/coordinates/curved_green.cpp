@@ -157,12 +157,12 @@ std::vector<Vec<T, 2>> points_about(const Loops<T>& loops, std::size_t count, st
         if (kind == 3) { // a double root of e(s) = z
             detail::PlaneCurve curve{edge.size() - 1, {}};
             for (std::size_t i = 0; i < edge.size(); ++i) curve.control[i] = vec_cast<double>(edge[i]);
-            const detail::TurningPlaces turning(curve.powers());
+            const auto turning = detail::turning_places(curve.powers());
             if (turning.count > 0) {
-                const auto root = turning.root[random.below(turning.count)];
+                const auto root = turning.s[random.below(turning.count)];
                 detail::Polynomial e{curve.degree, {}};
                 for (std::size_t i = 0; i <= curve.degree; ++i) e.c[i] = detail::to_number(curve.powers()[i]);
-                const auto at = e.at({root[0], root[1]});
+                const auto at = e.at(root);
                 if (std::hypot(at.re - p[0], at.im - p[1]) < 10 * diagonal) p = {at.re, at.im};
             }
         }

@@ -3,7 +3,8 @@
 
 #include <cageform/cage/curved/plane_curve.hpp>
 #include <cageform/cage/detail/primitives.hpp>
-#include <cageform/coordinates/curved_green/roots.hpp>
+#include <cageform/coordinates/curved_green/moments.hpp>
+#include <cageform/core/detail/complex_roots.hpp>
 
 #include <cstdint>
 #include <numbers>

@@ -1,8 +1,8 @@
 // The moments J_k(s) = ∫ b_k(t)/(t − s) dt over [0, 1] of Bernstein polynomials b_k.
 #pragma once
 
-#include <cageform/coordinates/curved_green/complex.hpp>
 #include <cageform/core/detail/bernstein.hpp>
+#include <cageform/core/detail/complex.hpp>
 #include <cageform/core/detail/gauss.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
