@@ -737,6 +737,50 @@ TEST_CASE(
     }
 }
 
+TEST_CASE("Gradients on vertices of curved cages are those of a place next to them, on a disk's circle too",
+          "[coordinates][curved_green][disk]") {
+    const int seed = GENERATE(seeds(10));
+    CAPTURE(seed);
+    Random random{std::uint64_t(seed)};
+    const Vec<double, 2> centre{random.uniform(-2, 2), random.uniform(-2, 2)};
+    const double radius = random.uniform(0.5, 3);
+    std::vector<Vec<double, 2>> cage;
+    for (std::size_t i = 0; i < 7; ++i) {
+        const double angle = 2 * std::numbers::pi * (double(i) + random.uniform(-0.3, 0.3)) / 7;
+        cage.push_back(centre + radius * Vec<double, 2>{std::cos(angle), std::sin(angle)});
+    }
+    const auto middle = [](const Vec<double, 2>& a, const Vec<double, 2>& at, const Vec<double, 2>& b) {
+        const auto to_a = (1 / distance(a, at)) * (a - at), to_b = (1 / distance(b, at)) * (b - at);
+        const auto between = to_a + to_b;
+        return (1 / std::hypot(between[0], between[1])) * between;
+    };
+    const auto box = cageform::bounds_of(std::span<const Vec<double, 2>>(cage));
+    std::vector<Vec<double, 2>> inside;
+    for (std::size_t i = 0; i < 7; ++i)
+        inside.push_back(cage[i] +
+                         1e-6 * box.diagonal() * middle(cage[(i + 6) % 7], cage[i], cage[(i + 1) % 7]));
+    for (const double share : {0.0, 1.0, 1.5}) { // of the circle through all vertices; 0: no disk
+        CAPTURE(share);
+        CurvedGreenOptions<double> options;
+        if (share > 0) options.disk = CurvedGreenDisk<double>{centre, share * radius};
+        const CurvedGreenCoordinates<double> green(CurvedPolygon<double>(Polygon<double>(cage)), options);
+        REQUIRE(green.cage_report().status == Status::ok);
+        const auto found = gradients_of<double, 2>(green, cage),
+                   expected = gradients_of<double, 2>(green, inside);
+        for (std::size_t i = 0; i < 7; ++i) {
+            CHECK(found.states[i] == PointState::on_boundary);
+            double largest = 0, worst = 0;
+            for (std::size_t h = 0; h < found.rows[i].size(); ++h) {
+                for (std::size_t k = 0; k < 2; ++k) {
+                    largest = std::max(largest, std::fabs(expected.rows[i][h][k]));
+                    worst = larger(worst, std::fabs(found.rows[i][h][k] - expected.rows[i][h][k]));
+                }
+            }
+            CHECK(worst <= 1e-8 * largest);
+        }
+    }
+}
+
 TEMPLATE_TEST_CASE("Weights of curved cages do not depend on the unit of length",
                    "[coordinates][curved_green]", float, double) {
     using T = TestType;

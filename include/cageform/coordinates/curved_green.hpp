@@ -27,8 +27,8 @@ namespace cageform::inline CAGEFORM_ABI {
 ///              where the nearest place changes to another edge
 ///   accuracy   double: 1e-14, next to edges and ends too, but beside a cusp inside an edge at distance δ
 ///              only 2e-16/√δ (divide the edge there); float: 1e-6
-///   disk       with the option `disk`, poses are harmonic in the disk, not holomorphic (ours). Outside the
-///              disk the continuation remains
+///   disk       with the option `disk`, poses are harmonic in the disk, not holomorphic (ours). On its circle
+///              and outside, the continuation remains
 ///   cost       O(#edges) a point: 16 reciprocals for an edge that is far, the roots of e(s) = z and a
 ///              logarithm of each for one that is near
 ///   faults     those of the cage; curve_degree (5 < m, or m below the degree at rest, or not one for every
@@ -216,7 +216,8 @@ private:
             const Number at{block.x[lane], block.y[lane]};
             const Where where{place[lane], vertex[lane] < vertices, block.winding[lane], block.touch[lane]};
             if (tables_.disk_radius > 0) {
-                if (!(size(where.z - tables_.disk_centre) < tables_.disk_radius)) {
+                const Number& seen = gradients && where.is_vertex ? at : where.z;
+                if (!(size(seen - tables_.disk_centre) < tables_.disk_radius)) {
                     for (std::size_t row = 0; row < count; ++row) rows[row][lane] = 0;
                     const double distance = add_nearest<gradients>(where.z, to);
                     states[lane] = distance <= tolerance ? PointState::on_boundary : PointState::outside;
