@@ -945,6 +945,27 @@ TEST_CASE("Faults of curved cages are named", "[coordinates][curved_green][check
     expect(cusp, Status::ok, Kind::edge_has_cusp, 0, 500);
     CHECK(cusp.faults.size() == 2);
     CHECK(cusp.faults[1].kind == Kind::loop_orientation_reversed);
+    // Before the cusp, outside, weights are huge or there are none; divided there, the cage has small ones.
+    const detail::PlaneCurve whole{3, {{{0, 0}, {2, 2}, {0, 2}, {2, 0}}}};
+    const auto [low, high] = whole.halves();
+    const auto edge_of = [](const detail::PlaneCurve& curve) {
+        return std::vector<Vec<double, 2>>(curve.control.begin(), curve.control.end());
+    };
+    const CurvedGreenCoordinates<double> undivided(
+        CurvedPolygon<double>({{edge_of(whole), {{2, 0}, {0, 0}}}}));
+    const CurvedGreenCoordinates<double> divided(
+        CurvedPolygon<double>({{edge_of(low), edge_of(high), {{2, 0}, {0, 0}}}}));
+    std::vector<double> huge(undivided.handles().size()), row(divided.handles().size());
+    for (const Vec<double, 2>& p : {Vec<double, 2>{1, 1.6}, Vec<double, 2>{1.001, 1.8}}) {
+        const auto state = weights_at(undivided, p, huge);
+        double largest = 0, largest_divided = 0;
+        for (const double w : huge) largest = larger(largest, std::fabs(w));
+        CHECK((state == PointState::unreached || largest > 100));
+        CHECK(weights_at(divided, p, row) == PointState::outside);
+        for (const double w : row) largest_divided = larger(largest_divided, std::fabs(w));
+        CHECK(largest_divided < 10);
+        CHECK(distance(combine(row, divided.handles()), p) <= 1e-13);
+    }
     // A teardrop is one edge.
     CHECK(report({{{{0, 0}, {3, -1}, {3, 2}, {0, 0}}}}).status == Status::ok);
 

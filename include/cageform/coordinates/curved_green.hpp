@@ -24,7 +24,9 @@ namespace cageform::inline CAGEFORM_ABI {
 ///              zero. Similarities are reproduced, other affine maps and reflections are not
 ///   boundary   the limits from inside. They do not interpolate
 ///   outside    continued to first order across the nearest place of the cage. In a pose there are jumps
-///              where the nearest place changes to another edge
+///              where the nearest place changes to another edge. Before a cusp inside an edge that points
+///              outwards weights are as large as 1/|e'| there, or the point is unreached: divide the edge at
+///              the cusp (the warning edge_has_cusp names it)
 ///   accuracy   double: 1e-14, next to edges and ends too, but beside a cusp inside an edge at distance δ
 ///              only 2e-16/√δ (divide the edge there); float: 1e-6
 ///   disk       with the option `disk`, poses are harmonic in the disk, not holomorphic (ours). On its circle
