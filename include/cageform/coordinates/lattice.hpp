@@ -3,6 +3,7 @@
 
 #include <cageform/coordinates/coordinate.hpp>
 #include <cageform/coordinates/detail/evaluate_blocks.hpp>
+#include <cageform/coordinates/lattice/box_around.hpp>
 #include <cageform/coordinates/lattice/spline_axis.hpp>
 #include <cageform/core/detail/simd.hpp>
 #include <cageform/core/result.hpp>
@@ -87,7 +88,7 @@ public:
                                           [&](std::size_t begin, std::size_t end) {
                                               Work work(*this);
                                               for (std::size_t b = begin; b < end; ++b) {
-                                                  look(b, points, states, work);
+                                                  look(b, points, states, false, work);
                                                   multiply(functions_of(work.value), weights.block(b));
                                                   fade(work, weights.block(b));
                                               }
@@ -106,7 +107,7 @@ public:
                                               Work work(*this);
                                               work.rows.resize((D + 1) * handles_.size());
                                               for (std::size_t b = begin; b < end; ++b) {
-                                                  look(b, points, states, work);
+                                                  look(b, points, states, true, work);
                                                   differentiate(work, gradients.block(b));
                                               }
                                           });
@@ -165,7 +166,9 @@ private:
             for (std::size_t k = 0; k < D; ++k) {
                 value[k].resize(lattice.axes_[k].points());
                 slope[k].resize(lattice.axes_[k].points());
+                Simd(T(0)).store(kept_gradient[k]);
             }
+            Simd(T(1)).store(kept);
         }
         Lanes<T> kept;                                     ///< the share of displacements that is not faded
         std::array<Lanes<T>, D> place, kept_gradient;      ///< u and ∇kept
@@ -253,26 +256,52 @@ private:
     }
 
     /// Sets the states of a block's points, the functions of each axis there, and how displacements fade.
-    void look(std::size_t b, BlockView<const T> points, std::span<PointState> states,
+    ///
+    ///   sloped   whether the slopes of the functions are wanted
+    void look(std::size_t b, BlockView<const T> points, std::span<PointState> states, bool sloped,
               Work& work) const noexcept {
-        for (auto* axes : {&work.value, &work.slope}) {
-            for (auto& axis : *axes) {
-                for (auto& lanes : axis) Simd(T(0)).store(lanes);
-            }
+        const bool all_inside = place(b, points, states, work);
+        for (std::size_t k = 0; k < D; ++k)
+            axes_[k].evaluate(work.place[k], sloped || !all_inside, work.value[k].data(),
+                              work.slope[k].data());
+        if (!(falloff_ > 0)) return;
+        Simd(T(1)).store(work.kept);
+        for (auto& lanes : work.kept_gradient) Simd(T(0)).store(lanes);
+        for (std::size_t lane = 0; lane < lane_count<T> && !all_inside; ++lane) fade_at(lane, work);
+    }
+    /// Sets the places u and the states of a block's points. Returns whether all lie inside, off the faces.
+    bool place(std::size_t b, BlockView<const T> points, std::span<PointState> states,
+               Work& work) const noexcept {
+        std::array<Simd, D> from_origin;
+        for (std::size_t k = 0; k < D; ++k)
+            from_origin[k] = Simd::load(points.block(b)[k]) - Simd(box_.translation[k]);
+        Simd inside(T(1));
+        for (std::size_t k = 0; k < D; ++k) {
+            Simd u = Simd(inverse_[k][0]) * from_origin[0];
+            for (std::size_t axis = 1; axis < D; ++axis) u += Simd(inverse_[k][axis]) * from_origin[axis];
+            u.store(work.place[k]);
+            const auto is_inside = (Simd(on_face_[k]) < u) & (u < Simd(1 - on_face_[k]));
+            inside = detail::select<T>(is_inside, inside, Simd(T(0)));
         }
+        Lanes<T> is_inside;
+        inside.store(is_inside);
         const std::size_t first = b * lane_count<T>;
+        std::size_t count = 0;
         for (std::size_t lane = 0; lane < lane_count<T>; ++lane) {
             PointState ignored = PointState::not_finite;
             PointState& state = first + lane < points.points ? states[first + lane] : ignored;
-            Vec<T, D> u{};
-            if (state != PointState::not_finite) {
-                for (std::size_t k = 0; k < D; ++k) u[k] = points.block(b)[k][lane];
-                u = in_box(u);
-                state = state_at(u);
-                if (state == PointState::unreached) u = {};
+            if (is_inside[lane] != 0 && state != PointState::not_finite) {
+                state = PointState::inside;
+                ++count;
+                continue;
             }
-            look_at(u, lane, work);
+            Vec<T, D> u{};
+            for (std::size_t k = 0; k < D; ++k) u[k] = work.place[k][lane];
+            if (state != PointState::not_finite) state = state_at(u);
+            const bool counts = state != PointState::not_finite && state != PointState::unreached;
+            for (std::size_t k = 0; k < D; ++k) work.place[k][lane] = counts ? u[k] : T(0);
         }
+        return count == lane_count<T>;
     }
     /// Returns where a place of the box lies, and moves it onto the faces that it is within the tolerance of.
     PointState state_at(Vec<T, D>& u) const noexcept {
@@ -290,22 +319,13 @@ private:
         }
         return state;
     }
-    void look_at(const Vec<T, D>& u, std::size_t lane, Work& work) const noexcept {
+    /// Sets how displacements fade at a point.
+    void fade_at(std::size_t lane, Work& work) const noexcept {
         Vec<T, D> beyond{};
-        Values value, slope;
         for (std::size_t k = 0; k < D; ++k) {
-            const T c = std::clamp(u[k], T(0), T(1));
-            beyond[k] = u[k] - c;
-            const std::size_t first = axes_[k].evaluate(c, value, slope);
-            for (std::size_t r = 0; r <= axes_[k].degree(); ++r) {
-                work.value[k][first + r][lane] = value[r] + beyond[k] * slope[r];
-                work.slope[k][first + r][lane] = slope[r];
-            }
-            work.place[k][lane] = u[k];
-            work.kept_gradient[k][lane] = 0;
+            const T u = work.place[k][lane];
+            beyond[k] = u - std::clamp(u, T(0), T(1));
         }
-        work.kept[lane] = 1;
-        if (!(falloff_ > 0)) return;
         const auto off = box_.map_vector(beyond);
         const auto distance = static_cast<T>(length(scale_ * vec_cast<double>(off)) / scale_);
         if (!(distance > 0)) return;
@@ -399,40 +419,5 @@ private:
     std::vector<Vec<T, D>> handles_;
     CageReport report_;
 };
-
-/// Returns an axis-parallel box around points, for a lattice.
-///
-///   margin  is added on all sides, as a part of the diagonal. A side shorter than a thousandth of the
-///           diagonal is widened by that to both sides
-///   status  figure_empty; figure_not_finite; figure_has_no_size, if all points are one
-template <PointRange R>
-auto box_around(const R& points, double margin = 0.02)
-    -> Result<Transform<range_scalar_t<R>, range_dimension<R>>> {
-    using T = range_scalar_t<R>;
-    constexpr std::size_t D = range_dimension<R>;
-    if (std::size(points) == 0) return {{}, Status::figure_empty};
-    Vec<double, D> lower = vec_cast<double>(to_vec<T>(points[0])), upper = lower;
-    for (std::size_t i = 0; i < std::size(points); ++i) {
-        const auto p = vec_cast<double>(to_vec<T>(points[i]));
-        if (!is_finite(p)) return {{}, Status::figure_not_finite};
-        for (std::size_t k = 0; k < D; ++k) {
-            lower[k] = (std::min)(lower[k], p[k]);
-            upper[k] = (std::max)(upper[k], p[k]);
-        }
-    }
-    if (!is_finite(margin)) return {{}, Status::value_not_finite};
-    const auto extent = upper - lower;
-    double diagonal = 0;
-    for (const double x : extent.v) diagonal = std::hypot(diagonal, x);
-    if (!(diagonal > 0)) return {{}, Status::figure_has_no_size};
-    Transform<T, D> box{};
-    for (std::size_t k = 0; k < D; ++k) {
-        const double wider = margin * diagonal + (extent[k] < 1e-3 * diagonal ? 1e-3 * diagonal : 0.0);
-        box.translation[k] = static_cast<T>(lower[k] - wider);
-        box.columns[k][k] = static_cast<T>(extent[k] + 2 * wider);
-        if (!is_finite(box.translation) || !is_finite(box.columns[k])) return {{}, Status::figure_not_finite};
-    }
-    return {box, Status::ok};
-}
 
 } // namespace cageform::inline CAGEFORM_ABI
