@@ -191,7 +191,6 @@ private:
         const detail::CurvedPoint<T> point(tables_);
         const std::size_t count = (gradients ? 2 : 1) * tables_.handles.size(),
                           vertices = tables_.vertices.size();
-        for (std::size_t row = 0; row < count; ++row) detail::Simd<double>(0.0).store(rows[row]);
         // Farther away the integrals change by less than a rounding error of the continuation.
         constexpr double farthest = sizeof(T) == 8 ? 0x1p24 : 0x1p12;
         std::array<Number, detail::CurvedBlock<T>::lanes> place{};
