@@ -9,16 +9,14 @@ namespace cageform::inline CAGEFORM_ABI::detail {
 /// share of ±1/2π.
 ///
 ///   logarithm   ln(diagonal/|V_end − z|)
-///   add         of a row and a value: for the ends, which belong to two edges
-///   set         the same for rows of this edge alone
-template <class R, class Add, class Set>
+///   add         of a row, a value, and whether the row belongs to this edge alone, as all but the ends do
+template <class R, class Add>
 void add_edge_weights(const CurvedEdge& edge, const EdgeMoments<R>& j, const R& logarithm, const R& share,
-                      const Add& add, const Set& set) noexcept {
+                      const Add& add) noexcept {
     R after = logarithm;
     for (std::size_t k = edge.posed_degree + 1; k-- > 0;) {
-        const bool is_end = k == 0 || k == edge.posed_degree;
-        is_end ? add(edge.point[k], share * j[k].im) : set(edge.point[k], share * j[k].im);
-        if (k < edge.posed_degree) set(edge.leg[k], share * after);
+        add(edge.point[k], share * j[k].im, k > 0 && k < edge.posed_degree);
+        if (k < edge.posed_degree) add(edge.leg[k], share * after, true);
         after += j[k].re;
     }
 }

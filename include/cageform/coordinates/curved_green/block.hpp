@@ -192,8 +192,7 @@ private:
         }
         add_edge_weights(
             edge, sums.value, X(tables_.log_diagonal) - X::load(distance), share,
-            [&](std::size_t row, const X& x) { add(x, rows[row]); },
-            [&](std::size_t row, const X& x) { x.store(rows[row]); });
+            [&](std::size_t row, const X& x, bool alone) { alone ? x.store(rows[row]) : add(x, rows[row]); });
     }
     void add_slopes(const CurvedEdge& edge, const Sums& sums, Lanes<double>* rows) const noexcept {
         add_edge_slopes(edge, sums.value, {1, 1}, 2 * tables_.points(),

@@ -130,8 +130,8 @@ private:
     /// Adds `sign` times the weights.
     void add_weights(const CurvedEdge& edge, const EdgeMoments<double>& j, double distance, double sign,
                      const CurvedRow& to) const noexcept {
-        const auto add = [&](std::size_t row, double x) { to.add(row, x); };
-        add_edge_weights(edge, j, tables_.log_diagonal - distance, sign / (2 * std::numbers::pi), add, add);
+        add_edge_weights(edge, j, tables_.log_diagonal - distance, sign / (2 * std::numbers::pi),
+                         [&](std::size_t row, double x, bool) { to.add(row, x); });
     }
     static void add_slopes(const CurvedEdge& edge, const EdgeMoments<double>& g,
                            const std::array<double, 2>& sign, const CurvedRow& to) noexcept {
