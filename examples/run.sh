@@ -206,6 +206,10 @@ for type in mean-value harmonic green sibson-c1; do
   set -- "$@" "$type" "$name.png"
 done
 "$programs/contact_sheet" -o out/character_types.svg --columns 2 --tile 700 --png --png-width 1400 "$@"
+# By a lattice, in the pose that comes nearest to the one by the cage; then by that pose, as a file.
+"$programs/lattice_fit" out/character.obj out/character_harmonic.obj --cage lattice:6x6x6 -o out/lattice_pose.obj \
+  --picture out/lattice_fit.png >>$report
+"$programs/deform_mesh" out/character.obj --cage lattice:6x6x6 --pose out/lattice_pose.obj -o out/character_lattice.obj
 # Cages made around what has one already, and the character by its made cage.
 "$programs/make_cage" out/character.obj --picture out/character_made.png -o out/character_made_cage.obj >>$report
 "$programs/deform_mesh" out/character.obj --cage auto:60 -o out/character_look.obj --picture out/character_look.png
@@ -348,6 +352,7 @@ Open, in out/:
   pose_cage.png              a cage with its vertices' numbers, and a pose by them
   cat_lattice.png            the cat by a lattice of control points; lattice_board.png: a face pulled out of a board
   leaf_cages.png             a leaf in a cage of four cubics, and in the polygon that does the same; leaf.png: posed by numbers
+  lattice_fit.png            a character posed by its cage, and the pose of a lattice that comes nearest to that
   aleph.png, man.png         other figures
   types.png                  one pose by five coordinate types; character_types.png: in space
   two_cages.png              a disc in a convex cage, a biped in a concave one, by mean value and harmonic coordinates

@@ -8,24 +8,17 @@
 #include "cli/guard.hpp"
 #include "cli/mesh_cage.hpp"
 #include "cli/pose_choice.hpp"
+#include "files/atomic_file.hpp"
 #include "pictures/cage_picture.hpp"
 #include "pictures/field_plot.hpp"
 #include "pictures/render.hpp"
 #include "svg/document.hpp"
 
-#include <filesystem>
 #include <iostream>
 
 namespace {
 
 using namespace cageform_examples;
-
-/// Returns the ending in lower case, such as ".svg".
-std::string ending_of(const std::string& path) {
-    std::string ending = std::filesystem::path(path).extension().string();
-    for (char& c : ending) c = c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c;
-    return ending;
-}
 
 struct Arguments {
     std::string cage, out, picture, figure, coordinates;

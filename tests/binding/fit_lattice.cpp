@@ -367,6 +367,37 @@ TEST_CASE("input that a fit cannot use is refused by name; points that are not f
     const auto without = cageform::fit_lattice(figure.lattice, figure.binding, displacements);
     CHECK(skipped.value == without.value);
     CHECK(skipped.report.farthest == without.report.farthest);
+    CHECK(skipped.report.unreached == 0);
+}
+
+TEST_CASE("points that no handle moves have no residual, and are counted", "[binding][lattice]") {
+    RandomFigure<double, 2> figure(4, 50);
+    auto targets = figure.displacements(figure.random_pose());
+    const auto without = cageform::fit_lattice(figure.lattice, figure.binding, targets);
+    REQUIRE(without);
+    CHECK(without.report.unreached == 0);
+    for (const Vec<double, 2>& p : {Vec<double, 2>{1e17, 0}, Vec<double, 2>{40, 40}}) {
+        figure.points.push_back(p); // not reached at all; outside, where it is kept in place
+        targets.push_back({7, 8});
+    }
+    const auto bound =
+        cageform::bind(figure.lattice, figure.points, {.outside = cageform::OutsidePoints::keep_in_place});
+    REQUIRE(bound);
+    CHECK(bound.report.unreached == std::vector<std::size_t>{50});
+    CHECK(bound.report.outside == std::vector<std::size_t>{51});
+    const auto fit = cageform::fit_lattice(figure.lattice, bound.value, targets);
+    REQUIRE(fit);
+    CHECK(fit.report.unreached == 2);
+    CHECK(fit.value == without.value);
+    CHECK(fit.report.rms == without.report.rms);
+    CHECK(fit.report.largest == without.report.largest);
+    // A figure of nothing else.
+    const std::vector<Vec<double, 2>> lost{{1e17, 0}}, target{{1, 1}};
+    const auto none = cageform::bind(figure.lattice, lost);
+    REQUIRE(none);
+    const auto refused = cageform::fit_lattice(figure.lattice, none.value, target);
+    CHECK(refused.status() == Status::fit_not_determined);
+    CHECK(refused.report.unreached == 1);
 }
 
 } // namespace fit_lattice_tests

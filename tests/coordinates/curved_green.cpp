@@ -157,12 +157,12 @@ std::vector<Vec<T, 2>> points_about(const Loops<T>& loops, std::size_t count, st
         if (kind == 3) { // a double root of e(s) = z
             detail::PlaneCurve curve{edge.size() - 1, {}};
             for (std::size_t i = 0; i < edge.size(); ++i) curve.control[i] = vec_cast<double>(edge[i]);
-            const detail::TurningPlaces turning(curve.powers());
+            const auto turning = detail::turning_places(curve.powers());
             if (turning.count > 0) {
-                const auto root = turning.root[random.below(turning.count)];
+                const auto root = turning.s[random.below(turning.count)];
                 detail::Polynomial e{curve.degree, {}};
                 for (std::size_t i = 0; i <= curve.degree; ++i) e.c[i] = detail::to_number(curve.powers()[i]);
-                const auto at = e.at({root[0], root[1]});
+                const auto at = e.at(root);
                 if (std::hypot(at.re - p[0], at.im - p[1]) < 10 * diagonal) p = {at.re, at.im};
             }
         }
@@ -737,6 +737,50 @@ TEST_CASE(
     }
 }
 
+TEST_CASE("Gradients on vertices of curved cages are those of a place next to them, on a disk's circle too",
+          "[coordinates][curved_green][disk]") {
+    const int seed = GENERATE(seeds(10));
+    CAPTURE(seed);
+    Random random{std::uint64_t(seed)};
+    const Vec<double, 2> centre{random.uniform(-2, 2), random.uniform(-2, 2)};
+    const double radius = random.uniform(0.5, 3);
+    std::vector<Vec<double, 2>> cage;
+    for (std::size_t i = 0; i < 7; ++i) {
+        const double angle = 2 * std::numbers::pi * (double(i) + random.uniform(-0.3, 0.3)) / 7;
+        cage.push_back(centre + radius * Vec<double, 2>{std::cos(angle), std::sin(angle)});
+    }
+    const auto middle = [](const Vec<double, 2>& a, const Vec<double, 2>& at, const Vec<double, 2>& b) {
+        const auto to_a = (1 / distance(a, at)) * (a - at), to_b = (1 / distance(b, at)) * (b - at);
+        const auto between = to_a + to_b;
+        return (1 / std::hypot(between[0], between[1])) * between;
+    };
+    const auto box = cageform::bounds_of(std::span<const Vec<double, 2>>(cage));
+    std::vector<Vec<double, 2>> inside;
+    for (std::size_t i = 0; i < 7; ++i)
+        inside.push_back(cage[i] +
+                         1e-6 * box.diagonal() * middle(cage[(i + 6) % 7], cage[i], cage[(i + 1) % 7]));
+    for (const double share : {0.0, 1.0, 1.5}) { // of the circle through all vertices; 0: no disk
+        CAPTURE(share);
+        CurvedGreenOptions<double> options;
+        if (share > 0) options.disk = CurvedGreenDisk<double>{centre, share * radius};
+        const CurvedGreenCoordinates<double> green(CurvedPolygon<double>(Polygon<double>(cage)), options);
+        REQUIRE(green.cage_report().status == Status::ok);
+        const auto found = gradients_of<double, 2>(green, cage),
+                   expected = gradients_of<double, 2>(green, inside);
+        for (std::size_t i = 0; i < 7; ++i) {
+            CHECK(found.states[i] == PointState::on_boundary);
+            double largest = 0, worst = 0;
+            for (std::size_t h = 0; h < found.rows[i].size(); ++h) {
+                for (std::size_t k = 0; k < 2; ++k) {
+                    largest = std::max(largest, std::fabs(expected.rows[i][h][k]));
+                    worst = larger(worst, std::fabs(found.rows[i][h][k] - expected.rows[i][h][k]));
+                }
+            }
+            CHECK(worst <= 1e-8 * largest);
+        }
+    }
+}
+
 TEMPLATE_TEST_CASE("Weights of curved cages do not depend on the unit of length",
                    "[coordinates][curved_green]", float, double) {
     using T = TestType;
@@ -901,6 +945,27 @@ TEST_CASE("Faults of curved cages are named", "[coordinates][curved_green][check
     expect(cusp, Status::ok, Kind::edge_has_cusp, 0, 500);
     CHECK(cusp.faults.size() == 2);
     CHECK(cusp.faults[1].kind == Kind::loop_orientation_reversed);
+    // Before the cusp, outside, weights are huge or there are none; divided there, the cage has small ones.
+    const detail::PlaneCurve whole{3, {{{0, 0}, {2, 2}, {0, 2}, {2, 0}}}};
+    const auto [low, high] = whole.halves();
+    const auto edge_of = [](const detail::PlaneCurve& curve) {
+        return std::vector<Vec<double, 2>>(curve.control.begin(), curve.control.end());
+    };
+    const CurvedGreenCoordinates<double> undivided(
+        CurvedPolygon<double>({{edge_of(whole), {{2, 0}, {0, 0}}}}));
+    const CurvedGreenCoordinates<double> divided(
+        CurvedPolygon<double>({{edge_of(low), edge_of(high), {{2, 0}, {0, 0}}}}));
+    std::vector<double> huge(undivided.handles().size()), row(divided.handles().size());
+    for (const Vec<double, 2>& p : {Vec<double, 2>{1, 1.6}, Vec<double, 2>{1.001, 1.8}}) {
+        const auto state = weights_at(undivided, p, huge);
+        double largest = 0, largest_divided = 0;
+        for (const double w : huge) largest = larger(largest, std::fabs(w));
+        CHECK((state == PointState::unreached || largest > 100));
+        CHECK(weights_at(divided, p, row) == PointState::outside);
+        for (const double w : row) largest_divided = larger(largest_divided, std::fabs(w));
+        CHECK(largest_divided < 10);
+        CHECK(distance(combine(row, divided.handles()), p) <= 1e-13);
+    }
     // A teardrop is one edge.
     CHECK(report({{{{0, 0}, {3, -1}, {3, 2}, {0, 0}}}}).status == Status::ok);
 

@@ -164,6 +164,62 @@ TEST_CASE("lattices have the weights, slopes and places of the reference", "[coo
     }
 }
 
+TEMPLATE_TEST_CASE("a lattice of any size has the same weights, to the bit",
+                   "[coordinates][lattice][property]", float, double) {
+    using T = TestType;
+    const int seed = GENERATE(seeds(20));
+    CAPTURE(seed);
+    constexpr int most = sizeof(T) == 8 ? 900 : 60; // small slopes stay above denormal numbers
+    for (const int exponent : {-most, -most / 2, most / 2, most}) {
+        CAPTURE(exponent);
+        const auto scaled = [&](auto x) {
+            for (auto& number : x.v) number = std::ldexp(number, exponent);
+            return x;
+        };
+        RandomLattice<T, 3> given(seed);
+        const auto lattice = given.lattice();
+        std::vector<Vec<T, 3>> points, large;
+        for (int n = 0; n < 20; ++n) points.push_back(given.place(-1, 2));
+        for (const auto& p : points) large.push_back(scaled(p));
+        for (auto& column : given.box.columns) column = scaled(column);
+        given.box.translation = scaled(given.box.translation);
+        given.falloff = std::ldexp(given.falloff, exponent);
+        const auto other = given.lattice();
+        REQUIRE(other.cage_report().status == Status::ok);
+        const auto found = evaluate_all(lattice, points), same = evaluate_all(other, large);
+        CHECK(found.states == same.states);
+        CHECK(found.rows == same.rows);
+        auto gradients = gradients_of<T, 3>(lattice, points).rows;
+        for (auto& row : gradients) {
+            for (auto& slope : row) {
+                for (auto& x : slope.v) x = std::ldexp(x, -exponent);
+            }
+        }
+        CHECK(gradients == gradients_of<T, 3>(other, large).rows);
+        std::vector<T> row(lattice.handles().size()), of_large(row.size());
+        for (std::size_t n = 0; n < points.size(); ++n) {
+            CHECK(scaled(lattice.nearest_boundary(points[n], row)) ==
+                  other.nearest_boundary(large[n], of_large));
+            CHECK(row == of_large);
+        }
+    }
+}
+
+TEMPLATE_TEST_CASE("far from a lattice, where numbers are too far apart, points are unreached",
+                   "[coordinates][lattice]", float, double) {
+    using T = TestType;
+    const Transform<T, 3> box{{Vec<T, 3>{1, 0, 0}, Vec<T, 3>{0, 1, 0}, Vec<T, 3>{0, 0, 1}}, {0, 0, 0}};
+    const LatticeCoordinates<T, 3> lattice({LatticeAxis{}, LatticeAxis{}, LatticeAxis{}}, box);
+    constexpr T farthest = sizeof(T) == 8 ? T(1e15) : T(1e6);
+    const T beyond = std::nextafter(farthest, 2 * farthest);
+    CHECK(beyond - farthest <= T(0.125));
+    const auto found = evaluate_all(
+        lattice,
+        std::vector<Vec<T, 3>>{{farthest, -farthest, farthest}, {0, beyond, 0}, {T(0.5), 0, -beyond}});
+    CHECK(found.states == std::vector{PointState::outside, PointState::unreached, PointState::unreached});
+    for (const T weight : found.rows[0]) CHECK(std::isfinite(weight));
+}
+
 TEMPLATE_TEST_CASE("weights of a lattice are a mean of its handles, at the point, anywhere",
                    "[coordinates][lattice][property]", float, double) {
     using T = TestType;
@@ -423,6 +479,14 @@ TEST_CASE("what no lattice can be is refused by name", "[coordinates][lattice][f
     const auto infinite = report({}, {{Vec<double, 2>{1, 0}, Vec<double, 2>{0, HUGE_VAL}}, {0, 0}});
     CHECK(infinite.status == Status::vertex_not_finite);
     CHECK(first(infinite).a == 1);
+    // Its far corner is beyond the range of numbers.
+    const auto large = report({}, {{Vec<double, 2>{1e308, 0}, Vec<double, 2>{0, 1e308}}, {1e308, 0}});
+    CHECK(large.status == Status::vertex_not_finite);
+    CHECK(first(large).a == 2);
+    // The inverse of its side is.
+    const double least = 4e-324;
+    CHECK(report({}, {{Vec<double, 2>{least, 0}, Vec<double, 2>{0, least}}, {0, 0}}).status ==
+          Status::frame_flat);
     for (const double falloff : {-1.0, std::nan(""), HUGE_VAL})
         CHECK(report({}, box, falloff).status == Status::falloff_negative);
     const LatticeCoordinates<double, 3> huge(

@@ -411,6 +411,7 @@ f 3 1 5 7
 END
 sed '8s/.*/v 1.3 1.2 1.1/' box.obj >bent_box.obj
 printf 'v 0.25 0.25 0.25\nv 0.75 0.25 0.5\nv 0.5 0.75 0.5\nf 1 2 3\n' >inner.obj
+echo 0.25,0.5,0.75 >inner.csv
 for type in mean-value harmonic; do
   works "polygons, $type" "$mesh" inner.obj --cage box.obj --pose bent_box.obj --coordinates $type -o polygons.obj --report
   grep -q 'note: box.obj: 6 faces with more than three corners are kept as polygons' log && ok=yes || ok=no
@@ -451,14 +452,38 @@ for type in mean-value harmonic green; do
   grep -q 'note: box.obj: 6 faces are bound as fans about the means of their corners$' log && ok=yes || ok=no
   report $ok "fans are said, $type"
 done
+for type in mean-value harmonic; do
+  works "fans of divided quads, $type" "$mesh" inner.obj --cage box.obj --pose bent_box.obj --coordinates $type --divisions 3 -o divided.obj
+  grep -q 'note: box.obj: 6 faces are bound as fans about the means of their corners; 6 are divided into 3 x 3 cells$' log && ok=yes || ok=no
+  report $ok "divisions are said, $type"
+  works "fans, $type" "$mesh" inner.obj --cage box.obj --pose bent_box.obj --coordinates $type --faces fan --divisions 1 -o fans.obj
+  cmp -s fans.obj divided.obj && ok=no || ok=yes
+  report $ok "divisions are heard, $type"
+done
+works "divisions without fans" "$mesh" inner.obj --cage box.obj --pose bent_box.obj --faces triangles --divisions 3 -o divided.obj
+works "the same without divisions" "$mesh" inner.obj --cage box.obj --pose bent_box.obj --faces triangles -o triangles.obj
+cmp -s triangles.obj divided.obj && ok=yes || ok=no
+report $ok "only fans are divided"
+for faces in planar fan; do
+  refuses 'box.obj: faces can be divided by 1 to 64, for Green coordinates by 1 only' "$mesh" inner.obj --cage box.obj --pose box.obj --coordinates green --faces $faces --divisions 2 -o out.obj
+done
+works "one division for green" "$mesh" inner.obj --cage box.obj --pose box.obj --coordinates green --faces fan --divisions 1 -o fans.obj
+for wrong in 0 -1 65 1.5 nan many; do
+  refuses '--divisions: ' "$mesh" inner.obj --cage box.obj --pose box.obj --divisions $wrong -o out.obj
+done
+works "weights of divided faces" "$programs/cage_weights" --cage box.obj --points inner.csv --divisions 2 -o divided.csv
+grep -q '6 are divided into 2 x 2 cells$' log && ok=yes || ok=no
+report $ok "cage_weights divides too"
 sed '8s/.*/v 0.2 0.2 1.1/' box.obj >dart.obj # the mean of the lid lies beyond its corner
 works "a face whose mean does not see its edges" "$mesh" inner.obj --cage dart.obj --pose box.obj -o out.obj
 grep -q '1 face is cut into triangles, first in line 10: the mean of the corners does not see all edges' log && ok=yes || ok=no
 report $ok "that it is cut, and why, is said"
+works "such a face, with divisions" "$mesh" inner.obj --cage dart.obj --pose box.obj --divisions 2 -o out.obj
+grep -q 'the mean of the corners does not see all edges, or a cell of it folds' log && ok=yes || ok=no
+report $ok "a cell that folds is named too"
 head -n 11 box.obj >open_box.obj
 refuses 'the cage is not closed' "$mesh" inner.obj --cage open_box.obj --pose open_box.obj -o out.obj
 refuses '--faces: ' "$mesh" inner.obj --cage box.obj --pose box.obj --faces quads -o out.obj
-echo 0.25,0.5,0.75 >inner.csv
 works "weights of a box of polygons" "$programs/cage_weights" --cage box.obj --points inner.csv --coordinates harmonic -o polygons.csv
 grep -q 'note: box.obj: 6 faces' log && ok=yes || ok=no
 report $ok "cage_weights says what becomes of them too"
@@ -1051,6 +1076,47 @@ refuses 'cube.obj: curved takes a cage in the plane' "$weights" --cage cube.obj 
 refuses 'curved' "$mesh" cube.obj --cage auto --coordinates curved -o out.obj
 refuses '--values: curved coordinates do not interpolate' "$field" --cage "$leaf_cage" --coordinates curved --values 1,2,3,4,5,6,7,8,9,10,11,12 -o out.png
 refuses "--classes: $leaf_cage: the papers' grid needs a cage of lines" "$field" --cage "$leaf_cage" --coordinates curved --vertex 0 --classes out.classes.png -o out.png
+# ---- lattice_fit ----
+fit="$programs/lattice_fit"
+works "a lattice fitted to what a lattice has made" "$fit" cube.obj twisted.obj --cage lattice:4x4x4 --smoothness 1e-12 -o fit_pose.obj --picture fit.png
+grep -q '^cube.obj: by 4 x 4 x 4 control points of degree 3, 3, 3$' log && grep -Eq '^largest distance: [0-9.]+e-[0-9]+, of vertex [1-8] at \([01], [01], [01]\); rms: [0-9.]+e-' log &&
+  grep -q '^points of the lattice that move no vertex: 0$' log && grep -q '^seconds to bind and fit: ' log && ok=yes || ok=no
+report $ok "follows it"
+works "by the fitted pose" "$mesh" cube.obj --cage lattice:4x4x4 --pose fit_pose.obj -o fitted.obj
+grep '^v' twisted.obj >twisted_v && grep '^v' fitted.obj | paste - twisted_v | awk '{ for (k = 2; k < 5; k++) if (($k - $(k + 4)) ^ 2 > 1e-10) exit 1 }' && ok=yes || ok=no
+report $ok "the cube is the twisted one"
+works "with a frozen layer" "$fit" cube.obj twisted.obj --cage cube.lattice.json --freeze 1 -o fit_pose.obj
+[ "$(grep -c '^v' fit_pose.obj)" = 31 ] && ok=yes || ok=no # still handles too
+report $ok "the pose has all its points"
+svg lines.svg '<path d="M 10 10 L 90 10 L 90 40 L 10 40 Z"/>'
+svg moved_lines.svg '<path d="M 15 12 L 95 12 L 95 42 L 15 42 Z"/>'
+for out in fit_pose.svg fit_pose.csv; do
+  works "a lattice fitted in the plane" "$fit" lines.svg moved_lines.svg --cage lattice:3x3 -o $out
+  grep -Eq '^largest distance: ([0-9.]+e-[0-9]+|0), of vertex [1-4] at ' log && ok=yes || ok=no
+  report $ok "a shift is followed by every lattice"
+  works "by that pose" "$deform" lines.svg --cage lattice:3x3 --pose $out -o fitted.svg
+  grep -q 'd="M15[ ,]12' fitted.svg && ok=yes || ok=no
+  report $ok "the lines have moved"
+done
+: >empty.obj
+: >empty.svg
+refuses 'character.obj has 8066 vertices, cube.obj has 8: give a pose of the same figure' "$fit" cube.obj character.obj --cage lattice:4x4x4 -o out.obj
+refuses 'empty.obj' "$fit" empty.obj cube.obj --cage lattice:4x4x4 -o out.obj
+refuses 'empty.obj' "$fit" cube.obj empty.obj --cage lattice:4x4x4 -o out.obj
+refuses 'empty.svg' "$fit" lines.svg empty.svg --cage lattice:3x3 -o out.svg
+refuses 'nowhere.obj' "$fit" cube.obj nowhere.obj --cage lattice:4x4x4 -o out.obj
+refuses 'nowhere.obj' "$fit" nowhere.obj cube.obj --cage lattice:4x4x4 -o out.obj
+refuses 'nowhere.lattice.json' "$fit" cube.obj cube.obj --cage nowhere.lattice.json -o out.obj
+refuses 'a lattice about a mesh has three axes: lattice:4x4x4' "$fit" cube.obj cube.obj --cage lattice:4x4 -o out.obj
+refuses '--cage "cube.obj" is no lattice: write one such as lattice:4x4x4' "$fit" cube.obj cube.obj --cage cube.obj -o out.obj
+refuses '--freeze 2 leaves no point of the lattice to move' "$fit" cube.obj cube.obj --cage lattice:4x4x4 --freeze 2 -o out.obj
+refuses '--smoothness' "$fit" cube.obj cube.obj --cage lattice:4x4x4 --smoothness -1 -o out.obj
+refuses '--smoothness' "$fit" cube.obj cube.obj --cage lattice:4x4x4 --smoothness word -o out.obj
+refuses 'twisted.obj: the points do not determine the pose: give more, or more smoothness' "$fit" cube.obj twisted.obj --cage lattice:4x4x4 --smoothness 0 -o out.obj
+refuses 'the figure lies in space: write .obj' "$fit" cube.obj cube.obj --cage lattice:4x4x4 -o out.svg
+refuses 'the figure lies in the plane: write .svg or .csv' "$fit" lines.svg lines.svg --cage lattice:4x4 -o out.obj
+refuses '--picture is for figures in space' "$fit" lines.svg lines.svg --cage lattice:4x4 -o out.svg --picture out.png
+refuses 'output is required' "$fit" cube.obj cube.obj --cage lattice:4x4x4
 
 # ---- coordinate_field, figure_table, contact_sheet ----
 works "a field" "$field" --cage "$cage" --vertex 8 --coordinates harmonic --resolution 64 --size 120 -o field.png
@@ -1588,6 +1654,7 @@ mkdir -p no_files
 version=$(sed -n 's/.*VERSION_STRING "\(.*\)"/\1/p' "$(dirname "$data")/../include/cageform/version.hpp")
 for program in deform_svg coordinate_field cage_weights figure_table contact_sheet convergence adaptive_grid pose_cage make_cage deform_mesh make_character bind_mesh \
   export_gltf skin_mesh animate_svg fit_curve bezier_tables make_hand pose_hand hand_sheet height_map grid_field diffuse_colours puzzle paths boundary_formula relaxation lattice_board leaf_cages; do
+  export_gltf skin_mesh animate_svg fit_curve bezier_tables make_hand pose_hand hand_sheet height_map grid_field diffuse_colours puzzle paths boundary_formula relaxation lattice_board lattice_fit; do
   works "version of $program" "$programs/$program" --version
   [ "$(cat log)" = "$program (cageform) $version" ] && ok=yes || ok=no
   report $ok "$program tells its version"

@@ -38,6 +38,8 @@ cp "$data/puzzle.csv" pool
   printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n' >cage.obj
   printf '{"format": "lattice/1", "axes": [{"points": 2, "degree": 1}, {"points": 2, "degree": 1}], "frame_columns": [[500,0],[0,500]], "origin": [0,0]}' \
     >plane.lattice.json
+  printf '{"format": "lattice/1", "axes": [{"points": 2, "degree": 1}, {"points": 2, "degree": 1}, {"points": 2, "degree": 1}], "frame_columns": [[2,0,0],[0,2,0],[0,0,2]], "origin": [0,0,0]}' \
+    >box.lattice.json
   printf '0,0\n500,0\n0,500\n520,510\n' >plane_pose.csv
   echo '0.25,0.25,0.25;0:0.25;1:0.25;2:0.25;3:0.25' >reference.txt
   cat >curves.json <<'JSON'
@@ -212,6 +214,7 @@ told="out.obj out.png"
 form deform_mesh inner.obj --cage box.obj --pose bent_box.obj -o out.obj --picture out.png
 form make_cage box.obj -o out.obj --picture out.png
 form pose_cage box.obj --move 0:0.1,0,0 -o out.obj --picture out.png
+form lattice_fit box.obj bent_box.obj --cage box.lattice.json -o out.obj --picture out.png
 form pose_hand --pose hand.csv -o out.obj --picture out.png
 told=out.png
 form lattice_board -o out.png

@@ -364,6 +364,8 @@ std::vector<std::byte> packed_clip(Numbers& numbers, std::size_t vertices) {
         clip.set_rigid_motion(motion);
     }
     const auto result = pack_clip(clip, {.tolerance = numbers.below(2) == 0 ? 0 : 2e-5});
+    if (result.report.status == Status::value_not_finite)
+        return packed_clip<T, D>(numbers, vertices); // another
     REQUIRE(result.report.status == Status::ok);
     return {result.value.bytes().begin(), result.value.bytes().end()};
 }

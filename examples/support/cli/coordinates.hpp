@@ -31,6 +31,7 @@ struct CoordinatesChoice {
     bool in_plane = false;            // whether the program takes polygons as cages
     bool in_space = false;            // whether it takes meshes
     std::string faces = "planar";     // of meshes: planar, fan or triangles
+    std::size_t divisions = 1;        // of their quads, each way
     bool with_sites = false;          // whether the program takes control points without a cage
     bool with_normals = false;        // whether the program poses edges or faces too
     std::string gradients = "facets"; // of sibson-c1

@@ -28,18 +28,21 @@ ChosenCoordinates<T, 3> make_coordinates(const CoordinatesChoice& choice, const 
     const bool harmonic = choice.name == "harmonic";
     const std::string why_cut = polygon_fault(choice);
     const bool takes_fans = why_cut.empty() || choice.name == "green";
+    const bool divides = choice.divisions > 1;
     const FacesAsFans fans = !takes_fans || choice.faces == "triangles" ? FacesAsFans::none
-                             : choice.faces == "fan"                    ? FacesAsFans::all
+                             : choice.faces == "fan" || divides         ? FacesAsFans::all
                                                                         : FacesAsFans::not_planar;
-    const CageFaces faces = faces_of(file, why_cut.empty() && choice.faces == "planar", fans);
+    const auto divisions = std::uint32_t(fans == FacesAsFans::none ? 1 : choice.divisions);
+    const CageFaces faces = faces_of(file, why_cut.empty() && choice.faces == "planar", fans, divisions);
     ChosenCoordinates<T, 3> made;
-    if (faces.polygons > 0 || faces.fans > 0) {
+    if (faces.polygons > 0 || faces.fans > 0 || divisions > 1) {
         using Options = cageform::PolyhedralOptions;
         const cageform::PolyhedralMesh<T> cage(
             file.vertices, faces.loops,
             Options{.off_plane = faces.off_plane,
                     .non_planar = Options::NonPlanar::fan,
-                    .faces = fans == FacesAsFans::all ? Options::Faces::fan : Options::Faces::planar});
+                    .faces = fans == FacesAsFans::all ? Options::Faces::fan : Options::Faces::planar,
+                    .divisions = divisions});
         if (harmonic)
             made = Harmonic<cageform::PolyhedralMesh<T>>(cage, options);
         else if (choice.name == "mean-value")

@@ -69,19 +69,21 @@ ObjFile lattice_mesh(std::string name, LatticeBox<3> lattice) {
     return std::move(*file);
 }
 
-CageFaces faces_of(const ObjFile& cage, bool keep_planar, FacesAsFans fans) {
+CageFaces faces_of(const ObjFile& cage, bool keep_planar, FacesAsFans fans, std::uint32_t divisions) {
     CageFaces faces;
     const auto bounds = cageform::bounds_of(std::span<const Point3>(cage.vertices));
     faces.off_plane = 1e-6 * bounds.diagonal();
+    faces.divisions = divisions;
     std::vector<std::vector<std::uint32_t>> loops(cage.faces.size());
     for (std::size_t f = 0; f < loops.size(); ++f) {
         for (const ObjCorner& corner : cage.faces[f].corners) loops[f].push_back(corner.vertex);
     }
     using cageform::PolyhedralMesh, cageform::PolyhedralOptions;
     const PolyhedralMesh<double> whole(cage.vertices, loops, faces.off_plane);
-    const PolyhedralMesh<double> fanned(
-        cage.vertices, loops,
-        PolyhedralOptions{.off_plane = faces.off_plane, .faces = PolyhedralOptions::Faces::fan});
+    const PolyhedralMesh<double> fanned(cage.vertices, loops,
+                                        PolyhedralOptions{.off_plane = faces.off_plane,
+                                                          .faces = PolyhedralOptions::Faces::fan,
+                                                          .divisions = divisions});
     std::size_t triangle = 0;
     for (std::size_t f = 0; f < loops.size(); ++f) {
         auto& loop = loops[f];
@@ -95,6 +97,7 @@ CageFaces faces_of(const ObjFile& cage, bool keep_planar, FacesAsFans fans) {
         const bool wants_fan = fans == FacesAsFans::all || (fans == FacesAsFans::not_planar && !is_planar);
         if (wants_fan && !cageform::detail::face_fault(fanned, f)) {
             ++faces.fans;
+            if (divisions > 1 && loop.size() == 4) ++faces.divided;
             if (!is_planar) faces.warped.push_back(f);
             faces.loops.push_back(std::move(loop));
             continue;
@@ -126,6 +129,11 @@ std::string describe_faces(const ObjFile& cage, const CageFaces& faces, const st
         text += (text.empty() ? "" : "; ") + count(faces.fans) +
                 (one ? " is bound as a fan about the mean of its corners"
                      : " are bound as fans about the means of their corners");
+        if (faces.divided > 0) {
+            const std::string n = std::to_string(faces.divisions);
+            text += "; " + std::to_string(faces.divided) + (faces.divided == 1 ? " is" : " are") +
+                    " divided into " + n + " x " + n + " cells";
+        }
         if (!faces.warped.empty())
             text += "; " + std::to_string(faces.warped.size()) + (faces.warped.size() == 1 ? " is" : " are") +
                     " not planar, first in line " + std::to_string(cage.faces[faces.warped.front()].line);
@@ -135,7 +143,8 @@ std::string describe_faces(const ObjFile& cage, const CageFaces& faces, const st
                 (faces.cut.size() == 1 ? " is" : " are") + " cut into triangles, first in line " +
                 std::to_string(cage.faces[faces.cut.front()].line) +
                 (!faces.bent.empty() && faces.bent.front() == faces.cut.front()
-                     ? ": the mean of the corners does not see all edges"
+                     ? std::string(": the mean of the corners does not see all edges") +
+                           (faces.divisions > 1 ? ", or a cell of it folds" : "")
                  : why.empty() ? ""
                                : ": " + why);
     }

@@ -27,6 +27,8 @@ struct CageFaces {
     std::vector<std::vector<std::uint32_t>> loops;
     std::size_t polygons = 0; // of the file's faces with more than three corners, those that keep their plane
     std::size_t fans = 0;     // those that become fans about the mean of their corners
+    std::size_t divided = 0;  // of those, the quads that are divided
+    std::uint32_t divisions = 1;     // of these, each way
     std::vector<std::size_t> warped; // of those, the ones that are not planar
     std::vector<std::size_t> cut;    // the others, cut into the file's triangles
     std::vector<std::size_t> bent;   // of those, the ones that are neither planar nor possible as fans
@@ -39,7 +41,9 @@ enum class FacesAsFans { none, not_planar, all };
 /// All faces, of which those of more than three corners are kept where that is wanted: as polygons, if they
 /// are planar to a millionth of the cage's diagonal (what six digits of a file leave of a plane), or as fans,
 /// if the mean of their corners sees all edges.
-CageFaces faces_of(const ObjFile& cage, bool keep_planar, FacesAsFans fans);
+///
+///   divisions   of quads, each way; above 1 all faces that are kept have to be fans
+CageFaces faces_of(const ObjFile& cage, bool keep_planar, FacesAsFans fans, std::uint32_t divisions = 1);
 
 /// Describes how faces with more than three corners were treated; empty if there are none.
 ///

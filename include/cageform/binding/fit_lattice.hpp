@@ -15,7 +15,8 @@ namespace cageform::inline CAGEFORM_ABI {
 /// where E is the mean square of the second differences of x along the axes of the lattice, divided by the
 /// Greville abscissae. E is zero exactly for affine displacements, so λ does not change these.
 ///
-///   binding        the figure, bound to the lattice. Points that are not finite are skipped
+///   binding        the figure, bound to the lattice. Points that are not finite are skipped; so are points
+///                  that it keeps in place, which the report counts
 ///   displacements  d, one for each point
 ///   returns        the pose of all handles, for `clone`, with frozen and still handles at rest, and a report
 ///   cost           O(#points · #handles) to read weights, O(Σ non-zeros²) to add them, then a Cholesky
@@ -23,7 +24,7 @@ namespace cageform::inline CAGEFORM_ABI {
 ///   fails          as the lattice; coordinates_empty (it has no handles); targets_do_not_match (the
 ///                  numbers of handles, displacements or weights differ); value_not_finite (also a negative
 ///                  smoothness); weights_not_positive (one is negative, or none is positive);
-///                  index_out_of_range (a frozen handle); fit_not_determined (too few points for λ = 0);
+///                  index_out_of_range (a frozen handle); fit_not_determined (too few points for λ, or none);
 ///                  out_of_memory
 template <Scalar T, std::size_t D, PointRangeIn<D> R>
 Result<std::vector<Vec<T, D>>, LatticeFitReport>

@@ -24,11 +24,13 @@ namespace cageform::inline CAGEFORM_ABI {
 ///              zero. Similarities are reproduced, other affine maps and reflections are not
 ///   boundary   the limits from inside. They do not interpolate
 ///   outside    continued to first order across the nearest place of the cage. In a pose there are jumps
-///              where the nearest place changes to another edge
+///              where the nearest place changes to another edge. Before a cusp inside an edge that points
+///              outwards weights are as large as 1/|e'| there, or the point is unreached: divide the edge at
+///              the cusp (the warning edge_has_cusp names it)
 ///   accuracy   double: 1e-14, next to edges and ends too, but beside a cusp inside an edge at distance δ
 ///              only 2e-16/√δ (divide the edge there); float: 1e-6
-///   disk       with the option `disk`, poses are harmonic in the disk, not holomorphic (ours). Outside the
-///              disk the continuation remains
+///   disk       with the option `disk`, poses are harmonic in the disk, not holomorphic (ours). On its circle
+///              and outside, the continuation remains
 ///   cost       O(#edges) a point: 16 reciprocals for an edge that is far, the roots of e(s) = z and a
 ///              logarithm of each for one that is near
 ///   faults     those of the cage; curve_degree (5 < m, or m below the degree at rest, or not one for every
@@ -189,7 +191,6 @@ private:
         const detail::CurvedPoint<T> point(tables_);
         const std::size_t count = (gradients ? 2 : 1) * tables_.handles.size(),
                           vertices = tables_.vertices.size();
-        for (std::size_t row = 0; row < count; ++row) detail::Simd<double>(0.0).store(rows[row]);
         // Farther away the integrals change by less than a rounding error of the continuation.
         constexpr double farthest = sizeof(T) == 8 ? 0x1p24 : 0x1p12;
         std::array<Number, detail::CurvedBlock<T>::lanes> place{};
@@ -216,7 +217,8 @@ private:
             const Number at{block.x[lane], block.y[lane]};
             const Where where{place[lane], vertex[lane] < vertices, block.winding[lane], block.touch[lane]};
             if (tables_.disk_radius > 0) {
-                if (!(size(where.z - tables_.disk_centre) < tables_.disk_radius)) {
+                const Number& seen = gradients && where.is_vertex ? at : where.z;
+                if (!(size(seen - tables_.disk_centre) < tables_.disk_radius)) {
                     for (std::size_t row = 0; row < count; ++row) rows[row][lane] = 0;
                     const double distance = add_nearest<gradients>(where.z, to);
                     states[lane] = distance <= tolerance ? PointState::on_boundary : PointState::outside;

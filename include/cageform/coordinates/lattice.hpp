@@ -3,8 +3,8 @@
 
 #include <cageform/coordinates/coordinate.hpp>
 #include <cageform/coordinates/detail/evaluate_blocks.hpp>
+#include <cageform/coordinates/lattice/box_around.hpp>
 #include <cageform/coordinates/lattice/spline_axis.hpp>
-#include <cageform/core/detail/bounds.hpp>
 #include <cageform/core/detail/simd.hpp>
 #include <cageform/core/result.hpp>
 
@@ -88,7 +88,7 @@ public:
                                           [&](std::size_t begin, std::size_t end) {
                                               Work work(*this);
                                               for (std::size_t b = begin; b < end; ++b) {
-                                                  look(b, points, states, work);
+                                                  look(b, points, states, false, work);
                                                   multiply(functions_of(work.value), weights.block(b));
                                                   fade(work, weights.block(b));
                                               }
@@ -107,7 +107,7 @@ public:
                                               Work work(*this);
                                               work.rows.resize((D + 1) * handles_.size());
                                               for (std::size_t b = begin; b < end; ++b) {
-                                                  look(b, points, states, work);
+                                                  look(b, points, states, true, work);
                                                   differentiate(work, gradients.block(b));
                                               }
                                           });
@@ -124,9 +124,10 @@ public:
         }
         if (is_inside) {
             std::size_t nearest = 0;
-            T least = (std::numeric_limits<T>::max)();
+            double least = (std::numeric_limits<double>::max)();
             for (std::size_t k = 0; k < D; ++k) {
-                const T distance = (std::min)(u[k], 1 - u[k]) / size_of(inverse_[k]);
+                const double distance =
+                    double((std::min)(u[k], 1 - u[k])) / length((1 / scale_) * vec_cast<double>(inverse_[k]));
                 if (!(distance < least)) continue;
                 least = distance;
                 nearest = k;
@@ -165,7 +166,9 @@ private:
             for (std::size_t k = 0; k < D; ++k) {
                 value[k].resize(lattice.axes_[k].points());
                 slope[k].resize(lattice.axes_[k].points());
+                Simd(T(0)).store(kept_gradient[k]);
             }
+            Simd(T(1)).store(kept);
         }
         Lanes<T> kept;                                     ///< the share of displacements that is not faded
         std::array<Lanes<T>, D> place, kept_gradient;      ///< u and ∇kept
@@ -173,7 +176,7 @@ private:
         std::array<std::vector<Lanes<T>>, D> value, slope; ///< by axis and control point of it
     };
 
-    static T size_of(const Vec<T, D>& v) noexcept { return static_cast<T>(std::sqrt(double(dot(v, v)))); }
+    static double length(const Vec<double, D>& v) noexcept { return std::sqrt(dot(v, v)); }
     Vec<T, D> in_box(const Vec<T, D>& p) const noexcept {
         const auto from_origin = p - box_.translation;
         Vec<T, D> u{};
@@ -209,15 +212,26 @@ private:
             }
             handles_.push_back(vec_cast<T>(p));
         }
-        if (!(falloff_ > 0)) return;
-        handles_.push_back(box_.translation);
-        for (const auto& column : box_.columns) handles_.push_back(box_.translation + column);
+        if (falloff_ > 0) {
+            handles_.push_back(box_.translation);
+            for (const auto& column : box_.columns) handles_.push_back(box_.translation + column);
+        }
+        if (std::all_of(handles_.begin(), handles_.end(), [](const auto& h) { return is_finite(h); })) return;
+        report_.add(Fault::frame_not_finite, D);
+        handles_.clear();
     }
     /// Sets the rows of A⁻¹ in double, and what lies on the faces. An axis is refused whose component at a
     /// right angle to the others is within rounding.
     void set_inverse() {
+        T largest = 0;
+        for (const auto& column : box_.columns) {
+            for (const T x : column.v) largest = (std::max)(largest, std::fabs(x));
+        }
+        int exponent = 0;
+        std::frexp(double(largest), &exponent);
+        scale_ = std::ldexp(1.0, std::clamp(-exponent, -1000, 1000));
         std::array<Vec<double, D>, D> columns;
-        for (std::size_t k = 0; k < D; ++k) columns[k] = vec_cast<double>(box_.columns[k]);
+        for (std::size_t k = 0; k < D; ++k) columns[k] = scale_ * vec_cast<double>(box_.columns[k]);
         std::array<Vec<double, D>, D> across; // at right angles to the other axes
         if constexpr (D == 2) {
             across[0] = {-columns[1][1], columns[1][0]};
@@ -225,53 +239,74 @@ private:
         } else {
             for (std::size_t k = 0; k < D; ++k) across[k] = cross(columns[(k + 1) % 3], columns[(k + 2) % 3]);
         }
-        const auto corner = box_.translation + box_.map_vector(ones());
-        Bounds<T, D> bounds{box_.translation, box_.translation};
+        const auto origin = scale_ * vec_cast<double>(box_.translation);
+        auto corner = origin;
+        for (const auto& column : columns) corner = corner + column;
+        double farthest = 0;
+        for (std::size_t k = 0; k < D; ++k)
+            farthest = (std::max)({farthest, length(columns[k]), std::fabs(origin[k]), std::fabs(corner[k])});
+        const double tolerance = 8 * double(epsilon<T>) * farthest;
         for (std::size_t k = 0; k < D; ++k) {
-            bounds.lower[k] = (std::min)(bounds.lower[k], corner[k]);
-            bounds.upper[k] = (std::max)(bounds.upper[k], corner[k]);
+            const double size = length(across[k]), along = dot(across[k], columns[k]);
+            inverse_[k] = vec_cast<T>((scale_ / along) * across[k]);
+            if (!(std::fabs(along) > tolerance * size) || !is_finite(inverse_[k]))
+                return report_.add(Fault::frame_flat, k);
+            on_face_[k] = static_cast<T>(tolerance * size / std::fabs(along));
         }
-        double longest = 0;
-        for (const auto& column : columns) longest = (std::max)(longest, std::sqrt(dot(column, column)));
-        const double tolerance = 8 * double(epsilon<T>) * (std::max)(longest, double(bounds.magnitude()));
-        for (std::size_t k = 0; k < D; ++k) {
-            const double length = std::sqrt(dot(across[k], across[k])), along = dot(across[k], columns[k]);
-            if (!(std::fabs(along) > tolerance * length)) return report_.add(Fault::frame_flat, k);
-            inverse_[k] = vec_cast<T>((1 / along) * across[k]);
-            on_face_[k] = static_cast<T>(tolerance * length / std::fabs(along));
-        }
-    }
-    static Vec<T, D> ones() noexcept {
-        Vec<T, D> all;
-        for (T& x : all.v) x = 1;
-        return all;
     }
 
     /// Sets the states of a block's points, the functions of each axis there, and how displacements fade.
-    void look(std::size_t b, BlockView<const T> points, std::span<PointState> states,
+    ///
+    ///   sloped   whether the slopes of the functions are wanted
+    void look(std::size_t b, BlockView<const T> points, std::span<PointState> states, bool sloped,
               Work& work) const noexcept {
-        for (auto* axes : {&work.value, &work.slope}) {
-            for (auto& axis : *axes) {
-                for (auto& lanes : axis) Simd(T(0)).store(lanes);
-            }
+        const bool all_inside = place(b, points, states, work);
+        for (std::size_t k = 0; k < D; ++k)
+            axes_[k].evaluate(work.place[k], sloped || !all_inside, work.value[k].data(),
+                              work.slope[k].data());
+        if (!(falloff_ > 0)) return;
+        Simd(T(1)).store(work.kept);
+        for (auto& lanes : work.kept_gradient) Simd(T(0)).store(lanes);
+        for (std::size_t lane = 0; lane < lane_count<T> && !all_inside; ++lane) fade_at(lane, work);
+    }
+    /// Sets the places u and the states of a block's points. Returns whether all lie inside, off the faces.
+    bool place(std::size_t b, BlockView<const T> points, std::span<PointState> states,
+               Work& work) const noexcept {
+        std::array<Simd, D> from_origin;
+        for (std::size_t k = 0; k < D; ++k)
+            from_origin[k] = Simd::load(points.block(b)[k]) - Simd(box_.translation[k]);
+        Simd inside(T(1));
+        for (std::size_t k = 0; k < D; ++k) {
+            Simd u = Simd(inverse_[k][0]) * from_origin[0];
+            for (std::size_t axis = 1; axis < D; ++axis) u += Simd(inverse_[k][axis]) * from_origin[axis];
+            u.store(work.place[k]);
+            const auto is_inside = (Simd(on_face_[k]) < u) & (u < Simd(1 - on_face_[k]));
+            inside = detail::select<T>(is_inside, inside, Simd(T(0)));
         }
+        Lanes<T> is_inside;
+        inside.store(is_inside);
         const std::size_t first = b * lane_count<T>;
+        std::size_t count = 0;
         for (std::size_t lane = 0; lane < lane_count<T>; ++lane) {
             PointState ignored = PointState::not_finite;
             PointState& state = first + lane < points.points ? states[first + lane] : ignored;
-            Vec<T, D> u{};
-            if (state != PointState::not_finite) {
-                for (std::size_t k = 0; k < D; ++k) u[k] = points.block(b)[k][lane];
-                u = in_box(u);
-                state = state_at(u);
-                if (state == PointState::unreached) u = {};
+            if (is_inside[lane] != 0 && state != PointState::not_finite) {
+                state = PointState::inside;
+                ++count;
+                continue;
             }
-            look_at(u, lane, work);
+            Vec<T, D> u{};
+            for (std::size_t k = 0; k < D; ++k) u[k] = work.place[k][lane];
+            if (state != PointState::not_finite) state = state_at(u);
+            const bool counts = state != PointState::not_finite && state != PointState::unreached;
+            for (std::size_t k = 0; k < D; ++k) work.place[k][lane] = counts ? u[k] : T(0);
         }
+        return count == lane_count<T>;
     }
     /// Returns where a place of the box lies, and moves it onto the faces that it is within the tolerance of.
     PointState state_at(Vec<T, D>& u) const noexcept {
-        constexpr auto farthest = T(1e15);
+        // Farther away, numbers are farther apart than an eighth of the box.
+        constexpr auto farthest = T(sizeof(T) == 8 ? 1e15 : 1e6);
         auto state = PointState::inside;
         for (std::size_t k = 0; k < D; ++k) {
             if (!(std::fabs(u[k]) <= farthest)) return PointState::unreached;
@@ -284,24 +319,15 @@ private:
         }
         return state;
     }
-    void look_at(const Vec<T, D>& u, std::size_t lane, Work& work) const noexcept {
+    /// Sets how displacements fade at a point.
+    void fade_at(std::size_t lane, Work& work) const noexcept {
         Vec<T, D> beyond{};
-        Values value, slope;
         for (std::size_t k = 0; k < D; ++k) {
-            const T c = std::clamp(u[k], T(0), T(1));
-            beyond[k] = u[k] - c;
-            const std::size_t first = axes_[k].evaluate(c, value, slope);
-            for (std::size_t r = 0; r <= axes_[k].degree(); ++r) {
-                work.value[k][first + r][lane] = value[r] + beyond[k] * slope[r];
-                work.slope[k][first + r][lane] = slope[r];
-            }
-            work.place[k][lane] = u[k];
-            work.kept_gradient[k][lane] = 0;
+            const T u = work.place[k][lane];
+            beyond[k] = u - std::clamp(u, T(0), T(1));
         }
-        work.kept[lane] = 1;
-        if (!(falloff_ > 0)) return;
         const auto off = box_.map_vector(beyond);
-        const T distance = size_of(off);
+        const auto distance = static_cast<T>(length(scale_ * vec_cast<double>(off)) / scale_);
         if (!(distance > 0)) return;
         const T t = (std::min)(distance / falloff_, T(1));
         work.kept[lane] = 1 - t * t * (3 - 2 * t);
@@ -309,7 +335,10 @@ private:
         const T rate = -6 * t * (1 - t) / falloff_;
         for (std::size_t k = 0; k < D; ++k) {
             if (beyond[k] == 0) continue;
-            const T along = rate * dot(box_.columns[k], (1 / distance) * off);
+            T along = 0;
+            for (std::size_t axis = 0; axis < D; ++axis)
+                along += box_.columns[k][axis] * (off[axis] / distance);
+            along *= rate;
             for (std::size_t axis = 0; axis < D; ++axis)
                 work.kept_gradient[axis][lane] += along * inverse_[k][axis];
         }
@@ -385,44 +414,10 @@ private:
     std::array<detail::SplineAxis<T>, D> axes_;
     std::array<Vec<T, D>, D> inverse_{}; ///< the rows of A⁻¹
     std::array<T, D> on_face_{};         ///< the tolerance in u
+    double scale_ = 1;                   ///< a power of two that makes the box about 1 in size
     std::size_t points_ = 0;             ///< control points, which come before the still handles
     std::vector<Vec<T, D>> handles_;
     CageReport report_;
 };
-
-/// Returns an axis-parallel box around points, for a lattice.
-///
-///   margin  is added on all sides, as a part of the diagonal. A side shorter than a thousandth of the
-///           diagonal is widened by that to both sides
-///   status  figure_empty; figure_not_finite; figure_has_no_size, if all points are one
-template <PointRange R>
-auto box_around(const R& points, double margin = 0.02)
-    -> Result<Transform<range_scalar_t<R>, range_dimension<R>>> {
-    using T = range_scalar_t<R>;
-    constexpr std::size_t D = range_dimension<R>;
-    if (std::size(points) == 0) return {{}, Status::figure_empty};
-    Vec<double, D> lower = vec_cast<double>(to_vec<T>(points[0])), upper = lower;
-    for (std::size_t i = 0; i < std::size(points); ++i) {
-        const auto p = vec_cast<double>(to_vec<T>(points[i]));
-        if (!is_finite(p)) return {{}, Status::figure_not_finite};
-        for (std::size_t k = 0; k < D; ++k) {
-            lower[k] = (std::min)(lower[k], p[k]);
-            upper[k] = (std::max)(upper[k], p[k]);
-        }
-    }
-    if (!is_finite(margin)) return {{}, Status::value_not_finite};
-    const auto extent = upper - lower;
-    double diagonal = 0;
-    for (const double x : extent.v) diagonal = std::hypot(diagonal, x);
-    if (!(diagonal > 0)) return {{}, Status::figure_has_no_size};
-    Transform<T, D> box{};
-    for (std::size_t k = 0; k < D; ++k) {
-        const double wider = margin * diagonal + (extent[k] < 1e-3 * diagonal ? 1e-3 * diagonal : 0.0);
-        box.translation[k] = static_cast<T>(lower[k] - wider);
-        box.columns[k][k] = static_cast<T>(extent[k] + 2 * wider);
-        if (!is_finite(box.translation) || !is_finite(box.columns[k])) return {{}, Status::figure_not_finite};
-    }
-    return {box, Status::ok};
-}
 
 } // namespace cageform::inline CAGEFORM_ABI

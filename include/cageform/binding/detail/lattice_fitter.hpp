@@ -21,7 +21,9 @@ public:
         , options_(options) {}
 
     Status run(LatticeFitReport& report, std::vector<Vec<T, D>>& pose) {
-        if (const Status status = check(); status != Status::ok) return status;
+        const Status status = check();
+        report.unreached = unreached_;
+        if (status != Status::ok) return status;
         number_unknowns();
         LeastSquares equations(unknowns_, D);
         std::vector<char> is_moving(unknowns_);
@@ -70,12 +72,16 @@ private:
             heaviest_ = (std::max)(heaviest_, weight);
         }
         if (given.empty()) heaviest_ = 1;
+        if (!(heaviest_ > 0)) return Status::weights_not_positive;
+        counts_.assign(count, 0);
         for (std::size_t j = 0; j < count; ++j) {
-            if (!counts(j)) continue;
+            if (!is_finite(block_point<D>(binding_.rest, j))) continue;
             if (!is_finite(displacements_[j])) return Status::value_not_finite;
-            total_ += relative_weight(j);
+            counts_[j] = has_weights(j) ? 1 : 0;
+            if (counts_[j] == 0) ++unreached_;
+            if (counts_[j] != 0) total_ += relative_weight(j);
         }
-        if (!(total_ > 0)) return Status::weights_not_positive;
+        if (!(total_ > 0)) return Status::fit_not_determined;
         for (const std::uint32_t i : options_.frozen) {
             if (i >= lattice_.handles().size()) return Status::index_out_of_range;
         }
@@ -91,13 +97,18 @@ private:
         }
     }
 
-    /// Whether a point has a residual.
-    bool counts(std::size_t j) const noexcept { return is_finite(block_point<D>(binding_.rest, j)); }
+    bool has_weights(std::size_t j) const noexcept {
+        std::size_t i = 0;
+        while (i < lattice_.handles().size() && binding_.weights(j, i) == 0) ++i;
+        return i < lattice_.handles().size();
+    }
     /// Returns the weight of a point over the largest one, so that sums of weights do not overflow.
     double relative_weight(std::size_t j) const noexcept {
         return options_.point_weights.empty() ? 1 : options_.point_weights[j] / heaviest_;
     }
-    double share_of(std::size_t j) const noexcept { return counts(j) ? relative_weight(j) / total_ : 0; }
+    double share_of(std::size_t j) const noexcept {
+        return counts_[j] != 0 ? relative_weight(j) / total_ : 0;
+    }
     void read_row(std::size_t j) {
         row_.clear();
         for (std::size_t i = 0; i < number_.size(); ++i) {
@@ -184,7 +195,8 @@ private:
     const std::vector<Vec<double, D>>& displacements_;
     const LatticeFitOptions& options_;
     double heaviest_ = 0, total_ = 0; ///< the largest weight of a point; the sum of all over it
-    std::size_t unknowns_ = 0;
+    std::vector<char> counts_;        ///< whether a point has a residual
+    std::size_t unreached_ = 0, unknowns_ = 0;
     std::vector<std::uint32_t> number_; ///< the unknown of each control point, or `still`
     std::vector<Term> row_;
 };

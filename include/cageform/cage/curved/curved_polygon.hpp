@@ -61,8 +61,8 @@ private:
 /// Next to a common end, within 2^-20 of an edge's extent (in float 2^-8), crossings are not looked for.
 /// Curves that run so close to each other that 2^17 pieces do not separate them count as touching.
 ///
-/// A cusp inside an edge is a warning: weights next to it lose digits. Usually O(#E log #E), O(#E²) at
-/// worst.
+/// A cusp inside an edge is a warning: weights next to it lose digits, and outside they may be huge. Usually
+/// O(#E log #E), O(#E²) at worst.
 template <Scalar T>
 CageReport check(const CurvedPolygon<T>& polygon) {
     return detail::report_on(polygon.status(), [&](CageReport& report) {

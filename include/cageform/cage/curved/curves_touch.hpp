@@ -3,6 +3,7 @@
 
 #include <cageform/cage/curved/plane_curve.hpp>
 #include <cageform/cage/detail/primitives.hpp>
+#include <cageform/core/detail/complex_roots.hpp>
 
 #include <vector>
 
@@ -86,31 +87,17 @@ private:
     std::vector<Pair> pairs_;
 };
 
-/// The complex roots of e', from the coefficients of e. A curve turns back next to a root that is nearly
-/// real.
-struct TurningPlaces {
-    std::array<Vec<double, 2>, 2> root{}; ///< real and imaginary parts
-    std::size_t count = 0;
-
-    explicit TurningPlaces(const std::array<Vec<double, 2>, 4>& c) noexcept {
-        // e' = c_1 + 2 c_2 t + 3 c_3 t²
-        const auto a = 3.0 * c[3], b = c[2], d = c[1]; // a t² + 2 b t + d
-        const auto times = [](const Vec<double, 2>& x, const Vec<double, 2>& y) {
-            return Vec<double, 2>{x[0] * y[0] - x[1] * y[1], x[0] * y[1] + x[1] * y[0]};
-        };
-        const auto over = [](const Vec<double, 2>& x, const Vec<double, 2>& y) {
-            return (1 / dot(y, y)) * Vec<double, 2>{dot(x, y), cross(y, x)};
-        };
-        const auto under_root = times(b, b) - times(a, d);
-        const double size = length(under_root);
-        Vec<double, 2> w{std::sqrt(std::fmax(0.0, (size + under_root[0]) / 2)),
-                         std::copysign(std::sqrt(std::fmax(0.0, (size - under_root[0]) / 2)), under_root[1])};
-        if (dot(w, b) < 0) w = -1.0 * w;
-        const auto h = -1.0 * (b + w);
-        if (dot(h, h) > 0) root[count++] = over(d, h);
-        if (dot(a, a) > 0) root[count++] = over(h, a);
-    }
-};
+/// Returns the complex roots of e', from the coefficients of e. A curve turns back next to a root that is
+/// nearly real.
+inline PolynomialRoots turning_places(const std::array<Vec<double, 2>, 4>& c) noexcept {
+    PolynomialRoots places;
+    const Number constant = to_number(c[1]), first = 2.0 * to_number(c[2]), second = 3.0 * to_number(c[3]);
+    if (norm(second) > 0)
+        add_quadratic_roots(second, first, constant, places);
+    else if (norm(first) > 0)
+        places.add(-(constant / first));
+    return places;
+}
 
 /// Whether a curve comes within a tolerance of itself: a loop, or a line that turns back. A cubic meets
 /// itself at s and t where (e(s) − e(t))/(s − t) = c_1 + c_2 (s + t) + c_3 (s² + s t + t²) = 0.
@@ -146,10 +133,10 @@ inline bool touches_itself(const PlaneCurve& curve, bool joined, double toleranc
     for (const auto& p : curve.points()) {
         if (std::fabs(cross(axis, p - c[0])) > tolerance * size) return false;
     }
-    const TurningPlaces turning(c);
+    const PolynomialRoots turning = turning_places(c);
     double highest = dot(curve.begin() - c[0], axis);
     std::array<double, 4> places{0, 1, 1, 1};
-    for (std::size_t n = 0; n < turning.count; ++n) places[n] = std::clamp(turning.root[n][0], 0.0, 1.0);
+    for (std::size_t n = 0; n < turning.count; ++n) places[n] = std::clamp(turning.s[n].re, 0.0, 1.0);
     places[turning.count] = 0;
     std::sort(places.begin(), places.end());
     const double way = dot(curve.end() - curve.begin(), axis) < 0 ? -1 : 1;
@@ -168,9 +155,9 @@ inline double cusp_inside(const PlaneCurve& curve, double tolerance) noexcept {
     const double none = std::numeric_limits<double>::quiet_NaN();
     if (curve.degree < 3) return none;
     const auto c = curve.powers();
-    const TurningPlaces turning(c);
+    const PolynomialRoots turning = turning_places(c);
     for (std::size_t n = 0; n < turning.count; ++n) {
-        const double t = turning.root[n][0], off = turning.root[n][1];
+        const auto [t, off] = turning.s[n];
         if (!(t > 0 && t < 1)) continue;
         const auto at = curve.at(t);
         if (length(at - curve.begin()) <= tolerance || length(at - curve.end()) <= tolerance) continue;

@@ -26,16 +26,20 @@ public:
     std::array<EdgeTouch, lanes> touch;      ///< out
     std::array<std::size_t, lanes> vertex{}; ///< that a point lies on, or the number of vertices
 
-    /// Adds the integrals to zeroed rows. A point within the tolerance of a vertex counts as being there, in
-    /// weights.
+    /// Sets rows to the integrals. In weights a point within the tolerance of a vertex counts as being there.
     template <bool gradients>
     void integrate(Lanes<double>* rows) {
         touch.fill({});
+        if constexpr (gradients) {
+            for (std::size_t row = 0; row < 2 * tables_.handles.size(); ++row) X(0.0).store(rows[row]);
+        } else {
+            for (const auto& v : tables_.vertices) X(0.0).store(rows[v.handle]);
+        }
         const Complex<X> z{X::load(x), X::load(y)};
         look_at_vertices<gradients>(z);
         X turning(0.0);
         for (std::size_t e = 0; e < tables_.edges.size(); ++e) {
-            Sums sums{};
+            Sums sums;
             set_sums<gradients>(e, z, sums);
             turning += sums.turning;
             if constexpr (gradients) {
@@ -48,16 +52,14 @@ public:
     }
 
 private:
-    struct Sums {
-        EdgeMoments<X> value;
-        X turning;
-    };
+    using Sums = EdgeSums<X>;
 
     Number place(std::size_t lane) const noexcept { return {x[lane], y[lane]}; }
     /// Finds the points on vertices, and sets the logarithms of distances.
     template <bool gradients>
     void look_at_vertices(const Complex<X>& z) noexcept {
         vertex.fill(tables_.vertices.size());
+        on_vertices_ = false;
         X least((std::numeric_limits<double>::max)());
         if constexpr (gradients) return;
         for (std::size_t v = 0; v < tables_.vertices.size(); ++v) {
@@ -68,8 +70,9 @@ private:
         Lanes<double> nearest;
         least.store(nearest);
         for (std::size_t lane = 0; lane < lanes; ++lane) {
-            if (nearest[lane] <= tables_.tolerance * tables_.tolerance)
-                vertex[lane] = CurvedPoint<T>(tables_).vertex_at(place(lane));
+            if (!(nearest[lane] <= tables_.tolerance * tables_.tolerance)) continue;
+            vertex[lane] = CurvedPoint<T>(tables_).vertex_at(place(lane));
+            on_vertices_ = true;
         }
     }
     static Complex<X> spread(const Number& a) noexcept { return {X(a.re), X(a.im)}; }
@@ -86,106 +89,62 @@ private:
             count += is_near[lane] ? 1 : 0;
         }
         const bool is_line = edge.is_line();
-        if (count < lanes || is_line) set_far_sums<gradients>(edge, z, sums);
+        FarSums<gradients, X>::set(edge, z, sums);
         if (count == 0) return;
         if (is_line) add_line<gradients>(e, z, sums);
+        if (is_line && !on_vertices_) return;
+        const std::size_t degree = edge.posed_degree - (gradients ? 1 : 0);
         Values stored;
         bool is_stored = false;
         for (std::size_t lane = 0; lane < lanes; ++lane) {
             if (!is_near[lane]) continue;
             if (is_line && edge.end[0].vertex != vertex[lane] && edge.end[1].vertex != vertex[lane]) continue;
-            if (!is_stored) stored.load(sums);
+            EdgeSums<double> of;
+            if (!CurvedPoint<T>(tables_).template set_near_sums<gradients>(e, place(lane), vertex[lane],
+                                                                           touch[lane], of))
+                continue;
+            if (!is_stored) stored.load(sums, degree);
             is_stored = true;
-            stored.set(lane, CurvedPoint<T>(tables_).template edge_sums<gradients>(
-                                 e, place(lane), vertex[lane], touch[lane]));
+            stored.set(lane, of, degree);
         }
-        if (is_stored) stored.store(sums);
+        if (is_stored) stored.store(sums, degree);
     }
     /// Sums in memory, where single points can be set.
     struct Values {
         std::array<Lanes<double>, most_posed_degree + 1> re, im;
         Lanes<double> turning;
 
-        void load(const Sums& sums) noexcept {
-            for (std::size_t k = 0; k <= most_posed_degree; ++k) {
+        void load(const Sums& sums, std::size_t degree) noexcept {
+            for (std::size_t k = 0; k <= degree; ++k) {
                 sums.value[k].re.store(re[k]);
                 sums.value[k].im.store(im[k]);
             }
             sums.turning.store(turning);
         }
-        void set(std::size_t lane, const EdgeSums& of) noexcept {
-            for (std::size_t k = 0; k <= most_posed_degree; ++k) {
+        void set(std::size_t lane, const EdgeSums<double>& of, std::size_t degree) noexcept {
+            for (std::size_t k = 0; k <= degree; ++k) {
                 re[k][lane] = of.value[k].re;
                 im[k][lane] = of.value[k].im;
             }
             turning[lane] = of.turning;
         }
-        void store(Sums& sums) const noexcept {
-            for (std::size_t k = 0; k <= most_posed_degree; ++k)
-                sums.value[k] = {X::load(re[k]), X::load(im[k])};
+        void store(Sums& sums, std::size_t degree) const noexcept {
+            for (std::size_t k = 0; k <= degree; ++k) sums.value[k] = {X::load(re[k]), X::load(im[k])};
             sums.turning = X::load(turning);
         }
     };
 
-    template <bool gradients>
-    static void set_far_sums(const CurvedEdge& edge, const Complex<X>& z, Sums& sums) noexcept {
-        switch (edge.posed_degree - (gradients ? 1 : 0)) {
-        case 0: return add_nodes<gradients, 0>(edge, z, sums);
-        case 1: return add_nodes<gradients, 1>(edge, z, sums);
-        case 2: return add_nodes<gradients, 2>(edge, z, sums);
-        case 3: return add_nodes<gradients, 3>(edge, z, sums);
-        case 4: return add_nodes<gradients, 4>(edge, z, sums);
-        default: return add_nodes<gradients, 5>(edge, z, sums);
-        }
-    }
-    /// Sums over the nodes, four at a time: one division gives four reciprocals.
-    template <bool gradients, std::size_t degree>
-    static void add_nodes(const CurvedEdge& edge, const Complex<X>& z, Sums& sums) noexcept {
-        const MomentNodes& table = MomentNodes::of(degree);
-        std::array<Complex<X>, degree + 1> value;
-        value.fill({X(0.0), X(0.0)});
-        X turning(0.0);
-        for (std::size_t first = 0; first < MomentNodes::count; first += 4) {
-            std::array<Complex<X>, 4> away;
-            std::array<X, 4> square;
-            for (std::size_t n = 0; n < 4; ++n) {
-                away[n] = spread(edge.nodes[first + n].at) - z;
-                square[n] = norm(away[n]);
-            }
-            const X low = square[0] * square[1], high = square[2] * square[3], share = X(1.0) / (low * high);
-            const X over_low = share * high, over_high = share * low;
-            const std::array<X, 4> over{over_low * square[1], over_low * square[0], over_high * square[3],
-                                        over_high * square[2]};
-            for (std::size_t n = 0; n < 4; ++n) {
-                const Complex<X> inverted{over[n] * away[n].re, -(over[n] * away[n].im)};
-                const Complex<X> turned = inverted * spread(edge.nodes[first + n].along);
-                const Complex<X>& term = gradients ? inverted : turned;
-                if constexpr (gradients) turning += X(table.weight[first + n]) * turned.im;
-                CAGEFORM_DETAIL_UNROLL
-                for (std::size_t k = 0; k <= degree; ++k) {
-                    const X weight(table.value[first + n][k]);
-                    value[k] = {value[k].re + weight * term.re, value[k].im + weight * term.im};
-                }
-            }
-        }
-        for (std::size_t k = 0; k <= degree; ++k) {
-            if constexpr (!gradients) turning += value[k].im;
-            sums.value[k] = value[k];
-        }
-        sums.turning = turning;
-    }
     /// Replaces the sums of a line at points inside the ellipse of its nodes: there is one root.
     template <bool gradients>
     void add_line(std::size_t e, const Complex<X>& z, Sums& sums) noexcept {
         const CurvedEdge& edge = tables_.edges[e];
         const Complex<X> from_start = spread(edge.end[0].at) - z, from_end = spread(edge.end[1].at) - z;
         const auto forward = norm(from_start) <= norm(from_end);
-        const Number rate = inverse(edge.end[0].away.c[1]);
         // s = −c₀/c₁ from the nearer end.
         const X sign = select(forward, X(-1.0), X(1.0));
         const Complex<X> c{sign * select(forward, from_start.re, from_end.re),
                            sign * select(forward, from_start.im, from_end.im)};
-        const Complex<X> s = spread(rate) * c, beyond{s.re - X(1.0), s.im};
+        const Complex<X> s = spread(edge.rate) * c, beyond{s.re - X(1.0), s.im};
         const X along = (s.re - X(0.5)) * X(1.2), off = s.im * X(1.5); // half axes 5/6 and 2/3
         const auto is_inside = along * along + off * off < X(1.0);
         const X square = (max)(norm(s), X(1e-300));
@@ -196,7 +155,7 @@ private:
         EdgeMoments<X> j;
         raise_moments(CurveRoot<X>{s, beyond}, integral, degree, j);
         // Backwards the order is reversed, and the sign of weights.
-        const Complex<X> over = gradients ? spread(rate) : Complex<X>{X(1.0), X(0.0)};
+        const Complex<X> over = gradients ? spread(edge.rate) : Complex<X>{X(1.0), X(0.0)};
         for (std::size_t k = 0; k <= degree; ++k) {
             const Complex<X> value = over * Complex<X>{select(forward, j[k].re, -j[degree - k].re),
                                                        select(forward, j[k].im, -j[degree - k].im)};
@@ -228,33 +187,22 @@ private:
         const X share(1 / (2 * std::numbers::pi));
         const std::uint32_t end = edge.end[1].vertex;
         Lanes<double> distance = logs_[end];
-        for (std::size_t lane = 0; lane < lanes; ++lane) {
+        for (std::size_t lane = 0; lane < lanes && on_vertices_; ++lane) {
             if (vertex[lane] == end) distance[lane] = edge.end[1].log_tangent;
         }
-        X after = X(std::log(tables_.diagonal)) - X::load(distance);
-        for (std::size_t k = edge.posed_degree + 1; k-- > 0;) {
-            add(share * sums.value[k].im, rows[edge.point[k]]);
-            if (k < edge.posed_degree) add(share * after, rows[edge.leg[k]]);
-            after += sums.value[k].re;
-        }
+        add_edge_weights(
+            edge, sums.value, X(tables_.log_diagonal) - X::load(distance), share,
+            [&](std::size_t row, const X& x, bool alone) { alone ? x.store(rows[row]) : add(x, rows[row]); });
     }
     void add_slopes(const CurvedEdge& edge, const Sums& sums, Lanes<double>* rows) const noexcept {
-        const std::size_t m = edge.posed_degree, along_y = 2 * tables_.points();
-        const X share(double(m) / (2 * std::numbers::pi));
-        for (std::size_t k = 0; k < m; ++k) {
-            const Complex<X> h = share * sums.value[k];
-            add(h.re, rows[edge.leg[k]]);
-            add(-h.im, rows[along_y + edge.leg[k]]);
-            add(-h.im, rows[edge.point[k]]);
-            add(-h.re, rows[along_y + edge.point[k]]);
-            add(h.im, rows[edge.point[k + 1]]);
-            add(h.re, rows[along_y + edge.point[k + 1]]);
-        }
+        add_edge_slopes(edge, sums.value, {1, 1}, 2 * tables_.points(),
+                        [&](std::size_t row, const X& x) { add(x, rows[row]); });
     }
     static void add(const X& value, Lanes<double>& row) noexcept { (X::load(row) + value).store(row); }
 
     const CurvedTables<T>& tables_;
     std::vector<Lanes<double>> logs_; ///< of the distances from the vertices
+    bool on_vertices_ = false;        ///< whether any point lies on one
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

@@ -23,7 +23,7 @@ struct CurvedTables {
     };
     std::vector<Vertex> vertices;
     Vec<double, 2> middle{};
-    double scale = 1, tolerance = 0, diagonal = 1;
+    double scale = 1, tolerance = 0, diagonal = 1, log_diagonal = 0;
     Number disk_centre{0, 0};
     double disk_radius = 0; ///< 0: the plane
 
@@ -32,7 +32,8 @@ struct CurvedTables {
         : middle(0.5 * loops.bounds.lower + 0.5 * loops.bounds.upper)
         , scale(loops.scale)
         , tolerance(loops.tolerance)
-        , diagonal(loops.bounds.diagonal()) {
+        , diagonal(loops.bounds.diagonal())
+        , log_diagonal(std::log(diagonal)) {
         std::size_t points = 0;
         for (const std::size_t m : degrees) points += m;
         handles.resize(points);

@@ -3,7 +3,8 @@
 
 #include <cageform/cage/curved/plane_curve.hpp>
 #include <cageform/cage/detail/primitives.hpp>
-#include <cageform/coordinates/curved_green/roots.hpp>
+#include <cageform/coordinates/curved_green/moments.hpp>
+#include <cageform/core/detail/complex_roots.hpp>
 
 #include <cstdint>
 #include <numbers>
@@ -31,6 +32,7 @@ struct CurvedEdge {
     Number centre{0, 0};
     double reach = 0; ///< farther from `centre` the whole edge is far: no root lies inside the ellipse
     std::array<Node, MomentNodes::count> nodes{};
+    Number middle{0, 0}, rate{0, 0};                          ///< of a line: e(1/2) and 1/e'
     std::array<std::uint32_t, most_posed_degree + 1> point{}; ///< handles of the control points
     std::array<std::uint32_t, most_posed_degree> leg{};       ///< handles of the legs
 
@@ -45,6 +47,9 @@ struct CurvedEdge {
             nodes[g] = {to_number(of.at(t)), to_number(slope.at(t))};
         }
         set_reach();
+        if (!is_line()) return;
+        middle = 0.5 * (end[0].at + end[1].at);
+        rate = inverse(end[0].away.c[1]);
     }
 
     bool is_line() const noexcept { return end[0].away.degree == 1 && end[1].away.degree == 1; }

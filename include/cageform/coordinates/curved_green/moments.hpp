@@ -1,8 +1,8 @@
 // The moments J_k(s) = ∫ b_k(t)/(t − s) dt over [0, 1] of Bernstein polynomials b_k.
 #pragma once
 
-#include <cageform/coordinates/curved_green/complex.hpp>
 #include <cageform/core/detail/bernstein.hpp>
+#include <cageform/core/detail/complex.hpp>
 #include <cageform/core/detail/gauss.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
@@ -79,6 +79,34 @@ struct MomentNodes {
     static const MomentNodes& of(std::size_t degree) noexcept {
         static const std::array<MomentNodes, most_posed_degree + 1> all{
             MomentNodes(0), MomentNodes(1), MomentNodes(2), MomentNodes(3), MomentNodes(4), MomentNodes(5)};
+        return all[degree];
+    }
+};
+
+/// The nodes as pairs 1/2 ± h, for moments at 1/2 + u: J_k = −Σ (even_k u + odd_k)/(u² − h²), where even and
+/// odd have the sums of b_k at both nodes and h times the differences. For k ↔ degree − k odd changes its
+/// sign.
+struct MomentPairs {
+    static constexpr std::size_t count = MomentNodes::count / 2;
+    std::array<double, count> square{}; ///< h²
+    std::array<std::array<double, most_posed_degree / 2 + 1>, count> even{}, odd{};
+
+    explicit MomentPairs(std::size_t degree) noexcept {
+        const MomentNodes& nodes = MomentNodes::of(degree);
+        for (std::size_t n = 0; n < count; ++n) {
+            const std::size_t high = MomentNodes::count - 1 - n;
+            const double h = 0.5 * (nodes.place[high] - nodes.place[n]);
+            square[n] = h * h;
+            for (std::size_t k = 0; k <= degree / 2; ++k) {
+                even[n][k] = nodes.value[high][k] + nodes.value[n][k];
+                odd[n][k] = h * (nodes.value[high][k] - nodes.value[n][k]);
+            }
+        }
+    }
+    /// Returns the pairs of a degree from 0 to 5.
+    static const MomentPairs& of(std::size_t degree) noexcept {
+        static const std::array<MomentPairs, most_posed_degree + 1> all{
+            MomentPairs(0), MomentPairs(1), MomentPairs(2), MomentPairs(3), MomentPairs(4), MomentPairs(5)};
         return all[degree];
     }
 };

@@ -1,17 +1,11 @@
 // The integrals over an edge next to a point, by the roots of e(s) = z.
 #pragma once
 
-#include <cageform/coordinates/curved_green/curved_edge.hpp>
+#include <cageform/coordinates/curved_green/far_sums.hpp>
 
 #include <algorithm>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
-
-/// The integrals of an edge at a point z.
-struct EdgeSums {
-    EdgeMoments<double> value{}; ///< ∫ b_k e'/(e − z) dt; for gradients ∫ b_k/(e − z) dt, of one degree less
-    double turning = 0;          ///< the angle by which e − z turns along the edge
-};
 
 /// The place of an edge that a point lies on.
 struct EdgeTouch {
@@ -19,21 +13,6 @@ struct EdgeTouch {
     Number s{0, 0}; ///< the root next to the place, in the direction of the edge
     double distance = (std::numeric_limits<double>::max)();
 };
-
-/// Computes the integrals at points where the whole edge is far from the ellipse of its nodes.
-template <bool gradients>
-EdgeSums far_sums(const CurvedEdge& edge, const Number& z) noexcept {
-    EdgeSums sums;
-    const std::size_t degree = edge.posed_degree - (gradients ? 1 : 0);
-    const MomentNodes& table = MomentNodes::of(degree);
-    for (std::size_t g = 0; g < MomentNodes::count; ++g) {
-        const Number share = inverse(edge.nodes[g].at - z), turned = share * edge.nodes[g].along;
-        sums.turning += table.weight[g] * turned.im;
-        for (std::size_t k = 0; k <= degree; ++k)
-            sums.value[k] += table.value[g][k] * (gradients ? share : turned);
-    }
-    return sums;
-}
 
 /// Computes the integrals of an edge at a point anywhere.
 class NearSums {
@@ -78,8 +57,8 @@ public:
         return count_ > 0 && ends_[0] == 0 && std::all_of(root_.begin(), root_.begin() + count_, is_far);
     }
     /// Returns the sums over all roots of the moments.
-    EdgeSums sums() const noexcept {
-        EdgeSums all;
+    EdgeSums<double> sums() const noexcept {
+        EdgeSums<double> all{};
         const std::size_t m = edge_.posed_degree;
         const auto add = [&](std::size_t k, const Number& x) {
             all.turning += reversed_ ? -x.im : x.im;
@@ -100,8 +79,8 @@ public:
     }
     /// Returns ∫ b_k/(e − z) dt for the Bernstein polynomials b of one degree less: divided differences of
     /// the moments over all roots.
-    EdgeSums slope_sums() const noexcept {
-        EdgeSums all;
+    EdgeSums<double> slope_sums() const noexcept {
+        EdgeSums<double> all{};
         const std::size_t degree = edge_.posed_degree - 1;
         for (std::size_t n = 0; n < count_; ++n) {
             EdgeMoments<double> j;

@@ -2,6 +2,7 @@
 // the mirror image in a disk.
 #pragma once
 
+#include <cageform/coordinates/curved_green/add_sums.hpp>
 #include <cageform/coordinates/curved_green/cage_tables.hpp>
 #include <cageform/coordinates/curved_green/near_sums.hpp>
 #include <cageform/coordinates/curved_green/nearest_place.hpp>
@@ -39,7 +40,10 @@ public:
         const std::size_t vertex = gradients ? tables_.vertices.size() : vertex_at(image);
         for (std::size_t e = 0; e < tables_.edges.size(); ++e) {
             const CurvedEdge& edge = tables_.edges[e];
-            const EdgeSums of = edge_sums<gradients>(e, image, vertex, touch);
+            EdgeSums<double> of{};
+            const bool is_far = norm(image - edge.centre) >= edge.reach * edge.reach;
+            if (is_far || !set_near_sums<gradients>(e, image, vertex, touch, of))
+                FarSums<gradients, double>::set(edge, image, of);
             winding += of.turning / (2 * std::numbers::pi);
             if constexpr (gradients) {
                 auto slopes = of.value;
@@ -95,15 +99,16 @@ public:
         }
     }
 
+    /// Sets the integrals by the roots of e(s) = z, where one of them is near. Else it returns false.
     template <bool gradients>
-    EdgeSums edge_sums(std::size_t e, const Number& z, std::size_t vertex, EdgeTouch& touch) const noexcept {
+    bool set_near_sums(std::size_t e, const Number& z, std::size_t vertex, EdgeTouch& touch,
+                       EdgeSums<double>& sums) const noexcept {
         const CurvedEdge& edge = tables_.edges[e];
-        if (norm(z - edge.centre) >= edge.reach * edge.reach) return far_sums<gradients>(edge, z);
         const NearSums near_edge(edge, z, {edge.end[0].vertex == vertex, edge.end[1].vertex == vertex});
-        if (near_edge.all_far()) return far_sums<gradients>(edge, z);
+        if (near_edge.all_far()) return false;
         near_edge.find_touch(e, touch);
-        if constexpr (gradients) return near_edge.slope_sums();
-        return near_edge.sums();
+        sums = gradients ? near_edge.slope_sums() : near_edge.sums();
+        return true;
     }
 
 private:
@@ -122,32 +127,15 @@ private:
         const auto& end = edge.end[1];
         return end.vertex == vertex ? end.log_tangent : 0.5 * std::log(norm(end.at - z));
     }
-    /// Adds `sign` times c_k = J_k/2πi, and for legs −ln(|V_end − z|/diagonal)/2π − Σ_{j>k} Im c_j.
+    /// Adds `sign` times the weights.
     void add_weights(const CurvedEdge& edge, const EdgeMoments<double>& j, double distance, double sign,
                      const CurvedRow& to) const noexcept {
-        const double share = sign / (2 * std::numbers::pi);
-        double after = std::log(tables_.diagonal) - distance;
-        for (std::size_t k = edge.posed_degree + 1; k-- > 0;) {
-            to.add(edge.point[k], share * j[k].im);
-            if (k < edge.posed_degree) to.add(edge.leg[k], share * after);
-            after += j[k].re;
-        }
+        add_edge_weights(edge, j, tables_.log_diagonal - distance, sign / (2 * std::numbers::pi),
+                         [&](std::size_t row, double x, bool) { to.add(row, x); });
     }
-    /// With h_k = m/2π ∫ b_k/(e − z) dt, of degree m − 1, a leg has the gradient (Re h_k, −Im h_k), and a
-    /// control point Im and Re of h_{k−1} − h_k. `sign` is of the derivatives by x and by y.
     static void add_slopes(const CurvedEdge& edge, const EdgeMoments<double>& g,
                            const std::array<double, 2>& sign, const CurvedRow& to) noexcept {
-        const std::size_t m = edge.posed_degree;
-        const double share = double(m) / (2 * std::numbers::pi);
-        for (std::size_t k = 0; k < m; ++k) {
-            const Number along_x = (share * sign[0]) * g[k], along_y = (share * sign[1]) * g[k];
-            to.add(edge.leg[k], along_x.re);
-            to.add(to.along_y + edge.leg[k], -along_y.im);
-            to.add(edge.point[k], -along_x.im);
-            to.add(to.along_y + edge.point[k], -along_y.re);
-            to.add(edge.point[k + 1], along_x.im);
-            to.add(to.along_y + edge.point[k + 1], along_y.re);
-        }
+        add_edge_slopes(edge, g, sign, to.along_y, [&](std::size_t row, double x) { to.add(row, x); });
     }
     /// ln(|u| R) of a disk.
     double log_share(double u) const noexcept { return std::log(u * tables_.disk_radius); }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cageform/cage/types/report.hpp>
+#include <cageform/core/detail/simd.hpp>
 #include <cageform/core/vec.hpp>
 
 #include <algorithm>
@@ -45,6 +46,12 @@ public:
             for (std::size_t k = 1; k <= degree_; ++k) sum += knots_[i + k];
             greville_.push_back(sum / double(degree_));
         }
+        for (std::size_t span = degree_; span < points_; ++span) {
+            for (std::size_t p = 1; p <= degree_; ++p) {
+                for (std::size_t r = 0; r < p; ++r)
+                    over_.push_back(static_cast<T>(1 / (knots_[span + 1 + r] - knots_[span + 1 - p + r])));
+            }
+        }
     }
 
     /// Returns what is wrong with an axis. `a` of the fault is its number.
@@ -78,9 +85,11 @@ public:
     ///
     ///   returns  the number of the first of them
     std::size_t evaluate(T u, Values& value, Values& slope) const noexcept {
+
         const auto above = std::upper_bound(knots_.begin() + std::ptrdiff_t(degree_) + 1,
                                             knots_.begin() + std::ptrdiff_t(points_), double(u));
         const auto span = std::size_t(above - knots_.begin()) - 1;
+        const T* over = over_.data() + (span - degree_) * (degree_ * (degree_ + 1) / 2);
         value[0] = 1;
         Values share{}; // the last step's: a function of one degree less, over the length of its knots
         for (std::size_t p = 1; p <= degree_; ++p) {
@@ -88,7 +97,7 @@ public:
             for (std::size_t r = 0; r < p; ++r) {
                 const T left = static_cast<T>(double(u) - knots_[span + 1 - p + r]),
                         right = static_cast<T>(knots_[span + 1 + r] - double(u));
-                share[r] = value[r] / static_cast<T>(knots_[span + 1 + r] - knots_[span + 1 - p + r]);
+                share[r] = value[r] * *over++;
                 value[r] = carried + right * share[r];
                 carried = left * share[r];
             }
@@ -99,7 +108,52 @@ public:
         return span - degree_;
     }
 
+    /// Evaluates all functions at a register of places, outside [0, 1] straight on.
+    ///
+    ///   value, slope   out, one row for each control point
+    ///   sloped         whether slopes are wanted, or a place is outside; else `slope` may stay as it is
+    void evaluate(const Lanes<T>& u, bool sloped, Lanes<T>* value, Lanes<T>* slope) const noexcept {
+        if (points_ == degree_ + 1) return evaluate_bernstein(Simd<T>::load(u), sloped, value, slope);
+        for (std::size_t i = 0; i < points_; ++i) {
+            Simd<T>(T(0)).store(value[i]);
+            if (sloped) Simd<T>(T(0)).store(slope[i]);
+        }
+        Values at, along;
+        for (std::size_t lane = 0; lane < lane_count<T>; ++lane) {
+            const T c = std::clamp(u[lane], T(0), T(1)), beyond = u[lane] - c;
+            const std::size_t first = evaluate(c, at, along);
+            for (std::size_t r = 0; r <= degree_; ++r) {
+                value[first + r][lane] = at[r] + beyond * along[r];
+                if (sloped) slope[first + r][lane] = along[r];
+            }
+        }
+    }
+
 private:
+    void evaluate_bernstein(const Simd<T>& u, bool sloped, Lanes<T>* value, Lanes<T>* slope) const noexcept {
+        using X = Simd<T>;
+        const X c = (max)(X(T(0)), (min)(X(T(1)), u)), rest = X(T(1)) - c, beyond = u - c;
+        std::array<X, most_degree + 1> at;
+        at[0] = X(T(1));
+        for (std::size_t p = 1; p <= degree_; ++p) {
+            if (sloped && p == degree_) { // the differences of the functions of one degree less
+                const X size{T(degree_)};
+                for (std::size_t r = 0; r <= degree_; ++r) {
+                    const X before = r > 0 ? at[r - 1] : X(T(0)), after = r < degree_ ? at[r] : X(T(0));
+                    (size * (before - after)).store(slope[r]);
+                }
+            }
+            X carried(T(0));
+            for (std::size_t r = 0; r < p; ++r) {
+                const X share = at[r];
+                at[r] = carried + rest * share;
+                carried = c * share;
+            }
+            at[p] = carried;
+        }
+        for (std::size_t r = 0; r <= degree_; ++r)
+            (sloped ? at[r] + beyond * X::load(slope[r]) : at[r]).store(value[r]);
+    }
     std::vector<double> knots_of(const LatticeAxis& axis) const {
         if (!axis.knots.empty()) return axis.knots;
         std::vector<double> knots(degree_ + 1, 0.0);
@@ -111,6 +165,7 @@ private:
 
     std::size_t points_ = 0, degree_ = 0;
     std::vector<double> knots_, greville_;
+    std::vector<T> over_; ///< 1 over the differences of knots, in the order of the recurrence, by span
 };
 
 } // namespace detail

@@ -1,7 +1,7 @@
 // Complex numbers, or registers of them.
 #pragma once
 
-#include <cageform/core/detail/simd.hpp>
+#include <cageform/core/vec.hpp>
 
 #include <cmath>
 

@@ -1,7 +1,9 @@
-// The places s in the complex plane where a curve e of degree 1 to 3 has the value z.
+// The complex roots of polynomials of degree 1 to 3.
 #pragma once
 
-#include <cageform/coordinates/curved_green/moments.hpp>
+#include <cageform/core/detail/complex.hpp>
+
+#include <array>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
@@ -76,7 +78,7 @@ inline Number loneliest_root(const Number& a, const Number& b, const Number& c) 
     std::size_t loneliest = 0;
     double most = -1;
     for (std::size_t k = 0; k < 3; ++k) {
-        const double nearest = (std::min)(norm(x[k] - x[(k + 1) % 3]), norm(x[k] - x[(k + 2) % 3]));
+        const double nearest = std::fmin(norm(x[k] - x[(k + 1) % 3]), norm(x[k] - x[(k + 2) % 3]));
         if (!(nearest > most)) continue;
         most = nearest;
         loneliest = k;

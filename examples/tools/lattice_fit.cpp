@@ -1,0 +1,184 @@
+// Finds the pose of a lattice by which a figure follows a posed figure best.
+//
+//     lattice_fit man.obj man_posed.obj --cage lattice:6x6x6 -o pose.obj --picture fit.png
+//     deform_mesh man.obj --cage lattice:6x6x6 --pose pose.obj -o by_lattice.obj
+//     lattice_fit icon.svg icon_edited.svg --cage lattice:4x4 -o pose.svg
+//
+// The posed figure is the same file with its vertices moved, by whatever program. The pose is one by least
+// squares (fit_lattice), and deform_mesh, deform_svg and the other programs read it. A coarse lattice cannot
+// follow every bend: the program says how far the figure is off, and where.
+
+#include "cli/auto_cage.hpp"
+#include "cli/bind_report.hpp"
+#include "cli/command_line.hpp"
+#include "cli/guard.hpp"
+#include "cli/mesh_cage.hpp"
+#include "cli/pose_choice.hpp"
+#include "cli/view_choice.hpp"
+#include "files/atomic_file.hpp"
+#include "pictures/mesh_picture.hpp"
+#include "svg/document.hpp"
+
+#include <cageform/binding/bind.hpp>
+#include <cageform/binding/fit_lattice.hpp>
+#include <cageform/clone/clone.hpp>
+
+#include <chrono>
+#include <iostream>
+
+namespace {
+
+using namespace cageform_examples;
+
+struct Arguments {
+    std::string rest, posed, cage, out, picture;
+    double smoothness = cageform::LatticeFitOptions{}.smoothness;
+    PoseChoice choice; // holds layers of the lattice at rest
+    ViewChoice view;
+};
+
+/// A figure's vertices at rest and posed, and their names.
+template <std::size_t D>
+struct Figures {
+    std::string rest_name, posed_name;
+    std::vector<cageform::Vec<double, D>> rest, posed;
+};
+
+template <std::size_t D>
+struct Fitted {
+    std::vector<cageform::Vec<double, D>> pose, moved; // of the lattice, still handles included; the figure
+};
+
+/// Fits the lattice's pose, and prints how well the figure follows.
+template <std::size_t D>
+SvgResult<Fitted<D>> fitted(const Arguments& given, const Figures<D>& figures,
+                            const std::optional<LatticeBox<D>>& lattice) {
+    const auto& [rest_name, posed_name, rest, posed] = figures;
+    if (!lattice)
+        return SvgError{"--cage " + detail::quoted(given.cage) +
+                        " is no lattice: write one such as lattice:" + (D == 2 ? "4x4" : "4x4x4")};
+    if (rest.size() != posed.size())
+        return SvgError{posed_name + " has " + std::to_string(posed.size()) + " vertices, " + rest_name +
+                        " has " + std::to_string(rest.size()) + ": give a pose of the same figure"};
+    const auto held = given.choice.still(lattice);
+    if (!held) return held.error();
+    const std::vector<std::uint32_t> frozen(held->begin(), held->end());
+
+    const auto start = std::chrono::steady_clock::now();
+    const auto coordinates = lattice->template coordinates<double>();
+    const auto bound = cageform::bind(coordinates, rest);
+    if (!bound) return SvgError{describe_faults(rest_name, bound.report)};
+    std::vector<cageform::Vec<double, D>> displacements;
+    for (std::size_t i = 0; i < rest.size(); ++i) displacements.push_back(posed[i] - rest[i]);
+    auto fit = cageform::fit_lattice(coordinates, bound.value, displacements,
+                                     {.smoothness = given.smoothness, .frozen = frozen});
+    const std::chrono::duration<double> time = std::chrono::steady_clock::now() - start;
+    const auto& report = fit.report;
+    if (!fit) return SvgError{posed_name + ": " + cageform::to_string(report.status)};
+    Fitted<D> result{std::move(fit.value), rest};
+    const auto status = cageform::clone(bound.value, result.pose, result.moved);
+    if (status != cageform::Status::ok) return SvgError{cageform::to_string(status)};
+    const auto number = [](double x) { return detail::short_number(x); };
+    std::cout << printable(rest_name) << ": by " << describe(*lattice)
+              << "\nlargest distance: " << number(report.largest) << ", of vertex " << report.farthest + 1
+              << " at (";
+    for (std::size_t k = 0; k < D; ++k) std::cout << (k == 0 ? "" : ", ") << number(rest[report.farthest][k]);
+    std::cout << "); rms: " << number(report.rms)
+              << "\npoints of the lattice that move no vertex: " << report.idle.size()
+              << "\nseconds to bind and fit: " << number(time.count()) << '\n';
+    if (report.unreached > 0)
+        warn(rest_name + ": " + std::to_string(report.unreached) +
+             (report.unreached == 1 ? " vertex is" : " vertices are") + " too far from the lattice to move");
+    return result;
+}
+
+int fit_in_plane(const Arguments& given) {
+    if (ending_of(given.out) == ".obj")
+        return fail("-o " + given.out + ": the figure lies in the plane: write .svg or .csv");
+    if (!given.picture.empty())
+        return fail("--picture is for figures in space; pose_cage draws a pose in the plane");
+    const auto rest = load_svg(given.rest);
+    if (!rest) return fail(to_string(rest.error()));
+    const auto posed = load_svg(given.posed);
+    if (!posed) return fail(to_string(posed.error()));
+    Figures<2> figures{given.rest, given.posed, {}, {}};
+    for (const auto& [document, points] : {std::pair{&*rest, &figures.rest}, {&*posed, &figures.posed}}) {
+        const auto found = figure_vertices(*document);
+        if (!found) return fail(to_string(found.error()));
+        for (const Point2& p : *found) points->push_back({p.x, p.y});
+    }
+    const auto cage = load_or_make_cage(given.cage, *rest);
+    if (!cage) return fail(to_string(cage.error()));
+    const auto fit = fitted(given, figures, cage->lattice);
+    if (!fit) return fail(to_string(fit.error()));
+    const CageFile pose = moved_cage(*cage, fit->pose);
+    const auto view = view_box(*rest);
+    if (!view) return fail(to_string(view.error()));
+    const SvgResult<std::string> text = ending_of(given.out) == ".csv" ? to_csv(pose) : to_svg(pose, *view);
+    if (!text) return fail(given.out + ": " + to_string(text.error()));
+    OutputFiles outputs;
+    outputs.add(given.out).write(*text);
+    if (const auto error = outputs.commit()) return fail(*error);
+    return 0;
+}
+
+int fit_in_space(const Arguments& given) {
+    if (ending_of(given.out) != ".obj")
+        return fail("-o " + given.out + ": the figure lies in space: write .obj");
+    if (const auto why = fault_of_outputs({given.out, given.picture})) return fail(*why);
+    const auto rest = load_obj(given.rest);
+    if (!rest) return fail(to_string(rest.error()));
+    const auto posed = load_obj(given.posed);
+    if (!posed) return fail(to_string(posed.error()));
+    const auto cage = load_or_make_cage(given.cage, *rest);
+    if (!cage) return fail(to_string(cage.error()));
+    const Figures<3> figures{given.rest, given.posed, rest->vertices, posed->vertices};
+    const auto fit = fitted(given, figures, cage->lattice);
+    if (!fit) return fail(to_string(fit.error()));
+    OutputFiles outputs;
+    outputs.add(given.out).write(to_text(*cage, fit->pose));
+    if (!given.picture.empty()) {
+        const std::array<MeshScene, 3> scenes{
+            {{{rest->vertices, rest->triangles}, {cage->vertices, cage->triangles}},
+             {{posed->vertices, rest->triangles}, {}},
+             {{fit->moved, rest->triangles}, {fit->pose, cage->triangles}}}};
+        draw_meshes(scenes, 1500, 620, given.view.sight).write_png(outputs.add(given.picture));
+    }
+    if (const auto error = outputs.commit()) return fail(*error);
+    return 0;
+}
+
+int run_program(int argc, char** argv) {
+    CommandLine line("Finds the pose of a lattice by which a figure follows a posed figure best.");
+    line.set_examples({"man.obj man_posed.obj --cage lattice:6x6x6 -o pose.obj --picture fit.png",
+                       "icon.svg icon_edited.svg --cage lattice:4x4 -o pose.svg"});
+    Arguments given;
+    line.add("rest", given.rest, "the figure at rest: an OBJ or SVG file").required();
+    line.add("posed", given.posed, "the same file with its vertices moved").required();
+    line.add("--cage", given.cage, "the lattice: lattice:4x4 or lattice:4x4x4, or a .lattice.json file")
+        .required();
+    line.add("--smoothness", given.smoothness,
+             "the weight of the pose's second differences: higher makes it smoother, lower lets the figure "
+             "follow more closely")
+        .range(0.0, 1e12)
+        .show_default();
+    line.add("--freeze", given.choice.freeze,
+             "the number of layers of points at the faces of the box that stay at rest")
+        .show_default();
+    line.add("-o,--output", given.out, "the pose to write: in space .obj, in the plane .svg or .csv")
+        .required()
+        .ends_with({".obj", ".svg", ".csv"});
+    line.add("--picture", given.picture,
+             "also draw the figure at rest, posed, and by the lattice's pose, to a PNG file (in space)")
+        .ends_with({".png"});
+    given.view.add_options(line);
+    line.set_footer(obj_format + std::string("\n") + lattice_format);
+    if (const auto code = line.parse(argc, argv)) return *code;
+    return ending_of(given.rest) == ".obj" ? fit_in_space(given) : fit_in_plane(given);
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    return guarded("lattice_fit", [&] { return run_program(argc, argv); });
+}
