@@ -94,6 +94,45 @@ void clone_packed_lattice(benchmark::State& state) {
     run_clone(state, lattice, packed.value.view());
 }
 
+/// Free-form deformation as published and as PyGeM has it, as a plain loop: Bernstein polynomials by powers and
+/// binomial coefficients, and a sum over all control points, in every frame.
+void plain_lattice(benchmark::State& state) {
+    const auto side = std::size_t(state.range(1)), degree = side - 1;
+    const auto points = points_of<double>(state.range(0));
+    std::vector<cageform::Vec<double, 3>> moves, out(points.size()); // of the control points; z is innermost
+    std::vector<double> choose(side, 1);
+    for (std::size_t k = 1; k < side; ++k) choose[k] = choose[k - 1] * double(side - k) / double(k);
+    const auto place = [&](std::size_t k) { return double(k) / double(degree); };
+    for (std::size_t i = 0; i < side; ++i) {
+        for (std::size_t j = 0; j < side; ++j) {
+            for (std::size_t k = 0; k < side; ++k) moves.push_back({place(j) * place(k), 0, 0});
+        }
+    }
+    std::array<std::vector<double>, 3> values{};
+    for (auto& of_axis : values) of_axis.resize(side);
+    const Counted counted;
+    for (auto _ : state) {
+        for (std::size_t n = 0; n < points.size(); ++n) {
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                const double u = points[n][axis];
+                for (std::size_t k = 0; k < side; ++k)
+                    values[axis][k] =
+                        choose[k] * std::pow(u, double(k)) * std::pow(1 - u, double(degree - k));
+            }
+            auto moved = points[n];
+            const auto* move = moves.data();
+            for (const double x : values[0]) {
+                for (const double y : values[1]) {
+                    for (const double z : values[2]) moved = moved + (x * y * z) * *move++;
+                }
+            }
+            out[n] = moved;
+        }
+        benchmark::ClobberMemory();
+    }
+    finish(state, out.size(), moves.size());
+}
+
 void points_and_side(benchmark::internal::Benchmark* benchmark) {
     benchmark->ArgNames({"points", "side"})->Unit(benchmark::kMillisecond);
     benchmark->Args({1000000, 4});
@@ -104,6 +143,7 @@ void points_and_side(benchmark::internal::Benchmark* benchmark) {
 
 BENCHMARK_TEMPLATE(evaluate_lattice, double)->Apply(points_and_side);
 BENCHMARK_TEMPLATE(evaluate_lattice, float)->Apply(points_and_side);
+BENCHMARK(plain_lattice)->Apply(points_and_side);
 BENCHMARK_TEMPLATE(bind_lattice, double)->Apply(points_and_side);
 BENCHMARK_TEMPLATE(pack_lattice, double)->Apply(points_and_side);
 BENCHMARK_TEMPLATE(pack_lattice, float)->Apply(points_and_side);
