@@ -90,7 +90,7 @@ public:
     }
 
 private:
-    using Number = detail::Number;
+    using ComplexNumber = detail::ComplexNumber;
 
     void prepare(const CurvedGreenOptions<T>& options) {
         report_ = check(cage_);
@@ -193,7 +193,7 @@ private:
                           vertices = tables_.vertices.size();
         // Farther away the integrals change by less than a rounding error of the continuation.
         constexpr double farthest = sizeof(T) == 8 ? 0x1p24 : 0x1p12;
-        std::array<Number, detail::CurvedBlock<T>::lanes> place{};
+        std::array<ComplexNumber, detail::CurvedBlock<T>::lanes> place{};
         std::array<std::size_t, detail::CurvedBlock<T>::lanes> vertex{};
         for (std::size_t lane = 0; lane < states.size(); ++lane) {
             place[lane] = {block.x[lane], block.y[lane]};
@@ -204,7 +204,7 @@ private:
             if constexpr (gradients) {
                 vertex[lane] = point.vertex_at(place[lane]);
                 if (vertex[lane] == vertices) continue;
-                const Number at = inside_of(vertex[lane]);
+                const ComplexNumber at = inside_of(vertex[lane]);
                 block.x[lane] = at.re;
                 block.y[lane] = at.im;
             }
@@ -214,10 +214,10 @@ private:
         for (std::size_t lane = 0; lane < states.size(); ++lane) {
             if (states[lane] == PointState::not_finite) continue;
             const detail::CurvedRow to{rows, lane, count / 2};
-            const Number at{block.x[lane], block.y[lane]};
+            const ComplexNumber at{block.x[lane], block.y[lane]};
             const Where where{place[lane], vertex[lane] < vertices, block.winding[lane], block.touch[lane]};
             if (tables_.disk_radius > 0) {
-                const Number& seen = gradients && where.is_vertex ? at : where.z;
+                const ComplexNumber& seen = gradients && where.is_vertex ? at : where.z;
                 if (!(size(seen - tables_.disk_centre) < tables_.disk_radius)) {
                     for (std::size_t row = 0; row < count; ++row) rows[row][lane] = 0;
                     const double distance = add_nearest<gradients>(where.z, to);
@@ -233,7 +233,7 @@ private:
     }
     /// Where a point lies, by the integrals.
     struct Where {
-        Number z;
+        ComplexNumber z;
         bool is_vertex;
         double winding;
         detail::EdgeTouch touch;
@@ -255,7 +255,7 @@ private:
     }
     /// Adds the continuation across the nearest place, and returns the distance from it.
     template <bool gradients>
-    double add_nearest(const Number& z, const detail::CurvedRow& to) const noexcept {
+    double add_nearest(const ComplexNumber& z, const detail::CurvedRow& to) const noexcept {
         const auto nearest = nearest_of({z.re, z.im});
         const auto& edge = tables_.edges[nearest.edge];
         const detail::CurveContinuation continuation(edge, nearest.place.t, z);
@@ -264,19 +264,19 @@ private:
     }
 
     /// Returns the place 1e-6 diagonals from a vertex along the middle of its corner.
-    Number inside_of(std::size_t vertex) const noexcept {
+    ComplexNumber inside_of(std::size_t vertex) const noexcept {
         const auto& [at, before, after, handle] = tables_.vertices[vertex];
         const auto leaving = [](const detail::CurvedEdge::End& end) {
-            const Number q = end.away.c[end.vanishing];
+            const ComplexNumber q = end.away.c[end.vanishing];
             return (1 / size(q)) * q;
         };
-        const Number next = leaving(tables_.edges[after].end[0]),
-                     last = leaving(tables_.edges[before].end[1]);
-        const Number turned = last * conjugate(next);
+        const ComplexNumber next = leaving(tables_.edges[after].end[0]),
+                            last = leaving(tables_.edges[before].end[1]);
+        const ComplexNumber turned = last * conjugate(next);
         double angle = std::atan2(turned.im, turned.re); // from the next edge to the one before
         if (angle <= 0) angle += 2 * std::numbers::pi;
         const double step = 1e-6 * tables_.diagonal;
-        return at + step * (next * Number{std::cos(angle / 2), std::sin(angle / 2)});
+        return at + step * (next * ComplexNumber{std::cos(angle / 2), std::sin(angle / 2)});
     }
 
     struct Nearest {

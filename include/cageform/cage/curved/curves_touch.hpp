@@ -91,7 +91,8 @@ private:
 /// nearly real.
 inline PolynomialRoots turning_places(const std::array<Vec<double, 2>, 4>& c) noexcept {
     PolynomialRoots places;
-    const Number constant = to_number(c[1]), first = 2.0 * to_number(c[2]), second = 3.0 * to_number(c[3]);
+    const ComplexNumber constant = to_number(c[1]), first = 2.0 * to_number(c[2]),
+                        second = 3.0 * to_number(c[3]);
     if (norm(second) > 0)
         add_quadratic_roots(second, first, constant, places);
     else if (norm(first) > 0)

@@ -54,7 +54,7 @@ public:
 private:
     using Sums = EdgeSums<X>;
 
-    Number place(std::size_t lane) const noexcept { return {x[lane], y[lane]}; }
+    ComplexNumber place(std::size_t lane) const noexcept { return {x[lane], y[lane]}; }
     /// Finds the points on vertices, and sets the logarithms of distances.
     template <bool gradients>
     void look_at_vertices(const Complex<X>& z) noexcept {
@@ -75,7 +75,7 @@ private:
             on_vertices_ = true;
         }
     }
-    static Complex<X> spread(const Number& a) noexcept { return {X(a.re), X(a.im)}; }
+    static Complex<X> spread(const ComplexNumber& a) noexcept { return {X(a.re), X(a.im)}; }
 
     template <bool gradients>
     void set_sums(std::size_t e, const Complex<X>& z, Sums& sums) noexcept {
@@ -178,8 +178,8 @@ private:
             select(forward, X(1.0), X(0.0)).store(is_forward);
             const double distance = length * std::sqrt(square[lane]);
             if (!(distance < touch[lane].distance)) continue;
-            const Number root{re[lane], im[lane]};
-            touch[lane] = {e, is_forward[lane] != 0 ? root : Number{1, 0} - root, distance};
+            const ComplexNumber root{re[lane], im[lane]};
+            touch[lane] = {e, is_forward[lane] != 0 ? root : ComplexNumber{1, 0} - root, distance};
         }
     }
     /// See CurvedPoint.
@@ -190,13 +190,14 @@ private:
         for (std::size_t lane = 0; lane < lanes && on_vertices_; ++lane) {
             if (vertex[lane] == end) distance[lane] = edge.end[1].log_tangent;
         }
-        add_edge_weights(
-            edge, sums.value, X(tables_.log_diagonal) - X::load(distance), share,
-            [&](std::size_t row, const X& x, bool alone) { alone ? x.store(rows[row]) : add(x, rows[row]); });
+        add_edge_weights(edge, sums.value, X(tables_.log_diagonal) - X::load(distance), share,
+                         [&](std::size_t row, const X& weight, bool alone) {
+                             alone ? weight.store(rows[row]) : add(weight, rows[row]);
+                         });
     }
     void add_slopes(const CurvedEdge& edge, const Sums& sums, Lanes<double>* rows) const noexcept {
         add_edge_slopes(edge, sums.value, {1, 1}, 2 * tables_.points(),
-                        [&](std::size_t row, const X& x) { add(x, rows[row]); });
+                        [&](std::size_t row, const X& slope) { add(slope, rows[row]); });
     }
     static void add(const X& value, Lanes<double>& row) noexcept { (X::load(row) + value).store(row); }
 

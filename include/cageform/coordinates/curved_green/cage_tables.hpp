@@ -17,14 +17,14 @@ struct CurvedTables {
     std::vector<HandleFace<2>> faces;
     std::vector<CurvedEdge> edges;
     struct Vertex {
-        Number at;
+        ComplexNumber at;
         std::uint32_t before, after; ///< the edges that end and begin there
         std::uint32_t handle;
     };
     std::vector<Vertex> vertices;
     Vec<double, 2> middle{};
     double scale = 1, tolerance = 0, diagonal = 1, log_diagonal = 0;
-    Number disk_centre{0, 0};
+    ComplexNumber disk_centre{0, 0};
     double disk_radius = 0; ///< 0: the plane
 
     CurvedTables() = default;

@@ -16,23 +16,23 @@ struct CurvedEdge {
     /// One end, seen from there: the coefficients of e(t) − e(0) with t = 0 at this end. Coefficients of
     /// rounding size at both ends of the list are left out.
     struct End {
-        Number at;
+        ComplexNumber at;
         Polynomial away;           ///< c_0 is 0
         std::size_t vanishing = 1; ///< r, where e(t) − e(0) ≈ q t^r
         double log_tangent = 0;    ///< ln |q|
         std::uint32_t vertex = 0;
     };
     struct Node {
-        Number at, along; ///< e and e' at a node of MomentNodes
+        ComplexNumber at, along; ///< e and e' at a node of MomentNodes
     };
 
     PlaneCurve curve;
     std::size_t posed_degree = 3; ///< m
     std::array<End, 2> end;       ///< the start, then the end
-    Number centre{0, 0};
+    ComplexNumber centre{0, 0};
     double reach = 0; ///< farther from `centre` the whole edge is far: no root lies inside the ellipse
     std::array<Node, MomentNodes::count> nodes{};
-    Number middle{0, 0}, rate{0, 0};                          ///< of a line: e(1/2) and 1/e'
+    ComplexNumber middle{0, 0}, rate{0, 0};                   ///< of a line: e(1/2) and 1/e'
     std::array<std::uint32_t, most_posed_degree + 1> point{}; ///< handles of the control points
     std::array<std::uint32_t, most_posed_degree> leg{};       ///< handles of the legs
 
@@ -76,7 +76,7 @@ private:
         constexpr std::size_t samples = 64;
         for (std::size_t n = 0; n < samples; ++n) {
             const double angle = 2 * std::numbers::pi * double(n) / double(samples);
-            const Number s{0.5 + 5.0 / 6 * std::cos(angle), 2.0 / 3 * std::sin(angle)};
+            const ComplexNumber s{0.5 + 5.0 / 6 * std::cos(angle), 2.0 / 3 * std::sin(angle)};
             reach = (std::max)(reach, size(end[0].at - centre + end[0].away.at(s)));
         }
         reach *= 1.01; // the largest value lies between samples

@@ -31,7 +31,7 @@ public:
 private:
     using Four = std::array<R, 4>;
 
-    static Complex<R> spread(const Number& a) noexcept { return {R(a.re), R(a.im)}; }
+    static Complex<R> spread(const ComplexNumber& a) noexcept { return {R(a.re), R(a.im)}; }
     /// Returns four reciprocals, by one division.
     static Four reciprocals(const Four& x) noexcept {
         const R low = x[0] * x[1], high = x[2] * x[3], share = R(1.0) / (low * high);

@@ -19,9 +19,9 @@ struct CurveRoot {
 };
 
 /// Returns I = ∫ dt/(t − s) = ln((s − 1)/s), the principal branch: the quotient is negative on [0, 1] only.
-inline Number integral_of(const CurveRoot<double>& root) noexcept {
+inline ComplexNumber integral_of(const CurveRoot<double>& root) noexcept {
     const auto& [s, beyond] = root;
-    const Number turned = beyond * conjugate(s);
+    const ComplexNumber turned = beyond * conjugate(s);
     return {0.5 * std::log(norm(beyond) / norm(s)), std::atan2(turned.im, turned.re)};
 }
 
@@ -40,12 +40,12 @@ void raise_moments(const CurveRoot<R>& root, const Complex<R>& integral, std::si
 }
 
 /// Computes the moments and their derivatives by s.
-inline void raise_moments(const CurveRoot<double>& root, const Number& integral, std::size_t degree,
+inline void raise_moments(const CurveRoot<double>& root, const ComplexNumber& integral, std::size_t degree,
                           EdgeMoments<double>& j, EdgeMoments<double>& slope) noexcept {
     j[0] = integral;
     slope[0] = inverse(root.s * root.beyond);
     for (std::size_t d = 1; d <= degree; ++d) {
-        const Number share{1 / double(d), 0};
+        const ComplexNumber share{1 / double(d), 0};
         slope[d] = root.s * slope[d - 1] + j[d - 1];
         j[d] = root.s * j[d - 1] + share;
         for (std::size_t k = d - 1; k > 0; --k) {
@@ -119,10 +119,10 @@ inline bool is_far(const CurveRoot<double>& root) noexcept {
 /// Computes the moments of a root and, if `slope` is given, their derivatives.
 ///
 ///   branch  added to the integral of degree 0: 2πi continues the moments across [0, 1] from its left
-inline void moments_of(const CurveRoot<double>& root, const Number& branch, std::size_t degree,
+inline void moments_of(const CurveRoot<double>& root, const ComplexNumber& branch, std::size_t degree,
                        EdgeMoments<double>& j, EdgeMoments<double>* slope = nullptr) noexcept {
     if (!is_far(root)) {
-        const Number integral = integral_of(root) + branch;
+        const ComplexNumber integral = integral_of(root) + branch;
         if (slope != nullptr) return raise_moments(root, integral, degree, j, *slope);
         return raise_moments(root, integral, degree, j);
     }
@@ -132,7 +132,7 @@ inline void moments_of(const CurveRoot<double>& root, const Number& branch, std:
         if (slope != nullptr) (*slope)[k] = {0, 0};
     }
     for (std::size_t g = 0; g < MomentNodes::count; ++g) {
-        const Number share = inverse(Number{nodes.place[g], 0} - root.s);
+        const ComplexNumber share = inverse(ComplexNumber{nodes.place[g], 0} - root.s);
         for (std::size_t k = 0; k <= degree; ++k) {
             j[k] += nodes.value[g][k] * share;
             if (slope != nullptr) (*slope)[k] += nodes.value[g][k] * (share * share);

@@ -10,7 +10,7 @@ namespace cageform::inline CAGEFORM_ABI::detail {
 /// The place of an edge that a point lies on.
 struct EdgeTouch {
     std::size_t edge = 0;
-    Number s{0, 0}; ///< the root next to the place, in the direction of the edge
+    ComplexNumber s{0, 0}; ///< the root next to the place, in the direction of the edge
     double distance = (std::numeric_limits<double>::max)();
 };
 
@@ -19,7 +19,7 @@ class NearSums {
 public:
     /// `at_end` says which ends the point lies on: it then counts as being there, and the sums leave out the
     /// logarithm of the distance.
-    NearSums(const CurvedEdge& edge, const Number& z, const std::array<bool, 2>& at_end) noexcept
+    NearSums(const CurvedEdge& edge, const ComplexNumber& z, const std::array<bool, 2>& at_end) noexcept
         : edge_(edge)
         , reversed_(at_end[0] || at_end[1] ? !at_end[0] : norm(edge.end[1].at - z) < norm(edge.end[0].at - z))
         , seen_(edge.end[reversed_ ? 1 : 0].away) {
@@ -60,7 +60,7 @@ public:
     EdgeSums<double> sums() const noexcept {
         EdgeSums<double> all{};
         const std::size_t m = edge_.posed_degree;
-        const auto add = [&](std::size_t k, const Number& x) {
+        const auto add = [&](std::size_t k, const ComplexNumber& x) {
             all.turning += reversed_ ? -x.im : x.im;
             all.value[reversed_ ? m - k : k] += reversed_ ? -x : x;
         };
@@ -105,10 +105,10 @@ public:
             if (norm(a->s - root_[lone].s) < norm(b->s - root_[lone].s)) std::swap(a, b);
             difference = divided_difference(*a, *b, degree);
             const auto other = divided_difference(*b, root_[lone], degree);
-            const Number share = inverse(a->s - root_[lone].s);
+            const ComplexNumber share = inverse(a->s - root_[lone].s);
             for (std::size_t k = 0; k <= degree; ++k) difference[k] = share * (difference[k] - other[k]);
         }
-        const Number share = inverse(leading_);
+        const ComplexNumber share = inverse(leading_);
         for (std::size_t k = 0; k <= degree; ++k)
             all.value[reversed_ ? degree - k : k] = share * difference[k];
         return all;
@@ -117,26 +117,26 @@ public:
 private:
     /// Returns a root with s − 1. Next to 1 that comes from the other end of the edge.
     CurveRoot<double> separated(const PolynomialRoots& found, std::size_t k) const noexcept {
-        const Number s = found.s[k];
-        Number from_end = Number{1, 0} - s;
+        const ComplexNumber s = found.s[k];
+        ComplexNumber from_end = ComplexNumber{1, 0} - s;
         const double off = norm(from_end);
         if (!(off < 1.0 / 16) || ends_[1] > 0) return {s, -from_end};
         for (std::size_t l = 0; l < found.count; ++l) {
             if (l != k && norm(found.s[l] - s) < 16 * off) return {s, -from_end};
         }
         for (int step = 0; step < 2; ++step) {
-            const Number slope = beyond_.slope(from_end);
+            const ComplexNumber slope = beyond_.slope(from_end);
             if (norm(slope) > 0) from_end = from_end - beyond_.at(from_end) / slope;
         }
-        return {Number{1, 0} - from_end, -from_end};
+        return {ComplexNumber{1, 0} - from_end, -from_end};
     }
-    static double distance_from_unit(const Number& s) noexcept {
-        return size(s - Number{std::fmin(std::fmax(s.re, 0.0), 1.0), 0});
+    static double distance_from_unit(const ComplexNumber& s) noexcept {
+        return size(s - ComplexNumber{std::fmin(std::fmax(s.re, 0.0), 1.0), 0});
     }
     static EdgeMoments<double> divided_difference(const CurveRoot<double>& a, const CurveRoot<double>& b,
                                                   std::size_t degree) noexcept {
         EdgeMoments<double> difference{}, j;
-        const Number apart = b.s - a.s;
+        const ComplexNumber apart = b.s - a.s;
         if (size(apart) < 0.05 * (std::min)(distance_from_unit(a.s), distance_from_unit(b.s))) {
             const auto& rule = Gauss<5>::rule(); // of the slope between them
             for (std::size_t g = 0; g < 5; ++g) {
@@ -148,7 +148,7 @@ private:
             }
             return difference;
         }
-        const Number share = inverse(apart);
+        const ComplexNumber share = inverse(apart);
         moments_of(b, {0, 0}, degree, difference);
         moments_of(a, {0, 0}, degree, j);
         for (std::size_t k = 0; k <= degree; ++k) difference[k] = share * (difference[k] - j[k]);
@@ -158,7 +158,7 @@ private:
     const CurvedEdge& edge_;
     bool reversed_;
     Polynomial seen_, beyond_; ///< e(t) − z from the nearer end, and from the other one
-    Number leading_{0, 0};
+    ComplexNumber leading_{0, 0};
     std::array<std::size_t, 2> ends_{}; ///< roots at the nearer end and at the other one
     std::size_t count_ = 0;
     std::array<CurveRoot<double>, 3> root_{};

@@ -115,7 +115,7 @@ struct CurveContinuation {
     EdgeMoments<double> along_x{}; ///< ∂c_k/∂x
     EdgeMoments<double> along_y{}; ///< ∂c_k/∂y
 
-    CurveContinuation(const CurvedEdge& edge, double t, const Number& z) noexcept {
+    CurveContinuation(const CurvedEdge& edge, double t, const ComplexNumber& z) noexcept {
         const std::size_t m = edge.posed_degree, n = edge.curve.degree;
         const bool at_end = t == 0 || t == 1;
         const auto& end = edge.end[t == 1 ? 1 : 0];
@@ -137,20 +137,20 @@ struct CurveContinuation {
         }
         if (m >= 2) differentiate(Values(second), m - 1, 1, second);
         const PlaneCurve slope_curve = edge.curve.slope();
-        const Number slope = to_number(slope_curve.at(t));
-        const Number bend = n > 1 ? to_number(slope_curve.slope().at(t)) : Number{0, 0};
-        const Number off =
+        const ComplexNumber slope = to_number(slope_curve.at(t));
+        const ComplexNumber bend = n > 1 ? to_number(slope_curve.slope().at(t)) : ComplexNumber{0, 0};
+        const ComplexNumber off =
             z - (t <= 0.5 ? to_number(edge.curve.at(t)) : to_number(edge.curve.reversed().at(1 - t)));
-        const Number w = off / slope;
+        const ComplexNumber w = off / slope;
         // dt = Re(dz conj e')/(|e'|² − Re((z − e) conj e'')); ends stay.
         const double fall = norm(slope) - (off * conjugate(bend)).re;
         const double rate = at_end || !(fall > 0) ? 0 : 1 / fall;
         for (std::size_t k = 0; k <= m; ++k) {
-            value[k] = Number{b[k], 0} + first[k] * w;
-            const Number through = w * (Number{second[k], 0} - first[k] * (bend / slope));
-            const Number direct = first[k] * inverse(slope);
+            value[k] = ComplexNumber{b[k], 0} + first[k] * w;
+            const ComplexNumber through = w * (ComplexNumber{second[k], 0} - first[k] * (bend / slope));
+            const ComplexNumber direct = first[k] * inverse(slope);
             along_x[k] = direct + (rate * slope.re) * through;
-            along_y[k] = Number{0, 1} * direct + (rate * slope.im) * through;
+            along_y[k] = ComplexNumber{0, 1} * direct + (rate * slope.im) * through;
         }
     }
 
@@ -162,21 +162,21 @@ private:
         for (std::size_t k = 0; k <= d + 1; ++k)
             slope[k] = size * ((k > 0 ? f[k - 1] : 0) - (k <= d ? f[k] : 0));
     }
-    void continue_from_end(const CurvedEdge& edge, bool is_last, const Number& z) noexcept {
+    void continue_from_end(const CurvedEdge& edge, bool is_last, const ComplexNumber& z) noexcept {
         const std::size_t m = edge.posed_degree, end = is_last ? m : 0;
         const auto from = is_last ? edge.curve.reversed() : edge.curve;
         // The control points of the posed degree: the first r − 1 after the end lie there too.
         const std::size_t r = edge.end[is_last ? 1 : 0].vanishing, other = is_last ? m - r : r;
         double rise = 1; // from powers to control points: 1/(m over r)
         for (std::size_t k = 0; k < r; ++k) rise *= double(k + 1) / double(m - k);
-        const Number leg = rise * edge.end[is_last ? 1 : 0].away.c[r];
-        const Number w = (z - to_number(from.begin())) / leg, rate = inverse(leg);
-        value[end] = Number{1, 0} - w;
+        const ComplexNumber leg = rise * edge.end[is_last ? 1 : 0].away.c[r];
+        const ComplexNumber w = (z - to_number(from.begin())) / leg, rate = inverse(leg);
+        value[end] = ComplexNumber{1, 0} - w;
         value[other] = w;
         along_x[end] = -rate;
         along_x[other] = rate;
-        along_y[end] = Number{0, -1} * rate;
-        along_y[other] = Number{0, 1} * rate;
+        along_y[end] = ComplexNumber{0, -1} * rate;
+        along_y[other] = ComplexNumber{0, 1} * rate;
     }
 };
 

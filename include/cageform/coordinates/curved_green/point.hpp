@@ -28,13 +28,13 @@ public:
     /// Subtracts the integrals at the mirror image z* = c₀ + R²/conj(z − c₀) of a point in the disk, with the
     /// logarithms of Green's function of the disk, ln(|V − z*| |z − c₀|/R). z* lies outside the cage.
     template <bool gradients>
-    void subtract_mirrored(const Number& z, const CurvedRow& to) const noexcept {
+    void subtract_mirrored(const ComplexNumber& z, const CurvedRow& to) const noexcept {
         const double square = tables_.disk_radius * tables_.disk_radius;
-        const Number u = (1 / square) * conjugate(z - tables_.disk_centre); // 1/(z* − c₀)
+        const ComplexNumber u = (1 / square) * conjugate(z - tables_.disk_centre); // 1/(z* − c₀)
         if (16 * size(u) * tables_.disk_radius < 1) return subtract_far_mirrored<gradients>(u, to);
-        const Number away = inverse(u), image = tables_.disk_centre + away;
+        const ComplexNumber away = inverse(u), image = tables_.disk_centre + away;
         // dz*/d conj(z) times what the logarithm of |z − c₀| adds to 1/(e − z).
-        const Number rate = (-1 / square) * (away * away);
+        const ComplexNumber rate = (-1 / square) * (away * away);
         EdgeTouch touch;
         double winding = 0;
         const std::size_t vertex = gradients ? tables_.vertices.size() : vertex_at(image);
@@ -62,7 +62,7 @@ public:
             add_jump<false>(tables_.edges[touch.edge], touch.s, to);
         }
     }
-    std::size_t vertex_at(const Number& z) const noexcept {
+    std::size_t vertex_at(const ComplexNumber& z) const noexcept {
         std::size_t v = 0;
         const double reach = tables_.tolerance * tables_.tolerance;
         while (v < tables_.vertices.size() && !(norm(tables_.vertices[v].at - z) <= reach)) ++v;
@@ -81,17 +81,17 @@ public:
     }
     /// Adds the jump of the integrals at a place of an edge: the values b_k(s), or their derivatives by z.
     template <bool gradients>
-    void add_jump(const CurvedEdge& edge, const Number& s, const CurvedRow& to) const noexcept {
+    void add_jump(const CurvedEdge& edge, const ComplexNumber& s, const CurvedRow& to) const noexcept {
         const std::size_t m = edge.posed_degree, degree = gradients ? m - 1 : m;
         EdgeMoments<double> b{};
         b[0] = {1, 0};
         for (std::size_t d = 1; d <= degree; ++d) {
             b[d] = s * b[d - 1];
-            for (std::size_t k = d - 1; k > 0; --k) b[k] = s * b[k - 1] + (Number{1, 0} - s) * b[k];
-            b[0] = (Number{1, 0} - s) * b[0];
+            for (std::size_t k = d - 1; k > 0; --k) b[k] = s * b[k - 1] + (ComplexNumber{1, 0} - s) * b[k];
+            b[0] = (ComplexNumber{1, 0} - s) * b[0];
         }
         if constexpr (gradients) {
-            const Number share = Number{0, 2 * std::numbers::pi} / edge.end[0].away.slope(s);
+            const ComplexNumber share = ComplexNumber{0, 2 * std::numbers::pi} / edge.end[0].away.slope(s);
             for (auto& x : b) x = share * x;
             add_slopes(edge, b, {1, 1}, to);
         } else {
@@ -101,7 +101,7 @@ public:
 
     /// Sets the integrals by the roots of e(s) = z, where one of them is near. Else it returns false.
     template <bool gradients>
-    bool set_near_sums(std::size_t e, const Number& z, std::size_t vertex, EdgeTouch& touch,
+    bool set_near_sums(std::size_t e, const ComplexNumber& z, std::size_t vertex, EdgeTouch& touch,
                        EdgeSums<double>& sums) const noexcept {
         const CurvedEdge& edge = tables_.edges[e];
         const NearSums near_edge(edge, z, {edge.end[0].vertex == vertex, edge.end[1].vertex == vertex});
@@ -123,7 +123,7 @@ private:
         }
     }
     /// Returns ln |V_end − z|, on the vertex that of the tangent.
-    static double log_distance(const CurvedEdge& edge, const Number& z, std::size_t vertex) noexcept {
+    static double log_distance(const CurvedEdge& edge, const ComplexNumber& z, std::size_t vertex) noexcept {
         const auto& end = edge.end[1];
         return end.vertex == vertex ? end.log_tangent : 0.5 * std::log(norm(end.at - z));
     }
@@ -142,23 +142,24 @@ private:
     /// Subtracts the integrals at c₀ + 1/u, where all edges are far, also for u = 0. Factors 1/u are
     /// cancelled: 1/(e − z*) = u/((e − c₀) u − 1).
     template <bool gradients>
-    void subtract_far_mirrored(const Number& u, const CurvedRow& to) const noexcept {
+    void subtract_far_mirrored(const ComplexNumber& u, const CurvedRow& to) const noexcept {
         const double square = tables_.disk_radius * tables_.disk_radius;
-        const Number one{1, 0};
+        const ComplexNumber one{1, 0};
         for (const CurvedEdge& edge : tables_.edges) {
             EdgeMoments<double> value{};
             const std::size_t degree = edge.posed_degree - (gradients ? 1 : 0);
             const MomentNodes& table = MomentNodes::of(degree);
             for (std::size_t g = 0; g < MomentNodes::count; ++g) {
-                const Number place = edge.nodes[g].at - tables_.disk_centre, share = inverse(place * u - one);
-                const Number term =
+                const ComplexNumber place = edge.nodes[g].at - tables_.disk_centre,
+                                    share = inverse(place * u - one);
+                const ComplexNumber term =
                     gradients ? (-1 / square) * (share * place) : share * (u * edge.nodes[g].along);
                 for (std::size_t k = 0; k <= degree; ++k) value[k] += table.value[g][k] * term;
             }
             if constexpr (gradients) {
                 add_slopes(edge, value, {-1, 1}, to);
             } else {
-                const Number end = (edge.end[1].at - tables_.disk_centre) * u - one;
+                const ComplexNumber end = (edge.end[1].at - tables_.disk_centre) * u - one;
                 add_weights(edge, value, 0.5 * std::log(norm(end)) + std::log(tables_.disk_radius), -1, to);
             }
         }

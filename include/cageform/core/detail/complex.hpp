@@ -33,27 +33,28 @@ struct Complex {
     }
 };
 
-using Number = Complex<double>;
+using ComplexNumber = Complex<double>;
 
-inline Number to_number(const Vec<double, 2>& v) noexcept {
+inline ComplexNumber to_number(const Vec<double, 2>& v) noexcept {
     return {v[0], v[1]};
 }
-inline double size(const Number& a) noexcept {
+inline double size(const ComplexNumber& a) noexcept {
     return std::sqrt(norm(a));
 }
-inline Number conjugate(const Number& a) noexcept {
+inline ComplexNumber conjugate(const ComplexNumber& a) noexcept {
     return {a.re, -a.im};
 }
 /// Returns the root with a real part of at least 0.
-inline Number root(const Number& a) noexcept {
+inline ComplexNumber root(const ComplexNumber& a) noexcept {
     const double length = size(a);
     if (!(length > 0)) return {0, 0};
     // The larger part first: the other one is a quotient.
     const double larger = std::sqrt((length + std::fabs(a.re)) / 2), smaller = a.im / (2 * larger);
-    return a.re >= 0 ? Number{larger, smaller} : Number{std::fabs(smaller), std::copysign(larger, a.im)};
+    return a.re >= 0 ? ComplexNumber{larger, smaller}
+                     : ComplexNumber{std::fabs(smaller), std::copysign(larger, a.im)};
 }
 /// Returns a cube root, of any of the three branches.
-inline Number cube_root(const Number& a) noexcept {
+inline ComplexNumber cube_root(const ComplexNumber& a) noexcept {
     const double length = std::cbrt(size(a)), angle = std::atan2(a.im, a.re) / 3;
     return {length * std::cos(angle), length * std::sin(angle)};
 }

@@ -10,17 +10,17 @@ namespace cageform::inline CAGEFORM_ABI::detail {
 /// A polynomial c_0 + c_1 s + …
 struct Polynomial {
     std::size_t degree = 0;
-    std::array<Number, 4> c{};
+    std::array<ComplexNumber, 4> c{};
 
-    Number at(const Number& s) const noexcept {
-        Number sum = c[degree];
+    ComplexNumber at(const ComplexNumber& s) const noexcept {
+        ComplexNumber sum = c[degree];
         for (std::size_t k = degree; k-- > 0;) sum = s * sum + c[k];
         return sum;
     }
-    Number slope(const Number& s) const noexcept {
-        Number sum = double(degree) * c[degree];
+    ComplexNumber slope(const ComplexNumber& s) const noexcept {
+        ComplexNumber sum = double(degree) * c[degree];
         for (std::size_t k = degree; k-- > 1;) sum = s * sum + double(k) * c[k];
-        return degree == 0 ? Number{0, 0} : sum;
+        return degree == 0 ? ComplexNumber{0, 0} : sum;
     }
     /// Returns the polynomial whose roots are 1/s.
     Polynomial reversed() const noexcept {
@@ -37,7 +37,7 @@ struct Polynomial {
     /// Returns the polynomial without a root at 1.
     Polynomial divided_by_s_minus_one() const noexcept {
         Polynomial q{degree - 1, {}};
-        Number sum{0, 0};
+        ComplexNumber sum{0, 0};
         for (std::size_t k = degree; k-- > 0;) q.c[k] = sum = sum + c[k + 1];
         return q;
     }
@@ -45,17 +45,17 @@ struct Polynomial {
 
 struct PolynomialRoots {
     std::size_t count = 0;
-    std::array<Number, 3> s{};
+    std::array<ComplexNumber, 3> s{};
 
-    void add(const Number& root) noexcept { s[count++] = root; }
+    void add(const ComplexNumber& root) noexcept { s[count++] = root; }
 };
 
 /// Adds the two roots of a s² + b s + c, without cancellation.
-inline void add_quadratic_roots(const Number& a, const Number& b, const Number& c,
+inline void add_quadratic_roots(const ComplexNumber& a, const ComplexNumber& b, const ComplexNumber& c,
                                 PolynomialRoots& roots) noexcept {
-    Number w = root(b * b - 4.0 * (a * c));
+    ComplexNumber w = root(b * b - 4.0 * (a * c));
     if (w.re * b.re + w.im * b.im < 0) w = -w;
-    const Number h = -0.5 * (b + w);
+    const ComplexNumber h = -0.5 * (b + w);
     if (!(norm(h) > 0)) { // a double root at 0
         roots.add({0, 0});
         roots.add({0, 0});
@@ -66,15 +66,17 @@ inline void add_quadratic_roots(const Number& a, const Number& b, const Number& 
 }
 
 /// Returns the root of x³ + a x² + b x + c that is farthest from the other two, by Cardano's formula.
-inline Number loneliest_root(const Number& a, const Number& b, const Number& c) noexcept {
-    const Number third = (1 / 3.0) * a, p = b - a * third, q = third * (2.0 * (third * third) - b) + c;
-    const Number half = 0.5 * q, cube = (1 / 3.0) * p;
-    Number w = root(half * half + cube * cube * cube);
+inline ComplexNumber loneliest_root(const ComplexNumber& a, const ComplexNumber& b,
+                                    const ComplexNumber& c) noexcept {
+    const ComplexNumber third = (1 / 3.0) * a, p = b - a * third, q = third * (2.0 * (third * third) - b) + c;
+    const ComplexNumber half = 0.5 * q, cube = (1 / 3.0) * p;
+    ComplexNumber w = root(half * half + cube * cube * cube);
     if (w.re * half.re + w.im * half.im < 0) w = -w;
-    const Number u = cube_root(-(half + w)); // of the larger one
-    const Number v = norm(u) > 0 ? -(cube / u) : Number{0, 0};
-    constexpr Number turn{-0.5, 0.86602540378443865};
-    const std::array<Number, 3> x{u + v, u * turn + v * conjugate(turn), u * conjugate(turn) + v * turn};
+    const ComplexNumber u = cube_root(-(half + w)); // of the larger one
+    const ComplexNumber v = norm(u) > 0 ? -(cube / u) : ComplexNumber{0, 0};
+    constexpr ComplexNumber turn{-0.5, 0.86602540378443865};
+    const std::array<ComplexNumber, 3> x{u + v, u * turn + v * conjugate(turn),
+                                         u * conjugate(turn) + v * turn};
     std::size_t loneliest = 0;
     double most = -1;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -98,18 +100,18 @@ inline PolynomialRoots roots_of(const Polynomial& of) noexcept {
     // Looks for s, or for 1/s, so that the first coefficient is not the smaller end.
     const bool inverted = norm(c[0]) > norm(c[3]);
     const Polynomial p = inverted ? of.reversed() : of;
-    const Number share = inverse(p.c[3]);
-    Number x = loneliest_root(share * p.c[2], share * p.c[1], share * p.c[0]);
+    const ComplexNumber share = inverse(p.c[3]);
+    ComplexNumber x = loneliest_root(share * p.c[2], share * p.c[1], share * p.c[0]);
     for (int step = 0; step < 2; ++step) {
-        const Number slope = p.slope(x);
+        const ComplexNumber slope = p.slope(x);
         if (norm(slope) > 0) x = x - p.at(x) / slope;
     }
-    const Number s = inverted ? inverse(x) : x;
+    const ComplexNumber s = inverted ? inverse(x) : x;
     roots.add(s);
-    const Number last = -(c[0] / s);
+    const ComplexNumber last = -(c[0] / s);
     const double r = size(s);
     const bool from_above = (size(c[2]) + size(c[3]) * r) * r <= size(last) + size(c[1]);
-    const Number middle = from_above ? c[2] + c[3] * s : (last - c[1]) / s;
+    const ComplexNumber middle = from_above ? c[2] + c[3] * s : (last - c[1]) / s;
     add_quadratic_roots(c[3], middle, last, roots);
     return roots;
 }
