@@ -47,6 +47,8 @@ public:
         }
         return rows;
     }
+    /// Returns an axis of a block's moved vectors, to be written over.
+    Lanes<T>& moved(std::size_t b, std::size_t axis) noexcept { return moved_[axis][b - first_]; }
 
 private:
     const Lanes<T>* rest_ = nullptr;
