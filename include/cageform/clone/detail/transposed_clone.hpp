@@ -171,6 +171,26 @@ private:
     Vec<double, D> affine_[N][D + 1]{}; ///< a'
 };
 
+/// The transposed clone of gradients and handles whose numbers lie at regular distances.
+template <class View>
+using StridedTransposed =
+    TransposedClone<View, 1,
+                    GivenGradients<typename View::scalar, View::dimension,
+                                   StridedPoints<const typename View::scalar, View::dimension>>>;
+
+#if defined(CAGEFORM_COMPILED) // these are in the library, optimised whatever the program is
+#define CAGEFORM_DETAIL_TRANSPOSED(T, D)                                                                     \
+    extern template void StridedTransposed<BindingView<T, D>>::run(StridedPoints<T, D>&, CloneOnto,          \
+                                                                   std::size_t, std::size_t) const noexcept; \
+    extern template void StridedTransposed<PackedBindingView<T, D>>::run(                                    \
+        StridedPoints<T, D>&, CloneOnto, std::size_t, std::size_t) const noexcept;
+CAGEFORM_DETAIL_TRANSPOSED(float, 2)
+CAGEFORM_DETAIL_TRANSPOSED(float, 3)
+CAGEFORM_DETAIL_TRANSPOSED(double, 2)
+CAGEFORM_DETAIL_TRANSPOSED(double, 3)
+#undef CAGEFORM_DETAIL_TRANSPOSED
+#endif
+
 /// Runs a transposed clone on the threads of the caller.
 template <class View, std::size_t N, class Gradients, class Out, class Parallel>
 void transpose(const std::array<View, N>& bindings, const Gradients& gradients, Out& handle_gradients,
