@@ -129,6 +129,7 @@ namespace cageform::inline CAGEFORM_ABI {
     X(weights_too_far_apart, "one weight of a handle is too many times another")                  \
     X(binding_weights_negative, "the binding has negative weights, and a rational clone none")    \
     X(handles_not_faces, "some vectors among the handles belong to no face")                      \
+    X(threshold_not_supported, "the threshold of folds is not a finite number below 1")           \
     X(handles_not_bones, "the handles are not the origins and axes of bones")
 // clang-format on
 

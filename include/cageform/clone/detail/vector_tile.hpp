@@ -22,10 +22,10 @@ struct VectorBlock {
 };
 
 /// Clones the vectors of a few blocks into its own memory, in the order of the binding.
-template <Scalar T, std::size_t D>
+template <Scalar T, std::size_t D, std::size_t Blocks = 32>
 class VectorTile {
 public:
-    static constexpr std::size_t blocks = 32;
+    static constexpr std::size_t blocks = Blocks;
 
     template <class View, class Pose>
     void load(View view, const Pose& pose, std::size_t begin, std::size_t end) noexcept {
