@@ -11,6 +11,7 @@
 #include <cageform/clone/clone.hpp>
 #include <cageform/clone/clone_rational.hpp>
 #include <cageform/clone/clone_transposed.hpp>
+#include <cageform/clone/folds.hpp>
 #include <cageform/clone/jacobians.hpp>
 #include <cageform/clone/normals.hpp>
 #include <cageform/clone/pose_handles.hpp>

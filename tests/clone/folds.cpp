@@ -156,7 +156,7 @@ TEMPLATE_TEST_CASE_SIG("singular values are those of Eigen, near singular matric
         const auto expected = eigen<D>(m).jacobiSvd().singularValues();
         CAPTURE(n, flat, scale);
         CHECK(std::fabs(values.largest - expected(0)) <= 1e-14 * expected(0));
-        // What the matrix's rounding takes of it: 1e-16 of the largest.
+        // The matrix's rounding takes 1e-16 of the largest.
         CHECK(std::fabs(values.least - expected(D - 1)) <= 1e-14 * expected(0));
     }
     CHECK(cageform::detail::singular_values(Columns<D>{}).largest == 0);
@@ -196,7 +196,7 @@ TEMPLATE_TEST_CASE_SIG("the first fold along a line is the first root, known fro
         }
     }
     CHECK(found > effort(3000, 300));
-    // Of lower degree: no change, and one axis alone.
+    // Lower degrees: no change, and one axis alone.
     Columns<D> one{}, change{};
     for (std::size_t k = 0; k < D; ++k) one[k][k] = 1;
     CHECK(cageform::detail::DeterminantAlong<D>(one, change, 1, 0).first_fold() == 2);

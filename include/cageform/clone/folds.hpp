@@ -37,8 +37,8 @@ noexcept {
 ///   rest, posed  as many points each, in two or three dimensions
 ///   cells        a range of D + 1 indices each: triangles in the plane, tetrahedra in space. A triangle in
 ///                space has no volume, and does not compile
-///   fails        threshold_not_supported; pose_size_differs; index_out_of_range and degenerate_simplex (flat at
-///                rest), with the cell. Cells with a corner that is not finite are skipped
+///   fails        threshold_not_supported; pose_size_differs; index_out_of_range and degenerate_simplex
+///                (flat at rest), with the cell. Cells with a corner that is not finite are skipped
 ///   cost         proportional to the number of cells; no allocation
 template <PointRange Rest, PointRangeIn<range_dimension<Rest>> Posed,
           detail::SimplexRange<range_dimension<Rest>> Cells>
@@ -58,8 +58,8 @@ noexcept {
     return report;
 }
 
-/// Finds the largest step from one pose towards another in which no bound point folds. Jacobians are linear in
-/// the step, so the first root of a determinant is computed, not searched for.
+/// Finds the largest step from one pose towards another in which no bound point folds. Jacobians are linear
+/// in the step, so the first root of a determinant is computed, not searched for.
 ///
 ///   columns, from, to  as for `report_folds`
 ///   returns            step 1 and nowhere, if nothing folds on the way; 0 and a point, if one is folded at

@@ -206,7 +206,7 @@ Status check_cells(const Places& places, const FoldOptions& options, std::size_t
     return places.check(culprit);
 }
 
-/// Returns the step that no place forbids, a little shorter than the first fold: by so much that none is left.
+/// Returns the step that no place forbids: a little shorter than the first fold, so that none is left.
 template <class Places, class From, class To>
 StepReport step_over(const Places& places, const FoldOptions& options, const From& from,
                      const To& to) noexcept {

@@ -7,8 +7,8 @@
 namespace cageform::inline CAGEFORM_ABI::detail {
 
 /// Adds w g of some rows of adjacent blocks, `stride` bytes apart, to the sums of their handles, lane by
-/// lane. `sums_of(row)` returns D rows of sums. Of the last block only lanes with points are read: the
-/// others may hold anything.
+/// lane. `sums_of(row)` returns D rows of sums. If this is the last block, lanes without a point are not
+/// read: they may hold anything.
 template <std::size_t Blocks, bool Last, WeightFormat Format, Scalar T, std::size_t D, class SumsOf>
 void add_transposed(const std::byte* weights, std::size_t stride, std::size_t rows,
                     const Lanes<T> (*gradients)[D], const Lanes<T>& has_point,

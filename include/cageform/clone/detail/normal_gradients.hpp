@@ -31,7 +31,7 @@ TangentGradients<T, 3> tangent_gradients(const Vec<T, 3>& g, const Direction<T, 
     return {(1 / t.size) * cross(b.along, across), (1 / b.size) * cross(across, t.along)};
 }
 
-/// What a transposed clone of normals reads: the tangents' gradients, computed a few blocks at a time from
+/// The input of a transposed clone of normals: the tangents' gradients, computed a few blocks at a time from
 /// the tangents as the pose moves them. `Rows` reads the normals' gradients.
 template <class View, class Pose, class Rows>
 struct NormalGradients {

@@ -1,4 +1,4 @@
-// What is reported about folds: where a deformation turns space inside out.
+// Reports of folds: where a deformation turns space inside out.
 #pragma once
 
 #include <cageform/core/status.hpp>
