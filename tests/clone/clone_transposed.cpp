@@ -116,8 +116,8 @@ void check_adjoint(const PackedBindingView<T, D>& view, bool masked, std::uint64
 TEMPLATE_TEST_CASE("a transposed clone is the adjoint of the clone, whatever format, order and mask",
                    "[clone][transposed]", CAGEFORM_SCALARS) {
     using T = TestType;
-    // 16 kB hold the sums of 85 handles in space, 128 in the plane; blocks are read by threes, fours and sixes.
-    const std::size_t handles = GENERATE(4u, 12u, 86u, 260u);
+    // 32 kB hold the sums of 170 handles in space, 256 in the plane; blocks are read by threes, fours and sixes.
+    const std::size_t handles = GENERATE(4u, 12u, 171u, 260u);
     const std::size_t points = GENERATE(1u, 15u, 16u, 100u, 333u);
     const auto check = [&]<std::size_t D>(std::integral_constant<std::size_t, D>) {
         const std::uint64_t seed = 1000 * handles + 10 * points + D;

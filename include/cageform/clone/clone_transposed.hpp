@@ -24,10 +24,10 @@ namespace cageform::inline CAGEFORM_ABI {
 ///                     on it
 ///   returns           output_too_small, too_few_gradients, mask_too_small (`handle_gradients` is then
 ///                     untouched), or ok
-///   cost              reads every stored weight once, and the gradients of points once for every 16 kB of
-///                     sums (85 handles in space, 128 in the plane) and thread; no allocation
+///   cost              reads every stored weight once, and the gradients of points once for every 32 kB of
+///                     sums (170 handles in space, 256 in the plane) and thread; no allocation
 ///
-/// Sums of floats are put into double every 192 blocks.
+/// Sums of floats are put into double after some 200 additions.
 template <AnyBinding B, PointRangeIn<B::dimension> Gradients, MutablePointRangeIn<B::dimension> Out,
           class Parallel = SerialFor>
 Status clone_transposed(const B& binding, const Gradients& point_gradients, Out&& handle_gradients,

@@ -43,19 +43,25 @@ void add_transposed(const std::byte* weights, std::size_t stride, std::size_t ro
 /// Returns the sum of the lanes, added in pairs: the same bits whatever the registers.
 template <Scalar T>
 T sum_of_lanes(const Lanes<T>& row) noexcept {
-    T sums[lane_count<T> / 2];
-    CAGEFORM_DETAIL_UNROLL
-    for (std::size_t n = 0; n < lane_count<T> / 2; ++n) sums[n] = row[n] + row[n + lane_count<T> / 2];
-    CAGEFORM_DETAIL_UNROLL
-    for (std::size_t half = lane_count<T> / 4; half > 0; half /= 2) {
-        CAGEFORM_DETAIL_UNROLL
-        for (std::size_t n = 0; n < half; ++n) sums[n] += sums[n + half];
+    constexpr std::size_t n = 16 / sizeof(T); // a quarter of the lanes, which every register holds
+#if CAGEFORM_REGISTER_BYTES != 0
+    typedef T Quarter __attribute__((vector_size(16)));
+    const auto quarter = [&](std::size_t q) { return load_bytes<Quarter>(row.v + q * n); };
+    const Quarter sums = (quarter(0) + quarter(2)) + (quarter(1) + quarter(3));
+#else
+    T sums[n];
+    for (std::size_t lane = 0; lane < n; ++lane)
+        sums[lane] = (row[lane] + row[lane + 2 * n]) + (row[lane + n] + row[lane + 3 * n]);
+#endif
+    if constexpr (n == 2) {
+        return sums[0] + sums[1];
+    } else {
+        return (sums[0] + sums[2]) + (sums[1] + sums[3]);
     }
-    return sums[0];
 }
 
-/// After so many blocks sums are put into double. It is a multiple of `blocks_together` in the plane and in
-/// space, and of the blocks of a VectorTile.
+/// After so many blocks with a row for every handle, sums are put into double. It is a multiple of
+/// `blocks_together` in the plane and in space, and of the blocks of a VectorTile.
 inline constexpr std::size_t blocks_in_lanes = 192;
 
 /// The sums of up to `Capacity` handles, Σ_p w_hp g_p, each a vector of D numbers. A lane adds up some blocks
@@ -89,7 +95,7 @@ public:
             add_sparse<Format>(binding, begin, end, load);
         }
     }
-    /// Adds the lanes to the totals. Called every `blocks_in_lanes` blocks, because floats would lose digits.
+    /// Adds the lanes to the totals. Called now and then, because floats would lose digits.
     void add_lanes_to_totals() noexcept {
         for (std::size_t h = 0; h < count_; ++h) {
             CAGEFORM_DETAIL_UNROLL

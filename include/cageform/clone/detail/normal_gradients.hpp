@@ -38,6 +38,7 @@ struct NormalGradients {
     using T = typename View::scalar;
     static constexpr std::size_t D = View::dimension, K = D - 1;
     static constexpr std::size_t blocks_at_once = VectorTile<T, D>::blocks;
+    static constexpr std::size_t bytes_of_sums = 16384; ///< on the stack, beside the tiles
 
     const std::array<View, K>& tangents;
     const Pose& pose;

@@ -25,6 +25,7 @@ Status check_transposed(const View& binding, const Gradients& gradients, const O
 template <Scalar T, std::size_t D, class Source, std::size_t N = 1>
 struct GivenGradients {
     static constexpr std::size_t blocks_at_once = blocks_in_lanes;
+    static constexpr std::size_t bytes_of_sums = 32768; ///< on the stack
 
     std::array<PointRows<T, D, Source>, N> rows;
 
@@ -48,6 +49,9 @@ public:
         for (std::size_t n = 0; n < N; ++n) {
             bindings_[n] = bindings[n];
             exact = exact && bindings_[n].residual == nullptr;
+            const std::size_t times = blocks_with_a_row(bindings_[n]);
+            blocks_between_ = n == 0 || times * blocks_in_lanes < blocks_between_ ? times * blocks_in_lanes
+                                                                                  : blocks_between_;
         }
         if (!exact) sum_residuals();
     }
@@ -79,17 +83,23 @@ public:
     }
 
 private:
-    static constexpr std::size_t handles_at_once = 16384 / (D * sizeof(Lanes<T>)); // 16 kB of the stack
+    static constexpr std::size_t handles_at_once = Gradients::bytes_of_sums / (D * sizeof(Lanes<T>));
     using Packed = PackedBindingView<T, D>;
 
-    /// Calls body(reader, n, from, to) for all blocks and bindings; before every `blocks_in_lanes` blocks
+    /// Returns in how many blocks a handle has one row, on average, at most 8.
+    static std::size_t blocks_with_a_row(const Packed& binding) noexcept {
+        const std::size_t rows = binding.row_count(), all = binding.block_count() * binding.handles;
+        return rows == 0 || all / 8 > rows ? 8 : all / rows;
+    }
+
+    /// Calls body(reader, n, from, to) for all blocks and bindings; before every `blocks_between_` blocks
     /// clear(), after them finish().
     template <class Clear, class Body, class Finish>
     void for_blocks(const Clear& clear, const Body& body, const Finish& finish) const noexcept {
         auto&& reader = gradients_.reader();
         const std::size_t blocks = bindings_[0].block_count();
         for (std::size_t b = 0; b < blocks;) {
-            const std::size_t end = blocks - b < blocks_in_lanes ? blocks : b + blocks_in_lanes;
+            const std::size_t end = blocks - b < blocks_between_ ? blocks : b + blocks_between_;
             clear();
             for (; b < end; b += Gradients::blocks_at_once) {
                 const std::size_t to =
@@ -168,7 +178,8 @@ private:
 
     std::array<Packed, N> bindings_;
     const Gradients& gradients_;
-    Vec<double, D> affine_[N][D + 1]{}; ///< a'
+    std::size_t blocks_between_ = blocks_in_lanes; ///< until sums are put into double
+    Vec<double, D> affine_[N][D + 1]{};            ///< a'
 };
 
 /// The transposed clone of gradients and handles whose numbers lie at regular distances.
