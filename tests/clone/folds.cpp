@@ -313,7 +313,7 @@ struct Dragged {
     }
 
     double determinant(std::size_t i, const std::vector<Vec<T, 2>>& at) const {
-        return cageform::cross(by_definition(columns[0], at, i), by_definition(columns[1], at, i));
+        return double(cageform::cross(by_definition(columns[0], at, i), by_definition(columns[1], at, i)));
     }
 };
 

@@ -95,6 +95,7 @@ noexcept {
 template <AnyBinding B, std::size_t K, PointRangeIn<B::dimension> Pose, PointRangeIn<B::dimension> Gradients,
           MutablePointRangeIn<B::dimension> Out, class Parallel = SerialFor>
     requires(K + 1 == B::dimension)
+// NOLINTNEXTLINE(readability-function-size): as clone_normals, and what the gradients are added to
 Status clone_normals_transposed(const std::array<B, K>& tangents, const Pose& pose,
                                 const Gradients& normal_gradients, Out&& handle_gradients,
                                 CloneOnto onto = CloneOnto::rest, const Parallel& parallel_for = {})

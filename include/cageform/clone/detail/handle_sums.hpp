@@ -6,31 +6,36 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Adds w g of some rows of adjacent blocks, `stride` bytes apart, to the sums of their handles, lane by
-/// lane. `sums_of(row)` returns D rows of sums. If this is the last block, lanes without a point are not
-/// read: they may hold anything.
+/// Rows of adjacent blocks.
+struct BlockRows {
+    const std::byte* weights;
+    std::size_t stride; ///< bytes from a row to that of the next block
+    std::size_t count;  ///< rows of a block
+};
+
+/// Adds w g of some rows of adjacent blocks to the sums of their handles, lane by lane. `sums_of(row)` returns
+/// D rows of sums. If this is the last block, lanes without a point are not read: they may hold anything.
 template <std::size_t Blocks, bool Last, WeightFormat Format, Scalar T, std::size_t D, class SumsOf>
-void add_transposed(const std::byte* weights, std::size_t stride, std::size_t rows,
-                    const Lanes<T> (*gradients)[D], const Lanes<T>& has_point,
+void add_transposed(const BlockRows& rows, const Lanes<T> (*gradients)[D], const Lanes<T>& has_point,
                     const SumsOf& sums_of) noexcept {
     using Register = typename Simd<T>::Register;
     constexpr std::size_t row_bytes = lane_count<T> * weight_bytes<T>(Format);
     constexpr std::size_t lanes = lane_count<T> / Simd<T>::count; // of a register
     for (std::size_t group = 0; group < Simd<T>::count; ++group) {
-        const std::byte* const begin = weights + group * (row_bytes / Simd<T>::count);
+        const std::byte* const begin = rows.weights + group * (row_bytes / Simd<T>::count);
         const auto used = Register{} < load_bytes<Register>(has_point.v + group * lanes);
         Register g[Blocks][D];
         unroll<Blocks * D>([&](auto n) CAGEFORM_DETAIL_INLINE {
             g[n / D][n % D] = load_bytes<Register>(gradients[n / D][n % D].v + group * lanes);
         });
-        for (std::size_t row = 0; row < rows; ++row) {
+        for (std::size_t row = 0; row < rows.count; ++row) {
             Lanes<T>* const sums = sums_of(row);
             Register sum[D];
             unroll<D>([&](auto k) CAGEFORM_DETAIL_INLINE {
                 sum[k] = load_bytes<Register>(sums[k].v + group * lanes);
             });
             unroll<Blocks>([&](auto b) CAGEFORM_DETAIL_INLINE {
-                Register w = load_weights<Format, T>(begin + row * row_bytes + b * stride);
+                Register w = load_weights<Format, T>(begin + row * row_bytes + b * rows.stride);
                 if constexpr (Last) w = used ? w : Register{};
                 conceal(w); // otherwise GNU would load it again for every product
                 unroll<D>([&](auto k) CAGEFORM_DETAIL_INLINE { sum[k] = multiply_add(w, g[b][k], sum[k]); });
@@ -126,9 +131,9 @@ private:
         const auto add = [&](auto count, auto last, std::size_t block) {
             Lanes<T> gradients[count][D];
             for (std::size_t n = 0; n < count; ++n) load(block + n, gradients[n]);
-            add_transposed<count, last, Format, T, D>(
-                binding.weights + block * stride + first_ * row_bytes<Format>, stride, count_, gradients,
-                points_of(binding, block), sums_of);
+            const BlockRows rows{binding.weights + block * stride + first_ * row_bytes<Format>, stride,
+                                 count_};
+            add_transposed<count, last, Format, T, D>(rows, gradients, points_of(binding, block), sums_of);
         };
         // Each lane adds its blocks one after the other, however many are read together.
         constexpr std::size_t together = blocks_together<D>;
@@ -161,9 +166,9 @@ private:
             Lanes<T> gradients[1][D];
             load(b, gradients[0]);
             const auto sums_of = [&](std::size_t row) { return lanes_[handles[from + row] - first_]; };
+            const BlockRows rows{binding.weights + from * row_bytes<Format>, 0, to - from};
             const auto add = [&](auto last) {
-                add_transposed<1, last, Format, T, D>(binding.weights + from * row_bytes<Format>, 0,
-                                                      to - from, gradients, points_of(binding, b), sums_of);
+                add_transposed<1, last, Format, T, D>(rows, gradients, points_of(binding, b), sums_of);
             };
             if (b < full) {
                 add(std::false_type{});
@@ -187,9 +192,9 @@ private:
         return from + std::size_t(handles[from] < handle);
     }
 
-    std::size_t first_ = 0, count_ = 0;
     Lanes<T> lanes_[Capacity][D];
     Vec<double, D> totals_[Capacity];
+    std::size_t first_ = 0, count_ = 0;
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

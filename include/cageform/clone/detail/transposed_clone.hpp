@@ -8,6 +8,7 @@
 
 #include <cageform/clone/detail/handle_sums.hpp>
 #include <cageform/clone/detail/point_rows.hpp>
+#include <cageform/core/status.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
