@@ -13,8 +13,9 @@ struct BlockRows {
     std::size_t count;  ///< rows of a block
 };
 
-/// Adds w g of some rows of adjacent blocks to the sums of their handles, lane by lane. `sums_of(row)` returns
-/// D rows of sums. If this is the last block, lanes without a point are not read: they may hold anything.
+/// Adds w g of some rows of adjacent blocks to the sums of their handles, lane by lane. `sums_of(row)`
+/// returns D rows of sums. If this is the last block, lanes without a point are not read: they may hold
+/// anything.
 template <std::size_t Blocks, bool Last, WeightFormat Format, Scalar T, std::size_t D, class SumsOf>
 void add_transposed(const BlockRows& rows, const Lanes<T> (*gradients)[D], const Lanes<T>& has_point,
                     const SumsOf& sums_of) noexcept {
