@@ -6,6 +6,8 @@
 // worst errors of a pose that bends, of the projection used here and of renormalising, and what
 // renormalising does to the figure at rest, all relative to the figure's size.
 //
+// transposed_…: gradients of handles from those of points, by the same bindings; to be read beside clone_….
+//
 // pack_to_distance: how many bytes a distance takes, in 24 poses that bend and twist, of cages of 42, 112
 // and 300 vertices with
 // 8,000 points, in every format (-1: the one of the fewest bytes) and beside renormalised weights.
@@ -20,6 +22,7 @@
 #include <cageform/binding/pack.hpp>
 #include <cageform/clone/clone.hpp>
 #include <cageform/clone/clone_rational.hpp>
+#include <cageform/clone/clone_transposed.hpp>
 #include <cageform/clone/normals.hpp>
 #include <cageform/coordinates/mean_value.hpp>
 #include <cageform/core/threads.hpp>
@@ -82,6 +85,33 @@ void clone_dense(benchmark::State& state) {
     const cageform_bench::Counted counted;
     for (auto _ : state) {
         const auto status = cageform::clone(work.binding, work.pose, work.out);
+        if (status != cageform::Status::ok) state.SkipWithError(to_string(status));
+        benchmark::ClobberMemory();
+    }
+    work.finish(state);
+}
+
+/// The gradients of handles from those of points; they are the points at rest, as good as any.
+template <class T, std::size_t D>
+void transposed_dense(benchmark::State& state) {
+    Workload<T, D> work(state);
+    std::vector<cageform::Vec<T, D>> gradients(work.handles);
+    for (std::size_t i = 0; i < work.points; ++i) work.out[i] = work.binding.rest_point(i);
+    for (auto _ : state) {
+        const auto status = cageform::clone_transposed(work.binding, work.out, gradients);
+        if (status != cageform::Status::ok) state.SkipWithError(to_string(status));
+        benchmark::ClobberMemory();
+    }
+    work.finish(state);
+}
+template <class T, std::size_t D>
+void transposed_threads(benchmark::State& state) {
+    Workload<T, D> work(state);
+    const cageform::ThreadedFor threads{unsigned(state.range(2))};
+    std::vector<cageform::Vec<T, D>> gradients(work.handles);
+    for (std::size_t i = 0; i < work.points; ++i) work.out[i] = work.binding.rest_point(i);
+    for (auto _ : state) {
+        const auto status = cageform::clone_transposed(work.binding, work.out, gradients, {}, threads);
         if (status != cageform::Status::ok) state.SkipWithError(to_string(status));
         benchmark::ClobberMemory();
     }
@@ -421,6 +451,22 @@ void clone_with_normals(benchmark::State& state) {
         benchmark::Counter(double(out.size()), benchmark::Counter::kIsIterationInvariantRate);
 }
 
+template <class T, cageform::WeightFormat Format>
+void transposed_packed(benchmark::State& state) {
+    const auto& bumpy = Bumpy<T>::of(std::size_t(state.range(0)));
+    const auto packed =
+        cageform::pack(bumpy.binding, {.format = Format, .largest = std::size_t(state.range(1))}).value;
+    const auto view = state.range(2) != 0 ? packed.view().in_order() : packed.view();
+    typename Bumpy<T>::Points gradients(view.handle_count());
+    for (auto _ : state) {
+        const auto status = cageform::clone_transposed(view, bumpy.figure, gradients);
+        if (status != cageform::Status::ok) state.SkipWithError(to_string(status));
+        benchmark::ClobberMemory();
+    }
+    state.counters["points/s"] =
+        benchmark::Counter(double(bumpy.figure.size()), benchmark::Counter::kIsIterationInvariantRate);
+}
+
 /// Points that follow their 16 nearest handles, as natural neighbours are in space, packed.
 template <class T>
 struct Neighbours {
@@ -494,6 +540,18 @@ void clone_sparse(benchmark::State& state) {
     std::vector<cageform::Vec<T, 3>> out(work.binding.view().point_count());
     for (auto _ : state) {
         const auto status = cageform::clone(work.binding, work.pose, out);
+        if (status != cageform::Status::ok) state.SkipWithError(to_string(status));
+        benchmark::ClobberMemory();
+    }
+    work.finish(state);
+}
+template <class T>
+void transposed_sparse(benchmark::State& state) {
+    const Neighbours<T> work(std::size_t(state.range(0)), std::size_t(state.range(1)));
+    const std::vector<cageform::Vec<T, 3>> of_points(work.binding.view().point_count(), {1, 2, 3});
+    std::vector<cageform::Vec<T, 3>> gradients(work.pose.size());
+    for (auto _ : state) {
+        const auto status = cageform::clone_transposed(work.binding, of_points, gradients);
         if (status != cageform::Status::ok) state.SkipWithError(to_string(status));
         benchmark::ClobberMemory();
     }
@@ -574,11 +632,13 @@ void sizes_packed(benchmark::internal::Benchmark* benchmark) {
 
 #define CAGEFORM_BENCH_CLONE(T)                                                                              \
     BENCHMARK_TEMPLATE(clone_dense, T, 2)->Apply(sizes_2d);                                                  \
+    BENCHMARK_TEMPLATE(transposed_dense, T, 2)->Apply(sizes_2d);                                             \
     BENCHMARK_TEMPLATE(limit_read_weights, T, 2)->Apply(sizes_2d);                                           \
     BENCHMARK_TEMPLATE(limit_move_bytes, T, 2)->Apply(sizes_2d);                                             \
     BENCHMARK_TEMPLATE(eigen_product, T, 2, Eigen::RowMajor)->Apply(sizes_2d);                               \
     BENCHMARK_TEMPLATE(eigen_product, T, 2, Eigen::ColMajor)->Apply(sizes_2d);                               \
     BENCHMARK_TEMPLATE(clone_dense, T, 3)->Apply(sizes_3d);                                                  \
+    BENCHMARK_TEMPLATE(transposed_dense, T, 3)->Apply(sizes_3d);                                             \
     BENCHMARK_TEMPLATE(limit_read_weights, T, 3)->Apply(sizes_3d);                                           \
     BENCHMARK_TEMPLATE(limit_move_bytes, T, 3)->Apply(sizes_3d);                                             \
     BENCHMARK_TEMPLATE(eigen_product, T, 3, Eigen::RowMajor)->Apply(sizes_3d);                               \
@@ -586,18 +646,25 @@ void sizes_packed(benchmark::internal::Benchmark* benchmark) {
     BENCHMARK_TEMPLATE(limit_read_memory, T)->Unit(benchmark::kMicrosecond);                                 \
     BENCHMARK_TEMPLATE(limit_read_sparse, T)->Apply(sizes_sparse);                                           \
     BENCHMARK_TEMPLATE(clone_sparse, T)->Apply(sizes_sparse);                                                \
+    BENCHMARK_TEMPLATE(transposed_sparse, T)->Apply(sizes_sparse);                                           \
     BENCHMARK_TEMPLATE(clone_rational_sparse, T, true)->Apply(sizes_sparse);                                 \
     BENCHMARK_TEMPLATE(clone_rational_sparse, T, false)->Apply(sizes_sparse);                                \
     BENCHMARK_TEMPLATE(clone_packed, T, cageform::WeightFormat::scalar)->Apply(sizes_packed);                \
+    BENCHMARK_TEMPLATE(transposed_packed, T, cageform::WeightFormat::scalar)->Apply(sizes_packed);           \
     BENCHMARK_TEMPLATE(clone_packed, T, cageform::WeightFormat::half)->Apply(sizes_packed);                  \
+    BENCHMARK_TEMPLATE(transposed_packed, T, cageform::WeightFormat::half)->Apply(sizes_packed);             \
     BENCHMARK_TEMPLATE(clone_packed, T, cageform::WeightFormat::int16)->Apply(sizes_packed);                 \
+    BENCHMARK_TEMPLATE(transposed_packed, T, cageform::WeightFormat::int16)->Apply(sizes_packed);            \
     BENCHMARK_TEMPLATE(clone_packed, T, cageform::WeightFormat::int8)->Apply(sizes_packed);                  \
+    BENCHMARK_TEMPLATE(transposed_packed, T, cageform::WeightFormat::int8)->Apply(sizes_packed);             \
     BENCHMARK_TEMPLATE(clone_with_normals, T)->ArgName("points")->Arg(8019)->Unit(benchmark::kMicrosecond);
 
 CAGEFORM_BENCH_CLONE(float)
 CAGEFORM_BENCH_CLONE(double)
 BENCHMARK_TEMPLATE(clone_threads, float, 2)->Apply(threads_2d);
 BENCHMARK_TEMPLATE(clone_threads, float, 3)->Apply(threads_3d);
+BENCHMARK_TEMPLATE(transposed_threads, float, 2)->Apply(threads_2d);
+BENCHMARK_TEMPLATE(transposed_threads, float, 3)->Apply(threads_3d);
 BENCHMARK_TEMPLATE(limit_move_bytes_threads, float, 2)->Apply(threads_2d);
 BENCHMARK_TEMPLATE(limit_move_bytes_threads, float, 3)->Apply(threads_3d);
 BENCHMARK(pack_threads)

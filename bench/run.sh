@@ -84,6 +84,10 @@ group clone 11
 row clone, 1M x 25, float; clone_dense<float, 2>/$many; $eigen, 2, Eigen::RowMajor>/$many & eigen_product<float, 2, Eigen::ColMajor>/$many; its bytes; limit_move_bytes<float, 2>/$many
 group clone 11
 row clone, 8,019 x 112, float; clone_dense<float, 3>/points:8019/handles:112; $eigen, 3, Eigen::RowMajor>/points:8019/handles:112 & eigen_product<float, 3, Eigen::ColMajor>/points:8019/handles:112; its bytes; limit_move_bytes<float, 3>/points:8019/handles:112
+group clone 11
+row transposed clone, 1M x 25, float; transposed_dense<float, 2>/$many; the clone; clone_dense<float, 2>/$many; its bytes; limit_move_bytes<float, 2>/$many
+group clone 11
+row transposed clone, 8,019 x 112, float; transposed_dense<float, 3>/points:8019/handles:112; the clone; clone_dense<float, 3>/points:8019/handles:112; its bytes; limit_move_bytes<float, 3>/points:8019/handles:112
 group levels 7
 row level: clone, plane, dense, float; dense_plane/float/%
 row level: clone, plane, dense, double; dense_plane/double/%

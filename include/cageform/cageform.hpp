@@ -10,6 +10,8 @@
 #include <cageform/cage/control_points.hpp>
 #include <cageform/clone/clone.hpp>
 #include <cageform/clone/clone_rational.hpp>
+#include <cageform/clone/clone_transposed.hpp>
+#include <cageform/clone/folds.hpp>
 #include <cageform/clone/jacobians.hpp>
 #include <cageform/clone/normals.hpp>
 #include <cageform/clone/pose_handles.hpp>

@@ -1,6 +1,7 @@
 // Frames of an engine that allows no allocation once all is loaded: operator new ends the program then.
 #include "made_up.hpp"
 
+#include <cageform/clone/clone_transposed.hpp>
 #include <cageform/runtime.hpp>
 
 #include <cstdio>
@@ -64,7 +65,7 @@ int play(std::size_t points, std::size_t handles) {
     const auto dense = made_up::binding<T, 3>(points, handles, 1);
     const auto clip = made_up::clip<T, 3>(handles, cageform::Extrapolation::ping_pong, 2);
     auto cursor = clip.make_cursor();
-    std::vector<Vector> pose(handles), figure(points), normals(points), tangents(points);
+    std::vector<Vector> pose(handles), gradients(handles), figure(points), normals(points), tangents(points);
     std::vector<T> numbers(points * 9), mask(points, T(0.5));
     std::vector<std::array<float, 4>> uniforms(handles + 4), signed_tangents(points);
     const auto whole = made_up::figure<T>(WeightFormat::int16, true, points, handles, 5);
@@ -83,7 +84,10 @@ int play(std::size_t points, std::size_t handles) {
         expect(clone(dense, pose, figure));
         const std::array<cageform::BindingView<T, 3>, 3> axes{dense.view(), dense.view(), dense.view()};
         expect(clone_normals(std::array{axes[0], axes[1]}, pose, normals));
-        expect(clone_jacobians(axes, pose, cageform::StridedMatrices<T, 3>(numbers.data(), points)));
+        const cageform::StridedMatrices<T, 3> jacobians(numbers.data(), points);
+        expect(clone_jacobians(axes, pose, jacobians));
+        expect(clone_jacobians_transposed(axes, jacobians, gradients));
+        expect(clone_normals_transposed(std::array{axes[0], axes[1]}, pose, normals, gradients));
         const auto opened = cageform::open<T, 3>(whole.bytes());
         expect(opened.status());
         expect(clone(opened.value, pose, cageform::FigureOutput{figure, normals, signed_tangents}));
@@ -97,6 +101,7 @@ int play(std::size_t points, std::size_t handles) {
             expect(clone(blob.value, pose, figure, {{mask.data(), points}, cageform::CloneOnto::output}));
             expect(clone_tangent_frames(std::array{blob.value, blob.value}, pose, normals, tangents));
             expect(write_displacements(blob.value, pose, uniforms));
+            expect(clone_transposed(blob.value, figure, gradients, {{mask.data(), points}}));
         }
         failures += blobs == 8 ? 0 : 1;
     }

@@ -2,6 +2,7 @@
 // This program also runs under -ffast-math.
 #include "made_up.hpp"
 
+#include <cageform/clone/clone_transposed.hpp>
 #include <cageform/runtime.hpp>
 
 #include <array>
@@ -65,6 +66,27 @@ Vec<double, D> by_definition(const cageform::PackedBindingView<T, D>& view,
     return p;
 }
 
+/// The clone of displacements times gradients is the displacements times the transposed clone of gradients.
+template <class T, std::size_t D>
+void check_transposed(const cageform::PackedBindingView<T, D>& view, const std::vector<Vec<T, D>>& pose,
+                      const std::vector<Vec<T, D>>& gradients, const std::vector<T>& mask) {
+    std::vector<Vec<T, D>> pulled(view.handles), moved(view.points, Vec<T, D>{});
+    cageform::CloneOptions<T> options{{mask.data(), view.points}, cageform::CloneOnto::output};
+    expect(cageform::clone(view, pose, moved, options) == Status::ok, "displacements");
+    options.onto = cageform::CloneOnto::rest;
+    expect(cageform::clone_transposed(view, gradients, pulled, options, made_up::Backwards{}) == Status::ok,
+           "a transposed clone");
+    double of_points = 0, of_handles = 0;
+    for (std::size_t k = 0; k < D; ++k) {
+        for (std::size_t i = 0; i < view.points; ++i)
+            of_points += double(moved[i][k]) * double(gradients[i][k]);
+        for (std::size_t h = 0; h < view.handles; ++h)
+            of_handles += double(pulled[h][k]) * double(pose[h][k] - view.rest_handles[h][k]);
+    }
+    expect(std::fabs(of_points - of_handles) < 20000 * double(cageform::epsilon<T>),
+           "a transposed clone is the adjoint of the clone");
+}
+
 /// Blobs opened from memory, cloned onto the rest and onto the output, with a mask, in ranges cut anywhere.
 template <class T, std::size_t D>
 void check_blobs() {
@@ -101,6 +123,7 @@ void check_blobs() {
                            "a mask multiplies what is added to the output");
                 }
             }
+            check_transposed(view, pose, from, mask);
         }
     }
 }

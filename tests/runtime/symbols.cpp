@@ -1,5 +1,6 @@
 // The functions that an engine calls every frame, and nothing else: cmake/check_symbols.cmake checks the
 // compiled code.
+#include <cageform/clone/clone_transposed.hpp>
 #include <cageform/runtime.hpp>
 
 namespace frame {
@@ -20,6 +21,8 @@ Status move(const Binding<T, D>& dense, std::span<const std::byte> file, const C
     if (status == Status::ok) status = clone(blob.value, pose, strided, options);
     if (status == Status::ok) status = clone_rational(blob.value, pose, {}, out);
     if (status == Status::ok) status = clone_rational(rational_view(dense).value, pose, {}, out);
+    if (status == Status::ok) status = clone_transposed(dense, out, pose, options);
+    if (status == Status::ok) status = clone_transposed(blob.value, strided, pose, options);
     return status;
 }
 template <class T>
@@ -30,6 +33,9 @@ Status turn(const Binding<T, 3>& dense, const PackedBindingView<T, 3>& packed, P
     if (status == Status::ok)
         status = clone_tangent_frames(std::array{columns[0], columns[1]}, pose, normals, tangents);
     if (status == Status::ok) status = clone_jacobians(columns, pose, jacobians);
+    if (status == Status::ok) status = clone_jacobians_transposed(columns, jacobians, pose);
+    if (status == Status::ok)
+        status = clone_normals_transposed(std::array{packed, packed}, pose, normals, tangents);
     return status;
 }
 template <class T>

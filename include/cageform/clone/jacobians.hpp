@@ -9,13 +9,14 @@ namespace cageform::inline CAGEFORM_ABI {
 /// A view of square matrices at regular distances in memory, column after column. It owns and
 /// copies nothing.
 ///
+///   T              float or double, `const` for a read-only view
 ///   matrix_stride  bytes from one matrix to the next
 ///   column_stride  bytes from one column to the next of its matrix (16 for float columns padded to
 ///                  four, as in std430)
 template <class T, std::size_t D>
 class StridedMatrices {
 public:
-    using scalar = T;
+    using scalar = std::remove_const_t<T>;
     static constexpr std::size_t dimension = D;
 
     constexpr StridedMatrices(T* data, std::size_t size, std::ptrdiff_t matrix_stride = D * D * sizeof(T),
@@ -29,8 +30,8 @@ public:
 
     /// Returns column k of all matrices.
     StridedPoints<T, D> column(std::size_t k) const noexcept {
-        auto* const bytes =
-            reinterpret_cast<std::byte*>(data_) + static_cast<std::ptrdiff_t>(k) * column_stride_;
+        using Byte = std::conditional_t<std::is_const_v<T>, const std::byte, std::byte>;
+        auto* const bytes = reinterpret_cast<Byte*>(data_) + static_cast<std::ptrdiff_t>(k) * column_stride_;
         return {reinterpret_cast<T*>(bytes), size_, matrix_stride_};
     }
 

@@ -122,12 +122,14 @@ namespace cageform::inline CAGEFORM_ABI {
     X(bindings_differ, "the bindings are of different points or handles, or in different orders") \
     X(pose_size_differs, "the pose has another number of points than the cage")                   \
     X(pose_not_finite, "the pose holds a number that is not finite")                              \
-    X(output_too_small, "the output has fewer elements than there are points")                      \
+    X(output_too_small, "the output has fewer elements than there are points, or handles")          \
+    X(too_few_gradients, "there are fewer gradients than points")                                   \
     X(mask_too_small, "the mask has fewer numbers than there are points")                         \
     X(weights_do_not_match, "there is not one weight for every handle")                           \
     X(weights_too_far_apart, "one weight of a handle is too many times another")                  \
     X(binding_weights_negative, "the binding has negative weights, and a rational clone none")    \
     X(handles_not_faces, "some vectors among the handles belong to no face")                      \
+    X(threshold_not_supported, "the threshold of folds is not a finite number below 1")           \
     X(handles_not_bones, "the handles are not the origins and axes of bones")
 // clang-format on
 

@@ -17,10 +17,12 @@ struct Direction {
 
     /// Its largest component is ±1, so that squares neither vanish nor overflow.
     Vec<T, D> along{};
+    T size = 0;        ///< the vector is `size` times `along`
     T uncertainty = 1; ///< the size of errors of `along`
 
     Direction(const Vec<T, D>& v, const Vec<T, D>& rest) noexcept {
-        const T size = largest_component(v), before = largest_component(rest);
+        const T before = largest_component(rest);
+        size = largest_component(v);
         if (!is_finite(v) || !(size > some_roundings * before) || !(size > 0)) return;
         for (std::size_t k = 0; k < D; ++k) along[k] = v[k] / size;
         uncertainty = some_roundings * (before > size ? before / size : T(1));
@@ -32,8 +34,8 @@ private:
     static T largest_component(const Vec<T, D>& v) noexcept {
         T largest = 0;
         for (std::size_t k = 0; k < D; ++k) {
-            const T size = v[k] < 0 ? -v[k] : v[k];
-            largest = size > largest ? size : largest;
+            const T component = v[k] < 0 ? -v[k] : v[k];
+            largest = component > largest ? component : largest;
         }
         return largest;
     }
@@ -91,6 +93,7 @@ Frame<T, D> frame_of_lane(const TangentBlocks<T, D>& tangents, std::size_t lane)
 template <Scalar T>
 struct FrameRows {
     Lanes<T> normal[3], tangent[3];
+    Lanes<T> shrink;  ///< 1 / |cross(t', b')|
     Lanes<T> certain; ///< 0 if the frame must be computed by `frame_of_lane`
 };
 
@@ -117,14 +120,14 @@ FrameRows<T> frame_rows(const TangentBlocks<T, 3>& tangents) noexcept {
                          (tt <= most) & (least <= bb) & (bb <= most);
     FrameRows<T> frames;
     select<T>(certain, P(T(1)), P(T(0))).store(frames.certain);
-    Lanes<T> of_n, of_t;
-    select<T>(certain, nn, P(T(1))).store(of_n);
+    Lanes<T> of_t;
+    select<T>(certain, nn, P(T(1))).store(frames.shrink);
     select<T>(certain, tt, P(T(1))).store(of_t);
-    for (T& x : of_n.v) x = 1 / std::sqrt(x);
+    for (T& x : frames.shrink.v) x = 1 / std::sqrt(x);
     for (T& x : of_t.v) x = 1 / std::sqrt(x);
     CAGEFORM_DETAIL_UNROLL
     for (std::size_t k = 0; k < 3; ++k) {
-        (n[k] * P::load(of_n)).store(frames.normal[k]);
+        (n[k] * P::load(frames.shrink)).store(frames.normal[k]);
         (t[k] * P::load(of_t)).store(frames.tangent[k]);
     }
     return frames;

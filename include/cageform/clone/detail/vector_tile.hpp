@@ -22,10 +22,10 @@ struct VectorBlock {
 };
 
 /// Clones the vectors of a few blocks into its own memory, in the order of the binding.
-template <Scalar T, std::size_t D>
+template <Scalar T, std::size_t D, std::size_t Blocks = 32>
 class VectorTile {
 public:
-    static constexpr std::size_t blocks = 32;
+    static constexpr std::size_t blocks = Blocks;
 
     template <class View, class Pose>
     void load(View view, const Pose& pose, std::size_t begin, std::size_t end) noexcept {
@@ -47,6 +47,8 @@ public:
         }
         return rows;
     }
+    /// Returns an axis of a block's moved vectors, to be written over.
+    Lanes<T>& moved(std::size_t b, std::size_t axis) noexcept { return moved_[axis][b - first_]; }
 
 private:
     const Lanes<T>* rest_ = nullptr;

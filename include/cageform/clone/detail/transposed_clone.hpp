@@ -1,0 +1,216 @@
+// Transposed clones: the gradient of each handle, from the gradients of points.
+//
+//     g_hi = Σ_blocks s_b Σ_p q_ip m_p g_p + Σ_r F_ir a'_r,   a'_r = Σ_p e_pr m_p g_p
+//
+// A range of handles is processed by itself, over all blocks in order. So threads need no memory, and do not
+// change a bit.
+#pragma once
+
+#include <cageform/clone/detail/handle_sums.hpp>
+#include <cageform/clone/detail/point_rows.hpp>
+#include <cageform/core/status.hpp>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+/// Checks what is given to a transposed clone.
+template <class View, class Gradients, class Out>
+Status check_transposed(const View& binding, const Gradients& gradients, const Out& out,
+                        const StridedPoints<const typename View::scalar, 1>& mask = {nullptr, 0}) noexcept {
+    if (std::size(out) < binding.handle_count()) return Status::output_too_small;
+    if (std::size(gradients) < binding.point_count()) return Status::too_few_gradients;
+    if (mask.size() != 0 && mask.size() < binding.point_count()) return Status::mask_too_small;
+    return Status::ok;
+}
+
+/// The gradients of points that the caller gives, for each of N bindings.
+template <Scalar T, std::size_t D, class Source, std::size_t N = 1>
+struct GivenGradients {
+    static constexpr std::size_t blocks_at_once = blocks_in_lanes;
+    static constexpr std::size_t bytes_of_sums = 32768; ///< on the stack
+
+    std::array<PointRows<T, D, Source>, N> rows;
+
+    const GivenGradients& reader() const noexcept { return *this; }
+    void load(std::size_t n, std::size_t block, Lanes<T>* to) const noexcept { rows[n].load(block, to); }
+};
+
+/// A transposed clone by N bindings of as many points and handles, whose sums are added up. `reader()` of
+/// `Gradients` makes what one thread reads the gradients of points with: its `load(n, block, rows)` is
+/// called for `blocks_at_once` blocks by one binding, then for those blocks by the next.
+template <class View, std::size_t N, class Gradients>
+class TransposedClone {
+public:
+    using T = typename View::scalar;
+    static constexpr std::size_t D = View::dimension;
+
+    /// Sums up what the bindings' residuals take. Refers to `gradients`.
+    TransposedClone(const std::array<View, N>& bindings, const Gradients& gradients) noexcept
+        : gradients_(gradients) {
+        bool exact = true;
+        for (std::size_t n = 0; n < N; ++n) {
+            bindings_[n] = bindings[n];
+            exact = exact && bindings_[n].residual == nullptr;
+            const std::size_t times = blocks_with_a_row(bindings_[n]);
+            blocks_between_ = n == 0 || times * blocks_in_lanes < blocks_between_ ? times * blocks_in_lanes
+                                                                                  : blocks_between_;
+        }
+        if (!exact) sum_residuals();
+    }
+
+    /// Returns how many handles justify a thread: as many rows as `clone_grain` blocks have, and enough for
+    /// the reading of the gradients.
+    std::size_t grain() const noexcept {
+        const std::size_t blocks = bindings_[0].block_count(), rows = clone_grain * bindings_[0].handles;
+        const std::size_t handles = blocks == 0 ? rows : rows / blocks;
+        return handles < 16 ? 16 : handles;
+    }
+
+    /// Writes the gradients of handles [begin, end).
+    template <class Out>
+    void run(Out& out, CloneOnto onto, std::size_t begin, std::size_t end) const noexcept {
+        HandleSums<T, D, handles_at_once> sums;
+        const std::size_t parts = (end - begin + handles_at_once - 1) / handles_at_once;
+        for (std::size_t part = 0; part < parts; ++part) {
+            const std::size_t first = begin + (end - begin) * part / parts,
+                              last = begin + (end - begin) * (part + 1) / parts;
+            sums.start(first, last - first);
+            for_blocks([&] { sums.clear_lanes(); },
+                       [&](auto& reader, std::size_t n, std::size_t from, std::size_t to) {
+                           add(sums, reader, n, from, to);
+                       },
+                       [&] { sums.add_lanes_to_totals(); });
+            for (std::size_t h = first; h < last; ++h) write(out, onto, h, sums.total(h));
+        }
+    }
+
+private:
+    static constexpr std::size_t handles_at_once = Gradients::bytes_of_sums / (D * sizeof(Lanes<T>));
+    using Packed = PackedBindingView<T, D>;
+
+    /// Returns in how many blocks a handle has one row, on average, at most 8.
+    static std::size_t blocks_with_a_row(const Packed& binding) noexcept {
+        const std::size_t rows = binding.row_count(), all = binding.block_count() * binding.handles;
+        return rows == 0 || all / 8 > rows ? 8 : all / rows;
+    }
+
+    /// Calls body(reader, n, from, to) for all blocks and bindings; before every `blocks_between_` blocks
+    /// clear(), after them finish().
+    template <class Clear, class Body, class Finish>
+    void for_blocks(const Clear& clear, const Body& body, const Finish& finish) const noexcept {
+        auto&& reader = gradients_.reader();
+        const std::size_t blocks = bindings_[0].block_count();
+        for (std::size_t b = 0; b < blocks;) {
+            const std::size_t end = blocks - b < blocks_between_ ? blocks : b + blocks_between_;
+            clear();
+            for (; b < end; b += Gradients::blocks_at_once) {
+                const std::size_t to =
+                    end - b < Gradients::blocks_at_once ? end : b + Gradients::blocks_at_once;
+                for (std::size_t n = 0; n < N; ++n) body(reader, n, b, to);
+            }
+            b = end;
+            finish();
+        }
+    }
+
+    template <class Reader>
+    void add(HandleSums<T, D, handles_at_once>& sums, Reader& reader, std::size_t n, std::size_t begin,
+             std::size_t end) const noexcept {
+        const Packed& binding = bindings_[n];
+        const auto load = [&](std::size_t block, Lanes<T>* rows) {
+            reader.load(n, block, rows);
+            if (binding.scale == nullptr) return;
+            const Simd<T> scale(binding.scale[block]);
+            CAGEFORM_DETAIL_UNROLL
+            for (std::size_t k = 0; k < D; ++k) (scale * Simd<T>::load(rows[k])).store(rows[k]);
+        };
+        if constexpr (std::is_same_v<View, BindingView<T, D>>) {
+            sums.template add<WeightFormat::scalar>(binding, begin, end, load);
+        } else {
+            switch (binding.format) {
+            case WeightFormat::scalar:
+                return sums.template add<WeightFormat::scalar>(binding, begin, end, load);
+            case WeightFormat::half: return sums.template add<WeightFormat::half>(binding, begin, end, load);
+            case WeightFormat::int16:
+                return sums.template add<WeightFormat::int16>(binding, begin, end, load);
+            case WeightFormat::int8: return sums.template add<WeightFormat::int8>(binding, begin, end, load);
+            }
+        }
+    }
+
+    /// The residuals are the rows of a binding of D + 1 handles.
+    void sum_residuals() noexcept {
+        HandleSums<T, D, D + 1> sums[N];
+        for (auto& s : sums) s.start(0, D + 1);
+        for_blocks(
+            [&] {
+                for (auto& s : sums) s.clear_lanes();
+            },
+            [&](auto& reader, std::size_t n, std::size_t from, std::size_t to) {
+                if (bindings_[n].residual == nullptr) return;
+                Packed rows;
+                rows.handles = D + 1;
+                rows.points = bindings_[n].points;
+                rows.weights = reinterpret_cast<const std::byte*>(bindings_[n].residual);
+                sums[n].template add<WeightFormat::scalar>(
+                    rows, from, to,
+                    [&](std::size_t block, Lanes<T>* gradients) { reader.load(n, block, gradients); });
+            },
+            [&] {
+                for (auto& s : sums) s.add_lanes_to_totals();
+            });
+        for (std::size_t n = 0; n < N; ++n) {
+            for (std::size_t r = 0; r <= D; ++r) affine_[n][r] = sums[n].total(r);
+        }
+    }
+
+    template <class Out>
+    void write(Out& out, CloneOnto onto, std::size_t handle, Vec<double, D> sum) const noexcept {
+        for (std::size_t n = 0; n < N; ++n) {
+            if (bindings_[n].affine_fit == nullptr) continue;
+            for (std::size_t r = 0; r <= D; ++r) {
+                for (std::size_t k = 0; k < D; ++k)
+                    sum[k] = multiply_add<double>(double(bindings_[n].affine_fit[handle][r]),
+                                                  affine_[n][r][k], sum[k]);
+            }
+        }
+        if (onto == CloneOnto::output) sum = to_vec<double>(out[handle]) + sum;
+        store_point(out, handle, sum);
+    }
+
+    std::array<Packed, N> bindings_;
+    const Gradients& gradients_;
+    std::size_t blocks_between_ = blocks_in_lanes; ///< until sums are put into double
+    Vec<double, D> affine_[N][D + 1]{};            ///< a'
+};
+
+/// The transposed clone of gradients and handles whose numbers lie at regular distances.
+template <class View>
+using StridedTransposed =
+    TransposedClone<View, 1,
+                    GivenGradients<typename View::scalar, View::dimension,
+                                   StridedPoints<const typename View::scalar, View::dimension>>>;
+
+#if defined(CAGEFORM_COMPILED) // these are in the library, optimised whatever the program is
+#define CAGEFORM_DETAIL_TRANSPOSED(T, D)                                                                     \
+    extern template void StridedTransposed<BindingView<T, D>>::run(StridedPoints<T, D>&, CloneOnto,          \
+                                                                   std::size_t, std::size_t) const noexcept; \
+    extern template void StridedTransposed<PackedBindingView<T, D>>::run(                                    \
+        StridedPoints<T, D>&, CloneOnto, std::size_t, std::size_t) const noexcept;
+CAGEFORM_DETAIL_TRANSPOSED(float, 2)
+CAGEFORM_DETAIL_TRANSPOSED(float, 3)
+CAGEFORM_DETAIL_TRANSPOSED(double, 2)
+CAGEFORM_DETAIL_TRANSPOSED(double, 3)
+#undef CAGEFORM_DETAIL_TRANSPOSED
+#endif
+
+/// Runs a transposed clone on the threads of the caller.
+template <class View, std::size_t N, class Gradients, class Out, class Parallel>
+void transpose(const std::array<View, N>& bindings, const Gradients& gradients, Out& handle_gradients,
+               CloneOnto onto, const Parallel& parallel_for) noexcept {
+    auto&& out = as_strided<typename View::scalar, View::dimension>(handle_gradients);
+    const TransposedClone<View, N, Gradients> clone(bindings, gradients);
+    parallel_for(bindings[0].handle_count(), clone.grain(),
+                 [&](std::size_t begin, std::size_t end) { clone.run(out, onto, begin, end); });
+}
+
+} // namespace cageform::inline CAGEFORM_ABI::detail

@@ -1,0 +1,101 @@
+// Folds: where a pose turns a figure inside out, and how far it may go until it does.
+#pragma once
+
+#include <cageform/clone/clone.hpp>
+#include <cageform/clone/detail/fold_places.hpp>
+#include <cageform/clone/types/fold_report.hpp>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+/// Reports where the deformation folds at the bound points. Points do not vouch for what lies between them:
+/// for a mesh, test its cells.
+///
+///   columns  bindings of the D axes (`bind_jacobians`), D = 2 or 3, in one order
+///   pose     as for `clone`
+///   fails    threshold_not_supported, bindings_differ, pose_size_differs, pose_not_finite
+///   cost     that of D clones, and D³ operations a point; no allocation
+template <AnyBinding B, std::size_t D, PointRangeIn<D> Pose>
+    requires(B::dimension == D && (D == 2 || D == 3))
+FoldReport report_folds(const std::array<B, D>& columns, const Pose& pose, const FoldOptions& options = {})
+noexcept {
+    const auto views = detail::views_of(columns);
+    FoldReport report;
+    report.status = detail::is_supported(options) ? detail::check_jacobians(views, pose)
+                                                  : Status::threshold_not_supported;
+    if (report.status != Status::ok) return report;
+    detail::JacobianPlaces(views).for_each(
+        [&](std::size_t point, const detail::Columns<D>& jacobian) {
+            detail::add_to_report(report, options, point, jacobian);
+        },
+        pose);
+    return report;
+}
+
+/// Reports which cells of a mesh fold: those whose volume, relative to that at rest, is not above the
+/// threshold. Turned corners at rest do not matter.
+///
+///   rest, posed  as many points each, in two or three dimensions
+///   cells        a range of D + 1 indices each: triangles in the plane, tetrahedra in space. A triangle in
+///                space has no volume, and does not compile
+///   fails        threshold_not_supported; pose_size_differs; index_out_of_range and degenerate_simplex
+///                (flat at rest), with the cell. Cells with a corner that is not finite are skipped
+///   cost         proportional to the number of cells; no allocation
+template <PointRange Rest, PointRangeIn<range_dimension<Rest>> Posed,
+          detail::SimplexRange<range_dimension<Rest>> Cells>
+    requires(range_dimension<Rest> == 2 || range_dimension<Rest> == 3)
+FoldReport report_folds(const Rest& rest, const Posed& posed, const Cells& cells,
+                        const FoldOptions& options = {})
+noexcept {
+    const detail::CellPlaces<Rest, Cells> places(rest, cells);
+    FoldReport report;
+    report.status = detail::check_cells(places, options, report.culprit, rest, posed);
+    if (report.status != Status::ok) return report;
+    places.for_each(
+        [&](std::size_t cell, const detail::Columns<range_dimension<Rest>>& edges) {
+            detail::add_to_report(report, options, cell, places.jacobian(cell, edges));
+        },
+        posed);
+    return report;
+}
+
+/// Finds the largest step from one pose towards another in which no bound point folds. Jacobians are linear
+/// in the step, so the first root of a determinant is computed, not searched for.
+///
+///   columns, from, to  as for `report_folds`
+///   returns            step 1 and nowhere, if nothing folds on the way; 0 and a point, if one is folded at
+///                      `from`; else the step, shorter than the first fold by 1e-9 of it or by what
+///                      rounding takes (floats: 1e-6), and the point that folds first
+///   fails              as `report_folds`
+///   cost               that of 3 D clones, and some 100 operations a point; no allocation
+template <AnyBinding B, std::size_t D, PointRangeIn<D> From, PointRangeIn<D> To>
+    requires(B::dimension == D && (D == 2 || D == 3))
+StepReport largest_step(const std::array<B, D>& columns, const From& from, const To& to,
+                        const FoldOptions& options = {})
+noexcept {
+    const auto views = detail::views_of(columns);
+    StepReport report;
+    report.status = detail::is_supported(options) ? detail::check_jacobians(views, from)
+                                                  : Status::threshold_not_supported;
+    if (report.status == Status::ok) report.status = detail::check_jacobians(views, to);
+    if (report.status != Status::ok) return report;
+    return detail::step_over(detail::JacobianPlaces(views), options, from, to);
+}
+
+/// Finds the largest step from one set of points towards another in which no cell folds; see above and
+/// `report_folds`.
+template <PointRange Rest, PointRangeIn<range_dimension<Rest>> From, PointRangeIn<range_dimension<Rest>> To,
+          detail::SimplexRange<range_dimension<Rest>> Cells>
+    requires(range_dimension<Rest> == 2 || range_dimension<Rest> == 3)
+StepReport largest_step(const Rest& rest, const From& from, const To& to, const Cells& cells,
+                        const FoldOptions& options = {})
+noexcept {
+    const detail::CellPlaces<Rest, Cells> places(rest, cells);
+    StepReport report;
+    report.status = detail::check_cells(places, options, report.culprit, rest, from);
+    if (report.status == Status::ok && std::size(to) != std::size(rest))
+        report.status = Status::pose_size_differs;
+    if (report.status != Status::ok) return report;
+    return detail::step_over(places, options, from, to);
+}
+
+} // namespace cageform::inline CAGEFORM_ABI
