@@ -5,9 +5,9 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// A square matrix; at[row][column].
+/// A linear map; at[row][column].
 template <class X, std::size_t D>
-struct Square {
+struct LinearMap {
     X at[D][D];
 };
 
@@ -22,7 +22,7 @@ inline Lanes8 sum_of_squares(const Lanes8* x, std::size_t count) noexcept {
 /// Replaces `turn`, a rotation minus the identity, by R − 1 for the rotation R nearest to J: it makes
 /// tr(Rᵀ J) largest. Lanes where J determines none (a reflection, or zero) keep what `turn` holds. A
 /// symmetric J without negative eigenvalues gives exact zeros.
-inline void nearest_rotation(const Square<Lanes8, 2>& j, Square<Lanes8, 2>& turn) noexcept {
+inline void nearest_rotation(const LinearMap<Lanes8, 2>& j, LinearMap<Lanes8, 2>& turn) noexcept {
     const Lanes8 along = j.at[0][0] + j.at[1][1], across = j.at[1][0] - j.at[0][1];
     const Lanes8 square = multiply_add(along, along, across * across);
     const auto is_open = square <= Lanes8(1e-24) * sum_of_squares(&j.at[0][0], 4);
@@ -44,7 +44,7 @@ inline void nearest_rotation(const Square<Lanes8, 2>& j, Square<Lanes8, 2>& turn
 class RotationQuaternion {
 public:
     /// j  a matrix whose squares sum to 1
-    explicit RotationQuaternion(const Square<Lanes8, 3>& j) noexcept {
+    explicit RotationQuaternion(const LinearMap<Lanes8, 3>& j) noexcept {
         const auto& a = j.at;
         n_[0][0] = a[0][0] + a[1][1] + a[2][2];
         n_[0][1] = a[2][1] - a[1][2];
@@ -150,11 +150,11 @@ private:
     Lanes8 n_[4][4], value_;
 };
 
-inline void nearest_rotation(const Square<Lanes8, 3>& j, Square<Lanes8, 3>& turn) noexcept {
+inline void nearest_rotation(const LinearMap<Lanes8, 3>& j, LinearMap<Lanes8, 3>& turn) noexcept {
     const Lanes8 size = sqrt(sum_of_squares(&j.at[0][0], 9));
     const auto is_zero = size <= Lanes8(1e-100);
     const Lanes8 over = select<double>(is_zero, Lanes8(1), size);
-    Square<Lanes8, 3> unit;
+    LinearMap<Lanes8, 3> unit;
     for (std::size_t r = 0; r < 3; ++r) {
         for (std::size_t c = 0; c < 3; ++c) unit.at[r][c] = j.at[r][c] / over;
     }
@@ -178,8 +178,8 @@ inline void nearest_rotation(const Square<Lanes8, 3>& j, Square<Lanes8, 3>& turn
 
 /// As above, for one matrix.
 template <std::size_t D>
-void nearest_rotation(const Square<double, D>& j, Square<double, D>& turn) noexcept {
-    Square<Lanes8, D> many, turns;
+void nearest_rotation(const LinearMap<double, D>& j, LinearMap<double, D>& turn) noexcept {
+    LinearMap<Lanes8, D> many, turns;
     for (std::size_t r = 0; r < D; ++r) {
         for (std::size_t c = 0; c < D; ++c) {
             many.at[r][c] = Lanes8(j.at[r][c]);

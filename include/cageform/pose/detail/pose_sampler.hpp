@@ -30,7 +30,7 @@ public:
     Status run(PoseSamples<T, D>& to, const Running& running) {
         Status status = begin(to, running.subtask(0, 0.3));
         if (status != Status::ok) return status;
-        SampleClusters<T, D> clusters(sampled_.points, to.cluster_count, running);
+        SampleClusters<T, D> clusters(sampled_.points, to.centre, to.size, to.cluster_count, running);
         if (!running.keep_going(0.4)) return Status::cancelled;
         cluster_of_ = std::move(clusters.cluster_of);
         report_.rotations = clusters.centres.size();
@@ -42,6 +42,7 @@ public:
         sums.write(to);
         to.points = std::move(sampled_.points);
         to.clusters = std::move(cluster_of_);
+        to.centres = std::move(clusters.centres);
         return running.end(Status::ok);
     }
 
@@ -185,7 +186,7 @@ private:
             double least = std::numeric_limits<double>::infinity();
             for (std::size_t c = 0; c < places.size(); ++c) {
                 const auto away = vec_cast<double>(places[c]) - place;
-                if (!(dot(away, away) < least)) continue;
+                if (!(dot(away, away) < (1 - 1e-9) * least)) continue; // roundings decide no tie
                 least = dot(away, away);
                 nearest = c;
             }

@@ -10,7 +10,7 @@ namespace cageform::inline CAGEFORM_ABI::detail {
 /// The motion x ↦ Q x + b. Q is kept as Q − 1, so that no motion is exactly none.
 template <std::size_t D>
 struct RigidFrame {
-    Square<double, D> turn{}; ///< Q − 1
+    LinearMap<double, D> turn{}; ///< Q − 1
     Vec<double, D> shift{};   ///< b
 
     /// Returns (Q − 1) v, or (Q − 1)ᵀ v.
@@ -96,7 +96,7 @@ private:
         Vec<double, 3> middle = from + to;
         if (dot(middle, middle) < 1e-24) middle = across(from);
         middle = unit(middle);
-        Square<double, 3> turned{};
+        LinearMap<double, 3> turned{};
         for (std::size_t c = 0; c < 3; ++c) {
             Vec<double, 3> column{frame.turn.at[0][c], frame.turn.at[1][c], frame.turn.at[2][c]};
             column[c] += 1;
@@ -112,20 +112,20 @@ private:
         return cross(v, is_along_x ? Vec<double, 3>{0, 1, 0} : Vec<double, 3>{1, 0, 0});
     }
 
-    Square<double, D> sums_{};
+    LinearMap<double, D> sums_{};
     Vec<double, D> place_{}, target_{};
     double weight_ = 0, scale_ = 0;
 };
 
 /// Returns R − 1 for a turn by an angle, in radians, counterclockwise.
-inline Square<double, 2> rotation_of(const Vec<double, 1>& angle) noexcept {
+inline LinearMap<double, 2> rotation_of(const Vec<double, 1>& angle) noexcept {
     const double half = std::sin(angle[0] / 2), sine = std::sin(angle[0]), cosine = -2 * half * half;
     return {{{cosine, -sine}, {sine, cosine}}};
 }
 /// Returns R − 1 for a turn about an axis by its length, in radians.
-inline Square<double, 3> rotation_of(const Vec<double, 3>& turn) noexcept {
+inline LinearMap<double, 3> rotation_of(const Vec<double, 3>& turn) noexcept {
     const double angle = std::sqrt(dot(turn, turn));
-    Square<double, 3> to{};
+    LinearMap<double, 3> to{};
     if (!(angle > 0)) return to;
     const Vec<double, 3> axis = (1 / angle) * turn;
     const double half = std::sin(angle / 2), sine = std::sin(angle), less = 2 * half * half;

@@ -110,7 +110,7 @@ private:
     /// Turns eight clusters; returns their energy.
     static double turn(const Lanes<T>* change, const Lanes<T>* moments, Lanes<T>* turns,
                        std::size_t first) noexcept {
-        Square<Lanes8, D> d, m, j, r;
+        LinearMap<Lanes8, D> d, m, j, r;
         for (std::size_t n = 0; n < D * D; ++n) {
             d.at[n / D][n % D] = load_lanes<double>(change[n], first);
             m.at[n / D][n % D] = load_lanes<double>(moments[n], first);
@@ -137,7 +137,7 @@ private:
     static void measure(const Lanes<T>* change, const Lanes<T>* moments, std::size_t count,
                         Stretches& stretches) noexcept {
         for (std::size_t lane = 0; lane < count; ++lane) {
-            Square<double, D> d, m;
+            LinearMap<double, D> d, m;
             for (std::size_t n = 0; n < D * D; ++n) {
                 d.at[n / D][n % D] = double(change[n][lane]);
                 m.at[n / D][n % D] = double(moments[n][lane]);

@@ -4,23 +4,31 @@
 #include <cageform/core/detail/in_parallel.hpp>
 #include <cageform/core/vec.hpp>
 
-#include <span>
+#include <cmath>
+#include <limits>
 #include <vector>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
 /// Clusters by farthest points, then by ten steps of Lloyd's method (Least squares quantization in PCM, IEEE
-/// Trans. Inf. Theory 28 (1982)).
+/// Trans. Inf. Theory 28 (1982)). Positions are rounded, so that roundings decide no tie: clusters depend
+/// neither on the place of a figure nor on its size.
 ///
 ///   cost  O(#samples #clusters) a step
 template <Scalar T, std::size_t D>
 class SampleClusters {
 public:
-    SampleClusters(std::span<const Vec<T, D>> points, std::size_t count, const Running& running)
-        : points_(points)
-        , running_(running)
+    /// centre, size  of the cage
+    SampleClusters(const std::vector<Vec<T, D>>& points, const Vec<double, D>& centre, double size,
+                   std::size_t count, const Running& running)
+        : running_(running)
         , cluster_of(points.size(), 0)
         , nearest_(points.size(), std::numeric_limits<double>::infinity()) {
+        for (const auto& point : points) {
+            auto p = (0x1p16 / size) * (vec_cast<double>(point) - centre);
+            for (double& x : p.v) x = std::nearbyint(x);
+            points_.push_back(p);
+        }
         if (count >= points.size()) {
             for (std::size_t s = 0; s < points.size(); ++s) {
                 cluster_of[s] = std::uint32_t(s);
@@ -39,7 +47,7 @@ public:
     }
 
 private:
-    std::span<const Vec<T, D>> points_;
+    std::vector<Vec<double, D>> points_; ///< #samples: whole numbers
     const Running& running_;
 
 public:
@@ -50,13 +58,12 @@ private:
     static double distance(const Vec<double, D>& a, const Vec<double, D>& b) noexcept {
         return dot(a - b, a - b);
     }
-    Vec<double, D> point(std::size_t s) const noexcept { return vec_cast<double>(points_[s]); }
 
     /// Starts from the first sample; each further centre is the sample farthest from those before.
     void spread(std::size_t count) {
         std::size_t farthest = 0;
         for (std::size_t c = 0; c < count; ++c) {
-            places_.push_back(point(farthest));
+            places_.push_back(points_[farthest]);
             in_parallel(running_, points_.size(), 4096, [&](std::size_t begin, std::size_t end) {
                 for (std::size_t s = begin; s < end; ++s) look_at(s, c);
             });
@@ -67,7 +74,7 @@ private:
         }
     }
     void look_at(std::size_t s, std::size_t cluster) noexcept {
-        const double to = distance(point(s), places_[cluster]);
+        const double to = distance(points_[s], places_[cluster]);
         if (!(to < nearest_[s])) return;
         nearest_[s] = to;
         cluster_of[s] = std::uint32_t(cluster);
@@ -85,7 +92,7 @@ private:
         std::vector<Vec<double, D>> sums(places_.size(), Vec<double, D>{});
         counts_.assign(places_.size(), 0);
         for (std::size_t s = 0; s < points_.size(); ++s) {
-            sums[cluster_of[s]] = sums[cluster_of[s]] + point(s);
+            sums[cluster_of[s]] = sums[cluster_of[s]] + points_[s];
             ++counts_[cluster_of[s]];
         }
         for (std::size_t c = 0; c < places_.size(); ++c) {
@@ -109,7 +116,7 @@ private:
         for (std::size_t s = 0; s < points_.size(); ++s) {
             std::uint32_t& centre = centres[cluster_of[s]];
             const Vec<double, D>& place = places_[cluster_of[s]];
-            if (centre == none || distance(point(s), place) < distance(point(centre), place))
+            if (centre == none || distance(points_[s], place) < distance(points_[centre], place))
                 centre = std::uint32_t(s);
         }
     }

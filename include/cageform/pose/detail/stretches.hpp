@@ -7,10 +7,10 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-inline double determinant(const Square<double, 2>& m) noexcept {
+inline double determinant(const LinearMap<double, 2>& m) noexcept {
     return m.at[0][0] * m.at[1][1] - m.at[0][1] * m.at[1][0];
 }
-inline double determinant(const Square<double, 3>& m) noexcept {
+inline double determinant(const LinearMap<double, 3>& m) noexcept {
     const auto& a = m.at;
     return a[0][0] * (a[1][1] * a[2][2] - a[1][2] * a[2][1]) -
            a[0][1] * (a[1][0] * a[2][2] - a[1][2] * a[2][0]) +
@@ -18,13 +18,13 @@ inline double determinant(const Square<double, 3>& m) noexcept {
 }
 
 /// The inverse of a symmetric positive definite matrix, by its cofactors.
-inline Square<double, 2> inverse(const Square<double, 2>& m) noexcept {
+inline LinearMap<double, 2> inverse(const LinearMap<double, 2>& m) noexcept {
     const double over = 1 / determinant(m);
     return {{{over * m.at[1][1], -over * m.at[0][1]}, {-over * m.at[1][0], over * m.at[0][0]}}};
 }
-inline Square<double, 3> inverse(const Square<double, 3>& m) noexcept {
+inline LinearMap<double, 3> inverse(const LinearMap<double, 3>& m) noexcept {
     const double over = 1 / determinant(m);
-    Square<double, 3> to;
+    LinearMap<double, 3> to;
     for (std::size_t r = 0; r < 3; ++r) {
         for (std::size_t c = 0; c < 3; ++c) {
             const std::size_t r1 = (r + 1) % 3, r2 = (r + 2) % 3, c1 = (c + 1) % 3, c2 = (c + 2) % 3;
@@ -35,7 +35,7 @@ inline Square<double, 3> inverse(const Square<double, 3>& m) noexcept {
 }
 
 /// Returns the squares of the least and the largest singular value.
-inline Vec<double, 2> squared_stretches(const Square<double, 2>& m) noexcept {
+inline Vec<double, 2> squared_stretches(const LinearMap<double, 2>& m) noexcept {
     const auto& a = m.at;
     const double x = a[0][0] + a[1][1], y = a[1][0] - a[0][1], z = a[0][0] - a[1][1], w = a[0][1] + a[1][0];
     const double p = std::sqrt(x * x + y * y), q = std::sqrt(z * z + w * w);
@@ -43,14 +43,14 @@ inline Vec<double, 2> squared_stretches(const Square<double, 2>& m) noexcept {
 }
 /// In space the eigenvalues of MᵀM, by the cosines of Smith (Eigenvalues of a symmetric 3 × 3 matrix, Comm.
 /// ACM 4 (1961)); the least from the determinant, so that it does not cancel.
-inline Vec<double, 2> squared_stretches(const Square<double, 3>& m) noexcept {
+inline Vec<double, 2> squared_stretches(const LinearMap<double, 3>& m) noexcept {
     double s[3][3];
     for (std::size_t r = 0; r < 3; ++r) {
         for (std::size_t c = 0; c < 3; ++c)
             s[r][c] = m.at[0][r] * m.at[0][c] + m.at[1][r] * m.at[1][c] + m.at[2][r] * m.at[2][c];
     }
     const double mean = (s[0][0] + s[1][1] + s[2][2]) / 3;
-    Square<double, 3> b;
+    LinearMap<double, 3> b;
     double spread = 0;
     for (std::size_t r = 0; r < 3; ++r) {
         for (std::size_t c = 0; c < 3; ++c) {
@@ -75,9 +75,9 @@ struct Stretches {
 
     /// Adds the deformation 1 + d M⁻¹. A deformation that is one to rounding counts as 1.
     template <std::size_t D>
-    void add(const Square<double, D>& d, const Square<double, D>& moments) noexcept {
-        const Square<double, D> over = inverse(moments);
-        Square<double, D> f;
+    void add(const LinearMap<double, D>& d, const LinearMap<double, D>& moments) noexcept {
+        const LinearMap<double, D> over = inverse(moments);
+        LinearMap<double, D> f;
         for (std::size_t r = 0; r < D; ++r) {
             for (std::size_t c = 0; c < D; ++c) {
                 f.at[r][c] = r == c ? 1 : 0;

@@ -29,6 +29,7 @@ struct PoseSamples {
     double size = 0;                      ///< L
     std::vector<Vec<T, D>> points;        ///< #samples, in the units of the cage
     std::vector<std::uint32_t> clusters;  ///< #samples
+    std::vector<std::uint32_t> centres;   ///< #clusters: the sample in the middle of each, at which spokes end
     std::size_t cluster_count = 0;
     /// G: a block for each group of clusters, with row handle · D + axis.
     std::vector<Lanes<T>> gradients;
@@ -47,7 +48,7 @@ struct PoseSamples {
     double stiffness_of(std::size_t i, std::size_t j) const noexcept {
         return i < j ? stiffness[j * (j + 1) / 2 + i] : stiffness[i * (i + 1) / 2 + j];
     }
-    /// Returns the bytes of all parts but `points` and `clusters`, which no frame reads.
+    /// Returns the bytes of all parts but those by sample, which no frame reads.
     std::size_t bytes() const noexcept {
         return rest_handles.size() * (sizeof(Vec<T, D>) + sizeof(HandleKind)) +
                (gradients.size() + moments.size()) * sizeof(Lanes<T>) + stiffness.size() * sizeof(double);
