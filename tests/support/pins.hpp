@@ -254,12 +254,10 @@ private:
                 for (const auto corner : handles.faces[vectors]) place = place + (1.0 / D) * handles.rest[corner];
                 ++vectors;
             }
-            const std::size_t c =
-                std::size_t(std::min_element(centres.begin(), centres.end(),
-                                             [&](const auto& a, const auto& b) {
-                                                 return away(a, place) < away(b, place);
-                                             }) -
-                            centres.begin());
+            std::size_t c = 0;
+            for (std::size_t n = 1; n < centres.size(); ++n) { // roundings decide no tie
+                if (away(centres[n], place) < (1 - 1e-9) * away(centres[c], place)) c = n;
+            }
             if (is_point) direction = direction - centres[c];
             const double length = std::sqrt(dot(direction, direction));
             Term spoke{Eigen::MatrixXd::Zero(Eigen::Index(handles.count), Eigen::Index(D)), Matrix::Zero(),

@@ -111,7 +111,7 @@ WeightSum<N> weigh(const MeanValueFrame<S, 2>& cage, const MeanValueLimits<S>& l
             const N c = with_gradient<N, 2>(u[0] * ey - u[1] * ex, {-ey, ex});
             const N d = with_gradient<N, 2>(u[0] * v[0] + u[1] * v[1], {-(u[0] + v[0]), -(u[1] + v[1])});
             const auto acute = zero < value_of(d);
-            const N s = from.r * to.r + abs(d);
+            const N s = from.r * to.r + select(acute, d, -d); // |d|, with the slope of the form at d = 0 too
             const N numerator = select(acute, c, s), denominator = select(acute, s, c);
             least_clearance =
                 (min)(abs(value_of(denominator)) - X(limits.near_distance * corner.extent), least_clearance);

@@ -130,7 +130,7 @@ inline LinearMap<double, 3> rotation_of(const Vec<double, 3>& turn) noexcept {
     const Vec<double, 3> axis = (1 / angle) * turn;
     const double half = std::sin(angle / 2), sine = std::sin(angle), less = 2 * half * half;
     for (std::size_t r = 0; r < 3; ++r) {
-        for (std::size_t c = 0; c < 3; ++c) to.at[r][c] = less * (axis[r] * axis[c] - (r == c ? 1 : 0));
+        for (std::size_t c = 0; c < 3; ++c) to.at[r][c] += less * (axis[r] * axis[c] - (r == c ? 1 : 0));
         const std::size_t s = (r + 1) % 3, t = (r + 2) % 3;
         to.at[t][s] += sine * axis[r];
         to.at[s][t] -= sine * axis[r];
