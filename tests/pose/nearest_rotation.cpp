@@ -76,8 +76,8 @@ TEST_CASE("a symmetric matrix without negative eigenvalues gives exactly no rota
 
 TEST_CASE("where a matrix determines no rotation, the last one stays", "[pose]") {
     const LinearMap<double, 2> before = cageform::detail::rotation_of(Vec<double, 1>{0.3});
-    for (const LinearMap<double, 2>& j : {LinearMap<double, 2>{{{0, 0}, {0, 0}}}, {{{1, 0}, {0, -1}}},
-                                       {{{0.6, 0.8}, {0.8, -0.6}}}}) {
+    for (const LinearMap<double, 2>& j :
+         {LinearMap<double, 2>{{{0, 0}, {0, 0}}}, {{{1, 0}, {0, -1}}}, {{{0.6, 0.8}, {0.8, -0.6}}}}) {
         auto turn = before;
         nearest_rotation(j, turn);
         CHECK((matrix(turn) - matrix(before)).norm() == 0);

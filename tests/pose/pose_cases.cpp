@@ -94,7 +94,8 @@ TEST_CASE("pins that are nearly at one place and drawn apart give a finite pose"
 TEST_CASE("hard pins miss a thousand times less", "[pose]") {
     Pinned soft(cat(), cat_pins(), few);
     Pinned hard(cat(), cat_pins(), few, {.hard_pins = true});
-    const double soft_miss = soft.solve(cat_targets(), 40).miss, hard_miss = hard.solve(cat_targets(), 40).miss;
+    const double soft_miss = soft.solve(cat_targets(), 40).miss,
+                 hard_miss = hard.solve(cat_targets(), 40).miss;
     CAPTURE(soft_miss, hard_miss);
     CHECK(hard_miss <= 2e-3 * soft_miss);
     CHECK(hard.distance_from_pose(soft.pose) <= 1e-2);
@@ -254,7 +255,8 @@ TEST_CASE("a pin with an angle turns the figure around it", "[pose]") {
     const double s = 0.9 / std::sqrt(14.0);
     const std::vector<PoseTurn<3>> in_space_turns{{s, 2 * s, 3 * s}, {0, 0, 0}};
     const Motion<3> motion{0.9, {1, 2, -1}};
-    REQUIRE(in_space.solver.solve(motion.of(in_space.pins), in_space.pose, in_space_turns).status == Status::ok);
+    REQUIRE(in_space.solver.solve(motion.of(in_space.pins), in_space.pose, in_space_turns).status ==
+            Status::ok);
     CHECK(in_space.distance_from(motion) <= 1e-10);
 }
 

@@ -89,7 +89,8 @@ struct Pinned {
     PoseSolver<T, D> solver;
     std::vector<Vec<T, D>> rest, pose;
 
-    Pinned(const C& of, const Places<D>& at, const PoseSampleOptions& how = {}, const PoseOptions& solving = {})
+    Pinned(const C& of, const Places<D>& at, const PoseSampleOptions& how = {},
+           const PoseOptions& solving = {})
         : sampling(how)
         , options(solving)
         , coordinates(of)
@@ -189,7 +190,8 @@ public:
         clusters_.resize(samples.cluster_count);
         rest_.resize(Eigen::Index(D), Eigen::Index(handles));
         for (std::size_t i = 0; i < handles; ++i) {
-            for (std::size_t k = 0; k < D; ++k) rest_(Eigen::Index(k), Eigen::Index(i)) = samples.rest_handles[i][k];
+            for (std::size_t k = 0; k < D; ++k)
+                rest_(Eigen::Index(k), Eigen::Index(i)) = samples.rest_handles[i][k];
         }
         for (std::size_t s = 0; s < samples.points.size(); ++s) {
             Eigen::MatrixXd slope = Eigen::MatrixXd::Zero(Eigen::Index(handles), Eigen::Index(D));
@@ -197,13 +199,15 @@ public:
                 for (std::size_t k = 0; k < D; ++k)
                     slope(Eigen::Index(i), Eigen::Index(k)) = axes.value[k].weight(s, i);
             }
-            clusters_[samples.clusters[s]].push_back({slope, Matrix::Identity(), 1 / double(samples.points.size())});
+            clusters_[samples.clusters[s]].push_back(
+                {slope, Matrix::Identity(), 1 / double(samples.points.size())});
         }
         add_spokes(figure);
         for (std::size_t n = 0; n < targets.size(); ++n) {
             Pin pin{Eigen::VectorXd::Zero(Eigen::Index(handles)), {}};
             for (std::size_t i = 0; i < handles; ++i) pin.row(Eigen::Index(i)) = figure.binding.weight(n, i);
-            for (std::size_t k = 0; k < D; ++k) pin.offset(Eigen::Index(k)) = targets[n][k] - figure.pins[n][k];
+            for (std::size_t k = 0; k < D; ++k)
+                pin.offset(Eigen::Index(k)) = targets[n][k] - figure.pins[n][k];
             pins_.push_back(pin);
         }
     }
@@ -238,7 +242,7 @@ private:
     void add_spokes(const Pinned<C>& figure) {
         const auto& samples = figure.solver.samples();
         const auto handles = handle_view(figure.coordinates);
-        const double spokes = figure.sampling.spokes >= 0 ? figure.sampling.spokes
+        const double spokes = figure.sampling.spokes >= 0  ? figure.sampling.spokes
                               : handles.vector_count() > 0 ? 1e-2
                                                            : 1e-3;
         const auto away = [](const Vec<double, D>& a, const Vec<double, D>& b) { return dot(a - b, a - b); };
@@ -251,7 +255,8 @@ private:
             const bool is_point = handles.is_point(i);
             if (!is_point) {
                 place = {};
-                for (const auto corner : handles.faces[vectors]) place = place + (1.0 / D) * handles.rest[corner];
+                for (const auto corner : handles.faces[vectors])
+                    place = place + (1.0 / D) * handles.rest[corner];
                 ++vectors;
             }
             std::size_t c = 0;

@@ -11,7 +11,7 @@ namespace cageform::inline CAGEFORM_ABI::detail {
 template <std::size_t D>
 struct RigidFrame {
     LinearMap<double, D> turn{}; ///< Q − 1
-    Vec<double, D> shift{};   ///< b
+    Vec<double, D> shift{};      ///< b
 
     /// Returns (Q − 1) v, or (Q − 1)ᵀ v.
     Vec<double, D> change(const Vec<double, D>& v) const noexcept {

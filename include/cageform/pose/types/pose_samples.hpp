@@ -29,7 +29,7 @@ struct PoseSamples {
     double size = 0;                      ///< L
     std::vector<Vec<T, D>> points;        ///< #samples, in the units of the cage
     std::vector<std::uint32_t> clusters;  ///< #samples
-    std::vector<std::uint32_t> centres;   ///< #clusters: the sample in the middle of each, at which spokes end
+    std::vector<std::uint32_t> centres; ///< #clusters: the sample in the middle of each, at which spokes end
     std::size_t cluster_count = 0;
     /// G: a block for each group of clusters, with row handle · D + axis.
     std::vector<Lanes<T>> gradients;
