@@ -8,6 +8,7 @@
 #include "../support/oracle.hpp"
 #include "../support/weights.hpp"
 
+#include <cageform/binding/bind.hpp>
 #include <cageform/coordinates/barycentric.hpp>
 #include <cageform/coordinates/harmonic.hpp>
 #include <cageform/coordinates/mean_value.hpp>
@@ -337,6 +338,25 @@ TEMPLATE_TEST_CASE(
         for (const auto& g : on_border.rows[i])
             largest = cageform_tests::larger(largest, extent * std::sqrt(double(dot(g, g))));
         CHECK(largest <= 1e3);
+    }
+}
+
+TEST_CASE("gradients at a point that sees an edge under an exact right angle are those beside",
+          "[coordinates][mean_value]") {
+    const std::vector<Vec<double, 2>> cage{{-1, 0}, {1, 0}, {1.5, 3}, {-2, 2.5}};
+    const cageform::MeanValueCoordinates coordinates(cage);
+    const auto at = [&](const Vec<double, 2>& p) {
+        const auto bound = cageform::bind_jacobians(coordinates, std::vector<Vec<double, 2>>{p},
+                                                    {.linear_precision = cageform::LinearPrecision::leave});
+        REQUIRE(bound);
+        return bound;
+    };
+    const auto here = at({0, 1}); // (−1, 0) and (1, 0) are at right angles from here
+    const auto beside = at({1e-9, 1 + 1e-9});
+    CHECK(here.report.reproduction_error.value <= 1e-14);
+    for (std::size_t k = 0; k < 2; ++k) {
+        for (std::size_t i = 0; i < cage.size(); ++i)
+            CHECK(std::fabs(here.value[k].weight(0, i) - beside.value[k].weight(0, i)) <= 1e-8);
     }
 }
 

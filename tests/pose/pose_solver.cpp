@@ -183,7 +183,7 @@ TEST_CASE("the order of pins, and pins divided in weight, do not matter", "[pose
 }
 
 TEST_CASE("neither the place nor the size of a figure matters", "[pose]") {
-    for (const std::uint64_t seed : {1, 2, 3}) {
+    for (std::uint64_t seed = 1; seed <= 3; ++seed) {
         Random random(seed);
         const double scale = std::pow(10.0, random.uniform(-3, 3));
         const Vec<double, 2> shift{scale * random.uniform(-50, 50), scale * random.uniform(-50, 50)};

@@ -50,10 +50,10 @@ public:
     /// Sets the pins, instead of those before, and keeps the pose. {} takes all pins away.
     ///
     ///   cost   O(#handles³ / 3 + #pins #handles²) operations; allocates
-    ///   fails  as `status`; bindings_differ (other handles, or axes of other points); pins_do_not_match (the
-    ///          numbers of pins, weights and turns differ, or there are no axes to turn); index_out_of_range (a
-    ///          pin); weights_not_positive; pin_without_weights (no pose moves it); pose_not_determined (the
-    ///          culprit is a handle that nothing ties); out_of_memory. The pins before then stay
+    ///   fails  as `status`; bindings_differ (other handles, or axes of other points); pins_do_not_match
+    ///          (the numbers of pins, weights and turns differ, or turns have no axes); index_out_of_range
+    ///          (a pin); weights_not_positive; pin_without_weights (no pose moves it); pose_not_determined
+    ///          (the culprit is a handle that nothing ties); out_of_memory. The pins before then stay
     Status set_pins(const PosePins<T, D>& pins) {
         return change_system([&](detail::PoseSystem<T, D>& system) {
             system.held = system_.held;

@@ -88,7 +88,8 @@ private:
         };
         const std::size_t count = sampled_.points.size(), batch = keeps ? 512 : count;
         constexpr std::uint32_t none = ~std::uint32_t{0};
-        std::vector<std::uint32_t> column(count, none); // of the samples in the batch
+        column_.assign(count, none);
+        size_ = to.size;
         std::vector<Vec<T, D>> points;
         std::vector<std::uint32_t> numbers;
         std::size_t pair = 0;
@@ -96,8 +97,8 @@ private:
             const std::size_t last = (std::min)(first + batch, count);
             numbers.clear();
             const auto add = [&](std::uint32_t s) {
-                if (column[s] != none) return;
-                column[s] = std::uint32_t(numbers.size());
+                if (column_[s] != none) return;
+                column_[s] = std::uint32_t(numbers.size());
                 numbers.push_back(s);
             };
             for (std::size_t s = first; s < last; ++s) add(std::uint32_t(s));
@@ -108,11 +109,11 @@ private:
             }
             points.clear();
             for (const std::uint32_t s : numbers) points.push_back(sampled_.points[s]);
-            const Status status = set_gradients(points, to.size, running);
+            const Status status = set_gradients(points, running);
             if (status != Status::ok) return status;
             add_batch(last - first, numbers, sums, running);
-            add_pairs(first_pair, pair, column, to.size, sums, running);
-            for (const std::uint32_t s : numbers) column[s] = none;
+            add_pairs(first_pair, pair, sums, running);
+            for (const std::uint32_t s : numbers) column_[s] = none;
             if (!running.keep_going(double(last) / double(count))) return Status::cancelled;
         }
         if (report_.samples == 0) return Status::samples_missing;
@@ -121,7 +122,7 @@ private:
     }
 
     /// Computes the gradients at points, D columns each, and which points have some.
-    Status set_gradients(const std::vector<Vec<T, D>>& points, double size, const Running& running) {
+    Status set_gradients(const std::vector<Vec<T, D>>& points, const Running& running) {
         auto [axes, report] = bind_jacobians(coordinates_, points, {}, {running.parallel, {}});
         report_.bind = std::move(report);
         if (report_.bind.status != Status::ok) return report_.bind.status;
@@ -137,7 +138,7 @@ private:
             for (std::size_t k = 0; k < D; ++k) {
                 for (std::size_t i = 0; i < handles_.count; ++i)
                     gradients_(Eigen::Index(i), Eigen::Index(n * D + k)) =
-                        is_there_[n] ? size * double(axes[k].weight(n, i)) : 0;
+                        is_there_[n] ? size_ * double(axes[k].weight(n, i)) : 0;
             }
         }
         return Status::ok;
@@ -154,17 +155,16 @@ private:
         }
     }
     /// Adds the differences of neighbours, which smoothness weighs.
-    void add_pairs(std::size_t first, std::size_t last, const std::vector<std::uint32_t>& column, double size,
-                   SampleSums<T, D>& sums, const Running& running) {
+    void add_pairs(std::size_t first, std::size_t last, SampleSums<T, D>& sums, const Running& running) {
         if (first == last) return;
         Matrix differences = Matrix::Zero(gradients_.rows(), Eigen::Index((last - first) * D));
         for (std::size_t n = first; n < last; ++n) {
             const auto [a, b] = sampled_.neighbours[n];
-            if (!is_there_[column[a]] || !is_there_[column[b]]) continue;
-            const auto apart = (1 / size) * vec_cast<double>(sampled_.points[a] - sampled_.points[b]);
+            if (!is_there_[column_[a]] || !is_there_[column_[b]]) continue;
+            const auto apart = (1 / size_) * vec_cast<double>(sampled_.points[a] - sampled_.points[b]);
             const double factor = options_.smoothing / std::sqrt(dot(apart, apart));
             const auto of = [&](std::uint32_t s) {
-                return gradients_.middleCols(Eigen::Index(column[s] * D), Eigen::Index(D));
+                return gradients_.middleCols(Eigen::Index(column_[s] * D), Eigen::Index(D));
             };
             differences.middleCols(Eigen::Index((n - first) * D), Eigen::Index(D)) = factor * (of(a) - of(b));
         }
@@ -174,6 +174,7 @@ private:
     Status add_spokes(const PoseSamples<T, D>& to, SampleSums<T, D>& sums,
                       const std::vector<std::uint32_t>& centres, const Running& running) {
         std::vector<Vec<T, D>> places;
+        places.reserve(centres.size());
         for (const std::uint32_t s : centres) places.push_back(sampled_.points[s]);
         auto [binding, bound] = bind(coordinates_, places, {}, running);
         if (bound.status != Status::ok) return bound.status;
@@ -221,6 +222,8 @@ private:
     HandleView<T, D> handles_;
     SamplePoints<T, D> sampled_;
     std::vector<std::uint32_t> cluster_of_;
+    std::vector<std::uint32_t> column_; ///< #samples: the place of a sample in the batch, if it is there
+    double size_ = 0;                   ///< of the cage
     Matrix gradients_;           ///< #handles × (points of a batch · D), in lengths of the cage's size
     std::vector<bool> is_there_; ///< the points of a batch that have gradients
 };

@@ -93,7 +93,7 @@ private:
             std::vector<Lanes<T>> positions(blocks * D), weights(blocks * handles);
             for (std::size_t n = begin; n < end; ++n) {
                 const std::size_t first = n * piece, count = (std::min)(piece, states_.size() - first);
-                BlockView<T> points{positions.data(), D, count};
+                const BlockView<T> points{positions.data(), D, count};
                 for (std::size_t i = 0; i < block_count<T>(count) * lane_count<T>; ++i) {
                     const auto p = point(first + (std::min)(i, count - 1));
                     for (std::size_t k = 0; k < D; ++k) points(i, k) = p[k];
