@@ -271,9 +271,9 @@ TEST_CASE("what is refused has a name and changes nothing", "[pose]") {
         CHECK(report.culprit == culprit);
         CHECK((figure.pose == before));
     };
-    refuses({{1, 2}}, Status::pins_do_not_match, PoseReport::none);
+    refuses({{1, 2}}, Status::pins_do_not_match, PoseSolverReport::none);
     refuses(moved(cat_targets(), 4, {nan, 0}), Status::pose_not_finite, 4);
-    refuses(moved(cat_targets(), 2, {1e308, 1e308}), Status::pose_not_finite, PoseReport::none);
+    refuses(moved(cat_targets(), 2, {1e308, 1e308}), Status::pose_not_finite, PoseSolverReport::none);
     std::vector<Vec<double, 2>> wrong(7);
     CHECK(figure.solver.solve(cat_targets(), wrong).status == Status::pose_size_differs);
     CHECK(figure.solver.set_pose(wrong) == Status::pose_size_differs);

@@ -46,7 +46,8 @@ Status play(std::span<const std::byte> file, T time, CurveCursor<T>& cursor, Poi
 }
 
 template <class T, std::size_t D>
-PoseReport pull(PoseSolver<T, D>& solver, std::span<const Vec<T, D>> targets, Points<T, D> pose) noexcept {
+PoseSolverReport pull(PoseSolver<T, D>& solver, std::span<const Vec<T, D>> targets,
+                      Points<T, D> pose) noexcept {
     return solver.solve(targets, pose);
 }
 
@@ -60,10 +61,10 @@ template Status turn<float>(const Binding<float, 3>&, const PackedBindingView<fl
                             Points<float, 3>, Points<float, 3>, const StridedMatrices<float, 3>&) noexcept;
 template Status play<float>(std::span<const std::byte>, float, CurveCursor<float>&, Points<float, 3>,
                             Points<float, 3>, Points<float, 3>, std::span<std::array<float, 4>>) noexcept;
-template PoseReport pull<double, 2>(PoseSolver<double, 2>&, std::span<const Vec<double, 2>>,
-                                    Points<double, 2>) noexcept;
-template PoseReport pull<float, 3>(PoseSolver<float, 3>&, std::span<const Vec<float, 3>>,
-                                   Points<float, 3>) noexcept;
+template PoseSolverReport pull<double, 2>(PoseSolver<double, 2>&, std::span<const Vec<double, 2>>,
+                                          Points<double, 2>) noexcept;
+template PoseSolverReport pull<float, 3>(PoseSolver<float, 3>&, std::span<const Vec<float, 3>>,
+                                         Points<float, 3>) noexcept;
 
 Status upload(const PackedBindingView<float, 3>& binding, Points<float, 3> pose,
               std::span<std::array<float, 4>> out) {

@@ -18,10 +18,10 @@
 namespace cageform_tests {
 
 using cageform::PoseOptions;
-using cageform::PoseReport;
 using cageform::PoseSampleOptions;
 using cageform::PoseSamples;
 using cageform::PoseSolver;
+using cageform::PoseSolverReport;
 using cageform::Status;
 
 template <std::size_t D>
@@ -107,8 +107,8 @@ struct Pinned {
     }
     double size() const { return solver.samples().size; }
 
-    PoseReport solve(const Places<D>& targets, std::size_t frames = 1) {
-        PoseReport report;
+    PoseSolverReport solve(const Places<D>& targets, std::size_t frames = 1) {
+        PoseSolverReport report;
         for (std::size_t n = 0; n < frames; ++n) {
             report = solver.solve(targets, pose);
             CAPTURE(to_string(report.status));

@@ -19,7 +19,7 @@ namespace cageform::inline CAGEFORM_ABI {
 ///
 ///     PoseSolver<double, 2> solver(pose_samples(coordinates).value);  // once; the samples ship with a game
 ///     Status status = solver.set_pins({.binding = pins.view()});      // a click: it factors a matrix
-///     PoseReport report = solver.solve(targets, pose);                // a frame; then clone(…, pose, out)
+///     PoseSolverReport report = solver.solve(targets, pose);                // a frame; then clone(…, pose, out)
 ///
 /// A frame begins with the best rigid motion of the pins, then repeats: it turns each cluster of samples as
 /// fits best, and solves for the handles. Everything is a displacement from rest, in a frame that moves
@@ -75,7 +75,7 @@ public:
                 if (h >= samples_.handle_count()) return Status::index_out_of_range;
                 is_held[h] = true;
             }
-            culprit_ = PoseReport::none;
+            culprit_ = PoseSolverReport::none;
             for (std::size_t h = 0; h < is_held.size(); ++h) {
                 if (is_held[h]) system.held.push_back(std::uint32_t(h));
             }
@@ -123,8 +123,9 @@ public:
     ///   cost     (4 #clusters D² + 2 #handles D) #handles operations a step, and as many to report; no
     ///            allocation
     template <PointRangeIn<D> Targets, MutablePointRangeIn<D> Pose>
-    PoseReport solve(const Targets& targets, Pose&& pose, std::span<const PoseTurn<D>> turns = {}) noexcept {
-        PoseReport report;
+    PoseSolverReport solve(const Targets& targets, Pose&& pose,
+                           std::span<const PoseTurn<D>> turns = {}) noexcept {
+        PoseSolverReport report;
         report.status = check(std::size(targets), std::size(pose), turns.size());
         if (report.status != Status::ok) return report;
         kept_.copy(displacements_);
@@ -146,7 +147,8 @@ public:
         }
         if (!rows().empty() || !system_.held.empty()) run(report);
         for (std::size_t i = 0; i < handle_count(); ++i) {
-            if (!is_finite(vec_cast<T>(handle(i)))) return refused(report, PoseReport::none, kept_frame);
+            if (!is_finite(vec_cast<T>(handle(i))))
+                return refused(report, PoseSolverReport::none, kept_frame);
         }
         finish(report);
         for (std::size_t i = 0; i < handle_count(); ++i) store_point(pose, i, handle(i));
@@ -189,7 +191,7 @@ private:
     /// Makes a system by set(system) and factors it; takes it only if all goes well.
     template <class Set>
     Status change_system(const Set& set) {
-        culprit_ = PoseReport::none;
+        culprit_ = PoseSolverReport::none;
         if (status_ != Status::ok) return status_;
         return detail::guard_memory([&] {
             detail::PoseSystem<T, D> system;
@@ -254,7 +256,8 @@ private:
         if (!may_turn) return Status::pins_do_not_match;
         return pose != handle_count() ? Status::pose_size_differs : Status::ok;
     }
-    PoseReport refused(PoseReport& report, std::size_t culprit, const detail::RigidFrame<D>& frame) noexcept {
+    PoseSolverReport refused(PoseSolverReport& report, std::size_t culprit,
+                             const detail::RigidFrame<D>& frame) noexcept {
         displacements_.copy(kept_);
         frame_ = frame;
         is_new_ = true;
@@ -264,7 +267,7 @@ private:
         return report;
     }
 
-    void run(PoseReport& report) noexcept {
+    void run(PoseSolverReport& report) noexcept {
         if (is_new_) {
             if (system_.held.empty()) align();
             anderson_.forget();
@@ -333,7 +336,7 @@ private:
     }
 
     /// Turns the clusters, and sets the right side and the energies. Returns the energy of the pose.
-    double evaluate(detail::Stretches* stretches, PoseReport& report) noexcept {
+    double evaluate(detail::Stretches* stretches, PoseSolverReport& report) noexcept {
         for (std::size_t i = 0; i < handle_count(); ++i)
             sample_displacements_[i] = vec_cast<T>(displacements_.get(i));
         double turned = 0;
@@ -342,14 +345,15 @@ private:
         report.rigid_energy = turned + strain();
         report.pin_energy = 0;
         report.miss = 0;
-        report.missed = PoseReport::none;
+        report.missed = PoseSolverReport::none;
         for (std::size_t r = 0; r < rows().size(); ++r) {
             const Row& row = rows()[r];
             const auto miss = displacements_.product(weights_of(r)) - demands_[r];
             report.pin_energy += row.weight * dot(miss, miss);
             right_.add(weights_of(r), row.weight * demands_[r]);
             const double distance = samples_.size * std::sqrt(dot(miss, miss));
-            if (!row.is_point() || (report.missed != PoseReport::none && !(distance > report.miss))) continue;
+            if (!row.is_point() || (report.missed != PoseSolverReport::none && !(distance > report.miss)))
+                continue;
             report.miss = distance;
             report.missed = row.pin;
         }
@@ -393,7 +397,7 @@ private:
             displacements_.set(system_.unknowns[n], from.get(n));
     }
 
-    void finish(PoseReport& report) noexcept {
+    void finish(PoseSolverReport& report) noexcept {
         double square = 0;
         for (std::size_t i = 0; i < handle_count(); ++i) {
             const auto step = moved(i) - last_.get(i);
@@ -408,7 +412,7 @@ private:
     PoseSamples<T, D> samples_;
     PoseOptions options_;
     Status status_ = Status::samples_missing;
-    std::size_t culprit_ = PoseReport::none;
+    std::size_t culprit_ = PoseSolverReport::none;
 
     detail::PoseSystem<T, D> system_;
     detail::RotationPass<T, D> pass_;

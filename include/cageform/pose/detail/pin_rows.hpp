@@ -109,7 +109,7 @@ struct PinRows {
             }
             if (status != Status::ok) return status;
         }
-        culprit = PoseReport::none;
+        culprit = PoseSolverReport::none;
         return Status::ok;
     }
 

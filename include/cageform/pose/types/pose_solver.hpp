@@ -48,7 +48,7 @@ template <std::size_t D>
 using PoseTurn = Vec<double, D == 2 ? 1 : 3>;
 
 /// How a frame went. Energies are those of PoseSamples, lengths in the units of the cage.
-struct PoseReport {
+struct PoseSolverReport {
     static constexpr std::size_t none = ~std::size_t{0};
 
     Status status = Status::ok;
