@@ -19,7 +19,7 @@ namespace cageform::inline CAGEFORM_ABI {
 ///
 ///     PoseSolver<double, 2> solver(pose_samples(coordinates).value);  // once; the samples ship with a game
 ///     Status status = solver.set_pins({.binding = pins.view()});      // a click: it factors a matrix
-///     PoseSolverReport report = solver.solve(targets, pose);                // a frame; then clone(…, pose, out)
+///     const PoseSolverReport report = solver.solve(targets, pose);    // a frame; then clone(…, pose, out)
 ///
 /// A frame begins with the best rigid motion of the pins, then repeats: it turns each cluster of samples as
 /// fits best, and solves for the handles. Everything is a displacement from rest, in a frame that moves
