@@ -22,6 +22,7 @@ ROOMS = {
     "clone": "what runs every frame",
     "animate": "key frames to cubic pieces, pieces to poses",
     "enclose": "a cage for any figure",
+    "pose": "pins on the figure move the cage",
     "fields": "the same solvers for your own data",
     "exchange": "curves of other programs",
     "papers": "the historical baseline",
@@ -326,7 +327,7 @@ ROOMS_PAGE = """# Rooms
 The folders of `include/cageform` are the data flow. Includes only ever point left:
 
 ```text
-core → cage → grid → coordinates → binding → clone
+core → cage → grid → coordinates → binding → clone → pose
 core → animate      cage, grid → fields      cage → enclose
 ```
 

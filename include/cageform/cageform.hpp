@@ -28,4 +28,6 @@
 #include <cageform/coordinates/uniform_harmonic.hpp>
 #include <cageform/fields/dirichlet.hpp>
 #include <cageform/fields/strokes.hpp>
+#include <cageform/pose/pose_samples.hpp>
+#include <cageform/pose/pose_solver.hpp>
 #include <cageform/version.hpp>

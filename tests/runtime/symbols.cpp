@@ -1,6 +1,7 @@
 // The functions that an engine calls every frame, and nothing else: cmake/check_symbols.cmake checks the
 // compiled code.
 #include <cageform/clone/clone_transposed.hpp>
+#include <cageform/pose/pose_solver.hpp>
 #include <cageform/runtime.hpp>
 
 namespace frame {
@@ -50,6 +51,12 @@ Status play(std::span<const std::byte> file, T time, CurveCursor<T>& cursor, Poi
     return clone(opened.value, pose, FigureOutput{out, normals, tangents});
 }
 
+template <class T, std::size_t D>
+PoseSolverReport pull(PoseSolver<T, D>& solver, std::span<const Vec<T, D>> targets,
+                      Points<T, D> pose) noexcept {
+    return solver.solve(targets, pose);
+}
+
 #define CAGEFORM_TEST_MOVE(T, D)                                                                             \
     template Status move<T, D>(const Binding<T, D>&, std::span<const std::byte>, const CageClip<T, D>&,      \
                                CageClip<T, D>::Cursor&, T, Points<T, D>, Points<T, D>, StridedPoints<T, D>,  \
@@ -60,6 +67,10 @@ template Status turn<float>(const Binding<float, 3>&, const PackedBindingView<fl
                             Points<float, 3>, Points<float, 3>, const StridedMatrices<float, 3>&) noexcept;
 template Status play<float>(std::span<const std::byte>, float, CurveCursor<float>&, Points<float, 3>,
                             Points<float, 3>, Points<float, 3>, std::span<std::array<float, 4>>) noexcept;
+template PoseSolverReport pull<double, 2>(PoseSolver<double, 2>&, std::span<const Vec<double, 2>>,
+                                          Points<double, 2>) noexcept;
+template PoseSolverReport pull<float, 3>(PoseSolver<float, 3>&, std::span<const Vec<float, 3>>,
+                                         Points<float, 3>) noexcept;
 
 Status upload(const PackedBindingView<float, 3>& binding, Points<float, 3> pose,
               std::span<std::array<float, 4>> out) {

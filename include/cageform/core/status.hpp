@@ -130,7 +130,12 @@ namespace cageform::inline CAGEFORM_ABI {
     X(binding_weights_negative, "the binding has negative weights, and a rational clone none")    \
     X(handles_not_faces, "some vectors among the handles belong to no face")                      \
     X(threshold_not_supported, "the threshold of folds is not a finite number below 1")           \
-    X(handles_not_bones, "the handles are not the origins and axes of bones")
+    X(handles_not_bones, "the handles are not the origins and axes of bones")                     \
+    /* pose/ */                                                                                   \
+    X(samples_missing, "there are no samples of the inside of the cage")                          \
+    X(pins_do_not_match, "there is not one target, weight or turn for every pin")                 \
+    X(pin_without_weights, "a pin lies where the coordinates have no weights")                    \
+    X(pose_not_determined, "the pins and samples do not determine a handle: give it spokes")
 // clang-format on
 
 enum class [[nodiscard]] Status : std::uint8_t{
