@@ -94,8 +94,8 @@ void clone_packed_lattice(benchmark::State& state) {
     run_clone(state, lattice, packed.value.view());
 }
 
-/// Free-form deformation as published and as PyGeM has it, as a plain loop: Bernstein polynomials by powers and
-/// binomial coefficients, and a sum over all control points, in every frame.
+/// Free-form deformation as published and as PyGeM has it, as a plain loop: Bernstein polynomials by powers
+/// and binomial coefficients, and a sum over all control points, in every frame.
 void plain_lattice(benchmark::State& state) {
     const auto side = std::size_t(state.range(1)), degree = side - 1;
     const auto points = points_of<double>(state.range(0));
