@@ -77,12 +77,10 @@ void CoordinatesChoice::add_options(CommandLine& line) {
                  "of the others; fan makes fans of all; triangles cuts them")
             .one_of({"planar", "fan", "triangles"})
             .show_default();
-        line.add(
-                "--divisions", divisions,
-                "mean-value, harmonic: divide faces of four corners in space into N x N cells, each a fan, "
-                "so "
-                "that weights on them are nearly bilinear; a bind takes about 2 N^2 times as long, and above "
-                "1 all faces of more than three corners are fans")
+        line.add("--divisions", divisions,
+                 "mean-value, harmonic: divide faces of four corners in space into N x N cells, each a fan, "
+                 "so that weights on them are nearly bilinear; a bind takes about 2 N^2 times as long, and "
+                 "above 1 all faces of more than three corners are fans")
             .range(1, 64)
             .show_default();
     }

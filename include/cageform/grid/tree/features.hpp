@@ -25,6 +25,29 @@ struct Feature {
     }
 };
 
+struct FacetCorner {
+    std::uint32_t vertex, facet, corner;
+};
+template <std::size_t D>
+std::vector<FacetCorner> corners_of(const grid::TreeBoundary<D>& boundary) {
+    std::vector<FacetCorner> corners;
+    for (std::uint32_t n = 0; n < boundary.size(); ++n) {
+        for (std::uint32_t k = 0; k < D; ++k) corners.push_back({boundary[n].vertex[k], n, k});
+    }
+    return corners;
+}
+/// Calls f with the parts of facets that have the same `vertex`, ascending by facet, vertex by vertex.
+template <class Part, class F>
+void for_each_vertex(std::vector<Part> parts, const F& f) {
+    std::sort(parts.begin(), parts.end(), [](const Part& a, const Part& b) {
+        return a.vertex != b.vertex ? a.vertex < b.vertex : a.facet < b.facet;
+    });
+    for (auto begin = parts.begin(), end = begin; begin != parts.end(); begin = end) {
+        while (end != parts.end() && end->vertex == begin->vertex) ++end;
+        f(std::span<const Part>(begin, end));
+    }
+}
+
 template <std::size_t D>
 class Features;
 
@@ -40,7 +63,7 @@ public:
 
     std::vector<Feature<2>> find() {
         std::vector<Feature<2>> features;
-        for_each_vertex([&](std::span<const End> about) {
+        for_each_vertex(corners_of(boundary_), [&](std::span<const End> about) {
             const double levels = std::round(sizes_.options().corner_levels / exponent(about));
             if (levels > 0) add(about, levels, features);
         });
@@ -49,42 +72,26 @@ public:
     /// Returns the sum over all vertices of 1/α, which corner_levels is multiplied by.
     double inverse_exponents() const {
         double sum = 0;
-        for_each_vertex([&](std::span<const End> about) { sum += 1 / exponent(about); });
+        for_each_vertex(corners_of(boundary_),
+                        [&](std::span<const End> about) { sum += 1 / exponent(about); });
         return sum;
     }
 
 private:
-    struct End { ///< the end of an edge
-        std::uint32_t vertex, edge;
-        std::size_t corner;
-    };
-    /// Calls f with the ends that meet at each vertex.
-    template <class F>
-    void for_each_vertex(F&& f) const {
-        std::vector<End> ends;
-        for (std::uint32_t n = 0; n < boundary_.size(); ++n) {
-            for (std::size_t k = 0; k < 2; ++k) ends.push_back({boundary_[n].vertex[k], n, k});
-        }
-        std::sort(ends.begin(), ends.end(), [](const End& a, const End& b) {
-            return a.vertex != b.vertex ? a.vertex < b.vertex : a.edge < b.edge;
-        });
-        for (auto begin = ends.begin(), end = begin; begin != ends.end(); begin = end) {
-            while (end != ends.end() && end->vertex == begin->vertex) ++end;
-            f(std::span<const End>(begin, end));
-        }
-    }
+    using End = FacetCorner; ///< the end of an edge
+
     /// Returns the exponent α for which the steepest functions at a vertex decrease like
     /// distance^α: π over the interior angle. Returns infinity if the tree need not be finer there.
     double exponent(std::span<const End> about) const noexcept {
         constexpr double pi = std::numbers::pi, obtuse = 0.55 * pi;
         double angle = about.size() == 1 ? 2 * pi : pi;
         if (about.size() == 2) {
-            const auto &a = boundary_[about[0].edge], &b = boundary_[about[1].edge];
+            const auto &a = boundary_[about[0].facet], &b = boundary_[about[1].facet];
             const auto u = across(about[0]), v = across(about[1]);
             const double size = length(u) * length(v);
             if (!(size > 0)) return std::numeric_limits<double>::infinity();
             angle = std::acos(std::clamp(dot(u, v) / size, -1.0, 1.0));
-            const bool convex = dot(boundary_.normal(about[0].edge), v) < 0;
+            const bool convex = dot(boundary_.normal(about[0].facet), v) < 0;
             if (!a.separates && !b.separates) {
                 angle = (std::max)(angle, 2 * pi - angle);
             } else if (a.separates && b.separates && !convex) {
@@ -97,14 +104,14 @@ private:
     }
     /// Returns the vector from a vertex along its edge to the other end.
     Vec<double, 2> across(const End& end) const noexcept {
-        const auto& corner = boundary_[end.edge].corner;
+        const auto& corner = boundary_[end.facet].corner;
         return corner[1 - end.corner] - corner[end.corner];
     }
     /// Adds a vertex, about which cells are the size that its edges allow, halved `levels` times.
     void add(std::span<const End> about, double levels, std::vector<Feature<2>>& features) {
-        const auto position = boundary_[about[0].edge].corner[about[0].corner];
+        const auto position = boundary_[about[0].facet].corner[about[0].corner];
         double size = sizes_.largest();
-        for (const End& end : about) size = (std::min)(size, sizes_.size_near(end.edge, position));
+        for (const End& end : about) size = (std::min)(size, sizes_.size_near(end.facet, position));
         features.push_back({position, position, (std::max)(std::ldexp(size, -int(levels)), 1.0),
                             sizes_.options().corner_gradation, SizeReason::singular_vertex});
     }
@@ -151,14 +158,10 @@ private:
                 ridges.push_back({{(std::min)(a, b), (std::max)(a, b)}, n, apex});
             }
         }
-        std::sort(ridges.begin(), ridges.end(), [](const Ridge& a, const Ridge& b) {
-            return a.vertex != b.vertex ? a.vertex < b.vertex : a.facet < b.facet;
-        });
         std::vector<std::vector<Ridge>> reflex;
-        for (auto begin = ridges.begin(), end = begin; begin != ridges.end(); begin = end) {
-            while (end != ridges.end() && end->vertex == begin->vertex) ++end;
-            if (is_reflex({begin, end})) reflex.emplace_back(begin, end);
-        }
+        for_each_vertex(std::move(ridges), [&](std::span<const Ridge> about) {
+            if (is_reflex(about)) reflex.emplace_back(about.begin(), about.end());
+        });
         return reflex;
     }
     /// Tells whether functions are singular at an edge: the domain has an angle of more than 180
@@ -202,27 +205,20 @@ private:
         for (const auto& about : reflex)
             ends.insert(ends.end(), about[0].vertex.begin(), about[0].vertex.end());
         std::sort(ends.begin(), ends.end());
-        std::vector<std::pair<std::uint32_t, std::uint32_t>> corners; // a vertex, 3 · facet + corner
-        for (std::uint32_t n = 0; n < boundary_.size(); ++n) {
-            for (std::uint32_t k = 0; k < 3; ++k) corners.push_back({boundary_[n].vertex[k], 3 * n + k});
-        }
-        std::sort(corners.begin(), corners.end());
-        for (auto begin = corners.begin(), end = begin; begin != corners.end(); begin = end) {
-            while (end != corners.end() && end->first == begin->first) ++end;
-            const std::uint32_t facet = begin->second / 3;
+        for_each_vertex(corners_of(boundary_), [&](std::span<const FacetCorner> about) {
+            const auto& [vertex, facet, corner] = about[0];
             // Functions are nearly linear at such a vertex.
-            if (end - begin <= 3 && boundary_[facet].separates) continue;
-            const auto position = boundary_[facet].corner[begin->second % 3];
+            if (about.size() <= 3 && boundary_[facet].separates) return;
+            const auto position = boundary_[facet].corner[corner];
             double size = sizes_.largest();
-            for (auto at = begin; at != end; ++at)
-                size = (std::min)(size, sizes_.size_near(at->second / 3, position));
-            const bool is_end = std::binary_search(ends.begin(), ends.end(), begin->first);
+            for (const auto& at : about) size = (std::min)(size, sizes_.size_near(at.facet, position));
+            const bool is_end = std::binary_search(ends.begin(), ends.end(), vertex);
             const double here =
                 (std::max)(1.0, (std::min)(is_end ? size * std::exp2(-options.reflex_levels) : size,
                                            options.at_vertex * sizes_.cage_size()));
             if (here < size)
                 features.push_back({position, position, here, vertex_gradation, SizeReason::singular_vertex});
-        }
+        });
     }
 
     CellSizes<3>& sizes_;
