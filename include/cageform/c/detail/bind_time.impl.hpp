@@ -1,0 +1,661 @@
+// The functions of the C interface that bind, pack and make.
+#pragma once
+
+#include <cageform/animate/compile.hpp>
+#include <cageform/animate/pack_clip.hpp>
+#include <cageform/binding/pack.hpp>
+#include <cageform/c/detail/cages.hpp>
+#include <cageform/enclose/make_cage.hpp>
+#include <cageform/enclose/make_cage_3d.hpp>
+#include <cageform/pose/pose_samples.hpp>
+#include <cageform/pose/pose_solver.hpp>
+
+struct cageform_bytes : cageform::detail::c::Object {
+    static constexpr Kind its_kind = Kind::bytes;
+
+    std::shared_ptr<const void> owner;
+    std::span<const std::byte> bytes;
+};
+struct cageform_coordinates : cageform::detail::c::Object {
+    static constexpr Kind its_kind = Kind::coordinates;
+
+    cageform::detail::c::OfAnyType<cageform::AnyCoordinates> coordinates;
+};
+struct cageform_binding : cageform::detail::c::Object {
+    static constexpr Kind its_kind = Kind::binding;
+
+    cageform::detail::c::OfAnyType<cageform::FigureBinding> figure;
+    cageform::BindReport report;
+};
+struct cageform_made_cage : cageform::detail::c::Object {
+    static constexpr Kind its_kind = Kind::made_cage;
+
+    std::vector<double> vertices;
+    std::vector<std::uint32_t> counts, indices;
+    std::uint32_t dimension = 2;
+};
+struct cageform_samples : cageform::detail::c::Object {
+    static constexpr Kind its_kind = Kind::samples;
+
+    cageform::detail::c::OfAnyType<cageform::PoseSamples> samples;
+};
+struct cageform_pins : cageform::detail::c::Object {
+    static constexpr Kind its_kind = Kind::pins;
+
+    cageform::detail::c::OfAnyType<cageform::PoseSolver> solver;
+};
+
+namespace cageform::inline CAGEFORM_ABI::detail::c {
+
+/// Makes an object that fill(object), which returns a code, fills.
+template <class X, class Fill>
+cageform_status make_filled(X** made, const Fill& fill) {
+    auto object = std::make_unique<X>();
+    object->kind = X::its_kind;
+    object->destroy = destroy_allocated<X>;
+    const cageform_status status = fill(*object);
+    if (status == CAGEFORM_OK) *made = object.release();
+    return status;
+}
+/// Makes bytes of what has a member bytes(), which they keep.
+template <class Packed>
+cageform_status make_bytes(Packed packed, cageform_bytes** made) {
+    return make_filled(made, [&](cageform_bytes& object) {
+        const auto owner = std::make_shared<const Packed>(std::move(packed));
+        object.bytes = owner->bytes();
+        object.owner = owner;
+        return cageform_status(CAGEFORM_OK);
+    });
+}
+
+/// Calls use(view) with the points of a drawing and the numbers that name them, all below their count.
+inline cageform_status check_drawing(const cageform_drawing& drawing, std::size_t together) noexcept {
+    if (drawing.indices == nullptr && drawing.index_count > 0) return CAGEFORM_ARGUMENT_NULL;
+    if (drawing.areas == nullptr && drawing.area_count > 0) return CAGEFORM_ARGUMENT_NULL;
+    return drawing.index_count % together == 0 ? CAGEFORM_OK : CAGEFORM_COUNTS_DO_NOT_MATCH;
+}
+
+inline cageform_status make_cage_in_plane(const cageform_drawing& drawing, const MakeCageOptions& options,
+                                          const Running& running, cageform_made_cage& object,
+                                          cageform_report& report) {
+    std::vector<Vec<double, 2>> points;
+    cageform_status status = check_drawing(drawing, 2);
+    if (status == CAGEFORM_OK) status = copy_points(drawing.points, points);
+    if (status != CAGEFORM_OK) return status;
+    std::vector<DrawnSegment<double>> segments(drawing.index_count / 2);
+    for (std::size_t n = 0; n < segments.size(); ++n) {
+        for (const std::size_t i : {2 * n, 2 * n + 1}) {
+            if (drawing.indices[i] >= points.size()) {
+                report.culprit = i;
+                return CAGEFORM_INDEX_OUT_OF_BOUNDS;
+            }
+        }
+        segments[n] = {points[drawing.indices[2 * n]], points[drawing.indices[2 * n + 1]],
+                       drawing.radii != nullptr ? drawing.radii[n] : 0};
+    }
+    std::vector<PaintedArea> areas;
+    std::size_t end = 0;
+    for (std::size_t n = 0; n < drawing.area_count; ++n) {
+        areas.push_back({end, end + drawing.areas[n]});
+        end += drawing.areas[n];
+    }
+    auto [cage, made] = make_cage(Drawing<double>{segments, areas}, options, running);
+    fill(report, made);
+    if (made.status != Status::ok) return code_of(made.status);
+    for (const auto& vertex : cage.vertices()) object.vertices.insert(object.vertices.end(), vertex.v, vertex.v + 2);
+    for (const auto& loop : cage.loops()) object.counts.push_back(static_cast<std::uint32_t>(loop.size()));
+    return CAGEFORM_OK;
+}
+
+inline cageform_status make_cage_in_space(const cageform_drawing& drawing, const MakeCageOptions& options,
+                                          const Running& running, cageform_made_cage& object,
+                                          cageform_report& report) {
+    std::vector<Vec<double, 3>> points;
+    cageform_status status = check_drawing(drawing, 3);
+    if (status == CAGEFORM_OK) status = copy_points(drawing.points, points);
+    if (status != CAGEFORM_OK) return status;
+    std::vector<std::array<std::uint32_t, 3>> faces(drawing.index_count / 3);
+    for (std::size_t n = 0; n < faces.size(); ++n) std::copy_n(drawing.indices + 3 * n, 3, faces[n].begin());
+    auto [cage, made] = make_cage(points, faces, options, running);
+    fill(report, made);
+    if (made.status != Status::ok) return code_of(made.status);
+    for (const auto& vertex : cage.vertices()) object.vertices.insert(object.vertices.end(), vertex.v, vertex.v + 3);
+    for (const auto& face : cage.faces()) object.indices.insert(object.indices.end(), face.begin(), face.end());
+    object.dimension = 3;
+    return CAGEFORM_OK;
+}
+
+/// Binds points that are copied, with normals and tangents if there are any.
+template <class T, std::size_t D>
+cageform_status bind_copied(const AnyCoordinates<T, D>& coordinates, const std::vector<Vec<T, D>>& points,
+                            const cageform_points* normals, const cageform_points* tangents,
+                            const BindOptions& options, const Running& running,
+                            Result<FigureBinding<T, D>, FigureBindReport>& result) {
+    if (normals == nullptr) {
+        result = coordinates.bind(FigurePoints{points}, options, running);
+        return CAGEFORM_OK;
+    }
+    std::vector<Vec<T, D>> turned;
+    cageform_status status = copy_points(*normals, turned);
+    if (status != CAGEFORM_OK) return status;
+    if (tangents == nullptr) {
+        result = coordinates.bind(FigurePoints{points, turned}, options, running);
+        return CAGEFORM_OK;
+    }
+    if constexpr (D == 3) {
+        const auto with_tangents = [&]<std::size_t E>(std::vector<Vec<T, E>> along) {
+            status = copy_points(*tangents, along);
+            if (status == CAGEFORM_OK)
+                result = coordinates.bind(FigurePoints{points, turned, along}, options, running);
+            return status;
+        };
+        return tangents->dimension == 4 ? with_tangents(std::vector<Vec<T, 4>>{})
+                                        : with_tangents(std::vector<Vec<T, 3>>{});
+    } else {
+        return CAGEFORM_DIMENSION_DIFFERS;
+    }
+}
+
+inline cageform_status read_parts(const cageform_part* parts, std::size_t count) noexcept {
+    if (parts == nullptr && count > 0) return CAGEFORM_ARGUMENT_NULL;
+    for (std::size_t n = 0; n < count; ++n) {
+        if (parts[n].data == nullptr) return CAGEFORM_ARGUMENT_NULL;
+    }
+    return CAGEFORM_OK;
+}
+inline std::span<const std::byte> bytes_of(const cageform_part& part) noexcept {
+    return {static_cast<const std::byte*>(part.data), part.bytes};
+}
+
+template <class T, std::size_t D>
+cageform_status pack_figure(const FigureBinding<T, D>& figure, const cageform_pack_options& options,
+                            const Running& running, cageform_bytes** packed, cageform_report& report) {
+    if (options.format > CAGEFORM_FORMAT_INT8) return CAGEFORM_CHOICE_UNKNOWN;
+    std::vector<Vec<T, D>> posed;
+    cageform_status status = copy_points(options.poses, posed);
+    if (status == CAGEFORM_OK) status = read_parts(options.clips, options.clip_count);
+    if (status == CAGEFORM_OK) status = read_parts(options.levels, options.level_count);
+    if (status != CAGEFORM_OK) return status;
+    const std::size_t handles = figure.points.handle_count();
+    if (!posed.empty() && posed.size() % handles != 0) return CAGEFORM_COUNTS_DO_NOT_MATCH;
+    std::vector<double> poses;
+    append_pose(poses, posed);
+    std::vector<FigureClipData> clips;
+    for (std::size_t n = 0; n < options.clip_count; ++n)
+        clips.push_back({options.clips[n].name == nullptr ? "" : options.clips[n].name, bytes_of(options.clips[n])});
+    std::vector<std::span<const std::byte>> levels;
+    for (std::size_t n = 0; n < options.level_count; ++n) levels.push_back(bytes_of(options.levels[n]));
+    FigurePackOptions own;
+    own.weights.tolerance = options.tolerance;
+    own.weights.threshold = options.threshold;
+    own.weights.largest = options.largest;
+    own.weights.reach = options.reach;
+    own.weights.poses = poses;
+    own.clips = clips;
+    own.levels = levels;
+    if (options.format != CAGEFORM_FORMAT_SMALLEST)
+        own.weights.format = static_cast<WeightFormat>(options.format - CAGEFORM_FORMAT_SCALAR);
+    auto made = pack(figure, own, running);
+    fill(report, made.report);
+    report.seconds = made.report.seconds;
+    return made ? make_bytes(std::move(made.value), packed) : code_of(made.status());
+}
+
+template <class T, std::size_t D>
+cageform_status compile_poses(const double* times, std::size_t count, const std::vector<Vec<T, D>>& poses,
+                              const cageform_clip_options& options, const Running& running,
+                              cageform_bytes** clip, cageform_report& report) {
+    if (count == 0 || poses.size() % count != 0) return CAGEFORM_COUNTS_DO_NOT_MATCH;
+    const std::size_t vertices = poses.size() / count;
+    std::vector<std::vector<Key>> curves(vertices * D, std::vector<Key>(count));
+    constexpr std::array kinds{KeyKind::automatic, KeyKind::linear, KeyKind::hold};
+    for (std::size_t k = 0; k < count; ++k) {
+        for (std::size_t c = 0; c < curves.size(); ++c) {
+            Key& key = curves[c][k];
+            key.time = times[k];
+            key.value = double(poses[k * vertices + c / D][c % D]);
+            key.kind = kinds[options.keys];
+        }
+    }
+    TrackOptions own;
+    if (options.tolerance != 0) own.tolerance = options.tolerance;
+    own.before = static_cast<Extrapolation>(options.before);
+    own.after = static_cast<Extrapolation>(options.after);
+    const auto compiled = compile<T, D>(curves, own, running);
+    report.curve_error = compiled.report.sup_error;
+    report.seconds = compiled.report.seconds;
+    if (!compiled) {
+        report.culprit = compiled.report.culprit;
+        return code_of(compiled.status());
+    }
+    auto packed = pack_clip(compiled.value, {.tolerance = options.pack_tolerance});
+    report.bytes = packed.report.bytes;
+    report.vertices = packed.report.vertices;
+    return packed ? make_bytes(std::move(packed.value), clip) : code_of(packed.status());
+}
+
+inline void fill(cageform_report& report, const PoseSolverReport& posed) noexcept {
+    report.culprit = posed.status == Status::ok ? posed.missed : posed.culprit;
+    report.miss = posed.miss;
+    report.step = posed.step;
+    report.rigid_energy = posed.rigid_energy;
+    report.least_stretch = posed.least_stretch;
+    report.largest_stretch = posed.largest_stretch;
+    report.iterations = posed.iterations;
+    report.folded = posed.folded;
+    report.settled = posed.settled ? 1 : 0;
+}
+
+} // namespace cageform::inline CAGEFORM_ABI::detail::c
+
+extern "C" {
+
+cageform_status cageform_check(const cageform_cage* cage, cageform_fault* faults, size_t room, size_t* count) {
+    namespace c = cageform::detail::c;
+    if (cage == nullptr || count == nullptr || (faults == nullptr && room > 0)) return CAGEFORM_ARGUMENT_NULL;
+    return c::guarded([&] {
+        cageform_cage own;
+        cageform::CageReport report;
+        cageform_status status = c::read_struct(cage, own);
+        if (status == CAGEFORM_OK) status = c::report_of(own, report);
+        if (status != CAGEFORM_OK) return status;
+        *count = report.faults.size();
+        for (std::size_t n = 0; n < report.faults.size() && n < room; ++n) faults[n] = c::fault_of(report.faults[n]);
+        return c::code_of(report.status);
+    });
+}
+
+cageform_status cageform_make_cage(const cageform_drawing* figure, const cageform_make_cage_options* options,
+                                   const cageform_running* running, cageform_made_cage** made,
+                                   cageform_report* report) {
+    namespace c = cageform::detail::c;
+    return c::reported(report, "element", [&](cageform_report& its) {
+        if (figure == nullptr || made == nullptr) return cageform_status(CAGEFORM_ARGUMENT_NULL);
+        cageform_drawing drawing;
+        cageform_make_cage_options own;
+        cageform_status status = c::read_struct(figure, drawing);
+        if (status == CAGEFORM_OK) status = c::read_struct(options, own);
+        if (status != CAGEFORM_OK) return status;
+        if (own.shape > CAGEFORM_SHAPE_BOX || own.mirror > 3) return cageform_status(CAGEFORM_CHOICE_UNKNOWN);
+        cageform::MakeCageOptions choice;
+        choice.vertices = own.vertices;
+        choice.margin = own.margin;
+        choice.shape = static_cast<cageform::CageShape>(own.shape);
+        if (own.mirror > 0) choice.mirror = cageform::MirrorPlane{own.mirror - 1, {}};
+        choice.one_cage = own.many_cages == 0;
+        choice.holes = own.holes != 0;
+        choice.fill_tunnels = own.fill_tunnels != 0;
+        if (own.regular != 0) choice.regular = own.regular;
+        return c::with_running(running, [&](const cageform::Running& how) {
+            return c::make_filled(made, [&](cageform_made_cage& object) {
+                return drawing.points.dimension == 3 ? c::make_cage_in_space(drawing, choice, how, object, its)
+                                                     : c::make_cage_in_plane(drawing, choice, how, object, its);
+            });
+        });
+    });
+}
+
+cageform_status cageform_made_cage_describe(const cageform_made_cage* made, cageform_cage* cage) {
+    namespace c = cageform::detail::c;
+    const cageform_status status = c::check_object(made);
+    if (status != CAGEFORM_OK) return status;
+    cageform_cage its{};
+    const std::size_t dimension = made->dimension;
+    its.kind = dimension == 2 ? CAGEFORM_POLYGON : CAGEFORM_MESH;
+    its.vertices = {made->vertices.data(),
+                    made->vertices.size() / dimension,
+                    0,
+                    made->vertices.size() * sizeof(double),
+                    CAGEFORM_DOUBLE,
+                    made->dimension};
+    its.dimension = made->dimension;
+    if (!made->counts.empty()) its.counts = made->counts.data();
+    its.count_count = made->counts.size();
+    if (!made->indices.empty()) its.indices = made->indices.data();
+    its.index_count = made->indices.size();
+    return c::write_struct(its, cage);
+}
+
+cageform_status cageform_coordinates_create(const cageform_cage* cage,
+                                            const cageform_coordinates_options* options,
+                                            cageform_coordinates** coordinates, cageform_report* report) {
+    namespace c = cageform::detail::c;
+    return c::reported(report, "element", [&](cageform_report& its) {
+        if (cage == nullptr || coordinates == nullptr) return cageform_status(CAGEFORM_ARGUMENT_NULL);
+        cageform_cage own;
+        cageform_coordinates_options choice;
+        cageform_status status = c::read_struct(cage, own);
+        if (status == CAGEFORM_OK) status = c::read_struct(options, choice);
+        if (status != CAGEFORM_OK) return status;
+        if (own.kind > CAGEFORM_SITES) return cageform_status(CAGEFORM_CHOICE_UNKNOWN);
+        return c::with_type(choice.scalar, c::dimension_of(own), [&]<class T, std::size_t D>() {
+            cageform::AnyCoordinates<T, D> made;
+            const cageform_status made_well = c::coordinates_of(own, choice, made);
+            if (made_well != CAGEFORM_OK) return made_well;
+            c::fill(its, made.cage_report());
+            if (made.cage_report().status != cageform::Status::ok) return c::code_of(made.cage_report().status);
+            return c::make_filled(coordinates, [&](cageform_coordinates& object) {
+                object.coordinates = std::move(made);
+                return cageform_status(CAGEFORM_OK);
+            });
+        });
+    });
+}
+
+cageform_status cageform_coordinates_describe(const cageform_coordinates* coordinates,
+                                              cageform_coordinates_info* info) {
+    namespace c = cageform::detail::c;
+    const cageform_status status = c::check_object(coordinates);
+    if (status != CAGEFORM_OK) return status;
+    return c::with(coordinates->coordinates, [&](const auto& any) {
+        using Any = std::remove_cvref_t<decltype(any)>;
+        const auto handles = any.handles();
+        cageform_coordinates_info its{};
+        its.handles = handles.count;
+        its.vertices = handles.count - handles.vector_count();
+        its.scalar = c::scalar_code<Any>;
+        its.dimension = Any::dimension;
+        its.has_weights_outside = any.has_extension() ? 1 : 0;
+        its.has_gradients = any.has_gradients() ? 1 : 0;
+        return c::write_struct(its, info);
+    });
+}
+
+cageform_status cageform_coordinates_rest(const cageform_coordinates* coordinates, cageform_output handles) {
+    namespace c = cageform::detail::c;
+    const cageform_status status = c::check_object(coordinates);
+    if (status != CAGEFORM_OK) return status;
+    return c::with(coordinates->coordinates, [&](const auto& any) {
+        using Any = std::remove_cvref_t<decltype(any)>;
+        return c::with_points<typename Any::scalar, Any::dimension>(handles, [&](const auto& out) {
+            const auto its = any.handles();
+            if (out.size() < its.count) return c::code_of(cageform::Status::output_too_small);
+            for (std::size_t i = 0; i < its.count; ++i) out.store(i, its.rest[i]);
+            return cageform_status(CAGEFORM_OK);
+        });
+    });
+}
+
+cageform_status cageform_coordinates_solve(cageform_coordinates* coordinates, const cageform_running* running,
+                                           cageform_report* report) {
+    namespace c = cageform::detail::c;
+    return c::reported(report, "handle", [&](cageform_report& its) {
+        const cageform_status status = c::check_object(coordinates);
+        if (status != CAGEFORM_OK) return status;
+        return c::with_running(running, [&](const cageform::Running& how) {
+            return c::with(coordinates->coordinates, [&](const auto& any) {
+                const cageform::Evaluation solved = any.solve(how);
+                c::fill(its, solved.solver);
+                its.seconds = solved.solver.seconds;
+                return c::code_of(solved.status);
+            });
+        });
+    });
+}
+
+cageform_status cageform_bind(const cageform_coordinates* coordinates, cageform_points points,
+                              const cageform_points* normals, const cageform_points* tangents,
+                              const cageform_bind_options* options, const cageform_running* running,
+                              cageform_binding** binding, cageform_report* report) {
+    namespace c = cageform::detail::c;
+    return c::reported(report, "point", [&](cageform_report& its) {
+        cageform_bind_options own;
+        cageform_status status = c::check_object(coordinates);
+        if (status == CAGEFORM_OK) status = c::read_struct(options, own);
+        if (status != CAGEFORM_OK) return status;
+        if (binding == nullptr || (normals == nullptr && tangents != nullptr))
+            return cageform_status(CAGEFORM_ARGUMENT_NULL);
+        if (own.outside > CAGEFORM_NEAREST_BOUNDARY) return cageform_status(CAGEFORM_CHOICE_UNKNOWN);
+        cageform::BindOptions choice;
+        choice.outside = static_cast<cageform::OutsidePoints>(own.outside);
+        if (own.leave_linear_precision != 0) choice.linear_precision = cageform::LinearPrecision::leave;
+        return c::with_running(running, [&](const cageform::Running& how) {
+            return c::with(coordinates->coordinates, [&](const auto& any) {
+                using Any = std::remove_cvref_t<decltype(any)>;
+                using T = typename Any::scalar;
+                constexpr std::size_t D = Any::dimension;
+                std::vector<cageform::Vec<T, D>> copied;
+                cageform_status read = c::copy_points(points, copied);
+                if (read != CAGEFORM_OK) return read;
+                cageform::Result<cageform::FigureBinding<T, D>, cageform::FigureBindReport> bound;
+                read = c::bind_copied(any, copied, normals, tangents, choice, how, bound);
+                if (read != CAGEFORM_OK) return read;
+                c::fill(its, bound.report.points);
+                its.seconds = bound.report.seconds;
+                if (!bound) return c::code_of(bound.status());
+                return c::make_filled(binding, [&](cageform_binding& object) {
+                    object.figure = std::move(bound.value);
+                    object.report = std::move(bound.report.points);
+                    return cageform_status(CAGEFORM_OK);
+                });
+            });
+        });
+    });
+}
+
+cageform_status cageform_binding_figure(const cageform_binding* binding, cageform_figure** figure) {
+    namespace c = cageform::detail::c;
+    const cageform_status status = c::check_object(binding);
+    if (status != CAGEFORM_OK) return status;
+    if (figure == nullptr) return CAGEFORM_ARGUMENT_NULL;
+    return c::with(binding->figure, [&](const auto& its) {
+        return c::make_object(
+            nullptr, 0, 0, [&](cageform_figure& made, std::byte*) { made.view = its.view(); }, figure);
+    });
+}
+
+cageform_status cageform_binding_weights(const cageform_binding* binding, size_t first, size_t count,
+                                         void* weights, size_t bytes) {
+    namespace c = cageform::detail::c;
+    const cageform_status status = c::check_object(binding);
+    if (status != CAGEFORM_OK) return status;
+    if (weights == nullptr && count > 0) return CAGEFORM_ARGUMENT_NULL;
+    return c::with(binding->figure, [&](const auto& its) {
+        using T = typename std::remove_cvref_t<decltype(its)>::scalar;
+        const std::size_t points = its.points.point_count(), handles = its.points.handle_count();
+        if (first > points || count > points - first) return cageform_status(CAGEFORM_INDEX_OUT_OF_BOUNDS);
+        if (count > 0 && bytes / count / sizeof(T) < handles) return c::code_of(cageform::Status::output_too_small);
+        if (reinterpret_cast<std::uintptr_t>(weights) % sizeof(T) != 0)
+            return cageform_status(CAGEFORM_POINTS_MISALIGNED);
+        T* out = static_cast<T*>(weights);
+        for (std::size_t n = first; n < first + count; ++n) {
+            for (std::size_t i = 0; i < handles; ++i) *out++ = its.points.weight(n, i);
+        }
+        return cageform_status(CAGEFORM_OK);
+    });
+}
+
+cageform_status cageform_binding_set_labels(cageform_binding* binding, const char* const* labels, size_t count) {
+    namespace c = cageform::detail::c;
+    const cageform_status status = c::check_object(binding);
+    if (status != CAGEFORM_OK) return status;
+    if (labels == nullptr && count > 0) return CAGEFORM_ARGUMENT_NULL;
+    return c::guarded([&] {
+        return c::with(binding->figure, [&](auto& its) {
+            if (count != its.points.handle_count()) return c::code_of(cageform::Status::labels_do_not_match);
+            std::vector<std::string_view> texts;
+            for (std::size_t n = 0; n < count; ++n)
+                texts.push_back(labels[n] == nullptr ? std::string_view{} : std::string_view(labels[n]));
+            return c::code_of(its.set_labels(texts));
+        });
+    });
+}
+
+cageform_status cageform_binding_list(const cageform_binding* binding, uint32_t list, size_t* indices, size_t room,
+                                      size_t* count) {
+    namespace c = cageform::detail::c;
+    const cageform_status status = c::check_object(binding);
+    if (status != CAGEFORM_OK) return status;
+    if (count == nullptr || (indices == nullptr && room > 0)) return CAGEFORM_ARGUMENT_NULL;
+    if (list > CAGEFORM_LIST_NOT_RESTORED) return CAGEFORM_CHOICE_UNKNOWN;
+    const auto& report = binding->report;
+    const std::array lists{&report.on_boundary, &report.outside, &report.not_finite, &report.unreached,
+                           &report.not_restored};
+    const auto& its = *lists[list];
+    *count = its.size();
+    std::copy_n(its.begin(), std::min(room, its.size()), indices);
+    return CAGEFORM_OK;
+}
+
+cageform_status cageform_pack(const cageform_binding* binding, const cageform_pack_options* options,
+                              const cageform_running* running, cageform_bytes** packed, cageform_report* report) {
+    namespace c = cageform::detail::c;
+    return c::reported(report, "number", [&](cageform_report& its) {
+        cageform_pack_options own;
+        cageform_status status = c::check_object(binding);
+        if (status == CAGEFORM_OK) status = c::read_struct(options, own);
+        if (status == CAGEFORM_OK && packed == nullptr) status = CAGEFORM_ARGUMENT_NULL;
+        if (status != CAGEFORM_OK) return status;
+        return c::with_running(running, [&](const cageform::Running& how) {
+            return c::with(binding->figure,
+                           [&](const auto& figure) { return c::pack_figure(figure, own, how, packed, its); });
+        });
+    });
+}
+
+cageform_status cageform_bytes_view(const cageform_bytes* bytes, const void** data, size_t* size) {
+    const cageform_status status = cageform::detail::c::check_object(bytes);
+    if (status != CAGEFORM_OK) return status;
+    if (data == nullptr || size == nullptr) return CAGEFORM_ARGUMENT_NULL;
+    *data = bytes->bytes.data();
+    *size = bytes->bytes.size();
+    return CAGEFORM_OK;
+}
+
+cageform_status cageform_compile_clip(const double* times, size_t count, cageform_points poses,
+                                      const cageform_clip_options* options, const cageform_running* running,
+                                      cageform_bytes** clip, cageform_report* report) {
+    namespace c = cageform::detail::c;
+    return c::reported(report, "key", [&](cageform_report& its) {
+        cageform_clip_options own;
+        const cageform_status status = c::read_struct(options, own);
+        if (status != CAGEFORM_OK) return status;
+        if (clip == nullptr || (times == nullptr && count > 0)) return cageform_status(CAGEFORM_ARGUMENT_NULL);
+        if (own.keys > CAGEFORM_HOLD || own.before > CAGEFORM_PING_PONG || own.after > CAGEFORM_PING_PONG)
+            return cageform_status(CAGEFORM_CHOICE_UNKNOWN);
+        return c::with_running(running, [&](const cageform::Running& how) {
+            return c::with_type(own.scalar, poses.dimension, [&]<class T, std::size_t D>() {
+                std::vector<cageform::Vec<T, D>> copied;
+                const cageform_status read = c::copy_points(poses, copied);
+                if (read != CAGEFORM_OK) return read;
+                return c::compile_poses(times, count, copied, own, how, clip, its);
+            });
+        });
+    });
+}
+
+cageform_status cageform_pose_samples(const cageform_coordinates* coordinates,
+                                      const cageform_samples_options* options, const cageform_running* running,
+                                      cageform_samples** samples, cageform_report* report) {
+    namespace c = cageform::detail::c;
+    return c::reported(report, "number", [&](cageform_report& its) {
+        cageform_samples_options own;
+        cageform_status status = c::check_object(coordinates);
+        if (status == CAGEFORM_OK) status = c::read_struct(options, own);
+        if (status == CAGEFORM_OK && samples == nullptr) status = CAGEFORM_ARGUMENT_NULL;
+        if (status != CAGEFORM_OK) return status;
+        cageform::PoseSampleOptions choice;
+        choice.samples = own.samples;
+        choice.rotations = own.rotations;
+        choice.smoothing = own.smoothing;
+        return c::with_running(running, [&](const cageform::Running& how) {
+            return c::with(coordinates->coordinates, [&](const auto& any) {
+                auto made = cageform::pose_samples(any, choice, how);
+                its.samples = made.report.samples;
+                its.rotations = made.report.rotations;
+                its.seconds = made.report.seconds;
+                if (!made) return c::code_of(made.status());
+                its.bytes = made.value.bytes();
+                return c::make_filled(samples, [&](cageform_samples& object) {
+                    object.samples = std::move(made.value);
+                    return cageform_status(CAGEFORM_OK);
+                });
+            });
+        });
+    });
+}
+
+cageform_status cageform_pins_create(const cageform_samples* samples, const cageform_pins_options* options,
+                                     cageform_pins** pins) {
+    namespace c = cageform::detail::c;
+    return c::guarded([&] {
+        cageform_pins_options own;
+        cageform_status status = c::check_object(samples);
+        if (status == CAGEFORM_OK) status = c::read_struct(options, own);
+        if (status == CAGEFORM_OK && pins == nullptr) status = CAGEFORM_ARGUMENT_NULL;
+        if (status != CAGEFORM_OK) return status;
+        if (!(own.pin_weight >= 0) || !cageform::is_finite(own.pin_weight))
+            return c::code_of(cageform::Status::weights_not_positive);
+        cageform::PoseOptions choice;
+        if (own.pin_weight > 0) choice.pin_weight = own.pin_weight;
+        if (own.iterations > 0) choice.iterations = own.iterations;
+        choice.hard_pins = own.hard != 0;
+        return c::with(samples->samples, [&]<class T, std::size_t D>(const cageform::PoseSamples<T, D>& its) {
+            cageform::PoseSolver<T, D> solver(its, choice);
+            if (solver.status() != cageform::Status::ok) return c::code_of(solver.status());
+            return c::make_filled(pins, [&](cageform_pins& object) {
+                object.solver = std::move(solver);
+                return cageform_status(CAGEFORM_OK);
+            });
+        });
+    });
+}
+
+cageform_status cageform_pins_set(cageform_pins* pins, const cageform_figure* figure, const uint32_t* points,
+                                  size_t count, const double* weights, cageform_report* report) {
+    namespace c = cageform::detail::c;
+    return c::reported(report, "pin", [&](cageform_report& its) {
+        cageform_status status = c::check_object(pins);
+        if (status == CAGEFORM_OK && count > 0) status = c::check_object(figure);
+        if (status != CAGEFORM_OK) return status;
+        if (points == nullptr && count > 0) return cageform_status(CAGEFORM_ARGUMENT_NULL);
+        return c::with(pins->solver, [&]<class T, std::size_t D>(cageform::PoseSolver<T, D>& solver) {
+            cageform::PosePins<T, D> chosen;
+            if (count > 0) {
+                const auto* const view = std::get_if<cageform::PackedFigureView<T, D>>(&figure->view);
+                if (view == nullptr) return c::code_of(cageform::Status::bindings_differ);
+                chosen.binding = view->points;
+                chosen.points = {points, count};
+                if (weights != nullptr) chosen.weights = {weights, count};
+            }
+            const cageform::Status set = solver.set_pins(chosen);
+            if (set != cageform::Status::ok) its.culprit = solver.culprit();
+            return c::code_of(set);
+        });
+    });
+}
+
+cageform_status cageform_pins_hold(cageform_pins* pins, const uint32_t* handles, size_t count,
+                                   cageform_report* report) {
+    namespace c = cageform::detail::c;
+    return c::reported(report, "handle", [&](cageform_report& its) {
+        const cageform_status status = c::check_object(pins);
+        if (status != CAGEFORM_OK) return status;
+        if (handles == nullptr && count > 0) return cageform_status(CAGEFORM_ARGUMENT_NULL);
+        return c::with(pins->solver, [&](auto& solver) {
+            const cageform::Status set = solver.set_held({handles, count});
+            if (set != cageform::Status::ok) its.culprit = solver.culprit();
+            return c::code_of(set);
+        });
+    });
+}
+
+cageform_status cageform_pins_solve(cageform_pins* pins, cageform_points targets, cageform_output pose,
+                                    cageform_report* report) {
+    namespace c = cageform::detail::c;
+    return c::reported(report, "pin", [&](cageform_report& its) {
+        const cageform_status status = c::check_object(pins);
+        if (status != CAGEFORM_OK) return status;
+        return c::with(pins->solver, [&]<class T, std::size_t D>(cageform::PoseSolver<T, D>& solver) {
+            return c::with_points<T, D>(targets, [&](const auto& to) {
+                return c::with_points<T, D>(pose, [&](const auto& out) {
+                    const cageform::PoseSolverReport posed = solver.solve(to, out);
+                    c::fill(its, posed);
+                    return c::code_of(posed.status);
+                });
+            });
+        });
+    });
+}
+
+} // extern "C"

@@ -1,0 +1,193 @@
+// The objects behind the opaque pointers of the C interface, and the checks of what C passes.
+#pragma once
+
+#include <cageform/animate/clip_blob.hpp>
+#include <cageform/binding/figure.hpp>
+#include <cageform/core/detail/guard_memory.hpp>
+#include <cageform/core/view.hpp>
+
+#include <cstdint>
+#include <cstring>
+#include <new>
+#include <type_traits>
+#include <utility>
+#include <variant>
+
+namespace cageform::inline CAGEFORM_ABI::detail::c {
+
+static_assert(CAGEFORM_NONE == ~std::size_t{0}, "indices of none are passed on");
+
+/// Returns the code of a status. A compiler warns of one without.
+constexpr cageform_status code_of(Status status) noexcept {
+    switch (status) {
+#define CAGEFORM_STATUS_CASE(code, NAME, name)                                                               \
+    case Status::name: return CAGEFORM_##NAME;
+        CAGEFORM_STATUSES(CAGEFORM_STATUS_CASE)
+#undef CAGEFORM_STATUS_CASE
+    }
+    return CAGEFORM_FAILED;
+}
+
+/// The beginning of every object. Its kind is known by a number, so that an object of another kind is
+/// refused, and mostly one that is freed.
+struct Object {
+    enum class Kind : std::uint64_t {
+        figure = 0x6366'6967'7572'6501u,
+        player,
+        bytes,
+        coordinates,
+        binding,
+        made_cage,
+        samples,
+        pins,
+        none
+    };
+
+    Kind kind;
+    void (*destroy)(Object*) noexcept;
+};
+
+template <class X>
+void destroy_allocated(Object* object) noexcept {
+    delete static_cast<X*>(object);
+}
+
+/// The numbers of figures, clips, coordinates: one of four types X.
+template <template <class, std::size_t> class X>
+using OfAnyType = std::variant<X<float, 2>, X<double, 2>, X<float, 3>, X<double, 3>>;
+
+/// Calls use(x) with what a variant holds.
+template <class Variant, class Use>
+cageform_status with(Variant& any, const Use& use) {
+    if (auto* x = std::get_if<0>(&any)) return use(*x);
+    if (auto* x = std::get_if<1>(&any)) return use(*x);
+    if (auto* x = std::get_if<2>(&any)) return use(*x);
+    if (auto* x = std::get_if<3>(&any)) return use(*x);
+    return CAGEFORM_FAILED;
+}
+
+template <class X>
+inline constexpr std::uint32_t scalar_code =
+    std::is_same_v<typename X::scalar, float> ? CAGEFORM_FLOAT : CAGEFORM_DOUBLE;
+
+/// Calls make<T, D>(), which returns a status, for the scalar and dimension that are given.
+template <class Make>
+cageform_status with_type(std::uint32_t scalar, std::size_t dimension, const Make& make) {
+    if (scalar > CAGEFORM_DOUBLE) return CAGEFORM_CHOICE_UNKNOWN;
+    const bool is_float = scalar == CAGEFORM_FLOAT;
+    if (dimension == 2)
+        return is_float ? make.template operator()<float, 2>() : make.template operator()<double, 2>();
+    if (dimension == 3)
+        return is_float ? make.template operator()<float, 3>() : make.template operator()<double, 3>();
+    return CAGEFORM_DIMENSION_DIFFERS;
+}
+
+/// Runs f, which returns a code; what it throws becomes a code too.
+template <class F>
+cageform_status guarded(const F& f) noexcept {
+#if defined(__cpp_exceptions)
+    try {
+        cageform_status code = CAGEFORM_OK;
+        const Status status = guard_memory([&] {
+            code = f();
+            return Status::ok;
+        });
+        return status == Status::ok ? code : code_of(status);
+    } catch (...) {
+        return CAGEFORM_FAILED;
+    }
+#else
+    return f();
+#endif
+}
+
+/// Checks that a pointer is an object of a kind.
+template <class X>
+cageform_status check_object(const X* object) noexcept {
+    if (object == nullptr) return CAGEFORM_ARGUMENT_NULL;
+    return object->kind == X::its_kind ? CAGEFORM_OK : CAGEFORM_OBJECT_OF_ANOTHER_KIND;
+}
+
+/// Copies a struct that begins with its size; null gives the defaults.
+template <class S>
+cageform_status read_struct(const S* given, S& own) noexcept {
+    own = S{};
+    if (given == nullptr) return CAGEFORM_OK;
+    std::size_t size = 0;
+    std::memcpy(&size, given, sizeof(size));
+    if (size < sizeof(size)) return CAGEFORM_SIZE_NOT_SET;
+    std::memcpy(static_cast<void*>(&own), given, size < sizeof(S) ? size : sizeof(S));
+    return CAGEFORM_OK;
+}
+/// Writes as much of a struct as the caller knows.
+template <class S>
+cageform_status write_struct(S own, S* out) noexcept {
+    if (out == nullptr) return CAGEFORM_ARGUMENT_NULL;
+    if (out->size < sizeof(own.size)) return CAGEFORM_SIZE_NOT_SET;
+    own.size = out->size;
+    std::memcpy(static_cast<void*>(out), &own, own.size < sizeof(S) ? own.size : sizeof(S));
+    return CAGEFORM_OK;
+}
+
+/// Checks points, given or to be written, and sets the distance between them in bytes.
+template <class P>
+cageform_status check_points(const P& points, std::size_t dimension, std::size_t& stride) noexcept {
+    stride = 0;
+    if (points.count == 0) return CAGEFORM_OK;
+    if (points.data == nullptr) return CAGEFORM_ARGUMENT_NULL;
+    if (points.scalar > CAGEFORM_DOUBLE) return CAGEFORM_CHOICE_UNKNOWN;
+    if (points.dimension != dimension) return CAGEFORM_DIMENSION_DIFFERS;
+    const std::size_t number = points.scalar == CAGEFORM_FLOAT ? sizeof(float) : sizeof(double);
+    const std::size_t size = number * dimension;
+    stride = points.stride != 0 ? points.stride : size;
+    if (reinterpret_cast<std::uintptr_t>(points.data) % number != 0 || stride % number != 0)
+        return CAGEFORM_POINTS_MISALIGNED;
+    const bool fits = stride >= size && points.bytes >= size &&
+                      points.count - 1 <= (points.bytes - size) / stride && points.bytes <= PTRDIFF_MAX;
+    return fits ? CAGEFORM_OK : CAGEFORM_POINTS_LEAVE_MEMORY;
+}
+/// Calls use(view) with points of the scalar T.
+template <class T, std::size_t D, class P, class Use>
+cageform_status with_points(const P& points, const Use& use) {
+    std::size_t stride = 0;
+    const cageform_status status = check_points(points, D, stride);
+    if (status != CAGEFORM_OK) return status;
+    constexpr bool is_float = std::is_same_v<T, float>;
+    if (points.count > 0 && (points.scalar == CAGEFORM_FLOAT) != is_float) return CAGEFORM_SCALAR_DIFFERS;
+    using Number = std::conditional_t<std::is_const_v<std::remove_pointer_t<decltype(points.data)>>, const T, T>;
+    return use(StridedPoints<Number, D>(static_cast<Number*>(points.data), points.count,
+                                        static_cast<std::ptrdiff_t>(stride)));
+}
+
+/// The loop of the caller, without memory of its own.
+struct CallersFor {
+    const cageform_running* running = nullptr; ///< null: the calling thread
+
+    template <class Body>
+    void operator()(std::size_t count, std::size_t grain, Body&& body) const {
+        if (running == nullptr || running->parallel_for == nullptr) {
+            if (count > 0) body(std::size_t{0}, count);
+            return;
+        }
+        struct Call {
+            std::remove_reference_t<Body>& body;
+            std::size_t count;
+        };
+        Call call{body, count};
+        running->parallel_for(
+            running->context, count, grain,
+            [](void* argument, std::size_t begin, std::size_t end) {
+                auto& its = *static_cast<Call*>(argument);
+                if (begin < end && end <= its.count) its.body(begin, end);
+            },
+            &call);
+    }
+};
+
+} // namespace cageform::inline CAGEFORM_ABI::detail::c
+
+struct cageform_figure : cageform::detail::c::Object {
+    static constexpr Kind its_kind = Kind::figure;
+
+    cageform::detail::c::OfAnyType<cageform::PackedFigureView> view;
+};

@@ -1,0 +1,201 @@
+// Fills the reports of the C interface, with a sentence for what was refused.
+#pragma once
+
+#include <cageform/animate/types/track_options.hpp>
+#include <cageform/binding/types/figure_binding.hpp>
+#include <cageform/binding/types/pack_options.hpp>
+#include <cageform/c/detail/objects.hpp>
+#include <cageform/core/running.hpp>
+#include <cageform/core/threads.hpp>
+#include <cageform/enclose/types/make_cage_options.hpp>
+#include <cageform/pose/types/pose_sample_options.hpp>
+
+#include <cstdio>
+
+namespace cageform::inline CAGEFORM_ABI::detail::c {
+
+/// The elements of a cage that the indices of a fault name.
+struct FaultElements {
+    std::uint32_t a, b;
+};
+constexpr FaultElements elements_of(CageFaultKind kind) noexcept {
+    using Kind = CageFaultKind;
+    switch (kind) {
+    case Kind::vertex_not_finite:
+    case Kind::radius_not_positive:
+    case Kind::interior_cell_outside:
+    case Kind::vertex_not_convex:
+    case Kind::disk_too_small:
+    case Kind::collinear_vertex:
+    case Kind::vertex_unused:
+    case Kind::vertex_not_manifold: return {CAGEFORM_VERTEX, CAGEFORM_NO_ELEMENT};
+    case Kind::duplicate_vertices:
+    case Kind::interior_cells_touch:
+    case Kind::open_edge:
+    case Kind::edge_not_manifold:
+    case Kind::gap_closed: return {CAGEFORM_VERTEX, CAGEFORM_VERTEX};
+    case Kind::edges_cross: return {CAGEFORM_EDGE, CAGEFORM_EDGE};
+    case Kind::curve_degree:
+    case Kind::edge_has_cusp: return {CAGEFORM_EDGE, CAGEFORM_NO_ELEMENT};
+    case Kind::no_area:
+    case Kind::loop_orientation_reversed: return {CAGEFORM_LOOP, CAGEFORM_NO_ELEMENT};
+    case Kind::loop_not_closed: return {CAGEFORM_LOOP, CAGEFORM_EDGE};
+    case Kind::face_not_planar:
+    case Kind::face_crosses_itself:
+    case Kind::face_fan_folds: return {CAGEFORM_FACE, CAGEFORM_VERTEX};
+    case Kind::face_flipped:
+    case Kind::faces_cross: return {CAGEFORM_FACE, CAGEFORM_FACE};
+    case Kind::no_volume:
+    case Kind::face_without_vertex:
+    case Kind::face_without_area:
+    case Kind::face_fanned:
+    case Kind::shell_orientation_reversed: return {CAGEFORM_FACE, CAGEFORM_NO_ELEMENT};
+    default: return {CAGEFORM_NO_ELEMENT, CAGEFORM_NO_ELEMENT};
+    }
+}
+constexpr const char* word_of(std::uint32_t element) noexcept {
+    switch (element) {
+    case CAGEFORM_VERTEX: return "vertex";
+    case CAGEFORM_EDGE: return "edge";
+    case CAGEFORM_FACE: return "face";
+    case CAGEFORM_LOOP: return "loop";
+    default: return "";
+    }
+}
+inline cageform_fault fault_of(const CageFault& fault) noexcept {
+    const auto [a, b] = elements_of(fault.kind);
+    return {code_of(status_of(fault.kind)), a, b, 0, fault.a, fault.b, to_string(fault.kind)};
+}
+
+/// A report that says nothing yet.
+inline cageform_report empty_report() noexcept {
+    cageform_report report{};
+    report.culprit = CAGEFORM_NONE;
+    report.fault.a = report.fault.b = CAGEFORM_NONE;
+    report.fault.text = "";
+    return report;
+}
+
+/// Writes the sentence of a report: the status, and the culprit by its word.
+inline void add_message(cageform_report& report, const char* word) noexcept {
+    char* const at = report.message;
+    constexpr std::size_t room = sizeof(report.message);
+    const char* const text = cageform_status_text(report.status);
+    const auto& fault = report.fault;
+    if (report.status == CAGEFORM_OK) {
+        at[0] = 0;
+    } else if (report.faults > 0 && fault.status == report.status && fault.a_is != CAGEFORM_NO_ELEMENT) {
+        if (fault.b_is != CAGEFORM_NO_ELEMENT)
+            std::snprintf(at, room, "%s (%s %zu, %s %zu)", text, word_of(fault.a_is), fault.a, word_of(fault.b_is),
+                          fault.b);
+        else
+            std::snprintf(at, room, "%s (%s %zu)", text, word_of(fault.a_is), fault.a);
+    } else if (report.culprit != CAGEFORM_NONE) {
+        std::snprintf(at, room, "%s (%s %zu)", text, word, report.culprit);
+    } else {
+        std::snprintf(at, room, "%s", text);
+    }
+}
+inline void add_message(cageform_report& report) noexcept {
+    add_message(report, "number");
+}
+
+inline void fill(cageform_report& report, const CageReport& cage) noexcept {
+    report.faults = static_cast<std::uint32_t>(cage.fault_count);
+    report.warnings = 0;
+    const CageFault* first = nullptr;
+    for (const auto& fault : cage.faults) {
+        const bool is_warning = status_of(fault.kind) == Status::ok;
+        report.warnings += is_warning ? 1 : 0;
+        const bool is_first_fault = !is_warning && (first == nullptr || status_of(first->kind) == Status::ok);
+        if (first == nullptr || is_first_fault) first = &fault;
+    }
+    if (first != nullptr) report.fault = fault_of(*first);
+}
+inline void fill(cageform_report& report, const SolverReport& solver) {
+    report.unknowns = solver.cells;
+    report.memory = solver.bytes;
+    report.grid_error = solver.grid_error();
+    report.sufficient_accuracy = solver.sufficient_accuracy;
+    if (solver.culprit != SolverReport::none) report.culprit = solver.culprit;
+    if (solver.unseen_handle != SolverReport::none) report.culprit = solver.unseen_handle;
+}
+inline void fill(cageform_report& report, const BindReport& bound) {
+    fill(report, bound.cage);
+    fill(report, bound.solver);
+    report.points = bound.points;
+    report.on_boundary = bound.on_boundary.size();
+    report.outside = bound.outside.size();
+    report.not_finite = bound.not_finite.size();
+    report.unreached = bound.unreached.size();
+    report.not_restored = bound.not_restored.size();
+    report.partition_error = bound.partition_error.value;
+    report.reproduction_error = bound.reproduction_error.value;
+    report.least_weight = bound.least_weight.value;
+    report.amplification = bound.amplification.value;
+}
+inline void fill(cageform_report& report, const FigurePackReport& packed) noexcept {
+    report.bytes = packed.bytes;
+    report.dense_bytes = packed.points.dense_bytes;
+    report.points = packed.points.points;
+    report.distance = packed.points.distance.value;
+    report.mean_distance = packed.points.mean_distance;
+    if (packed.culprit == FigureTags::clips)
+        report.culprit = packed.culprit_clip;
+    else if (packed.points.culprit != Extreme::none)
+        report.culprit = packed.points.culprit;
+}
+inline void fill(cageform_report& report, const MakeCageReport& made) noexcept {
+    fill(report, made.cage);
+    if (made.status != Status::ok) report.culprit = made.culprit;
+    report.vertices = made.vertices;
+    report.components = made.components;
+    report.tunnels = made.tunnels;
+    report.margin = made.margin;
+    report.clearance = made.clearance;
+    report.volume = made.area;
+    report.tightest_volume = made.tightest_area;
+    report.least_angle = made.least_angle;
+}
+
+/// Runs f(report), which returns a code, fills the caller's report, and returns the code.
+template <class F>
+cageform_status reported(cageform_report* out, const char* word, const F& f) noexcept {
+    if (out != nullptr && out->size < sizeof(out->size)) return CAGEFORM_SIZE_NOT_SET;
+    cageform_report report = empty_report();
+    report.status = guarded([&] { return f(report); });
+    add_message(report, word);
+    return out == nullptr ? report.status : (static_cast<void>(write_struct(report, out)), report.status);
+}
+
+/// Calls use(running) with the caller's threads and progress. What a body throws on another thread of the
+/// caller's loop is thrown again here, for C functions are not passed by exceptions.
+template <class Use>
+cageform_status with_running(const cageform_running* given, const Use& use) {
+    cageform_running own;
+    const cageform_status status = read_struct(given, own);
+    if (status != CAGEFORM_OK) return status;
+    Running running;
+    if (own.parallel_for != nullptr) {
+        running.parallel = [own](std::size_t count, std::size_t grain, const RangeBody& body) {
+            std::mutex access;
+            std::exception_ptr thrown;
+            CallersFor{&own}(count, grain, [&](std::size_t begin, std::size_t end) {
+                try {
+                    body(begin, end);
+                } catch (...) {
+                    const std::lock_guard lock(access);
+                    thrown = std::current_exception();
+                }
+            });
+            if (thrown) std::rethrow_exception(thrown);
+        };
+    } else if (own.threads > 1) {
+        running.parallel = ThreadedFor{own.threads};
+    }
+    if (own.progress != nullptr)
+        running.progress = [own](double done) { return own.progress(own.context, done) != 0; };
+    return use(running);
+}
+
+} // namespace cageform::inline CAGEFORM_ABI::detail::c
