@@ -1,7 +1,7 @@
 # cmake -DROOT=<project> -P check_includes.cmake
 # The table of what each room of include/cageform may include. Includes only ever point left in
 #   core -> cage -> grid -> coordinates -> binding -> clone -> pose        core -> animate -> binding/figure.hpp
-# Nothing includes the rooms pose, enclose, fields, papers and exchange.
+# Nothing includes the rooms pose, enclose, fields, papers and exchange, but for the C interface.
 set(allowed_core core config)
 set(allowed_adapt core)
 set(allowed_cage core config cage)
@@ -21,6 +21,7 @@ set(allowed_enclose core cage enclose)
 set(allowed_fields core cage grid fields)
 set(allowed_papers core cage grid coordinates papers)
 set(allowed_exchange core animate exchange)
+set(allowed_c core version cage grid coordinates binding clone pose animate enclose c)
 # The waist: what a game ships may not pull in how it was made.
 set(waist binding/binding.hpp binding/detail/packed_binding.hpp binding/types/blob.hpp binding/detail/figure_parts.hpp
           binding/detail/figure_opener.hpp binding/types/no_vectors.hpp binding/figure.hpp)

@@ -1,16 +1,18 @@
 /* The C interface of cageform: everything by plain C99, for engines and other languages.
  *
- * One file of a C++20 program defines CAGEFORM_C_IMPLEMENTATION before it includes this header; it has the code.
- * With CAGEFORM_C_RUNTIME_ONLY too it has what a game runs every frame (the first half of this header), without
- * dependencies, exceptions and RTTI. Or link the library of the CMake target cageform::compiled.
+ * One file of a C++20 program defines CAGEFORM_C_IMPLEMENTATION before it includes this header; it has the
+ * code. With CAGEFORM_C_RUNTIME_ONLY too it has what a game runs every frame (the first half of this
+ * header), without dependencies, exceptions and RTTI. Or link the library of the CMake target
+ * cageform::compiled.
  *
- * Every function that can fail returns a status: 0, or a code below, of which cageform_status_text() is the
- * sentence. No argument crashes a function that is what its type says; one that is null, too short, not finite,
- * or an object of another kind is refused by a status, and outputs are then untouched. An object is used by one
- * thread at a time, but for figures, coordinates, bindings, samples and bytes, which may be read by several.
+ * Every function that can fail returns a status: 0, or a code below, of which cageform_status_text() is
+ * the sentence. No argument crashes a function that is what its type says; one that is null, too short,
+ * not finite, or an object of another kind is refused by a status, and outputs are then untouched. An
+ * object is used by one thread at a time, but for figures, coordinates, bindings, samples and bytes, which
+ * may be read by several.
  *
- * Structs that begin with `size` grow in later versions: set it to sizeof(the struct), and the rest to zero, which
- * stands for the default everywhere. cageform_abi_version() changes when anything else does. */
+ * Structs that begin with `size` grow in later versions: set it to sizeof(the struct), and the rest to
+ * zero, which stands for the default everywhere. cageform_abi_version() changes when anything else does. */
 #ifndef CAGEFORM_C_H
 #define CAGEFORM_C_H
 
@@ -34,7 +36,7 @@ extern "C" {
 #define CAGEFORM_C_ABI 1
 #define CAGEFORM_NONE SIZE_MAX /* no index */
 
-/* ---- Status ------------------------------------------------------------------------------------------------ */
+/* ---- Status -------------------------------------------------------------------------------------------- */
 
 typedef int32_t cageform_status;
 /* Codes never change. X(code, NAME, name) gives CAGEFORM_NAME = code. Those of the C++ library: */
@@ -188,7 +190,7 @@ CAGEFORM_API const char* cageform_version(void);
 CAGEFORM_API const char* cageform_status_text(cageform_status status);
 CAGEFORM_API const char* cageform_status_name(cageform_status status);
 
-/* ---- Points in the caller's memory -------------------------------------------------------------------------- */
+/* ---- Points in the caller's memory --------------------------------------------------------------------- */
 
 enum { CAGEFORM_FLOAT = 0, CAGEFORM_DOUBLE = 1 }; /* scalars */
 
@@ -212,22 +214,22 @@ typedef struct cageform_output {
     uint32_t dimension;
 } cageform_output;
 
-/* ---- Threads, progress, cancellation ------------------------------------------------------------------------ */
+/* ---- Threads, progress, cancellation ------------------------------------------------------------------- */
 
 typedef void (*cageform_range_body)(void* argument, size_t begin, size_t end);
 
 typedef struct cageform_running {
     size_t size;
     void* context; /* passed to the functions below */
-    /* Calls body(argument, begin, end) for ranges that together cover [0, count) once, on any threads; `grain` is
-     * the shortest worthwhile range. Null: the calling thread, or `threads`. */
+    /* Calls body(argument, begin, end) for ranges that together cover [0, count) once, on any threads;
+     * `grain` is the shortest worthwhile range. Null: the calling thread, or `threads`. */
     void (*parallel_for)(void* context, size_t count, size_t grain, cageform_range_body body, void* argument);
     /* Is told the fraction done, on the calling thread; 0 cancels. Not called by functions of every frame. */
     int (*progress)(void* context, double done);
     uint32_t threads; /* without parallel_for: started for each loop; 0: the calling thread alone */
 } cageform_running;
 
-/* ---- Objects ------------------------------------------------------------------------------------------------ */
+/* ---- Objects ------------------------------------------------------------------------------------------- */
 
 typedef struct cageform_figure cageform_figure;           /* bound points, normals, tangents: to be cloned */
 typedef struct cageform_player cageform_player;           /* plays a clip */
@@ -241,7 +243,7 @@ typedef struct cageform_pins cageform_pins;               /* poses a cage by pin
 /* Frees an object of any kind; null is allowed. Those made of it go first. */
 CAGEFORM_API cageform_status cageform_free(void* object);
 
-/* ==== Every frame ============================================================================================= */
+/* ==== Every frame ======================================================================================= */
 
 typedef struct cageform_open_options {
     size_t size;
@@ -260,13 +262,13 @@ typedef struct cageform_figure_info {
     int has_normals, has_tangents, has_labels;
 } cageform_figure_info;
 
-/* Opens a packed figure or binding in place; `data` is aligned to 64 bytes and stays as it is while the figure
- * is in use. `options` may be null. `culprit` too: it becomes the tag of the part that is refused, four letters,
- * the first in the lowest byte; 0 is the whole. */
+/* Opens a packed figure or binding in place; `data` is aligned to 64 bytes and stays as it is while the
+ * figure is in use. `options` may be null. `culprit` too: it becomes the tag of the part that is refused,
+ * four letters, the first in the lowest byte; 0 is the whole. */
 CAGEFORM_API size_t cageform_figure_bytes(void);
-CAGEFORM_API cageform_status cageform_open(const void *data, size_t bytes,
-                                           const cageform_open_options *options, cageform_figure **figure,
-                                           size_t *culprit);
+CAGEFORM_API cageform_status cageform_open(const void* data, size_t bytes,
+                                           const cageform_open_options* options, cageform_figure** figure,
+                                           size_t* culprit);
 /* Opens a level of less detail, which takes the same poses; level 0 is the figure again. */
 CAGEFORM_API cageform_status cageform_open_level(const cageform_figure* figure, size_t level,
                                                  const cageform_open_options* options,
@@ -275,7 +277,8 @@ CAGEFORM_API cageform_status cageform_figure_describe(const cageform_figure* fig
                                                       cageform_figure_info* info);
 /* Writes the handles at rest, a pose to start from: info.handles points. */
 CAGEFORM_API cageform_status cageform_figure_rest(const cageform_figure* figure, cageform_output handles);
-/* Finds a handle's label (not terminated by a zero), and the first handle with a label: CAGEFORM_NONE if none has. */
+/* Finds a handle's label (not terminated by a zero), and the first handle with a label: CAGEFORM_NONE if
+ * none has. */
 CAGEFORM_API cageform_status cageform_figure_label(const cageform_figure* figure, size_t handle,
                                                    const char** text, size_t* length);
 CAGEFORM_API cageform_status cageform_figure_find_handle(const cageform_figure* figure, const char* text,
@@ -318,8 +321,8 @@ typedef struct cageform_play_options {
 /* Finds the first clip of a figure with a name: CAGEFORM_NONE if none has it. */
 CAGEFORM_API cageform_status cageform_figure_find_clip(const cageform_figure* figure, const char* name,
                                                        size_t length, size_t* clip);
-/* Plays a clip of a figure, which has to outlive the player, or a packed clip, whose bytes have to. Everyone who
- * plays has a player. `options` may be null. */
+/* Plays a clip of a figure, which has to outlive the player, or a packed clip, whose bytes have to.
+ * Everyone who plays has a player. `options` may be null. */
 CAGEFORM_API cageform_status cageform_play(const cageform_figure* figure, size_t clip,
                                            const cageform_play_options* options, cageform_player** player);
 CAGEFORM_API cageform_status cageform_play_bytes(const void* data, size_t bytes,
@@ -334,9 +337,9 @@ CAGEFORM_API cageform_status cageform_player_sample(cageform_player* player, dou
                                                     cageform_output pose);
 
 #if !defined(CAGEFORM_C_RUNTIME_ONLY)
-/* ==== Bind time =============================================================================================== */
+/* ==== Bind time ========================================================================================= */
 
-/* ---- Reports ------------------------------------------------------------------------------------------------ */
+/* ---- Reports ------------------------------------------------------------------------------------------- */
 
 enum {
     CAGEFORM_NO_ELEMENT = 0,
@@ -397,7 +400,7 @@ typedef struct cageform_report {
     double curve_error; /* the largest distance of a coordinate from its keys' curve */
 } cageform_report;
 
-/* ---- Cages -------------------------------------------------------------------------------------------------- */
+/* ---- Cages --------------------------------------------------------------------------------------------- */
 
 enum {
     CAGEFORM_POLYGON = 0, /* in the plane: loops of vertices */
@@ -472,7 +475,7 @@ CAGEFORM_API cageform_status cageform_make_cage(const cageform_drawing* figure,
 /* Describes a cage that was made; its arrays live as long as the object. */
 CAGEFORM_API cageform_status cageform_made_cage_describe(const cageform_made_cage* made, cageform_cage* cage);
 
-/* ---- Coordinates -------------------------------------------------------------------------------------------- */
+/* ---- Coordinates --------------------------------------------------------------------------------------- */
 
 enum {
     CAGEFORM_MEAN_VALUE = 0,
@@ -516,7 +519,7 @@ CAGEFORM_API cageform_status cageform_coordinates_solve(cageform_coordinates* co
                                                         const cageform_running* running,
                                                         cageform_report* report);
 
-/* ---- Bind and pack ------------------------------------------------------------------------------------------ */
+/* ---- Bind and pack ------------------------------------------------------------------------------------- */
 
 enum { CAGEFORM_EXTEND = 0, CAGEFORM_KEEP_IN_PLACE = 1, CAGEFORM_NEAREST_BOUNDARY = 2 };
 
@@ -526,8 +529,8 @@ typedef struct cageform_bind_options {
     int leave_linear_precision; /* leaves weights as the coordinates gave them */
 } cageform_bind_options;
 
-/* Binds points, and normals and tangents if they are not null (one for each point; tangents of 3 or 4 numbers).
- * Bad points are listed and kept in place, the others are bound. */
+/* Binds points, and normals and tangents if they are not null (one for each point; tangents of 3 or 4
+ * numbers). Bad points are listed and kept in place, the others are bound. */
 CAGEFORM_API cageform_status cageform_bind(const cageform_coordinates* coordinates, cageform_points points,
                                            const cageform_points* normals, const cageform_points* tangents,
                                            const cageform_bind_options* options,
@@ -539,7 +542,8 @@ CAGEFORM_API cageform_status cageform_binding_figure(const cageform_binding* bin
 /* Writes the weights of points: a row of info.handles numbers of the binding's scalar each. */
 CAGEFORM_API cageform_status cageform_binding_weights(const cageform_binding* binding, size_t first,
                                                       size_t count, void* weights, size_t bytes);
-/* Labels handles, one for each; texts end with a zero, null is none. A figure made before has the labels before. */
+/* Labels handles, one for each; texts end with a zero, null is none. A figure made before has the labels
+ * before. */
 CAGEFORM_API cageform_status cageform_binding_set_labels(cageform_binding* binding, const char* const* labels,
                                                          size_t count);
 enum {
@@ -613,7 +617,7 @@ CAGEFORM_API cageform_status cageform_compile_clip(const double* times, size_t c
                                                    const cageform_running* running, cageform_bytes** clip,
                                                    cageform_report* report);
 
-/* ---- Pins --------------------------------------------------------------------------------------------------- */
+/* ---- Pins ---------------------------------------------------------------------------------------------- */
 
 typedef struct cageform_samples_options {
     size_t size;
@@ -635,16 +639,16 @@ typedef struct cageform_pins_options {
 /* Copies the samples. */
 CAGEFORM_API cageform_status cageform_pins_create(const cageform_samples* samples,
                                                   const cageform_pins_options* options, cageform_pins** pins);
-/* Sets pins among the points of a figure, which is copied from; count 0 takes all away. `weights` may be null. The
- * report may be null too, and names the pin that is refused. */
+/* Sets pins among the points of a figure, which is copied from; count 0 takes all away. `weights` may be
+ * null. The report may be null too, and names the pin that is refused. */
 CAGEFORM_API cageform_status cageform_pins_set(cageform_pins* pins, const cageform_figure* figure,
                                                const uint32_t* points, size_t count, const double* weights,
                                                cageform_report* report);
 /* Holds handles where the pose has them. */
 CAGEFORM_API cageform_status cageform_pins_hold(cageform_pins* pins, const uint32_t* handles, size_t count,
                                                 cageform_report* report);
-/* Moves the pose (in and out, all handles) towards the targets, one for each pin; again until report.settled. The
- * scalar is that of the coordinates. No allocation. */
+/* Moves the pose (in and out, all handles) towards the targets, one for each pin; again until
+ * report.settled. The scalar is that of the coordinates. No allocation. */
 CAGEFORM_API cageform_status cageform_pins_solve(cageform_pins* pins, cageform_points targets,
                                                  cageform_output pose, cageform_report* report);
 #endif
@@ -659,6 +663,7 @@ CAGEFORM_API cageform_status cageform_pins_solve(cageform_pins* pins, cageform_p
 #define CAGEFORM_C_IMPLEMENTED
 #include <cageform/c/detail/every_frame.impl.hpp>
 #if !defined(CAGEFORM_C_RUNTIME_ONLY)
-#include <cageform/c/detail/bind_time.impl.hpp>
+#include <cageform/c/detail/pack.impl.hpp>
+#include <cageform/c/detail/pins.impl.hpp>
 #endif
 #endif

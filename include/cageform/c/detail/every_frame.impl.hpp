@@ -7,7 +7,10 @@
 #include <cageform/clone/pose_handles.hpp>
 #include <cageform/version.hpp>
 
-#if !defined(CAGEFORM_C_RUNTIME_ONLY)
+// mingw-w64 without posix threads and WebAssembly have none: cageform_running::threads is then not read.
+#if !defined(CAGEFORM_C_RUNTIME_ONLY) && !defined(__wasi__) &&                                               \
+    (!defined(__GLIBCXX__) || defined(_GLIBCXX_HAS_GTHREADS))
+#define CAGEFORM_DETAIL_C_THREADS
 #include <cageform/core/threads.hpp>
 #endif
 
@@ -63,29 +66,30 @@ cageform_status with_loop(const cageform_running* given, const Use& use) {
     cageform_running running;
     const cageform_status status = read_struct(given, running);
     if (status != CAGEFORM_OK) return status;
-#if !defined(CAGEFORM_C_RUNTIME_ONLY)
+#if defined(CAGEFORM_DETAIL_C_THREADS)
     if (running.parallel_for == nullptr && running.threads > 1) return use(ThreadedFor{running.threads});
 #endif
     return use(CallersFor{&running});
 }
 
-/// Makes an object in the caller's memory, or in its own if that is null. `more` bytes aligned to 64 follow it.
+/// Makes an object in the caller's memory, or in its own if that is null; `more` bytes follow it.
 template <class X, class Fill>
-cageform_status make_object(void* memory, std::size_t bytes, std::size_t more, const Fill& fill, X** made) noexcept {
+cageform_status make_object(void* memory, std::size_t bytes, std::size_t more, const Fill& fill,
+                            X** made) noexcept {
     constexpr std::size_t line = 64, own = (sizeof(X) + line - 1) / line * line;
     static_assert(alignof(X) <= line);
     const bool is_callers = memory != nullptr;
     if (is_callers && (bytes < own + more || reinterpret_cast<std::uintptr_t>(memory) % line != 0))
         return CAGEFORM_MEMORY_TOO_SMALL;
-    if (!is_callers) memory = ::operator new(own + more, std::align_val_t{line}, std::nothrow);
+    if (!is_callers) memory = ::operator new (own + more, std::align_val_t{line}, std::nothrow);
     if (memory == nullptr) return CAGEFORM_OUT_OF_MEMORY;
     X* const object = ::new (memory) X{};
     object->kind = X::its_kind;
-    object->destroy = is_callers ? [](Object* x) noexcept { static_cast<X*>(x)->~X(); }
-                                 : [](Object* x) noexcept {
-                                       static_cast<X*>(x)->~X();
-                                       ::operator delete(static_cast<void*>(x), std::align_val_t{line});
-                                   };
+    object->destroy =
+        is_callers ? [](Object* x) noexcept { static_cast<X*>(x)->~X(); } : [](Object* x) noexcept {
+            static_cast<X*>(x)->~X();
+            ::operator delete (static_cast<void*>(x), std::align_val_t{line});
+        };
     fill(*object, static_cast<std::byte*>(memory) + own);
     *made = object;
     return CAGEFORM_OK;
@@ -126,7 +130,8 @@ cageform_status play(const CageClipView<T, D>& clip, std::string_view name,
         options.memory, options.memory_bytes, playing_bytes(clip),
         [&](cageform_player& player, std::byte* memory) {
             auto* const lanes = reinterpret_cast<Lanes<T>*>(memory);
-            for (std::size_t n = 0; n < clip.cursor_rows(); ++n) ::new (static_cast<void*>(lanes + n)) Lanes<T>{};
+            for (std::size_t n = 0; n < clip.cursor_rows(); ++n)
+                ::new (static_cast<void*>(lanes + n)) Lanes<T>{};
             auto* const points = reinterpret_cast<Vec<T, D>*>(memory + rows);
             for (std::size_t n = 0; n < clip.vertex_count(); ++n)
                 ::new (static_cast<void*>(points + n)) Vec<T, D>{};
@@ -189,7 +194,8 @@ cageform_status cageform_open(const void* data, size_t bytes, const cageform_ope
         if (culprit != nullptr) *culprit = report.culprit.number;
         if (report.status != cageform::Status::ok) return c::code_of(report.status);
         return c::make_object(
-            own.memory, own.memory_bytes, 0, [&](cageform_figure& made, std::byte*) { made.view = view; }, figure);
+            own.memory, own.memory_bytes, 0, [&](cageform_figure& made, std::byte*) { made.view = view; },
+            figure);
     });
 }
 
@@ -336,9 +342,8 @@ cageform_status cageform_pose_handles(const cageform_figure* figure, cageform_po
         using T = typename View::scalar;
         constexpr std::size_t D = View::dimension;
         return c::with_points<T, D>(vertices, [&](const auto& source) {
-            return c::with_points<T, D>(handles, [&](const auto& out) {
-                return c::code_of(pose_handles(view, source, out).status);
-            });
+            return c::with_points<T, D>(
+                handles, [&](const auto& out) { return c::code_of(pose_handles(view, source, out).status); });
         });
     });
 }
@@ -356,8 +361,8 @@ cageform_status cageform_figure_find_clip(const cageform_figure* figure, const c
     });
 }
 
-cageform_status cageform_play(const cageform_figure* figure, size_t clip, const cageform_play_options* options,
-                              cageform_player** player) {
+cageform_status cageform_play(const cageform_figure* figure, size_t clip,
+                              const cageform_play_options* options, cageform_player** player) {
     namespace c = cageform::detail::c;
     cageform_play_options own;
     cageform_status status = c::check_object(figure);

@@ -3,6 +3,7 @@
 
 #include <cageform/animate/clip_blob.hpp>
 #include <cageform/binding/figure.hpp>
+#include <cageform/c/cageform.h>
 #include <cageform/core/detail/guard_memory.hpp>
 #include <cageform/core/view.hpp>
 
@@ -154,7 +155,8 @@ cageform_status with_points(const P& points, const Use& use) {
     if (status != CAGEFORM_OK) return status;
     constexpr bool is_float = std::is_same_v<T, float>;
     if (points.count > 0 && (points.scalar == CAGEFORM_FLOAT) != is_float) return CAGEFORM_SCALAR_DIFFERS;
-    using Number = std::conditional_t<std::is_const_v<std::remove_pointer_t<decltype(points.data)>>, const T, T>;
+    using Number =
+        std::conditional_t<std::is_const_v<std::remove_pointer_t<decltype(points.data)>>, const T, T>;
     return use(StridedPoints<Number, D>(static_cast<Number*>(points.data), points.count,
                                         static_cast<std::ptrdiff_t>(stride)));
 }

@@ -6,7 +6,6 @@
 #include <cageform/binding/types/pack_options.hpp>
 #include <cageform/c/detail/objects.hpp>
 #include <cageform/core/running.hpp>
-#include <cageform/core/threads.hpp>
 #include <cageform/enclose/types/make_cage_options.hpp>
 #include <cageform/pose/types/pose_sample_options.hpp>
 
@@ -86,8 +85,8 @@ inline void add_message(cageform_report& report, const char* word) noexcept {
         at[0] = 0;
     } else if (report.faults > 0 && fault.status == report.status && fault.a_is != CAGEFORM_NO_ELEMENT) {
         if (fault.b_is != CAGEFORM_NO_ELEMENT)
-            std::snprintf(at, room, "%s (%s %zu, %s %zu)", text, word_of(fault.a_is), fault.a, word_of(fault.b_is),
-                          fault.b);
+            std::snprintf(at, room, "%s (%s %zu, %s %zu)", text, word_of(fault.a_is), fault.a,
+                          word_of(fault.b_is), fault.b);
         else
             std::snprintf(at, room, "%s (%s %zu)", text, word_of(fault.a_is), fault.a);
     } else if (report.culprit != CAGEFORM_NONE) {
@@ -166,36 +165,6 @@ cageform_status reported(cageform_report* out, const char* word, const F& f) noe
     report.status = guarded([&] { return f(report); });
     add_message(report, word);
     return out == nullptr ? report.status : (static_cast<void>(write_struct(report, out)), report.status);
-}
-
-/// Calls use(running) with the caller's threads and progress. What a body throws on another thread of the
-/// caller's loop is thrown again here, for C functions are not passed by exceptions.
-template <class Use>
-cageform_status with_running(const cageform_running* given, const Use& use) {
-    cageform_running own;
-    const cageform_status status = read_struct(given, own);
-    if (status != CAGEFORM_OK) return status;
-    Running running;
-    if (own.parallel_for != nullptr) {
-        running.parallel = [own](std::size_t count, std::size_t grain, const RangeBody& body) {
-            std::mutex access;
-            std::exception_ptr thrown;
-            CallersFor{&own}(count, grain, [&](std::size_t begin, std::size_t end) {
-                try {
-                    body(begin, end);
-                } catch (...) {
-                    const std::lock_guard lock(access);
-                    thrown = std::current_exception();
-                }
-            });
-            if (thrown) std::rethrow_exception(thrown);
-        };
-    } else if (own.threads > 1) {
-        running.parallel = ThreadedFor{own.threads};
-    }
-    if (own.progress != nullptr)
-        running.progress = [own](double done) { return own.progress(own.context, done) != 0; };
-    return use(running);
 }
 
 } // namespace cageform::inline CAGEFORM_ABI::detail::c

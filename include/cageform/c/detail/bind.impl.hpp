@@ -1,21 +1,15 @@
-// The functions of the C interface that bind, pack and make.
+// The functions of the C interface that check and make cages, and bind.
 #pragma once
 
-#include <cageform/animate/compile.hpp>
-#include <cageform/animate/pack_clip.hpp>
-#include <cageform/binding/pack.hpp>
+#include <cageform/c/detail/every_frame.impl.hpp>
+
 #include <cageform/c/detail/cages.hpp>
 #include <cageform/enclose/make_cage.hpp>
 #include <cageform/enclose/make_cage_3d.hpp>
-#include <cageform/pose/pose_samples.hpp>
-#include <cageform/pose/pose_solver.hpp>
 
-struct cageform_bytes : cageform::detail::c::Object {
-    static constexpr Kind its_kind = Kind::bytes;
+#include <atomic>
+#include <exception>
 
-    std::shared_ptr<const void> owner;
-    std::span<const std::byte> bytes;
-};
 struct cageform_coordinates : cageform::detail::c::Object {
     static constexpr Kind its_kind = Kind::coordinates;
 
@@ -34,18 +28,42 @@ struct cageform_made_cage : cageform::detail::c::Object {
     std::vector<std::uint32_t> counts, indices;
     std::uint32_t dimension = 2;
 };
-struct cageform_samples : cageform::detail::c::Object {
-    static constexpr Kind its_kind = Kind::samples;
-
-    cageform::detail::c::OfAnyType<cageform::PoseSamples> samples;
-};
-struct cageform_pins : cageform::detail::c::Object {
-    static constexpr Kind its_kind = Kind::pins;
-
-    cageform::detail::c::OfAnyType<cageform::PoseSolver> solver;
-};
-
 namespace cageform::inline CAGEFORM_ABI::detail::c {
+
+/// Calls use(running) with the caller's threads and progress. An exception of a body on another thread of the
+/// caller's loop is thrown again here, for C functions are not passed by exceptions.
+template <class Use>
+cageform_status with_running(const cageform_running* given, const Use& use) {
+    cageform_running own;
+    const cageform_status status = read_struct(given, own);
+    if (status != CAGEFORM_OK) return status;
+    Running running;
+    if (own.parallel_for != nullptr) {
+        running.parallel = [own](std::size_t count, std::size_t grain, const RangeBody& body) {
+#if defined(__cpp_exceptions)
+            std::atomic<bool> has_thrown = false;
+            std::exception_ptr thrown;
+            CallersFor{&own}(count, grain, [&](std::size_t begin, std::size_t end) {
+                try {
+                    body(begin, end);
+                } catch (...) {
+                    if (!has_thrown.exchange(true)) thrown = std::current_exception();
+                }
+            });
+            if (thrown) std::rethrow_exception(thrown);
+#else
+            CallersFor{&own}(count, grain, body);
+#endif
+        };
+    }
+#if defined(CAGEFORM_DETAIL_C_THREADS)
+    else if (own.threads > 1)
+        running.parallel = ThreadedFor{own.threads};
+#endif
+    if (own.progress != nullptr)
+        running.progress = [own](double done) { return own.progress(own.context, done) != 0; };
+    return use(running);
+}
 
 /// Makes an object that fill(object), which returns a code, fills.
 template <class X, class Fill>
@@ -57,17 +75,6 @@ cageform_status make_filled(X** made, const Fill& fill) {
     if (status == CAGEFORM_OK) *made = object.release();
     return status;
 }
-/// Makes bytes of what has a member bytes(), which they keep.
-template <class Packed>
-cageform_status make_bytes(Packed packed, cageform_bytes** made) {
-    return make_filled(made, [&](cageform_bytes& object) {
-        const auto owner = std::make_shared<const Packed>(std::move(packed));
-        object.bytes = owner->bytes();
-        object.owner = owner;
-        return cageform_status(CAGEFORM_OK);
-    });
-}
-
 /// Calls use(view) with the points of a drawing and the numbers that name them, all below their count.
 inline cageform_status check_drawing(const cageform_drawing& drawing, std::size_t together) noexcept {
     if (drawing.indices == nullptr && drawing.index_count > 0) return CAGEFORM_ARGUMENT_NULL;
@@ -102,7 +109,8 @@ inline cageform_status make_cage_in_plane(const cageform_drawing& drawing, const
     auto [cage, made] = make_cage(Drawing<double>{segments, areas}, options, running);
     fill(report, made);
     if (made.status != Status::ok) return code_of(made.status);
-    for (const auto& vertex : cage.vertices()) object.vertices.insert(object.vertices.end(), vertex.v, vertex.v + 2);
+    for (const auto& vertex : cage.vertices())
+        object.vertices.insert(object.vertices.end(), vertex.v, vertex.v + 2);
     for (const auto& loop : cage.loops()) object.counts.push_back(static_cast<std::uint32_t>(loop.size()));
     return CAGEFORM_OK;
 }
@@ -119,8 +127,10 @@ inline cageform_status make_cage_in_space(const cageform_drawing& drawing, const
     auto [cage, made] = make_cage(points, faces, options, running);
     fill(report, made);
     if (made.status != Status::ok) return code_of(made.status);
-    for (const auto& vertex : cage.vertices()) object.vertices.insert(object.vertices.end(), vertex.v, vertex.v + 3);
-    for (const auto& face : cage.faces()) object.indices.insert(object.indices.end(), face.begin(), face.end());
+    for (const auto& vertex : cage.vertices())
+        object.vertices.insert(object.vertices.end(), vertex.v, vertex.v + 3);
+    for (const auto& face : cage.faces())
+        object.indices.insert(object.indices.end(), face.begin(), face.end());
     object.dimension = 3;
     return CAGEFORM_OK;
 }
@@ -156,101 +166,12 @@ cageform_status bind_copied(const AnyCoordinates<T, D>& coordinates, const std::
     }
 }
 
-inline cageform_status read_parts(const cageform_part* parts, std::size_t count) noexcept {
-    if (parts == nullptr && count > 0) return CAGEFORM_ARGUMENT_NULL;
-    for (std::size_t n = 0; n < count; ++n) {
-        if (parts[n].data == nullptr) return CAGEFORM_ARGUMENT_NULL;
-    }
-    return CAGEFORM_OK;
-}
-inline std::span<const std::byte> bytes_of(const cageform_part& part) noexcept {
-    return {static_cast<const std::byte*>(part.data), part.bytes};
-}
-
-template <class T, std::size_t D>
-cageform_status pack_figure(const FigureBinding<T, D>& figure, const cageform_pack_options& options,
-                            const Running& running, cageform_bytes** packed, cageform_report& report) {
-    if (options.format > CAGEFORM_FORMAT_INT8) return CAGEFORM_CHOICE_UNKNOWN;
-    std::vector<Vec<T, D>> posed;
-    cageform_status status = copy_points(options.poses, posed);
-    if (status == CAGEFORM_OK) status = read_parts(options.clips, options.clip_count);
-    if (status == CAGEFORM_OK) status = read_parts(options.levels, options.level_count);
-    if (status != CAGEFORM_OK) return status;
-    const std::size_t handles = figure.points.handle_count();
-    if (!posed.empty() && posed.size() % handles != 0) return CAGEFORM_COUNTS_DO_NOT_MATCH;
-    std::vector<double> poses;
-    append_pose(poses, posed);
-    std::vector<FigureClipData> clips;
-    for (std::size_t n = 0; n < options.clip_count; ++n)
-        clips.push_back({options.clips[n].name == nullptr ? "" : options.clips[n].name, bytes_of(options.clips[n])});
-    std::vector<std::span<const std::byte>> levels;
-    for (std::size_t n = 0; n < options.level_count; ++n) levels.push_back(bytes_of(options.levels[n]));
-    FigurePackOptions own;
-    own.weights.tolerance = options.tolerance;
-    own.weights.threshold = options.threshold;
-    own.weights.largest = options.largest;
-    own.weights.reach = options.reach;
-    own.weights.poses = poses;
-    own.clips = clips;
-    own.levels = levels;
-    if (options.format != CAGEFORM_FORMAT_SMALLEST)
-        own.weights.format = static_cast<WeightFormat>(options.format - CAGEFORM_FORMAT_SCALAR);
-    auto made = pack(figure, own, running);
-    fill(report, made.report);
-    report.seconds = made.report.seconds;
-    return made ? make_bytes(std::move(made.value), packed) : code_of(made.status());
-}
-
-template <class T, std::size_t D>
-cageform_status compile_poses(const double* times, std::size_t count, const std::vector<Vec<T, D>>& poses,
-                              const cageform_clip_options& options, const Running& running,
-                              cageform_bytes** clip, cageform_report& report) {
-    if (count == 0 || poses.size() % count != 0) return CAGEFORM_COUNTS_DO_NOT_MATCH;
-    const std::size_t vertices = poses.size() / count;
-    std::vector<std::vector<Key>> curves(vertices * D, std::vector<Key>(count));
-    constexpr std::array kinds{KeyKind::automatic, KeyKind::linear, KeyKind::hold};
-    for (std::size_t k = 0; k < count; ++k) {
-        for (std::size_t c = 0; c < curves.size(); ++c) {
-            Key& key = curves[c][k];
-            key.time = times[k];
-            key.value = double(poses[k * vertices + c / D][c % D]);
-            key.kind = kinds[options.keys];
-        }
-    }
-    TrackOptions own;
-    if (options.tolerance != 0) own.tolerance = options.tolerance;
-    own.before = static_cast<Extrapolation>(options.before);
-    own.after = static_cast<Extrapolation>(options.after);
-    const auto compiled = compile<T, D>(curves, own, running);
-    report.curve_error = compiled.report.sup_error;
-    report.seconds = compiled.report.seconds;
-    if (!compiled) {
-        report.culprit = compiled.report.culprit;
-        return code_of(compiled.status());
-    }
-    auto packed = pack_clip(compiled.value, {.tolerance = options.pack_tolerance});
-    report.bytes = packed.report.bytes;
-    report.vertices = packed.report.vertices;
-    return packed ? make_bytes(std::move(packed.value), clip) : code_of(packed.status());
-}
-
-inline void fill(cageform_report& report, const PoseSolverReport& posed) noexcept {
-    report.culprit = posed.status == Status::ok ? posed.missed : posed.culprit;
-    report.miss = posed.miss;
-    report.step = posed.step;
-    report.rigid_energy = posed.rigid_energy;
-    report.least_stretch = posed.least_stretch;
-    report.largest_stretch = posed.largest_stretch;
-    report.iterations = posed.iterations;
-    report.folded = posed.folded;
-    report.settled = posed.settled ? 1 : 0;
-}
-
 } // namespace cageform::inline CAGEFORM_ABI::detail::c
 
 extern "C" {
 
-cageform_status cageform_check(const cageform_cage* cage, cageform_fault* faults, size_t room, size_t* count) {
+cageform_status cageform_check(const cageform_cage* cage, cageform_fault* faults, size_t room,
+                               size_t* count) {
     namespace c = cageform::detail::c;
     if (cage == nullptr || count == nullptr || (faults == nullptr && room > 0)) return CAGEFORM_ARGUMENT_NULL;
     return c::guarded([&] {
@@ -260,7 +181,8 @@ cageform_status cageform_check(const cageform_cage* cage, cageform_fault* faults
         if (status == CAGEFORM_OK) status = c::report_of(own, report);
         if (status != CAGEFORM_OK) return status;
         *count = report.faults.size();
-        for (std::size_t n = 0; n < report.faults.size() && n < room; ++n) faults[n] = c::fault_of(report.faults[n]);
+        for (std::size_t n = 0; n < report.faults.size() && n < room; ++n)
+            faults[n] = c::fault_of(report.faults[n]);
         return c::code_of(report.status);
     });
 }
@@ -288,8 +210,9 @@ cageform_status cageform_make_cage(const cageform_drawing* figure, const cagefor
         if (own.regular != 0) choice.regular = own.regular;
         return c::with_running(running, [&](const cageform::Running& how) {
             return c::make_filled(made, [&](cageform_made_cage& object) {
-                return drawing.points.dimension == 3 ? c::make_cage_in_space(drawing, choice, how, object, its)
-                                                     : c::make_cage_in_plane(drawing, choice, how, object, its);
+                return drawing.points.dimension == 3
+                           ? c::make_cage_in_space(drawing, choice, how, object, its)
+                           : c::make_cage_in_plane(drawing, choice, how, object, its);
             });
         });
     });
@@ -333,7 +256,8 @@ cageform_status cageform_coordinates_create(const cageform_cage* cage,
             const cageform_status made_well = c::coordinates_of(own, choice, made);
             if (made_well != CAGEFORM_OK) return made_well;
             c::fill(its, made.cage_report());
-            if (made.cage_report().status != cageform::Status::ok) return c::code_of(made.cage_report().status);
+            if (made.cage_report().status != cageform::Status::ok)
+                return c::code_of(made.cage_report().status);
             return c::make_filled(coordinates, [&](cageform_coordinates& object) {
                 object.coordinates = std::move(made);
                 return cageform_status(CAGEFORM_OK);
@@ -454,7 +378,8 @@ cageform_status cageform_binding_weights(const cageform_binding* binding, size_t
         using T = typename std::remove_cvref_t<decltype(its)>::scalar;
         const std::size_t points = its.points.point_count(), handles = its.points.handle_count();
         if (first > points || count > points - first) return cageform_status(CAGEFORM_INDEX_OUT_OF_BOUNDS);
-        if (count > 0 && bytes / count / sizeof(T) < handles) return c::code_of(cageform::Status::output_too_small);
+        if (count > 0 && bytes / count / sizeof(T) < handles)
+            return c::code_of(cageform::Status::output_too_small);
         if (reinterpret_cast<std::uintptr_t>(weights) % sizeof(T) != 0)
             return cageform_status(CAGEFORM_POINTS_MISALIGNED);
         T* out = static_cast<T*>(weights);
@@ -465,7 +390,8 @@ cageform_status cageform_binding_weights(const cageform_binding* binding, size_t
     });
 }
 
-cageform_status cageform_binding_set_labels(cageform_binding* binding, const char* const* labels, size_t count) {
+cageform_status cageform_binding_set_labels(cageform_binding* binding, const char* const* labels,
+                                            size_t count) {
     namespace c = cageform::detail::c;
     const cageform_status status = c::check_object(binding);
     if (status != CAGEFORM_OK) return status;
@@ -481,8 +407,8 @@ cageform_status cageform_binding_set_labels(cageform_binding* binding, const cha
     });
 }
 
-cageform_status cageform_binding_list(const cageform_binding* binding, uint32_t list, size_t* indices, size_t room,
-                                      size_t* count) {
+cageform_status cageform_binding_list(const cageform_binding* binding, uint32_t list, size_t* indices,
+                                      size_t room, size_t* count) {
     namespace c = cageform::detail::c;
     const cageform_status status = c::check_object(binding);
     if (status != CAGEFORM_OK) return status;
@@ -495,167 +421,6 @@ cageform_status cageform_binding_list(const cageform_binding* binding, uint32_t 
     *count = its.size();
     std::copy_n(its.begin(), std::min(room, its.size()), indices);
     return CAGEFORM_OK;
-}
-
-cageform_status cageform_pack(const cageform_binding* binding, const cageform_pack_options* options,
-                              const cageform_running* running, cageform_bytes** packed, cageform_report* report) {
-    namespace c = cageform::detail::c;
-    return c::reported(report, "number", [&](cageform_report& its) {
-        cageform_pack_options own;
-        cageform_status status = c::check_object(binding);
-        if (status == CAGEFORM_OK) status = c::read_struct(options, own);
-        if (status == CAGEFORM_OK && packed == nullptr) status = CAGEFORM_ARGUMENT_NULL;
-        if (status != CAGEFORM_OK) return status;
-        return c::with_running(running, [&](const cageform::Running& how) {
-            return c::with(binding->figure,
-                           [&](const auto& figure) { return c::pack_figure(figure, own, how, packed, its); });
-        });
-    });
-}
-
-cageform_status cageform_bytes_view(const cageform_bytes* bytes, const void** data, size_t* size) {
-    const cageform_status status = cageform::detail::c::check_object(bytes);
-    if (status != CAGEFORM_OK) return status;
-    if (data == nullptr || size == nullptr) return CAGEFORM_ARGUMENT_NULL;
-    *data = bytes->bytes.data();
-    *size = bytes->bytes.size();
-    return CAGEFORM_OK;
-}
-
-cageform_status cageform_compile_clip(const double* times, size_t count, cageform_points poses,
-                                      const cageform_clip_options* options, const cageform_running* running,
-                                      cageform_bytes** clip, cageform_report* report) {
-    namespace c = cageform::detail::c;
-    return c::reported(report, "key", [&](cageform_report& its) {
-        cageform_clip_options own;
-        const cageform_status status = c::read_struct(options, own);
-        if (status != CAGEFORM_OK) return status;
-        if (clip == nullptr || (times == nullptr && count > 0)) return cageform_status(CAGEFORM_ARGUMENT_NULL);
-        if (own.keys > CAGEFORM_HOLD || own.before > CAGEFORM_PING_PONG || own.after > CAGEFORM_PING_PONG)
-            return cageform_status(CAGEFORM_CHOICE_UNKNOWN);
-        return c::with_running(running, [&](const cageform::Running& how) {
-            return c::with_type(own.scalar, poses.dimension, [&]<class T, std::size_t D>() {
-                std::vector<cageform::Vec<T, D>> copied;
-                const cageform_status read = c::copy_points(poses, copied);
-                if (read != CAGEFORM_OK) return read;
-                return c::compile_poses(times, count, copied, own, how, clip, its);
-            });
-        });
-    });
-}
-
-cageform_status cageform_pose_samples(const cageform_coordinates* coordinates,
-                                      const cageform_samples_options* options, const cageform_running* running,
-                                      cageform_samples** samples, cageform_report* report) {
-    namespace c = cageform::detail::c;
-    return c::reported(report, "number", [&](cageform_report& its) {
-        cageform_samples_options own;
-        cageform_status status = c::check_object(coordinates);
-        if (status == CAGEFORM_OK) status = c::read_struct(options, own);
-        if (status == CAGEFORM_OK && samples == nullptr) status = CAGEFORM_ARGUMENT_NULL;
-        if (status != CAGEFORM_OK) return status;
-        cageform::PoseSampleOptions choice;
-        choice.samples = own.samples;
-        choice.rotations = own.rotations;
-        choice.smoothing = own.smoothing;
-        return c::with_running(running, [&](const cageform::Running& how) {
-            return c::with(coordinates->coordinates, [&](const auto& any) {
-                auto made = cageform::pose_samples(any, choice, how);
-                its.samples = made.report.samples;
-                its.rotations = made.report.rotations;
-                its.seconds = made.report.seconds;
-                if (!made) return c::code_of(made.status());
-                its.bytes = made.value.bytes();
-                return c::make_filled(samples, [&](cageform_samples& object) {
-                    object.samples = std::move(made.value);
-                    return cageform_status(CAGEFORM_OK);
-                });
-            });
-        });
-    });
-}
-
-cageform_status cageform_pins_create(const cageform_samples* samples, const cageform_pins_options* options,
-                                     cageform_pins** pins) {
-    namespace c = cageform::detail::c;
-    return c::guarded([&] {
-        cageform_pins_options own;
-        cageform_status status = c::check_object(samples);
-        if (status == CAGEFORM_OK) status = c::read_struct(options, own);
-        if (status == CAGEFORM_OK && pins == nullptr) status = CAGEFORM_ARGUMENT_NULL;
-        if (status != CAGEFORM_OK) return status;
-        if (!(own.pin_weight >= 0) || !cageform::is_finite(own.pin_weight))
-            return c::code_of(cageform::Status::weights_not_positive);
-        cageform::PoseOptions choice;
-        if (own.pin_weight > 0) choice.pin_weight = own.pin_weight;
-        if (own.iterations > 0) choice.iterations = own.iterations;
-        choice.hard_pins = own.hard != 0;
-        return c::with(samples->samples, [&]<class T, std::size_t D>(const cageform::PoseSamples<T, D>& its) {
-            cageform::PoseSolver<T, D> solver(its, choice);
-            if (solver.status() != cageform::Status::ok) return c::code_of(solver.status());
-            return c::make_filled(pins, [&](cageform_pins& object) {
-                object.solver = std::move(solver);
-                return cageform_status(CAGEFORM_OK);
-            });
-        });
-    });
-}
-
-cageform_status cageform_pins_set(cageform_pins* pins, const cageform_figure* figure, const uint32_t* points,
-                                  size_t count, const double* weights, cageform_report* report) {
-    namespace c = cageform::detail::c;
-    return c::reported(report, "pin", [&](cageform_report& its) {
-        cageform_status status = c::check_object(pins);
-        if (status == CAGEFORM_OK && count > 0) status = c::check_object(figure);
-        if (status != CAGEFORM_OK) return status;
-        if (points == nullptr && count > 0) return cageform_status(CAGEFORM_ARGUMENT_NULL);
-        return c::with(pins->solver, [&]<class T, std::size_t D>(cageform::PoseSolver<T, D>& solver) {
-            cageform::PosePins<T, D> chosen;
-            if (count > 0) {
-                const auto* const view = std::get_if<cageform::PackedFigureView<T, D>>(&figure->view);
-                if (view == nullptr) return c::code_of(cageform::Status::bindings_differ);
-                chosen.binding = view->points;
-                chosen.points = {points, count};
-                if (weights != nullptr) chosen.weights = {weights, count};
-            }
-            const cageform::Status set = solver.set_pins(chosen);
-            if (set != cageform::Status::ok) its.culprit = solver.culprit();
-            return c::code_of(set);
-        });
-    });
-}
-
-cageform_status cageform_pins_hold(cageform_pins* pins, const uint32_t* handles, size_t count,
-                                   cageform_report* report) {
-    namespace c = cageform::detail::c;
-    return c::reported(report, "handle", [&](cageform_report& its) {
-        const cageform_status status = c::check_object(pins);
-        if (status != CAGEFORM_OK) return status;
-        if (handles == nullptr && count > 0) return cageform_status(CAGEFORM_ARGUMENT_NULL);
-        return c::with(pins->solver, [&](auto& solver) {
-            const cageform::Status set = solver.set_held({handles, count});
-            if (set != cageform::Status::ok) its.culprit = solver.culprit();
-            return c::code_of(set);
-        });
-    });
-}
-
-cageform_status cageform_pins_solve(cageform_pins* pins, cageform_points targets, cageform_output pose,
-                                    cageform_report* report) {
-    namespace c = cageform::detail::c;
-    return c::reported(report, "pin", [&](cageform_report& its) {
-        const cageform_status status = c::check_object(pins);
-        if (status != CAGEFORM_OK) return status;
-        return c::with(pins->solver, [&]<class T, std::size_t D>(cageform::PoseSolver<T, D>& solver) {
-            return c::with_points<T, D>(targets, [&](const auto& to) {
-                return c::with_points<T, D>(pose, [&](const auto& out) {
-                    const cageform::PoseSolverReport posed = solver.solve(to, out);
-                    c::fill(its, posed);
-                    return c::code_of(posed.status);
-                });
-            });
-        });
-    });
 }
 
 } // extern "C"

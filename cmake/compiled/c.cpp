@@ -1,0 +1,3 @@
+// Compiles the C interface.
+#define CAGEFORM_C_IMPLEMENTATION
+#include <cageform/c/cageform.h>

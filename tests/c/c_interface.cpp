@@ -1,0 +1,385 @@
+// The C interface: its statuses, its bits beside those of C++, hostile calls, and memory that runs out.
+#include "../catch.hpp"
+#include "../support/allocations.hpp"
+#include "../support/effort.hpp"
+#include "../support/meshes.hpp"
+
+#define CAGEFORM_C_IMPLEMENTATION
+#include <cageform/c/cageform.h>
+
+#include <cstring>
+#include <set>
+#include <string>
+
+extern "C" int cageform_c_calls(void); // calls.c
+
+namespace c_interface_tests {
+
+using namespace cageform_tests;
+using cageform::Status;
+
+namespace {
+
+template <class T, std::size_t D>
+cageform_points points_of(const std::vector<Vec<T, D>>& points) {
+    return {points.data(),
+            points.size(),
+            0,
+            points.size() * sizeof(points[0]),
+            std::is_same_v<T, double> ? 1u : 0u,
+            std::uint32_t(D)};
+}
+template <class T, std::size_t D>
+cageform_output output_of(std::vector<Vec<T, D>>& points) {
+    return {points.data(),
+            points.size(),
+            0,
+            points.size() * sizeof(points[0]),
+            std::is_same_v<T, double> ? 1u : 0u,
+            std::uint32_t(D)};
+}
+template <class S>
+S sized() {
+    S its{};
+    its.size = sizeof(S);
+    return its;
+}
+
+/// Frees an object at the end of a scope.
+template <class X>
+struct Owned {
+    X* object = nullptr;
+    Owned() = default;
+    Owned(const Owned&) = delete;
+    Owned& operator=(const Owned&) = delete;
+    ~Owned() { cageform_free(object); }
+};
+
+/// A bar in space and points in and around it, bound by both interfaces.
+template <class T>
+struct Bar {
+    MeshData cage = divided_box({1, 1, 3}, 1);
+    std::vector<Vec<double, 3>> vertices = cage.vertices;
+    std::vector<Vec<T, 3>> figure, normals, pose;
+    std::vector<std::uint32_t> indices;
+    Owned<cageform_coordinates> coordinates;
+    Owned<cageform_binding> binding;
+
+    explicit Bar(std::uint32_t type, std::size_t count = 300) {
+        Random random(20261126);
+        for (std::size_t n = 0; n < count; ++n) {
+            figure.push_back({T(random.uniform(-0.45, 0.45)), T(random.uniform(-0.45, 0.45)),
+                              T(random.uniform(-1.4, 1.4))});
+            normals.push_back({T(random.uniform(-1, 1)), T(random.uniform(-1, 1)), T(1)});
+        }
+        for (const auto& face : cage.faces) {
+            for (const int vertex : face) indices.push_back(std::uint32_t(vertex));
+        }
+        auto described = sized<cageform_cage>();
+        described.kind = CAGEFORM_MESH;
+        described.vertices = points_of(vertices);
+        described.indices = indices.data();
+        described.index_count = indices.size();
+        auto options = sized<cageform_coordinates_options>();
+        options.type = type;
+        options.scalar = std::is_same_v<T, double> ? CAGEFORM_DOUBLE : CAGEFORM_FLOAT;
+        REQUIRE(cageform_coordinates_create(&described, &options, &coordinates.object, nullptr) ==
+                CAGEFORM_OK);
+        const auto of_normals = points_of(normals);
+        REQUIRE(cageform_bind(coordinates.object, points_of(figure), &of_normals, nullptr, nullptr, nullptr,
+                              &binding.object, nullptr) == CAGEFORM_OK);
+        for (const auto& v : vertices)
+            pose.push_back({T(v[0] + 0.1 * v[2] * v[2]), T(v[1] + random.uniform(-0.2, 0.2)), T(v[2])});
+    }
+};
+
+template <class T>
+void check_bits(std::uint32_t type, const auto& coordinates) {
+    const Bar<T> bar(type);
+    const auto bound = bind(coordinates, cageform::FigurePoints{bar.figure, bar.normals});
+    REQUIRE(bound);
+    Owned<cageform_bytes> packed;
+    auto options = sized<cageform_pack_options>();
+    options.tolerance = 1e-3;
+    REQUIRE(cageform_pack(bar.binding.object, &options, nullptr, &packed.object, nullptr) == CAGEFORM_OK);
+    const void* data = nullptr;
+    std::size_t bytes = 0;
+    REQUIRE(cageform_bytes_view(packed.object, &data, &bytes) == CAGEFORM_OK);
+    cageform::FigurePackOptions own;
+    own.weights.tolerance = 1e-3;
+    const auto expected = pack(bound.value, own);
+    REQUIRE(expected);
+    REQUIRE(expected.value.bytes().size() == bytes);
+    CHECK(std::memcmp(expected.value.bytes().data(), data, bytes) == 0);
+
+    Owned<cageform_figure> dense, opened;
+    REQUIRE(cageform_binding_figure(bar.binding.object, &dense.object) == CAGEFORM_OK);
+    REQUIRE(cageform_open(data, bytes, nullptr, &opened.object, nullptr) == CAGEFORM_OK);
+    const auto view = cageform::open<T, 3>(expected.value.bytes());
+    const auto compare = [&](cageform_figure* figure, const auto& its) {
+        std::vector<Vec<T, 3>> out(bar.figure.size()), normals(out), points(out), turned(out);
+        const auto to = output_of(normals);
+        REQUIRE(cageform_clone(figure, points_of(bar.pose), output_of(out), &to, nullptr, nullptr) ==
+                CAGEFORM_OK);
+        REQUIRE(clone(its, bar.pose, cageform::FigureOutput{points, turned}) == Status::ok);
+        CHECK(out == points);
+        CHECK(normals == turned);
+        std::vector<Vec<T, 3>> gradients(bar.pose.size()), of_handles(gradients);
+        REQUIRE(cageform_clone_transposed(figure, points_of(out), output_of(gradients), nullptr) ==
+                CAGEFORM_OK);
+        REQUIRE(cageform::clone_transposed(its.points, points, of_handles) == Status::ok);
+        CHECK(gradients == of_handles);
+    };
+    compare(dense.object, bound.value.view());
+    compare(opened.object, view.value);
+    std::vector<T> weights(bar.figure.size() * bar.pose.size());
+    REQUIRE(cageform_binding_weights(bar.binding.object, 0, bar.figure.size(), weights.data(),
+                                     weights.size() * sizeof(T)) == CAGEFORM_OK);
+    bool same = true;
+    for (std::size_t n = 0; n < weights.size(); ++n)
+        same = same && weights[n] == bound.value.points.weight(n / bar.pose.size(), n % bar.pose.size());
+    CHECK(same);
+}
+
+} // namespace
+
+TEST_CASE("a C program calls every function", "[c]") {
+    CHECK(cageform_c_calls() == 0);
+}
+
+TEST_CASE("every status has a code, a name and its text", "[c]") {
+    std::set<cageform_status> codes;
+    std::size_t count = 0;
+    for (int n = 0; n < 256; ++n) {
+        const auto status = static_cast<Status>(n);
+        if (std::string(to_string(status)) == "unknown status") break;
+        const cageform_status code = cageform::detail::c::code_of(status);
+        CHECK(codes.insert(code).second);
+        CHECK(std::string(cageform_status_text(code)) == to_string(status));
+        CHECK(std::string(cageform_status_name(code)) != "unknown");
+        ++count;
+    }
+    CHECK(count > 100);
+    CHECK(std::string(cageform_status_name(CAGEFORM_ARGUMENT_NULL)) == "argument_null");
+    CHECK(std::string(cageform_status_text(CAGEFORM_STATUS_END)) == "unknown status");
+}
+
+TEST_CASE("bindings, packed bytes and clones have the bits of C++", "[c]") {
+    const auto box = divided_box({1, 1, 3}, 1);
+    check_bits<float>(CAGEFORM_MEAN_VALUE, cageform::MeanValueCoordinates(box.mesh<float>()));
+    check_bits<double>(CAGEFORM_MEAN_VALUE, cageform::MeanValueCoordinates(box.mesh<double>()));
+    check_bits<double>(CAGEFORM_HARMONIC, cageform::HarmonicCoordinates<double, 3>(box.mesh<double>()));
+}
+
+TEST_CASE("memory that runs out is a status, and nothing leaks", "[c]") {
+    Bar<double> bar(CAGEFORM_MEAN_VALUE, 20);
+    const auto fails = [&](auto call) {
+        std::size_t failures = 0;
+        for (;; ++failures) {
+            failing_allocation = allocations + 1 + failures;
+            const cageform_status status = call();
+            failing_allocation = 0;
+            if (status == CAGEFORM_OK) break;
+            REQUIRE(status == CAGEFORM_OUT_OF_MEMORY);
+        }
+        return failures;
+    };
+    CHECK(fails([&] {
+              Owned<cageform_binding> binding;
+              return cageform_bind(bar.coordinates.object, points_of(bar.figure), nullptr, nullptr, nullptr,
+                                   nullptr, &binding.object, nullptr);
+          }) > 3);
+    CHECK(fails([&] {
+              Owned<cageform_bytes> packed;
+              return cageform_pack(bar.binding.object, nullptr, nullptr, &packed.object, nullptr);
+          }) > 3);
+    CHECK(fails([&] {
+              Owned<cageform_figure> figure;
+              return cageform_binding_figure(bar.binding.object, &figure.object);
+          }) == 1);
+}
+
+TEST_CASE("hostile calls end with a status", "[c]") {
+    Bar<float> space(CAGEFORM_MEAN_VALUE, 30);
+    Owned<cageform_figure> figure;
+    Owned<cageform_samples> samples;
+    Owned<cageform_pins> pins;
+    Owned<cageform_bytes> packed, clip;
+    Owned<cageform_player> player;
+    REQUIRE(cageform_binding_figure(space.binding.object, &figure.object) == CAGEFORM_OK);
+    auto sampling = sized<cageform_samples_options>();
+    sampling.samples = 200;
+    REQUIRE(cageform_pose_samples(space.coordinates.object, &sampling, nullptr, &samples.object, nullptr) ==
+            CAGEFORM_OK);
+    REQUIRE(cageform_pins_create(samples.object, nullptr, &pins.object) == CAGEFORM_OK);
+    REQUIRE(cageform_pack(space.binding.object, nullptr, nullptr, &packed.object, nullptr) == CAGEFORM_OK);
+    const double times[2] = {0, 1};
+    auto poses = space.pose;
+    poses.insert(poses.end(), space.pose.begin(), space.pose.end());
+    REQUIRE(cageform_compile_clip(times, 2, points_of(poses), nullptr, nullptr, &clip.object, nullptr) ==
+            CAGEFORM_OK);
+    const void* clip_data = nullptr;
+    std::size_t clip_bytes = 0;
+    REQUIRE(cageform_bytes_view(clip.object, &clip_data, &clip_bytes) == CAGEFORM_OK);
+    REQUIRE(cageform_play_bytes(clip_data, clip_bytes, nullptr, &player.object) == CAGEFORM_OK);
+
+    const std::uint64_t seed = 20261126;
+    CAPTURE(seed);
+    Random random(seed);
+    alignas(64) std::array<std::byte, 4096> memory{};
+    const auto pick = [&](std::size_t count) {
+        return std::size_t(random.uniform(0, double(count))) % count;
+    };
+    const auto number = [&]() -> std::size_t {
+        const std::array<std::size_t, 12> odd{
+            0, 1, 2, 3, 4, 7, 30, 31, 4096, std::size_t(-1), std::size_t(-1) / 2, 64};
+        return odd[pick(odd.size())];
+    };
+    // Objects of every kind, or none, behind a pointer of any type.
+    const std::array<void*, 8> objects{nullptr,
+                                       space.coordinates.object,
+                                       space.binding.object,
+                                       figure.object,
+                                       samples.object,
+                                       pins.object,
+                                       packed.object,
+                                       player.object};
+    const auto any = [&](auto* own) {
+        using X = std::remove_pointer_t<decltype(own)>;
+        return pick(3) != 0 ? own : static_cast<X*>(objects[pick(objects.size())]);
+    };
+    // Views of memory that is there, with anything else in their members.
+    const auto view = [&]() -> cageform_output {
+        const std::size_t from = pick(3) != 0 ? 0 : pick(64);
+        return {pick(10) == 0 ? nullptr : memory.data() + from,
+                number(),
+                pick(3) != 0 ? 0 : number(),
+                pick(5) == 0 ? number() % (memory.size() - from) : memory.size() - from,
+                pick(8) == 0 ? std::uint32_t(number()) : CAGEFORM_FLOAT,
+                pick(8) == 0 ? std::uint32_t(number()) : 3u};
+    };
+    const auto reading = [&] {
+        const auto its = view();
+        return cageform_points{its.data, its.count, its.stride, its.bytes, its.scalar, its.dimension};
+    };
+    const auto spoil = [&](auto its) { // members become anything; the sizes of pointers' memory stay
+        if (pick(6) == 0) its.size = number();
+        return its;
+    };
+    std::set<cageform_status> met;
+    const std::size_t calls = effort<std::size_t>(1000000, 100000);
+    for (std::size_t n = 0; n < calls; ++n) {
+        if (pick(50) == 0) {
+            for (std::size_t b = 0; b < 64; ++b) memory[pick(memory.size())] = std::byte(pick(256));
+        }
+        cageform_status status = CAGEFORM_OK;
+        std::size_t out = 0;
+        const char* text = nullptr;
+        auto info = spoil(sized<cageform_figure_info>());
+        auto report = spoil(sized<cageform_report>());
+        const auto points = view();
+        switch (pick(16)) {
+        case 0: status = cageform_figure_describe(any(figure.object), &info); break;
+        case 1: status = cageform_figure_rest(any(figure.object), points); break;
+        case 2: status = cageform_figure_label(any(figure.object), number(), &text, &out); break;
+        case 3: {
+            const auto normals = view();
+            status = cageform_clone(any(figure.object), pick(2) ? points_of(space.pose) : reading(), points,
+                                    pick(2) ? &normals : nullptr, pick(9) == 0 ? &points : nullptr, nullptr);
+            break;
+        }
+        case 4: status = cageform_clone_transposed(any(figure.object), reading(), points, nullptr); break;
+        case 5: status = cageform_pose_handles(any(figure.object), reading(), points); break;
+        case 6:
+            status =
+                cageform_player_sample(any(player.object), random.uniform(-2, 2) / double(pick(2)), points);
+            break;
+        case 7: {
+            auto its = spoil(sized<cageform_clip_info>());
+            status = cageform_player_describe(any(player.object), &its);
+            break;
+        }
+        case 8: {
+            Owned<cageform_figure> opened;
+            status = cageform_open(memory.data(), number() % memory.size(), nullptr, &opened.object, &out);
+            break;
+        }
+        case 9: {
+            const std::size_t first = number(), count = number();
+            status = cageform_binding_weights(any(space.binding.object), first, count, memory.data(),
+                                              memory.size());
+            break;
+        }
+        case 10: {
+            std::array<std::size_t, 8> list{};
+            status = cageform_binding_list(any(space.binding.object), std::uint32_t(number()), list.data(),
+                                           number() % 9, &out);
+            break;
+        }
+        case 11: {
+            const std::array<std::uint32_t, 4> handles{0, std::uint32_t(number()), 2,
+                                                       std::uint32_t(number())};
+            status = pick(2) ? cageform_pins_hold(any(pins.object), handles.data(), pick(5), &report)
+                             : cageform_pins_set(any(pins.object), any(figure.object), handles.data(),
+                                                 pick(5), nullptr, &report);
+            break;
+        }
+        case 12: {
+            auto pose = space.pose;
+            status = cageform_pins_solve(any(pins.object), reading(), output_of(pose), &report);
+            break;
+        }
+        case 13: {
+            auto cage = spoil(sized<cageform_cage>());
+            cage.kind = std::uint32_t(number());
+            cage.vertices = reading();
+            cage.dimension = std::uint32_t(number());
+            cage.divisions = std::uint32_t(pick(4));
+            const std::array<std::uint32_t, 6> indices{0, 1, std::uint32_t(number()),
+                                                       2, 3, std::uint32_t(number())};
+            if (pick(2) != 0) {
+                cage.indices = indices.data();
+                cage.index_count = pick(7);
+            }
+            if (pick(3) == 0) {
+                cage.counts = indices.data();
+                cage.count_count = pick(7);
+            }
+            std::array<cageform_fault, 4> faults{};
+            status = cageform_check(&cage, faults.data(), pick(5), &out);
+            if (pick(4) == 0) {
+                Owned<cageform_coordinates> made;
+                auto options = spoil(sized<cageform_coordinates_options>());
+                options.type = std::uint32_t(pick(10));
+                options.scalar = std::uint32_t(pick(3));
+                status = cageform_coordinates_create(&cage, &options, &made.object, &report);
+            }
+            break;
+        }
+        case 14: {
+            if (pick(20) != 0) break; // takes longer
+            Owned<cageform_binding> binding;
+            auto options = spoil(sized<cageform_bind_options>());
+            options.outside = std::uint32_t(pick(4));
+            status = cageform_bind(any(space.coordinates.object), reading(), nullptr, nullptr, &options,
+                                   nullptr, &binding.object, &report);
+            break;
+        }
+        default: {
+            Owned<cageform_bytes> bytes;
+            if (pick(20) == 0)
+                status = cageform_compile_clip(times, pick(3), reading(), nullptr, nullptr, &bytes.object,
+                                               &report);
+            else
+                status = cageform_figure_find_clip(any(figure.object), nullptr, number() % 2, &out);
+        }
+        }
+        met.insert(status);
+        if (std::string(cageform_status_name(status)) == "unknown" || status == CAGEFORM_FAILED) FAIL(status);
+    }
+    CHECK(met.size() > 15);
+    CHECK(met.contains(CAGEFORM_OBJECT_OF_ANOTHER_KIND));
+    CHECK(met.contains(CAGEFORM_POINTS_LEAVE_MEMORY));
+}
+
+} // namespace c_interface_tests

@@ -1,0 +1,512 @@
+/* Calls every function of the C interface from C99, on a square and a cube, and prints what fails. It is a program,
+ * and with CALLS_MAIN defined a function of that name of another. */
+#include <cageform/c/cageform.h>
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static int failures = 0;
+#define CHECK(condition)                                                                                     \
+    do {                                                                                                     \
+        if (!(condition)) {                                                                                  \
+            ++failures;                                                                                      \
+            fprintf(stderr, "calls.c:%d: %s\n", __LINE__, #condition);                                       \
+        }                                                                                                    \
+    } while (0)
+
+static cageform_points points_of(const void* data, size_t count, uint32_t scalar, uint32_t dimension) {
+    cageform_points points;
+    points.data = data;
+    points.count = count;
+    points.stride = 0;
+    points.bytes = count * dimension * (scalar == CAGEFORM_FLOAT ? sizeof(float) : sizeof(double));
+    points.scalar = scalar;
+    points.dimension = dimension;
+    return points;
+}
+static cageform_output output_of(void* data, size_t count, uint32_t scalar, uint32_t dimension) {
+    cageform_output output;
+    output.data = data;
+    output.count = count;
+    output.stride = 0;
+    output.bytes = count * dimension * (scalar == CAGEFORM_FLOAT ? sizeof(float) : sizeof(double));
+    output.scalar = scalar;
+    output.dimension = dimension;
+    return output;
+}
+
+/* A loop in three pieces, backwards, and a progress that counts or stops. */
+typedef struct counts {
+    int loops, steps, stops_after;
+    double done;
+} counts;
+static void loop_in_pieces(void* context, size_t count, size_t grain, cageform_range_body body,
+                           void* argument) {
+    const size_t third = count / 3;
+    (void)grain;
+    ++((counts*)context)->loops;
+    body(argument, 2 * third, count);
+    body(argument, third, 2 * third);
+    body(argument, 0, third);
+}
+static int step(void* context, double done) {
+    counts* its = context;
+    its->done = done;
+    return ++its->steps != its->stops_after;
+}
+static cageform_running running_of(counts* its) {
+    cageform_running running;
+    memset(&running, 0, sizeof running);
+    running.size = sizeof running;
+    running.context = its;
+    running.parallel_for = loop_in_pieces;
+    running.progress = step;
+    return running;
+}
+
+static const float square[8] = {0, 0, 4, 0, 4, 4, 0, 4};
+static const float inside[10] = {1, 1, 2, 3, 3, 1, 2, 2, 0.5f, 3.5f};
+static const double cube[24] = {-1, -1, -1, 1, -1, -1, 1, 1, -1, -1, 1, -1,
+                                -1, -1, 1,  1, -1, 1,  1, 1, 1,  -1, 1, 1};
+static const uint32_t quads[24] = {0, 3, 2, 1, 4, 5, 6, 7, 0, 1, 5, 4, 1, 2, 6, 5, 2, 3, 7, 6, 3, 0, 4, 7};
+static const uint32_t fours[6] = {4, 4, 4, 4, 4, 4};
+static uint32_t triangles[36];
+
+static cageform_cage square_cage(void) {
+    cageform_cage cage;
+    memset(&cage, 0, sizeof cage);
+    cage.size = sizeof cage;
+    cage.kind = CAGEFORM_POLYGON;
+    cage.vertices = points_of(square, 4, CAGEFORM_FLOAT, 2);
+    return cage;
+}
+static cageform_cage cube_cage(void) {
+    cageform_cage cage;
+    memset(&cage, 0, sizeof cage);
+    cage.size = sizeof cage;
+    cage.kind = CAGEFORM_MESH;
+    cage.vertices = points_of(cube, 8, CAGEFORM_DOUBLE, 3);
+    cage.indices = triangles;
+    cage.index_count = 36;
+    return cage;
+}
+
+static cageform_coordinates* coordinates_of(cageform_cage cage, uint32_t type, uint32_t scalar) {
+    cageform_coordinates* coordinates = NULL;
+    cageform_coordinates_options options;
+    cageform_report report;
+    memset(&options, 0, sizeof options);
+    options.size = sizeof options;
+    options.type = type;
+    options.scalar = scalar;
+    report.size = sizeof report;
+    if (cageform_coordinates_create(&cage, &options, &coordinates, &report) != CAGEFORM_OK) {
+        ++failures;
+        fprintf(stderr, "coordinates %u: %s\n", (unsigned)type, report.message);
+    }
+    return coordinates;
+}
+
+/* From a cage to a clip that plays: a square, its points, a pose, a file. */
+static void test_square(void) {
+    cageform_coordinates* coordinates = coordinates_of(square_cage(), CAGEFORM_HARMONIC, CAGEFORM_FLOAT);
+    cageform_coordinates_info about;
+    cageform_binding* binding = NULL;
+    cageform_figure *figure = NULL, *opened = NULL, *found = NULL;
+    cageform_figure_info info;
+    cageform_bytes *clip = NULL, *packed = NULL;
+    cageform_player *player = NULL, *second = NULL;
+    cageform_clip_info played;
+    cageform_report report;
+    cageform_part part;
+    cageform_pack_options pack;
+    cageform_open_options open;
+    cageform_play_options play;
+    cageform_points points = points_of(inside, 5, CAGEFORM_FLOAT, 2);
+    const char* const labels[4] = {"foot", NULL, "head", ""};
+    const char* text = NULL;
+    const double times[3] = {0, 1, 3};
+    float poses[24], out[10], pose[8], gradients[8], weights[20];
+    void* memory = NULL;
+    const void* data = NULL;
+    size_t n, length = 0, index = 0, bytes = 0, listed[2];
+    counts its = {0, 0, 0, 0};
+    cageform_running running = running_of(&its);
+
+    about.size = sizeof about;
+    CHECK(cageform_coordinates_describe(coordinates, &about) == CAGEFORM_OK);
+    CHECK(about.handles == 4 && about.vertices == 4 && about.dimension == 2 &&
+          about.scalar == CAGEFORM_FLOAT);
+    CHECK(!about.has_weights_outside && about.has_gradients);
+    CHECK(cageform_coordinates_rest(coordinates, output_of(pose, 4, CAGEFORM_FLOAT, 2)) == CAGEFORM_OK);
+    CHECK(memcmp(pose, square, sizeof square) == 0);
+    report.size = sizeof report;
+    CHECK(cageform_coordinates_solve(coordinates, &running, &report) == CAGEFORM_OK);
+    CHECK(report.unknowns > 0 && its.steps > 0 && its.done == 1);
+    CHECK(cageform_bind(coordinates, points, NULL, NULL, NULL, &running, &binding, &report) == CAGEFORM_OK);
+    CHECK(report.points == 5 && report.outside == 0 && report.message[0] == 0 && report.seconds >= 0);
+    CHECK(cageform_binding_weights(binding, 0, 5, weights, sizeof weights) == CAGEFORM_OK);
+    for (n = 0; n < 5; ++n)
+        CHECK(fabs(weights[4 * n] + weights[4 * n + 1] + weights[4 * n + 2] + weights[4 * n + 3] - 1.0) <
+              1e-6);
+    CHECK(cageform_binding_list(binding, CAGEFORM_LIST_OUTSIDE, listed, 2, &length) == CAGEFORM_OK &&
+          length == 0);
+    CHECK(cageform_binding_set_labels(binding, labels, 4) == CAGEFORM_OK);
+    CHECK(cageform_binding_set_labels(binding, labels, 3) == CAGEFORM_LABELS_DO_NOT_MATCH);
+
+    for (n = 0; n < 24; ++n) poses[n] = square[n % 8];
+    poses[12] = poses[20] = 6; /* vertex 2 goes right */
+    CHECK(cageform_compile_clip(times, 3, points_of(poses, 12, CAGEFORM_FLOAT, 2), NULL, NULL, &clip,
+                                &report) == CAGEFORM_OK);
+    CHECK(report.vertices == 4 && report.bytes > 0);
+    memset(&part, 0, sizeof part);
+    part.name = "wave";
+    CHECK(cageform_bytes_view(clip, &part.data, &part.bytes) == CAGEFORM_OK && part.bytes == report.bytes);
+    memset(&pack, 0, sizeof pack);
+    pack.size = sizeof pack;
+    pack.tolerance = 1e-3;
+    pack.clips = &part;
+    pack.clip_count = 1;
+    CHECK(cageform_pack(binding, &pack, NULL, &packed, &report) == CAGEFORM_OK);
+    CHECK(cageform_bytes_view(packed, &data, &bytes) == CAGEFORM_OK && bytes == report.bytes);
+
+    memory = malloc(cageform_figure_bytes() + 64);
+    memset(&open, 0, sizeof open);
+    open.size = sizeof open;
+    open.memory = (char*)memory + (64 - (uintptr_t)memory % 64) % 64;
+    open.memory_bytes = cageform_figure_bytes();
+    CHECK(cageform_open(data, bytes, &open, &opened, &index) == CAGEFORM_OK);
+    CHECK((void*)opened == open.memory);
+    info.size = sizeof info;
+    CHECK(cageform_figure_describe(opened, &info) == CAGEFORM_OK);
+    CHECK(info.points == 5 && info.handles == 4 && info.vertices == 4 && info.clips == 1 && info.levels == 0);
+    CHECK(info.has_labels && !info.has_normals && !info.has_tangents && info.dimension == 2);
+    CHECK(cageform_open_level(opened, 0, NULL, &found) == CAGEFORM_OK);
+    CHECK(cageform_free(found) == CAGEFORM_OK);
+    CHECK(cageform_open_level(opened, 1, NULL, &found) == CAGEFORM_NOT_A_FIGURE);
+    CHECK(cageform_figure_label(opened, 2, &text, &length) == CAGEFORM_OK && length == 4);
+    CHECK(memcmp(text, "head", 4) == 0);
+    CHECK(cageform_figure_find_handle(opened, "head", 4, &index) == CAGEFORM_OK && index == 2);
+    CHECK(cageform_figure_find_handle(opened, "tail", 4, &index) == CAGEFORM_OK && index == CAGEFORM_NONE);
+    CHECK(cageform_figure_rest(opened, output_of(pose, 4, CAGEFORM_FLOAT, 2)) == CAGEFORM_OK);
+    CHECK(cageform_clone(opened, points_of(pose, 4, CAGEFORM_FLOAT, 2), output_of(out, 5, CAGEFORM_FLOAT, 2),
+                         NULL, NULL, &running) == CAGEFORM_OK);
+    CHECK(memcmp(out, inside, sizeof inside) == 0); /* to the bit */
+    CHECK(cageform_clone_transposed(opened, points_of(out, 5, CAGEFORM_FLOAT, 2),
+                                    output_of(gradients, 4, CAGEFORM_FLOAT, 2), NULL) == CAGEFORM_OK);
+
+    CHECK(cageform_figure_find_clip(opened, "wave", 4, &index) == CAGEFORM_OK && index == 0);
+    CHECK(cageform_player_bytes(opened, 0, &length) == CAGEFORM_OK && length > 0);
+    CHECK(cageform_play(opened, 0, NULL, &player) == CAGEFORM_OK);
+    memset(&play, 0, sizeof play);
+    play.size = sizeof play;
+    CHECK(cageform_play_bytes(part.data, part.bytes, &play, &second) == CAGEFORM_OK);
+    played.size = sizeof played;
+    CHECK(cageform_player_describe(player, &played) == CAGEFORM_OK);
+    CHECK(played.vertices == 4 && played.begin == 0 && played.end == 3 && played.name_length == 4);
+    CHECK(cageform_player_sample(player, 1, output_of(pose, 4, CAGEFORM_FLOAT, 2)) == CAGEFORM_OK);
+    CHECK(pose[4] == 6 && pose[5] == 4 && pose[0] == 0);
+    CHECK(cageform_player_sample(second, 0, output_of(pose, 4, CAGEFORM_FLOAT, 2)) == CAGEFORM_OK);
+    CHECK(memcmp(pose, square, sizeof square) == 0);
+
+    CHECK(cageform_binding_figure(binding, &figure) == CAGEFORM_OK);
+    CHECK(cageform_free(figure) == CAGEFORM_OK && cageform_free(player) == CAGEFORM_OK);
+    CHECK(cageform_free(second) == CAGEFORM_OK && cageform_free(opened) == CAGEFORM_OK);
+    CHECK(cageform_free(packed) == CAGEFORM_OK && cageform_free(clip) == CAGEFORM_OK);
+    CHECK(cageform_free(binding) == CAGEFORM_OK && cageform_free(coordinates) == CAGEFORM_OK);
+    CHECK(cageform_free(NULL) == CAGEFORM_OK);
+    free(memory);
+}
+
+/* Every type of coordinates, on every kind of cage, in space and in the plane. */
+static void test_types(void) {
+    const double controls[24] = {0, 0, 1, -1, 3, -1, 4, 0, 4, 0, 4, 4, 4, 4, 0, 4, 0, 4, 0, 0};
+    const uint32_t degrees[4] = {3, 1, 1, 1};
+    const uint32_t types[4] = {CAGEFORM_MEAN_VALUE, CAGEFORM_HARMONIC, CAGEFORM_GREEN, CAGEFORM_SIBSON};
+    const uint32_t flat[4] = {CAGEFORM_WACHSPRESS, CAGEFORM_DISCRETE_HARMONIC, CAGEFORM_SIBSON,
+                              CAGEFORM_GREEN};
+    const double middle[3] = {0.25, -0.5, 0.125}, there[2] = {2, 1};
+    double pose[200], vertices[200], out[3];
+    size_t n;
+    cageform_cage cage;
+    for (n = 0; n < 11; ++n) {
+        cageform_coordinates* coordinates;
+        cageform_coordinates_info info;
+        cageform_binding* binding = NULL;
+        cageform_figure* figure = NULL;
+        cageform_report report;
+        const int in_space = n < 6;
+        cage = in_space ? cube_cage() : square_cage();
+        if (n == 4) { /* quads */
+            cage.indices = quads;
+            cage.index_count = 24;
+            cage.counts = fours;
+            cage.count_count = 6;
+            cage.divisions = 2;
+        }
+        if (n == 5) { /* a lattice of the cube */
+            cage.kind = CAGEFORM_LATTICE;
+            cage.dimension = 3;
+            cage.points[0] = cage.points[1] = cage.points[2] = 2;
+            cage.origin[0] = cage.origin[1] = cage.origin[2] = -1;
+            cage.axes[0][0] = cage.axes[1][1] = cage.axes[2][2] = 2;
+        }
+        if (n == 10) {
+            cage.kind = CAGEFORM_CURVES;
+            cage.vertices = points_of(controls, 10, CAGEFORM_DOUBLE, 2);
+            cage.counts = degrees;
+            cage.count_count = 4;
+        }
+        coordinates = coordinates_of(cage,
+                                     n < 4    ? types[n]
+                                     : n == 4 ? (uint32_t)CAGEFORM_MEAN_VALUE
+                                     : n == 5 ? (uint32_t)CAGEFORM_SPLINES
+                                     : n < 10 ? flat[n - 6]
+                                              : (uint32_t)CAGEFORM_GREEN,
+                                     CAGEFORM_DOUBLE);
+        info.size = sizeof info;
+        report.size = sizeof report;
+        CHECK(cageform_coordinates_describe(coordinates, &info) == CAGEFORM_OK);
+        CHECK(info.handles <= 60);
+        CHECK(cageform_bind(coordinates,
+                            points_of(in_space ? middle : there, 1, CAGEFORM_DOUBLE, info.dimension), NULL,
+                            NULL, NULL, NULL, &binding, &report) == CAGEFORM_OK);
+        CHECK(cageform_binding_figure(binding, &figure) == CAGEFORM_OK);
+        /* All handles move by (3, …): so does the point. */
+        CHECK(cageform_coordinates_rest(coordinates, output_of(pose, info.handles, CAGEFORM_DOUBLE,
+                                                               info.dimension)) == CAGEFORM_OK);
+        memcpy(vertices, pose, info.vertices * info.dimension * sizeof(double));
+        {
+            size_t i;
+            for (i = 0; i < info.vertices * info.dimension; ++i) vertices[i] += 3;
+        }
+        if (n != 10) /* the vectors of curves are not behind the points alone */
+            CHECK(cageform_pose_handles(
+                      figure, points_of(vertices, info.vertices, CAGEFORM_DOUBLE, info.dimension),
+                      output_of(pose, info.handles, CAGEFORM_DOUBLE, info.dimension)) == CAGEFORM_OK);
+        CHECK(cageform_clone(figure, points_of(pose, info.handles, CAGEFORM_DOUBLE, info.dimension),
+                             output_of(out, 1, CAGEFORM_DOUBLE, info.dimension), NULL, NULL,
+                             NULL) == CAGEFORM_OK);
+        if (n != 10) CHECK(fabs(out[0] - (in_space ? middle[0] : there[0]) - 3) < 1e-9);
+        cageform_free(figure);
+        cageform_free(binding);
+        cageform_free(coordinates);
+    }
+}
+
+/* Normals and tangents; points outside; a point that is not finite. */
+static void test_normals(void) {
+    const double points[12] = {0.5, 0, 0, 0, 0.5, 0, 5, 0, 0, 0, 0, 0.5};
+    const double normals[12] = {1, 0, 0, 0, 1, 0, 1, 0, 0, 0, 0, 1};
+    const double tangents[16] = {0, 1, 0, 1, 0, 0, 1, -1, 0, 1, 0, 1, 1, 0, 0, 1};
+    double moved[12], turned[12], along[16];
+    double bad[12];
+    cageform_coordinates* coordinates = coordinates_of(cube_cage(), CAGEFORM_MEAN_VALUE, CAGEFORM_DOUBLE);
+    cageform_binding* binding = NULL;
+    cageform_figure* figure = NULL;
+    cageform_figure_info info;
+    cageform_points given = points_of(normals, 4, CAGEFORM_DOUBLE, 3),
+                    with = points_of(tangents, 4, CAGEFORM_DOUBLE, 4);
+    cageform_output out = output_of(turned, 4, CAGEFORM_DOUBLE, 3),
+                    forth = output_of(along, 4, CAGEFORM_DOUBLE, 4);
+    cageform_bind_options options;
+    cageform_report report;
+    size_t list[4], count = 0;
+    memset(&options, 0, sizeof options);
+    options.size = sizeof options;
+    options.outside = CAGEFORM_NEAREST_BOUNDARY;
+    report.size = sizeof report;
+    memcpy(bad, points, sizeof bad);
+    bad[10] = NAN;
+    CHECK(cageform_bind(coordinates, points_of(bad, 4, CAGEFORM_DOUBLE, 3), &given, &with, &options, NULL,
+                        &binding, &report) == CAGEFORM_OK);
+    CHECK(report.outside == 1 && report.not_finite == 1);
+    CHECK(cageform_binding_list(binding, CAGEFORM_LIST_OUTSIDE, list, 4, &count) == CAGEFORM_OK);
+    CHECK(count == 1 && list[0] == 2);
+    CHECK(cageform_binding_list(binding, CAGEFORM_LIST_NOT_FINITE, list, 4, &count) == CAGEFORM_OK);
+    CHECK(count == 1 && list[0] == 3);
+    CHECK(cageform_binding_figure(binding, &figure) == CAGEFORM_OK);
+    info.size = sizeof info;
+    CHECK(cageform_figure_describe(figure, &info) == CAGEFORM_OK && info.has_normals && info.has_tangents);
+    CHECK(cageform_clone(figure, points_of(cube, 8, CAGEFORM_DOUBLE, 3),
+                         output_of(moved, 4, CAGEFORM_DOUBLE, 3), &out, &forth, NULL) == CAGEFORM_OK);
+    CHECK(memcmp(moved, points, 9 * sizeof(double)) == 0);
+    CHECK(fabs(turned[0] - 1) < 1e-15 && fabs(along[1] - 1) < 1e-15 && along[7] == -1);
+    cageform_free(figure);
+    cageform_free(binding);
+    cageform_free(coordinates);
+}
+
+/* A cage that is made, around a bar in space and a drawing in the plane. */
+static void test_made_cages(void) {
+    const uint32_t segments[8] = {0, 1, 1, 2, 2, 3, 3, 0};
+    const double radii[4] = {0.1, 0.1, 0.1, 0.1};
+    const uint32_t areas[1] = {4};
+    size_t n;
+    for (n = 0; n < 2; ++n) {
+        cageform_drawing drawing;
+        cageform_make_cage_options options;
+        cageform_made_cage* made = NULL;
+        cageform_cage cage;
+        cageform_report report;
+        cageform_coordinates* coordinates = NULL;
+        size_t faults = 7;
+        memset(&drawing, 0, sizeof drawing);
+        memset(&options, 0, sizeof options);
+        memset(&cage, 0, sizeof cage);
+        drawing.size = sizeof drawing;
+        drawing.points =
+            n == 0 ? points_of(square, 4, CAGEFORM_FLOAT, 2) : points_of(cube, 8, CAGEFORM_DOUBLE, 3);
+        drawing.indices = n == 0 ? segments : triangles;
+        drawing.index_count = n == 0 ? 8 : 36;
+        if (n == 0) {
+            drawing.radii = radii;
+            drawing.areas = areas;
+            drawing.area_count = 1;
+        }
+        options.size = sizeof options;
+        options.shape = CAGEFORM_SHAPE_BOX;
+        cage.size = sizeof cage;
+        report.size = sizeof report;
+        CHECK(cageform_make_cage(&drawing, &options, NULL, &made, &report) == CAGEFORM_OK);
+        CHECK(report.vertices == (n == 0 ? 4u : 8u) && report.clearance > 0);
+        CHECK(cageform_made_cage_describe(made, &cage) == CAGEFORM_OK);
+        CHECK(cage.vertices.count == report.vertices);
+        CHECK(cageform_check(&cage, NULL, 0, &faults) == CAGEFORM_OK && faults == 0);
+        CHECK(cageform_coordinates_create(&cage, NULL, &coordinates, &report) == CAGEFORM_OK);
+        cageform_free(coordinates);
+        cageform_free(made);
+    }
+}
+
+/* Pins: one end of a square stays, the other goes up. */
+static void test_pins(void) {
+    const uint32_t chosen[2] = {0, 2}, held[1] = {0}, far[1] = {9};
+    const float targets[4] = {1, 1, 3, 2};
+    const double weights[2] = {1, 2};
+    float pose[8], out[10];
+    cageform_coordinates* coordinates = coordinates_of(square_cage(), CAGEFORM_MEAN_VALUE, CAGEFORM_FLOAT);
+    cageform_binding* binding = NULL;
+    cageform_figure* figure = NULL;
+    cageform_samples* samples = NULL;
+    cageform_pins* pins = NULL;
+    cageform_samples_options sampling;
+    cageform_pins_options options;
+    cageform_report report;
+    int frame;
+    memset(&sampling, 0, sizeof sampling);
+    memset(&options, 0, sizeof options);
+    sampling.size = sizeof sampling;
+    sampling.samples = 500;
+    options.size = sizeof options;
+    report.size = sizeof report;
+    CHECK(cageform_bind(coordinates, points_of(inside, 5, CAGEFORM_FLOAT, 2), NULL, NULL, NULL, NULL,
+                        &binding, NULL) == CAGEFORM_OK);
+    CHECK(cageform_binding_figure(binding, &figure) == CAGEFORM_OK);
+    CHECK(cageform_pose_samples(coordinates, &sampling, NULL, &samples, &report) == CAGEFORM_OK);
+    CHECK(report.samples > 400 && report.rotations > 0);
+    CHECK(cageform_pins_create(samples, &options, &pins) == CAGEFORM_OK);
+    CHECK(cageform_pins_set(pins, figure, far, 1, NULL, &report) == CAGEFORM_INDEX_OUT_OF_RANGE);
+    CHECK(report.culprit == 0 && strlen(report.message) > 0);
+    CHECK(cageform_pins_set(pins, figure, chosen, 2, weights, &report) == CAGEFORM_OK);
+    CHECK(cageform_pins_hold(pins, far, 1, &report) == CAGEFORM_INDEX_OUT_OF_RANGE);
+    CHECK(cageform_pins_hold(pins, held, 0, &report) == CAGEFORM_OK);
+    memcpy(pose, square, sizeof square);
+    for (frame = 0; frame < 100; ++frame) {
+        CHECK(cageform_pins_solve(pins, points_of(targets, 2, CAGEFORM_FLOAT, 2),
+                                  output_of(pose, 4, CAGEFORM_FLOAT, 2), &report) == CAGEFORM_OK);
+        if (report.settled) break;
+    }
+    CHECK(report.settled && report.miss < 0.01);
+    CHECK(cageform_clone(figure, points_of(pose, 4, CAGEFORM_FLOAT, 2), output_of(out, 5, CAGEFORM_FLOAT, 2),
+                         NULL, NULL, NULL) == CAGEFORM_OK);
+    CHECK(fabs(out[4] - 3.0) < 0.02 && fabs(out[5] - 2.0) < 0.02);
+    cageform_free(pins);
+    cageform_free(samples);
+    cageform_free(figure);
+    cageform_free(binding);
+    cageform_free(coordinates);
+}
+
+/* What is refused, and by which name. */
+static void test_refusals(void) {
+    cageform_cage cage = square_cage();
+    cageform_coordinates* coordinates = coordinates_of(cage, CAGEFORM_MEAN_VALUE, CAGEFORM_FLOAT);
+    cageform_coordinates* none = NULL;
+    cageform_coordinates_options options;
+    cageform_report report;
+    cageform_fault fault[2];
+    cageform_binding* binding = NULL;
+    cageform_points points = points_of(inside, 5, CAGEFORM_FLOAT, 2), bad;
+    float crossing[8] = {0, 0, 4, 4, 4, 0, 0, 4};
+    size_t count = 0;
+    counts its = {0, 0, 1, 0};
+    cageform_running running = running_of(&its);
+    report.size = sizeof report;
+    memset(&options, 0, sizeof options);
+    CHECK(cageform_coordinates_create(&cage, &options, &none, &report) == CAGEFORM_SIZE_NOT_SET &&
+          none == NULL);
+    options.size = sizeof options;
+    options.type = 99;
+    CHECK(cageform_coordinates_create(&cage, &options, &none, &report) == CAGEFORM_CHOICE_UNKNOWN);
+    options.type = CAGEFORM_SPLINES;
+    CHECK(cageform_coordinates_create(&cage, &options, &none, &report) == CAGEFORM_CAGE_KIND_NOT_SUPPORTED);
+    cage.vertices = points_of(crossing, 4, CAGEFORM_FLOAT, 2);
+    CHECK(cageform_coordinates_create(&cage, NULL, &none, &report) == CAGEFORM_CAGE_SELF_CROSSING);
+    CHECK(report.faults == 1 && report.fault.a_is == CAGEFORM_EDGE);
+    CHECK(strstr(report.message, "edge 0") != NULL);
+    CHECK(cageform_check(&cage, fault, 2, &count) == CAGEFORM_CAGE_SELF_CROSSING && count == 1);
+    CHECK(fault[0].status == CAGEFORM_CAGE_SELF_CROSSING);
+    CHECK(cageform_coordinates_create(NULL, NULL, &none, NULL) == CAGEFORM_ARGUMENT_NULL);
+
+    CHECK(cageform_bind(NULL, points, NULL, NULL, NULL, NULL, &binding, NULL) == CAGEFORM_ARGUMENT_NULL);
+    bad = points;
+    bad.bytes = 39;
+    CHECK(cageform_bind(coordinates, bad, NULL, NULL, NULL, NULL, &binding, NULL) ==
+          CAGEFORM_POINTS_LEAVE_MEMORY);
+    bad = points;
+    bad.count = (size_t)-1;
+    CHECK(cageform_bind(coordinates, bad, NULL, NULL, NULL, NULL, &binding, NULL) ==
+          CAGEFORM_POINTS_LEAVE_MEMORY);
+    bad = points;
+    bad.data = (const char*)points.data + 1;
+    CHECK(cageform_bind(coordinates, bad, NULL, NULL, NULL, NULL, &binding, NULL) ==
+          CAGEFORM_POINTS_MISALIGNED);
+    bad = points;
+    bad.dimension = 3;
+    CHECK(cageform_bind(coordinates, bad, NULL, NULL, NULL, NULL, &binding, NULL) ==
+          CAGEFORM_DIMENSION_DIFFERS);
+    CHECK(cageform_bind(coordinates, points, NULL, NULL, NULL, &running, &binding, &report) ==
+          CAGEFORM_CANCELLED);
+    CHECK(binding == NULL && strcmp(report.message, cageform_status_text(CAGEFORM_CANCELLED)) == 0);
+    CHECK(cageform_open(inside, sizeof inside, NULL, (cageform_figure**)&none, NULL) != CAGEFORM_OK);
+    CHECK(cageform_figure_describe((const cageform_figure*)(const void*)coordinates, NULL) ==
+          CAGEFORM_OBJECT_OF_ANOTHER_KIND);
+    CHECK(strcmp(cageform_status_name(CAGEFORM_CAGE_SELF_CROSSING), "cage_self_crossing") == 0);
+    CHECK(strcmp(cageform_status_text(4711), "unknown status") == 0);
+    CHECK(cageform_abi_version() == CAGEFORM_C_ABI && strlen(cageform_version()) > 0);
+    cageform_free(coordinates);
+}
+
+#if defined(CALLS_MAIN)
+int CALLS_MAIN(void);
+int CALLS_MAIN(void) {
+#else
+int main(void) {
+#endif
+    static const int corners[6] = {0, 1, 2, 0, 2, 3};
+    size_t f, n;
+    for (f = 0; f < 6; ++f) {
+        for (n = 0; n < 6; ++n) triangles[6 * f + n] = quads[4 * f + (size_t)corners[n]];
+    }
+    test_square();
+    test_types();
+    test_normals();
+    test_made_cages();
+    test_pins();
+    test_refusals();
+    if (failures == 0) puts("all is well");
+    return failures == 0 ? 0 : 1;
+}
