@@ -15,6 +15,10 @@
 // those poses, `between` in ten others of the same motion, `elsewhere` in five that bend across it; all of
 // the figure's size.
 // Without the motion (0), the distance is kept in all poses that bend by up to a tenth of the cage.
+#define CAGEFORM_C_IMPLEMENTATION
+#define CAGEFORM_C_RUNTIME_ONLY
+#include <cageform/c/cageform.h>
+
 #include "counted.hpp"
 #include "workloads.hpp"
 
@@ -88,6 +92,35 @@ void clone_dense(benchmark::State& state) {
         if (status != cageform::Status::ok) state.SkipWithError(to_string(status));
         benchmark::ClobberMemory();
     }
+    work.finish(state);
+}
+
+/// A packed figure, cloned by C++ or by the C interface: the cost of a call.
+template <bool by_c>
+void clone_opened(benchmark::State& state) {
+    Workload<float, 2> work(state);
+    const auto packed = cageform::pack(work.binding);
+    const auto opened = cageform::open<float, 2>(packed.value.bytes());
+    cageform_figure* figure = nullptr;
+    const auto bytes = packed.value.bytes();
+    if (!opened || cageform_open(bytes.data(), bytes.size(), nullptr, &figure, nullptr) != CAGEFORM_OK)
+        return state.SkipWithError("the figure does not open");
+    const auto view = [](auto& points) {
+        return cageform_output{
+            points.data(), points.size(), 0, points.size() * sizeof(points[0]), CAGEFORM_FLOAT, 2};
+    };
+    const cageform_output pose = view(work.pose), out = view(work.out);
+    const cageform_points posed{pose.data, pose.count, 0, pose.bytes, pose.scalar, 2};
+    for (auto _ : state) {
+        if constexpr (by_c) {
+            if (cageform_clone(figure, posed, out, nullptr, nullptr, nullptr) != CAGEFORM_OK)
+                state.SkipWithError("no clone");
+        } else if (clone(opened.value, work.pose, work.out) != cageform::Status::ok) {
+            state.SkipWithError("no clone");
+        }
+        benchmark::ClobberMemory();
+    }
+    cageform_free(figure);
     work.finish(state);
 }
 
@@ -660,6 +693,8 @@ void sizes_packed(benchmark::internal::Benchmark* benchmark) {
     BENCHMARK_TEMPLATE(clone_with_normals, T)->ArgName("points")->Arg(8019)->Unit(benchmark::kMicrosecond);
 
 CAGEFORM_BENCH_CLONE(float)
+BENCHMARK_TEMPLATE(clone_opened, false)->Apply(sizes_2d);
+BENCHMARK_TEMPLATE(clone_opened, true)->Apply(sizes_2d);
 CAGEFORM_BENCH_CLONE(double)
 BENCHMARK_TEMPLATE(clone_threads, float, 2)->Apply(threads_2d);
 BENCHMARK_TEMPLATE(clone_threads, float, 3)->Apply(threads_3d);

@@ -96,7 +96,7 @@ struct Bar {
 template <class T>
 void check_bits(std::uint32_t type, const auto& coordinates) {
     const Bar<T> bar(type);
-    const auto bound = bind(coordinates, cageform::FigurePoints{bar.figure, bar.normals});
+    const auto bound = cageform::bind(coordinates, cageform::FigurePoints{bar.figure, bar.normals});
     REQUIRE(bound);
     Owned<cageform_bytes> packed;
     auto options = sized<cageform_pack_options>();
@@ -255,7 +255,7 @@ TEST_CASE("hostile calls end with a status", "[c]") {
                 number(),
                 pick(3) != 0 ? 0 : number(),
                 pick(5) == 0 ? number() % (memory.size() - from) : memory.size() - from,
-                pick(8) == 0 ? std::uint32_t(number()) : CAGEFORM_FLOAT,
+                pick(8) == 0 ? std::uint32_t(number()) : 0u,
                 pick(8) == 0 ? std::uint32_t(number()) : 3u};
     };
     const auto reading = [&] {

@@ -1,0 +1,15 @@
+"""The wheel holds the shared library: one for each platform, and for any Python 3."""
+from setuptools import setup
+from wheel.bdist_wheel import bdist_wheel
+
+
+class WheelOfPlatform(bdist_wheel):
+    def finalize_options(self):
+        super().finalize_options()
+        self.root_is_pure = False
+
+    def get_tag(self):
+        return 'py3', 'none', super().get_tag()[2]
+
+
+setup(cmdclass={'bdist_wheel': WheelOfPlatform})
