@@ -14,7 +14,7 @@ ninja -C $build cageform_compiled
 wheel=$build/wheel
 rm -rf $wheel
 mkdir -p $wheel out
-cp -r examples/python/cageform examples/python/pyproject.toml examples/python/setup.py LICENSE $wheel
+cp -r examples/python/package/. LICENSE $wheel
 cp -L $build/libcageform.so $wheel/cageform
 /usr/bin/python3 examples/python/read_header.py include/cageform/c/cageform.h $wheel/cageform/_c.py
 sed -n 's/.*VERSION_STRING "\(.*\)".*/\1/p' include/cageform/version.hpp > $wheel/VERSION

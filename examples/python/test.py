@@ -134,7 +134,7 @@ class Figures(unittest.TestCase):
             spoilt[-100] ^= 1
             with self.assertRaises(errors.BlobCorrupt):
                 cageform.open(bytes(spoilt))
-            with self.assertRaises(errors.NotABlob):
+            with self.assertRaises(errors.NotAFigure):
                 cageform.open(b'')
             with self.assertRaises(FileNotFoundError):
                 cageform.open(os.path.join(folder, 'none'))

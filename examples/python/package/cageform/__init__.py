@@ -203,8 +203,8 @@ def _pointer(array, kind=ctypes.c_uint32):
     return array.ctypes.data_as(ctypes.POINTER(kind)) if array is not None and array.size else None
 
 
-def _struct(kind, **members):
-    its = kind()
+def _struct(of, **members):
+    its = of()
     its.size = ctypes.sizeof(its)
     for name, value in members.items():
         setattr(its, name, value)
