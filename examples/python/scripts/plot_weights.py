@@ -23,8 +23,9 @@ def main(out):
         weights[binding.outside] = np.nan
         drawn = axes.contourf(x, y, weights.reshape(x.shape), np.linspace(-0.2, 1, 25), cmap='RdBu_r', vmin=-1, vmax=1)
         axes.plot(*np.append(corner, corner[:1], axis=0).T, color='black')
-        axes.set_title('%s: the weight of the vertex at (2, 2)' % kind)
+        axes.set_title(kind)
         axes.set_aspect('equal')
+    figure.suptitle('the weight of the vertex at (2, 2)')
     figure.colorbar(drawn, ax=both)
     figure.savefig(out, dpi=80)
 
