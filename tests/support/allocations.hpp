@@ -46,6 +46,9 @@ void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
 void* operator new[](std::size_t size, const std::nothrow_t&) noexcept {
     return cageform_tests::counted_or_null(size);
 }
+void* operator new(std::size_t size, std::align_val_t alignment, const std::nothrow_t&) noexcept {
+    return cageform_tests::counted_or_null(size, std::size_t(alignment));
+}
 void operator delete(void* p, const std::nothrow_t&) noexcept {
     cageform_tests::give_back(p);
 }
