@@ -96,9 +96,9 @@ std::string cage_text(const Point3& size, const Counts& divisions) {
         for (const double x : p.v) detail::append_number(text += ' ', x);
         text += '\n';
     }
-    for (const auto& face : cage.faces()) {
+    for (std::size_t f = 0; f < cage.face_count(); ++f) {
         text += 'f';
-        for (const auto v : face) text += ' ' + std::to_string(v + 1);
+        for (const auto v : cage.face(f)) text += ' ' + std::to_string(v + 1);
         text += '\n';
     }
     return text;
