@@ -38,7 +38,7 @@ using PoseCheck = std::function<std::string(const std::vector<Point2>& pose)>;
 PoseCheck check_crossings(const CageFile& cage) {
     return [&cage](const std::vector<Point2>& pose) {
         std::vector<cageform::Vec<double, 2>> places;
-        for (const Point2& p : pose) places.push_back({p.x, p.y});
+        for (std::size_t i = 0; i < cage.vertices.size(); ++i) places.push_back({pose[i].x, pose[i].y});
         const CageFile moved = moved_cage(cage, places);
         const auto report = cage.curves ? cageform::check(moved.curved_polygon<double>())
                                         : cageform::check(moved.polygon<double>());
@@ -149,7 +149,9 @@ private:
                std::span<Point2> moved) {
         const std::string name = control_.name_of(frame);
         std::string collapsed;
-        const auto handles = pose_of_handles(binding, control_.poses[pose], name, collapsed);
+        const auto handles = control_.poses_all_handles
+                                 ? SvgResult<std::vector<Point2>>(control_.poses[pose])
+                                 : pose_of_handles(binding, control_.poses[pose], name, collapsed);
         if (pose_warning.empty()) pose_warning = collapsed;
         if (!handles) {
             failure = to_string(handles.error());

@@ -49,6 +49,15 @@ void PinChoice::add_options(CommandLine& line, bool with_files) {
         .show_default();
 }
 
+std::string PinChoice::fault(bool has_pose) const {
+    if (!is_given() && !held.empty()) return "--hold is for pins: give --pin or --pins too";
+    if (is_given() && has_pose && held.empty())
+        return "pins move all vertices that are not held, whatever their pose: give --hold too, or only one "
+               "of "
+               "pins and a pose";
+    return {};
+}
+
 template <std::size_t D>
 SvgResult<std::vector<Pin<D>>> PinChoice::pins(std::span<const cageform::Vec<double, D>> vertices) const {
     std::vector<Pin<D>> all;

@@ -27,6 +27,10 @@ struct PinChoice {
     /// with_files   whether the program takes the option --pins
     void add_options(CommandLine& line, bool with_files = true);
     bool is_given() const { return !given.empty(); }
+    /// Returns why the options do not go together; empty if they do.
+    ///
+    ///   has_pose   whether a pose is given too, which is for held vertices
+    std::string fault(bool has_pose) const;
 
     /// Reads all pins, in the order given; warns where two contradict each other.
     ///
@@ -72,6 +76,7 @@ public:
 
     const std::vector<Pin<D>>& pins() const { return pins_; }
     Pose rest() const { return solver_.samples().rest_handles; } ///< of all handles
+    double size() const { return solver_.samples().size; }       ///< the diagonal of the cage's box
     Targets targets() const;                                     ///< of the pins
     Turns turns() const;                                         ///< of the pins; empty if none turns
 

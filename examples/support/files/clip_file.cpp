@@ -48,6 +48,14 @@ std::string add_shares(const std::vector<std::string_view>& fields, std::size_t 
     return {};
 }
 
+/// "pin,NAME,X,Y[,WEIGHT]"; an empty reason is success.
+std::string add_pin(const std::vector<std::string_view>& fields, ClipControl& control) {
+    std::string why;
+    const auto value = [&](std::size_t k) { return field_number(fields, k, why); };
+    control.pin = {{value(2), value(3)}, fields.size() > 4 ? value(4) : 1};
+    return why.empty() && !(control.pin->weight > 0) ? "the weight of a pin is not positive" : why;
+}
+
 /// "TIME,X,Y,TURN,KIND"; an empty reason is success.
 std::string add_row(const std::vector<std::string_view>& fields, ClipControl& control) {
     std::string why;
@@ -110,9 +118,18 @@ SvgResult<ClipFile> parse_clip(std::string_view file, const std::string& path, s
             clip.ground = {value(1), value(2)};
         } else if (word == "control") {
             clip.controls.emplace_back().name = fields.size() > 1 ? fields[1] : "";
+            if (clip.has_pins()) why = "a clip has either controls or pins";
+        } else if (word == "pin") {
+            if (!clip.controls.empty() && !clip.has_pins()) why = "a clip has either controls or pins";
+            ClipControl& control = clip.controls.emplace_back();
+            control.name = fields.size() > 1 ? fields[1] : "";
+            if (why.empty()) why = add_pin(fields, control);
         } else if (clip.controls.empty()) {
             why = "\"control,NAME\" is missing before";
-        } else if (ClipControl& control = clip.controls.back(); word == "vertices") {
+        } else if (ClipControl& control = clip.controls.back();
+                   control.pin && (word == "vertices" || word == "pivot")) {
+            why = "a pin has no " + std::string(word);
+        } else if (word == "vertices") {
             why = add_shares(fields, vertex_count, control);
         } else if (word == "pivot") {
             control.pivot = {value(1), value(2)};
@@ -127,6 +144,41 @@ SvgResult<ClipFile> parse_clip(std::string_view file, const std::string& path, s
         if (!why.empty()) return SvgError{path + ": " + detail::quoted(control.name) + ": " + why};
     }
     return clip;
+}
+
+std::string clip_text(const ClipFile& clip, const std::string& heading) {
+    std::string text = "# " + heading + "\nlength," + detail::digits_of(clip.length) + '\n';
+    const auto append = [&](std::initializer_list<double> numbers) {
+        for (const double x : numbers) text += ',' + detail::digits_of(x);
+    };
+    for (const auto& late : clip.late)
+        text += "late," + late.element + ',' + detail::digits_of(late.seconds) + '\n';
+    if (clip.ground) {
+        text += "ground";
+        append({clip.ground->y, clip.ground->speed});
+        text += '\n';
+    }
+    for (const ClipControl& control : clip.controls) {
+        text += (control.pin ? "\npin," : "\ncontrol,") + control.name;
+        if (control.pin) append({control.pin->place.x, control.pin->place.y, control.pin->weight});
+        if (!control.pin) {
+            text += "\nvertices";
+            for (const auto& [vertex, weight] : control.shares)
+                text += ',' + std::to_string(vertex) + ':' + detail::digits_of(weight);
+            text += "\npivot";
+            append({control.pivot.x, control.pivot.y});
+        }
+        text += "\ntime,x,y,turn,kind\n";
+        for (const auto& [time, move, kind] : control.rows) {
+            text += detail::digits_of(time);
+            append({move[0], move[1], move[2] * 180 / std::numbers::pi});
+            text += kind == cageform::KeyKind::bezier   ? ",ease\n"
+                    : kind == cageform::KeyKind::hold   ? ",hold\n"
+                    : kind == cageform::KeyKind::linear ? ",linear\n"
+                                                        : ",automatic\n";
+        }
+    }
+    return text;
 }
 
 SvgResult<PoseClip> parse_pose_clip(std::string_view file, const std::string& path,

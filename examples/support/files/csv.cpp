@@ -46,6 +46,11 @@ std::string parse_finite(std::string_view text, double& number) {
     return why.empty() && !std::isfinite(number) ? quoted(text) + " is not a finite number" : why;
 }
 
+std::string digits_of(double x) {
+    std::array<char, 32> digits;
+    return {digits.data(), std::to_chars(digits.data(), digits.data() + digits.size(), x).ptr};
+}
+
 std::string short_number(double number) {
     std::array<char, 32> text{};
     std::snprintf(text.data(), text.size(), "%.6g", number);

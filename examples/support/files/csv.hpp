@@ -33,6 +33,9 @@ std::string parse_number(std::string_view field, double& number);
 /// Works as parse_number(); fails also where the number is not finite.
 std::string parse_finite(std::string_view text, double& number);
 
+/// Formats a number with the fewest digits that restore it.
+std::string digits_of(double x);
+
 /// Formats a number for messages, with at most six digits.
 std::string short_number(double number);
 
