@@ -23,7 +23,7 @@ public:
     /// Returns why it cannot be read, mostly with a line; else a message that is empty.
     SvgError read() {
         read_all();
-        return {std::move(fault_), fault_.empty() ? 0 : line_};
+        return {fault_, fault_.empty() ? 0 : line_};
     }
 
 private:
