@@ -211,4 +211,18 @@ SvgResult<MovedFigure> move_figure(const SvgDocument& document, const std::strin
     return result;
 }
 
+SvgResult<std::vector<std::vector<Point2>>> move_points(const std::vector<Point2>& points,
+                                                        const std::string& figure,
+                                                        const FigureControl& control,
+                                                        const OutsideChoice& outside) {
+    BatchMover mover(figure, control, outside);
+    std::vector<Point2> moved(control.frames * points.size());
+    if (!mover.move(points, std::vector<std::size_t>(points.size()), moved)) return SvgError{mover.failure};
+    if (!mover.warning.empty()) warn(mover.warning);
+    std::vector<std::vector<Point2>> frames;
+    for (auto at = moved.begin(); at != moved.end(); at += std::ptrdiff_t(points.size()))
+        frames.emplace_back(at, at + std::ptrdiff_t(points.size()));
+    return frames;
+}
+
 } // namespace cageform_examples

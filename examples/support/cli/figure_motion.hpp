@@ -50,4 +50,12 @@ SvgResult<MovedFigure> move_figure(const SvgDocument& document, const std::strin
                                    const FigureControl& control, const OutsideChoice& outside,
                                    const DeformOptions& options);
 
+/// Moves points of a figure to all frames of a control, as move_figure() moves what does not come late.
+///
+///   returns  the points in every frame
+SvgResult<std::vector<std::vector<Point2>>> move_points(const std::vector<Point2>& points,
+                                                        const std::string& figure,
+                                                        const FigureControl& control,
+                                                        const OutsideChoice& outside);
+
 } // namespace cageform_examples

@@ -181,8 +181,8 @@ ClipFile motion_to(const std::vector<Pin<2>>& pins, double seconds) {
             {pin.name,
              {},
              place,
-             ClipControl::Pin{place, pin.weight},
-             {{0, {}, ease}, {seconds / 2, {way[0], way[1], turn}, ease}, {seconds, {}, ease}}});
+             {{0, {}, ease}, {seconds / 2, {way[0], way[1], turn}, ease}, {seconds, {}, ease}},
+             ClipControl::Pin{place, pin.weight}});
     }
     return clip;
 }

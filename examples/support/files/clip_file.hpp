@@ -98,8 +98,8 @@ struct ClipControl {
     std::string name;
     std::vector<Share> shares; // none of a pin
     Point2 pivot;
-    std::optional<Pin> pin = {};
     std::vector<Row> rows;
+    std::optional<Pin> pin = {};
 };
 
 struct ClipFile {
