@@ -287,8 +287,8 @@ Deformed deformed(const Arguments& given, const ObjFile& figure, const Control& 
     return result;
 }
 
-/// Takes the figure and the pose back along their ways from rest, to where nothing folds. Returns why it
-/// cannot be done; empty if all is well.
+/// Takes a figure that folds, and its pose, back along their straight ways from rest to where nothing folds.
+/// Returns why it cannot be done; empty if all is well.
 std::string stop_at_folds(const Arguments& given, const ObjFile& figure, Control& control,
                           std::vector<Point3>& moved, const MeshFolds& folds) {
     if (!folds.of_cells && folds.places == 0) {
@@ -297,8 +297,8 @@ std::string stop_at_folds(const Arguments& given, const ObjFile& figure, Control
                (has_weights ? "points with --weights" : given.choice.name + " coordinates") + " do not have";
     }
     if (const std::string why = folds.fault(); !why.empty()) return figure.name + ": --no-folds: " + why;
+    if (folds.report.count == 0) return {};
     const double step = folds.step.step;
-    if (step == 1) return {};
     note(figure.name + ": the pose stops at " + detail::short_number(step) + " of its way from rest, where " +
          (folds.of_cells ? "" : "the figure at ") + folds.name_of(folds.step.culprit) + " would fold");
     for (std::size_t i = 0; i < moved.size(); ++i) moved[i] = on_the_way(figure.vertices[i], moved[i], step);
@@ -377,7 +377,7 @@ int deform_figure(const Arguments& given, const ObjFile& figure, Control control
                       << " triangles\n";
         std::cout << describe(report) << control.on_pins;
         if (folds.places > 0)
-            std::cout << describe(folds, given.no_folds && folds.step.step < 1);
+            std::cout << describe(folds, given.no_folds && folds.report.count > 0);
         else
             std::cout << "folds: not known: these coordinates have no gradients\n";
     }
@@ -407,8 +407,8 @@ int run_program(int argc, char** argv) {
     line.add("--save-pose", given.save_pose, "also write the posed vertices to an OBJ file that --pose reads")
         .ends_with({".obj"});
     line.add_flag("--no-folds", given.no_folds,
-                  "stop the pose on its way from rest where the first tetrahedron would fold; of a surface, "
-                  "where space around the first vertex would");
+                  "stop a pose that folds tetrahedra on its straight way from rest, where the first of them "
+                  "would fold; of a surface, where the space at the first vertex would");
     line.add("--fold-threshold", given.folds.threshold,
              "what counts as folded: a ratio of volumes, posed to rest, not above this")
         .range(-1e6, 0.999)

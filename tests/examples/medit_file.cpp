@@ -99,29 +99,29 @@ TEST_CASE("broken .mesh files are refused by line", "[medit]") {
     CHECK(refusal_of("MeshVersionFormatted 2\nDimension 3\nTetrahedra\n0\nEnd\n") ==
           "file.mesh: holds no vertices (a section \"Vertices\")");
     CHECK(refusal_of(with(cube, "Vertices 8", "Vertices 9")) ==
-          "file.mesh: Vertices end after 8 of 9 (line 12)");
+          "file.mesh: Vertices end after 8 of 9 (line 13)");
     CHECK(refusal_of(with(cube, "Vertices 8", "Vertices 1e9")) ==
           "file.mesh: the number of Vertices is missing (line 5)");
     CHECK(refusal_of(with(cube, "Vertices 8", "Vertices 99999999999999999999")) ==
           "file.mesh: the number of Vertices is missing (line 5)");
     CHECK(refusal_of(with(cube, "Vertices 8 ", "Vertices 99999999999999 ")) ==
-          "file.mesh: Vertices end after 8 of 99999999999999 (line 12)");
+          "file.mesh: Vertices end after 8 of 99999999999999 (line 13)");
     CHECK(refusal_of(with(cube, "1 0 0 1\n", "1 0 x 1\n")) ==
           "file.mesh: Vertices end after 1 of 8 (line 7)");
     CHECK(refusal_of(with(cube, "1 0 0 1\n", "1 0 0,5 1\n")) == "file.mesh: not a number: \"0,5\" (line 7)");
     CHECK(refusal_of(with(cube, "1 0 0 1\n", "1 nan 0 1\n")) ==
           "file.mesh: the coordinates of a vertex are not finite (line 7)");
     CHECK(refusal_of(with(cube, "1 4 3 8 0", "1 4 0 8 0")) ==
-          "file.mesh: a vertex index is 0; indices count from 1 (line 17)");
+          "file.mesh: a vertex index is 0; indices count from 1 (line 19)");
     CHECK(refusal_of(with(cube, "1 4 3 8 0", "1 4 9 8 0")) ==
-          "file.mesh: vertex index 9 is out of range: the file has 8 (line 17)");
-    CHECK(refusal_of(with(cube, "1 4 3 8 0", "1 4 -1 8 0")) == "file.mesh: not an index: \"-1\" (line 17)");
+          "file.mesh: vertex index 9 is out of range: the file has 8 (line 19)");
+    CHECK(refusal_of(with(cube, "1 4 3 8 0", "1 4 -1 8 0")) == "file.mesh: not an index: \"-1\" (line 19)");
     CHECK(refusal_of(with(cube, "1 4 3 8 0", "1 4 4294967297 8 0")) ==
-          "file.mesh: vertex index 4294967297 is out of range: the file has 8 (line 17)");
+          "file.mesh: vertex index 4294967297 is out of range: the file has 8 (line 19)");
     CHECK(refusal_of(with(cube, "Triangles", "Tetrahedra")) ==
-          "file.mesh: a second section \"Tetrahedra\" (line 22)");
+          "file.mesh: a second section \"Tetrahedra\" (line 24)");
     CHECK(refusal_of(cube.substr(0, cube.find("Triangles") - 4)) ==
-          "file.mesh: Tetrahedra end after 5 of 6 (line 21)");
+          "file.mesh: Tetrahedra end after 5 of 6 (line 23)");
 }
 
 } // namespace medit_file_tests
