@@ -172,7 +172,9 @@ SvgResult<std::string> tracks_of(const Settings& settings, const FigureControl& 
     tracks.places.push_back(tracks.places.front());
     for (std::size_t f = 0; f <= control.frames; ++f)
         tracks.times.push_back(file.length * double(f) / double(control.frames));
-    return markers_text(tracks, file, "points of " + settings.figure + ", moved by " + settings.clip);
+    const auto name = [](const std::string& path) { return std::filesystem::path(path).filename().string(); };
+    return markers_text(tracks, file,
+                        "Points of " + name(settings.figure) + ", moved by " + name(settings.clip));
 }
 
 /// Returns why the options do not go together; empty if they do.
@@ -299,7 +301,8 @@ int animate(const Settings& settings, const SvgDocument& document, const CageFil
         outputs.add(settings.out).write(to_text(drawing.document));
     }
     if (!settings.save_clip.empty())
-        outputs.add(settings.save_clip).write(clip_text(keys->file, "the motion of " + settings.cage));
+        outputs.add(settings.save_clip)
+            .write(clip_text(keys->file, "A motion of the cage, by keys of its vertices"));
     if (!settings.save_tracks.empty()) {
         const auto tracks = tracks_of(settings, control, file);
         if (!tracks) return fail(to_string(tracks.error()));

@@ -85,6 +85,7 @@ SvgResult<bool> pin_pose(Control& to, const CoordinatesChoice& choice, const Cag
     if (!figure) return figure.error();
     auto pose = figure->settled();
     if (!pose) return pose.error();
+    to.control.pose_name = "the pose by pins";
     to.on_pins = figure->cage().report();
     if (const std::string why = figure->cage().warning(); !why.empty()) warn(why);
     auto places = to.drawn.places();

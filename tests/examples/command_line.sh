@@ -1076,6 +1076,172 @@ refuses 'cube.obj: curved takes a cage in the plane' "$weights" --cage cube.obj 
 refuses 'curved' "$mesh" cube.obj --cage auto --coordinates curved -o out.obj
 refuses '--values: curved coordinates do not interpolate' "$field" --cage "$leaf_cage" --coordinates curved --values 1,2,3,4,5,6,7,8,9,10,11,12 -o out.png
 refuses "--classes: $leaf_cage: the papers' grid needs a cage of lines" "$field" --cage "$leaf_cage" --coordinates curved --vertex 0 --classes out.classes.png -o out.png
+# ---- pins ----
+svg_of() { # OUT ARGUMENTS…   the cat in its cage
+  out=$1; shift
+  "$deform" "$cat" --cage "$cage" -o "$out" "$@"
+}
+same() { # WHAT ONE OTHER
+  cmp -s "$2" "$3" && ok=yes || ok=no
+  report $ok "$1"
+}
+stands="--pin 212,740 --pin 645,740" # its paws
+printf '915,165,915,165\n212,740,212,740\n645,740,645,740\n' >rest_pins.csv
+for type in mean-value harmonic green; do
+  works "at rest, $type" svg_of rest.svg --pose "$cage" --coordinates $type
+  works "pins at rest, $type" svg_of pinned.svg --pins rest_pins.csv --coordinates $type
+  same "pins at rest leave the figure at rest, $type" rest.svg pinned.svg
+done
+for type in mean-value harmonic; do
+  # shellcheck disable=SC2086 # the words are options
+  works "the tail pulled, $type" svg_of pinned.svg $stands --pin 915,165:760,60 --pin 200,200@-40 --coordinates $type --save-pose pinned_pose.svg --report
+  grep -q '^pins: 4, held: 0 of 25 handles' log && grep -q '^largest miss: 0\.0.*, pin [1-4] (--pin "' log && grep -q '^stretch: .*, 0 folded' log && ok=yes || ok=no
+  report $ok "the report has the miss, its pin and the stretch"
+  works "the pose that is saved, $type" svg_of by_pose.svg --pose pinned_pose.svg --coordinates $type
+  same "it is the pose of the pins, $type" pinned.svg by_pose.svg
+done
+printf 'x,y,tx,ty,angle,weight\n# paws\n212,740,212,740\n645,740,645,740\n\n915,165,760,60\n200,200,200,200,-40,1\n' >pins.csv
+works "pins of a file" svg_of by_file.svg --pins pins.csv --coordinates harmonic
+same "they are those of the words" pinned.svg by_file.svg
+# shellcheck disable=SC2086
+works "by how much" svg_of by_moves.svg $stands --pin 915,165:-155,-105 --pin '200,200:=200,200@-40' --coordinates harmonic
+same "signs move, and = is a place" pinned.svg by_moves.svg
+works "pins and held vertices" svg_of held.svg --pin 915,165:+0,-60 --hold 0-5 --save-pose held.csv
+[ "$(head -6 held.csv)" = "$("$pose_cage" "$cage" -o still.csv >/dev/null; head -6 still.csv)" ] && ! cmp -s held.csv still.csv && ok=yes || ok=no
+report $ok "held vertices stay to the bit"
+works "held where a pose has them" svg_of held.svg --pin 915,165:+0,-60 --hold 0-5 --move 0-5:5,0 --save-pose held.csv
+[ "$(head -1 held.csv)" = 180,750 ] && ok=yes || ok=no
+report $ok "they are there"
+works "one pin" svg_of moved.svg --pin 480,420:+30,-20 --save-pose one.csv
+awk -F, 'NR == FNR { x[FNR] = $1; y[FNR] = $2; next } ($1 - x[FNR] - 30) ^ 2 + ($2 - y[FNR] + 20) ^ 2 > 1e-18 { bad = 1 } END { exit bad }' still.csv one.csv && ok=yes || ok=no
+report $ok "one pin moves the cage as a whole"
+works "a pin outside, where the coordinates go on" svg_of moved.svg --pin -50,400:+1,1
+grep -q 'warning: pin 1 (--pin "-50,400:+1,1") at (-50, 400) lies outside the cage .*; it follows the extension' log && ok=yes || ok=no
+report $ok "it is warned of"
+works "a pin outside, at the boundary's nearest point" svg_of moved.svg --pin -50,400:+1,1 --coordinates harmonic --outside nearest
+works "two pins at one place" svg_of moved.svg --pin 480,420:500,420 --pin 480,420:500,440 --fit
+grep -q 'warning: pin 2 (--pin "480,420:500,440") at (480, 420) has another target than --pin "480,420:500,420" at the same place' log && ok=yes || ok=no
+report $ok "are named"
+# whatever moves a figure
+pinned_is_posed() { # WHAT FIGURE POSE ARGUMENTS…
+  what=$1 of=$2 file=$3; shift 3
+  works "$what" "$deform" "$of" "$@" --pin 480,420:500,400 --pin 300,300 -o pinned.svg --save-pose "$file" --fit
+  works "$what, by its pose" "$deform" "$of" "$@" --pose "$file" -o by_pose.svg --fit
+  same "$what: pins and their pose are one" pinned.svg by_pose.svg
+}
+pinned_is_posed "a made cage" "$cat" saved.svg --cage auto:24 --coordinates harmonic
+pinned_is_posed "a lattice" "$cat" saved.svg --cage lattice:4x4
+pinned_is_posed "a lattice that fades" "$cat" saved.csv --cage lattice:5x4/2+0.1@20 --freeze 1
+pinned_is_posed "cells inside" "$cat" saved.csv --cage "$data/cat_cage_spine.csv" --coordinates harmonic
+pinned_is_posed "points without a cage" "$data/fish.svg" saved.csv --cage "$data/fish_points.svg" --coordinates sibson
+pinned_is_posed "points in a box" "$data/fish.svg" saved.csv --cage "$data/fish_points.svg" --coordinates sibson-c1 --surround 0.2
+works "a cage of curves" "$deform" "$leaf" --cage "$leaf_cage" --coordinates curved --pin 100,100:+20,0@10 --pin 200,120 -o pinned.svg --fit
+works "a text and an image by pins" "$deform" letters.svg --cage picture_cage.csv --pin 5,5:+2,0 -o pinned.svg --fit
+grep -q '<text class="k" .* transform="matrix(1 0 0 1 4 0)"' pinned.svg && ok=yes || ok=no
+report $ok "the text moves along"
+: >no_pins.csv
+echo '1,2,3' >few_pins.csv
+printf 'x,y,tx,ty\n480,420,500,y\n' >word_pins.csv
+echo '480,420,500,420,,-1' >light_pins.csv
+echo '480,420,500,nan' >nan_pins.csv
+refuses_pin() { # MESSAGE ARGUMENTS…
+  message=$1; shift
+  refuses "$message" svg_of out.svg "$@"
+}
+refuses_pin 'pin 1 (--pin "5,5:1,1") at (5, 5) lies outside the cage' --pin 5,5:1,1 --coordinates harmonic
+refuses_pin 'no_pins.csv: holds no pins' --pins no_pins.csv
+refuses_pin 'few_pins.csv:1: 3 columns, but a pin has x,y,TX,TY[,ANGLE[,WEIGHT]]' --pins few_pins.csv
+refuses_pin 'word_pins.csv:2: not a number: "y"' --pins word_pins.csv
+refuses_pin 'light_pins.csv:1: the weight "-1" is not positive' --pins light_pins.csv
+refuses_pin 'nan_pins.csv:1: "nan" is not a finite number' --pins nan_pins.csv
+refuses_pin 'nowhere.csv: no such file' --pins nowhere.csv
+refuses_pin '--pin "5": "5" is not a place: write x,y' --pin 5
+refuses_pin '--pin "480,420:": "" is not a target: write x,y' --pin 480,420:
+refuses_pin '--pin "480,420:inf,1": "inf" is not a finite number' --pin 480,420:inf,1
+refuses_pin '--pin "480,420@y": not a number: "y"' --pin 480,420@y
+refuses_pin '--hold "0-25": there is no vertex 25' --pin 480,420 --hold 0-25
+refuses_pin '--hold "all" leaves no vertex of the cage to move' --pin 480,420 --hold all
+refuses_pin '--hold is for pins' --hold 1 --pose "$pose"
+refuses_pin 'give --hold too, or only one of pins and a pose' --pin 480,420 --pose "$pose"
+refuses_pin 'give --hold too, or only one of pins and a pose' --pin 480,420 --turn 1:3
+refuses_pin '--pin-weight' --pin 480,420 --pin-weight 0
+refuses_pin '--save-pose out.pose.svg: with these coordinates pins pose the edges beside the vertices' --pin 480,420 --coordinates green --save-pose out.pose.svg
+refuses_pin 'the same file as ' --pin 480,420 --save-pose out.svg
+refuses_pin 'this --solver does not give' --pin 480,420 --coordinates harmonic --solver averaging-pyramid
+refuses '--save-pose out.pose.svg: points need a .csv file' "$deform" "$data/fish.svg" --cage "$data/fish_points.svg" --coordinates sibson --pin 480,300 -o out.svg --save-pose out.pose.svg
+refuses 'has chains or points, which need a .csv file' "$deform" "$cat" --cage "$data/cat_cage_spine.csv" --coordinates harmonic --pin 480,420 -o out.svg --save-pose out.pose.svg
+
+# motions by pins and by markers
+motion() { # OUT ARGUMENTS…   of the cat in its cage
+  out=$1; shift
+  "$animate" "$cat" --cage "$cage" --coordinates harmonic --rate 10 -o "$out" "$@"
+}
+# shellcheck disable=SC2086
+works "to a pin's target and back" motion wag.svg $stands --pin 915,165:860,120 --seconds 1 --stills wag_ --still-count 2 --save-clip wag.csv --report
+# shellcheck disable=SC2086
+works "half the time takes the figure there" svg_of there.svg $stands --pin 915,165:860,120 --coordinates harmonic --save-pose there.csv
+awk -F, '/^control/ { n++ } /^0\.5,/ { x[n] = $2; y[n] = $3 }
+         FILENAME == "still.csv" { rx[FNR] = $1; ry[FNR] = $2 }
+         FILENAME == "there.csv" { if ((rx[FNR] + x[FNR] - $1) ^ 2 + (ry[FNR] + y[FNR] - $2) ^ 2 > 0.25) bad = 1; rows++ }
+         END { exit bad || rows != 25 || n != 25 }' wag.csv still.csv there.csv && ok=yes || ok=no
+report $ok "the key there is the pose of these pins"
+works "the keys as a clip" motion by_clip.svg --clip wag.csv
+same "they are the motion" wag.svg by_clip.svg
+printf '%s\n' length,1 pin,tail,915,165 0,0,0,0,ease 0.5,-55,-45,0,ease 1,0,0,0,ease pin,front,212,740 0,0,0,0,linear 1,0,0,0,linear \
+  pin,hind,645,740,1 0,0,0,0,linear 1,0,0,0,linear >pins_clip.csv
+works "a clip of pins" motion by_pins.svg --clip pins_clip.csv
+same "says the same" wag.svg by_pins.svg
+printf '%s\n' time,tail_x,tail_y,front_x,front_y 0,915,165,212,740 0.5,915,165,212,740 1,915,165,212,740 >markers.csv
+works "markers at rest" motion rest_walk.svg --markers markers.csv --stills rest_ --still-count 2
+works "the figure at rest, in as many pieces" motion posed_walk.svg --pose "$cage" --seconds 1 --stills posed_ --still-count 2
+same "markers at rest leave it there" rest_01.svg posed_01.svg
+same "at all times" rest_02.svg posed_02.svg
+tracks=
+for point in 212,735 215,600 645,735 645,620 250,440 700,440 480,420 148,253 220,125 800,400 880,290 920,160; do tracks="$tracks --track $point"; done
+# shellcheck disable=SC2086
+works "points of the cat that walks" motion walk.svg --clip "$data/cat_walk.csv" $tracks --save-tracks tracks.csv
+awk -F, 'NR == FNR { line[FNR] = $0; n = FNR; next } { split(line[FNR], a); for (k = 1; k <= NF; k++) if (a[k] + 0 - $k > 0.05 || $k - a[k] > 0.05) bad = 1 }
+         END { exit bad || FNR != n || n < 25 }' tracks.csv "$data/cat_markers.csv" && ok=yes || ok=no
+report $ok "are those of cat_markers.csv"
+works "the cat walks from these alone" motion marched.svg --markers "$data/cat_markers.csv" $tracks --save-tracks marched.csv --report
+grep -q '^pins: 12, held: 0 of 25' log && grep -q '^late,far-legs,0.6' marched.csv && ok=yes || ok=no
+report $ok "with what comes late"
+awk -F, 'NR == FNR { line[FNR] = $0; next } /^[0-9]/ { split(line[FNR], a); for (k = 2; k <= NF; k++) { d = a[k] - $k; if (d > 1 || d < -1) bad = 1 } rows++ }
+         END { exit bad || rows != 25 }' tracks.csv marched.csv && ok=yes || ok=no
+report $ok "its points go within a unit of theirs"
+printf 'time,nose.x,nose.y,a,b\nrest,148,253,480,420\n7,150,250,480,420\n7.5,,,490,420\n8,160,250,500,420\n' >lost.csv
+works "a marker that is lost" motion lost.svg --markers lost.csv --save-clip lost_clip.csv
+grep -q '^length,1.5$' lost_clip.csv && ok=yes || ok=no
+report $ok "the motion returns for half a second"
+refuses_markers() { # MESSAGE TEXT
+  printf '%b' "$2" >markers.csv
+  refuses "$1" motion out.svg --markers markers.csv
+}
+refuses_markers 'markers.csv: holds fewer than two times' ''
+refuses_markers 'markers.csv: holds fewer than two times' '0,1,2\n'
+refuses_markers 'markers.csv:1: a row is a time, then x,y of every marker' '0,1\n'
+refuses_markers 'markers.csv:2: 5 columns, and the first row has 3' '0,480,420\n1,480,420,1,2\n'
+refuses_markers 'markers.csv:2: a time is not later than the one before it' '0,480,420\n0,480,420\n'
+refuses_markers 'markers.csv:2: not a number: "x"' '0,480,420\n1,x,420\n'
+refuses_markers 'markers.csv:2: not a number: ""' '0,480,420\n1,,420\n'
+refuses_markers 'markers.csv: "marker 2" has no place at rest' '0,480,420,,\n1,480,420,3,4\n'
+refuses_markers 'markers.csv: "b" is never seen' 'time,a,,b,\nrest,480,420,500,420\n0,480,420,,\n1,480,420,,\n'
+refuses_markers 'markers.csv:2: the row of rest is the first' '0,480,420\nrest,480,420\n1,480,420\n'
+refuses_markers 'markers.csv:1: "late" takes an element and seconds' 'late,3\n'
+refuses_markers 'pin 1 (markers.csv: marker 1) at (5, 5) lies outside the cage' '0,5,5\n1,6,6\n'
+refuses_markers 'markers.csv: its length needs' '0,480,420\n1e9,480,420\n'
+printf '%s\n' length,1 control,a vertices,0 0,0,0,0,ease 1,0,0,0,ease pin,b,480,420 0,0,0,0,ease 1,0,0,0,ease >both.csv
+refuses 'both.csv:6: a clip has either controls or pins' motion out.svg --clip both.csv
+printf '%s\n' length,1 pin,b,480,420 vertices,0 >both.csv
+refuses 'both.csv:3: a pin has no vertices' motion out.svg --clip both.csv
+printf '%s\n' length,1 pin,b,480,420,0 >both.csv
+refuses 'both.csv:2: the weight of a pin is not positive' motion out.svg --clip both.csv
+refuses 'give only one of --clip, --markers, pins, and a pose' motion out.svg --clip wag.csv --pin 480,420
+refuses 'give only one of --clip, --markers, pins, and a pose' motion out.svg --markers lost.csv --turn 1:3
+refuses '--hold is for pins, and the motion has none' motion out.svg --clip "$data/cat_walk.csv" --hold 1
+refuses '--track and --save-tracks go together' motion out.svg --clip "$data/cat_walk.csv" --track 480,420
+refuses '--save-clip out.clip.csv: with these coordinates pins pose the edges' "$animate" "$cat" --cage "$cage" --coordinates green --rate 10 --pin 480,420:+1,0 -o out.svg --save-clip out.clip.csv
+
 # ---- lattice_fit ----
 fit="$programs/lattice_fit"
 works "a lattice fitted to what a lattice has made" "$fit" cube.obj twisted.obj --cage lattice:4x4x4 --smoothness 1e-12 -o fit_pose.obj --picture fit.png

@@ -113,6 +113,8 @@ SvgResult<PinnedCage<T, D>> PinnedCage<T, D>::make(const ChosenCoordinates<T, D>
         auto [samples, sampled] = pose_samples(coordinates, choice.sampling, {.progress = bar.callback()});
         if (sampled.status == Status::samples_missing)
             return SvgError{names.cage + ": " + cageform::to_string(sampled.status)};
+        if (sampled.status == Status::solver_not_supported)
+            return SvgError{"--pin: pins need gradients, which this --solver does not give"};
         if (sampled.status != Status::ok) return refuse(sampled.bind, sampled.status);
         made.solver_ = cageform::PoseSolver<T, D>(std::move(samples), choice.solving);
     }
