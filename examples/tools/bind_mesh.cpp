@@ -6,10 +6,10 @@
 //               -o character.figure
 //
 // --max-distance takes as few bytes as keep every vertex of every pose of the motion that near to where all
-// weights put
-// it, as a share of the figure's size. Without a motion it holds for all poses that bend by up to a tenth
-// of the cage;
-// not with Green coordinates, whose faces turn with no bound, so that they need a motion.
+// weights put it, as a share of the figure's size. Without a motion it holds for all poses that bend by up to
+// a tenth of the cage; not with Green coordinates, whose faces turn with no bound, so that they need a motion.
+//
+// --pose-samples packs beside them what a PoseSolver needs: the game then drags the figure by pins.
 //
 // The engine's client (engine/ogre_client.cpp) maps that file and plays it.
 
@@ -27,6 +27,7 @@
 #include "files/figure_parts.hpp"
 
 #include <cageform/binding/pack.hpp>
+#include <cageform/pose/pose_samples.hpp>
 
 #include <iomanip>
 #include <iostream>
@@ -44,6 +45,7 @@ struct Arguments {
     std::optional<WeightFormat> format;
     std::size_t largest = 0;
     double distance = 0; // share of the figure's size; 0: no promise
+    bool pose_samples = false;
     bool report = false;
     OutsideChoice outside;
     CoordinatesChoice choice;
@@ -134,6 +136,22 @@ SvgResult<std::vector<double>> poses_of_handles(const cageform::Binding<float, 3
     return numbers;
 }
 
+/// Samples the inside of the cage for pins, and packs the samples; tells their size.
+SvgResult<cageform::PackedPoseSamples> packed_samples(const ChosenCoordinates<float, 3>& coordinates,
+                                                      const std::string& cage, bool tells) {
+    ProgressBar bar("sampling");
+    const auto [samples, report] = pose_samples(coordinates, {}, {.progress = bar.callback()});
+    if (report.status != Status::ok)
+        return SvgError{cage + ": --pose-samples: " + cageform::to_string(report.status)};
+    auto packed = cageform::pack(samples);
+    if (!packed) return SvgError{cage + ": --pose-samples: " + cageform::to_string(packed.status())};
+    if (tells) {
+        std::cout << "samples for pins: " << packed.value.bytes().size() << " bytes, of " << report.samples
+                  << " points in " << report.rotations << " clusters, " << report.seconds << " s\n";
+    }
+    return std::move(packed.value);
+}
+
 /// Binds, packs and writes. `labels` are of the cage's vertices, or none.
 int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& cage,
                 const std::vector<std::string>& labels) {
@@ -190,8 +208,14 @@ int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& ca
     const double size = cageform::bounds_of(std::span<const Point3>(figure.vertices)).diagonal();
     options.weights.tolerance = given.distance * size;
     const std::vector<std::byte> clip = clip_part(curves);
-    const cageform::FigurePartData parts[] = {{"TRIS", std::as_bytes(std::span(figure.triangles))},
-                                              {"CLIP", clip}};
+    cageform::PackedPoseSamples samples;
+    if (given.pose_samples) {
+        auto packed = packed_samples(coordinates, cage.name, given.report);
+        if (!packed) return fail(to_string(packed.error()));
+        samples = std::move(*packed);
+    }
+    const cageform::FigurePartData parts[] = {
+        {"TRIS", std::as_bytes(std::span(figure.triangles))}, {"CLIP", clip}, {"PINS", samples.bytes()}};
     options.parts = parts;
     cageform::Result<cageform::PackedFigure<float, 3>, cageform::FigurePackReport> made;
     {
@@ -261,6 +285,8 @@ int run_program(int argc, char** argv) {
     line.add("--format", format, "the format of weights: float, half, int16 or int8")
         .one_of({"float", "half", "int16", "int8"})
         .show_default("float; with --max-distance, the smallest that suffices");
+    line.add_flag("--pose-samples", given.pose_samples,
+                  "also pack samples of the cage's inside, by which a game poses the figure by pins");
     line.add_flag("--report", given.report, "print sizes and errors");
     line.set_footer(obj_format + std::string("\n") + lattice_format + "\n" + pose_clip_format + "\n" +
                     pose_operations_format + "\n" + labels_format);

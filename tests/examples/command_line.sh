@@ -1242,6 +1242,184 @@ refuses '--hold is for pins, and the motion has none' motion out.svg --clip "$da
 refuses '--track and --save-tracks go together' motion out.svg --clip "$data/cat_walk.csv" --track 480,420
 refuses '--save-clip out.clip.csv: with these coordinates pins pose the edges' "$animate" "$cat" --cage "$cage" --coordinates green --rate 10 --pin 480,420:+1,0 -o out.svg --save-clip out.clip.csv
 
+# ---- tetrahedra, folds, pins in space ----
+make_box="$programs/make_box"
+works "a box of tetrahedra" "$make_box" -o bar.mesh --cage bar_cage.obj
+grep -qx 'bar.mesh: 425 vertices, 1536 tetrahedra' log && ok=yes || ok=no
+report $ok "tells its size"
+works "a box of one cube" "$make_box" -o cube.mesh --size 1,2,3 --cells 1,1,1
+[ "$(grep -c '^[01] [02] [03] 0$' cube.mesh)" = 8 ] && [ "$(sed -n '/Tetrahedra/{n;p;}' cube.mesh)" = 6 ] && ok=yes || ok=no
+report $ok "has eight corners and six cells"
+refuses '--size: ' "$make_box" -o out.mesh --size 1,2
+refuses '--size: a length is not a positive number' "$make_box" -o out.mesh --size 1,0,2
+refuses '--size: ' "$make_box" -o out.mesh --size 1,nan,2
+refuses '--cells: a number along an axis is not a whole number from 1' "$make_box" -o out.mesh --cells 4,2.5,1
+refuses '--cells: more than 16,777,216 together' "$make_box" -o out.mesh --cells 1000,1000,1000
+refuses '--divisions: ' "$make_box" -o out.mesh --cage out.obj --divisions 0,1,1
+refuses '"out.vtk" does not end with .mesh' "$make_box" -o out.vtk
+in_bar() { # OUT ARGUMENTS…   the bar in its cage
+  out=$1; shift
+  "$mesh" bar.mesh --cage bar_cage.obj -o "$out" "$@"
+}
+works "tetrahedra at rest" in_bar bar_rest.mesh --pose bar_cage.obj --report
+cmp -s bar.mesh bar_rest.mesh && ok=yes || ok=no
+report $ok "the file is the same"
+grep -qx 'figure: 425 vertices, 0 normals, 1536 tetrahedra' log && grep -qx 'folds: 0 of 1536 tetrahedra' log &&
+  grep -qx 'largest step without a fold: 1' log && ok=yes || ok=no
+report $ok "no fold is reported"
+fold="--bend all:xy,1.5,2.5,180"
+# shellcheck disable=SC2086 # the words are options
+works "tetrahedra that fold" in_bar bar_folded.mesh $fold --report --picture bar.png
+grep -q '^folds: 33 of 1536 tetrahedra, first tetrahedron ' log && grep -q "^least V'/V: -0\.1.*, tetrahedron " log &&
+  grep -q '^largest step without a fold: 0\.48.*, then tetrahedron [0-9]* folds$' log && ok=yes || ok=no
+report $ok "are counted and named"
+# shellcheck disable=SC2086
+works "a pose that stops" in_bar bar_stopped.mesh $fold --no-folds --report
+grep -q 'note: bar.mesh: the pose stops at 0\.48[0-9]* of its way from rest, where tetrahedron [0-9]* would fold$' log && ok=yes || ok=no
+report $ok "says where, and which tetrahedron"
+# The step by bisection: the least V'/V of all cells on the way from rest to the folded pose.
+found=$(awk '
+  function volume(f, t, a, b, c, d,   k, x, y, z) {
+    split(a " " b " " c " " d, v, " ")
+    for (k = 1; k <= 4; k++) { X[k] = at(f, t, v[k], 1); Y[k] = at(f, t, v[k], 2); Z[k] = at(f, t, v[k], 3) }
+    for (k = 2; k <= 4; k++) { X[k] -= X[1]; Y[k] -= Y[1]; Z[k] -= Z[1] }
+    return X[2] * (Y[3] * Z[4] - Z[3] * Y[4]) - Y[2] * (X[3] * Z[4] - Z[3] * X[4]) + Z[2] * (X[3] * Y[4] - Y[3] * X[4])
+  }
+  function at(f, t, i, k) { return P[1, i, k] + t * (P[f, i, k] - P[1, i, k]) }
+  function least(f, t,   n, r, m) {
+    m = 2
+    for (n = 1; n <= cells; n++) {
+      r = volume(f, t, C[n, 1], C[n, 2], C[n, 3], C[n, 4]) / volume(1, 0, C[n, 1], C[n, 2], C[n, 3], C[n, 4])
+      if (r < m) m = r
+    }
+    return m
+  }
+  FNR == 1 { f++; part = "" }
+  /^[A-Z]/ { part = $1; n = 0; next }
+  NF == 1 { next }
+  part == "Vertices" { n++; for (k = 1; k <= 3; k++) P[f, n, k] = $k }
+  part == "Tetrahedra" { n++; cells = n; for (k = 1; k <= 4; k++) C[n, k] = $k }
+  END {
+    lower = 0; upper = 1
+    for (t = 0.02; t < 1; t += 0.02) { if (least(2, t) <= 0) { upper = t; break } lower = t }
+    for (n = 0; n < 20; n++) { m = (lower + upper) / 2; if (least(2, m) > 0) lower = m; else upper = m }
+    printf "%.4f %s", lower, least(3, 1) > 0 && least(3, 1) < 1e-6
+  }' bar.mesh bar_folded.mesh bar_stopped.mesh)
+said=$(sed -n 's/^largest step without a fold: \([0-9.]*\), .*: the figure stops there$/\1/p' log)
+[ "$found" = "$said 1" ] && ok=yes || { ok=no; echo "bisection: $found, said: $said" >>log; }
+report $ok "the step is that of bisection, and no tetrahedron is folded there"
+# shellcheck disable=SC2086
+works "a pose that stops sooner" in_bar bar_sooner.mesh $fold --no-folds --fold-threshold 0.3
+grep -q 'stops at 0\.[0-4]' log && ! cmp -s bar_sooner.mesh bar_stopped.mesh && ok=yes || ok=no
+report $ok "as the threshold says"
+works "a pose that does not fold" in_bar bar_bent.mesh --bend all:xy,0,4,60
+works "need not stop" in_bar bar_unfolded.mesh --bend all:xy,0,4,60 --no-folds
+cmp -s bar_bent.mesh bar_unfolded.mesh && ! grep -q stops log && ok=yes || ok=no
+report $ok "and does not"
+# shellcheck disable=SC2086
+works "a surface that stops" "$mesh" character.obj --cage character_cage.obj --scale 'y>1:1,-0.2,1' --no-folds -o surface.obj --report
+grep -q 'note: character.obj: the pose stops at 0\.[0-9]* of its way from rest, where the figure at v [0-9]* would fold' log &&
+  grep -q '^folds: [0-9]* of 8066 vertices, first v ' log && ok=yes || ok=no
+report $ok "names a vertex"
+works "a mesh in a made cage" "$mesh" bar.mesh --cage auto:30 -o bar_made.mesh
+works "a mesh in a lattice" "$mesh" bar.mesh --cage lattice:4x3x3 --twist all:x,0,4,90 -o bar_twisted.mesh
+works "the report without gradients" "$mesh" bar.mesh --cage tetrahedron.obj --coordinates barycentric --move 0:1,0,0 -o bar_moved.mesh --report
+grep -qx 'folds: 0 of 1536 tetrahedra' log && ok=yes || ok=no
+report $ok "cells need none"
+works "a surface without gradients" "$mesh" inner.obj --cage tetrahedron.obj --coordinates barycentric --move 0:1,0,0 -o moved.obj --report
+grep -qx 'folds: not known: these coordinates have no gradients' log && ok=yes || ok=no
+report $ok "tells that nothing is known"
+refuses '--no-folds: without tetrahedra folds are found by gradients, which barycentric coordinates do not have' \
+  "$mesh" inner.obj --cage tetrahedron.obj --coordinates barycentric --move 0:1,0,0 -o out.obj --no-folds
+refuses '--fold-threshold' in_bar out.mesh --pose bar_cage.obj --fold-threshold 1
+refuses '-o out.obj: the figure bar.mesh is written as .mesh' in_bar out.obj --pose bar_cage.obj
+refuses '-o out.mesh: the figure inner.obj is written as .obj' "$mesh" inner.obj --cage box.obj --pose box.obj -o out.mesh
+: >empty.mesh
+printf 'MeshVersionFormatted 2\nDimension 3\nVertices\n4\n0 0 0 0\n1 0 0 0\n0 1 0 0\n' >short.mesh
+sed 's/^Dimension 3/Dimension 2/' bar.mesh >flat.mesh
+sed '/^Tetrahedra/,$ s/^1 2 /1 9999 /' bar.mesh >index.mesh
+sed '/^Tetrahedra/,$ s/^1 2 23 .*/1 2 3 4 0/' bar.mesh >thin.mesh
+refuses_mesh() { # MESSAGE FILE ARGUMENTS…
+  message=$1 file=$2; shift 2
+  refuses "$message" "$mesh" "$file" --cage bar_cage.obj --bend all:xy,0,4,60 -o out.mesh "$@"
+}
+refuses_mesh 'empty.mesh: is empty' empty.mesh
+refuses_mesh 'short.mesh: Vertices end after 3 of 4 (line 7)' short.mesh
+refuses_mesh 'flat.mesh: Dimension is "2": a mesh in space has 3 (line 2)' flat.mesh
+refuses_mesh 'index.mesh: vertex index 9999 is out of range: the file has 425 (line ' index.mesh
+refuses_mesh 'nowhere.mesh: no such file' nowhere.mesh
+refuses_mesh 'thin.mesh: --no-folds: tetrahedron 1: the simplex has no volume relative to its size' thin.mesh --no-folds
+works "a report of a flat cell" "$mesh" thin.mesh --cage bar_cage.obj --bend all:xy,0,4,60 -o thin_out.mesh --report
+grep -qx 'folds: not known: tetrahedron 1: the simplex has no volume relative to its size' log && ok=yes || ok=no
+report $ok "names it"
+
+by_pins() { # OUT ARGUMENTS…   the character in its cage
+  out=$1; shift
+  "$mesh" character.obj --cage character_cage.obj -o "$out" "$@"
+}
+seq 8 >corner_weights.txt
+printf '0,%s\n' "$(sed -n '/^v /{s/^v //;s/ /,/g;p;q;}' character.obj)" >rest_pins.csv
+for type in mean-value harmonic green; do
+  works "pins at rest in space, $type" by_pins pinned.obj --pins rest_pins.csv --pin 4000 --pin 8000 --coordinates $type
+  cmp -s character.obj pinned.obj && ok=yes || ok=no
+  report $ok "pins at rest leave the file as it is, $type"
+done
+for type in mean-value harmonic; do
+  works "a limb pulled, $type" by_pins pinned.obj --pin 0 --pin 4000@20,y --pin 8000:+0.1,+0.2,0 --coordinates $type --save-pose pinned_cage.obj --report
+  grep -q '^pins: 3, held: 0 of 112 handles' log && grep -q '^largest miss: 0\.0.*, pin [1-3] (--pin "' log && grep -q '^folds: ' log && ok=yes || ok=no
+  report $ok "the report has the miss, its pin and folds"
+  works "the cage that is saved, $type" by_pins by_pose.obj --pose pinned_cage.obj --coordinates $type
+  cmp -s pinned.obj by_pose.obj && ok=yes || ok=no
+  report $ok "it is the pose of the pins, $type"
+done
+awk '/^v / { n++; for (i = 1; i < 4; i++) p[n, i] = $(i + 1) }
+     function place(i) { return p[i, 1] "," p[i, 2] "," p[i, 3] }
+     END { print "vertex,TX,TY,TZ,RX,RY,RZ"; print "0," place(1); print "4000," place(4001) ",0,20,0"
+           print "# a foot"; print place(8001) "," p[8001, 1] + 0.1 "," p[8001, 2] + 0.2 "," p[8001, 3] }' character.obj >space_pins.csv
+works "pins of a file in space" by_pins by_file.obj --pins space_pins.csv --coordinates harmonic
+awk '/^v / && NR == FNR { x[FNR] = $2; y[FNR] = $3; next }
+     /^v / { if (($2 - x[FNR]) ^ 2 + ($3 - y[FNR]) ^ 2 > 1e-8) bad = 1; n++ } END { exit bad || n != 8066 }' pinned.obj by_file.obj && ok=yes || ok=no
+report $ok "they are those of the words"
+works "held vertices in space" by_pins held.obj --pin 8000:+0.1,+0.2,0 --hold 0-40 --save-pose held_cage.obj
+awk '/^v / { n++; if (NR == FNR) v[n] = $0; else { if (!m) m = n; if (v[n - m + 1] != $0 && n - m < 41) bad = 1; if (v[n - m + 1] != $0) moved = 1 } }
+     END { exit bad || !moved }' character_cage.obj held_cage.obj && ok=yes || ok=no
+report $ok "stay to the bit"
+works "pins of tetrahedra that stop" in_bar bar_pinned.mesh --pin 0 --pin 424:+-6,+1,0 --pin 16 --no-folds --save-pose bar_pose.obj --report
+grep -q 'the pose stops at' log && grep -q '^pins: 3' log && ok=yes || ok=no
+report $ok "the stop is said"
+works "a lattice by pins" "$mesh" bar.mesh --cage lattice:4x3x3+0.2 --freeze 1 --pin 200:+0,+0.05,0 -o pinned.mesh --save-pose lattice_pose.obj
+works "a lattice by that pose" "$mesh" bar.mesh --cage lattice:4x3x3+0.2 --freeze 1 --pose lattice_pose.obj -o by_pose.mesh
+cmp -s pinned.mesh by_pose.mesh && ok=yes || ok=no
+report $ok "is the same"
+for type in sibson sibson-c1; do
+  works "points by pins, $type" "$mesh" inner.obj --cage box.obj --coordinates $type --surround 0.3 --pin 0:+0.1,0,0 --pin 1 -o pinned.obj --save-pose sites_pose.obj
+  works "points by that pose, $type" "$mesh" inner.obj --cage box.obj --coordinates $type --surround 0.3 --pose sites_pose.obj -o by_pose.obj
+  cmp -s pinned.obj by_pose.obj && ok=yes || ok=no
+  report $ok "is the same, $type"
+done
+refuses_in_space() { # MESSAGE ARGUMENTS…
+  message=$1; shift
+  refuses "$message" by_pins out.obj "$@"
+}
+echo '1,2' >few_pins.csv
+refuses_in_space 'there is no vertex 8066: the figure has 8066, counted from 0' --pin 8066
+refuses_in_space '--pin "1,2": "1,2" is not a place: write x,y,z, or the number of a vertex' --pin 1,2
+refuses_in_space 'pin 1 (--pin "9,9,9") at (9, 9, 9) lies outside the cage character_cage.obj' --pin 9,9,9 --coordinates harmonic
+refuses_in_space 'few_pins.csv:1: 2 columns, but a pin has x,y,z,TX,TY,TZ[,RX,RY,RZ[,WEIGHT]], or a vertex for x,y,z' --pins few_pins.csv
+refuses_in_space 'no_pins.csv: holds no pins' --pins no_pins.csv
+refuses_in_space '--pin "0@40": ' --pin 0@40
+refuses_in_space '--hold is for pins' --hold 1 --pose character_pose.obj
+refuses_in_space 'give --hold too, or only one of pins and a pose' --pin 0 --pose character_pose.obj
+refuses_in_space '--save-pose out.pose.obj: with green pins pose the faces beside the vertices' --pin 0 --coordinates green --save-pose out.pose.obj
+refuses_in_space 'the same file as ' --pin 0 --save-pose out.obj
+refuses '--pin: barycentric coordinates have no gradients' "$mesh" inner.obj --cage tetrahedron.obj --coordinates barycentric --pin 0 -o out.obj
+refuses '--weights: pins cannot be solved for where points have weights' "$mesh" inner.obj --cage box.obj --coordinates sibson --weights corner_weights.txt --pin 0 -o out.obj
+works "samples for a game's pins" "$bind" character.obj --cage character_cage.obj --pose-samples -o pins.figure --report
+bytes=$(sed -n 's/^samples for pins: \([0-9]*\) bytes, of [0-9]* points in 224 clusters, .* s$/\1/p' log)
+more=$(($(wc -c <pins.figure) - $(wc -c <still.figure) - ${bytes:-0}))
+[ "${bytes:-0}" -gt 100000 ] && [ $more -ge 0 ] && [ $more -lt 256 ] && ok=yes || { ok=no; echo "$bytes, $more" >>log; }
+report $ok "are beside the figure"
+
 # ---- lattice_fit ----
 fit="$programs/lattice_fit"
 works "a lattice fitted to what a lattice has made" "$fit" cube.obj twisted.obj --cage lattice:4x4x4 --smoothness 1e-12 -o fit_pose.obj --picture fit.png
@@ -1818,7 +1996,7 @@ done
 # ---- what all programs have ----
 mkdir -p no_files
 version=$(sed -n 's/.*VERSION_STRING "\(.*\)"/\1/p' "$(dirname "$data")/../include/cageform/version.hpp")
-for program in deform_svg coordinate_field cage_weights figure_table contact_sheet convergence adaptive_grid pose_cage make_cage deform_mesh make_character bind_mesh \
+for program in deform_svg coordinate_field cage_weights figure_table contact_sheet convergence adaptive_grid pose_cage make_cage make_box deform_mesh make_character bind_mesh \
   export_gltf skin_mesh animate_svg fit_curve bezier_tables make_hand pose_hand hand_sheet height_map grid_field diffuse_colours puzzle paths boundary_formula relaxation lattice_board leaf_cages lattice_fit; do
   works "version of $program" "$programs/$program" --version
   [ "$(cat log)" = "$program (cageform) $version" ] && ok=yes || ok=no
@@ -1830,7 +2008,7 @@ for program in deform_svg coordinate_field cage_weights figure_table contact_she
   # In a folder without files every example fails for want of its file, not for its words.
   grep "^  $program " log | sed 's/^ *[a-z_]* //' >shown_words
   while read -r words; do
-    case $program in fit_curve | make_character | make_hand | hand_sheet | pose_hand | lattice_board) continue ;; esac # which need none
+    case $program in fit_curve | make_box | make_character | make_hand | hand_sheet | pose_hand | lattice_board) continue ;; esac # which need none
     (cd no_files && eval "'$programs/$program' $words") >log 2>&1 </dev/null && ok=no || ok=yes
     grep -q 'no such file' log || ok=no
     report $ok "the help of $program shows $words"
