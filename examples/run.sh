@@ -23,7 +23,7 @@ esac
 start=$(date +%s)
 step() { # WHAT
   count=$((${count:-0} + 1))
-  printf '[%d/%d] %s\n' $count 24 "$1"
+  printf '[%d/%d] %s\n' $count 26 "$1"
 }
 mkdir -p out
 step "configure"
@@ -144,6 +144,33 @@ for frame in 01 02 03 04 05 06 07 08 09 10 11 12; do set -- "$@" $frame out/cat_
 "$programs/contact_sheet" -o out/cat_walk_frames.svg --columns 4 --png --png-width 1600 "$@"
 mv out/cat_walk_frames.png out/cat_walk.png
 rm -f out/cat_walk_[0-9][0-9].svg out/cat_walk_frames.svg
+
+step "figures pulled by pins"
+# The paws stay, the tail comes; then poses by pins beside the least moves of the cage with the same effect.
+"$programs/deform_svg" "$data/cat.svg" --cage "$data/cat_cage.svg" --coordinates harmonic --pin 212,740 --pin 645,740 \
+  --pin 480,400 --pin 915,165:760,60 -o out/cat_pulled.svg --save-pose out/cat_pose_pulled.svg --show-pins --report >>$report
+pinned() { # NAME FIGURE CAGE POSE POSE POSE   each of pins
+  "$programs/pin_poses" "$2" --cage "$3" --coordinates harmonic --pinned "$4" --pinned "$5" --pinned "$6" -o "out/pins_$1_" >>$report 2>&1
+  for number in 1 2 3; do tiles="$tiles pins out/pins_$1_$number.svg least~squares out/pins_$1_${number}_least.svg"; done
+}
+tiles=
+pinned cat "$data/cat.svg" "$data/cat_cage.svg" "212,740 645,740 480,400 150,250:110,430" \
+  "212,740 645,740:560,740 700,420:680,580 200,200:200,220" "212,740:60,600 645,740:840,700 480,400:470,340"
+pinned man "$data/man.svg" auto "240,320 272,165 84,600:230,640" "240,320 84,600 378,250:390,110" \
+  "240,320 84,600 118,338:90,150 378,250:400,110"
+icons=/usr/share/icons/Tango/scalable # package tango-icon-theme
+if [ -d $icons ]; then
+  pinned stick $icons/devices/input-gaming.svg auto "8,37 40,37 24.4,8:34,12" "8,37 40,37 24.4,8:37,20" "8,37 40,37:40,28 24.4,8"
+  pinned devil $icons/emotes/face-devilish.svg auto "20,23 20,38 7,5.4:2,13" "20,23 20,38 45,18:44,8" "20,38 20,6:20,14"
+  pinned mouse $icons/devices/input-mouse.svg auto "24,28 24,42 24,4:16,4 41,8.5:32,2" "24,42 24,20:30,18@30" "24,28 24,14 24,42:36,40"
+fi
+set --
+for word in $tiles; do set -- "$@" "$(echo "$word" | tr '~' ' ')"; done
+"$programs/contact_sheet" -o out/pins.svg --columns 6 --tile 260 --png --png-width 880 "$@"
+
+step "the cat walks by twelve markers"
+"$programs/animate_svg" "$data/cat.svg" --cage "$data/cat_cage.svg" --markers "$data/cat_markers.csv" --coordinates harmonic \
+  -o out/cat_markers.svg --report >>$report
 
 step "the man, the aleph"
 deform man_posed man man_cage man_pose barycentric
@@ -353,6 +380,7 @@ Open, in out/:
   cat_lattice.png            the cat by a lattice of control points; lattice_board.png: a face pulled out of a board
   leaf_cages.png             a leaf in a cage of four cubics, and in the polygon that does the same; leaf.png: posed by numbers
   lattice_fit.png            a character posed by its cage, and the pose of a lattice that comes nearest to that
+  pins.png                   figures pulled by pins, and by least squares; cat_markers.svg (in a browser): a walk by twelve markers
   aleph.png, man.png         other figures
   types.png                  one pose by five coordinate types; character_types.png: in space
   two_cages.png              a disc in a convex cage, a biped in a concave one, by mean value and harmonic coordinates

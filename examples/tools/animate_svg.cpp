@@ -172,9 +172,7 @@ SvgResult<std::string> tracks_of(const Settings& settings, const FigureControl& 
     tracks.places.push_back(tracks.places.front());
     for (std::size_t f = 0; f <= control.frames; ++f)
         tracks.times.push_back(file.length * double(f) / double(control.frames));
-    const auto name = [](const std::string& path) { return std::filesystem::path(path).filename().string(); };
-    return markers_text(tracks, file,
-                        "Points of " + name(settings.figure) + ", moved by " + name(settings.clip));
+    return markers_text(tracks, file, "Points of a figure through its motion");
 }
 
 /// Returns why the options do not go together; empty if they do.

@@ -62,7 +62,8 @@ struct CagePaths {
 struct Control {
     FigureControl control;
     CageFile drawn;
-    std::string fault;     // of the pose, to warn of
+    std::string fault; // of the pose, to warn of
+    std::vector<Pin<2>> pins;
     std::string on_pins;   // what --report says of them
     std::size_t saved = 0; // the vertices that --save-pose writes: all but the corners of --surround
 };
@@ -86,6 +87,7 @@ SvgResult<bool> pin_pose(Control& to, const CoordinatesChoice& choice, const Cag
     auto pose = figure->settled();
     if (!pose) return pose.error();
     to.control.pose_name = "the pose by pins";
+    to.pins = figure->cage().pins();
     to.on_pins = figure->cage().report();
     if (const std::string why = figure->cage().warning(); !why.empty()) warn(why);
     auto places = to.drawn.places();
@@ -145,7 +147,7 @@ SvgResult<Control> read_control(const CoordinatesChoice& choice, const CagePaths
     auto pose = pinned && !paths.has_pose() ? moved_cage(*cage, rest)
                                             : read_pose(paths.pose, paths.operations, *cage, is_made);
     if (!pose) return pose.error();
-    Control result{control_of(choice, *cage), std::move(*pose), {}, {}, cage->vertices.size()};
+    Control result{control_of(choice, *cage), std::move(*pose), {}, {}, {}, cage->vertices.size()};
     result.control.pose_name = !paths.pose.empty() ? paths.pose : is_made ? figure_path : paths.cage;
     result.control.poses = {result.drawn.vertices};
     const auto still = paths.operations.still(cage->lattice);
@@ -222,8 +224,8 @@ int run_program(int argc, char** argv) {
     std::string figure_path, out_path, save_path;
     CagePaths paths;
     auto& [cage_path, pose_path, operations, pins] = paths;
-    bool png = false, show_cage = false, show_lines = false, show_rest = false, report = false,
-         text_as_paths = false;
+    bool png = false, show_cage = false, show_lines = false, show_rest = false, show_pins = false,
+         report = false, text_as_paths = false;
     int png_width = 900;
     CoordinatesChoice choice;
     OutsideChoice outside;
@@ -262,6 +264,7 @@ int run_program(int argc, char** argv) {
     line.add_flag("--show-cage", show_cage,
                   "draw the posed cage over the figure, with the numbers of its vertices");
     line.add_flag("--show-cage-lines", show_lines, "draw the posed cage without numbers").rarely_needed();
+    line.add_flag("--show-pins", show_pins, "draw the pins at their targets, and how far they went");
     line.add_flag("--show-rest", show_rest, "draw the figure at rest below, in white");
     line.add_flag("--report", report,
                   "print the bind report, the numbers of shapes and points, and how pins went");
@@ -295,12 +298,11 @@ int run_program(int argc, char** argv) {
     if (!posed->fault.empty()) warn(posed->fault);
     document = std::move(moved->drawing.document);
     if (show_rest && rest_view) draw_rest(*document, rest, *rest_view);
-    if (show_cage || show_lines) {
-        const auto view = view_box(*document);
-        const double diagonal = view ? std::hypot(view->width, view->height) : 100;
-        draw_cage(*document, posed->drawn, diagonal, "#c2377a");
-        if (show_cage) draw_numbers(*document, posed->drawn, diagonal / 60);
-    }
+    const auto view = view_box(*document);
+    const double diagonal = view ? std::hypot(view->width, view->height) : 100;
+    if (show_cage || show_lines) draw_cage(*document, posed->drawn, diagonal, "#c2377a");
+    if (show_cage) draw_numbers(*document, posed->drawn, diagonal / 60);
+    if (show_pins) draw_pins(*document, posed->pins, diagonal);
     OutputFiles outputs;
     AtomicFile& svg = outputs.add(out_path);
     svg.write(to_text(*document));

@@ -1085,7 +1085,8 @@ same() { # WHAT ONE OTHER
   cmp -s "$2" "$3" && ok=yes || ok=no
   report $ok "$1"
 }
-stands="--pin 212,740 --pin 645,740" # its paws
+stands_at="212,740 645,740" # its paws
+stands="--pin 212,740 --pin 645,740"
 printf '915,165,915,165\n212,740,212,740\n645,740,645,740\n' >rest_pins.csv
 for type in mean-value harmonic green; do
   works "at rest, $type" svg_of rest.svg --pose "$cage" --coordinates $type
@@ -1119,9 +1120,10 @@ works "a pin outside, where the coordinates go on" svg_of moved.svg --pin -50,40
 grep -q 'warning: pin 1 (--pin "-50,400:+1,1") at (-50, 400) lies outside the cage .*; it follows the extension' log && ok=yes || ok=no
 report $ok "it is warned of"
 works "a pin outside, at the boundary's nearest point" svg_of moved.svg --pin -50,400:+1,1 --coordinates harmonic --outside nearest
-works "two pins at one place" svg_of moved.svg --pin 480,420:500,420 --pin 480,420:500,440 --fit
-grep -q 'warning: pin 2 (--pin "480,420:500,440") at (480, 420) has another target than --pin "480,420:500,420" at the same place' log && ok=yes || ok=no
-report $ok "are named"
+works "two pins at one place" svg_of moved.svg --pin 480,420:500,420 --pin 480,420:500,440 --fit --show-pins
+[ "$(grep -o '<circle ' moved.svg | wc -l)" = 2 ] && ok=yes || ok=no
+grep -q 'warning: pin 2 (--pin "480,420:500,440") at (480, 420) has another target than --pin "480,420:500,420" at the same place' log || ok=no
+report $ok "are named and drawn"
 # whatever moves a figure
 pinned_is_posed() { # WHAT FIGURE POSE ARGUMENTS…
   what=$1 of=$2 file=$3; shift 3
@@ -1170,6 +1172,17 @@ refuses_pin 'the same file as ' --pin 480,420 --save-pose out.svg
 refuses_pin 'this --solver does not give' --pin 480,420 --coordinates harmonic --solver averaging-pyramid
 refuses '--save-pose out.pose.svg: points need a .csv file' "$deform" "$data/fish.svg" --cage "$data/fish_points.svg" --coordinates sibson --pin 480,300 -o out.svg --save-pose out.pose.svg
 refuses 'has chains or points, which need a .csv file' "$deform" "$cat" --cage "$data/cat_cage_spine.csv" --coordinates harmonic --pin 480,420 -o out.svg --save-pose out.pose.svg
+
+# beside the least moves of the cage
+works "poses by pins and by least squares" "$programs/pin_poses" "$cat" --cage "$cage" --coordinates harmonic --pinned "$stands_at 150,250:110,430" --pinned "480,420:500,420" -o sheet_
+[ "$(grep -o '<circle ' sheet_1.svg | wc -l)" = 3 ] && [ -s sheet_2_least.svg ] && grep -q '^sheet_1_least.svg: stretch 0\.0.*, 0\.[1-9].* % of the inside folded' log && grep -q '^sheet_1.svg: .*, 0 % of the inside folded' log && ok=yes || ok=no
+report $ok "the head by least squares folds"
+grep -q '^sheet_2.svg: stretch 1.00 to 1.00' log && ! grep -q '^sheet_2_least.svg: stretch 1.00 to' log && ok=yes || ok=no
+report $ok "one pin moves the figure as it is, by least squares it does not"
+refuses '--pin "480": "480" is not a place' "$programs/pin_poses" "$cat" --cage "$cage" --pinned '480' -o out.
+refuses 'lies outside the cage' "$programs/pin_poses" "$cat" --cage "$cage" --coordinates harmonic --pinned '5,5:6,6' -o out.
+refuses 'a pose has no pins' "$programs/pin_poses" "$cat" --cage "$cage" --pinned ' ' -o out.
+refuses '--pinned is required' "$programs/pin_poses" "$cat" --cage "$cage" -o out.
 
 # motions by pins and by markers
 motion() { # OUT ARGUMENTS…   of the cat in its cage
@@ -1997,7 +2010,7 @@ done
 mkdir -p no_files
 version=$(sed -n 's/.*VERSION_STRING "\(.*\)"/\1/p' "$(dirname "$data")/../include/cageform/version.hpp")
 for program in deform_svg coordinate_field cage_weights figure_table contact_sheet convergence adaptive_grid pose_cage make_cage make_box deform_mesh make_character bind_mesh \
-  export_gltf skin_mesh animate_svg fit_curve bezier_tables make_hand pose_hand hand_sheet height_map grid_field diffuse_colours puzzle paths boundary_formula relaxation lattice_board leaf_cages lattice_fit; do
+  export_gltf skin_mesh animate_svg fit_curve bezier_tables make_hand pose_hand hand_sheet height_map grid_field diffuse_colours puzzle paths boundary_formula relaxation lattice_board leaf_cages lattice_fit pin_poses; do
   works "version of $program" "$programs/$program" --version
   [ "$(cat log)" = "$program (cageform) $version" ] && ok=yes || ok=no
   report $ok "$program tells its version"

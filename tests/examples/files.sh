@@ -35,6 +35,8 @@ cp "$data/puzzle.csv" pool
     sed -n "s/^v \(.*\) \(.*\) \(.*\)/\1,\2,$time\3/p" box.obj
   done | sed '1ilength,1' >box_clip.csv
   printf 'length,1\ncontrol,a\nvertices,0\n0,0,0,0,linear\n0.5,9,0,0,linear\n1,0,0,0,linear\n' >clip.csv
+  echo 250,250,260,250 >pins.csv
+  printf '0,250,250\n1,260,250\n' >markers.csv
   printf 'low,,0.5,0.5,0.1,0.5,0.5,0.5,0,0,0\nhigh,low,0.5,0.5,0.5,0.5,0.5,0.9,20,0,0\n' >bones.csv
   printf '0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0\n' >hand.csv
   printf '{"cage": {"vertices": [[0,0],[1,0],[0,1]], "loops": [[0,1,2]]}, "points": [[0.25,0.25]], "coordinates": [[0.5,0.25,0.25]]}' >triangle.json
@@ -175,6 +177,10 @@ form() { # PROGRAM WORD…
 form deform_svg hexagon.svg --cage hexagon_cage.svg --pose hexagon_pose.svg -o out.svg --png --png-width 40
 form deform_svg fish.svg --cage fish_points.svg --pose fish_pose_fins.svg --coordinates sibson --weights point_weights.txt -o out.svg
 form deform_svg hexagon.svg --cage plane.lattice.json --pose plane_pose.csv -o out.svg
+form deform_svg hexagon.svg --cage hexagon_cage.svg --pins pins.csv -o out.svg --save-pose saved.svg
+form animate_svg hexagon.svg --cage hexagon_cage.svg --markers markers.csv --rate 2 -o out.svg --save-clip saved.csv --track 250,250 --save-tracks tracks.csv
+form animate_svg hexagon.svg --cage hexagon_cage.svg --pins pins.csv --rate 2 -o out.svg
+form pin_poses hexagon.svg --cage hexagon_cage.svg --pinned 250,250:260,250 -o out_
 form animate_svg hexagon.svg --cage hexagon_cage.svg --clip clip.csv -o out.svg --stills still_ --still-count 1 --rate 2 \
   --gif out.gif --apng out.png --mp4 out.mp4 --width 40
 form animate_svg hexagon.svg --cage hexagon_cage.svg --pose hexagon_pose.svg --rate 2 -o out.svg
@@ -232,7 +238,7 @@ told=
 without_inputs="bezier_tables make_character make_hand hand_sheet sibson_figures"
 # Options whose words are no files.
 words="--lattice --slice --zoom --margin --mirror --move --turn --scale --bend --twist --surround --point --at --values --css --bezier --curve
-  --knots --conditions --norm --blue --red --from --make --pin --hold --size --cells --divisions"
+  --pin --hold --track --pinned --knots --conditions --norm --blue --red --from --make --size --cells --divisions"
 for file in "$programs"/*; do
   program=${file##*/}
   case $program in [0-9]*) continue ;; esac
