@@ -7,7 +7,8 @@
 //
 // --max-distance takes as few bytes as keep every vertex of every pose of the motion that near to where all
 // weights put it, as a share of the figure's size. Without a motion it holds for all poses that bend by up to
-// a tenth of the cage; not with Green coordinates, whose faces turn with no bound, so that they need a motion.
+// a tenth of the cage; not with Green coordinates, whose faces turn with no bound, so that they need a
+// motion.
 //
 // --pose-samples packs beside them what a PoseSolver needs: the game then drags the figure by pins.
 //

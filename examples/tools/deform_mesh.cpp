@@ -1,4 +1,5 @@
-// Deforms any OBJ figure, or a mesh of tetrahedra, by a cage, a closed mesh around it, and a pose of the cage.
+// Deforms any OBJ figure, or a mesh of tetrahedra, by a cage, a closed mesh around it, and a pose of the
+// cage.
 //
 //     deform_mesh man.obj --cage auto -o first_look.obj --picture first_look.png
 //     deform_mesh man.obj --cage man_cage.obj --pose man_pose.obj --coordinates harmonic -o posed.obj
@@ -190,11 +191,7 @@ SvgResult<Control> read_control(const Arguments& given, const ObjFile& figure) {
 }
 
 /// The text of a file that --pose reads.
-SvgResult<std::string> saved_pose(const Arguments& given, const Control& control) {
-    if (!control.handles.empty())
-        return SvgError{"--save-pose " + given.save_pose + ": with " + given.choice.name +
-                        " pins pose the faces beside the vertices, and a pose has vertices alone; take "
-                        "mean-value or harmonic"};
+std::string saved_pose(const Control& control) {
     if (!control.coordinates.takes_sites) return to_text(control.cage, control.pose.vertices);
     std::string text;
     for (std::size_t i = 0; i < control.saved; ++i) {
@@ -205,25 +202,15 @@ SvgResult<std::string> saved_pose(const Arguments& given, const Control& control
     return text;
 }
 
-struct Deformed {
-    std::vector<Point3> vertices;
-    std::vector<Colour> paint; // of --weight
-    MeshFolds folds;           // around vertices, where they are wanted
-    cageform::BindReport report;
-    std::string fault, warning;
-};
+constexpr std::size_t most_bytes = std::size_t{256} << 20; // of weights at a time
 
 /// Binds the figure and moves it; where the weights of all vertices would take more than 256 MB, a batch of
 /// them after the other. Until `fault` is not empty, or the report's status not ok.
 Deformed deformed(const Arguments& given, const ObjFile& figure, const Control& control) {
-    constexpr std::size_t most_bytes = std::size_t{256} << 20;
     const auto& coordinates = control.coordinates;
     const auto& [pose, weights] = std::tie(control.pose, control.weights);
     const std::span<const Point3> rest(figure.vertices);
-    const bool finds_folds = (given.report || given.no_folds) && figure.tetrahedra.empty() &&
-                             coordinates.has_gradients() && weights.empty();
-    const std::size_t numbers = (coordinates.handles().count + 1) * (finds_folds ? 4 : 1); // a vertex
-    const std::size_t fits = most_bytes / (sizeof(double) * numbers);
+    const std::size_t fits = most_bytes / (sizeof(double) * (coordinates.handles().count + 1));
     const std::size_t together = rest.size() <= fits ? rest.size() : fits / 4 + 1;
     cageform::BindOptions options;
     options.outside = given.outside.policy(coordinates);
@@ -233,28 +220,27 @@ Deformed deformed(const Arguments& given, const ObjFile& figure, const Control& 
     report.cage = coordinates.cage_report();
     ProgressBar bar("binding");
     const cageform::Running running{.progress = bar.callback()};
-    const bool binds_often = together < rest.size() || finds_folds;
-    if (binds_often) {
+    const bool in_batches = together < rest.size();
+    if (in_batches) {
         const auto evaluation = coordinates.solve(running.subtask(0, 0.5));
         report.status = evaluation.status;
         report.solver = evaluation.solver;
     }
-    const cageform::Running binding = running.subtask(binds_often ? 0.5 : 0, 1);
+    const cageform::Running binding = running.subtask(in_batches ? 0.5 : 0, 1);
     const auto done = [&](std::size_t i) {
         return double(i) / double(std::max<std::size_t>(rest.size(), 1));
     };
-    std::optional<std::vector<Point3>> handles;
-    if (!control.handles.empty()) handles = control.handles;
+    auto& handles = result.handles = control.handles;
     std::size_t first = 0;
     while (report.status == cageform::Status::ok) {
         const auto batch = rest.subspan(first, std::min(together, rest.size() - first));
-        const auto part = binding.subtask(done(first), done(first + batch.size()));
-        const auto bound = coordinates.bind(batch, options, part.subtask(0, finds_folds ? 0.25 : 1));
+        const auto bound =
+            coordinates.bind(batch, options, binding.subtask(done(first), done(first + batch.size())));
         if (first == 0) report.solver = bound.report.solver;
         add_batch(report, bound.report, first);
         report.status = bound.report.status;
         if (report.status != cageform::Status::ok) break;
-        if (!handles) {
+        if (handles.empty()) {
             auto posed = pose_of_handles(bound.value, pose.vertices, pose.name, result.warning);
             if (!posed) {
                 result.fault = to_string(posed.error());
@@ -264,20 +250,12 @@ Deformed deformed(const Arguments& given, const ObjFile& figure, const Control& 
         }
         const auto moved = std::span(result.vertices).subspan(first, batch.size());
         const auto status = weights.empty()
-                                ? cageform::clone(bound.value, *handles, moved)
-                                : cageform::clone_rational(bound.value, *handles, std::span(weights), moved);
+                                ? cageform::clone(bound.value, handles, moved)
+                                : cageform::clone_rational(bound.value, handles, std::span(weights), moved);
         if (status != cageform::Status::ok) {
             result.fault =
                 (weights.empty() ? pose.name : given.of_sites.weights) + ": " + cageform::to_string(status);
             return result;
-        }
-        if (finds_folds) {
-            const auto columns = coordinates.bind_jacobians(batch, options, part.subtask(0.25, 1));
-            report.status = columns.report.status;
-            if (report.status != cageform::Status::ok) break;
-            const auto at_rest = coordinates.handles();
-            result.folds.add(columns.value, std::span(at_rest.rest, at_rest.count), *handles, first,
-                             given.folds);
         }
         for (std::size_t i = 0; given.paints && i < batch.size(); ++i)
             result.paint.push_back(heat(bound.value.weight(i, given.weight)));
@@ -287,15 +265,43 @@ Deformed deformed(const Arguments& given, const ObjFile& figure, const Control& 
     return result;
 }
 
+/// Finds what folds: tetrahedra, or by Jacobians the space at vertices.
+///
+///   handles   the pose of all
+MeshFolds found_folds(const Arguments& given, const ObjFile& figure, const Control& control,
+                      std::span<const Point3> moved, std::span<const Point3> handles) {
+    if (!figure.tetrahedra.empty()) return folds_of_cells(figure, moved, given.folds);
+    MeshFolds folds;
+    if (!control.weights.empty()) {
+        folds.unknown = "no gradients are computed for points with weights";
+        return folds;
+    }
+    const auto& coordinates = control.coordinates;
+    const auto at_rest = coordinates.handles();
+    const std::span<const Point3> rest(figure.vertices);
+    const std::size_t together = most_bytes / (3 * sizeof(double) * (at_rest.count + 1)) + 1;
+    cageform::BindOptions options;
+    options.outside = given.outside.policy(coordinates);
+    ProgressBar bar("looking for folds");
+    const cageform::Running running{.progress = bar.callback()};
+    if (together < rest.size()) (void)coordinates.solve(running.subtask(0, 0.5));
+    for (std::size_t first = 0; first < rest.size() && folds.fault().empty(); first += together) {
+        const auto batch = rest.subspan(first, std::min(together, rest.size() - first));
+        const auto done = [&](std::size_t i) { return 0.5 + 0.5 * double(i) / double(rest.size()); };
+        const auto columns = coordinates.bind_jacobians(
+            batch, options, running.subtask(done(first), done(first + batch.size())));
+        if (columns)
+            folds.add(columns.value, std::span(at_rest.rest, at_rest.count), handles, first, given.folds);
+        else
+            folds.unknown = cageform::to_string(columns.report.status);
+    }
+    return folds;
+}
+
 /// Takes a figure that folds, and its pose, back along their straight ways from rest to where nothing folds.
 /// Returns why it cannot be done; empty if all is well.
 std::string stop_at_folds(const Arguments& given, const ObjFile& figure, Control& control,
                           std::vector<Point3>& moved, const MeshFolds& folds) {
-    if (!folds.of_cells && folds.places == 0) {
-        const bool has_weights = !control.weights.empty();
-        return "--no-folds: without tetrahedra folds are found by gradients, which " +
-               (has_weights ? "points with --weights" : given.choice.name + " coordinates") + " do not have";
-    }
     if (const std::string why = folds.fault(); !why.empty()) return figure.name + ": --no-folds: " + why;
     if (folds.report.count == 0) return {};
     const double step = folds.step.step;
@@ -314,7 +320,7 @@ int deform_figure(const Arguments& given, const ObjFile& figure, Control control
     if (const auto why = fault_of_outputs({given.out, given.save_pose, given.picture})) return fail(*why);
     warn_of_closed_gaps(cage.name, coordinates.cage_report());
     if (!coordinates.note.empty()) note(coordinates.note);
-    auto [moved, paint, folds, report, fault, warning] = deformed(given, figure, control);
+    auto [moved, paint, handles, report, fault, warning] = deformed(given, figure, control);
     if (!fault.empty()) return fail(fault);
     if (report.status != cageform::Status::ok) return fail(control.describe_faults(report));
     warn_of_coarse_grid(cage.name, report.solver);
@@ -325,8 +331,8 @@ int deform_figure(const Arguments& given, const ObjFile& figure, Control control
     for (const Point3& p : moved) {
         if (!cageform::is_finite(p)) return fail(figure.name + ": a vertex has left the range of numbers");
     }
-    if (!figure.tetrahedra.empty() && (given.report || given.no_folds))
-        folds = folds_of_cells(figure, moved, given.folds);
+    MeshFolds folds;
+    if (given.report || given.no_folds) folds = found_folds(given, figure, control, moved, handles);
     if (given.no_folds) {
         const std::string why = stop_at_folds(given, figure, control, moved, folds);
         if (!why.empty()) return fail(why);
@@ -334,11 +340,7 @@ int deform_figure(const Arguments& given, const ObjFile& figure, Control control
 
     OutputFiles outputs;
     outputs.add(given.out).write(to_text(figure, moved));
-    if (!given.save_pose.empty()) {
-        const auto text = saved_pose(given, control);
-        if (!text) return fail(to_string(text.error()));
-        outputs.add(given.save_pose).write(*text);
-    }
+    if (!given.save_pose.empty()) outputs.add(given.save_pose).write(saved_pose(control));
     if (!given.picture.empty()) {
         ObjFile rest_dots, moved_dots;
         const ObjFile *drawn = &cage, *drawn_pose = &pose;
@@ -376,10 +378,7 @@ int deform_figure(const Arguments& given, const ObjFile& figure, Control control
             std::cout << "cage: " << cage.vertices.size() << " vertices, " << cage.triangles.size()
                       << " triangles\n";
         std::cout << describe(report) << control.on_pins;
-        if (folds.places > 0)
-            std::cout << describe(folds, given.no_folds && folds.report.count > 0);
-        else
-            std::cout << "folds: not known: these coordinates have no gradients\n";
+        std::cout << describe(folds, given.no_folds && folds.report.count > 0);
     }
     return 0;
 }
@@ -443,6 +442,10 @@ int run_program(int argc, char** argv) {
     if (!figure) return fail(to_string(figure.error()));
     auto control = read_control(given, *figure);
     if (!control) return fail(to_string(control.error()));
+    if (!given.save_pose.empty() && !control->handles.empty())
+        return fail("--save-pose " + given.save_pose + ": with " + given.choice.name +
+                    " pins pose the faces beside the vertices, and a pose has vertices alone; take "
+                    "mean-value or harmonic");
     given.paints = weight.is_given();
     if (given.paints && given.picture.empty()) return fail("--weight is painted on the --picture: give one");
     if (given.paints && given.weight >= control->cage.vertices.size()) {

@@ -1256,6 +1256,7 @@ refuses '--track and --save-tracks go together' motion out.svg --clip "$data/cat
 refuses '--save-clip out.clip.csv: with these coordinates pins pose the edges' "$animate" "$cat" --cage "$cage" --coordinates green --rate 10 --pin 480,420:+1,0 -o out.svg --save-clip out.clip.csv
 
 # ---- tetrahedra, folds, pins in space ----
+seq 8 >corner_weights.txt
 make_box="$programs/make_box"
 works "a box of tetrahedra" "$make_box" -o bar.mesh --cage bar_cage.obj
 grep -qx 'bar.mesh: 425 vertices, 1536 tetrahedra' log && ok=yes || ok=no
@@ -1316,7 +1317,8 @@ found=$(awk '
     lower = 0; upper = 1
     for (t = 0.02; t < 1; t += 0.02) { if (least(2, t) <= 0) { upper = t; break } lower = t }
     for (n = 0; n < 20; n++) { m = (lower + upper) / 2; if (least(2, m) > 0) lower = m; else upper = m }
-    printf "%.4f %s", lower, least(3, 1) > 0 && least(3, 1) < 1e-6
+    r = least(3, 1)
+    printf "%.4f %d", lower, (r > 0 && r < 1e-6)
   }' bar.mesh bar_folded.mesh bar_stopped.mesh)
 said=$(sed -n 's/^largest step without a fold: \([0-9.]*\), .*: the figure stops there$/\1/p' log)
 [ "$found" = "$said 1" ] && ok=yes || { ok=no; echo "bisection: $found, said: $said" >>log; }
@@ -1336,14 +1338,16 @@ grep -q 'note: character.obj: the pose stops at 0\.[0-9]* of its way from rest, 
 report $ok "names a vertex"
 works "a mesh in a made cage" "$mesh" bar.mesh --cage auto:30 -o bar_made.mesh
 works "a mesh in a lattice" "$mesh" bar.mesh --cage lattice:4x3x3 --twist all:x,0,4,90 -o bar_twisted.mesh
-works "the report without gradients" "$mesh" bar.mesh --cage tetrahedron.obj --coordinates barycentric --move 0:1,0,0 -o bar_moved.mesh --report
+works "cells need no gradients" "$mesh" bar.mesh --cage box --coordinates harmonic --solver averaging-pyramid --twist all:x,0,4,20 -o bar_moved.mesh --report
 grep -qx 'folds: 0 of 1536 tetrahedra' log && ok=yes || ok=no
-report $ok "cells need none"
-works "a surface without gradients" "$mesh" inner.obj --cage tetrahedron.obj --coordinates barycentric --move 0:1,0,0 -o moved.obj --report
-grep -qx 'folds: not known: these coordinates have no gradients' log && ok=yes || ok=no
-report $ok "tells that nothing is known"
-refuses '--no-folds: without tetrahedra folds are found by gradients, which barycentric coordinates do not have' \
-  "$mesh" inner.obj --cage tetrahedron.obj --coordinates barycentric --move 0:1,0,0 -o out.obj --no-folds
+report $ok "they are looked at"
+works "a surface without gradients" "$mesh" inner.obj --cage box.obj --pose box.obj --coordinates harmonic --solver averaging-pyramid -o moved.obj --report
+grep -q '^folds: not known: .* --solver does not give' log || grep -q '^folds: not known: ' log && ok=yes || ok=no
+report $ok "tells that nothing is known, and why"
+refuses 'inner.obj: --no-folds: ' "$mesh" inner.obj --cage box.obj --pose box.obj --coordinates harmonic --solver averaging-pyramid -o out.obj --no-folds
+works "points with weights" "$mesh" inner.obj --cage box.obj --coordinates sibson --weights corner_weights.txt --pose box.obj -o moved.obj --report
+grep -qx 'folds: not known: no gradients are computed for points with weights' log && ok=yes || ok=no
+report $ok "have no gradients"
 refuses '--fold-threshold' in_bar out.mesh --pose bar_cage.obj --fold-threshold 1
 refuses '-o out.obj: the figure bar.mesh is written as .mesh' in_bar out.obj --pose bar_cage.obj
 refuses '-o out.mesh: the figure inner.obj is written as .obj' "$mesh" inner.obj --cage box.obj --pose box.obj -o out.mesh
@@ -1351,7 +1355,7 @@ refuses '-o out.mesh: the figure inner.obj is written as .obj' "$mesh" inner.obj
 printf 'MeshVersionFormatted 2\nDimension 3\nVertices\n4\n0 0 0 0\n1 0 0 0\n0 1 0 0\n' >short.mesh
 sed 's/^Dimension 3/Dimension 2/' bar.mesh >flat.mesh
 sed '/^Tetrahedra/,$ s/^1 2 /1 9999 /' bar.mesh >index.mesh
-sed '/^Tetrahedra/,$ s/^1 2 23 .*/1 2 3 4 0/' bar.mesh >thin.mesh
+sed '/^Tetrahedra/{n;n;s/.*/1 2 3 4 0/;}' bar.mesh >thin.mesh
 refuses_mesh() { # MESSAGE FILE ARGUMENTS…
   message=$1 file=$2; shift 2
   refuses "$message" "$mesh" "$file" --cage bar_cage.obj --bend all:xy,0,4,60 -o out.mesh "$@"
@@ -1370,7 +1374,6 @@ by_pins() { # OUT ARGUMENTS…   the character in its cage
   out=$1; shift
   "$mesh" character.obj --cage character_cage.obj -o "$out" "$@"
 }
-seq 8 >corner_weights.txt
 printf '0,%s\n' "$(sed -n '/^v /{s/^v //;s/ /,/g;p;q;}' character.obj)" >rest_pins.csv
 for type in mean-value harmonic green; do
   works "pins at rest in space, $type" by_pins pinned.obj --pins rest_pins.csv --pin 4000 --pin 8000 --coordinates $type
@@ -1425,7 +1428,8 @@ refuses_in_space '--hold is for pins' --hold 1 --pose character_pose.obj
 refuses_in_space 'give --hold too, or only one of pins and a pose' --pin 0 --pose character_pose.obj
 refuses_in_space '--save-pose out.pose.obj: with green pins pose the faces beside the vertices' --pin 0 --coordinates green --save-pose out.pose.obj
 refuses_in_space 'the same file as ' --pin 0 --save-pose out.obj
-refuses '--pin: barycentric coordinates have no gradients' "$mesh" inner.obj --cage tetrahedron.obj --coordinates barycentric --pin 0 -o out.obj
+works "pins in a tetrahedron" "$mesh" inner.obj --cage tetrahedron.obj --coordinates barycentric --pin 0:+0.1,0,0 --pin 1 -o pinned.obj
+refuses 'this --solver does not give' "$mesh" inner.obj --cage box.obj --coordinates harmonic --solver averaging-pyramid --pin 0 -o out.obj
 refuses '--weights: pins cannot be solved for where points have weights' "$mesh" inner.obj --cage box.obj --coordinates sibson --weights corner_weights.txt --pin 0 -o out.obj
 works "samples for a game's pins" "$bind" character.obj --cage character_cage.obj --pose-samples -o pins.figure --report
 bytes=$(sed -n 's/^samples for pins: \([0-9]*\) bytes, of [0-9]* points in 224 clusters, .* s$/\1/p' log)

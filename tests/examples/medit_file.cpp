@@ -71,7 +71,7 @@ TEST_CASE("a mesh of tetrahedra is written with everything else as it was", "[me
     moved[7][0] = 3;
     CHECK(to_text(file, moved) ==
           with(with(cube, "0 1.50e0 0 1", "0.1 1.50e0 -0.25 1"), "2 1 1.5 1 2", "2 3 1.5 1 2"));
-    // What we write is read back, to the bit.
+    // Our own files are read back to the bit.
     moved[5] = {1.0 / 3, -1e-300, 5e22};
     const ObjFile again = mesh_of(medit_text(moved, file.tetrahedra));
     CHECK(again.vertices == moved);

@@ -52,6 +52,7 @@ MeshFolds folds_of_cells(const ObjFile& mesh, std::span<const Point3> moved,
 }
 
 std::string MeshFolds::fault() const {
+    if (!unknown.empty()) return unknown;
     for (const auto& [status, culprit] :
          {std::pair{report.status, report.culprit}, {step.status, step.culprit}}) {
         if (status == cageform::Status::ok) continue;

@@ -21,6 +21,7 @@ struct MeshFolds {
     std::size_t places = 0; ///< tetrahedra or vertices that were looked at
     cageform::FoldReport report;
     cageform::StepReport step{.step = 1}; ///< from rest
+    std::string unknown;                  ///< why nothing could be found; empty if it could
 
     /// Adds what is found around vertices, by the Jacobians of the deformation there.
     ///
