@@ -202,6 +202,14 @@ std::string saved_pose(const Control& control) {
     return text;
 }
 
+struct Deformed {
+    std::vector<Point3> vertices;
+    std::vector<Colour> paint;   // of --weight
+    std::vector<Point3> handles; // the pose of all
+    cageform::BindReport report;
+    std::string fault, warning;
+};
+
 constexpr std::size_t most_bytes = std::size_t{256} << 20; // of weights at a time
 
 /// Binds the figure and moves it; where the weights of all vertices would take more than 256 MB, a batch of
@@ -300,8 +308,8 @@ MeshFolds found_folds(const Arguments& given, const ObjFile& figure, const Contr
 
 /// Takes a figure that folds, and its pose, back along their straight ways from rest to where nothing folds.
 /// Returns why it cannot be done; empty if all is well.
-std::string stop_at_folds(const Arguments& given, const ObjFile& figure, Control& control,
-                          std::vector<Point3>& moved, const MeshFolds& folds) {
+std::string stop_at_folds(const ObjFile& figure, Control& control, std::vector<Point3>& moved,
+                          const MeshFolds& folds) {
     if (const std::string why = folds.fault(); !why.empty()) return figure.name + ": --no-folds: " + why;
     if (folds.report.count == 0) return {};
     const double step = folds.step.step;
@@ -334,7 +342,7 @@ int deform_figure(const Arguments& given, const ObjFile& figure, Control control
     MeshFolds folds;
     if (given.report || given.no_folds) folds = found_folds(given, figure, control, moved, handles);
     if (given.no_folds) {
-        const std::string why = stop_at_folds(given, figure, control, moved, folds);
+        const std::string why = stop_at_folds(figure, control, moved, folds);
         if (!why.empty()) return fail(why);
     }
 
