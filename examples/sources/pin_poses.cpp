@@ -68,7 +68,7 @@ std::vector<Point2> least_moves(const FigureControl& control, const std::vector<
     return pose;
 }
 
-/// What draws and measures the poses of one figure.
+/// Draws and measures the poses of one figure.
 class PoseSheet {
 public:
     PoseSheet(const Arguments& given, const SvgDocument& figure, const CageFile& cage)

@@ -2,16 +2,18 @@
 //
 //     clang++ -std=c++20 -O1 -g1 -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all -Iinclude
 //             -Iexamples/support -isystem /usr/include/eigen3 tests/fuzz/read_files.cpp
-//             examples/support/{cli/{bind_report,guard,mesh_cage},files/{atomic_file,cage_file,clip_file,csv,input_file,obj_file},pictures/render,svg/*}.cpp
+//             examples/support/{cli/{bind_report,guard,mesh_cage,pins,pose_operations},files/{atomic_file,cage_file,clip_file,csv,curved_cage,input_file,lattice_file,marker_file,obj_file,obj_parts},pictures/render,svg/*}.cpp
 //             -lpugixml -lz -ltinyobjloader_double -o fuzz_read_files
 //     mkdir corpus && ./fuzz_read_files --reader=obj --seeds=corpus && ./fuzz_read_files --reader=obj corpus
 //
-// Readers: cage (CSV), clip, css, lottie, poses, obj. SVG has a driver of its own.
+// Readers: cage (CSV), clip, css, lottie, markers, obj, pins, poses. SVG has a driver of its own.
 #include "cli/mesh_cage.hpp"
+#include "cli/pins.hpp"
 #include "files/cage_file.hpp"
 #include "files/clip_file.hpp"
 #include "files/gltf_file.hpp"
 #include "files/lottie_file.hpp"
+#include "files/marker_file.hpp"
 
 #include <cageform/exchange/css.hpp>
 
@@ -65,6 +67,40 @@ void read_clip(const std::string& text) {
     for (const ClipControl& control : clip->controls) {
         REQUIRE(control.rows.size() >= 2);
         for (const auto& share : control.shares) REQUIRE(share.vertex < vertices);
+    }
+}
+
+/// What is read of pins is finite, and weights are positive.
+template <std::size_t D>
+void read_pins_in(const std::string& text) {
+    const std::vector<cageform::Vec<double, D>> vertices(5);
+    const auto pins = parse_pins<D>(text, "file.csv", std::span(vertices));
+    if (taken(pins)) {
+        for (const auto& pin : *pins) {
+            REQUIRE(is_finite(pin.place) && is_finite(pin.target) && pin.weight > 0);
+            REQUIRE(!pin.turn || is_finite(*pin.turn));
+        }
+        (void)contradiction(*pins);
+    }
+    const auto pin = parse_pin<D>(text, std::span(vertices));
+    if (taken(pin)) REQUIRE(is_finite(pin->place) && is_finite(pin->target));
+}
+void read_pins(const std::string& text) {
+    read_pins_in<2>(text);
+    read_pins_in<3>(text);
+}
+
+void read_markers(const std::string& text) {
+    const auto clip = parse_markers(text, "file.csv");
+    if (!taken(clip)) return;
+    REQUIRE(clip->has_pins() && clip->length > 0 && std::isfinite(clip->length));
+    for (const ClipControl& marker : clip->controls) {
+        REQUIRE(marker.pin && marker.rows.size() >= 2);
+        REQUIRE(marker.rows.front().time == 0 && marker.rows.back().time == clip->length);
+        for (std::size_t k = 0; k < marker.rows.size(); ++k) {
+            REQUIRE(k == 0 || marker.rows[k].time > marker.rows[k - 1].time);
+            REQUIRE(std::isfinite(marker.rows[k].move[0]) && std::isfinite(marker.rows[k].move[1]));
+        }
     }
 }
 
@@ -158,6 +194,14 @@ const std::map<std::string, Reader>& readers() {
            "a\nlength,2.4\nlate,legs,0.6\nground,744,166\n\ncontrol,tail\nvertices,1:0.5,3,2\npivot,775,400\n"
            "time,x,y,turn,kind\n0.0,0,0,-6,ease\n1.2,0,1e9,6,hold\n2.4,0,0,-6,linear\n",
            "length,1e308\ncontrol,\nvertices,4\n-1e308,0,0,0,automatic\n1e-308,1,nan,inf,automatic\n"}}},
+        {"pins",
+         {read_pins,
+          {"915,165:=760,+6e1@-40", "3:+0.2,0.4,-1@30,y", "x,y,tx,ty\n# a\n1,2,3,4\n1,2,3,4,,2\n1,2,3,4,5\n",
+           "vertex,x,y,z\n1,2,3,4\n1,2,3,4,5,6\n4,2,3,4,0,0,90,1e-308\n1,2,3,4,5,6,,,,0.5\n"}}},
+        {"markers",
+         {read_markers,
+          {"late,a,0.5\nground,1,2\ntime,a x,a y,b,\nrest,1,2,3,4\n0,1,2,,\n0.5,,,4,4\n1,2,2,5,6\n",
+           "-1e308,1,2\n1e308,3,4\n", "0,1,2\n1e-320,-1e308,2\n2,1e308,2\n"}}},
         {"poses",
          {read_poses,
           {"length,2\npose,0\n0,0,0\n1,0,0\n0,1,0\n0,0,1\npose,1,ease\n0,0,1\n1,0,1\n0,1,1\n0,0,2\n",

@@ -49,7 +49,7 @@ struct PinChoice {
                                                        const std::vector<std::size_t>& still) const;
 };
 
-/// What a PinnedCage is made for.
+/// Names for the messages of a PinnedCage.
 struct PinnedCageNames {
     std::string cage, coordinates;                                           // for messages
     std::function<std::string(const cageform::BindReport&)> describe_faults; // of the cage

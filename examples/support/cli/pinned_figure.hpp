@@ -13,7 +13,7 @@
 
 namespace cageform_examples {
 
-/// What pins pose, and by what options.
+/// Names what pins pose, and the options.
 struct PinnedControl {
     const CoordinatesChoice& coordinates;
     const PinChoice& pins;

@@ -36,6 +36,7 @@ public:
     std::string end() {
         if (times_ < 2) return "holds fewer than two times";
         const double length = last_ - first_;
+        if (!(length <= 1e9)) return "its times are too far apart: at most 1e9 seconds are allowed";
         bool differs = false;
         for (std::size_t n = 0; n < clip_.controls.size(); ++n) {
             ClipControl& marker = clip_.controls[n];
@@ -44,7 +45,11 @@ public:
             if (rows.empty()) return detail::quoted(marker.name) + " is never seen";
             if (!marker.pin) return detail::quoted(marker.name) + " has no place at rest";
             const Point2& rest = marker.pin->place;
-            for (auto& row : rows) row.move = {row.move[0] - rest.x, row.move[1] - rest.y, 0};
+            for (auto& row : rows) {
+                row.move = {row.move[0] - rest.x, row.move[1] - rest.y, 0};
+                if (!std::isfinite(row.move[0]) || !std::isfinite(row.move[1]))
+                    return detail::quoted(marker.name) + " leaves the range of numbers";
+            }
             if (rows.front().time > 0) rows.insert(rows.begin(), {0, rows.front().move});
             if (rows.back().time < length) rows.push_back({length, rows.back().move});
             differs = differs || rows.front().move != rows.back().move;
@@ -116,7 +121,8 @@ private:
     std::string take_row(std::span<const std::string_view> fields) {
         double time = 0;
         if (std::string why = detail::parse_finite(fields[0], time); !why.empty()) return why;
-        if (times_ > 0 && !(time > last_)) return "a time is not later than the one before it";
+        if (times_ > 0 && !(time - first_ > last_ - first_))
+            return "a time is not later than the one before it";
         if (times_++ == 0) first_ = time;
         last_ = time;
         if (times_ == 1 && !has_rest_) {
