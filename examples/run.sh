@@ -233,6 +233,25 @@ for type in mean-value harmonic green sibson-c1; do
   set -- "$@" "$type" "$name.png"
 done
 "$programs/contact_sheet" -o out/character_types.svg --columns 2 --tile 700 --png --png-width 1400 "$@"
+# By pins: head, hips, hands and feet; beside the least moves of the cage with the same effect.
+head=0,1.75,0 hips=0,0.9,0 left=0.9,1.325,0 right=-0.9,1.325,0 foot=0.19,0.06,0.03 other=-0.19,0.06,0.03
+"$programs/pin_poses" out/character.obj --cage out/character_cage.obj --coordinates harmonic -o out/character_pins_ \
+  --pinned "$head $hips $left:0.55,1.9,0.2 $right:=-0.5,0.8,0.15 $foot $other" \
+  --pinned "$head:0,1.72,0.1 $hips $left:0.4,0.72,0.25 $right:=-0.4,0.72,0.25 $foot $other" \
+  --pinned "$head:=0,1.72,-0.12 $hips $left:=0.75,1.5,-0.3 $right:=-0.8,1.1,0.3 $foot:0.2,0.6,0.72 $other" \
+  --pinned "$head:0.45,1.6,0.05 $hips $left:0.95,0.8,0.1 $right:=-0.35,1.85,0.1 $foot $other" \
+  --pinned "$head:0,1.35,0.12 $hips:=0,0.52,-0.25 $left:0.6,0.95,0.55 $right:=-0.6,0.95,0.55 $foot $other" \
+  --pinned "$head:0,1.78,0.02 $hips:0,0.98,0 $left:0.65,1.85,0 $right:=-0.65,1.85,0 $foot:0.6,0.3,0 $other:=-0.2,0.02,0.03" >>$report
+"$programs/contact_sheet" -o out/character_pins.svg --columns 1 --tile 1560 --png --png-width 1000 \
+  "by pins" out/character_pins_all.png "by least squares" out/character_pins_all_least.png
+# Tetrahedra, bent until cells fold, and where they stop.
+"$programs/make_box" -o out/box.mesh --cage out/box_cage.obj >>$report
+for stop in "" --no-folds; do
+  "$programs/deform_mesh" out/box.mesh --cage out/box_cage.obj --bend all:xy,1.5,2.5,180 $stop -o "out/box_bent$stop.mesh" \
+    --picture "out/box_bent$stop.png" --report >>$report
+done
+"$programs/contact_sheet" -o out/box_folds.svg --columns 1 --tile 1000 --png --png-width 1000 \
+  "bent by 180 degrees" out/box_bent.png "where the first tetrahedron would fold" out/box_bent--no-folds.png
 # By a lattice, in the pose that comes nearest to the one by the cage; then by that pose, as a file.
 "$programs/lattice_fit" out/character.obj out/character_harmonic.obj --cage lattice:6x6x6 -o out/lattice_pose.obj \
   --picture out/lattice_fit.png >>$report
@@ -386,6 +405,7 @@ Open, in out/:
   two_cages.png              a disc in a convex cage, a biped in a concave one, by mean value and harmonic coordinates
   fish.png                   a fish moved by points without a cage; sibson_cells.png, sibson_types.png, sibson_legs.png: how
                              their weights come about, beside harmonic ones; sibson.txt: degrees and rules of gradients
+  character_pins.png         a character by pins, and by least squares; box_folds.png: tetrahedra bent until they fold
   character_harmonic.png     a character in space, in its cage; character_skin.glb: its dance, for a viewer of glTF
   bones_heat.png             the character moved by bones whose weights were found; bones_heat.glb: the same, for a viewer
   hand_poses.png             a hand moved by its joints; hand_layers.png, hand_points.png: by what; hand_bend.png,

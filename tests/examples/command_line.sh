@@ -1415,6 +1415,12 @@ for type in sibson sibson-c1; do
   cmp -s pinned.obj by_pose.obj && ok=yes || ok=no
   report $ok "is the same, $type"
 done
+works "poses of a mesh by pins and by least squares" "$programs/pin_poses" character.obj --cage character_cage.obj --pinned '0 4000 8000:+0.1,+0.2,0' --pinned '0:+0.1,0,0' -o in_space_
+[ -s in_space_all.png ] && [ -s in_space_all_least.png ] && [ "$(grep -c ': stretch .* of the inside folded$' log)" = 4 ] && ok=yes || ok=no
+report $ok "two pictures, and the stretch of each pose"
+refuses 'there is no vertex 9000: the figure has 8066, counted from 0' "$programs/pin_poses" character.obj --cage character_cage.obj --pinned 9000 -o out.
+refuses '--pinned " ": a pose has no pins' "$programs/pin_poses" character.obj --cage character_cage.obj --pinned ' ' -o out.
+refuses 'lies outside the cage character_cage.obj' "$programs/pin_poses" character.obj --cage character_cage.obj --coordinates harmonic --pinned 9,9,9 -o out.
 refuses_in_space() { # MESSAGE ARGUMENTS…
   message=$1; shift
   refuses "$message" by_pins out.obj "$@"

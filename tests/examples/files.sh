@@ -180,6 +180,7 @@ form deform_svg hexagon.svg --cage plane.lattice.json --pose plane_pose.csv -o o
 form deform_svg hexagon.svg --cage hexagon_cage.svg --pins pins.csv -o out.svg --save-pose saved.svg
 form animate_svg hexagon.svg --cage hexagon_cage.svg --markers markers.csv --rate 2 -o out.svg --save-clip saved.csv --track 250,250 --save-tracks tracks.csv
 form animate_svg hexagon.svg --cage hexagon_cage.svg --pins pins.csv --rate 2 -o out.svg
+form pin_poses inner.obj --cage box.obj --pinned 0:+0.1,0,0 -o out_
 form pin_poses hexagon.svg --cage hexagon_cage.svg --pinned 250,250:260,250 -o out_
 form animate_svg hexagon.svg --cage hexagon_cage.svg --clip clip.csv -o out.svg --stills still_ --still-count 1 --rate 2 \
   --gif out.gif --apng out.png --mp4 out.mp4 --width 40
