@@ -2048,7 +2048,8 @@ for program in deform_svg coordinate_field cage_weights figure_table contact_she
       grep -q -- '--tolerance .*=1e-06' log && grep -q -- '--solver .*=multigrid' log && ok=yes || ok=no
     report $ok "the defaults of $program are those of all"
   fi
-  if grep -q -- '--cage' log && [ "$program" != make_cage ]; then # which takes none
+  case $program in make_cage | make_box) continue ;; esac # which take none
+  if grep -q -- '--cage' log; then
     grep -q 'A cage in the plane is the first closed polygon\|A cage is a closed mesh' log && ok=yes || ok=no
     report $ok "the help of $program says how a cage looks"
   fi
