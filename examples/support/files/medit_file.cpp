@@ -195,7 +195,7 @@ detail::Triangles surface_of(std::span<const Point3> vertices,
             sides.push_back(side);
         }
     }
-    std::stable_sort(sides.begin(), sides.end(), [](const Side& s, const Side& t) { return s.key < t.key; });
+    std::sort(sides.begin(), sides.end(), [](const Side& s, const Side& t) { return s.key < t.key; });
     detail::Triangles surface;
     for (std::size_t i = 0, next = 0; i < sides.size(); i = next) {
         next = i + 1;
