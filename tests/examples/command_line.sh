@@ -1124,6 +1124,13 @@ works "two pins at one place" svg_of moved.svg --pin 480,420:500,420 --pin 480,4
 [ "$(grep -o '<circle ' moved.svg | wc -l)" = 2 ] && ok=yes || ok=no
 grep -q 'warning: pin 2 (--pin "480,420:500,440") at (480, 420) has another target than --pin "480,420:500,420" at the same place' log || ok=no
 report $ok "are named and drawn"
+seq 1 200 | awk '{ x = 300 + 2 * $1; printf "%g,420,%g,%g\n", x, x, 420 + 60 * sin($1 / 9) }' >many_pins.csv
+works "more pins than a cage can follow" svg_of moved.svg --pins many_pins.csv --coordinates harmonic --fit
+grep -q 'warning: pins fold the figure, in [0-9]* of 100 parts: .*, or lower --pin-weight' log && ok=yes || ok=no
+report $ok "folds are told, and a remedy"
+works "which is one" svg_of moved.svg --pins many_pins.csv --coordinates harmonic --fit --pin-weight 10
+grep -q fold log && ok=no || ok=yes
+report $ok "nothing folds"
 # whatever moves a figure
 pinned_is_posed() { # WHAT FIGURE POSE ARGUMENTS…
   what=$1 of=$2 file=$3; shift 3
