@@ -1078,8 +1078,8 @@ refuses '--values: curved coordinates do not interpolate' "$field" --cage "$leaf
 refuses "--classes: $leaf_cage: the papers' grid needs a cage of lines" "$field" --cage "$leaf_cage" --coordinates curved --vertex 0 --classes out.classes.png -o out.png
 # ---- pins ----
 svg_of() { # OUT ARGUMENTS…   the cat in its cage
-  out=$1; shift
-  "$deform" "$cat" --cage "$cage" -o "$out" "$@"
+  svg_to=$1; shift
+  "$deform" "$cat" --cage "$cage" -o "$svg_to" "$@"
 }
 same() { # WHAT ONE OTHER
   cmp -s "$2" "$3" && ok=yes || ok=no
@@ -1193,8 +1193,8 @@ refuses '--pinned is required' "$programs/pin_poses" "$cat" --cage "$cage" -o ou
 
 # motions by pins and by markers
 motion() { # OUT ARGUMENTS…   of the cat in its cage
-  out=$1; shift
-  "$animate" "$cat" --cage "$cage" --coordinates harmonic --rate 10 -o "$out" "$@"
+  svg_to=$1; shift
+  "$animate" "$cat" --cage "$cage" --coordinates harmonic --rate 10 -o "$svg_to" "$@"
 }
 # shellcheck disable=SC2086
 works "to a pin's target and back" motion wag.svg $stands --pin 915,165:860,120 --seconds 1 --stills wag_ --still-count 2 --save-clip wag.csv --report
@@ -1223,6 +1223,7 @@ works "points of the cat that walks" motion walk.svg --clip "$data/cat_walk.csv"
 awk -F, 'NR == FNR { line[FNR] = $0; n = FNR; next } { split(line[FNR], a); for (k = 1; k <= NF; k++) if (a[k] + 0 - $k > 0.05 || $k - a[k] > 0.05) bad = 1 }
          END { exit bad || FNR != n || n < 25 }' tracks.csv "$data/cat_markers.csv" && ok=yes || ok=no
 report $ok "are those of cat_markers.csv"
+# shellcheck disable=SC2086
 works "the cat walks from these alone" motion marched.svg --markers "$data/cat_markers.csv" $tracks --save-tracks marched.csv --report
 grep -q '^pins: 12, held: 0 of 25' log && grep -q '^late,far-legs,0.6' marched.csv && ok=yes || ok=no
 report $ok "with what comes late"
