@@ -237,9 +237,11 @@ int run_program(int argc, char** argv) {
              "curved the first closed outline; for sibson and sibson-c1 a file of points" +
                  std::string(auto_cage_help))
         .required();
-    line.add("--pose", pose_path,
-             "the pose: the same blocks or points with vertices moved; or give operations such as --turn; "
-             "with --cage auto and none of these, half the figure bends, and the picture is enlarged to fit");
+    line.add(
+        "--pose", pose_path,
+        "the pose: the same blocks or points with vertices moved; or give operations such as --turn, or "
+        "pins; with --cage auto and none of these, half the figure bends, and the picture is enlarged to "
+        "fit");
     operations.in_plane = true;
     operations.add_options(line);
     pins.add_options(line);

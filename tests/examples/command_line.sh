@@ -1078,8 +1078,8 @@ refuses '--values: curved coordinates do not interpolate' "$field" --cage "$leaf
 refuses "--classes: $leaf_cage: the papers' grid needs a cage of lines" "$field" --cage "$leaf_cage" --coordinates curved --vertex 0 --classes out.classes.png -o out.png
 # ---- pins ----
 svg_of() { # OUT ARGUMENTS…   the cat in its cage
-  out=$1; shift
-  "$deform" "$cat" --cage "$cage" -o "$out" "$@"
+  svg_to=$1; shift
+  "$deform" "$cat" --cage "$cage" -o "$svg_to" "$@"
 }
 same() { # WHAT ONE OTHER
   cmp -s "$2" "$3" && ok=yes || ok=no
@@ -1124,6 +1124,13 @@ works "two pins at one place" svg_of moved.svg --pin 480,420:500,420 --pin 480,4
 [ "$(grep -o '<circle ' moved.svg | wc -l)" = 2 ] && ok=yes || ok=no
 grep -q 'warning: pin 2 (--pin "480,420:500,440") at (480, 420) has another target than --pin "480,420:500,420" at the same place' log || ok=no
 report $ok "are named and drawn"
+seq 1 200 | awk '{ x = 300 + 2 * $1; printf "%g,420,%g,%g\n", x, x, 420 + 60 * sin($1 / 9) }' >many_pins.csv
+works "more pins than a cage can follow" svg_of moved.svg --pins many_pins.csv --coordinates harmonic --fit
+grep -q 'warning: pins fold the figure, in [0-9]* of 100 parts: .*, or lower --pin-weight' log && ok=yes || ok=no
+report $ok "folds are told, and a remedy"
+works "which is one" svg_of moved.svg --pins many_pins.csv --coordinates harmonic --fit --pin-weight 10
+grep -q fold log && ok=no || ok=yes
+report $ok "nothing folds"
 # whatever moves a figure
 pinned_is_posed() { # WHAT FIGURE POSE ARGUMENTS…
   what=$1 of=$2 file=$3; shift 3
@@ -1186,8 +1193,8 @@ refuses '--pinned is required' "$programs/pin_poses" "$cat" --cage "$cage" -o ou
 
 # motions by pins and by markers
 motion() { # OUT ARGUMENTS…   of the cat in its cage
-  out=$1; shift
-  "$animate" "$cat" --cage "$cage" --coordinates harmonic --rate 10 -o "$out" "$@"
+  svg_to=$1; shift
+  "$animate" "$cat" --cage "$cage" --coordinates harmonic --rate 10 -o "$svg_to" "$@"
 }
 # shellcheck disable=SC2086
 works "to a pin's target and back" motion wag.svg $stands --pin 915,165:860,120 --seconds 1 --stills wag_ --still-count 2 --save-clip wag.csv --report
@@ -1216,6 +1223,7 @@ works "points of the cat that walks" motion walk.svg --clip "$data/cat_walk.csv"
 awk -F, 'NR == FNR { line[FNR] = $0; n = FNR; next } { split(line[FNR], a); for (k = 1; k <= NF; k++) if (a[k] + 0 - $k > 0.05 || $k - a[k] > 0.05) bad = 1 }
          END { exit bad || FNR != n || n < 25 }' tracks.csv "$data/cat_markers.csv" && ok=yes || ok=no
 report $ok "are those of cat_markers.csv"
+# shellcheck disable=SC2086
 works "the cat walks from these alone" motion marched.svg --markers "$data/cat_markers.csv" $tracks --save-tracks marched.csv --report
 grep -q '^pins: 12, held: 0 of 25' log && grep -q '^late,far-legs,0.6' marched.csv && ok=yes || ok=no
 report $ok "with what comes late"

@@ -212,6 +212,7 @@ SvgResult<bool> PinnedCage<T, D>::settle(const Targets& targets, const Turns& tu
     }
     solving_ms_ += ms_since(begin);
     ++poses_;
+    folded_ = std::max(folded_, last_.folded);
     if (last_.settled) return true;
     ++unsettled_;
     largest_step_ = std::max(largest_step_, last_.step);
@@ -242,10 +243,16 @@ std::string PinnedCage<T, D>::report() const {
 
 template <cageform::Scalar T, std::size_t D>
 std::string PinnedCage<T, D>::warning() const {
-    if (unsettled_ == 0) return {};
-    return "pins: " +
-           (poses_ == 1 ? "the pose has"
-                        : std::to_string(unsettled_) + " of " + std::to_string(poses_) + " poses have") +
+    std::string text;
+    if (folded_ > 0)
+        text = "pins fold the figure, in " + std::to_string(folded_) + " of " +
+               std::to_string(solver_.samples().cluster_count) +
+               " parts: move them less, or lower --pin-weight where they are many";
+    if (unsettled_ == 0) return text;
+    return text + (text.empty() ? "" : "; ") +
+           (poses_ == 1
+                ? "the pose by pins has"
+                : std::to_string(unsettled_) + " of " + std::to_string(poses_) + " poses by pins have") +
            " not settled after " + std::to_string(most_frames) + " frames: a vertex still moves by " +
            detail::short_number(largest_step_) + " in a frame";
 }

@@ -90,7 +90,7 @@ public:
     SvgResult<bool> settle(const Targets& targets, const Turns& turns, Pose& pose);
     /// Returns the last pose's miss and stretch, and the costs of all poses, for people.
     std::string report() const;
-    /// Says how many poses have not settled; empty where all have.
+    /// Says how many poses have not settled, and where the figure folds; empty where all is well.
     std::string warning() const;
 
 private:
@@ -102,6 +102,7 @@ private:
     cageform::PoseSolverReport last_;
     double sampling_ms_ = 0, click_ms_ = 0, first_ms_ = 0, solving_ms_ = 0;
     std::size_t poses_ = 0, frames_ = 0, iterations_ = 0, unsettled_ = 0;
+    std::size_t folded_ = 0;  // the most clusters in a pose
     double largest_step_ = 0; // of the last frames of poses that have not settled
 };
 
