@@ -1,8 +1,8 @@
-// Frames of a PoseSolver for 25 to 762 handles: one iteration, a click, a click with the first frame after it, and
-// the samples with their bytes, beside the limit of arithmetic.
+// Frames of a PoseSolver for 25 to 762 handles: one iteration, a click, a click with the first frame after
+// it, and the samples with their bytes, beside the limit of arithmetic.
 //
-// fit: a pose of BUMPY112 found from 8,019 points that it moved, by gradients (lesson 22); `missed` is how far the
-// points are from where they should be, in the mean of squares, as a share of the figure's size.
+// fit: a pose of BUMPY112 found from 8,019 points that it moved, by gradients (lesson 22); `missed` is how
+// far the points are from where they should be, in the mean of squares, as a share of the figure's size.
 #include "workloads.hpp"
 
 #include <cageform/clone/clone_transposed.hpp>

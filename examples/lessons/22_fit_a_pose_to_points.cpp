@@ -1,5 +1,5 @@
-// 22. Fit a pose to given points by gradients. `clone` says where a pose moves points, `clone_transposed` what a
-// slope at points means for handles. An optimiser needs no more than these two.
+// 22. Fit a pose to given points by gradients. `clone` says where a pose moves points, `clone_transposed`
+// what a slope at points means for handles. An optimiser needs no more than these two.
 #include <cageform/cageform.hpp>
 
 #include <cmath>
@@ -52,8 +52,8 @@ int main() {
         for (Point& w : way) w = (step == 0 ? 0 : size / last) * w;
         add(way, -1, slope);
         last = size;
-        // How far? Points move linearly with handles, so the best length is known. The way alone moves points by
-        // what clone adds to zeros.
+        // How far? Points move linearly with handles, so the best length is known. The way alone moves points
+        // by what clone adds to zeros.
         Points ahead = cage, moves(points.size(), Point{});
         add(ahead, 1, way);
         if (clone(binding, ahead, moves, {.onto = cageform::CloneOnto::output}) != cageform::Status::ok)
@@ -68,7 +68,6 @@ int main() {
     std::printf("%zu handles from %zu points: %s\n", cage.size(), points.size(),
                 std::sqrt(product(pose, pose)) < 1e-6 ? "the pose is found" : "another pose");
 }
-
 
 //> after  0 steps: markers missed by 0.57174 in the mean
 //> after  2 steps: markers missed by 0.09007 in the mean

@@ -17,7 +17,7 @@ using cageform::MeanValueCoordinates;
 
 namespace {
 
-/// What a figure's poses have to keep. Distances are shares of its size.
+/// Limits of a figure's poses. Distances are shares of its size.
 struct Bounds {
     std::size_t seeds;
     std::size_t frames;     ///< until a pose has settled

@@ -16,8 +16,8 @@ struct PoseOptions {
     /// Corrects every step, so that pins miss a thousand times less. Turns of pins are not corrected.
     bool hard_pins = false;
     std::size_t iterations = 4; ///< in a frame
-    /// The number of steps that Anderson acceleration looks back at, at most 10; 0: none, which settles slowly
-    /// wherever a figure has long limbs.
+    /// The number of steps that Anderson acceleration looks back at, at most 10; 0: none. Figures with long
+    /// limbs then settle slowly.
     std::size_t history = 5;
     /// A pose has settled when no handle moves farther in a frame; a share of the cage's size.
     double settled_step = 3e-5;
