@@ -206,10 +206,8 @@ private:
         from.reset(system.unknowns.size());
         to.reset(system.unknowns.size());
         std::vector<Vec<double, D>> offsets(system.pins.rows.size()), demands(system.pins.rows.size());
-        const std::size_t automatic = D == 2 ? 0 : 5;
         detail::Anderson anderson;
-        anderson.reset(D * from.blocks(),
-                       options_.history == PoseOptions::automatic ? automatic : options_.history);
+        anderson.reset(D * from.blocks(), options_.history);
         from_ = std::move(from);
         to_ = std::move(to);
         offsets_ = std::move(offsets);

@@ -94,7 +94,7 @@ private:
         if (sampled_.points.empty()) return Status::samples_missing;
         to.cluster_count = options_.rotations != 0
                                ? options_.rotations
-                               : (std::min)(std::size_t{400}, (std::max)(std::size_t{100}, 2 * count));
+                               : (std::min)(std::size_t{400}, (std::max)(std::size_t{200}, 2 * count));
         return Status::ok;
     }
 
