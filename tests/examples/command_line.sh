@@ -1394,7 +1394,7 @@ for type in mean-value harmonic; do
   report $ok "the report has the miss, its pin and folds"
   works "the cage that is saved, $type" by_pins by_pose.obj --pose pinned_cage.obj --coordinates $type
   # Harmonic functions that are kept for the samples are rounded to floats in space.
-  paste pinned.obj by_pose.obj | awk -v most=$([ $type = harmonic ] && echo 1e-5 || echo 0) \
+  paste pinned.obj by_pose.obj | awk -v most="$([ $type = harmonic ] && echo 1e-5 || echo 0)" \
     '/^v / { for (k = 2; k <= 4; k++) { d = $k - $(k + 4); if (d > most || -d > most) bad = 1 } n++ } END { exit bad || n != 8066 }' && ok=yes || ok=no
   report $ok "it is the pose of the pins, $type"
 done
