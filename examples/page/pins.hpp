@@ -8,6 +8,10 @@
 
 #include <Eigen/Cholesky>
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
 namespace cageform_page {
 
 /// The pose of the points alone that comes nearest to a pose of all handles, for cages with vectors: those of
@@ -124,8 +128,10 @@ public:
         still_ = still;
         solver_ = cageform::PoseSolver<T, D>(std::move(made));
         report.status = solver_.status();
-        if (report.status == Status::ok) report.status = set(coordinates, {}, {}, {});
+        if (report.status != Status::ok) return report;
+        binding_ = cageform::bind(coordinates, std::vector<Point>{}).value;
         if constexpr (D == 2) nearest_.begin(solver_.samples(), binding_);
+        report.status = set(coordinates, {}, {}, {});
         return report;
     }
 

@@ -74,7 +74,7 @@ done
   printf ' },\nwasm: '
   packed $work/page.wasm
   printf '\n};\n'
-  for part in engine path safe_svg figure cage kinds field clip pins view app pointer timeline save mesh mesh_pins main; do cat $page/js/$part.js; done
+  for part in engine path safe_svg figure cage kinds field clip pins plane_pins view app pointer timeline save mesh mesh_pins main; do cat $page/js/$part.js; done
 } >$work/page.js
 
 # hash FILE: what a content security policy knows a script or style by

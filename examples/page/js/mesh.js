@@ -186,6 +186,10 @@ class MeshView {
     const { vertices } = this.mesh, step = Math.ceil(vertices.length / 12000);
     return allOf(Math.floor(vertices.length / 3 / step)).map(i => Array.from(vertices.subarray(3 * i * step, 3 * i * step + 3)));
   }
+  startPins() {
+    const all = this.pinCandidates(), own = START_PLACES[this.current], gap = (p, q) => Math.hypot(...p.map((x, k) => x - q[k]));
+    return own ? own.map(place => all.reduce((a, b) => gap(b, place) < gap(a, place) ? b : a)) : spreadPoints(all, [], startCount(this.pose.length / 3));
+  }
   sayFault(error) { this.app.sayFault(error); }
   say(text) { this.app.say(text); }
   /** Sets a pin where there is none far about. */

@@ -5,11 +5,15 @@
 // the cage that stay where they are dragged; and `pose`, the pose that the targets were made for.
 
 const NO_PINS = { points: [], targets: [], turns: [], held: [], pose: null };
-const START_PINS = 6;      // of a figure that is new
 const PLANE_SAMPLES = 1500; // more move the cat by less than 0.2 % of its size
 const SPACE_SAMPLES = 2000;
 const DOUBLE_CLICK = 350;  // ms in which a second click removes no pin
 const SETTLING = 300;      // frames after the last change, at most
+const START_PLACES = { // of the pins of the project's own figures
+  cat: [[919, 162], [224, 722], [650, 722], [160, 215], [705, 406]],
+  biped: [[250, 115], [140, 672], [360, 672], [186, 451], [314, 451]],
+  character: [[0, 1.9, 0], [-0.99, 1.31, 0], [0.99, 1.31, 0], [-0.21, 0.01, 0.18], [0.21, 0.01, 0.18], [0, 1, 0.14]],
+};
 
 /** Adds `count` of the candidates to places: each time the farthest from all that are there. */
 function spreadPoints(candidates, places, count) {
@@ -26,10 +30,13 @@ function spreadPoints(candidates, places, count) {
   return all;
 }
 
+/** Returns how many pins a new figure has: a fourth of the handles of its cage, but neither one nor many. */
+const startCount = handles => Math.max(2, Math.min(5, Math.floor(handles / 4)));
+
 /** Moves the pose of an owner by its pins, frame by frame until it has settled. */
 class PinDrag {
   /** `calls` are those of Engine.planePins() or spacePins(). The owner's boundFor() is another object after each bind; its
-   *  pinCandidates() are points of the figure at rest, and fixedPoints those of the cage that no pose moves. */
+   *  startPins() are points of the figure at rest, and fixedPoints those of the cage that no pose moves. */
   constructor(owner, calls) {
     Object.assign(this, { owner, calls, running: 0, chosen: -1, hovered: -1, spin: 0, sampleTime: 0, frameTime: 0 });
   }
@@ -45,7 +52,7 @@ class PinDrag {
       this.bound = bound;
     }
     if (!owner.pins) {
-      const points = spreadPoints(owner.pinCandidates(), [], START_PINS);
+      const points = owner.startPins();
       owner.pins = { ...NO_PINS, points, turns: points.map(() => null) };
     }
     this.give();
@@ -363,106 +370,6 @@ function hoverPin(drag, places, place, unit, reach) {
   if (hovered === drag.hovered) return;
   drag.hovered = hovered;
   drag.owner.redraw();
-}
-
-// ---- in the plane ----
-
-/** Starts the gesture of a press on a view. */
-function pressFigure(app, view, place, event) {
-  const unit = 1 / view.frame().scale, isTouch = event.pointerType === 'touch', reach = (isTouch ? 26 : 12) * unit, slop = (isTouch ? 7 : 3) * unit;
-  const drag = app.pinDrag, { cage } = app;
-  app.leadBy(view);
-  drag.prepare();
-  const places = drag.placesIn(app.pose), shifted = (to, from) => [from[0] + to[0] - place[0], from[1] + to[1] - place[1]];
-  const pin = nearestPin(places, place, reach);
-  if (pin < 0 && isOnRing(drag, places, place, unit, reach))
-    return turnPin(drag, drag.ringed, places[drag.ringed], place, (turn, angle) => turn + angle);
-  if (pin >= 0) return dragPin(drag, app.pins.points[pin], place, slop, false, shifted);
-  const vertex = app.showsCage ? nearestVertex(app, place, reach) : -1, isOnFigure = view.isOnFigure(event) || nearestPoint(app, view.type, place, reach) >= 0;
-  if (vertex >= 0 && !kindOf(cage).isFixed(cage, vertex) && (!isOnFigure || distance(pointAt(app.pose, vertex), place) < reach / 2))
-    return holdVertex(app, vertex, place, slop);
-  if (!isOnFigure) return moveView(app, view, event);
-  const before = app.state();
-  try {
-    const index = drag.add(pointUnder(app, view.type, place));
-    app.history.remember(before);
-    return dragPin(drag, app.pins.points[index], place, slop, true, shifted);
-  } catch (error) {
-    app.sayFault(error);
-    return moveView(app, view, event);
-  }
-}
-function hoverFigure(app, view, place, event) {
-  const unit = 1 / view.frame().scale;
-  if (!app.pinDrag.isPrepared) return;
-  hoverPin(app.pinDrag, app.pinDrag.placesIn(app.pose), place, unit, (event.pointerType === 'touch' ? 26 : 12) * unit);
-  view.div.style.cursor = app.pinDrag.hovered >= 0 || view.isOnFigure(event) ? 'pointer' : 'grab';
-}
-/** Returns the bound point that the pose has nearest to a place; -1 if none is within reach. */
-function nearestPoint(app, type, [x, y], reach = Infinity) {
-  const places = app.cloneFigure(type, app.pose);
-  let best = -1, least = reach * reach;
-  for (let i = 0; 2 * i < places.length; ++i) {
-    const d = (places[2 * i] - x) ** 2 + (places[2 * i + 1] - y) ** 2;
-    if (d < least) { least = d; best = i; }
-  }
-  return best;
-}
-/** Returns the point at rest that the pose has at a place, or near it where nothing is there. */
-function pointUnder(app, type, place) {
-  const { figure: { points, size }, pose } = app, nearest = pointAt(points, nearestPoint(app, type, place));
-  const { found, miss } = app.engine.findUnder(type, nearest, place, pose);
-  return miss < 1e-3 * size ? found : nearest;
-}
-/** Drags a point of the cage, with what follows it, and holds them; a click lets them go. */
-function holdVertex(app, vertex, place, slop) {
-  const { cage, pose: begin } = app, drag = app.pinDrag, moveBy = (dx, dy, from) => kindOf(cage).move(cage, [vertex], (x, y) => [x + dx, y + dy], from);
-  const trial = moveBy(app.figure.size, 0, begin), held = allOf(begin.length / 2).filter(i => trial[2 * i] !== begin[2 * i]);
-  let moved = false;
-  return {
-    kind: 'pin',
-    move(to) {
-      if (!moved && distance(to, place) < slop) return;
-      if (!moved) app.history.remember();
-      if (!moved) drag.hold(held);
-      moved = true;
-      const pose = app.pose.slice();
-      for (const i of held) putPoint(pose, i, [begin[2 * i] + to[0] - place[0], begin[2 * i + 1] + to[1] - place[1]]);
-      drag.moveHeld(pose);
-    },
-    end(isCancelled) {
-      if (!moved && !isCancelled && app.pins.held.includes(vertex)) {
-        app.history.remember();
-        drag.hold(held, false);
-      }
-      app.redraw();
-    },
-  };
-}
-/** Moves the view with the pointer. */
-function moveView(app, view, event) {
-  let last = view.placeOf(event);
-  app.pinDrag.chosen = -1;
-  return {
-    kind: 'ground',
-    move(to, now) {
-      const { window } = app;
-      app.window = { ...window, x: window.x + last[0] - to[0], y: window.y + last[1] - to[1] };
-      last = view.placeOf(now);
-      app.redraw();
-    },
-    end() {},
-  };
-}
-/** Sets a pin where there is none far about. */
-function addFarPin(app) {
-  const { pinDrag: drag } = app;
-  drag.prepare();
-  const { pins } = app, before = app.state(), points = spreadPoints(app.pinCandidates(), pins.points, 1);
-  if (points.length === pins.points.length) return;
-  drag.add(points[points.length - 1]);
-  app.history.remember(before);
-  app.redraw();
 }
 
 // ---- keys ----
