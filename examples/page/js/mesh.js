@@ -195,10 +195,8 @@ class MeshView {
   /** Sets a pin where there is none far about. */
   addFarPin() {
     this.pinDrag.prepare();
-    const before = this.state(), points = spreadPoints(this.pinCandidates(), this.pins.points, 1);
-    if (points.length === this.pins.points.length) return;
-    this.pinDrag.add(points[points.length - 1]);
-    this.history.remember(before);
+    const points = spreadPoints(this.pinCandidates(), this.pins.points, 1);
+    if (points.length > this.pins.points.length) setPin(this.pinDrag, points[points.length - 1]);
     this.redraw();
   }
   /** Returns the pins on the screen, each with its depth. */

@@ -36,15 +36,15 @@ function pressMesh(view, place, event, nearest) {
   const targetFrom = depth => (to, from) => shifted(from, shiftOnScreen(view, depth, to[0] - place[0], to[1] - place[1]));
   if (pin < 0 && isOnRing(drag, places, place, 1, reach))
     return turnPin(drag, drag.ringed, places[drag.ringed], place, (turn, angle) => turnedOnScreen(view, turn, angle));
-  if (pin >= 0) return dragPin(drag, view.pins.points[pin], place, slop, false, targetFrom(places[pin][2]));
+  if (pin >= 0) return dragPin(drag, 'pin', view.pins.points[pin], place, slop, targetFrom(places[pin][2]));
   const vertex = vertexUnder(view, place), held = vertex < 0 && view.app.showsCage ? nearest(place, reach) : -1;
   if (held >= 0) return holdMeshVertex(view, held, place, slop);
   if (vertex < 0) return turnView(view, place);
-  const before = view.state();
+  const near = nearestPin(places, place, ringRadius()), set = () => setPin(drag, Array.from(view.mesh.vertices.subarray(3 * vertex, 3 * vertex + 3)));
+  if (near >= 0) return dragPin(drag, 'near', view.pins.points[near], place, slop, targetFrom(places[near][2]), set);
   try {
-    const index = drag.add(Array.from(view.mesh.vertices.subarray(3 * vertex, 3 * vertex + 3)));
-    view.history.remember(before);
-    return dragPin(drag, view.pins.points[index], place, slop, true, targetFrom(view.depthOf(view.pins.targets[index])));
+    const point = set();
+    return dragPin(drag, 'new', point, place, slop, targetFrom(view.depthOf(view.pins.targets[view.pins.points.indexOf(point)])));
   } catch (error) {
     view.sayFault(error);
     return turnView(view, place);

@@ -121,7 +121,8 @@ class PinDrag {
     }
     const [last] = this.calls.locate(owner.pose).slice(-1);
     owner.pins = { ...owner.pins, targets: [...targets, last.place], pose: owner.pose };
-    return this.chosen = points.length;
+    this.chosen = points.length;
+    return point;
   }
   remove(index) {
     this.owner.pins = withoutPin(this.owner.pins, index);
@@ -215,7 +216,7 @@ function withoutPin(pins, index) {
 // ---- marks ----
 
 const isCoarse = () => matchMedia('(pointer: coarse)').matches;
-const ringRadius = () => isCoarse() ? 42 : 28; // pixels
+const ringRadius = () => isCoarse() ? 42 : 28; // pixels; a drag that begins within it moves the pin
 
 /** Dots and the ring of the chosen pin, in an SVG; Tab goes from one dot to the next. */
 class PinMarks {
@@ -254,37 +255,52 @@ function putAttributes(element, values) { for (const [name, value] of Object.ent
 
 // ---- gestures: { kind, move(place, event), end(isCancelled) } ----
 
-/** Moves a pin by the pointer; a click removes it, unless it is new. `targetAt(place, from)` is where the pin is to go. */
-function dragPin(drag, point, place, slop, isNew, targetAt) {
+/** Moves a pin by the pointer; `targetAt(place, from)` is where it is to go. A press may be on a `pin`, or `near` it, or have set a
+ *  `new` one. A click removes the pin that it is on; near it, it does `onClick`. */
+function dragPin(drag, kind, point, place, slop, targetAt, onClick = () => removeByClick(drag, point)) {
   const { owner } = drag, index = () => owner.pins.points.indexOf(point), from = owner.pins.targets[index()];
   let moved = false;
   drag.chosen = index();
   drag.wantsFocus = true;
-  if (isNew) drag.newest = { point, time: performance.now() };
   return {
-    kind: isNew ? 'new' : 'pin',
+    kind,
     get moved() { return moved; },
     move(to) {
       if (index() < 0 || (!moved && distance(to, place) < slop)) return;
-      if (!moved && !isNew) owner.history.remember();
+      if (!moved && kind !== 'new') owner.history.remember();
       moved = true;
       drag.moveTo(index(), targetAt(to, from));
     },
     end(isCancelled) {
-      if (isNew && isCancelled && !moved) {
+      if (moved) {
+        drag.onMoved?.();
+      } else if (kind === 'new' && isCancelled) {
         owner.history.undo();
         owner.history.later = [];
         owner.history.changed();
-      } else if (!isNew && !moved && !isCancelled && index() >= 0 && !isDoubleClick(drag, point)) {
-        owner.history.remember();
-        drag.remove(index());
+      } else if (kind !== 'new' && !isCancelled && index() >= 0) {
+        attempt(owner.app ?? owner, onClick);
       }
-      if (moved) drag.onMoved?.();
       owner.redraw();
     },
   };
 }
-const isDoubleClick = ({ newest }, point) => newest?.point === point && performance.now() - newest.time < DOUBLE_CLICK;
+/** Removes a pin, unless the click is the second of two that set it. */
+function removeByClick(drag, point) {
+  const { owner, newest } = drag;
+  if (newest?.point === point && performance.now() - newest.time < DOUBLE_CLICK) return;
+  owner.history.remember();
+  drag.remove(owner.pins.points.indexOf(point));
+}
+/** Sets a pin at a point at rest, as a step of undo; returns the point. */
+function setPin(drag, point) {
+  const before = drag.owner.state();
+  drag.add(point);
+  drag.owner.history.remember(before);
+  drag.newest = { point, time: performance.now() };
+  drag.wantsFocus = true;
+  return point;
+}
 
 /** Turns a pin by its ring; a click on the ring lets the pin turn freely again. `turnedBy(turn, angle)` adds an angle on the screen. */
 function turnPin(drag, index, centre, place, turnedBy) {
@@ -328,7 +344,7 @@ class PinPointers {
     const gesture = this.on.press(this.on.placeOf(event), event), others = [...this.gestures.values()];
     this.fingers.set(event.pointerId, [event.clientX, event.clientY]);
     this.gestures.set(event.pointerId, { gesture, time: event.timeStamp });
-    const isFree = ({ gesture: { kind, moved }, time }) => kind === 'ground' || (kind === 'new' && !moved && event.timeStamp - time < DOUBLE_CLICK);
+    const isFree = ({ gesture: { kind, moved }, time }) => kind === 'ground' || (kind !== 'pin' && !moved && event.timeStamp - time < DOUBLE_CLICK);
     if (others.length !== 1 || !isFree(others[0]) || gesture.kind === 'pin') return;
     gesture.end(true);
     others[0].gesture.end(true);

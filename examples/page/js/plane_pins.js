@@ -10,16 +10,15 @@ function pressFigure(app, view, place, event) {
   const pin = nearestPin(places, place, reach);
   if (pin < 0 && isOnRing(drag, places, place, unit, reach))
     return turnPin(drag, drag.ringed, places[drag.ringed], place, (turn, angle) => turn + angle);
-  if (pin >= 0) return dragPin(drag, app.pins.points[pin], place, slop, false, shifted);
+  if (pin >= 0) return dragPin(drag, 'pin', app.pins.points[pin], place, slop, shifted);
   const vertex = app.showsCage ? nearestVertex(app, place, reach) : -1, isOnFigure = view.isOnFigure(event) || nearestPoint(app, view.type, place, reach) >= 0;
   if (vertex >= 0 && !kindOf(cage).isFixed(cage, vertex) && (!isOnFigure || distance(pointAt(app.pose, vertex), place) < reach / 2))
     return holdVertex(app, vertex, place, slop);
   if (!isOnFigure) return moveView(app, view, event);
-  const before = app.state();
+  const near = nearestPin(places, place, ringRadius() * unit), set = () => setPin(drag, pointUnder(app, view.type, place));
+  if (near >= 0) return dragPin(drag, 'near', app.pins.points[near], place, slop, shifted, set);
   try {
-    const index = drag.add(pointUnder(app, view.type, place));
-    app.history.remember(before);
-    return dragPin(drag, app.pins.points[index], place, slop, true, shifted);
+    return dragPin(drag, 'new', set(), place, slop, shifted);
   } catch (error) {
     app.sayFault(error);
     return moveView(app, view, event);
@@ -92,9 +91,7 @@ function moveView(app, view, event) {
 function addFarPin(app) {
   const { pinDrag: drag } = app;
   drag.prepare();
-  const { pins } = app, before = app.state(), points = spreadPoints(app.pinCandidates(), pins.points, 1);
-  if (points.length === pins.points.length) return;
-  drag.add(points[points.length - 1]);
-  app.history.remember(before);
+  const { pins } = app, points = spreadPoints(app.pinCandidates(), pins.points, 1);
+  if (points.length > pins.points.length) setPin(drag, points[points.length - 1]);
   app.redraw();
 }
