@@ -10,6 +10,8 @@ POSE, PINS = 'Array.from(page.pose)', '({ ...page.pins, pose: null })'
 ON_SCREEN = ("(() => { const v = page.views[0], f = v.frame(), r = v.div.getBoundingClientRect(); return page.pinDrag.placesIn(page.pose)"
              '.map(([x, y]) => [r.left + v.div.clientLeft + f.x + f.scale * x, r.top + v.div.clientTop + f.y + f.scale * y]); })()')
 IN_SPACE = '(() => { const r = page.mesh.canvas.getBoundingClientRect(); return page.mesh.pinPlaces().map(([x, y]) => [r.left + x, r.top + y]); })()'
+# The head, the hands, the feet, the belly of the character.
+BODY = [[0, 1.9, 0], [-0.99, 1.31, 0], [0.99, 1.31, 0], [-0.21, 0.01, 0.18], [0.21, 0.01, 0.18], [0, 1, 0.14]]
 TELL = "document.getElementById('%s').textContent"
 
 
@@ -40,29 +42,50 @@ def away(page):
     page.key('Escape')
 
 
-def afresh(page, figure='cat'):
-    page.click('[data-figure=%s]' % figure)
-    page.wait('!isInSpace()')
-    page.run("page.show({ figure: page.figure, cage: cageOfSvg(DATA['%s'].cage) }); page.onCage(); page.history.set([], [])" % figure)
-    page.wait('page.pinDrag.isPrepared')
+def set_pins(page, owner, places):
+    """Sets pins by their places at rest: in the plane, or of the nearest vertices."""
+    page.run("""(() => {
+      const owner = %s, near = p => owner.pinCandidates().reduce((a, b) => Math.hypot(...b.map((x, k) => x - p[k])) < Math.hypot(...a.map((x, k) => x - p[k])) ? b : a);
+      owner.pinDrag.prepare();
+      owner.pins = NO_PINS;
+      owner.pinDrag.give();
+      for (const place of %r) owner.pinDrag.add(owner === page ? place : near(place));
+      owner.pinDrag.chosen = -1;
+      owner.redraw();
+    })()""" % (owner, places))
     page.frames()
 
 
+def afresh(page):
+    """Shows the cat at rest, with pins on the tail, two feet, the head and the rump."""
+    page.click('[data-figure=cat]')
+    page.wait('!isInSpace()')
+    page.run("page.show({ figure: page.figure, cage: cageOfSvg(DATA.cat.cage) }); page.onCage()")
+    page.wait('page.pinDrag.isPrepared')
+    set_pins(page, 'page', [[919, 162], [224, 722], [650, 722], [160, 215], [705, 406]])
+    page.run('page.history.set([], [])')
+
+
 def test_first_look(page):
-    check(page.run("document.body.dataset.mode === 'figure' && page.pins.points.length") == 5, 'a visitor meets the cat with five pins')
+    check(page.run("document.body.dataset.mode === 'figure' && page.pins.points.length") == 2, 'a visitor meets the cat with two pins')
     check(page.run(TELL % 'hint') == 'Click the figure to set a pin, drag it', 'and reads: ' + page.run(TELL % 'hint'))
     dim = page.run("Number(getComputedStyle(page.views[0].parts.dots[0]).opacity)")
     check(dim < 0.5, 'the cage is dimmed (%.2f)' % dim)
 
 
 def test_drags(page):
+    tail = page.run('(() => { const v = page.views[0], f = v.frame(), r = v.div.getBoundingClientRect(); return [r.left + 1 + f.x + f.scale * 915, r.top + 1 + f.y + f.scale * 180]; })()')
+    page.drag(tail, (tail[0] - 120, tail[1] + 40))
+    settle(page)
+    check(page.run('page.pins.points.length') == 3, 'a drag on the figure sets a pin and moves it')
+    check('ring' in page.run(TELL % 'hint'), 'then the hint says: ' + page.run(TELL % 'hint'))
+    afresh(page)
     rest, before = page.run(POSE), page.run(ON_SCREEN)
     size = page.run('page.figure.size * page.views[0].frame().scale')
     goal = drag_pin(page, 0, -120, 60)
     after = page.run(ON_SCREEN)
     check(math.dist(after[0], goal) < 0.5, 'a pin follows the pointer: %.3f pixels off' % math.dist(after[0], goal))
     check(farthest(after[1:], before[1:]) < 1e-3 * size, 'the others hold their places: %.3f pixels off' % farthest(after[1:], before[1:]))
-    check('ring' in page.run(TELL % 'hint'), 'then the hint says: ' + page.run(TELL % 'hint'))
     posed, pins = page.run(POSE), page.run(PINS)
     check(page.run('page.history.earlier.length') == 1 and posed != rest, 'a drag is one step of undo')
     page.key('z', 'KeyZ', modifiers=2)
@@ -282,9 +305,9 @@ def test_keys(path):
         settle(page)
         check(abs(page.run('page.pins.turns[1]') - page.run('Math.PI / 36')) < 0.1, 'brackets turn it')
         page.key('Delete')
-        check(page.run('page.pins.points.length') == 4, 'Delete removes it')
+        check(page.run('page.pins.points.length') == 1, 'Delete removes it')
         page.key('Insert')
-        check(page.run('page.pins.points.length') == 5, 'Insert sets one where none is near')
+        check(page.run('page.pins.points.length') == 2, 'Insert sets one where none is near')
         for _ in range(5):
             page.key('z', 'KeyZ', modifiers=2)
         check(page.run(POSE) == page.run('Array.from(page.cage.rest)') and page.run(PINS)['points'] == before['points'], 'undo takes all back')
@@ -333,7 +356,7 @@ def test_space(page):
     page.click('[data-figure=character]')
     page.wait('page.mesh.places && %s.isPrepared' % drag)
     page.click('#rest')
-    page.frames(3)
+    set_pins(page, 'page.mesh', BODY)
     pose = 'Array.from(page.mesh.pose)'
     page.run('%s.prepare(); %s.frame()' % (drag, drag))
     check(page.run(pose) == page.run('Array.from(Float32Array.from(page.mesh.cage.vertices))'), 'in space, in float: pins at rest give rest to the bit; samples in %.0f ms' % page.run(drag + '.sampleTime'))
@@ -413,11 +436,14 @@ def frame_times(page, owner, drag_by):
         return next(m['value'] for m in page.call('Performance.getMetrics')['metrics'] if m['name'] == 'TaskDuration')
     before = spent()
     solve, draw = page.run('''new Promise(done => {
-      const owner = %s, drag = owner.pinDrag, from = owner.pins.targets[0], solve = [], all = [], calls = drag.calls.solve;
-      drag.calls.solve = (...given) => { const start = performance.now(), solved = calls(...given); solve.push(performance.now() - start); return solved; };
+      const owner = %s, drag = owner.pinDrag, from = owner.pins.targets[0], all = [];
       let n = 0;
       const step = () => {
-        if (n++ === 120) { drag.calls.solve = calls; return done([solve, all].map(list => list.sort((a, b) => a - b)[60])); }
+        if (n++ === 120) {
+          const start = performance.now(), { targets, turns } = owner.pins; // the browser's clock is coarse: a mean
+          for (let k = 0; k < 200; ++k) drag.calls.solve(targets, turns, owner.pose);
+          return done([(performance.now() - start) / 200, all.sort((a, b) => a - b)[60]]);
+        }
         owner.pins = { ...owner.pins, targets: owner.pins.targets.map((p, i) => i ? p : from.map((x, k) => x + (%s)[k] * Math.sin(n / 20))) };
         drag.left = 300;
         const start = performance.now();
@@ -439,6 +465,7 @@ def test_speed(page):
     check(cat[1] < 100, 'the cat, 25 handles: a frame takes %.2f ms to solve, %.2f ms with drawing, %.2f ms of the main thread; from click to first frame %.1f ms' % (*cat, first))
     page.click('[data-figure=character]')
     page.wait('page.mesh.pinDrag.isPrepared')
+    page.click('#rest')
     page.run('page.mesh.pinDrag.prepare()')
     first = page.run('''(() => { const start = %s, { mesh } = page, drag = mesh.pinDrag, point = drag.add(Array.from(mesh.mesh.vertices.subarray(0, 3)));
       const i = mesh.pins.points.indexOf(point); drag.moveTo(i, mesh.pins.targets[i].map(x => x + 0.01)); drag.frame(); return %s - start; })()''' % (start, start))
@@ -485,6 +512,7 @@ def take_pictures(page, out):
     page.click('[data-figure=character]')
     page.click('#rest')
     page.wait('page.mesh.pinDrag.isPrepared')
+    set_pins(page, 'page.mesh', BODY)
     drag_pin(page, 1, 110, -190, where=IN_SPACE, drag='page.mesh.pinDrag', steps=20)
     drag_pin(page, 4, 90, -60, where=IN_SPACE, drag='page.mesh.pinDrag', steps=20)
     page.frames(3)

@@ -159,7 +159,7 @@ class App {
     const { points } = this.figure, outline = kindOf(this.cage).outline(this.cage), step = Math.ceil(points.length / 8000);
     return allOf(Math.floor(points.length / 2 / step)).map(i => pointAt(points, i * step)).filter(p => isInside(outline.loops, outline.points, ...p));
   }
-  startPins() { return START_PLACES[this.current] ?? spreadPoints(this.pinCandidates(), [], startCount(this.pose.length / 2)); }
+  startPins() { return START_PLACES[this.current] ?? innerPoints(this.pinCandidates()); }
   /** Returns the points that poses leave at rest. */
   get fixedPoints() { return allOf(this.pose.length / 2).filter(i => kindOf(this.cage).isFixed(this.cage, i)); }
   drawPins() {

@@ -188,7 +188,7 @@ class MeshView {
   }
   startPins() {
     const all = this.pinCandidates(), own = START_PLACES[this.current], gap = (p, q) => Math.hypot(...p.map((x, k) => x - q[k]));
-    return own ? own.map(place => all.reduce((a, b) => gap(b, place) < gap(a, place) ? b : a)) : spreadPoints(all, [], startCount(this.pose.length / 3));
+    return own ? own.map(place => all.reduce((a, b) => gap(b, place) < gap(a, place) ? b : a)) : innerPoints(all);
   }
   sayFault(error) { this.app.sayFault(error); }
   say(text) { this.app.say(text); }

@@ -9,10 +9,11 @@ const PLANE_SAMPLES = 1500; // more move the cat by less than 0.2 % of its size
 const SPACE_SAMPLES = 2000;
 const DOUBLE_CLICK = 350;  // ms in which a second click removes no pin
 const SETTLING = 300;      // frames after the last change, at most
-const START_PLACES = { // of the pins of the project's own figures
-  cat: [[919, 162], [224, 722], [650, 722], [160, 215], [705, 406]],
-  biped: [[250, 115], [140, 672], [360, 672], [186, 451], [314, 451]],
-  character: [[0, 1.9, 0], [-0.99, 1.31, 0], [0.99, 1.31, 0], [-0.21, 0.01, 0.18], [0.21, 0.01, 0.18], [0, 1, 0.14]],
+// Where the pins of the project's own figures are at first: in the body, so that any limb can be pulled.
+const START_PLACES = {
+  cat: [[231, 407], [705, 406]],
+  biped: [[205, 150], [295, 150]],
+  character: [[0, 1.25, 0.14], [-0.15, 0.95, 0.1], [0.15, 0.95, 0.1]],
 };
 
 /** Adds `count` of the candidates to places: each time the farthest from all that are there. */
@@ -30,15 +31,20 @@ function spreadPoints(candidates, places, count) {
   return all;
 }
 
-/** Returns how many pins a new figure has: a fourth of the handles of its cage, but neither one nor many. */
-const startCount = handles => Math.max(2, Math.min(5, Math.floor(handles / 4)));
+/** Returns pins for a figure that is new: as many as it has dimensions, in the fifth of its points nearest to their middle. */
+function innerPoints(points) {
+  if (points.length === 0) return [];
+  const middle = points[0].map((x, k) => points.reduce((sum, p) => sum + p[k], 0) / points.length);
+  const gap = p => Math.hypot(...p.map((x, k) => x - middle[k])), sorted = [...points].sort((p, q) => gap(p) - gap(q));
+  return spreadPoints(sorted.slice(0, Math.max(3, Math.ceil(points.length / 5))), [], middle.length);
+}
 
 /** Moves the pose of an owner by its pins, frame by frame until it has settled. */
 class PinDrag {
   /** `calls` are those of Engine.planePins() or spacePins(). The owner's boundFor() is another object after each bind; its
    *  startPins() are points of the figure at rest, and fixedPoints those of the cage that no pose moves. */
   constructor(owner, calls) {
-    Object.assign(this, { owner, calls, running: 0, chosen: -1, hovered: -1, spin: 0, sampleTime: 0, frameTime: 0 });
+    Object.assign(this, { owner, calls, running: 0, chosen: -1, hovered: -1, spin: 0, sampleTime: 0, frameTime: 0, folded: 0 });
   }
 
   /** Makes ready for the cage and the pins as they are; throws the fault. */
@@ -172,7 +178,7 @@ class PinDrag {
   }
   stop() {
     cancelAnimationFrame(this.running);
-    this.running = 0;
+    this.running = this.folded = 0;
   }
   /** Moves the pose a frame on and draws it; returns whether it goes on. */
   frame() {
@@ -185,7 +191,7 @@ class PinDrag {
       const solved = this.calls.solve(pins.targets, pins.turns, owner.pose);
       owner.pose = this.begun = solved.pose;
       owner.pins = { ...pins, pose: solved.pose };
-      ({ settled } = solved);
+      ({ settled, folded: this.folded } = solved);
     } catch (error) {
       owner.sayFault(error);
     }
@@ -429,9 +435,9 @@ function removeAllPins(drag) {
 
 // ---- words ----
 
-const tellPins = ({ owner, frameTime }) => !owner.pins || !document.body.matches('[data-mode=figure]') ? ''
-  : `, ${owner.pins.points.length} pins` + (owner.pins.held.length > 0 ? `, ${owner.pins.held.length} points of the cage held` : '') +
-    (frameTime ? `; a frame in ${frameTime.toFixed(2)} ms` : '');
+const tellPins = ({ owner, frameTime, folded }) => !owner.pins || !document.body.matches('[data-mode=figure]') ? ''
+  : `, ${owner.pins.points.length} pin${owner.pins.points.length === 1 ? '' : 's'}` + (owner.pins.held.length > 0 ? `, ${owner.pins.held.length} points of the cage held` : '') +
+    (frameTime ? `; a frame in ${frameTime.toFixed(2)} ms` : '') + (folded > 0 ? `; ${folded} places are turned inside out` : '');
 /** Says what to do first, then what else; nothing to who has done it. */
 function tellHint(app, drag) {
   const count = drag.owner.pins?.points.length ?? 0, hint = document.getElementById('hint');
