@@ -481,7 +481,7 @@ PAGE_EXPORT(page_pins_find) int page_pins_find(std::size_t type, std::size_t ver
     return refuse(status);
 }
 
-/// The same in space.
+/// Pins in space, as in the plane.
 PAGE_EXPORT(page_mesh_pins_sample) int page_mesh_pins_sample(std::size_t samples) {
     return sample_pins(space_pins, *space.coordinates, 0, samples);
 }

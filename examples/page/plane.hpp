@@ -30,7 +30,7 @@ public:
     virtual Status solve() = 0;
     virtual cageform::BindReport bind(std::size_t batch, std::span<const Point2> points) = 0;
 
-    // What the concept GradientCoordinates asks for; of solved coordinates.
+    // The parts of the concept GradientCoordinates, for solved coordinates.
     virtual cageform::HandleView<double, 2> handles() const = 0;
     virtual const cageform::CageReport& cage_report() const = 0;
     virtual cageform::Evaluation evaluate(cageform::BlockView<const double> points,
