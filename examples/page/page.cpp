@@ -19,7 +19,6 @@
 #include <cageform/enclose/make_cage_3d.hpp>
 
 #include <cstdint>
-#include <optional>
 #include <string>
 
 namespace {
@@ -102,7 +101,7 @@ std::vector<cageform::DrawnSegment<double>> read_segments(Reader& reader, std::s
 
 /// A figure in space, bound in float.
 struct Space {
-    std::optional<cageform::MeanValueCoordinates<float, 3>> coordinates;
+    std::unique_ptr<cageform::MeanValueCoordinates<float, 3>> coordinates;
     cageform::Binding<float, 3> binding;
     std::vector<std::array<std::uint32_t, 3>> faces;
     std::vector<Point3> pose, places, normals;
@@ -334,7 +333,7 @@ int page_mesh(std::size_t vertices, std::size_t cage_faces, std::size_t points, 
     const cageform::TriangleMesh<float> cage(corners, read_faces(reader, cage_faces));
     const auto figure = narrow(reader.points<3>(points));
     space.faces = read_faces(reader, faces);
-    space.coordinates.emplace(cage);
+    space.coordinates = std::make_unique<cageform::MeanValueCoordinates<float, 3>>(cage);
     auto [binding, report] = cageform::bind(*space.coordinates, figure);
     space.binding = std::move(binding);
     space.places = figure;
@@ -470,15 +469,12 @@ PAGE_EXPORT(page_pins_locate) int page_pins_locate(std::size_t vertices) {
 }
 /// Finds what a pose takes to a place. In: where to start, the place, the pose. Out: the point at rest, how
 /// far off it is.
-PAGE_EXPORT(page_pins_find) int page_pins_find(std::size_t type, std::size_t vertices) {
+PAGE_EXPORT(page_pins_find) void page_pins_find(std::size_t type, std::size_t vertices) {
     Reader reader;
     const auto ends = reader.points<2>(2);
-    Point2 found = ends[0];
-    double miss = 0;
-    const Status status = plane_pins.find(PlaneCoordinates(*planes[type]), ends[0], ends[1],
-                                          reader.points<2>(vertices), found, miss);
-    output = {found[0], found[1], miss};
-    return refuse(status);
+    const auto found =
+        plane_pins.find(PlaneCoordinates(*planes[type]), ends[0], ends[1], reader.points<2>(vertices));
+    output = {found.at[0], found.at[1], found.miss};
 }
 
 /// Pins in space, as in the plane.

@@ -204,40 +204,29 @@ public:
     /// Matrices, column after column.
     const std::vector<T>& jacobians() const { return jacobians_; }
 
-    /// Finds the point at rest that a pose takes to `goal`, by Newton's method from `start`.
+    struct Found {
+        Point at;    ///< at rest
+        double miss; ///< how far off the goal the pose takes it
+    };
+    /// Finds the point at rest that a pose takes to `goal`, by Newton's method from `start`, in shorter steps
+    /// where whole ones do not come nearer or leave the cage.
     template <class C>
-    Status find(const C& coordinates, Point start, const Point& goal, std::span<const Target> pose,
-                Point& found, double& miss) requires(D == 2) {
+    Found find(const C& coordinates, const Point& start, const Point& goal,
+               std::span<const Target> pose) requires(D == 2) {
+        Found found{start, std::numeric_limits<double>::infinity()};
         Point at = start, step{};
-        miss = std::numeric_limits<double>::infinity();
         for (int n = 0; n < 40; ++n) {
-            const std::array<Point, 1> point{at};
-            const auto [binding, report] = cageform::bind(coordinates, point);
-            const auto [axes, axes_report] = cageform::bind_jacobians(coordinates, point);
-            const bool is_inside = report.outside.empty() && report.unreached.empty();
-            double now = std::numeric_limits<double>::infinity();
-            if (is_inside) {
-                const Status status = locate(pose, binding, axes);
-                if (status != Status::ok) return status;
-                now = std::sqrt(dot(goal - places_[0], goal - places_[0]));
-            }
-            if (!(now < miss)) { // too far
+            const double miss = miss_of(coordinates, at, goal, pose);
+            if (miss < found.miss) {
+                found = {at, miss};
+                step = newton_step(goal - places_[0]);
+            } else {
                 step = 0.5 * step;
-                at = found + step;
-                if (!is_finite(at) || dot(step, step) == 0) return Status::ok;
-                continue;
             }
-            found = at;
-            miss = now;
-            const Point off = goal - places_[0];
-            const auto& j = jacobians_;
-            const double determinant = j[0] * j[3] - j[1] * j[2];
-            step = {(j[3] * off[0] - j[2] * off[1]) / determinant,
-                    (j[0] * off[1] - j[1] * off[0]) / determinant};
-            at = found + step;
-            if (!(determinant > 0) || at == found) return Status::ok;
+            at = found.at + step;
+            if (at == found.at || !is_finite(at)) break;
         }
-        return Status::ok;
+        return found;
     }
 
     const cageform::PoseSamples<T, D>& samples() const { return solver_.samples(); }
@@ -255,6 +244,24 @@ private:
         for (std::size_t i = view.count - still_; i < view.count; ++i) points.push_back(view.rest[i]);
         handles_.resize(view.count);
         return pose_handles(binding_, points, handles_).status;
+    }
+    /// Locates a point; how far it is from the goal, infinity outside of the cage.
+    template <class C>
+    double miss_of(const C& coordinates, const Point& at, const Point& goal, std::span<const Target> pose) {
+        const std::array<Point, 1> point{at};
+        const auto [binding, report] = cageform::bind(coordinates, point);
+        const auto [axes, axes_report] = cageform::bind_jacobians(coordinates, point);
+        const bool is_inside = report.outside.empty() && report.unreached.empty();
+        if (!is_inside || locate(pose, binding, axes) != Status::ok)
+            return std::numeric_limits<double>::infinity();
+        return std::sqrt(dot(goal - places_[0], goal - places_[0]));
+    }
+    /// Returns the step at rest by which the point located moves so far; none where the pose turns it over.
+    Point newton_step(const Point& off) const {
+        const auto& j = jacobians_;
+        const double determinant = j[0] * j[3] - j[1] * j[2];
+        if (!(determinant > 0)) return {};
+        return {(j[3] * off[0] - j[2] * off[1]) / determinant, (j[0] * off[1] - j[1] * off[0]) / determinant};
     }
     Status locate(std::span<const Target> pose, const cageform::Binding<T, D>& binding,
                   const std::array<cageform::Binding<T, D>, D>& axes) {

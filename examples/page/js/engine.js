@@ -157,7 +157,7 @@ class Engine {
   /** Returns the point at rest that a pose takes to a place, and how far off the place that is. */
   findUnder(type, start, place, pose) {
     this.give(start, place, pose);
-    this.check(this.calls.page_pins_find(type, pose.length / 2));
+    this.calls.page_pins_find(type, pose.length / 2);
     const [x, y, miss] = this.taken(3);
     return { found: [x, y], miss };
   }
