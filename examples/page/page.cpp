@@ -392,13 +392,15 @@ namespace {
 Pins<double, 2> plane_pins; // of one type at a time
 Pins<float, 3> space_pins;
 
-/// Out: seconds, samples, rotations, bytes.
-template <class P, class C>
-int sample_pins(P& pins, const C& coordinates, std::size_t still, std::size_t samples) {
-    const auto report = pins.sample(coordinates, still, samples);
-    output = {report.seconds, double(report.samples), double(report.rotations),
-              double(pins.samples().bytes())};
-    return refuse(report.status);
+/// Samples the inside of a cage. Out: the samples. Returns how many numbers they are, 0 on a fault.
+template <class C>
+std::size_t sample_inside(const C& coordinates, std::size_t samples) {
+    cageform::PoseSampleOptions options;
+    options.samples = samples;
+    const auto [made, report] = pose_samples(coordinates, options);
+    if (refuse(report.status) != 0) return 0;
+    cageform_page::write_samples(made, output);
+    return output.size();
 }
 /// In: places at rest, whether each turns, held points. Out: the pin at fault.
 template <std::size_t D, class P, class C>
@@ -445,9 +447,14 @@ int locate_pins(P& pins, std::size_t vertices) {
 
 } // namespace
 
-/// Samples the inside of a cage for pins; there are none then. Out: see sample_pins.
-PAGE_EXPORT(page_pins_sample) int page_pins_sample(std::size_t type, std::size_t samples) {
-    return sample_pins(plane_pins, PlaneCoordinates(*planes[type]), planes[type]->still_handles, samples);
+PAGE_EXPORT(page_pins_sample) std::size_t page_pins_sample(std::size_t type, std::size_t samples) {
+    return sample_inside(PlaneCoordinates(*planes[type]), samples);
+}
+/// Takes samples, which another instance may have made; there are no pins then. In: the samples.
+PAGE_EXPORT(page_pins_take) int page_pins_take(std::size_t type) {
+    auto& plane = *planes[type];
+    return refuse(plane_pins.take(PlaneCoordinates(plane), plane.still_handles,
+                                  cageform_page::read_samples<double, 2>(input.data())));
 }
 PAGE_EXPORT(page_pins_set)
 int page_pins_set(std::size_t type, std::size_t count, std::size_t held, bool turns) {
@@ -478,8 +485,12 @@ PAGE_EXPORT(page_pins_find) void page_pins_find(std::size_t type, std::size_t ve
 }
 
 /// Pins in space, as in the plane.
-PAGE_EXPORT(page_mesh_pins_sample) int page_mesh_pins_sample(std::size_t samples) {
-    return sample_pins(space_pins, *space.coordinates, 0, samples);
+PAGE_EXPORT(page_mesh_pins_sample) std::size_t page_mesh_pins_sample(std::size_t samples) {
+    return sample_inside(*space.coordinates, samples);
+}
+PAGE_EXPORT(page_mesh_pins_take) int page_mesh_pins_take() {
+    return refuse(
+        space_pins.take(*space.coordinates, 0, cageform_page::read_samples<float, 3>(input.data())));
 }
 PAGE_EXPORT(page_mesh_pins_set) int page_mesh_pins_set(std::size_t count, std::size_t held, bool turns) {
     return set_pins<3>(space_pins, *space.coordinates, count, held, turns);

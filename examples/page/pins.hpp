@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 namespace cageform_page {
@@ -107,6 +108,49 @@ private:
     Eigen::LDLT<Eigen::MatrixXd> factor_;
 };
 
+/// Calls f(list) for all lists of samples.
+template <class Samples, class F>
+void for_each_list(Samples& samples, const F& f) {
+    f(samples.rest_handles);
+    f(samples.handle_kinds);
+    f(samples.points);
+    f(samples.clusters);
+    f(samples.centres);
+    f(samples.gradients);
+    f(samples.moments);
+    f(samples.stiffness);
+    f(samples.unfelt);
+}
+constexpr std::size_t numbers_for(std::size_t bytes) {
+    return (bytes + sizeof(double) - 1) / sizeof(double);
+}
+/// Writes samples as numbers, for another instance of this program.
+template <cageform::Scalar T, std::size_t D>
+void write_samples(const cageform::PoseSamples<T, D>& samples, std::vector<double>& to) {
+    to.assign(samples.centre.v, samples.centre.v + D);
+    to.insert(to.end(), {samples.size, double(samples.cluster_count)});
+    for_each_list(samples, [&](const auto& list) {
+        const std::size_t bytes = list.size() * sizeof(list[0]), begin = to.size() + 1;
+        to.push_back(double(list.size()));
+        to.resize(begin + numbers_for(bytes));
+        if (bytes > 0) std::memcpy(to.data() + begin, list.data(), bytes);
+    });
+}
+template <cageform::Scalar T, std::size_t D>
+cageform::PoseSamples<T, D> read_samples(const double* from) {
+    cageform::PoseSamples<T, D> samples;
+    for (double& x : samples.centre.v) x = *from++;
+    samples.size = *from++;
+    samples.cluster_count = std::size_t(*from++);
+    for_each_list(samples, [&](auto& list) {
+        list.resize(std::size_t(*from++));
+        const std::size_t bytes = list.size() * sizeof(list[0]);
+        if (bytes > 0) std::memcpy(list.data(), from, bytes);
+        from += numbers_for(bytes);
+    });
+    return samples;
+}
+
 /// The pins of one figure.
 template <cageform::Scalar T, std::size_t D>
 class Pins {
@@ -116,23 +160,17 @@ public:
     using Target = cageform::Vec<double, D>;
     using Turn = cageform::PoseTurn<D>;
 
-    /// Samples the inside of solved coordinates; there are no pins then.
+    /// Takes the samples of solved coordinates; there are no pins then.
     ///
     ///   still  how many handles poses leave at rest, the last ones
     template <class C>
-    cageform::PoseSamplesReport sample(const C& coordinates, std::size_t still, std::size_t samples) {
-        cageform::PoseSampleOptions options;
-        options.samples = samples;
-        auto [made, report] = pose_samples(coordinates, options);
-        if (report.status != Status::ok) return report;
+    Status take(const C& coordinates, std::size_t still, cageform::PoseSamples<T, D> samples) {
+        solver_ = cageform::PoseSolver<T, D>(std::move(samples));
+        if (solver_.status() != Status::ok) return solver_.status();
         still_ = still;
-        solver_ = cageform::PoseSolver<T, D>(std::move(made));
-        report.status = solver_.status();
-        if (report.status != Status::ok) return report;
         binding_ = cageform::bind(coordinates, std::vector<Point>{}).value;
         if constexpr (D == 2) nearest_.begin(solver_.samples(), binding_);
-        report.status = set(coordinates, {}, {}, {});
-        return report;
+        return set(coordinates, {}, {}, {});
     }
 
     /// Sets the pins by their places at rest, which of them turn, and the points of the cage that are held.

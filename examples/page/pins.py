@@ -204,8 +204,8 @@ def test_types(page):
 
 
 SETTLE_FULLY = '''(() => {
-  const { calls } = page.engine, drag = page.pinDrag, type = page.leadType, { points, targets, turns } = page.pins;
-  page.engine.check(calls.page_pins_sample(type, 0)); // as many samples as the library chooses
+  const drag = page.pinDrag, type = page.leadType, { points, targets, turns } = page.pins;
+  drag.calls.take(page.engine.samplePins({ type, cage: page.cage, isMade: true }, 0)); // as many samples as the library chooses
   drag.calls.set(points, turns.map(t => t !== null), []);
   let pose = Float64Array.from(page.cage.rest), step = Infinity;
   for (let n = 0; n < 2000 && step > 1e-6 * page.figure.size; ++n) {
@@ -415,6 +415,24 @@ DRAG_ABOUT = '''((owner, pixelPlaces, element, count) => {
 ON_CAT = '''page, () => { const v = page.views[0], f = v.frame(); return page.pinDrag.placesIn(page.pose).map(([x, y]) => [1 + f.x + f.scale * x, 1 + f.y + f.scale * y]); }, page.views[0].div'''
 
 
+def test_apart(page):
+    """Cages of many vertices are sampled beside the page."""
+    afresh(page)
+    page.click('[data-cage=lattice]')
+    page.run("page.changeAxes(axesOf([20, 20], '3'))")
+    page.wait('page.pinDrag.making')
+    page.drag(page.vertex(210), page.vertex(190))
+    said = page.run(TELL % 'status')
+    page.wait('page.pinDrag.isPrepared')
+    page.frames(3)
+    before, count = page.run(ON_SCREEN), page.run('page.pins.points.length')
+    goal = drag_pin(page, 0, -60, 30)
+    check(math.dist(page.run(ON_SCREEN)[0], goal) < 0.5 and farthest(page.run(ON_SCREEN)[1:], before[1:]) < 0.5,
+          '400 points are sampled beside the page in %.0f ms, and %d pins are met' % (page.run('page.pinDrag.sampleTime'), count))
+    check('ready' in said or count > 5, 'a drag meanwhile is answered: ' + said)
+    page.click('[data-cage=polygon]')
+
+
 def test_growth(page, drags):
     afresh(page)
     page.run('%s(%s, 400)' % (DRAG_ABOUT, ON_CAT))  # fills the undo history
@@ -486,6 +504,7 @@ def test_pins(path, folder, out, quick):
         test_held(page)
         test_types(page)
         test_native(page, folder)
+        test_apart(page)
         test_modes(page)
         test_space(page)
         test_speed(page)

@@ -150,6 +150,10 @@ class App {
   /** The coordinate type by which pins move the cage: that of the view touched last. */
   get leadType() { return this.types.includes(this.lead) ? this.lead : this.types[0]; }
   leadBy({ type }) { this.lead = type; }
+  pinCage() {
+    const { cage } = this;
+    return { type: this.leadType, cage: cage.kind === 'curved' ? { ...cage, around: diskOf(cage) } : cage };
+  }
   boundFor() {
     this.ensureBound(this.leadType);
     return this.bound[this.leadType];

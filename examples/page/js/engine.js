@@ -79,7 +79,7 @@ class Engine {
   /** Makes the coordinates of a curved cage, and returns its points at rest. */
   makeCurves(cage) {
     const edges = cage.curves.flat();
-    this.give(cage.curves.map(loop => loop.length), edges.map(edge => edge.length - 1), edges.flat(2), diskOf(cage));
+    this.give(cage.curves.map(loop => loop.length), edges.map(edge => edge.length - 1), edges.flat(2), cage.around ?? diskOf(cage));
     this.check(this.calls.page_curves(cage.curves.length, edges.length));
     return this.taken(6 * edges.length).slice();
   }
@@ -152,8 +152,16 @@ class Engine {
   }
 
   /** Returns the calls that a PinDrag makes: of a figure in the plane by coordinates of a type, or in space. */
-  planePins(typeOf) { return pinCalls(this, 2, 'page_pins_', PLANE_SAMPLES, () => [typeOf()], planeTurn); }
-  spacePins() { return pinCalls(this, 3, 'page_mesh_pins_', SPACE_SAMPLES, () => [], spaceTurn); }
+  planePins(typeOf) { return pinCalls(this, 2, 'page_pins_', () => [typeOf()], planeTurn); }
+  spacePins() { return pinCalls(this, 3, 'page_mesh_pins_', () => [], spaceTurn); }
+  /** Samples the inside of a cage for pins, of coordinates that are there or are made first; returns the samples as numbers. */
+  samplePins({ type, cage, isMade }, samples) {
+    if (!isMade && cage.faces) this.bindMesh({ vertices: [], faces: [] }, cage);
+    else if (!isMade) this.makeCoordinates(type, cage);
+    const size = cage.faces ? this.calls.page_mesh_pins_sample(samples) : this.calls.page_pins_sample(type, samples);
+    this.check(size === 0 ? 1 : 0);
+    return { samples: this.taken(size).slice() };
+  }
   /** Returns the point at rest that a pose takes to a place, and how far off the place that is. */
   findUnder(type, start, place, pose) {
     this.give(start, place, pose);
@@ -165,15 +173,14 @@ class Engine {
   glsl() { return this.text(this.calls.page_glsl()); }
 }
 
-/** The library's calls for pins, of so many dimensions. Pins, targets and places are arrays of coordinates. */
-function pinCalls(engine, dimension, prefix, samples, typeOf, turnOf) {
+/** The library's calls for the pins of a figure, of so many dimensions. Pins, targets and places are arrays of coordinates. */
+function pinCalls(engine, dimension, prefix, typeOf, turnOf) {
   const call = (name, ...numbers) => engine.calls[prefix + name](...numbers);
   return {
-    turnOf,
-    sample() {
-      engine.check(call('sample', ...typeOf(), samples));
-      const [seconds, count, rotations, bytes] = engine.taken(4);
-      return { seconds, samples: count, rotations, bytes };
+    turnOf, dimension,
+    take({ samples }) {
+      engine.give(samples);
+      engine.check(call('take', ...typeOf()));
     },
     /** Returns the pin that no cage holds, -1 if all is well. */
     set(points, turned, held) {

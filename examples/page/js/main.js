@@ -392,8 +392,10 @@ function playFirstScene(app) {
 async function startPage() {
   const module = await WebAssembly.compile(await unpack(DATA.wasm)), app = new App(await Engine.start(module));
   app.cageMaker = new CageMaker(module);
+  app.pinDrag.maker = new CageMaker(module);
   app.clip = new Clip();
   app.mesh = new MeshView(app);
+  app.mesh.pinDrag.maker = new CageMaker(module);
   app.timeline = new Timeline(app);
   app.mesh.onDrag = () => dance(app, false);
   app.history.onChange = app.mesh.history.onChange = () => markHistory(app);

@@ -179,6 +179,8 @@ class MeshView {
 
   // ---- pins ----
 
+  get engine() { return this.app.engine; }
+  pinCage() { return { cage: { vertices: this.cage.vertices, faces: this.cage.faces } }; }
   boundFor() { return this.bound; }
   get fixedPoints() { return []; }
   /** Returns vertices of the mesh at rest, a few thousand at most. */

@@ -7,6 +7,8 @@
 const NO_PINS = { points: [], targets: [], turns: [], held: [], pose: null };
 const PLANE_SAMPLES = 1500; // more move the cat by less than 0.2 % of its size
 const SPACE_SAMPLES = 2000;
+const SAMPLES_EACH = 10;   // at least, for a handle
+const MOST_AT_ONCE = 150;  // handles of a cage that is sampled in this thread
 const DOUBLE_CLICK = 350;  // ms in which a second click removes no pin
 const SETTLING = 300;      // frames after the last change, at most
 // Where the pins of the project's own figures are at first: in the body, so that any limb can be pulled.
@@ -51,11 +53,8 @@ class PinDrag {
   prepare() {
     const { owner } = this, bound = owner.boundFor();
     if (this.bound !== bound) {
-      const start = performance.now();
       this.bound = this.given = this.begun = null;
-      this.counts = this.calls.sample();
-      this.sampleTime = performance.now() - start;
-      this.bound = bound;
+      if (!this.sample(bound)) throw new Error('The pins are being made ready');
     }
     if (!owner.pins) {
       const points = owner.startPins();
@@ -63,6 +62,34 @@ class PinDrag {
     }
     this.give();
     if (owner.pins.pose !== owner.pose) this.refresh();
+  }
+  /** Samples the inside of the cage, at once or, where that takes long, in a thread of its own; then returns false, and draws when it
+   *  is done. */
+  sample(bound) {
+    const { owner, calls } = this, handles = owner.pose.length / calls.dimension, given = owner.pinCage();
+    const samples = Math.max(calls.dimension === 2 ? PLANE_SAMPLES : SPACE_SAMPLES, SAMPLES_EACH * handles), start = performance.now();
+    const take = made => {
+      calls.take(made);
+      this.sampleTime = performance.now() - start;
+      this.bound = bound;
+    };
+    if (handles <= MOST_AT_ONCE) {
+      this.making = null;
+      take(owner.engine.samplePins({ ...given, isMade: true }, samples));
+      return true;
+    }
+    if (this.making === bound) return false;
+    this.making = bound;
+    this.maker.make('samplePins', given, samples, () => {}).then(made => {
+      if (this.making !== bound) return;
+      take(made);
+      owner.redraw();
+    }).catch(error => {
+      if (this.making !== bound) return;
+      this.refused = bound;
+      owner.sayFault(error);
+    });
+    return false;
   }
   get isPrepared() { return this.bound === this.owner.boundFor() && !!this.owner.pins; }
   /** Returns whether pins can be shown; else makes ready once the browser has drawn, and draws again. */
@@ -76,6 +103,7 @@ class PinDrag {
       return false;
     }
     if (this.isWaiting || this.refused === owner.boundFor()) return false;
+    if (this.making === owner.boundFor() && this.bound !== this.making) return false;
     this.isWaiting = true;
     setTimeout(() => {
       this.isWaiting = false;
@@ -83,6 +111,7 @@ class PinDrag {
         this.prepare();
         owner.redraw();
       } catch (error) {
+        if (this.making === owner.boundFor()) return;
         this.refused = owner.boundFor();
         owner.sayFault(error);
       }
