@@ -420,7 +420,7 @@ def test_apart(page):
     afresh(page)
     page.click('[data-cage=lattice]')
     page.run("page.changeAxes(axesOf([20, 20], '3'))")
-    page.wait('page.pinDrag.making')
+    page.wait('!!page.pinDrag.making')
     page.drag(page.vertex(210), page.vertex(190))
     said = page.run(TELL % 'status')
     page.wait('page.pinDrag.isPrepared')
