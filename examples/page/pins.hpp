@@ -145,7 +145,7 @@ cageform::PoseSamples<T, D> read_samples(const double* from) {
     for_each_list(samples, [&](auto& list) {
         list.resize(std::size_t(*from++));
         const std::size_t bytes = list.size() * sizeof(list[0]);
-        if (bytes > 0) std::memcpy(list.data(), from, bytes);
+        if (bytes > 0) std::memcpy(static_cast<void*>(list.data()), from, bytes);
         from += numbers_for(bytes);
     });
     return samples;

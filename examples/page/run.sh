@@ -20,7 +20,8 @@ build/examples/make_character $work >/dev/null
 if [ ! -f $work/page.wasm ] || [ -n "$(find include $page/*.?pp -newer $work/page.wasm -type f)" ]; then
   echo "the library to WebAssembly (a minute)"
   clang++-19 --target=wasm32-wasi -mexec-model=reactor -std=c++20 -O2 -fno-unroll-loops -flto -msimd128 -DNDEBUG -fno-exceptions -fno-rtti \
-    -Wall -Wextra -Iinclude -isystem /usr/include/eigen3 $page/page.cpp -Wl,--strip-all -o $work/page.wasm
+    -Wall -Wextra -Iinclude -isystem /usr/include/eigen3 $page/page.cpp \
+    -Wl,-z,stack-size=1048576 -Wl,--strip-all -o $work/page.wasm # products of matrices take more than the 64 kB of the default
 fi
 
 # packed FILE: as a string of JavaScript
