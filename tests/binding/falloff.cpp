@@ -6,6 +6,7 @@
 
 #include <cageform/binding/any_coordinates.hpp>
 #include <cageform/clone/folds.hpp>
+#include <cageform/clone/pose_handles.hpp>
 #include <cageform/coordinates/barycentric.hpp>
 #include <cageform/coordinates/curved_green.hpp>
 #include <cageform/coordinates/green.hpp>
@@ -359,6 +360,42 @@ TEST_CASE("a shift by less than two thirds of the falloff folds nothing, one by 
         const auto folds = cageform::report_folds(axes.value, pose);
         REQUIRE(folds.status == Status::ok);
         CHECK((folds.count == 0) == (share < 2.0 / 3));
+    }
+}
+
+TEST_CASE("the head of the cat nods and moves without a fold where the falloff is 1.5 times as far",
+          "[binding][falloff][folds]") {
+    // A cage about the head alone, and cells in and about it.
+    const Points2<double> head{{325, 275}, {325, 150}, {300, 50}, {250, 112.5}, {187.5, 112.5},
+                               {125, 50},  {100, 175}, {50, 250}, {125, 325}};
+    constexpr std::uint32_t side = 80;
+    Points2<double> points;
+    std::vector<std::array<std::uint32_t, 3>> cells;
+    for (std::uint32_t n = 0; n < side * side; ++n) {
+        points.push_back({-250 + 11.0 * (n % side), -250 + 11.0 * (n / side)});
+        if (n % side + 1 == side || n / side + 1 == side) continue;
+        cells.insert(cells.end(), {{n, n + 1, n + side}, {n + 1, n + side + 1, n + side}});
+    }
+    auto nod = head, shift = head; // by 81 units at most, and by 71
+    for (std::size_t i = 0; i < head.size(); ++i) {
+        const auto [x, y] = std::array{head[i][0] - 230, head[i][1] - 300};
+        nod[i] = {230 + std::cos(0.3) * x - std::sin(0.3) * y, 300 + std::sin(0.3) * x + std::cos(0.3) * y};
+        shift[i] = shift[i] - Vec<double, 2>{50, 50};
+    }
+    const auto folds_of = [&](const auto& coordinates, double falloff, const auto& pose) {
+        const auto bound = cageform::bind(coordinates, points, {.falloff = falloff});
+        REQUIRE(bound.report.status == Status::ok);
+        Points2<double> handles(coordinates.handles().size());
+        REQUIRE(cageform::pose_handles(bound.value, pose, handles).status == Status::ok);
+        return cageform::report_folds(points, cloned(bound.value, handles), cells).count;
+    };
+    for (const auto& pose : {nod, shift}) {
+        const Mean<double, 2> mean_value{Polygon<double>(head)};
+        const Green<double, 2> green{Polygon<double>(head)};
+        CHECK(folds_of(mean_value, 240, pose) == 0);
+        CHECK(folds_of(green, 240, pose) == 0);
+        CHECK(folds_of(mean_value, 60, pose) > 50);
+        CHECK(folds_of(green, 60, pose) > 50);
     }
 }
 
