@@ -2,12 +2,17 @@
 #include "../support/allocations.hpp"
 #include "../support/pins.hpp"
 
+#include <cageform/binding/any_coordinates.hpp>
+
+#include <cstring>
 #include <numeric>
 
 namespace pose_cases_tests {
 
 using namespace cageform_tests;
+using cageform::AnyCoordinates;
 using cageform::GreenCoordinates;
+using cageform::HarmonicCoordinates;
 using cageform::MeanValueCoordinates;
 using cageform::PosePins;
 using cageform::PoseTurn;
@@ -33,6 +38,25 @@ Places<2> moved(Places<2> places, std::size_t n, const Vec<double, 2>& by) {
     places[n] = places[n] + by;
     return places;
 }
+
+/// Mean value coordinates that cannot be differentiated.
+struct WithoutGradients {
+    using scalar = double;
+    static constexpr std::size_t dimension = 2;
+    static constexpr bool has_extension = true, closed_form = true;
+
+    auto handles() const { return own.handles(); }
+    const cageform::CageReport& cage_report() const { return own.cage_report(); }
+    auto evaluate(cageform::BlockView<const double> points, cageform::BlockView<double> weights,
+                  std::span<cageform::PointState> states, const cageform::Running& running) const {
+        return own.evaluate(points, weights, states, running);
+    }
+    auto nearest_boundary(const Vec<double, 2>& p, std::span<double> row) const {
+        return own.nearest_boundary(p, row);
+    }
+
+    Coordinates own;
+};
 
 } // namespace
 
@@ -324,6 +348,32 @@ TEST_CASE("what is refused has a name and changes nothing", "[pose]") {
     const auto some = pose_samples(figure.coordinates, Places<2>{{1.37, 0.5}, {nan, 0}, {3.75, 3.2}});
     CHECK(some.status() == Status::ok);
     CHECK(some.report.left_out == 1);
+}
+
+TEST_CASE("coordinates of any type give the samples of the type they hold", "[pose]") {
+    const auto compare = [](const auto& coordinates) {
+        using C = std::decay_t<decltype(coordinates)>;
+        const AnyCoordinates<typename C::scalar, C::dimension> any = coordinates;
+        const PoseSampleOptions options{.samples = 300, .rotations = 20, .smoothing = 0.01};
+        const auto expected = sampled(coordinates, options), samples = sampled(any, options);
+        CHECK(samples.stiffness == expected.stiffness);
+        CHECK(samples.points == expected.points);
+        CHECK(samples.clusters == expected.clusters);
+        CHECK(samples.handle_kinds == expected.handle_kinds);
+        bool same = samples.gradients.size() == expected.gradients.size();
+        for (std::size_t n = 0; same && n < samples.gradients.size(); ++n)
+            same =
+                std::memcmp(&samples.gradients[n], &expected.gradients[n], sizeof samples.gradients[n]) == 0;
+        CHECK(same);
+    };
+    compare(Coordinates(cat_cage()));
+    compare(HarmonicCoordinates<double, 2>(cat_cage()));
+    compare(GreenCoordinates<double, 2>(cat_cage()));
+    compare(MeanValueCoordinates(bar().mesh<float>()));
+
+    const AnyCoordinates<double, 2> plain = WithoutGradients{cat()};
+    CHECK(pose_samples(plain).status() == Status::gradients_not_supported);
+    CHECK(pose_samples(AnyCoordinates<double, 2>{}).status() == Status::coordinates_empty);
 }
 
 TEST_CASE("frames allocate nothing, and failed allocations are told", "[pose]") {

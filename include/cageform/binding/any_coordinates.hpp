@@ -5,6 +5,7 @@
 #include <cageform/coordinates/harmonic/cage_solver.hpp>
 #include <cageform/core/detail/stopwatch.hpp>
 
+#include <array>
 #include <functional>
 #include <memory>
 #include <span>
@@ -64,6 +65,13 @@ public:
         return model_->for_each_cell(f);
     }
 
+    /// Evaluates a batch of points, as `CageCoordinates` says.
+    Evaluation evaluate(BlockView<const T> points, BlockView<T> weights, std::span<PointState> states,
+                        const Running& running) const {
+        if (!model_) return {Status::coordinates_empty, {}};
+        return model_->evaluate(points, weights, states, running);
+    }
+
     /// Binds points; `bind(coordinates, points, …)` calls it.
     template <PointRangeIn<D> R>
     Result<Binding<T, D>, BindReport> bind(const R& points, const BindOptions& options = {},
@@ -98,7 +106,19 @@ public:
         return result;
     }
 
+    /// Binds the D axes at every point; `bind_jacobians(coordinates, points, …)` calls it. The status is
+    /// gradients_not_supported if the coordinates have none.
+    template <PointRangeIn<D> R>
+    Result<std::array<Binding<T, D>, D>, BindReport>
+    bind_jacobians(const R& points, const BindOptions& options = {}, const Running& running = {}) const {
+        if (has_gradients()) return model_->bind_jacobians(detail::read_points<T>(points), options, running);
+        AxesResult refused;
+        refused.report.status = model_ ? Status::gradients_not_supported : Status::coordinates_empty;
+        return refused;
+    }
+
 private:
+    using AxesResult = Result<std::array<Binding<T, D>, D>, BindReport>;
     using FigureResult = Result<FigureBinding<T, D>, FigureBindReport>;
 
     struct Interface {
@@ -107,6 +127,10 @@ private:
         virtual const CageReport& cage_report() const = 0;
         virtual Evaluation solve(const Running&) = 0;
         virtual Evaluation for_each_cell(const std::function<void(const GridCell<T, D>&)>&) const = 0;
+        virtual Evaluation evaluate(BlockView<const T>, BlockView<T>, std::span<PointState>,
+                                    const Running&) const = 0;
+        virtual AxesResult bind_jacobians(detail::PointReader<T>, const BindOptions&,
+                                          const Running&) const = 0;
         virtual Result<Binding<T, D>, BindReport> bind(detail::PointReader<T>, const BindOptions&,
                                                        Binding<T, D>&&, const Running&) const = 0;
         virtual Status bind(detail::FigureInput<T, D>&, const BindOptions&, const Running&,
@@ -138,6 +162,17 @@ private:
             else
                 return {Status::solver_not_supported, {}};
         }
+        Evaluation evaluate(BlockView<const T> points, BlockView<T> weights, std::span<PointState> states,
+                            const Running& running) const override {
+            return own.evaluate(points, weights, states, running);
+        }
+        AxesResult bind_jacobians(detail::PointReader<T> points, const BindOptions& options,
+                                  const Running& running) const override {
+            if constexpr (GradientCoordinates<C>)
+                return detail::bind_axes(own, points, options, running);
+            else
+                return {};
+        }
         Result<Binding<T, D>, BindReport> bind(detail::PointReader<T> points, const BindOptions& options,
                                                Binding<T, D>&& recycled,
                                                const Running& running) const override {
@@ -155,5 +190,19 @@ private:
 
     std::shared_ptr<Interface> model_;
 };
+
+/// Binds the D axes at every point. Contract and cost are those of the type that the coordinates hold.
+template <Scalar T, std::size_t D, PointRangeIn<D> R>
+Result<std::array<Binding<T, D>, D>, BindReport>
+bind_jacobians(const AnyCoordinates<T, D>& coordinates, const R& points, const BindOptions& options = {},
+               const Running& running = {}) {
+    return coordinates.bind_jacobians(points, options, running);
+}
+
+/// Returns the handles of the coordinates, with their kinds and faces.
+template <Scalar T, std::size_t D>
+HandleView<T, D> handle_view(const AnyCoordinates<T, D>& coordinates) {
+    return coordinates.handles();
+}
 
 } // namespace cageform::inline CAGEFORM_ABI

@@ -103,14 +103,7 @@ template <GradientCoordinates C, PointRangeIn<C::dimension> R>
 Result<std::array<Binding<typename C::scalar, C::dimension>, C::dimension>, BindReport>
 bind_jacobians(const C& coordinates, const R& points, const BindOptions& options = {},
                const Running& running = {}) {
-    using T = typename C::scalar;
-    std::array<Vec<T, C::dimension>, C::dimension> axes{};
-    std::array<detail::PointReader<T>, C::dimension> readers;
-    for (std::size_t n = 0; n < C::dimension; ++n) {
-        axes[n][n] = 1;
-        readers[n] = detail::repeat_vector(std::size(points), axes[n]);
-    }
-    return detail::bind_each_vector(coordinates, detail::read_points<T>(points), readers, options, running);
+    return detail::bind_axes(coordinates, detail::read_points<typename C::scalar>(points), options, running);
 }
 
 } // namespace cageform::inline CAGEFORM_ABI

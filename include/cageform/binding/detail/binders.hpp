@@ -36,6 +36,20 @@ bind_each_vector(const C& coordinates, const PointReader<typename C::scalar>& po
     return result;
 }
 
+/// Binds the D axes at every point.
+template <class C>
+auto bind_axes(const C& coordinates, const PointReader<typename C::scalar>& points,
+               const BindOptions& options, const Running& running) {
+    using T = typename C::scalar;
+    std::array<Vec<T, C::dimension>, C::dimension> axes{};
+    std::array<PointReader<T>, C::dimension> readers;
+    for (std::size_t n = 0; n < C::dimension; ++n) {
+        axes[n][n] = 1;
+        readers[n] = repeat_vector(points.size, axes[n]);
+    }
+    return bind_each_vector(coordinates, points, readers, options, running);
+}
+
 } // namespace cageform::inline CAGEFORM_ABI::detail
 
 #if !defined(CAGEFORM_COMPILED)

@@ -10,8 +10,23 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
+/// Coordinates with gradients; those of AnyCoordinates show at run time.
+template <class C>
+concept SampledCoordinates = GradientCoordinates<C> || requires(const C& c) {
+    { c.has_gradients() } -> std::same_as<bool>;
+};
+
+/// Whether weights are defined outside the cage.
+template <class C>
+bool has_weights_outside(const C& coordinates) noexcept {
+    if constexpr (CageCoordinates<C>)
+        return C::has_extension;
+    else
+        return coordinates.has_extension();
+}
+
 /// Makes the samples once.
-template <GradientCoordinates C>
+template <SampledCoordinates C>
 class PoseSampler {
     using T = typename C::scalar;
     static constexpr std::size_t D = C::dimension;
@@ -50,6 +65,9 @@ private:
     /// Sets what the handles give, and finds the samples.
     Status begin(PoseSamples<T, D>& to, const Running& running) {
         if (coordinates_.cage_report().status != Status::ok) return coordinates_.cage_report().status;
+        if constexpr (!GradientCoordinates<C>) {
+            if (!coordinates_.has_gradients()) return Status::gradients_not_supported;
+        }
         if (!(options_.smoothing >= 0) || !is_finite(options_.smoothing) || !is_finite(options_.spokes))
             return Status::value_not_finite;
         const std::size_t count = handles_.count;
@@ -83,7 +101,7 @@ private:
     /// Binds the axes at samples, a batch at a time, and adds them up. Coordinates with a solver that would
     /// solve again take all at once.
     Status add_samples(const PoseSamples<T, D>& to, SampleSums<T, D>& sums, const Running& running) {
-        constexpr bool keeps = C::closed_form || requires(C & c) {
+        const bool keeps = is_closed_form(coordinates_) || requires(C & c) {
             c.solve(Running{});
         };
         const std::size_t count = sampled_.points.size(), batch = keeps ? 512 : count;
@@ -132,7 +150,7 @@ private:
         };
         leave_out(report_.bind.not_finite);
         leave_out(report_.bind.unreached);
-        if (!C::has_extension) leave_out(report_.bind.outside);
+        if (!has_weights_outside(coordinates_)) leave_out(report_.bind.outside);
         gradients_.resize(Eigen::Index(handles_.count), Eigen::Index(points.size() * D));
         for (std::size_t n = 0; n < points.size(); ++n) {
             for (std::size_t k = 0; k < D; ++k) {
@@ -176,7 +194,7 @@ private:
         std::vector<Vec<T, D>> places;
         places.reserve(centres.size());
         for (const std::uint32_t s : centres) places.push_back(sampled_.points[s]);
-        auto [binding, bound] = bind(coordinates_, places, {}, running);
+        auto [binding, bound] = bind(coordinates_, places, BindOptions{}, running);
         if (bound.status != Status::ok) return bound.status;
         std::size_t vectors = 0;
         for (std::size_t i = 0; i < handles_.count; ++i) {
@@ -229,7 +247,7 @@ private:
 };
 
 /// Makes samples, of given points if there are any, under the memory guard. A solver solves once.
-template <GradientCoordinates C>
+template <SampledCoordinates C>
 Result<PoseSamples<typename C::scalar, C::dimension>, PoseSamplesReport>
 make_pose_samples(const C& coordinates, const std::vector<Vec<typename C::scalar, C::dimension>>* given,
                   const PoseSampleOptions& options, const Running& running) {

@@ -28,8 +28,17 @@ Bounds<double, D> bounds_of_points(const HandleView<T, D>& handles) {
     return bounds_of(std::span<const Vec<double, D>>(points));
 }
 
+/// Whether a few points at a time cost no more each than many; AnyCoordinates answer at run time.
+template <class C>
+bool is_closed_form(const C& coordinates) noexcept {
+    if constexpr (CageCoordinates<C>)
+        return C::closed_form;
+    else
+        return coordinates.closed_form();
+}
+
 /// A lattice of cells that fill a box; a sample is the middle of a cell.
-template <CageCoordinates C>
+template <class C>
 class SampleLattice {
     using T = typename C::scalar;
     static constexpr std::size_t D = C::dimension;
@@ -85,8 +94,8 @@ private:
 
     /// Asks the coordinates where the points are; few at a time, for their weights are not kept.
     Status locate(const Running& running) {
-        constexpr std::size_t blocks = C::closed_form ? 8 : 128, piece = blocks * lane_count<T>;
-        const std::size_t handles = coordinates_.handles().size();
+        const std::size_t blocks = is_closed_form(coordinates_) ? 8 : 128, piece = blocks * lane_count<T>;
+        const std::size_t handles = handle_view(coordinates_).count;
         const std::size_t pieces = (states_.size() + piece - 1) / piece;
         std::vector<Status> statuses(pieces, Status::ok);
         const Status status = for_each_block(pieces, running, [&](std::size_t begin, std::size_t end) {
