@@ -122,7 +122,7 @@ struct Scene {
         std::vector<T> row(coordinates.handles().size());
         return distance(p, coordinates.nearest_boundary(p, row));
     }
-    /// What rounding of points takes from distances, in units of the falloff.
+    /// Returns the rounding of distances, in units of the falloff.
     double rounding(double falloff) const {
         double largest = size;
         for (const auto& p : points) largest = std::max(largest, distance(p, Vec<T, D>{}));

@@ -1,4 +1,4 @@
-// What is made of bindings that fade: figures, packed bindings, other types; and what is refused.
+// Figures, packed bindings, compositions of what fades, and falloffs that are refused.
 #include "../catch.hpp"
 #include "../support/bindings.hpp"
 #include "../support/figures.hpp"

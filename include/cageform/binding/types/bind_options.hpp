@@ -59,7 +59,7 @@ struct BindReport {
     SolverReport solver;
     std::size_t points = 0; ///< given
     std::vector<std::size_t> on_boundary;
-    std::vector<std::size_t> outside;    ///< treated according to BindOptions::outside
+    std::vector<std::size_t> outside; ///< treated according to BindOptions::outside
     /// Those outside that lie within BindOptions::falloff; the others outside then stay in place.
     std::vector<std::size_t> faded;
     std::vector<std::size_t> not_finite; ///< kept as they are in every pose
