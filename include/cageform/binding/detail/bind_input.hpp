@@ -54,6 +54,7 @@ struct BindInput {
     std::function<Evaluation(const Batch<T>&, const Running&)> evaluate_weights; ///< for vectors too
     std::function<Vec<T, D>(const Vec<T, D>&, std::span<T>)> nearest_boundary;
     std::function<OutsideDistance<D>(const Vec<T, D>&)> distance;
+    bool is_within_handles = false; ///< the cage lies within the bounds of the handles that are points
     PointReader<T> points;
 };
 
@@ -82,6 +83,7 @@ BindInput<typename C::scalar, C::dimension> bind_input(const C& coordinates,
                 return coordinates.nearest_boundary(p, row);
             },
             [&coordinates](const Vec<T, C::dimension>& p) { return outside_distance(coordinates, p); },
+            is_within_handles<C>,
             std::move(points)};
 }
 

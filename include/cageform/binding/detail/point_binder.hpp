@@ -6,10 +6,14 @@
 #include <cageform/binding/detail/falloff.hpp>
 #include <cageform/binding/detail/piece_measures.hpp>
 #include <cageform/core/affine/linear_restorer.hpp>
+#include <cageform/core/detail/bounds.hpp>
 #include <cageform/core/detail/huge_pages.hpp>
 #include <cageform/core/detail/in_parallel.hpp>
 #include <cageform/core/detail/stopwatch.hpp>
 #include <cageform/core/result.hpp>
+
+#include <algorithm>
+#include <optional>
 
 namespace cageform::inline CAGEFORM_ABI {
 
@@ -33,7 +37,13 @@ protected:
         , states_(count_, PointState::unreached)
         , missed_(count_)
         , beyond_(options.falloff > 0 ? count_ : 0)
-        , pieces_((block_count<T>(count_) + piece_blocks - 1) / piece_blocks) {}
+        , pieces_((block_count<T>(count_) + piece_blocks - 1) / piece_blocks) {
+        std::vector<Vec<T, D>> corners;
+        for (std::size_t i = 0; i < handles_.count && !beyond_.empty() && input.is_within_handles; ++i) {
+            if (handles_.is_point(i)) corners.push_back(handles_.rest[i]);
+        }
+        if (!corners.empty()) bounds_ = bounds_of(std::span<const Vec<T, D>>(corners));
+    }
 
     /// Makes the bindings, reusing their memory; fill() sets weights, rest and states.
     template <class Fill>
@@ -82,10 +92,22 @@ protected:
     /// nothing gets no weights.
     Fading<D> fading_of(std::size_t i, const Vec<T, D>& p) {
         if (beyond_.empty()) return {};
-        Fading<D> fading(input_.distance(p), options_.falloff);
+        Fading<D> fading;
+        if (is_far(p)) // so are most points too far from the cage, at no search
+            fading.kept = 0;
+        else
+            fading = {input_.distance(p), options_.falloff};
         fading.kept = static_cast<T>(fading.kept);
         beyond_[i] = fading.kept == 0;
         return fading;
+    }
+    /// Returns whether a point is too far from the bounds of the cage, if these are known, to move.
+    bool is_far(const Vec<T, D>& p) const noexcept {
+        if (!bounds_) return false;
+        Vec<double, D> away{};
+        for (std::size_t k = 0; k < D; ++k)
+            away[k] = double(p[k]) - double(std::clamp(p[k], bounds_->lower[k], bounds_->upper[k]));
+        return OutsideDistance<D>(away).distance >= options_.falloff;
     }
     bool is_beyond(std::size_t i) const noexcept { return !beyond_.empty() && beyond_[i] != 0; }
     bool restores() const noexcept { return options_.linear_precision == LinearPrecision::restore; }
@@ -158,6 +180,7 @@ protected:
     std::vector<PointState> states_;
     std::vector<char> missed_; // more than rounding is left to restore
     std::vector<char> beyond_; // outside, and too far from the cage to move; empty without a falloff
+    std::optional<Bounds<T, D>> bounds_; // that hold the cage, if there are any and a falloff
     std::vector<BindPiece> pieces_;
 };
 

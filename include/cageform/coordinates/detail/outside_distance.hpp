@@ -30,6 +30,13 @@ struct OutsideDistance {
     }
 };
 
+/// Whether the distance is that from a cage of which the handles that are points are the corners, so that it
+/// lies within their bounds.
+template <class C>
+inline constexpr bool is_within_handles = requires(const C& c, Vec<typename C::scalar, C::dimension> p) {
+    nearest_boundary_value(c.cage(), p, p);
+};
+
 /// Returns the distance of the finite point `p` from the boundary: that of the type's own
 /// `distance_outside`, else to the nearest point of its cage, else to what `nearest_boundary` returns.
 template <CageCoordinates C>
@@ -40,7 +47,7 @@ OutsideDistance<C::dimension> outside_distance(const C& coordinates,
         return coordinates.distance_outside(p);
     } else {
         Vec<T, C::dimension> place = p;
-        if constexpr (requires { nearest_boundary_value(coordinates.cage(), p, place); }) {
+        if constexpr (is_within_handles<C>) {
             (void)nearest_boundary_value(coordinates.cage(), p, place);
         } else {
             std::vector<T> row(coordinates.handles().size());
