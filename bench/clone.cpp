@@ -455,7 +455,7 @@ void clone_with_normals(benchmark::State& state) {
         benchmark::Counter(double(out.size()), benchmark::Counter::kIsIterationInvariantRate);
 }
 
-/// What is computed for every point of a figure.
+/// The quantity that is computed for every point of a figure.
 enum class Of : std::uint8_t { points, normals, normals_transposed, jacobians, folds, largest_step };
 
 template <class T, Of what>

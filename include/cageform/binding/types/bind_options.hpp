@@ -23,17 +23,19 @@ enum class LinearPrecision : std::uint8_t { restore, leave };
 struct BindOptions {
     OutsidePoints outside = OutsidePoints::extend;
     LinearPrecision linear_precision = LinearPrecision::restore;
-    /// The distance from the cage's boundary, in its units, at which the displacements of points outside
-    /// have faded to nothing; 0: they do not fade. Weights outside are multiplied by
+    /// The distance from the cage at which the displacements of points outside have faded to nothing, in
+    /// the units of the cage; 0: they do not fade. The weights of a point outside, at distance d, are
+    /// multiplied by
     ///
-    ///     f = (1 − x)² (1 + 2x),   x = d / falloff,   and are exact zeros from there on
+    ///     f = (1 − x)² (1 + 2x),   x = d / falloff
     ///
-    /// so a point at rest stays, but an affine pose is not exact outside. The motion is C¹ across the
-    /// boundary if that of the weights is. f has slopes up to 1.5 / falloff: the figure may fold if
-    /// a point on the boundary moves by more than two thirds of the falloff. With nearest_boundary the
-    /// motion jumps where two parts of the cage are equally near, unless the falloff is less than that far.
-    /// Fails with falloff_not_supported if negative or not finite, or where points outside have no weights:
-    /// with keep_in_place, and with extend if the coordinates have no extension.
+    /// and are exact zeros where x is 1 or more. Rest stays exact; affine poses are not exact outside. The
+    /// motion is as smooth at the boundary as without, up to C¹. The slope of f is up to 1.5 / falloff: the
+    /// figure may fold if points move by more than two thirds of the falloff. With nearest_boundary the
+    /// motion jumps where two parts of the cage are equally near and nearer than the falloff.
+    ///
+    /// Fails with falloff_not_supported if it is negative or not finite, or if points outside have no
+    /// weights: with keep_in_place, or with extend where the coordinates have no extension.
     double falloff = 0;
 };
 
