@@ -19,8 +19,8 @@ namespace cageform::inline CAGEFORM_ABI {
 ///             bad *point* is listed and kept in place; the others are bound nevertheless
 ///   cost      that of the coordinates, plus O(#handles) a point; (#handles + D) scalars of memory
 ///             a point
-///   fails     as the cage's check and the coordinates say; coordinates_empty; cancelled;
-///             out_of_memory
+///   fails     as the cage's check and the coordinates say; coordinates_empty;
+///             falloff_not_supported; cancelled; out_of_memory
 ///
 /// A figure with normals:
 ///
