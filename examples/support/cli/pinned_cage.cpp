@@ -129,12 +129,10 @@ SvgResult<PinnedCage<T, D>> PinnedCage<T, D>::make(const ChosenCoordinates<T, D>
         turned.push_back(pin.turn ? 1 : 0);
         any_turns = any_turns || pin.turn;
     }
-    // A pin outside is a slip where the coordinates end at the cage, unless one asks for the boundary's.
-    const bool goes_on = coordinates.has_extension() && (outside.word == "auto" || outside.word == "extend");
-    cageform::BindOptions options;
-    options.outside = goes_on                     ? cageform::OutsidePoints::extend
-                      : outside.word == "nearest" ? cageform::OutsidePoints::nearest_boundary
-                                                  : cageform::OutsidePoints::keep_in_place;
+    cageform::BindOptions options = outside.bind_options(coordinates);
+    // A pin outside is a slip where the coordinates end at the cage, unless one asks for what is outside.
+    if (outside.word == "auto" && outside.falloff == 0 && !coordinates.has_extension())
+        options.outside = cageform::OutsidePoints::keep_in_place;
     const auto bound = coordinates.bind(places, options);
     if (!bound) return refuse(bound.report, bound.report.status);
     const std::string where = coordinates.takes_sites ? "the convex hull of " : "the cage ";
