@@ -220,8 +220,7 @@ Deformed deformed(const Arguments& given, const ObjFile& figure, const Control& 
     const std::span<const Point3> rest(figure.vertices);
     const std::size_t fits = most_bytes / (sizeof(double) * (coordinates.handles().count + 1));
     const std::size_t together = rest.size() <= fits ? rest.size() : fits / 4 + 1;
-    cageform::BindOptions options;
-    options.outside = given.outside.policy(coordinates);
+    const auto options = given.outside.bind_options(coordinates);
     Deformed result;
     result.vertices.resize(rest.size());
     auto& report = result.report;
@@ -288,8 +287,7 @@ MeshFolds found_folds(const Arguments& given, const ObjFile& figure, const Contr
     const auto at_rest = coordinates.handles();
     const std::span<const Point3> rest(figure.vertices);
     const std::size_t together = most_bytes / (3 * sizeof(double) * (at_rest.count + 1)) + 1;
-    cageform::BindOptions options;
-    options.outside = given.outside.policy(coordinates);
+    const cageform::BindOptions options = given.outside.bind_options(coordinates);
     ProgressBar bar("looking for folds");
     const cageform::Running running{.progress = bar.callback()};
     if (together < rest.size()) (void)coordinates.solve(running.subtask(0, 0.5));
@@ -426,7 +424,7 @@ int run_program(int argc, char** argv) {
         .ends_with({".obj", ".mesh"});
     given.outside.with_sites = given.choice.with_sites = given.choice.with_normals = true;
     given.choice.in_space = true;
-    given.outside.add_option(line);
+    given.outside.add_options(line);
     given.of_sites.add_options(line);
     line.add("--picture", given.picture, "also draw it at rest and posed, in its cage, to a PNG file")
         .ends_with({".png"});
@@ -439,7 +437,8 @@ int run_program(int argc, char** argv) {
                     pose_operations_format + "\n" + pins_format + "\n" + site_formats + "\n" +
                     site_weights_format);
     if (const auto code = line.parse(argc, argv)) return *code;
-    for (const std::string& why : {given.of_sites.fault(given.choice), given.pins.fault(given.has_pose())}) {
+    for (const std::string& why :
+         {given.of_sites.fault(given.choice), given.outside.fault(), given.pins.fault(given.has_pose())}) {
         if (!why.empty()) return fail(why);
     }
     const std::string ending = ending_of(given.figure) == ".mesh" ? ".mesh" : ".obj";

@@ -72,7 +72,7 @@ void read_clip(const std::string& text) {
     }
 }
 
-/// What is read of pins is finite, and weights are positive.
+/// Checks that pins are finite, and their weights positive.
 template <std::size_t D>
 void read_pins_in(const std::string& text) {
     const std::vector<cageform::Vec<double, D>> vertices(5);

@@ -24,18 +24,17 @@ constexpr std::size_t most_frames = 2000; // of a pose; figures in space take so
 
 } // namespace
 
-void PinChoice::add_options(CommandLine& line, bool with_files) {
+void PinChoice::add_options(CommandLine& line) {
     solving.settled_step = 1e-6;
     line.add_text(
             "--pin", [this](const std::string& word) { given.emplace_back(word, false); },
             "take a point of the figure to a place, and all else along: PLACE:TARGET@DEGREES, such as "
             "90,16:70,20 or, with signs, by how much: 90,16:+0,-5; PLACE alone stays where it is")
         .in_order();
-    if (with_files)
-        line.add_text(
-                "--pins", [this](const std::string& path) { given.emplace_back(path, true); },
-                "a CSV file of pins, one on each line")
-            .in_order();
+    line.add_text(
+            "--pins", [this](const std::string& path) { given.emplace_back(path, true); },
+            "a CSV file of pins, one on each line")
+        .in_order();
     line.add("--hold", held,
              "vertices of the cage that pins leave where the pose has them, by default at rest: 0-1,5");
     line.add("--pin-weight", solving.pin_weight,
@@ -130,12 +129,10 @@ SvgResult<PinnedCage<T, D>> PinnedCage<T, D>::make(const ChosenCoordinates<T, D>
         turned.push_back(pin.turn ? 1 : 0);
         any_turns = any_turns || pin.turn;
     }
-    // A pin outside is a slip where the coordinates end at the cage, unless one asks for the boundary's.
-    const bool goes_on = coordinates.has_extension() && (outside.word == "auto" || outside.word == "extend");
-    cageform::BindOptions options;
-    options.outside = goes_on                     ? cageform::OutsidePoints::extend
-                      : outside.word == "nearest" ? cageform::OutsidePoints::nearest_boundary
-                                                  : cageform::OutsidePoints::keep_in_place;
+    cageform::BindOptions options = outside.bind_options(coordinates);
+    // A pin outside is a slip where the coordinates end at the cage, unless one asks for what is outside.
+    if (outside.word == "auto" && outside.falloff == 0 && !coordinates.has_extension())
+        options.outside = cageform::OutsidePoints::keep_in_place;
     const auto bound = coordinates.bind(places, options);
     if (!bound) return refuse(bound.report, bound.report.status);
     const std::string where = coordinates.takes_sites ? "the convex hull of " : "the cage ";

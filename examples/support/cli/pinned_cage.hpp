@@ -24,8 +24,7 @@ struct PinChoice {
     cageform::PoseOptions solving;
     cageform::PoseSampleOptions sampling;
 
-    /// with_files   whether the program takes the option --pins
-    void add_options(CommandLine& line, bool with_files = true);
+    void add_options(CommandLine& line);
     bool is_given() const { return !given.empty(); }
     /// Returns why the options do not go together; empty if they do.
     ///
