@@ -75,8 +75,8 @@ void read_clip(const std::string& text) {
 /// Checks that pins are finite, and their weights positive.
 template <std::size_t D>
 void read_pins_in(const std::string& text) {
-    const std::vector<cageform::Vec<double, D>> vertices(5);
-    const auto pins = parse_pins<D>(text, "file.csv", std::span(vertices));
+    const std::vector<cageform::Vec<double, D>> figure(5);
+    const auto pins = parse_pins<D>(text, "file.csv", std::span(figure));
     if (taken(pins)) {
         for (const auto& pin : *pins) {
             REQUIRE(is_finite(pin.place) && is_finite(pin.target) && pin.weight > 0);
@@ -84,7 +84,7 @@ void read_pins_in(const std::string& text) {
         }
         (void)contradiction(*pins);
     }
-    const auto pin = parse_pin<D>(text, std::span(vertices));
+    const auto pin = parse_pin<D>(text, std::span(figure));
     if (taken(pin)) REQUIRE(is_finite(pin->place) && is_finite(pin->target));
 }
 void read_pins(const std::string& text) {
