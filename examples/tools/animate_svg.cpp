@@ -288,7 +288,7 @@ int run_program(int argc, char** argv) {
     add_film("apng", "an animated PNG", {".png", ".apng"});
     add_film("mp4", "a video", {".mp4"});
     line.add("--width", settings.width, "the width of films, in pixels").range(16, 8192).show_default();
-    settings.outside.add_option(line);
+    settings.outside.add_options(line);
     settings.choice.in_plane = settings.choice.with_normals = true;
     settings.choice.add_options(line);
     line.set_footer(cage_formats + std::string("\n") + lattice_format + "\n" + pose_operations_format + "\n" +
@@ -296,6 +296,7 @@ int run_program(int argc, char** argv) {
     if (const auto code = line.parse(argc, argv)) return *code;
     if (!settings.clip.empty() && !settings.operations.operations.empty())
         return fail("give --clip or operations such as --turn, but not both");
+    if (const std::string why = settings.outside.fault(); !why.empty()) return fail(why);
     if (ending_of(settings.out) != ".svg") {
         settings.films.insert(settings.films.begin(), settings.out);
         settings.out.clear();

@@ -153,8 +153,7 @@ int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& ca
         curves = std::move(*made);
         poses = sample_poses(motion);
     }
-    cageform::BindOptions bind_options;
-    bind_options.outside = given.outside.policy(coordinates);
+    const auto bind_options = given.outside.bind_options(coordinates);
     const std::vector<Point3> normals = normals_of(figure);
     cageform::Result<cageform::FigureBinding<float, 3>, cageform::FigureBindReport> bound;
     {
@@ -247,7 +246,7 @@ int run_program(int argc, char** argv) {
     line.add("-o,--output", given.out, "the file to write").required().ends_with({".figure"});
     given.choice.with_normals = given.choice.in_space = true;
     given.choice.add_options(line);
-    given.outside.add_option(line);
+    given.outside.add_options(line);
     line.add("--largest", given.largest,
              "the number of a vertex's largest weights to keep, 4 or more; 0 keeps all")
         .show_default();
@@ -265,6 +264,7 @@ int run_program(int argc, char** argv) {
     line.set_footer(obj_format + std::string("\n") + lattice_format + "\n" + pose_clip_format + "\n" +
                     pose_operations_format + "\n" + labels_format);
     if (const auto code = line.parse(argc, argv)) return *code;
+    if (const std::string why = given.outside.fault(); !why.empty()) return fail(why);
     if (given.choice.name == "barycentric")
         return fail("--coordinates barycentric: normals are bound by mean-value, harmonic or green");
     if (given.choice.name == "harmonic" &&

@@ -147,8 +147,7 @@ Deformed deformed(const Arguments& given, const ObjFile& figure, const Control& 
     const std::span<const Point3> rest(figure.vertices);
     const std::size_t fits = most_bytes / (sizeof(double) * (coordinates.handles().count + 1));
     const std::size_t together = rest.size() <= fits ? rest.size() : fits / 4 + 1;
-    cageform::BindOptions options;
-    options.outside = given.outside.policy(coordinates);
+    const auto options = given.outside.bind_options(coordinates);
     Deformed result;
     result.vertices.resize(rest.size());
     auto& report = result.report;
@@ -277,7 +276,7 @@ int run_program(int argc, char** argv) {
     line.add("-o,--output", given.out, "the OBJ file to write").required().ends_with({".obj"});
     given.outside.with_sites = given.choice.with_sites = given.choice.with_normals = true;
     given.choice.in_space = true;
-    given.outside.add_option(line);
+    given.outside.add_options(line);
     given.of_sites.add_options(line);
     line.add("--picture", given.picture, "also draw it at rest and posed, in its cage, to a PNG file")
         .ends_with({".png"});
@@ -289,8 +288,9 @@ int run_program(int argc, char** argv) {
     line.set_footer(obj_format + std::string("\n") + lattice_format + "\n" + pose_operations_format + "\n" +
                     site_formats + "\n" + site_weights_format);
     if (const auto code = line.parse(argc, argv)) return *code;
-    const std::string why = given.of_sites.fault(given.choice);
-    if (!why.empty()) return fail(why);
+    for (const std::string& why : {given.of_sites.fault(given.choice), given.outside.fault()}) {
+        if (!why.empty()) return fail(why);
+    }
 
     const auto figure = load_obj(given.figure);
     if (!figure) return fail(to_string(figure.error()));

@@ -168,7 +168,7 @@ int run_program(int argc, char** argv) {
     line.add_flag("--png", png, "also render it, to the same name with .png");
     line.add("--png-width", png_width, "the width of the PNG file, in pixels").range(1, 16384).show_default();
     outside.with_sites = choice.with_sites = choice.in_plane = choice.with_normals = true;
-    outside.add_option(line);
+    outside.add_options(line);
     of_sites.add_options(line);
     line.add_flag(
         "--text-as-paths", text_as_paths,
@@ -190,6 +190,7 @@ int run_program(int argc, char** argv) {
                     site_formats + "\n" + site_weights_format);
     if (const auto code = line.parse(argc, argv)) return *code;
     if (const std::string why = of_sites.fault(choice); !why.empty()) return fail(why);
+    if (const std::string why = outside.fault(); !why.empty()) return fail(why);
 
     if (pose_path.empty() && operations.operations.empty()) options.fit = true;
     auto document = load_figure(figure_path, text_as_paths);

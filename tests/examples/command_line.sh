@@ -236,6 +236,20 @@ report $ok "one warning of points outside"
 for policy in keep nearest extend; do
   works "outside: $policy" "$deform" "$cat" --cage "$data/man_cage.svg" --pose "$data/man_pose.svg" --outside $policy -o kept.svg
 done
+printf '40,30\n340,30\n340,330\n40,330\n' >head_cage.csv
+printf '0,20\n300,-10\n320,290\n20,320\n' >head_pose.csv
+refuses 'is it the cage of another figure' "$deform" "$cat" --cage head_cage.csv --pose head_pose.csv -o out.svg
+works "a cage of the head alone" "$deform" "$cat" --cage head_cage.csv --pose head_pose.csv --falloff 100 --report -o head.svg
+grep -q '^  outside, within the falloff: [1-9]' log && ! grep -q warning log && ok=yes || ok=no
+report $ok "the report lists what fades, and nothing is warned of"
+works "as harmonic coordinates have none outside, by the nearest boundary" "$deform" "$cat" --cage head_cage.csv --pose head_pose.csv --coordinates harmonic --falloff 100 -o head.svg
+for falloff in -1 nan inf far; do
+  refuses '--falloff' "$deform" "$cat" --cage head_cage.csv --pose head_pose.csv --falloff $falloff -o out.svg
+done
+for policy in keep refuse; do
+  refuses "--falloff: with --outside $policy no point outside moves" "$deform" "$cat" --cage head_cage.csv --pose head_pose.csv --falloff 9 --outside $policy -o out.svg
+done
+refuses 'not defined outside' "$deform" "$cat" --cage head_cage.csv --pose head_pose.csv --coordinates harmonic --falloff 9 --outside extend -o out.svg
 
 # ---- cage_weights ----
 printf '0,0\n2,0\n2,2\n0,2\n\n0.5,0.5\n0.5,1\n1,1\n' >hole.csv
@@ -249,6 +263,13 @@ sed -n 3p weights.csv | grep -q '^on_boundary,0,0.5,0.5,0,0,0,0$' && ok=yes || o
 report $ok "the middle of an edge"
 sed -n 5p weights.csv | grep -q '^not_finite,nan,' && ok=yes || ok=no
 report $ok "no weights for a point that is not finite"
+printf '3,1\n6,1\n1.5,1.5\n' >away.csv
+works "weights that fade" "$weights" --cage hole.csv --points away.csv --outside nearest --falloff 2 -o away_weights.csv
+[ "$(sed 1d away_weights.csv | cut -d, -f1-5 | tr '\n' ' ')" = "outside,0,0.25,0.25,0 outside,0,0,0,0 $(sed -n 2p weights.csv | cut -d, -f1-5) " ] && ok=yes || ok=no
+report $ok "half of the nearest boundary's at half the falloff, none beyond, those inside as before"
+refuses '--falloff: with --outside keep' "$weights" --cage hole.csv --points away.csv --outside keep --falloff 2 -o out.csv
+refuses 'give --outside nearest' "$weights" --cage hole.csv --points away.csv --coordinates harmonic --falloff 2 -o out.csv
+refuses '--falloff' "$weights" --cage hole.csv --points away.csv --falloff -2 -o out.csv
 for scalar in float double; do
   for type in mean-value harmonic; do
     works "weights, $scalar $type" "$weights" --cage hole.csv --points points.csv --coordinates $type --scalar $scalar --resolution 64 --tolerance 1e-5 -o w.csv
@@ -571,6 +592,8 @@ done
 grep -q 'the grid is coarse for the edge between vertices .* (counted from 1, as in the file)' log && ok=yes || ok=no
 report $ok "edges are named as the file counts"
 works "it is kept in place" "$bind" stray_character.obj --cage character_cage.obj --outside keep -o stray.figure
+works "it fades" "$bind" stray_character.obj --cage character_cage.obj --falloff 0.5 -o stray.figure
+refuses '--falloff: with --outside keep' "$bind" stray_character.obj --cage character_cage.obj --outside keep --falloff 0.5 -o out.figure
 ! grep -q warning log && ok=yes || ok=no
 report $ok "what was asked for is not warned of"
 refuses '1 of 8066 vertices of stray_character.obj lie outside the cage' "$bind" stray_character.obj --cage character_cage.obj --outside refuse -o out.figure
@@ -686,6 +709,14 @@ works "a vertex on the boundary" "$mesh" stray.obj --cage box.obj --pose box_pos
 cmp -s auto_mean-value.obj extended.obj && cmp -s auto_harmonic.obj nearest.obj && ok=yes || ok=no
 report $ok "auto extends where it can, else takes the nearest boundary"
 refuses 'not defined outside' "$mesh" stray.obj --cage box.obj --pose box_pose.obj --coordinates harmonic --outside extend -o out.obj
+works "a vertex beyond the falloff" "$mesh" stray.obj --cage box.obj --pose box_pose.obj --falloff 0.5 -o faded.obj
+[ "$(grep '^v' faded.obj | tail -1)" = "$(grep '^v' stray.obj | tail -1)" ] && ok=yes || ok=no
+report $ok "it stays in place"
+works "a vertex within the falloff" "$mesh" stray.obj --cage box.obj --pose box_pose.obj --falloff 1e9 -o faded.obj
+cmp -s faded.obj extended.obj && ok=yes || ok=no
+report $ok "a falloff without end is as none"
+refuses '--falloff: with --outside keep' "$mesh" stray.obj --cage box.obj --pose box_pose.obj --falloff 1 --outside keep -o out.obj
+refuses '--falloff' "$mesh" stray.obj --cage box.obj --pose box_pose.obj --falloff -1 -o out.obj
 for policy in keep nearest extend; do
   works "vertices outside: $policy" "$mesh" stray.obj --cage box.obj --pose box_pose.obj --outside $policy -o kept.obj
 done
@@ -1719,6 +1750,10 @@ for type in mean-value harmonic; do
   report $ok "points outside are named, $type"
 done
 refuses 'stray.svg lie outside the cage' "$animate" stray.svg --cage "$cage" --clip "$data/cat_walk.csv" --outside refuse -o out.svg
+works "a cat that walks and what is far stays" "$animate" stray.svg --cage "$cage" --clip "$data/cat_walk.csv" --rate 6 --falloff 200 -o walk.svg
+grep -q '<path d="M -900 0 L -800 0 L -800 50 Z"/>' walk.svg && ok=yes || ok=no
+report $ok "its path is not animated"
+refuses '--falloff: with --outside keep' "$animate" stray.svg --cage "$cage" --clip "$data/cat_walk.csv" --outside keep --falloff 200 -o out.svg
 refuses 'not defined outside' "$animate" stray.svg --cage "$cage" --clip "$data/cat_walk.csv" --coordinates harmonic --outside extend -o out.svg
 refuses 'the same file as ' "$animate" "$cat" --cage "$cage" --clip "$data/cat_walk.csv" --rate 4 -o out.01.svg --stills out. --still-count 1
 

@@ -111,7 +111,7 @@ public:
         : figure_(figure)
         , control_(control)
         , outside_(outside) {
-        options_.outside = outside.policy(control.coordinates);
+        options_ = outside.bind_options(control.coordinates);
     }
 
     /// False where it cannot be done: see `failure`.

@@ -88,6 +88,7 @@ namespace cageform::inline CAGEFORM_ABI {
     X(input_malformed, "the text or the arrays do not follow their format")                 \
     X(handle_not_allowed, "a handle lies where the format allows none")                           \
     /* binding/: bind, pack, skins */                                                     \
+    X(falloff_not_supported, "a falloff is a finite distance, and takes weights of points outside")\
     X(too_many_handles, "more handles than can be counted or kept")                               \
     X(handles_not_points, "some handles are vectors, and only points will do")                    \
     X(bone_axes_dependent, "the axes of a bone do not span the space")                            \
