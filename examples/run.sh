@@ -70,7 +70,7 @@ echo "        out/cat.png is the cat at rest and in five poses, after $(($(date 
 step "build all other programs (about five minutes)"
 build
 step "lessons"
-for lesson in "$programs"/[01]*; do
+for lesson in "$programs"/[0-2]*; do
   [ -f "$lesson" ] || continue # CMake keeps a folder beside it
   echo "== $(basename "$lesson")"
   "$lesson"

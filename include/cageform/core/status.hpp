@@ -111,6 +111,7 @@ namespace cageform::inline CAGEFORM_ABI {
     X(not_a_blob, "the memory holds no packed binding, or is not aligned to 64 bytes")            \
     X(not_a_figure, "the memory holds no packed figure, or is not aligned to 64 bytes")           \
     X(not_a_clip, "the memory holds no packed clip, or is not aligned to 64 bytes")               \
+    X(not_pose_samples, "the memory holds no packed samples, or is not aligned to 64 bytes")      \
     X(blob_version_differs, "the packed data is of another version or byte order")                \
     X(blob_kind_differs, "the packed data is of another scalar or dimension")                     \
     X(blob_truncated, "the packed data is cut off")                                               \
