@@ -80,6 +80,7 @@ Result<Binding<T, D>, BindBonesReport> bind_bones(const R& points, const Bones& 
                                             .evaluate = evaluate,
                                             .evaluate_weights = evaluate,
                                             .nearest_boundary = stay,
+                                            .distance = {},
                                             .points = detail::read_points<T>(points)};
         auto bound = detail::bind_points(input, options, Binding<T, D>{}, running);
         result.value = std::move(bound.value);
