@@ -197,14 +197,12 @@ private:
         const std::size_t first = this->first_of(piece) / lanes;
         PieceMeasures<T> measures(this->first_of(piece));
         for (std::size_t b = first; b < first + block_count<T>(this->states_of(piece).size()); ++b) {
-            const Lanes<T>* const slopes = gradients.rows.block(b - gradients.first / lanes);
             Lanes<T> bound;
             for (std::size_t lane = 0; lane < lanes; ++lane) {
                 const std::size_t i = b * lanes + lane;
                 bound[lane] = i < count_ && this->is_bound(states_[i]) && !this->is_beyond(i) ? T(1) : T(0);
             }
-            for (std::size_t n = 0; n < vectors_.size(); ++n)
-                bind_block(b, n, gradients, slopes, bound, measures);
+            for (std::size_t n = 0; n < vectors_.size(); ++n) bind_block(b, n, gradients, bound, measures);
             // A point that lost one vector loses them all.
             for (const BlockView<T>& weights : this->weights_)
                 this->clear_unreached(bound, b, weights.block(b));
@@ -213,8 +211,9 @@ private:
     }
 
     /// Computes the weights of vector n in a block: w_i = t·∇w_i.
-    void bind_block(std::size_t b, std::size_t n, const Gradients& gradients, const Lanes<T>* slopes,
-                    const Lanes<T>& bound, PieceMeasures<T>& measures) {
+    void bind_block(std::size_t b, std::size_t n, const Gradients& gradients, const Lanes<T>& bound,
+                    PieceMeasures<T>& measures) {
+        const Lanes<T>* const slopes = gradients.rows.block(b - gradients.first / lanes);
         Lanes<T>* const row = this->weights_[n].block(b);
         Lanes<T> target[D];
         for (std::size_t lane = 0; lane < lanes; ++lane) {
@@ -231,28 +230,30 @@ private:
             if (bound[lane] == T(0)) this->clear(row, lane);
         }
         auto outcome = this->restorer_.run_vectors(target, bound, row, this->restores());
-        fade(gradients.fading, b * lanes - gradients.first, target, bound, row, outcome);
+        fade(b, n, gradients, bound, outcome);
         this->take(outcome, bound, b, measures);
     }
 
     /// Makes weights outside those of a displacement that fades: f (t·∇w_i) + (t·∇f) w_i. Their sums are
     /// measured before, their sizes after.
-    ///
-    ///   first  the first point of the block, as FadingPoints counts
     template <class Outcome>
-    void fade(const FadingPoints& points, std::size_t first, const Lanes<T>* target, const Lanes<T>& bound,
-              Lanes<T>* row, Outcome& outcome) const noexcept {
+    void fade(std::size_t b, std::size_t n, const Gradients& gradients, const Lanes<T>& bound,
+              Outcome& outcome) const noexcept {
+        const FadingPoints& points = gradients.fading;
+        const std::size_t first = b * lanes - gradients.first;
+        Lanes<T>* const row = this->weights_[n].block(b);
         const auto begin = points.numbers.begin(), end = points.numbers.end();
         for (auto at = std::lower_bound(begin, end, first); at != end && *at < first + lanes; ++at) {
-            const std::size_t lane = *at - first, n = std::size_t(at - begin);
+            const std::size_t lane = *at - first, point = std::size_t(at - begin);
             if (bound[lane] == T(0)) continue;
-            const Fading<D>& how = points.fading[n];
+            const Fading<D>& how = points.fading[point];
             double slope = 0;
-            for (std::size_t k = 0; k < D; ++k) slope += double(target[k][lane]) * how.gradient[k];
+            for (std::size_t k = 0; k < D; ++k)
+                slope += double(this->rest_[n].block(b)[k][lane]) * how.gradient[k];
             T least = (std::numeric_limits<T>::max)(), sizes = 0;
             for (std::size_t h = 0; h < handles_.count; ++h) {
                 T& weight = row[h][lane];
-                weight = static_cast<T>(how.kept * double(weight) + slope * double(points.weights(n, h)));
+                weight = static_cast<T>(how.kept * double(weight) + slope * double(points.weights(point, h)));
                 least = (std::min)(least, weight);
                 sizes += std::fabs(weight);
             }
