@@ -7,6 +7,8 @@
 // renormalising does to the figure at rest, all relative to the figure's size.
 //
 // transposed_…: gradients of handles from those of points, by the same bindings; to be read beside clone_….
+// figure<…>: the points of a figure in BUMPY112, its normals, its Jacobians, the gradients from normals, its
+// folds, and the step at which it folds first; to be read beside the points.
 //
 // pack_to_distance: how many bytes a distance takes, in 24 poses that bend and twist, of cages of 42, 112
 // and 300 vertices with
@@ -27,6 +29,8 @@
 #include <cageform/clone/clone.hpp>
 #include <cageform/clone/clone_rational.hpp>
 #include <cageform/clone/clone_transposed.hpp>
+#include <cageform/clone/folds.hpp>
+#include <cageform/clone/jacobians.hpp>
 #include <cageform/clone/normals.hpp>
 #include <cageform/coordinates/mean_value.hpp>
 #include <cageform/core/threads.hpp>
@@ -484,6 +488,47 @@ void clone_with_normals(benchmark::State& state) {
         benchmark::Counter(double(out.size()), benchmark::Counter::kIsIterationInvariantRate);
 }
 
+/// The quantity that is computed for every point of a figure.
+enum class Of : std::uint8_t { points, normals, normals_transposed, jacobians, folds, largest_step };
+
+template <class T, Of what>
+void figure(benchmark::State& state) {
+    const auto& bumpy = Bumpy<T>::of(std::size_t(state.range(0)));
+    const cageform::MeanValueCoordinates<T, 3> coordinates(cageform_bench::bumpy112<T>());
+    auto [columns, report] = cageform::bind_jacobians(coordinates, bumpy.figure);
+    if (report.status != cageform::Status::ok) return state.SkipWithError(to_string(report.status));
+    const std::array tangents{columns[0].view(), columns[1].view()};
+    typename Bumpy<T>::Points out(bumpy.figure.size()), handles(bumpy.rest.size());
+    std::vector<T> matrices(9 * bumpy.figure.size());
+    auto farther = bumpy.rest; // twice as far as the pose
+    for (std::size_t i = 0; i < farther.size(); ++i)
+        farther[i] = farther[i] + T(2) * (bumpy.bent[i] - bumpy.rest[i]);
+    for (auto _ : state) {
+        auto status = cageform::Status::ok;
+        if constexpr (what == Of::points) status = cageform::clone(bumpy.binding, bumpy.bent, out);
+        if constexpr (what == Of::normals) status = cageform::clone_normals(tangents, bumpy.bent, out);
+        if constexpr (what == Of::normals_transposed)
+            status = cageform::clone_normals_transposed(tangents, bumpy.bent, bumpy.figure, handles);
+        if constexpr (what == Of::jacobians)
+            status = cageform::clone_jacobians(
+                columns, bumpy.bent, cageform::StridedMatrices<T, 3>(matrices.data(), bumpy.figure.size()));
+        if constexpr (what == Of::folds) {
+            const auto folds = cageform::report_folds(columns, bumpy.bent);
+            status = folds.status;
+            state.counters["folded"] = double(folds.count);
+        }
+        if constexpr (what == Of::largest_step) {
+            const auto step = cageform::largest_step(columns, bumpy.rest, farther);
+            status = step.status;
+            state.counters["step"] = step.step;
+        }
+        if (status != cageform::Status::ok) state.SkipWithError(to_string(status));
+        benchmark::ClobberMemory();
+    }
+    state.counters["points/s"] =
+        benchmark::Counter(double(out.size()), benchmark::Counter::kIsIterationInvariantRate);
+}
+
 template <class T, cageform::WeightFormat Format>
 void transposed_packed(benchmark::State& state) {
     const auto& bumpy = Bumpy<T>::of(std::size_t(state.range(0)));
@@ -623,6 +668,9 @@ void eigen_product(benchmark::State& state) {
     work.finish(state);
 }
 
+void sizes_figure(benchmark::internal::Benchmark* benchmark) {
+    benchmark->ArgName("points")->Unit(benchmark::kMicrosecond)->Arg(8019);
+}
 void sizes_2d(benchmark::internal::Benchmark* benchmark) {
     benchmark->ArgNames({"points", "handles"})
         ->Unit(benchmark::kMicrosecond)
@@ -690,6 +738,12 @@ void sizes_packed(benchmark::internal::Benchmark* benchmark) {
     BENCHMARK_TEMPLATE(transposed_packed, T, cageform::WeightFormat::int16)->Apply(sizes_packed);            \
     BENCHMARK_TEMPLATE(clone_packed, T, cageform::WeightFormat::int8)->Apply(sizes_packed);                  \
     BENCHMARK_TEMPLATE(transposed_packed, T, cageform::WeightFormat::int8)->Apply(sizes_packed);             \
+    BENCHMARK_TEMPLATE(figure, T, Of::points)->Apply(sizes_figure);                                          \
+    BENCHMARK_TEMPLATE(figure, T, Of::normals)->Apply(sizes_figure);                                         \
+    BENCHMARK_TEMPLATE(figure, T, Of::normals_transposed)->Apply(sizes_figure);                              \
+    BENCHMARK_TEMPLATE(figure, T, Of::jacobians)->Apply(sizes_figure);                                       \
+    BENCHMARK_TEMPLATE(figure, T, Of::folds)->Apply(sizes_figure);                                           \
+    BENCHMARK_TEMPLATE(figure, T, Of::largest_step)->Apply(sizes_figure);                                    \
     BENCHMARK_TEMPLATE(clone_with_normals, T)->ArgName("points")->Arg(8019)->Unit(benchmark::kMicrosecond);
 
 CAGEFORM_BENCH_CLONE(float)

@@ -1,7 +1,11 @@
-// Frames of a PoseSolver for 25 to 762 handles: one iteration, a click, and the samples, beside the limit of
-// arithmetic.
+// Frames of a PoseSolver for 25 to 762 handles: one iteration, a click, a click with the first frame after
+// it, and the samples with their bytes, beside the limit of arithmetic.
+//
+// fit: a pose of BUMPY112 found from 8,019 points that it moved, by gradients (lesson 22); `missed` is how
+// far the points are from where they should be, in the mean of squares, as a share of the figure's size.
 #include "workloads.hpp"
 
+#include <cageform/clone/clone_transposed.hpp>
 #include <cageform/coordinates/mean_value.hpp>
 #include <cageform/pose/pose_samples.hpp>
 #include <cageform/pose/pose_solver.hpp>
@@ -95,6 +99,15 @@ void click(benchmark::State& state, const auto& coordinates) {
     if (!drag.is_good()) return state.SkipWithError("not posed");
     for (auto _ : state) benchmark::DoNotOptimize(drag.click());
 }
+void first_frame(benchmark::State& state, const auto& coordinates) {
+    Drag drag(coordinates, {}, {});
+    if (!drag.is_good()) return state.SkipWithError("not posed");
+    for (auto _ : state) {
+        if (!drag.click()) state.SkipWithError("not clicked");
+        benchmark::DoNotOptimize(drag.frame());
+    }
+    state.counters["kB_blob"] = double(pack(drag.samples()).value.bytes().size()) / 1000;
+}
 void sample(benchmark::State& state, const auto& coordinates) {
     for (auto _ : state) benchmark::DoNotOptimize(pose_samples(coordinates).value.stiffness.data());
 }
@@ -114,16 +127,85 @@ void limit(benchmark::State& state, std::size_t handles, std::size_t rotations, 
     }
 }
 
+/// Conjugate gradients for the squares of the distances: a clone and a transposed clone a step.
+template <class T>
+void fit(benchmark::State& state) {
+    using Points = std::vector<Vec<T, 3>>;
+    Points points;
+    for (const auto& p : cageform_bench::points_inside_bumpy112()) points.push_back(cageform::vec_cast<T>(p));
+    const auto mesh = cageform_bench::bumpy112<T>();
+    const auto bound = cageform::bind(MeanValueCoordinates<T, 3>(mesh), points);
+    const Points rest(mesh.vertices().begin(), mesh.vertices().end());
+    Points sought = rest, targets(points.size()), gap, moves(points.size()), pose, slope(rest.size()), way;
+    for (auto& h : sought)
+        h = h + Vec<T, 3>{T(0.2) * h[2] * h[2], T(0.3) * std::sin(h[0]), T(0.2) * h[0] * h[1]};
+    if (!bound || clone(bound.value, sought, targets) != Status::ok) return state.SkipWithError("not bound");
+    const auto product = [](const Points& a, const Points& b) {
+        double sum = 0;
+        for (std::size_t i = 0; i < a.size(); ++i) sum += double(dot(a[i], b[i]));
+        return sum;
+    };
+    const auto add = [](Points& a, double factor, const Points& b) {
+        for (std::size_t i = 0; i < a.size(); ++i) a[i] = a[i] + T(factor) * b[i];
+    };
+    for (auto _ : state) {
+        pose = rest;
+        gap = points;
+        add(gap, -1, targets);
+        way.assign(rest.size(), {});
+        double last = 1;
+        for (std::int64_t step = 0; step < state.range(0); ++step) {
+            if (clone_transposed(bound.value, gap, slope) != Status::ok) state.SkipWithError("no gradient");
+            const double size = product(slope, slope);
+            for (auto& w : way) w = T(step == 0 ? 0 : size / last) * w;
+            add(way, -1, slope);
+            last = size;
+            auto ahead = rest;
+            add(ahead, 1, way);
+            std::fill(moves.begin(), moves.end(), Vec<T, 3>{});
+            if (clone(bound.value, ahead, moves, {.onto = cageform::CloneOnto::output}) != Status::ok)
+                state.SkipWithError("not cloned");
+            const double square = product(moves, moves);
+            if (!(square > 0)) break;
+            add(pose, size / square, way);
+            add(gap, size / square, moves);
+        }
+        benchmark::DoNotOptimize(pose.data());
+    }
+    if (clone(bound.value, pose, moves) != Status::ok) return state.SkipWithError("not cloned");
+    add(moves, -1, targets);
+    const auto box = cageform::bounds_of(std::span<const Vec<T, 3>>(rest));
+    state.counters["missed"] =
+        std::sqrt(product(moves, moves) / double(points.size())) / double(box.diagonal());
+}
+
 #define CAGEFORM_BENCH_POSE(name, cage, handles, rotations, dimension)                                       \
     BENCHMARK_CAPTURE(iteration, name##_float, cage<float>())->Unit(benchmark::kMicrosecond);                \
     BENCHMARK_CAPTURE(iteration, name##_double, cage<double>())->Unit(benchmark::kMicrosecond);              \
     BENCHMARK_CAPTURE(limit, name, handles, rotations, dimension)->Unit(benchmark::kMicrosecond);            \
     BENCHMARK_CAPTURE(frame, name##_float, cage<float>())->Unit(benchmark::kMicrosecond);                    \
     BENCHMARK_CAPTURE(click, name##_double, cage<double>())->Unit(benchmark::kMillisecond);                  \
+    BENCHMARK_CAPTURE(first_frame, name##_float, cage<float>())->Unit(benchmark::kMillisecond);              \
+    BENCHMARK_CAPTURE(first_frame, name##_double, cage<double>())->Unit(benchmark::kMillisecond);            \
     BENCHMARK_CAPTURE(sample, name##_double, cage<double>())->Unit(benchmark::kMillisecond);
-CAGEFORM_BENCH_POSE(plane_25, star_25, 25, 100, 2)
+CAGEFORM_BENCH_POSE(plane_25, star_25, 25, 200, 2)
 CAGEFORM_BENCH_POSE(space_112, bumpy, 112, 224, 3)
 CAGEFORM_BENCH_POSE(space_300, box_300, 300, 400, 3)
 CAGEFORM_BENCH_POSE(space_762, box_762, 762, 400, 3)
+BENCHMARK_TEMPLATE(fit, float)
+    ->ArgName("steps")
+    ->Arg(0)
+    ->Arg(10)
+    ->Arg(30)
+    ->Arg(100)
+    ->Arg(300)
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_TEMPLATE(fit, double)
+    ->ArgName("steps")
+    ->Arg(10)
+    ->Arg(30)
+    ->Arg(100)
+    ->Arg(300)
+    ->Unit(benchmark::kMillisecond);
 
 } // namespace

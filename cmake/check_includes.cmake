@@ -9,12 +9,13 @@ set(allowed_grid core config cage grid)
 set(allowed_coordinates core config cage grid coordinates)
 set(allowed_binding core cage grid coordinates binding)
 set(allowed_clone core binding/binding.hpp binding/detail/packed_binding.hpp binding/types/blob.hpp binding/figure.hpp clone)
-set(allowed_pose core binding/binding.hpp binding/detail/packed_binding.hpp clone pose)
+set(allowed_pose core binding/binding.hpp binding/detail/packed_binding.hpp binding/types/blob.hpp clone pose)
 # What makes samples for a PoseSolver binds, and a PoseSolver does not include it.
 set(pose_bind_time pose/pose_samples.hpp pose/types/pose_sample_options.hpp pose/detail/pose_sampler.hpp
                    pose/detail/sample_lattice.hpp pose/detail/sample_clusters.hpp pose/detail/sample_sums.hpp)
 foreach(header IN LISTS pose_bind_time)
-  set(allowed_${header} core cage grid coordinates binding ${pose_bind_time} pose/types/pose_samples.hpp)
+  set(allowed_${header} core cage grid coordinates binding ${pose_bind_time} pose/types/pose_samples.hpp
+                         pose/types/pose_blob.hpp)
 endforeach()
 set(allowed_animate core config animate)
 set(allowed_enclose core cage enclose)
@@ -42,7 +43,8 @@ set(heavy algorithm functional iostream memory random ranges complex regex map u
 set(light_folders core clone ${waist} animate/curves/piecewise_cubic.hpp animate/detail/quantised_cubic.hpp animate/curves/curve_bank.hpp
                   animate/detail/extrapolation.hpp animate/curves/track.hpp animate/curves/rigid_motion.hpp animate/clip.hpp
                   animate/clip_blob.hpp animate/detail/clip_tables.hpp animate/types/clip_header.hpp
-                  pose/pose_solver.hpp pose/types/pose_solver.hpp pose/types/pose_samples.hpp pose/detail/axis_vectors.hpp
+                  pose/pose_solver.hpp pose/types/pose_solver.hpp pose/types/pose_samples.hpp pose/types/pose_blob.hpp
+                  pose/detail/axis_vectors.hpp
                   pose/detail/nearest_rotation.hpp pose/detail/stretches.hpp pose/detail/cholesky.hpp pose/detail/anderson.hpp
                   pose/detail/pin_rows.hpp pose/detail/rigid_frame.hpp pose/detail/rotation_pass.hpp pose/detail/pose_system.hpp)
 set(exempt_from_light core/threads.hpp core/running.hpp core/detail/in_parallel.hpp core/types/solver_report.hpp core/affine/compensated_sum.hpp)

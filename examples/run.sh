@@ -23,7 +23,7 @@ esac
 start=$(date +%s)
 step() { # WHAT
   count=$((${count:-0} + 1))
-  printf '[%d/%d] %s\n' $count 24 "$1"
+  printf '[%d/%d] %s\n' $count 26 "$1"
 }
 mkdir -p out
 step "configure"
@@ -70,7 +70,7 @@ echo "        out/cat.png is the cat at rest and in five poses, after $(($(date 
 step "build all other programs (about five minutes)"
 build
 step "lessons"
-for lesson in "$programs"/[01]*; do
+for lesson in "$programs"/[0-2]*; do
   [ -f "$lesson" ] || continue # CMake keeps a folder beside it
   echo "== $(basename "$lesson")"
   "$lesson"
@@ -145,6 +145,33 @@ for frame in 01 02 03 04 05 06 07 08 09 10 11 12; do set -- "$@" $frame out/cat_
 mv out/cat_walk_frames.png out/cat_walk.png
 rm -f out/cat_walk_[0-9][0-9].svg out/cat_walk_frames.svg
 
+step "figures pulled by pins"
+# The paws stay, the tail comes; then poses by pins beside the least moves of the cage with the same effect.
+"$programs/deform_svg" "$data/cat.svg" --cage "$data/cat_cage.svg" --coordinates harmonic --pin 212,740 --pin 645,740 \
+  --pin 480,400 --pin 915,165:760,60 -o out/cat_pulled.svg --save-pose out/cat_pose_pulled.svg --show-pins --report >>$report
+pinned() { # NAME FIGURE CAGE POSE POSE POSE   each of pins
+  "$programs/pin_poses" "$2" --cage "$3" --coordinates harmonic --pinned "$4" --pinned "$5" --pinned "$6" -o "out/pins_$1_" >>$report 2>&1
+  for number in 1 2 3; do tiles="$tiles pins out/pins_$1_$number.svg least~squares out/pins_$1_${number}_least.svg"; done
+}
+tiles=
+pinned cat "$data/cat.svg" "$data/cat_cage.svg" "212,740 645,740 480,400 150,250:110,430" \
+  "212,740 645,740:560,740 700,420:680,580 200,200:200,220" "212,740:60,600 645,740:840,700 480,400:470,340"
+pinned man "$data/man.svg" auto "240,320 272,165 84,600:230,640" "240,320 84,600 378,250:390,110" \
+  "240,320 84,600 118,338:90,150 378,250:400,110"
+icons=/usr/share/icons/Tango/scalable # package tango-icon-theme
+if [ -d $icons ]; then
+  pinned stick $icons/devices/input-gaming.svg auto "8,37 40,37 24.4,8:34,12" "8,37 40,37 24.4,8:37,20" "8,37 40,37:40,28 24.4,8"
+  pinned devil $icons/emotes/face-devilish.svg auto "20,23 20,38 7,5.4:2,13" "20,23 20,38 45,18:44,8" "20,38 20,6:20,14"
+  pinned mouse $icons/devices/input-mouse.svg auto "24,28 24,42 24,4:16,4 41,8.5:32,2" "24,42 24,20:30,18@30" "24,28 24,14 24,42:36,40"
+fi
+set --
+for word in $tiles; do set -- "$@" "$(echo "$word" | tr '~' ' ')"; done
+"$programs/contact_sheet" -o out/pins.svg --columns 6 --tile 260 --png --png-width 880 "$@"
+
+step "the cat walks by twelve markers"
+"$programs/animate_svg" "$data/cat.svg" --cage "$data/cat_cage.svg" --markers "$data/cat_markers.csv" --coordinates harmonic \
+  -o out/cat_markers.svg --report >>$report
+
 step "the man, the aleph"
 deform man_posed man man_cage man_pose barycentric
 deform man_rest man man_cage man_cage barycentric
@@ -206,6 +233,25 @@ for type in mean-value harmonic green sibson-c1; do
   set -- "$@" "$type" "$name.png"
 done
 "$programs/contact_sheet" -o out/character_types.svg --columns 2 --tile 700 --png --png-width 1400 "$@"
+# By pins: head, hips, hands and feet; beside the least moves of the cage with the same effect.
+head=0,1.75,0 hips=0,0.9,0 left=0.9,1.325,0 right=-0.9,1.325,0 foot=0.19,0.06,0.03 other=-0.19,0.06,0.03
+"$programs/pin_poses" out/character.obj --cage out/character_cage.obj --coordinates harmonic -o out/character_pins_ \
+  --pinned "$head $hips $left:0.55,1.9,0.2 $right:=-0.5,0.8,0.15 $foot $other" \
+  --pinned "$head:0,1.72,0.1 $hips $left:0.4,0.72,0.25 $right:=-0.4,0.72,0.25 $foot $other" \
+  --pinned "$head:=0,1.72,-0.12 $hips $left:=0.75,1.5,-0.3 $right:=-0.8,1.1,0.3 $foot:0.2,0.6,0.72 $other" \
+  --pinned "$head:0.45,1.6,0.05 $hips $left:0.95,0.8,0.1 $right:=-0.35,1.85,0.1 $foot $other" \
+  --pinned "$head:0,1.35,0.12 $hips:=0,0.52,-0.25 $left:0.6,0.95,0.55 $right:=-0.6,0.95,0.55 $foot $other" \
+  --pinned "$head:0,1.78,0.02 $hips:0,0.98,0 $left:0.65,1.85,0 $right:=-0.65,1.85,0 $foot:0.6,0.3,0 $other:=-0.2,0.02,0.03" >>$report
+"$programs/contact_sheet" -o out/character_pins.svg --columns 1 --tile 1560 --png --png-width 1000 \
+  "by pins" out/character_pins_all.png "by least squares" out/character_pins_all_least.png
+# Tetrahedra, bent until cells fold, and where they stop.
+"$programs/make_box" -o out/box.mesh --cage out/box_cage.obj >>$report
+for stop in "" --no-folds; do
+  "$programs/deform_mesh" out/box.mesh --cage out/box_cage.obj --bend all:xy,1.5,2.5,180 $stop -o "out/box_bent$stop.mesh" \
+    --picture "out/box_bent$stop.png" --report >>$report
+done
+"$programs/contact_sheet" -o out/box_folds.svg --columns 1 --tile 1000 --png --png-width 1000 \
+  "bent by 180 degrees" out/box_bent.png "where the first tetrahedron would fold" out/box_bent--no-folds.png
 # By a lattice, in the pose that comes nearest to the one by the cage; then by that pose, as a file.
 "$programs/lattice_fit" out/character.obj out/character_harmonic.obj --cage lattice:6x6x6 -o out/lattice_pose.obj \
   --picture out/lattice_fit.png >>$report
@@ -353,11 +399,13 @@ Open, in out/:
   cat_lattice.png            the cat by a lattice of control points; lattice_board.png: a face pulled out of a board
   leaf_cages.png             a leaf in a cage of four cubics, and in the polygon that does the same; leaf.png: posed by numbers
   lattice_fit.png            a character posed by its cage, and the pose of a lattice that comes nearest to that
+  pins.png                   figures pulled by pins, and by least squares; cat_markers.svg (in a browser): a walk by twelve markers
   aleph.png, man.png         other figures
   types.png                  one pose by five coordinate types; character_types.png: in space
   two_cages.png              a disc in a convex cage, a biped in a concave one, by mean value and harmonic coordinates
   fish.png                   a fish moved by points without a cage; sibson_cells.png, sibson_types.png, sibson_legs.png: how
                              their weights come about, beside harmonic ones; sibson.txt: degrees and rules of gradients
+  character_pins.png         a character by pins, and by least squares; box_folds.png: tetrahedra bent until they fold
   character_harmonic.png     a character in space, in its cage; character_skin.glb: its dance, for a viewer of glTF
   bones_heat.png             the character moved by bones whose weights were found; bones_heat.glb: the same, for a viewer
   hand_poses.png             a hand moved by its joints; hand_layers.png, hand_points.png: by what; hand_bend.png,

@@ -115,6 +115,7 @@ ANY_ORDER = '''(seed => {
   const any = n => Math.floor(n * random()), points = () => page.pose.length / 2, isLattice = () => page.cage.kind === 'lattice';
   const set = (id, value) => { byId(id).value = value; for (const kind of ['input', 'change']) byId(id).dispatchEvent(new Event(kind)); };
   const move = (f, isBroken = false) => { page.history.remember(); page.moveSelected(f, page.shownPose, isBroken); page.finishEdit(); };
+  const pinDrags = f => { setMode(page, 'figure'); page.pinDrag.prepare(); try { f(); } finally { page.pinDrag.stop(); setMode(page, 'cage'); } };
   const steps = {
     kind: () => chooseKind(page, ['polygon', 'lattice', 'curved'][any(3)]),
     drag: () => { page.select([any(points())]); const [dx, dy] = [any(60) - 30, any(60) - 30]; move((x, y) => [x + dx, y + dy], any(3) === 0); },
@@ -126,6 +127,9 @@ ANY_ORDER = '''(seed => {
     count: () => isLattice() && set(['columns', 'rows'][any(2)], 2 + any(6)), degree: () => isLattice() && set('degree', ['1', '2', '3', 'bernstein'][any(4)]),
     frozen: () => isLattice() && set('frozen', any(3)), slide: () => set(isLattice() ? 'falloff' : 'disk', page.cage.kind ? random() : 0),
     line: () => isLattice() && selectLine(page), step: () => page.stepVertex(any(2) ? 1 : -1, any(2) === 0), weights: () => byId('weights').click(),
+    pin: () => pinDrags(() => { page.history.remember(); const { targets } = page.pins, i = any(targets.length); if (i < targets.length) page.pinDrag.moveTo(i, targets[i].map(x => x + any(60) - 30)); for (let n = 0; n < 3; ++n) page.pinDrag.frame(); }),
+    pins: () => pinDrags(() => any(3) ? addFarPin(page) : page.pins.points.length > 1 && (page.history.remember(), page.pinDrag.remove(0))),
+    turnPin: () => pinDrags(() => { if (page.pins.points.length === 0) return; page.history.remember(); page.pinDrag.turnTo(0, random() - 0.5); page.pinDrag.frame(); }),
   };
   const names = Object.keys(steps), log = [], first = Array.from(page.pose);
   for (let k = 0; k < 150; ++k) {

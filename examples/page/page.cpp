@@ -4,32 +4,30 @@
 // address of numbers in memory. Figures in the plane are bound in double, as in the programs; the mesh is
 // bound in float. If a status is not 0, page_message() returns the fault.
 
+#include "pins.hpp"
+#include "plane.hpp"
+
 #include <cageform/animate/compile.hpp>
-#include <cageform/binding/bind.hpp>
 #include <cageform/binding/skin_weights.hpp>
-#include <cageform/clone/clone.hpp>
 #include <cageform/clone/glsl.hpp>
-#include <cageform/clone/pose_handles.hpp>
 #include <cageform/coordinates/curved_green.hpp>
 #include <cageform/coordinates/green.hpp>
 #include <cageform/coordinates/harmonic.hpp>
 #include <cageform/coordinates/lattice.hpp>
 #include <cageform/coordinates/mean_value.hpp>
-#include <cageform/coordinates/sibson.hpp>
 #include <cageform/enclose/make_cage.hpp>
 #include <cageform/enclose/make_cage_3d.hpp>
 
-#include <array>
 #include <cstdint>
-#include <memory>
-#include <span>
 #include <string>
-#include <vector>
 
 namespace {
 
 using cageform::Status;
-using Point2 = cageform::Vec<double, 2>;
+using cageform_page::Pins;
+using cageform_page::Plane;
+using cageform_page::PlaneCoordinates;
+using cageform_page::Point2;
 using Point3 = cageform::Vec<float, 3>;
 
 std::vector<double> input;
@@ -66,75 +64,12 @@ private:
 
 // ---- figures in the plane ----
 
-/// Two batches of points from one solve: the figure's, and the nodes where weights are shown.
-constexpr std::size_t batches = 2;
-
-/// A cage and the points bound to it.
-class Plane {
-public:
-    virtual ~Plane() = default;
-    Plane() = default;
-    Plane(const Plane&) = delete;
-    Plane& operator=(const Plane&) = delete;
-
-    virtual Status solve() = 0;
-    virtual cageform::BindReport bind(std::size_t batch, std::span<const Point2> points) = 0;
-
-    /// Moves a batch by a pose of all points but the still ones.
-    Status clone(std::size_t batch, std::span<const Point2> pose) {
-        const auto& binding = bindings[batch];
-        const auto handles = binding.handle_view();
-        pose_.assign(pose.begin(), pose.end());
-        for (std::size_t i = handles.count - still_handles; i < handles.count; ++i)
-            pose_.push_back(handles.rest[i]);
-        handles_.resize(binding.handle_count());
-        places_.resize(binding.point_count());
-        const auto posed = pose_handles(binding, pose_, handles_);
-        return posed.status == Status::ok ? cageform::clone(binding, handles_, places_) : posed.status;
-    }
-    const Point2* places() const { return places_.data(); }
-
-    std::array<cageform::Binding<double, 2>, batches> bindings;
-    std::size_t still_handles = 0; // the last ones, which poses leave at rest
-
-private:
-    std::vector<Point2> pose_, handles_, places_;
-};
-
-template <class C>
-class PlaneOf : public Plane {
-public:
-    explicit PlaneOf(C coordinates)
-        : coordinates_(std::move(coordinates)) {}
-
-    Status solve() override {
-        const Status status = coordinates_.cage_report().status;
-        if constexpr (requires { coordinates_.solve(); })
-            return status == Status::ok ? coordinates_.solve().status : status;
-        else
-            return status;
-    }
-    cageform::BindReport bind(std::size_t batch, std::span<const Point2> points) override {
-        cageform::BindOptions options;
-        if (!C::has_extension) // the default of the programs
-            options.outside = is_sites && batch == 0 ? cageform::OutsidePoints::keep_in_place
-                                                     : cageform::OutsidePoints::nearest_boundary;
-        auto [binding, report] = cageform::bind(coordinates_, points, options);
-        bindings[batch] = std::move(binding);
-        return report;
-    }
-
-private:
-    static constexpr bool is_sites = std::is_same_v<C, cageform::SibsonCoordinates<double, 2>>;
-    C coordinates_;
-};
-
 enum Type { mean_value, harmonic, green, sibson, lattice, curved };
 std::array<std::unique_ptr<Plane>, 6> planes;
 
 template <class C>
 std::unique_ptr<Plane> plane_of(C coordinates) {
-    return std::make_unique<PlaneOf<C>>(std::move(coordinates));
+    return std::make_unique<cageform_page::PlaneOf<C>>(std::move(coordinates));
 }
 
 std::unique_ptr<Plane> make_plane(int type, const cageform::Polygon<double>& cage) {
@@ -166,6 +101,7 @@ std::vector<cageform::DrawnSegment<double>> read_segments(Reader& reader, std::s
 
 /// A figure in space, bound in float.
 struct Space {
+    std::unique_ptr<cageform::MeanValueCoordinates<float, 3>> coordinates;
     cageform::Binding<float, 3> binding;
     std::vector<std::array<std::uint32_t, 3>> faces;
     std::vector<Point3> pose, places, normals;
@@ -397,7 +333,8 @@ int page_mesh(std::size_t vertices, std::size_t cage_faces, std::size_t points, 
     const cageform::TriangleMesh<float> cage(corners, read_faces(reader, cage_faces));
     const auto figure = narrow(reader.points<3>(points));
     space.faces = read_faces(reader, faces);
-    auto [binding, report] = cageform::bind(cageform::MeanValueCoordinates<float, 3>(cage), figure);
+    space.coordinates = std::make_unique<cageform::MeanValueCoordinates<float, 3>>(cage);
+    auto [binding, report] = cageform::bind(*space.coordinates, figure);
     space.binding = std::move(binding);
     space.places = figure;
     space.skin = {};
@@ -446,4 +383,129 @@ PAGE_EXPORT(page_mesh_weights) const float* page_mesh_weights() {
 PAGE_EXPORT(page_glsl) const char* page_glsl() {
     static const std::string text = std::string(cageform::glsl::displacements) + cageform::glsl::skin;
     return text.c_str();
+}
+
+// ---- pins, which move the cage by the figure ----
+
+namespace {
+
+Pins<double, 2> plane_pins; // of one type at a time
+Pins<float, 3> space_pins;
+
+/// Samples the inside of a cage. Out: the samples. Returns how many numbers they are, 0 on a fault.
+template <class C>
+std::size_t sample_inside(const C& coordinates, std::size_t samples) {
+    cageform::PoseSampleOptions options;
+    options.samples = samples;
+    const auto [made, report] = pose_samples(coordinates, options);
+    if (refuse(report.status) != 0) return 0;
+    cageform_page::write_samples(made, output);
+    return output.size();
+}
+/// In: places at rest, whether each turns, held points. Out: the pin at fault.
+template <std::size_t D, class P, class C>
+int set_pins(P& pins, const C& coordinates, std::size_t count, std::size_t held, bool turns) {
+    Reader reader;
+    const auto places = reader.points<D>(count);
+    std::vector<std::uint8_t> turned(turns ? count : 0);
+    for (std::uint8_t& flag : turned) flag = std::uint8_t(reader.count());
+    std::vector<std::uint32_t> points(held);
+    for (std::uint32_t& point : points) point = std::uint32_t(reader.count());
+    const Status status = pins.set(coordinates, places, turned, points);
+    output = {double(pins.culprit())};
+    return refuse(status);
+}
+/// In: targets, turns if some pins turn, a pose. Out: whether the pose has settled, the largest miss, the
+/// iterations, how many clusters are folded; the pose.
+template <std::size_t D, class P>
+int solve_pins(P& pins, std::size_t count, std::size_t vertices, bool turns) {
+    Reader reader;
+    const auto targets = reader.points<D>(count);
+    std::vector<cageform::PoseTurn<D>> angles(turns ? count : 0);
+    for (auto& angle : angles) {
+        for (double& x : angle.v) x = reader.number();
+    }
+    const auto report = pins.solve(targets, angles, reader.points<D>(vertices));
+    output = {double(report.settled), report.miss, double(report.iterations), double(report.folded)};
+    pins.for_each_point([](const auto& p) {
+        for (const auto x : p.v) output.push_back(double(x));
+    });
+    return refuse(report.status);
+}
+/// In: a pose. Out: the place of each pin, and the matrix of the pose there, column after column.
+template <std::size_t D, class P>
+int locate_pins(P& pins, std::size_t vertices) {
+    Reader reader;
+    const Status status = pins.locate(reader.points<D>(vertices));
+    output.clear();
+    for (std::size_t pin = 0; status == Status::ok && pin < pins.places().size(); ++pin) {
+        for (const auto x : pins.places()[pin].v) output.push_back(double(x));
+        for (std::size_t k = 0; k < D * D; ++k) output.push_back(double(pins.jacobians()[pin * D * D + k]));
+    }
+    return refuse(status);
+}
+
+} // namespace
+
+PAGE_EXPORT(page_pins_sample) std::size_t page_pins_sample(std::size_t type, std::size_t samples) {
+    return sample_inside(PlaneCoordinates(*planes[type]), samples);
+}
+/// Takes samples, which another instance may have made; there are no pins then. In: the samples.
+PAGE_EXPORT(page_pins_take) int page_pins_take(std::size_t type) {
+    auto& plane = *planes[type];
+    return refuse(plane_pins.take(PlaneCoordinates(plane), plane.still_handles,
+                                  cageform_page::read_samples<double, 2>(input.data())));
+}
+PAGE_EXPORT(page_pins_set)
+int page_pins_set(std::size_t type, std::size_t count, std::size_t held, bool turns) {
+    return set_pins<2>(plane_pins, PlaneCoordinates(*planes[type]), count, held, turns);
+}
+/// Starts from a pose. In: the pose.
+PAGE_EXPORT(page_pins_begin) int page_pins_begin(std::size_t vertices) {
+    Reader reader;
+    return refuse(plane_pins.begin(reader.points<2>(vertices)));
+}
+PAGE_EXPORT(page_pins_solve) int page_pins_solve(std::size_t count, std::size_t vertices, bool turns) {
+    return solve_pins<2>(plane_pins, count, vertices, turns);
+}
+PAGE_EXPORT(page_pins_count) std::size_t page_pins_count() {
+    return plane_pins.count();
+}
+PAGE_EXPORT(page_pins_locate) int page_pins_locate(std::size_t vertices) {
+    return locate_pins<2>(plane_pins, vertices);
+}
+/// Finds what a pose takes to a place. In: where to start, the place, the pose. Out: the point at rest, how
+/// far off it is.
+PAGE_EXPORT(page_pins_find) void page_pins_find(std::size_t type, std::size_t vertices) {
+    Reader reader;
+    const auto ends = reader.points<2>(2);
+    const auto found =
+        plane_pins.find(PlaneCoordinates(*planes[type]), ends[0], ends[1], reader.points<2>(vertices));
+    output = {found.at[0], found.at[1], found.miss};
+}
+
+/// Pins in space, as in the plane.
+PAGE_EXPORT(page_mesh_pins_sample) std::size_t page_mesh_pins_sample(std::size_t samples) {
+    return sample_inside(*space.coordinates, samples);
+}
+PAGE_EXPORT(page_mesh_pins_take) int page_mesh_pins_take() {
+    return refuse(
+        space_pins.take(*space.coordinates, 0, cageform_page::read_samples<float, 3>(input.data())));
+}
+PAGE_EXPORT(page_mesh_pins_set) int page_mesh_pins_set(std::size_t count, std::size_t held, bool turns) {
+    return set_pins<3>(space_pins, *space.coordinates, count, held, turns);
+}
+PAGE_EXPORT(page_mesh_pins_begin) int page_mesh_pins_begin(std::size_t vertices) {
+    Reader reader;
+    return refuse(space_pins.begin(reader.points<3>(vertices)));
+}
+PAGE_EXPORT(page_mesh_pins_solve)
+int page_mesh_pins_solve(std::size_t count, std::size_t vertices, bool turns) {
+    return solve_pins<3>(space_pins, count, vertices, turns);
+}
+PAGE_EXPORT(page_mesh_pins_count) std::size_t page_mesh_pins_count() {
+    return space_pins.count();
+}
+PAGE_EXPORT(page_mesh_pins_locate) int page_mesh_pins_locate(std::size_t vertices) {
+    return locate_pins<3>(space_pins, vertices);
 }

@@ -16,8 +16,9 @@ TYPES = {'mean-value': 0, 'harmonic': 1, 'green': 2, 'sibson': 3}
 
 
 class Page(Browser):
-    def __init__(self, path, still=True):
+    def __init__(self, path, still=True, mode='cage'):
         super().__init__()
+        self.mode = mode
         self.downloads = tempfile.mkdtemp()
         self.call('Browser.setDownloadBehavior', {'behavior': 'allow', 'downloadPath': self.downloads, 'eventsEnabled': True}, session=None)
         if still:  # else the first scene moves
@@ -25,6 +26,11 @@ class Page(Browser):
         start = time.time()
         self.open(path)
         self.opened_after = time.time() - start
+
+    def open(self, path):
+        super().open(path)
+        if self.mode == 'cage':  # a visitor meets the other one
+            self.run("setMode(page, 'cage')")
 
     def computed(self):
         """Seconds that all threads of the page have computed for."""

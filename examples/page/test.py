@@ -14,6 +14,7 @@ import time
 
 from cages import take_cage_pictures, test_any_order, test_curved, test_kinds, test_lattice
 from hostile import hostile_svg
+from pins import test_pins
 from support import BUILT, DATA, PROGRAMS, TYPES, Page, check, compare_pictures, farthest, native_places, pairs, read_csv
 
 # What is hard to get right of SVG: arcs, flags without spaces, use, nested transforms, percentages, styles, text.
@@ -32,7 +33,7 @@ HARD_SVG = '''<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3
 
 def test_opening(page, path):
     size = os.path.getsize(path)
-    check(size < 1e6, 'the page has %d bytes' % size)
+    check(size < 1.3e6, 'the page has %d bytes' % size)
     ready = page.run('page.readyAfter')
     page.frames()  # the browser notes a paint once it is on the screen
     paint = page.run("Math.max(0, ...performance.getEntriesByType('paint').map(e => e.startTime))")
@@ -853,6 +854,7 @@ def main():
             test_animation(page, folder, path)
             test_first_scene(path)
             test_keyboard(path, folder)
+            test_pins(path, folder, out, quick)
             if not quick:
                 test_growth(page, 10000)
                 test_speed(page)

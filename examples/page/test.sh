@@ -8,7 +8,7 @@
 #   --if-there   as --quick, and installs and builds nothing: exit status 77 says what is missing
 set -eu
 cd "$(dirname "$0")/../.."
-programs='cage_weights deform_mesh deform_svg animate_svg'
+programs='cage_weights deform_mesh deform_svg animate_svg make_cage'
 
 if [ "${1:-}" = --if-there ]; then
   skip() {

@@ -268,7 +268,7 @@ def play():
     if os.path.exists(os.path.join(ROOT, "out/cageform.html")):
         frame = "<iframe class=\"play\" src=\"cageform.html\" title=\"Play\"></iframe>"
         return "\\htmlonly %s\\endhtmlonly\n\n<a href=\"cageform.html\">Open it alone</a>." % frame
-    return ("![One pose of the cat by four coordinate types](page.png)\n\nThis site was made without the "
+    return ("![The cat, dragged by pins on its head, a paw, its tail](page.png)\n\nThis site was made without the "
             "page: `sh examples/site/run.sh --with-page` builds it first, in some minutes.")
 
 

@@ -2,6 +2,7 @@
 //
 //     animate_svg cat.svg --cage cat_cage.svg --clip cat_walk.csv --coordinates harmonic -o walk.svg
 //     animate_svg cat.svg --cage auto --turn 6-9:-20@v5,10 -o wag.svg
+//     animate_svg cat.svg --cage cat_cage.svg --markers cat_markers.csv --coordinates harmonic -o walk.svg
 //
 // The figure is bound once. Every frame samples the clip and clones; what is written plays in a browser. A
 // frame is what deform_svg draws of its pose, in the same pieces in every frame, as SVG asks. --help tells
@@ -12,12 +13,14 @@
 #include "cli/coordinates.hpp"
 #include "cli/figure_motion.hpp"
 #include "cli/guard.hpp"
+#include "cli/pinned_figure.hpp"
 #include "cli/pose_choice.hpp"
 #include "cli/progress_bar.hpp"
 #include "files/atomic_file.hpp"
 #include "files/cage_file.hpp"
 #include "files/clip_file.hpp"
 #include "files/csv.hpp"
+#include "files/marker_file.hpp"
 #include "pictures/render.hpp"
 #include "svg/text.hpp"
 
@@ -57,7 +60,11 @@ pugi::xml_node draw_ground(SvgDocument& document, double y, double period) {
 
 struct Settings {
     std::string figure, cage, clip, pose, out, stills; // clip: its name for messages, whatever it comes from
+    std::string markers, save_clip, save_tracks;
+    std::vector<Point2> tracked; // --track
     PoseChoice operations;
+    PinChoice pins;
+    bool report = false;
     double seconds = 2;
     std::vector<std::string> films;
     std::size_t width = 800; // of films
@@ -94,6 +101,12 @@ ClipFile clip_to(const CageFile& pose, const CageFile& cage, double seconds) {
 }
 
 SvgResult<ClipFile> read_clip(const Settings& settings, const CageFile& cage) {
+    if (!settings.markers.empty()) return load_markers(settings.markers);
+    if (settings.pins.is_given()) {
+        const auto pins = settings.pins.pins<2>();
+        if (!pins) return pins.error();
+        return motion_to(*pins, settings.seconds);
+    }
     if (!settings.clip.empty()) {
         const auto held = settings.operations.still(cage.lattice);
         if (!held) return held.error();
@@ -110,6 +123,69 @@ SvgResult<ClipFile> read_clip(const Settings& settings, const CageFile& cage) {
         read_pose(settings.pose, settings.operations, cage, CageWord::of(settings.cage).is_auto);
     if (!pose) return pose.error();
     return clip_to(*pose, cage, settings.seconds);
+}
+
+/// The keys of all handles, and where these are at rest.
+struct HandleKeys {
+    ClipFile file;
+    std::vector<Point2> rest;
+};
+
+/// Poses the cage by the pins of a motion; other motions are of the vertices as they are.
+SvgResult<HandleKeys> keys_of(const Settings& settings, const CageFile& cage, const ClipFile& motion,
+                              FigureControl& control) {
+    if (!motion.has_pins()) {
+        if (!settings.pins.held.empty()) return SvgError{"--hold is for pins, and the motion has none"};
+        return HandleKeys{motion, cage.vertices};
+    }
+    const auto still = settings.operations.still(cage.lattice);
+    if (!still) return still.error();
+    const auto places = cage.places();
+    const std::size_t count = cage.lattice ? cage.lattice->points() : places.size();
+    auto held = settings.pins.held_handles(std::span(places).first(count), *still);
+    if (!held) return held.error();
+    auto figure = PinnedFigure::make(
+        control, {settings.choice, settings.pins, settings.outside, cage.vertices, std::move(*held)},
+        pins_of(motion));
+    if (!figure) return figure.error();
+    auto keys = figure->keys_of(motion);
+    if (!keys) return keys.error();
+    if (settings.report) {
+        std::cout << figure->cage().report() << "keys: " << keys->controls.front().rows.size()
+                  << " of every vertex\n";
+    }
+    if (const std::string why = figure->cage().warning(); !why.empty()) warn(why);
+    if (!settings.save_clip.empty() && control.poses_all_handles)
+        return SvgError{"--save-clip " + settings.save_clip +
+                        ": with these coordinates pins pose the edges beside the vertices, and a clip has "
+                        "vertices alone; take mean-value or harmonic"};
+    return HandleKeys{std::move(*keys), figure->rest()};
+}
+
+/// Writes where points of the figure are in every frame, and at the end where they began.
+SvgResult<std::string> tracks_of(const Settings& settings, const FigureControl& control,
+                                 const ClipFile& file) {
+    Tracks tracks{settings.tracked, {}, {}};
+    auto places = move_points(tracks.rest, settings.figure, control, settings.outside);
+    if (!places) return places.error();
+    tracks.places = std::move(*places);
+    tracks.places.push_back(tracks.places.front());
+    for (std::size_t f = 0; f <= control.frames; ++f)
+        tracks.times.push_back(file.length * double(f) / double(control.frames));
+    return markers_text(tracks, file, "Points of a figure through its motion");
+}
+
+/// Returns why the options do not go together; empty if they do.
+std::string fault_of(const Settings& settings) {
+    const bool has_operations = !settings.operations.operations.empty();
+    if (!settings.clip.empty() && has_operations)
+        return "give --clip or operations such as --turn, but not both";
+    const int motions = int(!settings.clip.empty()) + int(!settings.markers.empty()) +
+                        int(settings.pins.is_given()) + int(!settings.pose.empty() || has_operations);
+    if (motions > 1) return "give only one of --clip, --markers, pins, and a pose";
+    if (settings.save_tracks.empty() != settings.tracked.empty())
+        return "--track and --save-tracks go together";
+    return {};
 }
 
 /// The number of frames of a clip, and the way of its ground.
@@ -158,17 +234,20 @@ int animate(const Settings& settings, const SvgDocument& document, const CageFil
     const auto plan = plan_of(settings, file, *view);
     if (!plan) return fail(to_string(plan.error()));
     const auto& [frames, passed] = *plan;
-    const auto clip = make_clip(file, cage.vertices);
-    if (!clip) return fail(to_string(clip.error()));
     std::vector<std::filesystem::path> outputs_asked(settings.films.begin(), settings.films.end());
-    outputs_asked.emplace_back(settings.out);
+    for (const std::string& path : {settings.out, settings.save_clip, settings.save_tracks})
+        outputs_asked.emplace_back(path);
     for (std::size_t n = 0; n < still_count_of(settings); ++n)
         outputs_asked.emplace_back(still_path(settings, n));
     if (const auto why = fault_of_outputs(outputs_asked)) return fail(*why);
     FigureControl control = control_of(settings.choice, cage);
     control.pose_name = settings.clip;
     control.frames = frames;
-    control.poses = poses_of(*clip, file, frames, cage.vertices.size());
+    const auto keys = keys_of(settings, cage, file, control);
+    if (!keys) return fail(to_string(keys.error()));
+    const auto clip = make_clip(keys->file, keys->rest);
+    if (!clip) return fail(to_string(clip.error()));
+    control.poses = poses_of(*clip, file, frames, keys->rest.size());
     DeformOptions options = settings.options;
     for (const ClipFile::Late& late : file.late) options.layers.push_back(late.element);
     if (options.tolerance == 0) options.tolerance = 2e-4 * std::hypot(view->width, view->height);
@@ -219,6 +298,14 @@ int animate(const Settings& settings, const SvgDocument& document, const CageFil
         }
         outputs.add(settings.out).write(to_text(drawing.document));
     }
+    if (!settings.save_clip.empty())
+        outputs.add(settings.save_clip)
+            .write(clip_text(keys->file, "A motion of the cage, by keys of its vertices"));
+    if (!settings.save_tracks.empty()) {
+        const auto tracks = tracks_of(settings, control, file);
+        if (!tracks) return fail(to_string(tracks.error()));
+        outputs.add(settings.save_tracks).write(*tracks);
+    }
     if (const auto error = outputs.commit()) return fail(*error);
     std::cout << printable(settings.out.empty() ? settings.films.front() : settings.out) << ": " << frames
               << " frames of " << file.length << " s, " << drawing.report.segments << " segments, "
@@ -238,13 +325,17 @@ int run_program(int argc, char** argv) {
              "of loops, chains and points" +
                  std::string(auto_cage_help))
         .required();
-    CommandOption clip = line.add("--clip", settings.clip, "its motion: a CSV file of controls and keys");
+    CommandOption clip =
+        line.add("--clip", settings.clip, "its motion: a CSV file of controls, or of pins, and keys");
+    line.add("--markers", settings.markers,
+             "its motion: a CSV file of tracked points of the figure, as motion capture has them");
     line.add("--pose", settings.pose,
              "instead of --clip: move to this pose of the cage and back; or give operations such as --turn; "
              "with --cage auto and none of these, half the figure bends and returns")
         .excludes(clip);
     settings.operations.in_plane = true;
     settings.operations.add_options(line);
+    settings.pins.add_options(line);
     line.add("--seconds", settings.seconds, "the seconds to the pose and back")
         .range(0.01, 1000.0)
         .show_default()
@@ -277,6 +368,29 @@ int run_program(int argc, char** argv) {
     line.add("--still-count", settings.still_count, "the number of these frames, equally spaced")
         .range(1, 99)
         .show_default();
+    line.add("--save-clip", settings.save_clip, "also write the keys of the cage to a file that --clip reads")
+        .ends_with({".csv"});
+    line.add_text(
+            "--track",
+            [&](const std::string& word) {
+                std::array<double, 2> p{};
+                detail::parse_point(word, p);
+                settings.tracked.push_back({p[0], p[1]});
+            },
+            "a point x,y of the figure for --save-tracks; one for each --track")
+        .check([](const std::string& word) {
+            std::array<double, 2> p{};
+            const std::string why = detail::parse_point(word, p);
+            return !why.empty() || (std::isfinite(p[0]) && std::isfinite(p[1])) ? why
+                                                                                : word + " is not finite";
+        })
+        .in_order()
+        .rarely_needed();
+    line.add("--save-tracks", settings.save_tracks,
+             "also write where these points go, frame by frame, to a file that --markers reads")
+        .ends_with({".csv"})
+        .rarely_needed();
+    line.add_flag("--report", settings.report, "print how pins went");
     const auto add_film = [&](const std::string& name, const std::string& help,
                               const std::vector<std::string>& endings) {
         line.add_text(
@@ -288,14 +402,14 @@ int run_program(int argc, char** argv) {
     add_film("apng", "an animated PNG", {".png", ".apng"});
     add_film("mp4", "a video", {".mp4"});
     line.add("--width", settings.width, "the width of films, in pixels").range(16, 8192).show_default();
-    settings.outside.add_option(line);
+    settings.outside.add_options(line);
     settings.choice.in_plane = settings.choice.with_normals = true;
     settings.choice.add_options(line);
     line.set_footer(cage_formats + std::string("\n") + lattice_format + "\n" + pose_operations_format + "\n" +
-                    clip_format);
+                    pins_format + "\n" + clip_format + "\n" + markers_format);
     if (const auto code = line.parse(argc, argv)) return *code;
-    if (!settings.clip.empty() && !settings.operations.operations.empty())
-        return fail("give --clip or operations such as --turn, but not both");
+    if (const std::string why = fault_of(settings); !why.empty()) return fail(why);
+    if (const std::string why = settings.outside.fault(); !why.empty()) return fail(why);
     if (ending_of(settings.out) != ".svg") {
         settings.films.insert(settings.films.begin(), settings.out);
         settings.out.clear();
@@ -304,8 +418,9 @@ int run_program(int argc, char** argv) {
     const auto document = load_figure(settings.figure, settings.text_as_paths);
     if (!document) return fail(to_string(document.error()));
     settings.outside.cage_is_made = CageWord::of(settings.cage).is_auto;
-    const bool is_first_look =
-        settings.clip.empty() && settings.pose.empty() && settings.operations.operations.empty();
+    const bool is_first_look = settings.clip.empty() && settings.markers.empty() &&
+                               !settings.pins.is_given() && settings.pose.empty() &&
+                               settings.operations.operations.empty();
     settings.options.fit = settings.options.fit || is_first_look;
     const auto cage = load_or_make_cage(settings.cage, *document, settings.choice.edges());
     if (!cage) return fail(to_string(cage.error()));

@@ -6,10 +6,11 @@
 //               -o character.figure
 //
 // --max-distance takes as few bytes as keep every vertex of every pose of the motion that near to where all
-// weights put
-// it, as a share of the figure's size. Without a motion it holds for all poses that bend by up to a tenth
-// of the cage;
-// not with Green coordinates, whose faces turn with no bound, so that they need a motion.
+// weights put it, as a share of the figure's size. Without a motion it holds for all poses that bend by up to
+// a tenth of the cage; not with Green coordinates, whose faces turn with no bound, so that they need a
+// motion.
+//
+// --pose-samples packs beside them what a PoseSolver needs: the game then drags the figure by pins.
 //
 // The engine's client (engine/ogre_client.cpp) maps that file and plays it.
 
@@ -27,6 +28,7 @@
 #include "files/figure_parts.hpp"
 
 #include <cageform/binding/pack.hpp>
+#include <cageform/pose/pose_samples.hpp>
 
 #include <iomanip>
 #include <iostream>
@@ -44,6 +46,7 @@ struct Arguments {
     std::optional<WeightFormat> format;
     std::size_t largest = 0;
     double distance = 0; // share of the figure's size; 0: no promise
+    bool pose_samples = false;
     bool report = false;
     OutsideChoice outside;
     CoordinatesChoice choice;
@@ -134,6 +137,22 @@ SvgResult<std::vector<double>> poses_of_handles(const cageform::Binding<float, 3
     return numbers;
 }
 
+/// Samples the inside of the cage for pins, and packs the samples; tells their size.
+SvgResult<cageform::PackedPoseSamples> packed_samples(const ChosenCoordinates<float, 3>& coordinates,
+                                                      const std::string& cage, bool tells) {
+    ProgressBar bar("sampling");
+    const auto [samples, report] = pose_samples(coordinates, {}, {.progress = bar.callback()});
+    if (report.status != Status::ok)
+        return SvgError{cage + ": --pose-samples: " + cageform::to_string(report.status)};
+    auto packed = cageform::pack(samples);
+    if (!packed) return SvgError{cage + ": --pose-samples: " + cageform::to_string(packed.status())};
+    if (tells) {
+        std::cout << "samples for pins: " << packed.value.bytes().size() << " bytes, of " << report.samples
+                  << " points in " << report.rotations << " clusters, " << report.seconds << " s\n";
+    }
+    return std::move(packed.value);
+}
+
 /// Binds, packs and writes. `labels` are of the cage's vertices, or none.
 int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& cage,
                 const std::vector<std::string>& labels) {
@@ -153,8 +172,7 @@ int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& ca
         curves = std::move(*made);
         poses = sample_poses(motion);
     }
-    cageform::BindOptions bind_options;
-    bind_options.outside = given.outside.policy(coordinates);
+    const auto bind_options = given.outside.bind_options(coordinates);
     const std::vector<Point3> normals = normals_of(figure);
     cageform::Result<cageform::FigureBinding<float, 3>, cageform::FigureBindReport> bound;
     {
@@ -190,8 +208,14 @@ int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& ca
     const double size = cageform::bounds_of(std::span<const Point3>(figure.vertices)).diagonal();
     options.weights.tolerance = given.distance * size;
     const std::vector<std::byte> clip = clip_part(curves);
-    const cageform::FigurePartData parts[] = {{"TRIS", std::as_bytes(std::span(figure.triangles))},
-                                              {"CLIP", clip}};
+    cageform::PackedPoseSamples samples;
+    if (given.pose_samples) {
+        auto packed = packed_samples(coordinates, cage.name, given.report);
+        if (!packed) return fail(to_string(packed.error()));
+        samples = std::move(*packed);
+    }
+    const cageform::FigurePartData parts[] = {
+        {"TRIS", std::as_bytes(std::span(figure.triangles))}, {"CLIP", clip}, {"PINS", samples.bytes()}};
     options.parts = parts;
     cageform::Result<cageform::PackedFigure<float, 3>, cageform::FigurePackReport> made;
     {
@@ -247,7 +271,7 @@ int run_program(int argc, char** argv) {
     line.add("-o,--output", given.out, "the file to write").required().ends_with({".figure"});
     given.choice.with_normals = given.choice.in_space = true;
     given.choice.add_options(line);
-    given.outside.add_option(line);
+    given.outside.add_options(line);
     line.add("--largest", given.largest,
              "the number of a vertex's largest weights to keep, 4 or more; 0 keeps all")
         .show_default();
@@ -261,10 +285,13 @@ int run_program(int argc, char** argv) {
     line.add("--format", format, "the format of weights: float, half, int16 or int8")
         .one_of({"float", "half", "int16", "int8"})
         .show_default("float; with --max-distance, the smallest that suffices");
+    line.add_flag("--pose-samples", given.pose_samples,
+                  "also pack samples of the cage's inside, by which a game poses the figure by pins");
     line.add_flag("--report", given.report, "print sizes and errors");
     line.set_footer(obj_format + std::string("\n") + lattice_format + "\n" + pose_clip_format + "\n" +
                     pose_operations_format + "\n" + labels_format);
     if (const auto code = line.parse(argc, argv)) return *code;
+    if (const std::string why = given.outside.fault(); !why.empty()) return fail(why);
     if (given.choice.name == "barycentric")
         return fail("--coordinates barycentric: normals are bound by mean-value, harmonic or green");
     if (given.choice.name == "harmonic" &&

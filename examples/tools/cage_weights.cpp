@@ -44,6 +44,7 @@ using namespace cageform_examples;
 struct Settings {
     std::string cage_path, points_path, labels_path, out_path, scalar = "double", outside = "extend",
                                                                linear_precision = "restore";
+    double falloff = 0;
     bool report = false;
     CoordinatesChoice choice;
 };
@@ -100,6 +101,10 @@ int run(const Settings& settings, ChosenCoordinates<T, D> coordinates, const Des
     options.outside = settings.outside == "extend" ? cageform::OutsidePoints::extend
                       : settings.outside == "keep" ? cageform::OutsidePoints::keep_in_place
                                                    : cageform::OutsidePoints::nearest_boundary;
+    options.falloff = settings.falloff;
+    if (options.falloff > 0 && options.outside == cageform::OutsidePoints::extend &&
+        !coordinates.has_extension())
+        return fail("--falloff: these coordinates are not defined outside: give --outside nearest");
     options.linear_precision = settings.linear_precision == "restore" ? cageform::LinearPrecision::restore
                                                                       : cageform::LinearPrecision::leave;
     warn_of_closed_gaps(settings.cage_path, coordinates.cage_report());
@@ -250,6 +255,7 @@ int run_program(int argc, char** argv) {
              "what points outside do: extend (if the coordinates are defined there), keep or nearest")
         .one_of({"extend", "keep", "nearest"})
         .show_default();
+    OutsideChoice::add_falloff(line, settings.falloff);
     line.add("--linear-precision", settings.linear_precision,
              "restore or leave the weights that miss it, such as those of a solver and those near interior "
              "points")
@@ -260,6 +266,8 @@ int run_program(int argc, char** argv) {
     settings.choice.in_space = true;
     settings.choice.add_options(line);
     if (const auto code = line.parse(argc, argv)) return *code;
+    if (settings.falloff > 0 && settings.outside == "keep")
+        return fail("--falloff: with --outside keep no point outside moves");
     return settings.scalar == "float" ? run<float>(settings) : run<double>(settings);
 }
 

@@ -1,12 +1,15 @@
-// Deforms any OBJ figure by a cage, a closed mesh around it, and a pose of the cage.
+// Deforms any OBJ figure, or a mesh of tetrahedra, by a cage, a closed mesh around it, and a pose of the
+// cage.
 //
 //     deform_mesh man.obj --cage auto -o first_look.obj --picture first_look.png
 //     deform_mesh man.obj --cage man_cage.obj --pose man_pose.obj --coordinates harmonic -o posed.obj
+//     deform_mesh man.obj --cage man_cage.obj --pin 12 --pin 5021:+0.2,+0.4,0 -o pulled.obj
+//     deform_mesh part.mesh --cage part_cage.obj --bend all:xy,0,4,90 --no-folds -o bent.mesh --report
 //
 // Coordinates of points without a cage, sibson and sibson-c1, take the vertices of both files for points.
 //
 // Vertices move with the cage and normals turn with the faces. Everything else in the file stays: groups,
-// materials, texture coordinates, comments.
+// materials, texture coordinates, comments, cells.
 
 #include "cli/auto_cage.hpp"
 #include "cli/bind_report.hpp"
@@ -14,10 +17,13 @@
 #include "cli/coordinates.hpp"
 #include "cli/guard.hpp"
 #include "cli/mesh_cage.hpp"
+#include "cli/mesh_folds.hpp"
+#include "cli/pinned_cage.hpp"
 #include "cli/pose_choice.hpp"
 #include "cli/progress_bar.hpp"
 #include "cli/view_choice.hpp"
 #include "files/atomic_file.hpp"
+#include "files/medit_file.hpp"
 #include "files/obj_parts.hpp"
 #include "pictures/mesh_picture.hpp"
 
@@ -32,15 +38,20 @@ namespace {
 using namespace cageform_examples;
 
 struct Arguments {
-    std::string figure, cage, pose, out, picture;
+    std::string figure, cage, pose, save_pose, out, picture;
     OutsideChoice outside;
     std::size_t weight = 0; // whose is painted
     bool paints = false;
     bool report = false;
+    bool no_folds = false;
+    cageform::FoldOptions folds;
     CoordinatesChoice choice;
     SiteChoice of_sites;
     PoseChoice operations;
+    PinChoice pins;
     ViewChoice view;
+
+    bool has_pose() const { return !pose.empty() || !operations.operations.empty(); }
 };
 
 /// The control of the figure: coordinates, and the pose of their handles.
@@ -49,6 +60,9 @@ struct Control {
     ObjFile cage, pose;          // of sites with points alone
     std::vector<double> weights; // of sites, or none
     std::function<std::string(const cageform::BindReport&)> describe_faults;
+    std::vector<Point3> handles = {}; // the pose of all, where pins pose vectors of faces too; else none
+    std::string on_pins = {};         // what --report says of them
+    std::size_t saved = 0; // the vertices that --save-pose writes: all but the corners of --surround
 };
 
 /// Sites as a picture shows them: an octahedron each.
@@ -68,32 +82,70 @@ ObjFile dots(const std::vector<Point3>& sites, double radius) {
     return file;
 }
 
+/// Poses the vertices by pins, if there are any, beside those held where they are.
+///
+///   still   vertices that no pose moves
+SvgResult<bool> pin_pose(Control& to, const Arguments& given, const ObjFile& figure,
+                         const std::vector<std::size_t>& still) {
+    if (!given.pins.is_given()) return true;
+    auto pins = given.pins.pins<3>(figure.vertices);
+    if (!pins) return pins.error();
+    const std::span<const Point3> rest(to.cage.vertices);
+    auto held = given.pins.held_handles(rest.first(to.saved), still);
+    if (!held) return held.error();
+    const std::string kind = to.cage.lattice ? "lattice" : given.choice.name;
+    auto pinned = PinnedCage<double, 3>::make(to.coordinates, {to.cage.name, kind, to.describe_faults},
+                                              std::move(*pins), std::move(*held), given.pins, given.outside);
+    if (!pinned) return pinned.error();
+    auto pose = pinned->rest();
+    std::copy(to.pose.vertices.begin(), to.pose.vertices.end(), pose.begin());
+    if (const auto started = pinned->start(pose); !started)
+        return SvgError{to.pose.name + ": " + to_string(started.error())};
+    if (const auto done = pinned->settle(pinned->targets(), pinned->turns(), pose); !done)
+        return done.error();
+    to.on_pins = pinned->report();
+    if (const std::string why = pinned->warning(); !why.empty()) warn(why);
+    std::copy(pose.begin(), pose.begin() + std::ptrdiff_t(to.pose.vertices.size()), to.pose.vertices.begin());
+    if (to.coordinates.handles().vector_count() > 0) to.handles = std::move(pose);
+    return true;
+}
+
 SvgResult<Control> read_sites(const Arguments& given, const ObjFile& figure) {
-    auto posed = load_posed_sites<3>(given.cage, given.pose, given.of_sites,
+    if (given.pose.empty() && !given.pins.is_given()) return SvgError{"--pose is required for points"};
+    if (given.pins.is_given() && !given.of_sites.weights.empty())
+        return SvgError{"--weights: pins cannot be solved for where points have weights"};
+    const std::string& path = given.pose.empty() ? given.cage : given.pose;
+    auto posed = load_posed_sites<3>(given.cage, path, given.of_sites,
                                      [&]() -> SvgResult<std::vector<Point3>> { return figure.vertices; });
     if (!posed) return posed.error();
     auto& [sites, pose, weights] = *posed;
     Control control{make_coordinates<double>(given.choice, sites), {}, {}, std::move(weights), {}};
     control.cage.name = given.cage;
     control.cage.vertices = sites.points;
-    control.pose.name = given.pose;
+    control.pose.name = path;
     control.pose.vertices = std::move(pose.points);
+    constexpr std::size_t corners = 8; // of the box that --surround adds
+    control.saved = sites.points.size() - (given.of_sites.surround > 0 ? corners : 0);
+    std::vector<std::size_t> still;
+    for (std::size_t i = control.saved; i < sites.points.size(); ++i) still.push_back(i);
     control.describe_faults = [known = std::move(sites)](const cageform::BindReport& report) {
         return describe_site_faults(known, report);
     };
+    if (const auto done = pin_pose(control, given, figure, still); !done) return done.error();
     return control;
 }
 
-/// The pose by a file, or by operations; of a cage that is made, where neither is given, one for a first
-/// look.
-SvgResult<ObjFile> read_pose(const Arguments& given, const ObjFile& cage) {
+/// The pose by a file, or by operations; where neither is given that of rest if there are pins, or of a cage
+/// that is made one for a first look.
+///
+///   held   vertices that no pose moves
+SvgResult<ObjFile> read_pose(const Arguments& given, const ObjFile& cage,
+                             const std::vector<std::size_t>& held) {
     const bool operated = !given.operations.operations.empty();
     if (!given.pose.empty() && operated)
         return SvgError{"give --pose or operations such as --turn, but not both"};
-    const auto held = given.operations.still(cage.lattice);
-    if (!held) return held.error();
     const auto put_back = [&](ObjFile pose) {
-        for (const std::size_t i : *held) pose.vertices[i] = cage.vertices[i];
+        for (const std::size_t i : held) pose.vertices[i] = cage.vertices[i];
         return pose;
     };
     if (!given.pose.empty()) {
@@ -103,8 +155,9 @@ SvgResult<ObjFile> read_pose(const Arguments& given, const ObjFile& cage) {
         if (!why.empty()) return SvgError{why};
         return put_back(std::move(*pose));
     }
+    if (!operated && given.pins.is_given()) return cage;
     if (!operated && !CageWord::of(given.cage).is_auto)
-        return SvgError{"--pose is required, or operations such as --turn"};
+        return SvgError{"--pose is required, or operations such as --turn, or --pin"};
     ObjFile pose = cage;
     if (operated) {
         auto moved = given.operations.posed(cage.vertices, cage.lattice);
@@ -117,38 +170,57 @@ SvgResult<ObjFile> read_pose(const Arguments& given, const ObjFile& cage) {
 }
 
 SvgResult<Control> read_control(const Arguments& given, const ObjFile& figure) {
-    if (given.choice.takes_sites() && given.pose.empty()) return SvgError{"--pose is required for points"};
     if (given.choice.takes_sites()) return read_sites(given, figure);
     auto cage = load_or_make_cage(given.cage, figure);
     if (!cage) return cage.error();
-    auto pose = read_pose(given, *cage);
+    const auto still = given.operations.still(cage->lattice);
+    if (!still) return still.error();
+    auto pose = read_pose(given, *cage, *still);
     if (!pose) return pose.error();
     auto coordinates = make_coordinates<double>(given.choice, *cage);
     const std::string name = cage->name;
-    return Control{std::move(coordinates),
-                   std::move(*cage),
-                   std::move(*pose),
-                   {},
-                   [name](const cageform::BindReport& report) { return describe_mesh_faults(name, report); }};
+    Control control{
+        std::move(coordinates),
+        std::move(*cage),
+        std::move(*pose),
+        {},
+        [name](const cageform::BindReport& report) { return describe_mesh_faults(name, report); }};
+    control.saved = control.cage.lattice ? control.cage.lattice->points() : control.cage.vertices.size();
+    if (const auto done = pin_pose(control, given, figure, *still); !done) return done.error();
+    return control;
+}
+
+/// The text of a file that --pose reads.
+std::string saved_pose(const Control& control) {
+    if (!control.coordinates.takes_sites) return to_text(control.cage, control.pose.vertices);
+    std::string text;
+    for (std::size_t i = 0; i < control.saved; ++i) {
+        text += 'v';
+        for (const double x : control.pose.vertices[i].v) text += ' ' + detail::digits_of(x);
+        text += '\n';
+    }
+    return text;
 }
 
 struct Deformed {
     std::vector<Point3> vertices;
-    std::vector<Colour> paint; // of --weight
+    std::vector<Colour> paint;   // of --weight
+    std::vector<Point3> handles; // the pose of all
     cageform::BindReport report;
     std::string fault, warning;
 };
 
+constexpr std::size_t most_bytes = std::size_t{256} << 20; // of weights at a time
+
 /// Binds the figure and moves it; where the weights of all vertices would take more than 256 MB, a batch of
 /// them after the other. Until `fault` is not empty, or the report's status not ok.
 Deformed deformed(const Arguments& given, const ObjFile& figure, const Control& control) {
-    constexpr std::size_t most_bytes = std::size_t{256} << 20;
-    const auto& [coordinates, cage, pose, weights, describe_faults] = control;
+    const auto& coordinates = control.coordinates;
+    const auto& [pose, weights] = std::tie(control.pose, control.weights);
     const std::span<const Point3> rest(figure.vertices);
     const std::size_t fits = most_bytes / (sizeof(double) * (coordinates.handles().count + 1));
     const std::size_t together = rest.size() <= fits ? rest.size() : fits / 4 + 1;
-    cageform::BindOptions options;
-    options.outside = given.outside.policy(coordinates);
+    const auto options = given.outside.bind_options(coordinates);
     Deformed result;
     result.vertices.resize(rest.size());
     auto& report = result.report;
@@ -165,7 +237,7 @@ Deformed deformed(const Arguments& given, const ObjFile& figure, const Control& 
     const auto done = [&](std::size_t i) {
         return double(i) / double(std::max<std::size_t>(rest.size(), 1));
     };
-    std::optional<std::vector<Point3>> handles;
+    auto& handles = result.handles = control.handles;
     std::size_t first = 0;
     while (report.status == cageform::Status::ok) {
         const auto batch = rest.subspan(first, std::min(together, rest.size() - first));
@@ -175,7 +247,7 @@ Deformed deformed(const Arguments& given, const ObjFile& figure, const Control& 
         add_batch(report, bound.report, first);
         report.status = bound.report.status;
         if (report.status != cageform::Status::ok) break;
-        if (!handles) {
+        if (handles.empty()) {
             auto posed = pose_of_handles(bound.value, pose.vertices, pose.name, result.warning);
             if (!posed) {
                 result.fault = to_string(posed.error());
@@ -185,8 +257,8 @@ Deformed deformed(const Arguments& given, const ObjFile& figure, const Control& 
         }
         const auto moved = std::span(result.vertices).subspan(first, batch.size());
         const auto status = weights.empty()
-                                ? cageform::clone(bound.value, *handles, moved)
-                                : cageform::clone_rational(bound.value, *handles, std::span(weights), moved);
+                                ? cageform::clone(bound.value, handles, moved)
+                                : cageform::clone_rational(bound.value, handles, std::span(weights), moved);
         if (status != cageform::Status::ok) {
             result.fault =
                 (weights.empty() ? pose.name : given.of_sites.weights) + ": " + cageform::to_string(status);
@@ -200,15 +272,63 @@ Deformed deformed(const Arguments& given, const ObjFile& figure, const Control& 
     return result;
 }
 
+/// Finds what folds: tetrahedra, or by Jacobians the space at vertices.
+///
+///   handles   the pose of all
+MeshFolds found_folds(const Arguments& given, const ObjFile& figure, const Control& control,
+                      std::span<const Point3> moved, std::span<const Point3> handles) {
+    if (!figure.tetrahedra.empty()) return folds_of_cells(figure, moved, given.folds);
+    MeshFolds folds;
+    if (!control.weights.empty()) {
+        folds.unknown = "no gradients are computed for points with weights";
+        return folds;
+    }
+    const auto& coordinates = control.coordinates;
+    const auto at_rest = coordinates.handles();
+    const std::span<const Point3> rest(figure.vertices);
+    const std::size_t together = most_bytes / (3 * sizeof(double) * (at_rest.count + 1)) + 1;
+    const cageform::BindOptions options = given.outside.bind_options(coordinates);
+    ProgressBar bar("looking for folds");
+    const cageform::Running running{.progress = bar.callback()};
+    if (together < rest.size()) (void)coordinates.solve(running.subtask(0, 0.5));
+    for (std::size_t first = 0; first < rest.size() && folds.fault().empty(); first += together) {
+        const auto batch = rest.subspan(first, std::min(together, rest.size() - first));
+        const auto done = [&](std::size_t i) { return 0.5 + 0.5 * double(i) / double(rest.size()); };
+        const auto columns = coordinates.bind_jacobians(
+            batch, options, running.subtask(done(first), done(first + batch.size())));
+        if (columns)
+            folds.add(columns.value, std::span(at_rest.rest, at_rest.count), handles, first, given.folds);
+        else
+            folds.unknown = cageform::to_string(columns.report.status);
+    }
+    return folds;
+}
+
+/// Takes a figure that folds, and its pose, back along their straight ways from rest to where nothing folds.
+/// Returns why it cannot be done; empty if all is well.
+std::string stop_at_folds(const ObjFile& figure, Control& control, std::vector<Point3>& moved,
+                          const MeshFolds& folds) {
+    if (const std::string why = folds.fault(); !why.empty()) return figure.name + ": --no-folds: " + why;
+    if (folds.report.count == 0) return {};
+    const double step = folds.step.step;
+    note(figure.name + ": the pose stops at " + detail::short_number(step) + " of its way from rest, where " +
+         (folds.of_cells ? "" : "the figure at ") + folds.name_of(folds.step.culprit) + " would fold");
+    for (std::size_t i = 0; i < moved.size(); ++i) moved[i] = on_the_way(figure.vertices[i], moved[i], step);
+    auto& pose = control.pose.vertices;
+    for (std::size_t i = 0; i < pose.size(); ++i)
+        pose[i] = on_the_way(control.cage.vertices[i], pose[i], step);
+    return {};
+}
+
 /// Binds the figure, moves it and writes the requested files.
-int deform_figure(const Arguments& given, const ObjFile& figure, const Control& control) {
-    const auto& [coordinates, cage, pose, weights, describe_faults] = control;
-    if (const auto why = fault_of_outputs({given.out, given.picture})) return fail(*why);
+int deform_figure(const Arguments& given, const ObjFile& figure, Control control) {
+    const auto& [coordinates, cage, pose] = std::tie(control.coordinates, control.cage, control.pose);
+    if (const auto why = fault_of_outputs({given.out, given.save_pose, given.picture})) return fail(*why);
     warn_of_closed_gaps(cage.name, coordinates.cage_report());
     if (!coordinates.note.empty()) note(coordinates.note);
-    const auto [moved, paint, report, fault, warning] = deformed(given, figure, control);
+    auto [moved, paint, handles, report, fault, warning] = deformed(given, figure, control);
     if (!fault.empty()) return fail(fault);
-    if (report.status != cageform::Status::ok) return fail(describe_faults(report));
+    if (report.status != cageform::Status::ok) return fail(control.describe_faults(report));
     warn_of_coarse_grid(cage.name, report.solver);
     const auto outside = given.outside.judge(coordinates, report, figure.vertices, figure.name, cage.name);
     if (!outside.fault.empty()) return fail(outside.fault);
@@ -217,9 +337,16 @@ int deform_figure(const Arguments& given, const ObjFile& figure, const Control& 
     for (const Point3& p : moved) {
         if (!cageform::is_finite(p)) return fail(figure.name + ": a vertex has left the range of numbers");
     }
+    MeshFolds folds;
+    if (given.report || given.no_folds) folds = found_folds(given, figure, control, moved, handles);
+    if (given.no_folds) {
+        const std::string why = stop_at_folds(figure, control, moved, folds);
+        if (!why.empty()) return fail(why);
+    }
 
     OutputFiles outputs;
     outputs.add(given.out).write(to_text(figure, moved));
+    if (!given.save_pose.empty()) outputs.add(given.save_pose).write(saved_pose(control));
     if (!given.picture.empty()) {
         ObjFile rest_dots, moved_dots;
         const ObjFile *drawn = &cage, *drawn_pose = &pose;
@@ -248,23 +375,30 @@ int deform_figure(const Arguments& given, const ObjFile& figure, const Control& 
     }
     if (given.report) {
         std::cout << "figure: " << figure.vertices.size() << " vertices, " << figure.normals.size()
-                  << " normals, " << figure.faces.size() << " faces\n";
+                  << " normals, "
+                  << (figure.tetrahedra.empty() ? figure.faces.size() : figure.tetrahedra.size())
+                  << (figure.tetrahedra.empty() ? " faces\n" : " tetrahedra\n");
         if (coordinates.takes_sites)
             std::cout << "control points: " << cage.vertices.size() << '\n';
         else
             std::cout << "cage: " << cage.vertices.size() << " vertices, " << cage.triangles.size()
                       << " triangles\n";
-        std::cout << describe(report);
+        std::cout << describe(report) << control.on_pins;
+        std::cout << describe(folds, given.no_folds && folds.report.count > 0);
     }
     return 0;
 }
 
 int run_program(int argc, char** argv) {
-    CommandLine line("Deforms an OBJ figure by a cage, a closed mesh around it, and a pose of the cage.");
+    CommandLine line(
+        "Deforms an OBJ figure, or a mesh of tetrahedra, by a cage, a closed mesh around it, and "
+        "a pose of the cage.");
     line.set_examples({"model.obj --cage auto:60 -o look.obj --picture look.png",
-                       "model.obj --cage cage.obj --pose pose.obj --coordinates harmonic -o posed.obj"});
+                       "model.obj --cage cage.obj --pose pose.obj --coordinates harmonic -o posed.obj",
+                       "model.obj --cage cage.obj --pin 12 --pin 5021:+0.2,+0.4,0 -o pulled.obj",
+                       "part.mesh --cage box --twist all:x,0,4,90 --no-folds -o twisted.mesh --report"});
     Arguments given;
-    line.add("figure", given.figure, "the OBJ file to deform").required();
+    line.add("figure", given.figure, "the OBJ or .mesh file to deform").required();
     line.add("--cage", given.cage,
              "its cage: an OBJ file of a closed mesh, faces counter-clockwise seen from outside; for sibson "
              "and sibson-c1 a file of points" +
@@ -274,35 +408,58 @@ int run_program(int argc, char** argv) {
              "the pose: the same mesh or points with vertices moved; or give operations such as --turn; with "
              "--cage auto and none of these, half the figure bends");
     given.operations.add_options(line);
-    line.add("-o,--output", given.out, "the OBJ file to write").required().ends_with({".obj"});
+    given.pins.add_options(line);
+    line.add("--save-pose", given.save_pose, "also write the posed vertices to an OBJ file that --pose reads")
+        .ends_with({".obj"});
+    line.add_flag("--no-folds", given.no_folds,
+                  "stop a pose that folds tetrahedra on its straight way from rest, where the first of them "
+                  "would fold; of a surface, where the space at the first vertex would");
+    line.add("--fold-threshold", given.folds.threshold,
+             "what counts as folded: a ratio of volumes, posed to rest, not above this")
+        .range(-1e6, 0.999)
+        .show_default()
+        .rarely_needed();
+    line.add("-o,--output", given.out, "the file to write, .obj or .mesh as the figure is")
+        .required()
+        .ends_with({".obj", ".mesh"});
     given.outside.with_sites = given.choice.with_sites = given.choice.with_normals = true;
     given.choice.in_space = true;
-    given.outside.add_option(line);
+    given.outside.add_options(line);
     given.of_sites.add_options(line);
     line.add("--picture", given.picture, "also draw it at rest and posed, in its cage, to a PNG file")
         .ends_with({".png"});
     given.view.add_options(line);
     const CommandOption weight =
         line.add("--weight", given.weight, "paint this vertex's weight on the figure in the picture, from 0");
-    line.add_flag("--report", given.report, "print the bind report");
+    line.add_flag("--report", given.report, "print the bind report, how pins went, and what folds");
     given.choice.add_options(line);
-    line.set_footer(obj_format + std::string("\n") + lattice_format + "\n" + pose_operations_format + "\n" +
-                    site_formats + "\n" + site_weights_format);
+    line.set_footer(obj_format + std::string("\n") + medit_format + "\n" + lattice_format + "\n" +
+                    pose_operations_format + "\n" + pins_format + "\n" + site_formats + "\n" +
+                    site_weights_format);
     if (const auto code = line.parse(argc, argv)) return *code;
-    const std::string why = given.of_sites.fault(given.choice);
-    if (!why.empty()) return fail(why);
+    for (const std::string& why :
+         {given.of_sites.fault(given.choice), given.outside.fault(), given.pins.fault(given.has_pose())}) {
+        if (!why.empty()) return fail(why);
+    }
+    const std::string ending = ending_of(given.figure) == ".mesh" ? ".mesh" : ".obj";
+    if (ending_of(given.out) != ending)
+        return fail("-o " + given.out + ": the figure " + given.figure + " is written as " + ending);
 
-    const auto figure = load_obj(given.figure);
+    const auto figure = load_mesh_or_obj(given.figure);
     if (!figure) return fail(to_string(figure.error()));
-    const auto control = read_control(given, *figure);
+    auto control = read_control(given, *figure);
     if (!control) return fail(to_string(control.error()));
+    if (!given.save_pose.empty() && !control->handles.empty())
+        return fail("--save-pose " + given.save_pose + ": with " + given.choice.name +
+                    " pins pose the faces beside the vertices, and a pose has vertices alone; take "
+                    "mean-value or harmonic");
     given.paints = weight.is_given();
     if (given.paints && given.picture.empty()) return fail("--weight is painted on the --picture: give one");
     if (given.paints && given.weight >= control->cage.vertices.size()) {
         return fail("there is no vertex " + std::to_string(given.weight) + ": " + given.cage + " has " +
                     std::to_string(control->cage.vertices.size()));
     }
-    return deform_figure(given, *figure, *control);
+    return deform_figure(given, *figure, std::move(*control));
 }
 
 } // namespace

@@ -4,6 +4,7 @@
 //     deform_svg cat.svg --cage cat_cage.svg --pose cat_pose_step.svg --coordinates harmonic -o step.svg
 //     --png
 //     deform_svg cat.svg --cage auto:24 --turn 5-10:-30 -o tail.svg
+//     deform_svg cat.svg --cage auto --pin 915,165:760,60 --pin 180,740 --pin 770,740 -o pulled.svg
 //
 // Curves and long lines are refined until they follow the deformed shape, since straight lines and control
 // points do not map to it. Everything that is not geometry stays: styles, gradients, groups, identifiers.
@@ -19,6 +20,7 @@
 #include "cli/coordinates.hpp"
 #include "cli/figure_motion.hpp"
 #include "cli/guard.hpp"
+#include "cli/pinned_figure.hpp"
 #include "cli/pose_choice.hpp"
 #include "files/base64.hpp"
 #include "files/cage_file.hpp"
@@ -47,10 +49,13 @@ SvgResult<std::vector<Point2>> control_points(const SvgDocument& figure) {
     return points;
 }
 
-/// The values of --cage and --pose, and the operations in place of a pose.
+/// The values of --cage and --pose, the operations in place of a pose, and pins.
 struct CagePaths {
     std::string cage, pose;
     PoseChoice operations;
+    PinChoice pins;
+
+    bool has_pose() const { return !pose.empty() || !operations.operations.empty(); }
 };
 
 /// The control that moves the figure, and the pose to be drawn.
@@ -58,16 +63,53 @@ struct Control {
     FigureControl control;
     CageFile drawn;
     std::string fault; // of the pose, to warn of
+    std::vector<Pin<2>> pins;
+    std::string on_pins;   // what --report says of them
+    std::size_t saved = 0; // the vertices that --save-pose writes: all but the corners of --surround
 };
 
+/// Poses the vertices by pins, if there are any, beside those held where they are.
+///
+///   rest    of the vertices that --hold may select
+///   still   those that no pose moves
+SvgResult<bool> pin_pose(Control& to, const CoordinatesChoice& choice, const CagePaths& paths,
+                         const OutsideChoice& outside, std::span<const cageform::Vec<double, 2>> rest,
+                         const std::vector<std::size_t>& still) {
+    if (!paths.pins.is_given()) return true;
+    auto pins = paths.pins.pins<2>();
+    if (!pins) return pins.error();
+    auto held = paths.pins.held_handles(rest, still);
+    if (!held) return held.error();
+    auto figure = PinnedFigure::make(
+        to.control, {choice, paths.pins, outside, to.control.poses.front(), std::move(*held)},
+        std::move(*pins));
+    if (!figure) return figure.error();
+    auto pose = figure->settled();
+    if (!pose) return pose.error();
+    to.control.pose_name = "the pose by pins";
+    to.pins = figure->cage().pins();
+    to.on_pins = figure->cage().report();
+    if (const std::string why = figure->cage().warning(); !why.empty()) warn(why);
+    auto places = to.drawn.places();
+    for (std::size_t i = 0; i < places.size(); ++i) places[i] = {(*pose)[i].x, (*pose)[i].y};
+    to.drawn = moved_cage(std::move(to.drawn), places);
+    to.control.poses = {std::move(*pose)};
+    return true;
+}
+
 SvgResult<Control> read_sites(const CoordinatesChoice& choice, const CagePaths& paths,
-                              const SiteChoice& of_sites, const SvgDocument& figure) {
-    if (paths.pose.empty()) return SvgError{"--pose is required for points"};
-    auto posed =
-        load_posed_sites<2>(paths.cage, paths.pose, of_sites, [&] { return control_points(figure); });
+                              const SiteChoice& of_sites, const OutsideChoice& outside,
+                              const SvgDocument& figure) {
+    if (!paths.has_pose() && !paths.pins.is_given()) return SvgError{"--pose is required for points"};
+    if (paths.pins.is_given() && !of_sites.weights.empty())
+        return SvgError{"--weights: pins cannot be solved for where points have weights"};
+    const bool has_pose = !paths.pose.empty();
+    auto posed = load_posed_sites<2>(paths.cage, has_pose ? paths.pose : paths.cage, of_sites,
+                                     [&] { return control_points(figure); });
     if (!posed) return posed.error();
     auto& [sites, pose, weights] = *posed;
     Control result;
+    result.drawn.name = paths.cage;
     result.drawn.vertices = pose.points;
     for (std::size_t i = 0; i < pose.points.size(); ++i) {
         result.drawn.blocks.push_back({CageBlock::Kind::point, 0, {pose.points[i]}});
@@ -76,30 +118,65 @@ SvgResult<Control> read_sites(const CoordinatesChoice& choice, const CagePaths& 
     FigureControl& control = result.control;
     control.coordinates = make_coordinates<double>(choice, sites);
     control.name = paths.cage;
-    control.pose_name = paths.pose;
+    control.pose_name = has_pose ? paths.pose : paths.cage;
     control.poses = {std::move(pose.points)};
     control.weights = std::move(weights);
     control.weights_name = of_sites.weights;
+    std::vector<cageform::Vec<double, 2>> rest;
+    for (const Point2& p : sites.points) rest.push_back({p.x, p.y});
+    constexpr std::size_t corners = 4; // of the box that --surround adds
+    result.saved = rest.size() - (of_sites.surround > 0 ? corners : 0);
+    std::vector<std::size_t> still;
+    for (std::size_t i = result.saved; i < rest.size(); ++i) still.push_back(i);
     control.describe_faults = [known = std::move(sites)](const cageform::BindReport& report) {
         return describe_site_faults(known, report);
     };
+    const auto pinned = pin_pose(result, choice, paths, outside, std::span(rest).first(result.saved), still);
+    if (!pinned) return pinned.error();
     return result;
 }
 
 SvgResult<Control> read_control(const CoordinatesChoice& choice, const CagePaths& paths,
-                                const SiteChoice& of_sites, const SvgDocument& figure,
-                                const std::string& figure_path) {
-    if (choice.takes_sites()) return read_sites(choice, paths, of_sites, figure);
+                                const SiteChoice& of_sites, const OutsideChoice& outside,
+                                const SvgDocument& figure, const std::string& figure_path) {
+    if (choice.takes_sites()) return read_sites(choice, paths, of_sites, outside, figure);
     const auto cage = load_or_make_cage(paths.cage, figure, choice.edges());
     if (!cage) return cage.error();
-    const bool is_made = CageWord::of(paths.cage).is_auto;
-    auto pose = read_pose(paths.pose, paths.operations, *cage, is_made);
+    const bool is_made = CageWord::of(paths.cage).is_auto, pinned = paths.pins.is_given();
+    const auto rest = cage->places();
+    auto pose = pinned && !paths.has_pose() ? moved_cage(*cage, rest)
+                                            : read_pose(paths.pose, paths.operations, *cage, is_made);
     if (!pose) return pose.error();
-    Control result{control_of(choice, *cage), std::move(*pose), {}};
+    Control result{control_of(choice, *cage), std::move(*pose), {}, {}, {}, cage->vertices.size()};
     result.control.pose_name = !paths.pose.empty() ? paths.pose : is_made ? figure_path : paths.cage;
     result.control.poses = {result.drawn.vertices};
+    const auto still = paths.operations.still(cage->lattice);
+    if (!still) return still.error();
+    const std::size_t count = cage->lattice ? cage->lattice->points() : rest.size();
+    const auto done = pin_pose(result, choice, paths, outside, std::span(rest).first(count), *still);
+    if (!done) return done.error();
     result.fault = pose_faults(result.control, *cage);
     return result;
+}
+
+/// The text of a pose of a cage, or of points without one.
+SvgResult<std::string> saved_pose(const Control& posed, bool of_sites, const std::string& path,
+                                  const ViewBox& view) {
+    if (posed.control.coordinates.handles().vector_count() > 0 && posed.control.poses_all_handles)
+        return SvgError{"--save-pose " + path +
+                        ": with these coordinates pins pose the edges beside the vertices, and a pose has "
+                        "vertices alone; take mean-value or harmonic"};
+    if (!of_sites) {
+        const auto text = pose_text(posed.drawn, path, view);
+        return text ? text : SvgError{"--save-pose " + to_string(text.error())};
+    }
+    if (ending_of(path) != ".csv") return SvgError{"--save-pose " + path + ": points need a .csv file"};
+    std::string text;
+    for (std::size_t i = 0; i < posed.saved; ++i) {
+        const Point2& p = posed.drawn.vertices[i];
+        text += detail::digits_of(p.x) + ',' + detail::digits_of(p.y) + '\n';
+    }
+    return text;
 }
 
 /// Puts a figure under all else, white with a rim: as a picture of its own, so that nothing in it meets the
@@ -142,12 +219,13 @@ int run_program(int argc, char** argv) {
     CommandLine line("Deforms an SVG figure by a cage and a pose of it. Strokes keep their width; gradients "
                      "and patterns follow the affine map that fits the motion of their shape best.");
     line.set_examples({"icon.svg --cage auto -o look.svg --png --show-cage",
-                       "icon.svg --cage auto --turn 5-10:-30 --move 3:0,12 -o pose.svg --png --fit"});
-    std::string figure_path, out_path;
+                       "icon.svg --cage auto --turn 5-10:-30 --move 3:0,12 -o pose.svg --png --fit",
+                       "icon.svg --cage auto --pin 12,40 --pin 36,40 --pin 24,8:+6,0 -o pulled.svg --fit"});
+    std::string figure_path, out_path, save_path;
     CagePaths paths;
-    auto& [cage_path, pose_path, operations] = paths;
-    bool png = false, show_cage = false, show_lines = false, show_rest = false, report = false,
-         text_as_paths = false;
+    auto& [cage_path, pose_path, operations, pins] = paths;
+    bool png = false, show_cage = false, show_lines = false, show_rest = false, show_pins = false,
+         report = false, text_as_paths = false;
     int png_width = 900;
     CoordinatesChoice choice;
     OutsideChoice outside;
@@ -159,16 +237,21 @@ int run_program(int argc, char** argv) {
              "curved the first closed outline; for sibson and sibson-c1 a file of points" +
                  std::string(auto_cage_help))
         .required();
-    line.add("--pose", pose_path,
-             "the pose: the same blocks or points with vertices moved; or give operations such as --turn; "
-             "with --cage auto and none of these, half the figure bends, and the picture is enlarged to fit");
+    line.add(
+        "--pose", pose_path,
+        "the pose: the same blocks or points with vertices moved; or give operations such as --turn, or "
+        "pins; with --cage auto and none of these, half the figure bends, and the picture is enlarged to "
+        "fit");
     operations.in_plane = true;
     operations.add_options(line);
+    pins.add_options(line);
+    line.add("--save-pose", save_path, "also write the posed vertices to a file that --pose reads")
+        .ends_with({".svg", ".csv"});
     line.add("-o,--output", out_path, "the SVG file to write").required().ends_with({".svg"});
     line.add_flag("--png", png, "also render it, to the same name with .png");
     line.add("--png-width", png_width, "the width of the PNG file, in pixels").range(1, 16384).show_default();
     outside.with_sites = choice.with_sites = choice.in_plane = choice.with_normals = true;
-    outside.add_option(line);
+    outside.add_options(line);
     of_sites.add_options(line);
     line.add_flag(
         "--text-as-paths", text_as_paths,
@@ -183,47 +266,58 @@ int run_program(int argc, char** argv) {
     line.add_flag("--show-cage", show_cage,
                   "draw the posed cage over the figure, with the numbers of its vertices");
     line.add_flag("--show-cage-lines", show_lines, "draw the posed cage without numbers").rarely_needed();
+    line.add_flag("--show-pins", show_pins, "draw the pins at their targets, and how far they went");
     line.add_flag("--show-rest", show_rest, "draw the figure at rest below, in white");
-    line.add_flag("--report", report, "print the bind report and the numbers of shapes and points");
+    line.add_flag("--report", report,
+                  "print the bind report, the numbers of shapes and points, and how pins went");
     choice.add_options(line);
     line.set_footer(cage_formats + std::string("\n") + lattice_format + "\n" + pose_operations_format + "\n" +
-                    site_formats + "\n" + site_weights_format);
+                    pins_format + "\n" + site_formats + "\n" + site_weights_format);
     if (const auto code = line.parse(argc, argv)) return *code;
     if (const std::string why = of_sites.fault(choice); !why.empty()) return fail(why);
+    if (const std::string why = pins.fault(paths.has_pose()); !why.empty()) return fail(why);
+    if (const std::string why = outside.fault(); !why.empty()) return fail(why);
 
-    if (pose_path.empty() && operations.operations.empty()) options.fit = true;
+    if (!paths.has_pose() && !pins.is_given()) options.fit = true;
     auto document = load_figure(figure_path, text_as_paths);
     if (!document) return fail(to_string(document.error()));
-    const auto posed = read_control(choice, paths, of_sites, *document, figure_path);
+    outside.cage_is_made = CageWord::of(cage_path).is_auto;
+    const auto posed = read_control(choice, paths, of_sites, outside, *document, figure_path);
     if (!posed) return fail(to_string(posed.error()));
     const std::string png_path = png ? png_of(out_path).string() : "";
-    if (const auto fault = fault_of_outputs({out_path, png_path})) return fail(*fault);
+    if (const auto fault = fault_of_outputs({out_path, png_path, save_path})) return fail(*fault);
 
     const std::string rest = show_rest ? to_text(*document) : "";
     const auto rest_view = view_box(*document);
-    outside.cage_is_made = CageWord::of(cage_path).is_auto;
+    std::string pose_file;
+    if (!save_path.empty()) {
+        if (!rest_view) return fail(to_string(rest_view.error()));
+        auto text = saved_pose(*posed, choice.takes_sites(), save_path, *rest_view);
+        if (!text) return fail(to_string(text.error()));
+        pose_file = std::move(*text);
+    }
     auto moved = move_figure(*document, figure_path, posed->control, outside, options);
     if (!moved) return fail(to_string(moved.error()));
     if (!posed->fault.empty()) warn(posed->fault);
     document = std::move(moved->drawing.document);
     if (show_rest && rest_view) draw_rest(*document, rest, *rest_view);
-    if (show_cage || show_lines) {
-        const auto view = view_box(*document);
-        const double diagonal = view ? std::hypot(view->width, view->height) : 100;
-        draw_cage(*document, posed->drawn, diagonal, "#c2377a");
-        if (show_cage) draw_numbers(*document, posed->drawn, diagonal / 60);
-    }
+    const auto view = view_box(*document);
+    const double diagonal = view ? std::hypot(view->width, view->height) : 100;
+    if (show_cage || show_lines) draw_cage(*document, posed->drawn, diagonal, "#c2377a");
+    if (show_cage) draw_numbers(*document, posed->drawn, diagonal / 60);
+    if (show_pins) draw_pins(*document, posed->pins, diagonal);
     OutputFiles outputs;
     AtomicFile& svg = outputs.add(out_path);
     svg.write(to_text(*document));
     if (png) add_png(outputs, svg, png_width);
+    if (!save_path.empty()) outputs.add(save_path).write(pose_file);
     if (const auto error = outputs.commit()) return fail(*error);
     if (report) {
         const DeformReport& deformed = moved->drawing.report;
         std::cout << "shapes: " << deformed.shapes << ", segments written: " << deformed.segments
                   << ", points bound: " << deformed.points << " in " << deformed.batches
                   << " batches\nfirst batch:\n"
-                  << describe(moved->bound);
+                  << describe(moved->bound) << posed->on_pins;
     }
     return 0;
 }

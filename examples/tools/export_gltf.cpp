@@ -51,7 +51,7 @@ struct Arguments {
     std::string figure, cage, labels, out;
     MotionChoice moves;
     std::string weights = "float";
-    OutsideChoice outside{.can_extend = false};
+    OutsideChoice outside{.can_extend = false, .can_fade = false};
     std::size_t influences = 0; // 0: morph targets
     double threshold = 0;
     double distance = 0; // share of the figure's size; 0: no promise
@@ -486,8 +486,7 @@ int export_figure(const Arguments& given, const Scene& scene) {
     const auto coordinates = make_coordinates<double>(given.choice, cage);
     warn_of_closed_gaps(cage.name, coordinates.cage_report());
     if (!coordinates.note.empty()) note(coordinates.note);
-    cageform::BindOptions options;
-    options.outside = given.outside.policy(coordinates);
+    const auto options = given.outside.bind_options(coordinates);
     cageform::Result<cageform::Binding<double, 3>, cageform::BindReport> bound;
     {
         ProgressBar bar("binding");
@@ -607,7 +606,7 @@ int run_program(int argc, char** argv) {
         .ends_with({".glb", ".gltf"});
     given.choice.with_normals = given.choice.in_space = true;
     given.choice.add_options(line);
-    given.outside.add_option(line);
+    given.outside.add_options(line);
     line.add_flag("--report", given.report, "print the bind report and the error of the skin");
     line.set_footer(
         obj_format +

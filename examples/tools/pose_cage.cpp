@@ -62,13 +62,8 @@ int pose_in_plane(const Arguments& given) {
                                             : given.coordinates == "curved" ? CageEdges::curves
                                                                             : CageEdges::lines);
     if (!cage) return fail(to_string(cage.error()));
-    const bool is_svg = ending_of(given.out) == ".svg";
     if (ending_of(given.out) == ".obj")
         return fail("-o " + given.out + ": the cage lies in the plane: write .svg or .csv");
-    if (is_svg && cage->has_cells() && !cage->lattice)
-        return fail("-o " + given.out + ": " + given.cage + " has chains or points, which need a .csv file");
-    if (ending_of(given.out) == ".csv" && cage->curves)
-        return fail("-o " + given.out + ": " + given.cage + " has curves, which need an .svg file");
     if (ending_of(given.picture) == ".png")
         return fail("--picture " + given.picture +
                     ": in the plane the picture is an .svg file; --png renders it too");
@@ -85,8 +80,8 @@ int pose_in_plane(const Arguments& given) {
     if (!given.out.empty()) {
         const auto view = view_of(pose);
         if (!view) return fail(to_string(view.error()));
-        const SvgResult<std::string> text = is_svg ? to_svg(pose, *view) : to_csv(pose);
-        if (!text) return fail(given.out + ": " + to_string(text.error()));
+        const auto text = pose_text(pose, given.out, *view);
+        if (!text) return fail("-o " + to_string(text.error()));
         outputs.add(given.out).write(*text);
     }
     if (!given.picture.empty()) {

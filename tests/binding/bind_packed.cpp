@@ -51,6 +51,7 @@ void check_same(const C& coordinates, const Points& points, StreamedPackOptions 
         CHECK(a.points == b.points);
         CHECK(a.on_boundary == b.on_boundary);
         CHECK(a.outside == b.outside);
+        CHECK(a.faded == b.faded);
         CHECK(a.not_finite == b.not_finite);
         CHECK(a.unreached == b.unreached);
         CHECK(a.not_restored == b.not_restored);
@@ -104,6 +105,8 @@ TEMPLATE_TEST_CASE("pack of coordinates and points makes what bind and pack make
         for (std::uint32_t n = 0; n < order.size(); ++n) order[n] = std::uint32_t(order.size()) - 1 - n;
         for (const std::size_t blocks : {1u, 3u}) {
             check_same(mean_value, points, {.pack = {.threshold = 1e-3}}, blocks);
+            check_same(mean_value, points, {.bind = {.falloff = 40 * size}, .pack = {.threshold = 1e-3}},
+                       blocks);
             check_same(mean_value, points, {.pack = {.format = WeightFormat::half}}, blocks);
             check_same(mean_value, points, {.pack = {.largest = 5, .order = order}}, blocks);
             check_same(mean_value, points,

@@ -68,6 +68,10 @@ TEST_CASE("every allocation that fails is a status, whichever call makes it", "[
                      [&] { return bind_vectors(mean_value, points, points, options).report.status; });
         fail_in_turn("bind_jacobians",
                      [&] { return bind_jacobians(harmonic, points, options).report.status; });
+        const BindOptions fading{.outside = outside, .falloff = 2};
+        fail_in_turn("bind what fades", [&] { return bind(mean_value, points, fading).report.status; });
+        fail_in_turn("bind_vectors that fade",
+                     [&] { return bind_vectors(mean_value, points, points, fading).report.status; });
     }
     fail_in_turn("solve", [&] {
         cageform::UniformHarmonicCoordinates<double, 2> fresh = harmonic;

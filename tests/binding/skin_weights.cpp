@@ -276,6 +276,30 @@ TEST_CASE("points that follow the boundary are reproduced where they follow", "[
     CHECK(skin.weights[4] == 1);
 }
 
+TEST_CASE("points that fade are listed, and have the skin that they would have if they did not",
+          "[binding][skin_weights][falloff]") {
+    const Points2<double> points{{1, 1}, {6, 1}, {-1, -2}, {4, 4.5}, {2, 9}};
+    for (const auto outside : {cageform::OutsidePoints::extend, cageform::OutsidePoints::nearest_boundary}) {
+        const cageform::MeanValueCoordinates<double, 2> coordinates(square);
+        const auto plain = cageform::bind(coordinates, points, {.outside = outside});
+        const auto faded = cageform::bind(coordinates, points, {.outside = outside, .falloff = 4});
+        CHECK(faded.report.faded == Indices{1, 2, 3});
+        const auto expected = cageform::skin_weights(plain.value),
+                   found = cageform::skin_weights(faded.value);
+        REQUIRE(found.report.status == Status::ok);
+        CHECK(expected.report.faded.empty());
+        CHECK(found.report.faded == faded.report.faded);
+        CHECK(found.report.without_weights == Indices{4});
+        const auto last = std::size_t(found.value.influences) * 4;
+        for (std::size_t k = 0; k < last; ++k)
+            CHECK(std::fabs(found.value.weights[k] - expected.value.weights[k]) <= 1e-6F);
+        CHECK(std::equal(found.value.joints.begin(), found.value.joints.begin() + std::ptrdiff_t(last),
+                         expected.value.joints.begin()));
+        for (std::size_t i = 0; i < 4; ++i)
+            CHECK(std::fabs(found.report.weight_errors[i] - expected.report.weight_errors[i]) <= 1e-5F);
+    }
+}
+
 TEST_CASE("with too few influences the point is listed", "[binding][skin_weights]") {
     const Points2<double> points{{2, 2}, {2, 0}, {4, 4}};
     const auto bound = cageform::bind(cageform::MeanValueCoordinates<double, 2>(square), points);

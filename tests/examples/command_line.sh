@@ -236,6 +236,20 @@ report $ok "one warning of points outside"
 for policy in keep nearest extend; do
   works "outside: $policy" "$deform" "$cat" --cage "$data/man_cage.svg" --pose "$data/man_pose.svg" --outside $policy -o kept.svg
 done
+printf '40,30\n340,30\n340,330\n40,330\n' >head_cage.csv
+printf '0,20\n300,-10\n320,290\n20,320\n' >head_pose.csv
+refuses 'is it the cage of another figure' "$deform" "$cat" --cage head_cage.csv --pose head_pose.csv -o out.svg
+works "a cage of the head alone" "$deform" "$cat" --cage head_cage.csv --pose head_pose.csv --falloff 100 --report -o head.svg
+grep -q '^  outside, within the falloff: [1-9]' log && ! grep -q warning log && ok=yes || ok=no
+report $ok "the report lists what fades, and nothing is warned of"
+works "as harmonic coordinates have none outside, by the nearest boundary" "$deform" "$cat" --cage head_cage.csv --pose head_pose.csv --coordinates harmonic --falloff 100 -o head.svg
+for falloff in -1 nan inf far; do
+  refuses '--falloff' "$deform" "$cat" --cage head_cage.csv --pose head_pose.csv --falloff $falloff -o out.svg
+done
+for policy in keep refuse; do
+  refuses "--falloff: with --outside $policy no point outside moves" "$deform" "$cat" --cage head_cage.csv --pose head_pose.csv --falloff 9 --outside $policy -o out.svg
+done
+refuses 'not defined outside' "$deform" "$cat" --cage head_cage.csv --pose head_pose.csv --coordinates harmonic --falloff 9 --outside extend -o out.svg
 
 # ---- cage_weights ----
 printf '0,0\n2,0\n2,2\n0,2\n\n0.5,0.5\n0.5,1\n1,1\n' >hole.csv
@@ -249,6 +263,13 @@ sed -n 3p weights.csv | grep -q '^on_boundary,0,0.5,0.5,0,0,0,0$' && ok=yes || o
 report $ok "the middle of an edge"
 sed -n 5p weights.csv | grep -q '^not_finite,nan,' && ok=yes || ok=no
 report $ok "no weights for a point that is not finite"
+printf '3,1\n6,1\n1.5,1.5\n' >away.csv
+works "weights that fade" "$weights" --cage hole.csv --points away.csv --outside nearest --falloff 2 -o away_weights.csv
+[ "$(sed 1d away_weights.csv | cut -d, -f1-5 | tr '\n' ' ')" = "outside,0,0.25,0.25,0 outside,0,0,0,0 $(sed -n 2p weights.csv | cut -d, -f1-5) " ] && ok=yes || ok=no
+report $ok "half of the nearest boundary's at half the falloff, none beyond, those inside as before"
+refuses '--falloff: with --outside keep' "$weights" --cage hole.csv --points away.csv --outside keep --falloff 2 -o out.csv
+refuses 'give --outside nearest' "$weights" --cage hole.csv --points away.csv --coordinates harmonic --falloff 2 -o out.csv
+refuses '--falloff' "$weights" --cage hole.csv --points away.csv --falloff -2 -o out.csv
 for scalar in float double; do
   for type in mean-value harmonic; do
     works "weights, $scalar $type" "$weights" --cage hole.csv --points points.csv --coordinates $type --scalar $scalar --resolution 64 --tolerance 1e-5 -o w.csv
@@ -571,6 +592,8 @@ done
 grep -q 'the grid is coarse for the edge between vertices .* (counted from 1, as in the file)' log && ok=yes || ok=no
 report $ok "edges are named as the file counts"
 works "it is kept in place" "$bind" stray_character.obj --cage character_cage.obj --outside keep -o stray.figure
+works "it fades" "$bind" stray_character.obj --cage character_cage.obj --falloff 0.5 -o stray.figure
+refuses '--falloff: with --outside keep' "$bind" stray_character.obj --cage character_cage.obj --outside keep --falloff 0.5 -o out.figure
 ! grep -q warning log && ok=yes || ok=no
 report $ok "what was asked for is not warned of"
 refuses '1 of 8066 vertices of stray_character.obj lie outside the cage' "$bind" stray_character.obj --cage character_cage.obj --outside refuse -o out.figure
@@ -686,6 +709,14 @@ works "a vertex on the boundary" "$mesh" stray.obj --cage box.obj --pose box_pos
 cmp -s auto_mean-value.obj extended.obj && cmp -s auto_harmonic.obj nearest.obj && ok=yes || ok=no
 report $ok "auto extends where it can, else takes the nearest boundary"
 refuses 'not defined outside' "$mesh" stray.obj --cage box.obj --pose box_pose.obj --coordinates harmonic --outside extend -o out.obj
+works "a vertex beyond the falloff" "$mesh" stray.obj --cage box.obj --pose box_pose.obj --falloff 0.5 -o faded.obj
+[ "$(grep '^v' faded.obj | tail -1)" = "$(grep '^v' stray.obj | tail -1)" ] && ok=yes || ok=no
+report $ok "it stays in place"
+works "a vertex within the falloff" "$mesh" stray.obj --cage box.obj --pose box_pose.obj --falloff 1e9 -o faded.obj
+cmp -s faded.obj extended.obj && ok=yes || ok=no
+report $ok "a falloff without end is as none"
+refuses '--falloff: with --outside keep' "$mesh" stray.obj --cage box.obj --pose box_pose.obj --falloff 1 --outside keep -o out.obj
+refuses '--falloff' "$mesh" stray.obj --cage box.obj --pose box_pose.obj --falloff -1 -o out.obj
 for policy in keep nearest extend; do
   works "vertices outside: $policy" "$mesh" stray.obj --cage box.obj --pose box_pose.obj --outside $policy -o kept.obj
 done
@@ -1076,6 +1107,386 @@ refuses 'cube.obj: curved takes a cage in the plane' "$weights" --cage cube.obj 
 refuses 'curved' "$mesh" cube.obj --cage auto --coordinates curved -o out.obj
 refuses '--values: curved coordinates do not interpolate' "$field" --cage "$leaf_cage" --coordinates curved --values 1,2,3,4,5,6,7,8,9,10,11,12 -o out.png
 refuses "--classes: $leaf_cage: the papers' grid needs a cage of lines" "$field" --cage "$leaf_cage" --coordinates curved --vertex 0 --classes out.classes.png -o out.png
+# ---- pins ----
+svg_of() { # OUT ARGUMENTS…   the cat in its cage
+  svg_to=$1; shift
+  "$deform" "$cat" --cage "$cage" -o "$svg_to" "$@"
+}
+same() { # WHAT ONE OTHER
+  cmp -s "$2" "$3" && ok=yes || ok=no
+  report $ok "$1"
+}
+stands_at="212,740 645,740" # its paws
+stands="--pin 212,740 --pin 645,740"
+printf '915,165,915,165\n212,740,212,740\n645,740,645,740\n' >rest_pins.csv
+for type in mean-value harmonic green; do
+  works "at rest, $type" svg_of rest.svg --pose "$cage" --coordinates $type
+  works "pins at rest, $type" svg_of pinned.svg --pins rest_pins.csv --coordinates $type
+  same "pins at rest leave the figure at rest, $type" rest.svg pinned.svg
+done
+for type in mean-value harmonic; do
+  # shellcheck disable=SC2086 # the words are options
+  works "the tail pulled, $type" svg_of pinned.svg $stands --pin 915,165:760,60 --pin 200,200@-40 --coordinates $type --save-pose pinned_pose.svg --report
+  grep -q '^pins: 4, held: 0 of 25 handles' log && grep -q '^largest miss: 0\.0.*, pin [1-4] (--pin "' log && grep -q '^stretch: .*, 0 folded' log && ok=yes || ok=no
+  report $ok "the report has the miss, its pin and the stretch"
+  works "the pose that is saved, $type" svg_of by_pose.svg --pose pinned_pose.svg --coordinates $type
+  same "it is the pose of the pins, $type" pinned.svg by_pose.svg
+done
+printf 'x,y,tx,ty,angle,weight\n# paws\n212,740,212,740\n645,740,645,740\n\n915,165,760,60\n200,200,200,200,-40,1\n' >pins.csv
+works "pins of a file" svg_of by_file.svg --pins pins.csv --coordinates harmonic
+same "they are those of the words" pinned.svg by_file.svg
+# shellcheck disable=SC2086
+works "by how much" svg_of by_moves.svg $stands --pin 915,165:-155,-105 --pin '200,200:=200,200@-40' --coordinates harmonic
+same "signs move, and = is a place" pinned.svg by_moves.svg
+works "pins and held vertices" svg_of held.svg --pin 915,165:+0,-60 --hold 0-5 --save-pose held.csv
+[ "$(head -6 held.csv)" = "$("$pose_cage" "$cage" -o still.csv >/dev/null; head -6 still.csv)" ] && ! cmp -s held.csv still.csv && ok=yes || ok=no
+report $ok "held vertices stay to the bit"
+works "held where a pose has them" svg_of held.svg --pin 915,165:+0,-60 --hold 0-5 --move 0-5:5,0 --save-pose held.csv
+[ "$(head -1 held.csv)" = 180,750 ] && ok=yes || ok=no
+report $ok "they are there"
+works "one pin" svg_of moved.svg --pin 480,420:+30,-20 --save-pose one.csv
+awk -F, 'NR == FNR { x[FNR] = $1; y[FNR] = $2; next } ($1 - x[FNR] - 30) ^ 2 + ($2 - y[FNR] + 20) ^ 2 > 1e-18 { bad = 1 } END { exit bad }' still.csv one.csv && ok=yes || ok=no
+report $ok "one pin moves the cage as a whole"
+works "a pin outside, where the coordinates go on" svg_of moved.svg --pin -50,400:+1,1
+grep -q 'warning: pin 1 (--pin "-50,400:+1,1") at (-50, 400) lies outside the cage .*; it follows the extension' log && ok=yes || ok=no
+report $ok "it is warned of"
+works "a pin outside, at the boundary's nearest point" svg_of moved.svg --pin -50,400:+1,1 --coordinates harmonic --outside nearest
+works "a pin outside, within the falloff" svg_of moved.svg --pin 20,400:+1,1 --coordinates harmonic --falloff 300
+refuses 'pin 1 (--pin "-500,400:+1,1") at (-500, 400): a pin lies where the coordinates have no weights' \
+  svg_of out.svg --pin -500,400:+1,1 --falloff 300
+works "two pins at one place" svg_of moved.svg --pin 480,420:500,420 --pin 480,420:500,440 --fit --show-pins
+[ "$(grep -o '<circle ' moved.svg | wc -l)" = 2 ] && ok=yes || ok=no
+grep -q 'warning: pin 2 (--pin "480,420:500,440") at (480, 420) has another target than --pin "480,420:500,420" at the same place' log || ok=no
+report $ok "are named and drawn"
+seq 1 200 | awk '{ x = 300 + 2 * $1; printf "%g,420,%g,%g\n", x, x, 420 + 60 * sin($1 / 9) }' >many_pins.csv
+works "more pins than a cage can follow" svg_of moved.svg --pins many_pins.csv --coordinates harmonic --fit
+grep -q 'warning: pins fold the figure, in [0-9]* of 100 parts: .*, or lower --pin-weight' log && ok=yes || ok=no
+report $ok "folds are told, and a remedy"
+works "which is one" svg_of moved.svg --pins many_pins.csv --coordinates harmonic --fit --pin-weight 10
+grep -q fold log && ok=no || ok=yes
+report $ok "nothing folds"
+# whatever moves a figure
+pinned_is_posed() { # WHAT FIGURE POSE ARGUMENTS…
+  what=$1 of=$2 file=$3; shift 3
+  works "$what" "$deform" "$of" "$@" --pin 480,420:500,400 --pin 300,300 -o pinned.svg --save-pose "$file" --fit
+  works "$what, by its pose" "$deform" "$of" "$@" --pose "$file" -o by_pose.svg --fit
+  same "$what: pins and their pose are one" pinned.svg by_pose.svg
+}
+pinned_is_posed "a made cage" "$cat" saved.svg --cage auto:24 --coordinates harmonic
+pinned_is_posed "a lattice" "$cat" saved.svg --cage lattice:4x4
+pinned_is_posed "a lattice that fades" "$cat" saved.csv --cage lattice:5x4/2+0.1@20 --freeze 1
+pinned_is_posed "cells inside" "$cat" saved.csv --cage "$data/cat_cage_spine.csv" --coordinates harmonic
+pinned_is_posed "points without a cage" "$data/fish.svg" saved.csv --cage "$data/fish_points.svg" --coordinates sibson
+pinned_is_posed "points in a box" "$data/fish.svg" saved.csv --cage "$data/fish_points.svg" --coordinates sibson-c1 --surround 0.2
+works "a cage of curves" "$deform" "$leaf" --cage "$leaf_cage" --coordinates curved --pin 100,100:+20,0@10 --pin 200,120 -o pinned.svg --fit
+works "a text and an image by pins" "$deform" letters.svg --cage picture_cage.csv --pin 5,5:+2,0 -o pinned.svg --fit
+grep -q '<text class="k" .* transform="matrix(1 0 0 1 4 0)"' pinned.svg && ok=yes || ok=no
+report $ok "the text moves along"
+: >no_pins.csv
+echo '1,2,3' >few_pins.csv
+printf 'x,y,tx,ty\n480,420,500,y\n' >word_pins.csv
+echo '480,420,500,420,,-1' >light_pins.csv
+echo '480,420,500,nan' >nan_pins.csv
+refuses_pin() { # MESSAGE ARGUMENTS…
+  message=$1; shift
+  refuses "$message" svg_of out.svg "$@"
+}
+refuses_pin 'pin 1 (--pin "5,5:1,1") at (5, 5) lies outside the cage' --pin 5,5:1,1 --coordinates harmonic
+refuses_pin 'no_pins.csv: holds no pins' --pins no_pins.csv
+refuses_pin 'few_pins.csv:1: 3 columns, but a pin has x,y,TX,TY[,ANGLE[,WEIGHT]]' --pins few_pins.csv
+refuses_pin 'word_pins.csv:2: not a number: "y"' --pins word_pins.csv
+refuses_pin 'light_pins.csv:1: the weight "-1" is not positive' --pins light_pins.csv
+refuses_pin 'nan_pins.csv:1: "nan" is not a finite number' --pins nan_pins.csv
+refuses_pin 'nowhere.csv: no such file' --pins nowhere.csv
+refuses_pin '--pin "5": "5" is not a place: write x,y' --pin 5
+refuses_pin '--pin "480,420:": "" is not a target: write x,y' --pin 480,420:
+refuses_pin '--pin "480,420:inf,1": "inf" is not a finite number' --pin 480,420:inf,1
+refuses_pin '--pin "480,420@y": not a number: "y"' --pin 480,420@y
+refuses_pin '--hold "0-25": there is no vertex 25' --pin 480,420 --hold 0-25
+refuses_pin '--hold "all" leaves no vertex of the cage to move' --pin 480,420 --hold all
+refuses_pin '--hold is for pins' --hold 1 --pose "$pose"
+refuses_pin 'give --hold too, or only one of pins and a pose' --pin 480,420 --pose "$pose"
+refuses_pin 'give --hold too, or only one of pins and a pose' --pin 480,420 --turn 1:3
+refuses_pin '--pin-weight' --pin 480,420 --pin-weight 0
+refuses_pin '--save-pose out.pose.svg: with these coordinates pins pose the edges beside the vertices' --pin 480,420 --coordinates green --save-pose out.pose.svg
+refuses_pin 'the same file as ' --pin 480,420 --save-pose out.svg
+refuses_pin 'this --solver does not give' --pin 480,420 --coordinates harmonic --solver averaging-pyramid
+refuses '--save-pose out.pose.svg: points need a .csv file' "$deform" "$data/fish.svg" --cage "$data/fish_points.svg" --coordinates sibson --pin 480,300 -o out.svg --save-pose out.pose.svg
+refuses 'has chains or points, which need a .csv file' "$deform" "$cat" --cage "$data/cat_cage_spine.csv" --coordinates harmonic --pin 480,420 -o out.svg --save-pose out.pose.svg
+
+# beside the least moves of the cage
+works "poses by pins and by least squares" "$programs/pin_poses" "$cat" --cage "$cage" --coordinates harmonic --pinned "$stands_at 150,250:110,430" --pinned "480,420:500,420" -o sheet_
+[ "$(grep -o '<circle ' sheet_1.svg | wc -l)" = 3 ] && [ -s sheet_2_least.svg ] && grep -q '^sheet_1_least.svg: stretch 0\.0.*, 0\.[1-9].* % of the inside folded' log && grep -q '^sheet_1.svg: .*, 0 % of the inside folded' log && ok=yes || ok=no
+report $ok "the head by least squares folds"
+grep -q '^sheet_2.svg: stretch 1.00 to 1.00' log && ! grep -q '^sheet_2_least.svg: stretch 1.00 to' log && ok=yes || ok=no
+report $ok "one pin moves the figure as it is, by least squares it does not"
+refuses '--pin "480": "480" is not a place' "$programs/pin_poses" "$cat" --cage "$cage" --pinned '480' -o out.
+refuses 'lies outside the cage' "$programs/pin_poses" "$cat" --cage "$cage" --coordinates harmonic --pinned '5,5:6,6' -o out.
+refuses 'a pose has no pins' "$programs/pin_poses" "$cat" --cage "$cage" --pinned ' ' -o out.
+refuses '--pinned is required' "$programs/pin_poses" "$cat" --cage "$cage" -o out.
+
+# motions by pins and by markers
+motion() { # OUT ARGUMENTS…   of the cat in its cage
+  svg_to=$1; shift
+  "$animate" "$cat" --cage "$cage" --coordinates harmonic --rate 10 -o "$svg_to" "$@"
+}
+# shellcheck disable=SC2086
+works "to a pin's target and back" motion wag.svg $stands --pin 915,165:860,120 --seconds 1 --stills wag_ --still-count 2 --save-clip wag.csv --report
+# shellcheck disable=SC2086
+works "half the time takes the figure there" svg_of there.svg $stands --pin 915,165:860,120 --coordinates harmonic --save-pose there.csv
+awk -F, '/^control/ { n++ } /^0\.5,/ { x[n] = $2; y[n] = $3 }
+         FILENAME == "still.csv" { rx[FNR] = $1; ry[FNR] = $2 }
+         FILENAME == "there.csv" { if ((rx[FNR] + x[FNR] - $1) ^ 2 + (ry[FNR] + y[FNR] - $2) ^ 2 > 0.25) bad = 1; rows++ }
+         END { exit bad || rows != 25 || n != 25 }' wag.csv still.csv there.csv && ok=yes || ok=no
+report $ok "the key there is the pose of these pins"
+works "the keys as a clip" motion by_clip.svg --clip wag.csv
+same "they are the motion" wag.svg by_clip.svg
+printf '%s\n' length,1 pin,tail,915,165 0,0,0,0,ease 0.5,-55,-45,0,ease 1,0,0,0,ease pin,front,212,740 0,0,0,0,linear 1,0,0,0,linear \
+  pin,hind,645,740,1 0,0,0,0,linear 1,0,0,0,linear >pins_clip.csv
+works "a clip of pins" motion by_pins.svg --clip pins_clip.csv
+same "says the same" wag.svg by_pins.svg
+printf '%s\n' time,tail_x,tail_y,front_x,front_y 0,915,165,212,740 0.5,915,165,212,740 1,915,165,212,740 >markers.csv
+works "markers at rest" motion rest_walk.svg --markers markers.csv --stills rest_ --still-count 2
+works "the figure at rest, in as many pieces" motion posed_walk.svg --pose "$cage" --seconds 1 --stills posed_ --still-count 2
+same "markers at rest leave it there" rest_01.svg posed_01.svg
+same "at all times" rest_02.svg posed_02.svg
+tracks=
+for point in 212,735 215,600 645,735 645,620 250,440 700,440 480,420 148,253 220,125 800,400 880,290 920,160; do tracks="$tracks --track $point"; done
+# shellcheck disable=SC2086
+works "points of the cat that walks" motion walk.svg --clip "$data/cat_walk.csv" $tracks --save-tracks tracks.csv
+awk -F, 'NR == FNR { line[FNR] = $0; n = FNR; next } { split(line[FNR], a); for (k = 1; k <= NF; k++) if (a[k] + 0 - $k > 0.05 || $k - a[k] > 0.05) bad = 1 }
+         END { exit bad || FNR != n || n < 25 }' tracks.csv "$data/cat_markers.csv" && ok=yes || ok=no
+report $ok "are those of cat_markers.csv"
+# shellcheck disable=SC2086
+works "the cat walks from these alone" motion marched.svg --markers "$data/cat_markers.csv" $tracks --save-tracks marched.csv --report
+grep -q '^pins: 12, held: 0 of 25' log && grep -q '^late,far-legs,0.6' marched.csv && ok=yes || ok=no
+report $ok "with what comes late"
+awk -F, 'NR == FNR { line[FNR] = $0; next } /^[0-9]/ { split(line[FNR], a); for (k = 2; k <= NF; k++) { d = a[k] - $k; if (d > 1 || d < -1) bad = 1 } rows++ }
+         END { exit bad || rows != 25 }' tracks.csv marched.csv && ok=yes || ok=no
+report $ok "its points go within a unit of theirs"
+printf 'time,nose.x,nose.y,a,b\nrest,148,253,480,420\n7,150,250,480,420\n7.5,,,490,420\n8,160,250,500,420\n' >lost.csv
+works "a marker that is lost" motion lost.svg --markers lost.csv --save-clip lost_clip.csv
+grep -q '^length,1.5$' lost_clip.csv && ok=yes || ok=no
+report $ok "the motion returns for half a second"
+refuses_markers() { # MESSAGE TEXT
+  printf '%b' "$2" >markers.csv
+  refuses "$1" motion out.svg --markers markers.csv
+}
+refuses_markers 'markers.csv: holds fewer than two times' ''
+refuses_markers 'markers.csv: holds fewer than two times' '0,1,2\n'
+refuses_markers 'markers.csv:1: a row is a time, then x,y of every marker' '0,1\n'
+refuses_markers 'markers.csv:2: 5 columns, and the first row has 3' '0,480,420\n1,480,420,1,2\n'
+refuses_markers 'markers.csv:2: a time is not later than the one before it' '0,480,420\n0,480,420\n'
+refuses_markers 'markers.csv:2: not a number: "x"' '0,480,420\n1,x,420\n'
+refuses_markers 'markers.csv:2: not a number: ""' '0,480,420\n1,,420\n'
+refuses_markers 'markers.csv: "marker 2" has no place at rest' '0,480,420,,\n1,480,420,3,4\n'
+refuses_markers 'markers.csv: "b" is never seen' 'time,a,,b,\nrest,480,420,500,420\n0,480,420,,\n1,480,420,,\n'
+refuses_markers 'markers.csv:2: the row of rest is the first' '0,480,420\nrest,480,420\n1,480,420\n'
+refuses_markers 'markers.csv:1: "late" takes an element and seconds' 'late,3\n'
+refuses_markers 'pin 1 (markers.csv: marker 1) at (5, 5) lies outside the cage' '0,5,5\n1,6,6\n'
+refuses_markers 'markers.csv: its length needs' '0,480,420\n1e9,480,420\n'
+printf '%s\n' length,1 control,a vertices,0 0,0,0,0,ease 1,0,0,0,ease pin,b,480,420 0,0,0,0,ease 1,0,0,0,ease >both.csv
+refuses 'both.csv:6: a clip has either controls or pins' motion out.svg --clip both.csv
+printf '%s\n' length,1 pin,b,480,420 vertices,0 >both.csv
+refuses 'both.csv:3: a pin has no vertices' motion out.svg --clip both.csv
+printf '%s\n' length,1 pin,b,480,420,0 >both.csv
+refuses 'both.csv:2: the weight of a pin is not positive' motion out.svg --clip both.csv
+refuses 'give only one of --clip, --markers, pins, and a pose' motion out.svg --clip wag.csv --pin 480,420
+refuses 'give only one of --clip, --markers, pins, and a pose' motion out.svg --markers lost.csv --turn 1:3
+refuses '--hold is for pins, and the motion has none' motion out.svg --clip "$data/cat_walk.csv" --hold 1
+refuses '--track and --save-tracks go together' motion out.svg --clip "$data/cat_walk.csv" --track 480,420
+refuses '--save-clip out.clip.csv: with these coordinates pins pose the edges' "$animate" "$cat" --cage "$cage" --coordinates green --rate 10 --pin 480,420:+1,0 -o out.svg --save-clip out.clip.csv
+
+# ---- tetrahedra, folds, pins in space ----
+seq 8 >corner_weights.txt
+make_box="$programs/make_box"
+works "a box of tetrahedra" "$make_box" -o bar.mesh --cage bar_cage.obj
+grep -qx 'bar.mesh: 425 vertices, 1536 tetrahedra' log && ok=yes || ok=no
+report $ok "tells its size"
+works "a box of one cube" "$make_box" -o cube.mesh --size 1,2,3 --cells 1,1,1
+[ "$(grep -c '^[01] [02] [03] 0$' cube.mesh)" = 8 ] && [ "$(sed -n '/Tetrahedra/{n;p;}' cube.mesh)" = 6 ] && ok=yes || ok=no
+report $ok "has eight corners and six cells"
+refuses '--size: ' "$make_box" -o out.mesh --size 1,2
+refuses '--size: a length is not a positive number' "$make_box" -o out.mesh --size 1,0,2
+refuses '--size: ' "$make_box" -o out.mesh --size 1,nan,2
+refuses '--cells: a number along an axis is not a whole number from 1' "$make_box" -o out.mesh --cells 4,2.5,1
+refuses '--cells: more than 16,777,216 together' "$make_box" -o out.mesh --cells 1000,1000,1000
+refuses '--divisions: ' "$make_box" -o out.mesh --cage out.obj --divisions 0,1,1
+refuses '"out.vtk" does not end with .mesh' "$make_box" -o out.vtk
+in_bar() { # OUT ARGUMENTS…   the bar in its cage
+  out=$1; shift
+  "$mesh" bar.mesh --cage bar_cage.obj -o "$out" "$@"
+}
+works "tetrahedra at rest" in_bar bar_rest.mesh --pose bar_cage.obj --report
+cmp -s bar.mesh bar_rest.mesh && ok=yes || ok=no
+report $ok "the file is the same"
+grep -qx 'figure: 425 vertices, 0 normals, 1536 tetrahedra' log && grep -qx 'folds: 0 of 1536 tetrahedra' log &&
+  grep -qx 'largest step without a fold: 1' log && ok=yes || ok=no
+report $ok "no fold is reported"
+fold="--bend all:xy,1.5,2.5,180"
+# shellcheck disable=SC2086 # the words are options
+works "tetrahedra that fold" in_bar bar_folded.mesh $fold --report --picture bar.png
+grep -q '^folds: 33 of 1536 tetrahedra, first tetrahedron ' log && grep -q "^least V'/V: -0\.1.*, tetrahedron " log &&
+  grep -q '^largest step without a fold: 0\.48.*, then tetrahedron [0-9]* folds$' log && ok=yes || ok=no
+report $ok "are counted and named"
+# shellcheck disable=SC2086
+works "a pose that stops" in_bar bar_stopped.mesh $fold --no-folds --report
+grep -q 'note: bar.mesh: the pose stops at 0\.48[0-9]* of its way from rest, where tetrahedron [0-9]* would fold$' log && ok=yes || ok=no
+report $ok "says where, and which tetrahedron"
+# The step by bisection: the least V'/V of all cells on the way from rest to the folded pose.
+found=$(awk '
+  function volume(f, t, a, b, c, d,   k, x, y, z) {
+    split(a " " b " " c " " d, v, " ")
+    for (k = 1; k <= 4; k++) { X[k] = at(f, t, v[k], 1); Y[k] = at(f, t, v[k], 2); Z[k] = at(f, t, v[k], 3) }
+    for (k = 2; k <= 4; k++) { X[k] -= X[1]; Y[k] -= Y[1]; Z[k] -= Z[1] }
+    return X[2] * (Y[3] * Z[4] - Z[3] * Y[4]) - Y[2] * (X[3] * Z[4] - Z[3] * X[4]) + Z[2] * (X[3] * Y[4] - Y[3] * X[4])
+  }
+  function at(f, t, i, k) { return P[1, i, k] + t * (P[f, i, k] - P[1, i, k]) }
+  function least(f, t,   n, r, m) {
+    m = 2
+    for (n = 1; n <= cells; n++) {
+      r = volume(f, t, C[n, 1], C[n, 2], C[n, 3], C[n, 4]) / volume(1, 0, C[n, 1], C[n, 2], C[n, 3], C[n, 4])
+      if (r < m) m = r
+    }
+    return m
+  }
+  FNR == 1 { f++; part = "" }
+  /^[A-Z]/ { part = $1; n = 0; next }
+  NF == 1 { next }
+  part == "Vertices" { n++; for (k = 1; k <= 3; k++) P[f, n, k] = $k }
+  part == "Tetrahedra" { n++; cells = n; for (k = 1; k <= 4; k++) C[n, k] = $k }
+  END {
+    lower = 0; upper = 1
+    for (t = 0.02; t < 1; t += 0.02) { if (least(2, t) <= 0) { upper = t; break } lower = t }
+    for (n = 0; n < 20; n++) { m = (lower + upper) / 2; if (least(2, m) > 0) lower = m; else upper = m }
+    r = least(3, 1)
+    printf "%.4f %d", lower, (r > 0 && r < 1e-6)
+  }' bar.mesh bar_folded.mesh bar_stopped.mesh)
+said=$(sed -n 's/^largest step without a fold: \([0-9.]*\), .*: the figure stops there$/\1/p' log)
+[ "$found" = "$said 1" ] && ok=yes || { ok=no; echo "bisection: $found, said: $said" >>log; }
+report $ok "the step is that of bisection, and no tetrahedron is folded there"
+# shellcheck disable=SC2086
+works "a pose that stops sooner" in_bar bar_sooner.mesh $fold --no-folds --fold-threshold 0.3
+grep -q 'stops at 0\.[0-4]' log && ! cmp -s bar_sooner.mesh bar_stopped.mesh && ok=yes || ok=no
+report $ok "as the threshold says"
+works "a pose that does not fold" in_bar bar_bent.mesh --bend all:xy,0,4,60
+works "need not stop" in_bar bar_unfolded.mesh --bend all:xy,0,4,60 --no-folds
+cmp -s bar_bent.mesh bar_unfolded.mesh && ! grep -q stops log && ok=yes || ok=no
+report $ok "and does not"
+# shellcheck disable=SC2086
+works "a surface that stops" "$mesh" character.obj --cage character_cage.obj --scale 'y>1:1,-0.2,1' --no-folds -o surface.obj --report
+grep -q 'note: character.obj: the pose stops at 0\.[0-9]* of its way from rest, where the figure at v [0-9]* would fold' log &&
+  grep -q '^folds: [0-9]* of 8066 vertices, first v ' log && ok=yes || ok=no
+report $ok "names a vertex"
+works "a mesh in a made cage" "$mesh" bar.mesh --cage auto:30 -o bar_made.mesh
+works "a mesh in a lattice" "$mesh" bar.mesh --cage lattice:4x3x3 --twist all:x,0,4,90 -o bar_twisted.mesh
+works "cells need no gradients" "$mesh" bar.mesh --cage box --coordinates harmonic --solver averaging-pyramid --twist all:x,0,4,20 -o bar_moved.mesh --report
+grep -qx 'folds: 0 of 1536 tetrahedra' log && ok=yes || ok=no
+report $ok "they are looked at"
+works "a surface without gradients" "$mesh" inner.obj --cage box.obj --pose box.obj --coordinates harmonic --solver averaging-pyramid -o moved.obj --report
+grep -q '^folds: not known: .* --solver does not give' log || grep -q '^folds: not known: ' log && ok=yes || ok=no
+report $ok "tells that nothing is known, and why"
+refuses 'inner.obj: --no-folds: ' "$mesh" inner.obj --cage box.obj --pose box.obj --coordinates harmonic --solver averaging-pyramid -o out.obj --no-folds
+works "points with weights" "$mesh" inner.obj --cage box.obj --coordinates sibson --weights corner_weights.txt --pose box.obj -o moved.obj --report
+grep -qx 'folds: not known: no gradients are computed for points with weights' log && ok=yes || ok=no
+report $ok "have no gradients"
+refuses '--fold-threshold' in_bar out.mesh --pose bar_cage.obj --fold-threshold 1
+refuses '-o out.obj: the figure bar.mesh is written as .mesh' in_bar out.obj --pose bar_cage.obj
+refuses '-o out.mesh: the figure inner.obj is written as .obj' "$mesh" inner.obj --cage box.obj --pose box.obj -o out.mesh
+: >empty.mesh
+printf 'MeshVersionFormatted 2\nDimension 3\nVertices\n4\n0 0 0 0\n1 0 0 0\n0 1 0 0\n' >short.mesh
+sed 's/^Dimension 3/Dimension 2/' bar.mesh >flat.mesh
+sed '/^Tetrahedra/,$ s/^1 2 /1 9999 /' bar.mesh >index.mesh
+sed '/^Tetrahedra/{n;n;s/.*/1 2 3 4 0/;}' bar.mesh >thin.mesh
+refuses_mesh() { # MESSAGE FILE ARGUMENTS…
+  message=$1 file=$2; shift 2
+  refuses "$message" "$mesh" "$file" --cage bar_cage.obj --bend all:xy,0,4,60 -o out.mesh "$@"
+}
+refuses_mesh 'empty.mesh: is empty' empty.mesh
+refuses_mesh 'short.mesh: Vertices end after 3 of 4 (line 7)' short.mesh
+refuses_mesh 'flat.mesh: Dimension is "2": a mesh in space has 3 (line 2)' flat.mesh
+refuses_mesh 'index.mesh: vertex index 9999 is out of range: the file has 425 (line ' index.mesh
+refuses_mesh 'nowhere.mesh: no such file' nowhere.mesh
+refuses_mesh 'thin.mesh: --no-folds: tetrahedron 1: the simplex has no volume relative to its size' thin.mesh --no-folds
+works "a report of a flat cell" "$mesh" thin.mesh --cage bar_cage.obj --bend all:xy,0,4,60 -o thin_out.mesh --report
+grep -qx 'folds: not known: tetrahedron 1: the simplex has no volume relative to its size' log && ok=yes || ok=no
+report $ok "names it"
+
+by_pins() { # OUT ARGUMENTS…   the character in its cage
+  out=$1; shift
+  "$mesh" character.obj --cage character_cage.obj -o "$out" "$@"
+}
+printf '0,%s\n' "$(sed -n '/^v /{s/^v //;s/ /,/g;p;q;}' character.obj)" >rest_pins.csv
+for type in mean-value harmonic green; do
+  works "pins at rest in space, $type" by_pins pinned.obj --pins rest_pins.csv --pin 4000 --pin 8000 --coordinates $type
+  cmp -s character.obj pinned.obj && ok=yes || ok=no
+  report $ok "pins at rest leave the file as it is, $type"
+done
+for type in mean-value harmonic; do
+  works "a limb pulled, $type" by_pins pinned.obj --pin 0 --pin 4000@20,y --pin 8000:+0.1,+0.2,0 --coordinates $type --save-pose pinned_cage.obj --report
+  grep -q '^pins: 3, held: 0 of 112 handles' log && grep -q '^largest miss: 0\.0.*, pin [1-3] (--pin "' log && grep -q '^folds: ' log && ok=yes || ok=no
+  report $ok "the report has the miss, its pin and folds"
+  works "the cage that is saved, $type" by_pins by_pose.obj --pose pinned_cage.obj --coordinates $type
+  # Harmonic functions that are kept for the samples are rounded to floats in space.
+  paste pinned.obj by_pose.obj | awk -v most="$([ $type = harmonic ] && echo 1e-5 || echo 0)" \
+    '/^v / { for (k = 2; k <= 4; k++) { d = $k - $(k + 4); if (d > most || -d > most) bad = 1 } n++ } END { exit bad || n != 8066 }' && ok=yes || ok=no
+  report $ok "it is the pose of the pins, $type"
+done
+awk '/^v / { n++; for (i = 1; i < 4; i++) p[n, i] = $(i + 1) }
+     function place(i) { return p[i, 1] "," p[i, 2] "," p[i, 3] }
+     END { print "vertex,TX,TY,TZ,RX,RY,RZ"; print "0," place(1); print "4000," place(4001) ",0,20,0"
+           print "# a foot"; print place(8001) "," p[8001, 1] + 0.1 "," p[8001, 2] + 0.2 "," p[8001, 3] }' character.obj >space_pins.csv
+works "pins of a file in space" by_pins by_file.obj --pins space_pins.csv --coordinates harmonic
+awk '/^v / && NR == FNR { x[FNR] = $2; y[FNR] = $3; next }
+     /^v / { if (($2 - x[FNR]) ^ 2 + ($3 - y[FNR]) ^ 2 > 1e-8) bad = 1; n++ } END { exit bad || n != 8066 }' pinned.obj by_file.obj && ok=yes || ok=no
+report $ok "they are those of the words"
+works "held vertices in space" by_pins held.obj --pin 8000:+0.1,+0.2,0 --hold 0-40 --save-pose held_cage.obj
+awk '/^v / { n++; if (NR == FNR) v[n] = $0; else { if (!m) m = n; if (v[n - m + 1] != $0 && n - m < 41) bad = 1; if (v[n - m + 1] != $0) moved = 1 } }
+     END { exit bad || !moved }' character_cage.obj held_cage.obj && ok=yes || ok=no
+report $ok "stay to the bit"
+works "pins of tetrahedra that stop" in_bar bar_pinned.mesh --pin 0 --pin 424:+-6,+1,0 --pin 16 --no-folds --save-pose bar_pose.obj --report
+grep -q 'the pose stops at' log && grep -q '^pins: 3' log && ok=yes || ok=no
+report $ok "the stop is said"
+works "a lattice by pins" "$mesh" bar.mesh --cage lattice:4x3x3+0.2 --freeze 1 --pin 200:+0,+0.05,0 -o pinned.mesh --save-pose lattice_pose.obj
+works "a lattice by that pose" "$mesh" bar.mesh --cage lattice:4x3x3+0.2 --freeze 1 --pose lattice_pose.obj -o by_pose.mesh
+cmp -s pinned.mesh by_pose.mesh && ok=yes || ok=no
+report $ok "is the same"
+for type in sibson sibson-c1; do
+  works "points by pins, $type" "$mesh" inner.obj --cage box.obj --coordinates $type --surround 0.3 --pin 0:+0.1,0,0 --pin 1 -o pinned.obj --save-pose sites_pose.obj
+  works "points by that pose, $type" "$mesh" inner.obj --cage box.obj --coordinates $type --surround 0.3 --pose sites_pose.obj -o by_pose.obj
+  cmp -s pinned.obj by_pose.obj && ok=yes || ok=no
+  report $ok "is the same, $type"
+done
+works "poses of a mesh by pins and by least squares" "$programs/pin_poses" character.obj --cage character_cage.obj --pinned '0 4000 8000:+0.1,+0.2,0' --pinned '0:+0.1,0,0' -o in_space_
+[ -s in_space_all.png ] && [ -s in_space_all_least.png ] && [ "$(grep -c ': stretch .* of the inside folded$' log)" = 4 ] && ok=yes || ok=no
+report $ok "two pictures, and the stretch of each pose"
+refuses 'there is no vertex 9000: the figure has 8066, counted from 0' "$programs/pin_poses" character.obj --cage character_cage.obj --pinned 9000 -o out.
+refuses '--pinned " ": a pose has no pins' "$programs/pin_poses" character.obj --cage character_cage.obj --pinned ' ' -o out.
+refuses 'lies outside the cage character_cage.obj' "$programs/pin_poses" character.obj --cage character_cage.obj --coordinates harmonic --pinned 9,9,9 -o out.
+refuses_in_space() { # MESSAGE ARGUMENTS…
+  message=$1; shift
+  refuses "$message" by_pins out.obj "$@"
+}
+echo '1,2' >few_pins.csv
+refuses_in_space 'there is no vertex 8066: the figure has 8066, counted from 0' --pin 8066
+refuses_in_space '--pin "1,2": "1,2" is not a place: write x,y,z, or the number of a vertex' --pin 1,2
+refuses_in_space 'pin 1 (--pin "9,9,9") at (9, 9, 9) lies outside the cage character_cage.obj' --pin 9,9,9 --coordinates harmonic
+refuses_in_space 'few_pins.csv:1: 2 columns, but a pin has x,y,z,TX,TY,TZ[,RX,RY,RZ[,WEIGHT]], or a vertex for x,y,z' --pins few_pins.csv
+refuses_in_space 'no_pins.csv: holds no pins' --pins no_pins.csv
+refuses_in_space '--pin "0@40": ' --pin 0@40
+refuses_in_space '--hold is for pins' --hold 1 --pose character_pose.obj
+refuses_in_space 'give --hold too, or only one of pins and a pose' --pin 0 --pose character_pose.obj
+refuses_in_space '--save-pose out.pose.obj: with green pins pose the faces beside the vertices' --pin 0 --coordinates green --save-pose out.pose.obj
+refuses_in_space 'the same file as ' --pin 0 --save-pose out.obj
+works "pins in a tetrahedron" "$mesh" inner.obj --cage tetrahedron.obj --coordinates barycentric --pin 0:+0.1,0,0 --pin 1 -o pinned.obj
+refuses 'this --solver does not give' "$mesh" inner.obj --cage box.obj --coordinates harmonic --solver averaging-pyramid --pin 0 -o out.obj
+refuses '--weights: pins cannot be solved for where points have weights' "$mesh" inner.obj --cage box.obj --coordinates sibson --weights corner_weights.txt --pin 0 -o out.obj
+works "samples for a game's pins" "$bind" character.obj --cage character_cage.obj --pose-samples -o pins.figure --report
+bytes=$(sed -n 's/^samples for pins: \([0-9]*\) bytes, of [0-9]* points in 224 clusters, .* s$/\1/p' log)
+more=$(($(wc -c <pins.figure) - $(wc -c <still.figure) - ${bytes:-0}))
+[ "${bytes:-0}" -gt 100000 ] && [ $more -ge 0 ] && [ $more -lt 256 ] && ok=yes || { ok=no; echo "$bytes, $more" >>log; }
+report $ok "are beside the figure"
+
 # ---- lattice_fit ----
 fit="$programs/lattice_fit"
 works "a lattice fitted to what a lattice has made" "$fit" cube.obj twisted.obj --cage lattice:4x4x4 --smoothness 1e-12 -o fit_pose.obj --picture fit.png
@@ -1652,8 +2063,8 @@ done
 # ---- what all programs have ----
 mkdir -p no_files
 version=$(sed -n 's/.*VERSION_STRING "\(.*\)"/\1/p' "$(dirname "$data")/../include/cageform/version.hpp")
-for program in deform_svg coordinate_field cage_weights figure_table contact_sheet convergence adaptive_grid pose_cage make_cage deform_mesh make_character bind_mesh \
-  export_gltf skin_mesh animate_svg fit_curve bezier_tables make_hand pose_hand hand_sheet height_map grid_field diffuse_colours puzzle paths boundary_formula relaxation lattice_board leaf_cages lattice_fit; do
+for program in deform_svg coordinate_field cage_weights figure_table contact_sheet convergence adaptive_grid pose_cage make_cage make_box deform_mesh make_character bind_mesh \
+  export_gltf skin_mesh animate_svg fit_curve bezier_tables make_hand pose_hand hand_sheet height_map grid_field diffuse_colours puzzle paths boundary_formula relaxation lattice_board leaf_cages lattice_fit pin_poses; do
   works "version of $program" "$programs/$program" --version
   [ "$(cat log)" = "$program (cageform) $version" ] && ok=yes || ok=no
   report $ok "$program tells its version"
@@ -1664,7 +2075,7 @@ for program in deform_svg coordinate_field cage_weights figure_table contact_she
   # In a folder without files every example fails for want of its file, not for its words.
   grep "^  $program " log | sed 's/^ *[a-z_]* //' >shown_words
   while read -r words; do
-    case $program in fit_curve | make_character | make_hand | hand_sheet | pose_hand | lattice_board) continue ;; esac # which need none
+    case $program in fit_curve | make_box | make_character | make_hand | hand_sheet | pose_hand | lattice_board) continue ;; esac # which need none
     (cd no_files && eval "'$programs/$program' $words") >log 2>&1 </dev/null && ok=no || ok=yes
     grep -q 'no such file' log || ok=no
     report $ok "the help of $program shows $words"
@@ -1679,7 +2090,8 @@ for program in deform_svg coordinate_field cage_weights figure_table contact_she
       grep -q -- '--tolerance .*=1e-06' log && grep -q -- '--solver .*=multigrid' log && ok=yes || ok=no
     report $ok "the defaults of $program are those of all"
   fi
-  if grep -q -- '--cage' log && [ "$program" != make_cage ]; then # which takes none
+  case $program in make_cage | make_box) continue ;; esac # which take none
+  if grep -q -- '--cage' log; then
     grep -q 'A cage in the plane is the first closed polygon\|A cage is a closed mesh' log && ok=yes || ok=no
     report $ok "the help of $program says how a cage looks"
   fi
@@ -1719,6 +2131,10 @@ for type in mean-value harmonic; do
   report $ok "points outside are named, $type"
 done
 refuses 'stray.svg lie outside the cage' "$animate" stray.svg --cage "$cage" --clip "$data/cat_walk.csv" --outside refuse -o out.svg
+works "a cat that walks and what is far stays" "$animate" stray.svg --cage "$cage" --clip "$data/cat_walk.csv" --rate 6 --falloff 200 -o walk.svg
+grep -q '<path d="M -900 0 L -800 0 L -800 50 Z"/>' walk.svg && ok=yes || ok=no
+report $ok "its path is not animated"
+refuses '--falloff: with --outside keep' "$animate" stray.svg --cage "$cage" --clip "$data/cat_walk.csv" --outside keep --falloff 200 -o out.svg
 refuses 'not defined outside' "$animate" stray.svg --cage "$cage" --clip "$data/cat_walk.csv" --coordinates harmonic --outside extend -o out.svg
 refuses 'the same file as ' "$animate" "$cat" --cage "$cage" --clip "$data/cat_walk.csv" --rate 4 -o out.01.svg --stills out. --still-count 1
 

@@ -27,11 +27,16 @@ cp "$data/puzzle.csv" pool
   seq 8 >corner_weights.txt
   sed '8s/.*/v 1.3 1.2 1.1/' box.obj >bent_box.obj
   printf 'v 0.25 0.25 0.25\nv 0.75 0.25 0.5\nv 0.5 0.75 0.5\nf 1 2 3\n' >inner.obj
+  printf '0,0.3,0.3,0.3\n2,0.5,0.75,0.5\n' >space_pins.csv
+  printf 'MeshVersionFormatted 2\nDimension 3\nVertices\n4\n0.2 0.2 0.2 0\n0.8 0.2 0.2 0\n0.2 0.8 0.2 0\n0.2 0.2 0.8 0\nTetrahedra\n1\n1 2 3 4 0\nEnd\n' \
+    >solid.mesh
   for time in 0 0.5; do
     echo "pose,$time,smooth"
     sed -n "s/^v \(.*\) \(.*\) \(.*\)/\1,\2,$time\3/p" box.obj
   done | sed '1ilength,1' >box_clip.csv
   printf 'length,1\ncontrol,a\nvertices,0\n0,0,0,0,linear\n0.5,9,0,0,linear\n1,0,0,0,linear\n' >clip.csv
+  echo 250,250,260,250 >pins.csv
+  printf '0,250,250\n1,260,250\n' >markers.csv
   printf 'low,,0.5,0.5,0.1,0.5,0.5,0.5,0,0,0\nhigh,low,0.5,0.5,0.5,0.5,0.5,0.9,20,0,0\n' >bones.csv
   printf '0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0\n' >hand.csv
   printf '{"cage": {"vertices": [[0,0],[1,0],[0,1]], "loops": [[0,1,2]]}, "points": [[0.25,0.25]], "coordinates": [[0.5,0.25,0.25]]}' >triangle.json
@@ -172,6 +177,11 @@ form() { # PROGRAM WORD…
 form deform_svg hexagon.svg --cage hexagon_cage.svg --pose hexagon_pose.svg -o out.svg --png --png-width 40
 form deform_svg fish.svg --cage fish_points.svg --pose fish_pose_fins.svg --coordinates sibson --weights point_weights.txt -o out.svg
 form deform_svg hexagon.svg --cage plane.lattice.json --pose plane_pose.csv -o out.svg
+form deform_svg hexagon.svg --cage hexagon_cage.svg --pins pins.csv -o out.svg --save-pose saved.svg
+form animate_svg hexagon.svg --cage hexagon_cage.svg --markers markers.csv --rate 2 -o out.svg --save-clip saved.csv --track 250,250 --save-tracks tracks.csv
+form animate_svg hexagon.svg --cage hexagon_cage.svg --pins pins.csv --rate 2 -o out.svg
+form pin_poses inner.obj --cage box.obj --pinned 0:+0.1,0,0 -o out_
+form pin_poses hexagon.svg --cage hexagon_cage.svg --pinned 250,250:260,250 -o out_
 form animate_svg hexagon.svg --cage hexagon_cage.svg --clip clip.csv -o out.svg --stills still_ --still-count 1 --rate 2 \
   --gif out.gif --apng out.png --mp4 out.mp4 --width 40
 form animate_svg hexagon.svg --cage hexagon_cage.svg --pose hexagon_pose.svg --rate 2 -o out.svg
@@ -183,12 +193,15 @@ form cage_weights --cage square.csv --points points.csv --labels labels.txt -o o
 form figure_table hexagon.svg hexagon_cage.svg hexagon_pose.svg mean-value
 form contact_sheet -o out.svg --png --png-width 60 one hexagon.svg two red.png
 form deform_mesh inner.obj --cage box.obj --pose bent_box.obj --coordinates sibson --weights corner_weights.txt -o out.obj
+form deform_mesh inner.obj --cage box.obj --pins space_pins.csv --save-pose pinned.obj -o out.obj
+form deform_mesh solid.mesh --cage box.obj --pose bent_box.obj --no-folds -o out.mesh
+form make_box -o out.mesh --cage out_cage.obj
 form make_cage hexagon.svg -o out.svg --picture picture.svg --png
 form make_cage hexagon.svg --lattice 3x3 -o out.lattice.json
 form pose_cage hexagon_cage.svg --figure hexagon.svg --move 0:1,1 -o out.svg --picture picture.svg --png
 form adaptive_grid --cage hexagon_cage.svg --figure hexagon.svg --accuracy 0.05 -o out.svg --png --png-width 60
 form bind_mesh inner.obj --cage box.obj --clip box_clip.csv --labels box_labels.txt -o out.figure
-form bind_mesh inner.obj --cage box.obj --pose bent_box.obj -o out.figure
+form bind_mesh inner.obj --cage box.obj --pose bent_box.obj --pose-samples -o out.figure
 form export_gltf inner.obj --cage box.obj --clip box_clip.csv --labels box_labels.txt --skin 4 -o out.glb
 form export_gltf inner.obj --cage box.obj --pose bent_box.obj --morph -o out.gltf
 form grid_field table.csv -o out.png --surface surface.png --size 40
@@ -226,7 +239,7 @@ told=
 without_inputs="bezier_tables make_character make_hand hand_sheet sibson_figures"
 # Options whose words are no files.
 words="--lattice --slice --zoom --margin --mirror --move --turn --scale --bend --twist --surround --point --at --values --css --bezier --curve
-  --knots --conditions --norm --blue --red --from --make"
+  --pin --hold --track --pinned --knots --conditions --norm --blue --red --from --make --size --cells --divisions"
 for file in "$programs"/*; do
   program=${file##*/}
   case $program in [0-9]*) continue ;; esac

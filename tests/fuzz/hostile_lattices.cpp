@@ -104,10 +104,15 @@ Status try_lattice(Random& random, unsigned long long seed) {
         }
     }
     const auto outside = OutsidePoints(random.below(3));
-    const auto bound = bind(lattice, points, {.outside = outside});
-    REQUIRE(bound.report.status == status);
+    const double fading =
+        random.below(2) == 0 ? 0.0 : spoilt<double>(random, random.uniform(-0.2, 2), random.below(18));
+    const auto bound = bind(lattice, points, {.outside = outside, .falloff = fading});
     REQUIRE((lattice.handles().size() > 0) == (status == Status::ok));
-    if (status != Status::ok) return status;
+    const bool can_fade = fading > 0 && is_finite(fading) && outside != OutsidePoints::keep_in_place;
+    const Status expected =
+        status == Status::ok && fading != 0 && !can_fade ? Status::falloff_not_supported : status;
+    REQUIRE(bound.report.status == expected);
+    if (expected != Status::ok) return expected;
 
     const auto weights = bound.value.view().weights;
     for (std::size_t i = 0; i < points.size(); ++i) {
@@ -125,7 +130,8 @@ Status try_lattice(Random& random, unsigned long long seed) {
             sizes += std::fabs(w);
         }
         const double rounding = 256 * double(epsilon<T>) * sizes;
-        REQUIRE(sum == 0 || std::fabs(sum - 1) <= rounding || lists(bound.report.not_restored));
+        REQUIRE(sum == 0 || std::fabs(sum - 1) <= rounding || lists(bound.report.not_restored) ||
+                lists(bound.report.faded));
     }
     // A pose, and the pose that does what it does.
     std::vector<Vec<T, D>> pose(lattice.handles().begin(), lattice.handles().end()), out(points.size());

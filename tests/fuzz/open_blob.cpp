@@ -1,5 +1,5 @@
-// Feeds bytes to open_blob, open_figure and open_clip, and whatever opens to clones and players, in buffers
-// exactly as long as promised: for libFuzzer.
+// Feeds bytes to open_blob, open_figure, open_clip and open_pose_samples, and whatever opens to clones, players
+// and solvers, in buffers exactly as long as promised: for libFuzzer.
 //
 //     clang++ -std=c++20 -O1 -g1 -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all -Iinclude
 //             -isystem /usr/include/eigen3 tests/fuzz/open_blob.cpp -o fuzz_open_blob
@@ -8,6 +8,7 @@
 #include <cageform/binding/pack.hpp>
 #include <cageform/clone/clone_figure.hpp>
 #include <cageform/clone/pose_handles.hpp>
+#include <cageform/pose/pose_solver.hpp>
 
 #include <cstdio>
 #include <cstdlib>
@@ -195,6 +196,51 @@ void open_clip_as(std::span<const std::byte> bytes) {
     }
 }
 
+/// A solver with pins whose weights are any, for two frames; a matrix may have no solution.
+template <class T, std::size_t D>
+void solve(const cageform::PoseSamples<T, D>& samples) {
+    const std::size_t handles = samples.handle_count();
+    if (handles > 200) return;
+    cageform::PoseSolver<T, D> solver(samples);
+    REQUIRE(solver.status() == Status::ok || solver.status() == Status::pose_not_determined);
+    const Array<cageform::Lanes<T>> weights(handles, [] {
+        cageform::Lanes<T> row;
+        for (std::size_t n = 0; n < cageform::lane_count<T>; ++n) row[n] = T(0.05) * T(n % 7);
+        return row;
+    }());
+    const Array<cageform::Lanes<T>> rest(D, weights[0]);
+    const cageform::BindingView<T, D> pins{{weights.data(), handles, 3},
+                                           {rest.data(), D, 3},
+                                           samples.rest_handles.data(),
+                                           samples.handle_kinds.data(),
+                                           nullptr,
+                                           nullptr};
+    if (solver.status() != Status::ok || solver.set_pins({.binding = pins}) != Status::ok) return;
+    const Array<Vec<T, D>> targets(3, Vec<T, D>{1, 2}), pose(handles, Vec<T, D>{});
+    for (int frame = 0; frame < 2; ++frame) {
+        const Status status = solver.solve(targets, pose).status;
+        REQUIRE(status == Status::ok || status == Status::pose_not_finite);
+        for (std::size_t h = 0; h < handles; ++h) REQUIRE(cageform::is_finite(pose[h]));
+    }
+}
+
+template <class T, std::size_t D>
+void open_samples_as(std::span<const std::byte> bytes) {
+    for (const BlobCheck check : {BlobCheck::all, BlobCheck::structure}) {
+        const auto opened = cageform::open_pose_samples<T, D>(bytes, {.check = check});
+        if (opened.status() != Status::ok) {
+            REQUIRE(opened.value.handle_count() == 0 && opened.value.gradients.empty());
+            continue;
+        }
+        REQUIRE(opened.report.bytes <= bytes.size());
+        const auto again = [&](std::size_t size) {
+            return cageform::open_pose_samples<T, D>(bytes.first(size), {.check = check}).status();
+        };
+        REQUIRE(again(opened.report.bytes) == Status::ok && again(opened.report.bytes - 1) != Status::ok);
+        if (check == BlobCheck::structure) solve(opened.value);
+    }
+}
+
 /// The figure that opens, cloned; its labels and parts, read; its clips, played.
 template <class T, std::size_t D>
 void play(const cageform::PackedFigureView<T, D>& figure) {
@@ -249,6 +295,8 @@ void open_as_all(std::span<const std::byte> bytes) {
     open_figure_as<double, 2>(bytes);
     open_clip_as<float, 3>(bytes);
     open_clip_as<double, 2>(bytes);
+    open_samples_as<float, 3>(bytes);
+    open_samples_as<double, 2>(bytes);
     open_as<float, 3>(bytes);
     open_as<double, 2>(bytes);
     open_as<float, 2>(bytes);
@@ -383,6 +431,43 @@ std::vector<std::byte> clip_part(Numbers& numbers, std::size_t vertices) {
         part.insert(part.end(), clip.begin(), clip.end());
     }
     return part;
+}
+
+/// Samples that are sound, with or without what no frame reads, of a matrix that mostly has a solution.
+template <class T, std::size_t D>
+std::vector<std::byte> packed_samples(Numbers& numbers) {
+    const auto random = [&] { return double(numbers.below(2001)) / 1000 - 1; };
+    cageform::PoseSamples<T, D> samples;
+    const std::size_t handles = 1 + numbers.below(12), blocks = 1 + numbers.below(2);
+    samples.cluster_count = blocks * cageform::lane_count<T> - numbers.below(cageform::lane_count<T>);
+    samples.rest_handles.resize(handles);
+    for (auto& h : samples.rest_handles) {
+        for (T& x : h.v) x = T(random());
+    }
+    for (std::size_t i = 0; i < handles; ++i)
+        samples.handle_kinds.push_back(cageform::HandleKind(numbers.below(4) / 3));
+    samples.size = 2;
+    samples.gradients.resize(blocks * handles * D);
+    samples.moments.resize(blocks * D * D);
+    for (auto* rows : {&samples.gradients, &samples.moments}) {
+        for (auto& row : *rows) {
+            for (T& x : row.v) x = T(random());
+        }
+    }
+    for (std::size_t i = 0; i < handles; ++i) {
+        for (std::size_t j = 0; j <= i; ++j)
+            samples.stiffness.push_back(i == j ? double(handles) : 0.9 * random());
+        if (numbers.below(4) == 0) samples.unfelt.push_back(std::uint32_t(i));
+    }
+    for (std::size_t s = 1 + numbers.below(40); s > 0; --s) {
+        samples.points.push_back({T(random()), T(random())});
+        samples.clusters.push_back(std::uint32_t(numbers.below(samples.cluster_count)));
+    }
+    for (std::size_t c = 0; c < samples.cluster_count; ++c)
+        samples.centres.push_back(std::uint32_t(numbers.below(samples.points.size())));
+    const auto result = pack(samples, {.keep_points = numbers.below(2) == 0});
+    REQUIRE(result.status() == Status::ok);
+    return {result.value.bytes().begin(), result.value.bytes().end()};
 }
 
 /// A binding packed by the library itself.
@@ -537,6 +622,34 @@ void disturb_clip(std::span<std::byte> bytes, Numbers& numbers) {
     std::memcpy(bytes.data(), &header, sizeof(header));
 }
 
+/// Changes the counts and offsets of samples, or what their parts hold.
+void disturb_samples(std::span<std::byte> bytes, Numbers& numbers) {
+    using cageform::PoseBlobHeader;
+    constexpr std::size_t counts = offsetof(PoseBlobHeader, handles),
+                          offsets = offsetof(PoseBlobHeader, rest_handles);
+    for (std::size_t n = 1 + numbers.below(3); n > 0; --n) {
+        switch (numbers.below(4)) {
+        case 0: disturb<std::uint64_t>(bytes.data() + counts + 8 * numbers.below(4), numbers, 64); break;
+        case 1:
+            disturb<std::uint64_t>(bytes.data() + offsets + 8 * numbers.below(9), numbers, bytes.size());
+            break;
+        default: {
+            const std::size_t at = 4 * numbers.below(bytes.size() / 4 - 1);
+            numbers.below(2) == 0 ? disturb<std::uint32_t>(bytes.data() + at, numbers, bytes.size())
+                                  : disturb<std::uint64_t>(bytes.data() + at, numbers, 64);
+        }
+        }
+    }
+    PoseBlobHeader header;
+    const PoseBlobHeader plausible;
+    std::memcpy(&header, bytes.data(), sizeof(header));
+    header.magic = plausible.magic;
+    header.version = plausible.version;
+    header.endian = plausible.endian;
+    header.bytes = numbers.below(8) == 0 ? header.bytes : bytes.size() / 64 * 64;
+    std::memcpy(bytes.data(), &header, sizeof(header));
+}
+
 } // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
@@ -553,13 +666,15 @@ extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t s
     Numbers numbers(seed);
     const std::size_t way = numbers.below(8);
     if (way == 0 || size < sizeof(BlobHeader)) {
-        const std::size_t kind = numbers.below(8);
+        const std::size_t kind = numbers.below(10);
         const auto blob = kind == 0   ? made_up<float, 3>(numbers)
                           : kind == 1 ? made_up<double, 2>(numbers)
                           : kind == 3 ? made_up_figure<double, 2>(numbers)
                           : kind == 4 ? packed_clip<float, 3>(numbers, numbers.below(9))
                           : kind == 5 ? packed_clip<double, 2>(numbers, numbers.below(9))
-                          : kind >= 6 ? made_up_figure<float, 3>(numbers)
+                          : kind == 6 ? packed_samples<float, 3>(numbers)
+                          : kind == 7 ? packed_samples<double, 2>(numbers)
+                          : kind >= 8 ? made_up_figure<float, 3>(numbers)
                                       : made_up<float, 2>(numbers);
         if (blob.size() > max_size) return LLVMFuzzerMutate(data, size, max_size);
         std::memcpy(data, blob.data(), blob.size());
@@ -573,6 +688,10 @@ extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t s
     }
     if (header_of({bytes, size}).magic == cageform::ClipHeader::magic_number) {
         disturb_clip({bytes, size}, numbers);
+        return size;
+    }
+    if (header_of({bytes, size}).magic == cageform::PoseBlobHeader::magic_number) {
+        disturb_samples({bytes, size}, numbers);
         return size;
     }
     if (way == 2) { // what follows the header alone
@@ -647,6 +766,8 @@ extern "C" int LLVMFuzzerInitialize(int* count, char*** arguments) {
                 write(made_up_figure<double, 2>(numbers));
                 write(packed_clip<float, 3>(numbers, 5));
                 write(packed_clip<double, 2>(numbers, 4));
+                write(packed_samples<float, 3>(numbers));
+                write(packed_samples<double, 2>(numbers));
             }
         }
         std::printf("%d blobs\n", written);

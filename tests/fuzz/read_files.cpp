@@ -2,16 +2,20 @@
 //
 //     clang++ -std=c++20 -O1 -g1 -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all -Iinclude
 //             -Iexamples/support -isystem /usr/include/eigen3 tests/fuzz/read_files.cpp
-//             examples/support/{cli/{bind_report,guard,mesh_cage},files/{atomic_file,cage_file,clip_file,csv,input_file,obj_file},pictures/render,svg/*}.cpp
+//             examples/support/{cli/{bind_report,guard,mesh_cage,mesh_folds,pins,pose_operations},files/{atomic_file,cage_file,clip_file,csv,curved_cage,input_file,lattice_file,marker_file,medit_file,obj_file,obj_parts},pictures/render,svg/*}.cpp
 //             -lpugixml -lz -ltinyobjloader_double -o fuzz_read_files
 //     mkdir corpus && ./fuzz_read_files --reader=obj --seeds=corpus && ./fuzz_read_files --reader=obj corpus
 //
-// Readers: cage (CSV), clip, css, lottie, poses, obj. SVG has a driver of its own.
+// Readers: cage (CSV), clip, css, lottie, markers, medit, obj, pins, poses. SVG has a driver of its own.
 #include "cli/mesh_cage.hpp"
+#include "cli/mesh_folds.hpp"
+#include "cli/pins.hpp"
 #include "files/cage_file.hpp"
 #include "files/clip_file.hpp"
 #include "files/gltf_file.hpp"
 #include "files/lottie_file.hpp"
+#include "files/marker_file.hpp"
+#include "files/medit_file.hpp"
 
 #include <cageform/exchange/css.hpp>
 
@@ -68,6 +72,40 @@ void read_clip(const std::string& text) {
     }
 }
 
+/// Checks that pins are finite, and their weights positive.
+template <std::size_t D>
+void read_pins_in(const std::string& text) {
+    const std::vector<cageform::Vec<double, D>> figure(5);
+    const auto pins = parse_pins<D>(text, "file.csv", std::span(figure));
+    if (taken(pins)) {
+        for (const auto& pin : *pins) {
+            REQUIRE(is_finite(pin.place) && is_finite(pin.target) && pin.weight > 0);
+            REQUIRE(!pin.turn || is_finite(*pin.turn));
+        }
+        (void)contradiction(*pins);
+    }
+    const auto pin = parse_pin<D>(text, std::span(figure));
+    if (taken(pin)) REQUIRE(is_finite(pin->place) && is_finite(pin->target));
+}
+void read_pins(const std::string& text) {
+    read_pins_in<2>(text);
+    read_pins_in<3>(text);
+}
+
+void read_markers(const std::string& text) {
+    const auto clip = parse_markers(text, "file.csv");
+    if (!taken(clip)) return;
+    REQUIRE(clip->has_pins() && clip->length > 0 && std::isfinite(clip->length));
+    for (const ClipControl& marker : clip->controls) {
+        REQUIRE(marker.pin && marker.rows.size() >= 2);
+        REQUIRE(marker.rows.front().time == 0 && marker.rows.back().time == clip->length);
+        for (std::size_t k = 0; k < marker.rows.size(); ++k) {
+            REQUIRE(k == 0 || marker.rows[k].time > marker.rows[k - 1].time);
+            REQUIRE(std::isfinite(marker.rows[k].move[0]) && std::isfinite(marker.rows[k].move[1]));
+        }
+    }
+}
+
 void read_poses(const std::string& text) {
     const auto clip = parse_pose_clip(text, "file.csv", vertices);
     if (!taken(clip)) return;
@@ -117,6 +155,25 @@ void read_obj(const std::string& text) {
     REQUIRE(written == read);
 }
 
+void read_medit(const std::string& text) {
+    const auto file = parse_medit(text, "file.mesh");
+    if (!taken(file)) return;
+    REQUIRE(to_text(*file, file->vertices) == text);
+    for (const auto& triangle : file->triangles) {
+        for (const std::uint32_t i : triangle) REQUIRE(i < file->vertices.size());
+    }
+    auto moved = file->vertices;
+    for (Point3& p : moved) p = {p[1], -p[2], 0.5 * p[0]};
+    const auto again = parse_medit(to_text(*file, moved), "again.mesh");
+    REQUIRE(taken(again));
+    REQUIRE(again->vertices == moved && again->tetrahedra == file->tetrahedra);
+    const auto ours = parse_medit(medit_text(moved, file->tetrahedra), "ours.mesh");
+    REQUIRE(taken(ours) && ours->vertices == moved);
+    const MeshFolds folds = folds_of_cells(*file, moved, {});
+    REQUIRE(!describe(folds, false).empty());
+    REQUIRE(folds.step.step >= 0 && folds.step.step <= 1);
+}
+
 void read_lottie(const std::string& text) {
     using Json = nlohmann::ordered_json;
     const Json json = Json::parse(text, nullptr, false);
@@ -158,11 +215,27 @@ const std::map<std::string, Reader>& readers() {
            "a\nlength,2.4\nlate,legs,0.6\nground,744,166\n\ncontrol,tail\nvertices,1:0.5,3,2\npivot,775,400\n"
            "time,x,y,turn,kind\n0.0,0,0,-6,ease\n1.2,0,1e9,6,hold\n2.4,0,0,-6,linear\n",
            "length,1e308\ncontrol,\nvertices,4\n-1e308,0,0,0,automatic\n1e-308,1,nan,inf,automatic\n"}}},
+        {"pins",
+         {read_pins,
+          {"915,165:=760,+6e1@-40", "3:+0.2,0.4,-1@30,y", "x,y,tx,ty\n# a\n1,2,3,4\n1,2,3,4,,2\n1,2,3,4,5\n",
+           "vertex,x,y,z\n1,2,3,4\n1,2,3,4,5,6\n4,2,3,4,0,0,90,1e-308\n1,2,3,4,5,6,,,,0.5\n"}}},
+        {"markers",
+         {read_markers,
+          {"late,a,0.5\nground,1,2\ntime,a x,a y,b,\nrest,1,2,3,4\n0,1,2,,\n0.5,,,4,4\n1,2,2,5,6\n",
+           "-1e308,1,2\n1e308,3,4\n", "0,1,2\n1e-320,-1e308,2\n2,1e308,2\n"}}},
         {"poses",
          {read_poses,
           {"length,2\npose,0\n0,0,0\n1,0,0\n0,1,0\n0,0,1\npose,1,ease\n0,0,1\n1,0,1\n0,1,1\n0,0,2\n",
            "# a\nlength,3e38\npose,0,linear\n3e38,0,0\n1e-45,0,0\n0,1e39,0\n0,0,1\npose,1e-40,smooth\n0,0,1\n"
            "1,0,1\n0,1,1\n0,0,2\n"}}},
+        {"medit",
+         {read_medit,
+          {"MeshVersionFormatted 2\nDimension 3\nVertices\n4\n0 0 0 0\n1 0 0 0\n0 1 0 0\n0 0 1 "
+           "0\nTetrahedra\n2\n"
+           "1 2 3 4 0\n1 3 2 4 0\nTriangles 1 1 2 3 0\nEnd\n",
+           "# a\nMeshVersionFormatted 1 Dimension\r\n3 Vertices 5 1e308 -1e308 1e-320 1 +1 .5 1 2 2 2 2 2 1 "
+           "0 0 0 0 0 0 0 "
+           "Edges 1 1 2 nan Quadrilaterals 1 1 2 3 4 0\nTetrahedra 1 1 2 3 5 -7"}}},
         {"obj",
          {read_obj,
           {"v 0 0 0\nv 1 0 0\nv 0 1 0 1 1 1\r\nv 0 0 1\nvn 0 0 1\nvt 0 1\nf 1 3 2\nf 1/1/1 2//1 4/1\nf -1 -2 "

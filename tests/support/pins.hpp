@@ -226,6 +226,20 @@ public:
         evaluate(h, &g);
         return size_ * g;
     }
+    /// The best rotation of each cluster.
+    std::vector<Matrix> rotations(const Handles& h) const {
+        std::vector<Matrix> turns;
+        for (const auto& cluster : clusters_) turns.push_back(rotation(cluster, h));
+        return turns;
+    }
+    /// The tie of a handle to its cluster: weight |(h − the cluster's centre, for points) / length − R u|².
+    struct Spoke {
+        std::size_t handle, cluster;
+        bool is_point;
+        double length, weight;
+        Vec<double, D> direction; ///< u
+    };
+    const std::vector<Spoke>& spokes() const { return spokes_; }
 
 private:
     /// A sample, or a spoke with its gradient as the first column.
@@ -272,18 +286,22 @@ private:
             spoke.slope(Eigen::Index(i), 0) += 1 / length;
             for (std::size_t k = 0; k < D; ++k) spoke.rest(Eigen::Index(k), 0) = direction[k] / length;
             clusters_[c].push_back(spoke);
+            spokes_.push_back({i, c, is_point, length, spoke.weight, (1 / length) * direction});
         }
     }
 
+    static Matrix rotation(const std::vector<Term>& cluster, const Handles& h) {
+        Matrix sum = Matrix::Zero();
+        for (const Term& term : cluster) sum += term.weight * (h * term.slope) * term.rest.transpose();
+        const Eigen::JacobiSVD<Matrix> svd(sum, Eigen::ComputeFullU | Eigen::ComputeFullV);
+        Matrix signs = Matrix::Identity();
+        if ((svd.matrixU() * svd.matrixV().transpose()).determinant() < 0) signs(D - 1, D - 1) = -1;
+        return svd.matrixU() * signs * svd.matrixV().transpose();
+    }
     double evaluate(const Handles& h, Handles* gradient) const {
         double energy = 0;
         for (const auto& cluster : clusters_) {
-            Matrix sum = Matrix::Zero();
-            for (const Term& term : cluster) sum += term.weight * (h * term.slope) * term.rest.transpose();
-            const Eigen::JacobiSVD<Matrix> svd(sum, Eigen::ComputeFullU | Eigen::ComputeFullV);
-            Matrix signs = Matrix::Identity();
-            if ((svd.matrixU() * svd.matrixV().transpose()).determinant() < 0) signs(D - 1, D - 1) = -1;
-            const Matrix turn = svd.matrixU() * signs * svd.matrixV().transpose();
+            const Matrix turn = rotation(cluster, h);
             for (const Term& term : cluster) {
                 const Matrix off = h * term.slope - turn * term.rest;
                 energy += term.weight * off.squaredNorm();
@@ -303,6 +321,7 @@ private:
     Handles rest_;
     std::vector<std::vector<Term>> clusters_;
     std::vector<Pin> pins_;
+    std::vector<Spoke> spokes_;
 };
 
 } // namespace cageform_tests

@@ -10,6 +10,8 @@ class App {
     this.showsWeights = false;
     this.showsCage = true;
     this.isEditing = false;
+    this.dragsFigure = false;
+    this.pinDrag = new PinDrag(this, engine.planePins(() => this.leadType));
     this.history = new History(this);
     this.sessions = new Map(); // of figures shown before, by name
     this.timings = TYPE_NAMES.map(() => ({ bind: 0, clone: 0, clones: 0 }));
@@ -20,11 +22,11 @@ class App {
 
   /** Returns the state with its undo history; show() continues from it. */
   session() {
-    const { figure, cage, pose, clip, kinds, window, history: { earlier, later } } = this;
-    return { figure, cage, pose, clip, kinds, window, earlier, later };
+    const { figure, cage, pose, pins, clip, kinds, window, history: { earlier, later } } = this;
+    return { figure, cage, pose, pins, clip, kinds, window, earlier, later };
   }
   /** Shows a figure in its cage, as new or from a session. Throws if it cannot be bound; then nothing changes. */
-  show({ figure, cage, pose = cage.rest.slice(), clip = new Clip(), kinds = {}, window = null, earlier = [], later = [] }) {
+  show({ figure, cage, pose = cage.rest.slice(), pins = null, clip = new Clip(), kinds = {}, window = null, earlier = [], later = [] }) {
     const before = [this.figure, this.cage, this.pose, this.clip];
     [this.figure, this.cage, this.pose, this.clip] = [figure, cage, pose, clip];
     this.bound = TYPE_NAMES.map(() => null);
@@ -37,6 +39,8 @@ class App {
       throw error;
     }
     this.kinds = kinds;
+    this.pins = pins;
+    this.pinDrag.chosen = this.pinDrag.hovered = -1;
     this.selection.clear();
     this.hovered = -1;
     this.history.set(earlier, later);
@@ -137,7 +141,35 @@ class App {
       }
       view.drawCage(pose);
     }
+    this.drawPins();
     this.tell();
+  }
+
+  // ---- pins ----
+
+  /** The coordinate type by which pins move the cage: that of the view touched last. */
+  get leadType() { return this.types.includes(this.lead) ? this.lead : this.types[0]; }
+  leadBy({ type }) { this.lead = type; }
+  pinCage() {
+    const { cage } = this;
+    return { type: this.leadType, cage: cage.kind === 'curved' ? { ...cage, around: diskOf(cage) } : cage };
+  }
+  boundFor() {
+    this.ensureBound(this.leadType);
+    return this.bound[this.leadType];
+  }
+  /** Returns the bound points that are inside of the cage at rest, a few thousand at most. */
+  pinCandidates() {
+    const { points } = this.figure, outline = kindOf(this.cage).outline(this.cage), step = Math.ceil(points.length / 8000);
+    return allOf(Math.floor(points.length / 2 / step)).map(i => pointAt(points, i * step)).filter(p => isInside(outline.loops, outline.points, ...p));
+  }
+  startPins() { return START_PLACES[this.current] ?? innerPoints(this.pinCandidates()); }
+  /** Returns the points that poses leave at rest. */
+  get fixedPoints() { return allOf(this.pose.length / 2).filter(i => kindOf(this.cage).isFixed(this.cage, i)); }
+  drawPins() {
+    const { pinDrag: drag } = this, isShown = this.dragsFigure && !this.isEditing && drag.readySoon();
+    const places = isShown ? drag.placesIn(this.pose) : [];
+    for (const view of this.views) view.drawPins(places);
   }
 
   /** Writes the measurements below the views and in them. */
@@ -154,9 +186,10 @@ class App {
           (outside ? `, ${number.format(outside)} points outside` : ''));
     }
     tellLegend(this, this.weightVertex);
+    tellHint(this, this.pinDrag);
     if (this.notice) return;
     this.say(`${this.figure.name}: ${number.format(this.figure.points.length / 2)} points in ${kindOf(this.cage).describe(this.cage)}` +
-             (this.selection.size > 0 ? `, ${this.selection.size} selected` : '') +
+             (this.selection.size > 0 ? `, ${this.selection.size} selected` : '') + tellPins(this.pinDrag) +
              (this.weightVertex >= 0 ? `; weights of vertex ${this.weightVertex}` : '') +
              (this.isEditing ? '; the cage at rest is being edited' : ''), false);
   }
@@ -218,6 +251,7 @@ class App {
   replaceCage({ cage, pose, clip = this.clip, kinds = this.kinds }, selection = [], isStep = true) {
     if (isStep) this.history.remember();
     Object.assign(this, { cage, pose, clip, kinds });
+    if (this.pins) this.pins = { ...this.pins, held: [] };
     this.select(selection);
     this.hovered = -1;
     this.isStale = true;
@@ -284,12 +318,13 @@ class App {
   // ---- undo ----
 
   state() {
-    const { cage, pose, clip, kinds } = this;
-    return { cage, pose, clip: clip.copy(), kinds };
+    const { cage, pose, pins, clip, kinds } = this;
+    return { cage, pose, pins, clip: clip.copy(), kinds };
   }
-  restore({ cage, pose, clip, kinds }) {
+  restore({ cage, pose, pins, clip, kinds }) {
     const isOther = cage !== this.cage;
-    Object.assign(this, { cage, pose, clip, kinds });
+    this.pinDrag.stop();
+    Object.assign(this, { cage, pose, pins: pins ?? this.pins, clip, kinds });
     if (isOther) {
       this.selection.clear();
       this.hovered = -1;
@@ -318,8 +353,8 @@ class History {
   constructor(owner) { this.owner = owner; this.set([], []); }
   set(earlier, later) { [this.earlier, this.later] = [earlier, later]; this.changed(); }
   /** Stores the state before a change. */
-  remember() {
-    this.earlier.push(this.owner.state());
+  remember(state = this.owner.state()) {
+    this.earlier.push(state);
     if (this.earlier.length > 200) this.earlier.shift();
     this.later = [];
     this.changed();

@@ -79,7 +79,7 @@ class Engine {
   /** Makes the coordinates of a curved cage, and returns its points at rest. */
   makeCurves(cage) {
     const edges = cage.curves.flat();
-    this.give(cage.curves.map(loop => loop.length), edges.map(edge => edge.length - 1), edges.flat(2), diskOf(cage));
+    this.give(cage.curves.map(loop => loop.length), edges.map(edge => edge.length - 1), edges.flat(2), cage.around ?? diskOf(cage));
     this.check(this.calls.page_curves(cage.curves.length, edges.length));
     return this.taken(6 * edges.length).slice();
   }
@@ -150,8 +150,71 @@ class Engine {
       weights: new Float32Array(this.calls.memory.buffer, this.calls.page_mesh_weights(), influences * count).slice(),
     };
   }
+
+  /** Returns the calls that a PinDrag makes: of a figure in the plane by coordinates of a type, or in space. */
+  planePins(typeOf) { return pinCalls(this, 2, 'page_pins_', () => [typeOf()], planeTurn); }
+  spacePins() { return pinCalls(this, 3, 'page_mesh_pins_', () => [], spaceTurn); }
+  /** Samples the inside of a cage for pins, of coordinates that are there or are made first; returns the samples as numbers. */
+  samplePins({ type, cage, isMade }, samples) {
+    if (!isMade && cage.faces) this.bindMesh({ vertices: [], faces: [] }, cage);
+    else if (!isMade) this.makeCoordinates(type, cage);
+    const size = cage.faces ? this.calls.page_mesh_pins_sample(samples) : this.calls.page_pins_sample(type, samples);
+    this.check(size === 0 ? 1 : 0);
+    return { samples: this.taken(size).slice() };
+  }
+  /** Returns the point at rest that a pose takes to a place, and how far off the place that is. */
+  findUnder(type, start, place, pose) {
+    this.give(start, place, pose);
+    this.calls.page_pins_find(type, pose.length / 2);
+    const [x, y, miss] = this.taken(3);
+    return { found: [x, y], miss };
+  }
+
   glsl() { return this.text(this.calls.page_glsl()); }
 }
+
+/** The library's calls for the pins of a figure, of so many dimensions. Pins, targets and places are arrays of coordinates. */
+function pinCalls(engine, dimension, prefix, typeOf, turnOf) {
+  const call = (name, ...numbers) => engine.calls[prefix + name](...numbers);
+  return {
+    turnOf, dimension,
+    take({ samples }) {
+      engine.give(samples);
+      engine.check(call('take', ...typeOf()));
+    },
+    /** Returns the pin that no cage holds, -1 if all is well. */
+    set(points, turned, held) {
+      const turns = turned.includes(true);
+      engine.give(points.flat(), turns ? turned.map(Number) : [], held);
+      const status = call('set', ...typeOf(), points.length, held.length, turns), [culprit] = engine.taken(1);
+      if (status !== 0 && culprit < points.length) return culprit;
+      engine.check(status);
+      return -1;
+    },
+    begin(pose) {
+      engine.give(pose);
+      engine.check(call('begin', pose.length / dimension));
+    },
+    solve(targets, turns, pose) {
+      const isTurned = turns.some(turn => turn !== null), none = dimension === 2 ? [0] : [0, 0, 0];
+      engine.give(targets.flat(), isTurned ? turns.flatMap(turn => turn ?? none) : [], pose);
+      engine.check(call('solve', targets.length, pose.length / dimension, isTurned));
+      const [settled, miss, iterations, folded] = engine.taken(4);
+      return { settled: settled !== 0, miss, iterations, folded, pose: engine.taken(pose.length, 4).slice() };
+    },
+    locate(pose) {
+      engine.give(pose);
+      engine.check(call('locate', pose.length / dimension));
+      const each = dimension + dimension * dimension, numbers = Array.from(engine.taken(each * engine.calls[prefix + 'count']()));
+      return Array.from({ length: numbers.length / each }, (x, i) => {
+        const own = numbers.slice(i * each, (i + 1) * each);
+        return { place: own.slice(0, dimension), matrix: own.slice(dimension) };
+      });
+    },
+  };
+}
+/** Returns the angle of the rotation nearest to a matrix, column after column. */
+const planeTurn = ([a, b, c, d]) => Math.atan2(b - c, a + d);
 
 /** Makes cages in its own thread, one at a time, so that the page stays responsive. */
 class CageMaker {

@@ -72,6 +72,7 @@ function markHistory(app) {
   byId('redo').disabled = later.length === 0;
 }
 const historyOf = app => isInSpace() ? app.mesh.history : app.history;
+const pinDragOf = app => isInSpace() ? app.mesh.pinDrag : app.pinDrag;
 
 function showPlane(app) {
   dance(app, false);
@@ -166,6 +167,21 @@ function connectSlider(app, id, changes) {
   });
   byId(id).onchange = () => { isMoving = false; };
 }
+/** Chooses what a drag moves: the figure, by pins, or the cage. */
+function setMode(app, name) {
+  app.dragsFigure = name === 'figure';
+  document.body.dataset.mode = name;
+  for (const button of document.querySelectorAll('#modes button')) {
+    button.classList.toggle('chosen', button.dataset.drag === name);
+    button.setAttribute('aria-pressed', button.dataset.drag === name);
+  }
+  if (app.dragsFigure && app.isEditing) toggle(app, 'edit', 'isEditing');
+  app.select([]);
+  app.hovered = app.mesh.near = app.mesh.selected = -1;
+  for (const { div } of app.views) div.style.cursor = '';
+  app.redraw();
+  app.mesh.redraw();
+}
 /** A button that is on or off. */
 function toggle(app, id, name) {
   app[name] = !app[name];
@@ -176,6 +192,7 @@ function toggle(app, id, name) {
 
 function connectButtons(app) {
   for (const button of document.querySelectorAll('#figures button')) button.onclick = () => chooseFigure(app, button.dataset.figure);
+  for (const button of document.querySelectorAll('#modes button')) button.onclick = () => setMode(app, button.dataset.drag);
   for (const button of document.querySelectorAll('#types button')) button.onclick = () => chooseTypes(app, button.dataset.type);
   const actions = {
     undo: () => historyOf(app).undo(),
@@ -193,11 +210,15 @@ function connectButtons(app) {
     cage: () => toggle(app, 'cage', 'showsCage'),
     edit: () => {
       app.pause();
+      if (app.dragsFigure) setMode(app, 'cage');
       toggle(app, 'edit', 'isEditing');
       app.select(app.cage.kind === 'lattice' && app.isEditing ? [0] : []);
     },
     add: () => app.selection.size === 1 ? app.addVertex([...app.selection][0]) : app.say('Select one vertex first'),
     remove: () => app.selection.size > 0 ? app.removeSelected() : app.say('Select vertices first'),
+    'pin-add': () => isInSpace() ? app.mesh.addFarPin() : addFarPin(app),
+    'pin-remove': () => removeChosenPin(pinDragOf(app)),
+    'pin-clear': () => removeAllPins(pinDragOf(app)),
     make: async () => {
       const { figure } = app, made = await makeCage(app, 'makeCage', figure.drawnSegments(), wantedVertices());
       if (figure !== app.figure) return;
@@ -252,6 +273,7 @@ function middleOfSelection(app) {
 }
 const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
 const PRESSES = { w: 'weights', c: 'cage', r: 'rest', f: 'fit-view' };
+const PIN_PRESSES = { Delete: 'pin-remove', Backspace: 'pin-remove', Insert: 'pin-add' };
 const PLANE_PRESSES = { e: 'edit', k: 'key', ' ': 'play', Delete: 'remove', Backspace: 'remove', Insert: 'add' };
 
 function connectKeys(app) {
@@ -266,7 +288,10 @@ function connectKeys(app) {
     } else if (key === 'Escape' && !byId('work').hidden) {
       app.cageMaker.stop();
     } else if (key === 'n' || key === 'p') {
-      (plane ? app : app.mesh).stepVertex(key === 'n' ? 1 : -1, event.shiftKey);
+      if (app.dragsFigure) pinDragOf(app).step(key === 'n' ? 1 : -1);
+      else (plane ? app : app.mesh).stepVertex(key === 'n' ? 1 : -1, event.shiftKey);
+    } else if (app.dragsFigure && PIN_PRESSES[key]) {
+      byId(PIN_PRESSES[key]).click();
     } else if (PRESSES[key] ?? (plane && PLANE_PRESSES[key])) {
       byId(PRESSES[key] ?? PLANE_PRESSES[key]).click();
     } else if (!(plane ? pressInPlane(app, key, event) : pressInSpace(app.mesh, key, event))) {
@@ -289,14 +314,19 @@ function pressInPlane(app, key, event) {
   if (ARROWS[key]) {
     const [dx, dy] = ARROWS[key];
     if (app.timeline.pressArrow(event, dx, dy)) return true;
+    if (app.dragsFigure && nudgePin(app.pinDrag, ([x, y]) => [x + step * dx, y + step * dy])) return true;
     if (app.selection.size > 0) nudge(app, (x, y) => [x + step * dx, y + step * dy]);
     else app.window = { ...app.window, x: app.window.x + dx * app.window.w / 20, y: app.window.y + dy * app.window.w / 20 };
     app.redraw();
+  } else if (app.dragsFigure && (key === '[' || key === ']')) {
+    turnByKey(app.pinDrag, turn => turn + (key === '[' ? -1 : 1) * Math.PI / 36);
   } else if (key === '[' || key === ']') {
     nudge(app, turned(middleOfSelection(app), (key === '[' ? -1 : 1) * Math.PI / 36));
   } else if (key === '-' || key === '+' || key === '=') {
     const [mx, my] = middleOfSelection(app), f = key === '-' ? 1 / 1.05 : 1.05;
     nudge(app, (x, y) => [mx + f * (x - mx), my + f * (y - my)]);
+  } else if (app.dragsFigure && (key === 'a' || key === 'Escape')) {
+    app.pinDrag.letGo();
   } else if (key === 'a' || key === 'Escape') {
     app.select(key === 'a' ? allOf(app.pose.length / 2).filter(i => app.cage.kind !== 'curved' || i % 3 === 0) : []);
     app.redraw();
@@ -318,9 +348,13 @@ function pressInPlane(app, key, event) {
 function pressInSpace(mesh, key, event) {
   if (ARROWS[key]) {
     const [dx, dy] = ARROWS[key], step = event.shiftKey ? 20 : 2;
+    if (mesh.app.dragsFigure && nudgePin(mesh.pinDrag, place => shifted(place, shiftOnScreen(mesh, mesh.depthOf(place), step * dx, step * dy)))) return true;
     if (mesh.selected >= 0) mesh.nudge(step * dx, step * dy);
     else orbit(mesh)(12 * dx, 12 * dy);
+  } else if (mesh.app.dragsFigure && (key === '[' || key === ']')) {
+    turnByKey(mesh.pinDrag, turn => turnedOnScreen(mesh, turn, (key === '[' ? -1 : 1) * Math.PI / 36));
   } else if (key === 'Escape') {
+    mesh.pinDrag.letGo();
     mesh.selected = -1;
   } else if (/^(-|\+|=|PageUp|PageDown)$/.test(key)) {
     mesh.far = Math.max(0.2, Math.min(4, mesh.far * (/^(-|PageDown)$/.test(key) ? 1.1 : 1 / 1.1)));
@@ -358,17 +392,22 @@ function playFirstScene(app) {
 async function startPage() {
   const module = await WebAssembly.compile(await unpack(DATA.wasm)), app = new App(await Engine.start(module));
   app.cageMaker = new CageMaker(module);
+  app.pinDrag.maker = new CageMaker(module);
   app.clip = new Clip();
   app.mesh = new MeshView(app);
+  app.mesh.pinDrag.maker = new CageMaker(module);
   app.timeline = new Timeline(app);
   app.mesh.onDrag = () => dance(app, false);
   app.history.onChange = app.mesh.history.onChange = () => markHistory(app);
   app.onCage = () => markKind(app);
+  app.hinted = 0; // how many hints have been followed
+  app.pinDrag.onMoved = app.mesh.pinDrag.onMoved = () => { ++app.hinted; };
   connectButtons(app);
   connectKinds(app);
   connectKeys(app);
   connectDrops(app);
   chooseTypes(app, '1');
+  setMode(app, 'figure');
   await chooseFigure(app, 'cat');
   app.draw();
   app.timeline.update();

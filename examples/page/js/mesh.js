@@ -123,6 +123,8 @@ class MeshView {
     this.turn = 0.3; this.rise = 0.12; this.far = 1; this.near = this.selected = -1;
     this.skinSets = 4;
     this.history = new History(this);
+    this.pinDrag = new PinDrag(this, app.engine.spacePins());
+    this.pinMarks = new PinMarks(document.getElementById('mesh-pins'), this.pinDrag);
     this.sessions = new Map(); // of meshes shown before, by name
     attachOrbit(this);
     new ResizeObserver(() => this.redraw()).observe(this.canvas);
@@ -131,18 +133,20 @@ class MeshView {
   /** Shows a mesh, as new or as it was left; the previous one is kept. */
   leave(current, session) {
     if (this.current && this.current !== current) {
-      const { name, mesh, cage, pose, examplePose, dance, history: { earlier, later } } = this;
-      this.sessions.set(this.current, { name, mesh, cage, pose, examplePose, dance, earlier, later });
+      const { name, mesh, cage, pose, pins, examplePose, dance, history: { earlier, later } } = this;
+      this.sessions.set(this.current, { name, mesh, cage, pose, pins, examplePose, dance, earlier, later });
     }
     this.show(session);
     this.current = current;
   }
   /** Binds a mesh to its cage; throws if this is not possible. */
-  show({ name, mesh, cage, pose = cage.vertices.slice(), examplePose = null, dance = null, earlier = [], later = [] }) {
+  show({ name, mesh, cage, pose = cage.vertices.slice(), pins = null, examplePose = null, dance = null, earlier = [], later = [] }) {
     const start = performance.now();
     this.app.engine.bindMesh(mesh, cage);
     Object.assign(this, { name, mesh, cage, bindTime: performance.now() - start, pose, cloneTime: 0, skin: null, near: -1, selected: -1,
-      shaded: -1, examplePose, dance });
+      shaded: -1, examplePose, dance, pins, bound: {} });
+    this.pinDrag.stop();
+    this.pinDrag.chosen = this.pinDrag.hovered = -1;
     this.history.set(earlier, later);
     this.edges = uniqueEdges(cage.faces);
     this.makeOverlay();
@@ -163,10 +167,48 @@ class MeshView {
 
   // ---- undo ----
 
-  state() { return this.pose.slice(); }
-  restore(pose) {
-    this.pose = pose;
+  state() {
+    const { pose, pins } = this;
+    return { pose, pins };
+  }
+  restore({ pose, pins }) {
+    this.pinDrag.stop();
+    Object.assign(this, { pose, pins: pins ?? this.pins });
     this.redraw();
+  }
+
+  // ---- pins ----
+
+  get engine() { return this.app.engine; }
+  pinCage() { return { cage: { vertices: this.cage.vertices, faces: this.cage.faces } }; }
+  boundFor() { return this.bound; }
+  get fixedPoints() { return []; }
+  /** Returns vertices of the mesh at rest, a few thousand at most. */
+  pinCandidates() {
+    const { vertices } = this.mesh, step = Math.ceil(vertices.length / 12000);
+    return allOf(Math.floor(vertices.length / 3 / step)).map(i => Array.from(vertices.subarray(3 * i * step, 3 * i * step + 3)));
+  }
+  startPins() {
+    const all = this.pinCandidates(), own = START_PLACES[this.current], gap = (p, q) => Math.hypot(...p.map((x, k) => x - q[k]));
+    return own ? own.map(place => all.reduce((a, b) => gap(b, place) < gap(a, place) ? b : a)) : innerPoints(all);
+  }
+  sayFault(error) { this.app.sayFault(error); }
+  say(text) { this.app.say(text); }
+  /** Sets a pin where there is none far about. */
+  addFarPin() {
+    this.pinDrag.prepare();
+    const points = spreadPoints(this.pinCandidates(), this.pins.points, 1);
+    if (points.length > this.pins.points.length) setPin(this.pinDrag, points[points.length - 1]);
+    this.redraw();
+  }
+  /** Returns the pins on the screen, each with its depth. */
+  pinPlaces() {
+    const { clientWidth: width, clientHeight: height } = this.canvas;
+    return this.pinDrag.placesIn(this.pose).map(place => this.project(...place, width, height));
+  }
+  drawPins(middle) {
+    const places = this.app.dragsFigure && this.pinDrag.readySoon() ? this.pinPlaces() : [];
+    this.pinMarks.draw(places, 1, true, i => places[i][2] > middle);
   }
 
   // ---- motion ----
@@ -257,6 +299,7 @@ class MeshView {
     gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, this.buffers.index);
     gl.drawElements(gl.TRIANGLES, this.mesh.faces.length, gl.UNSIGNED_INT, 0);
     this.drawCage(width, height);
+    this.drawPins(this.project(...this.middle, width, height)[2]);
     this.tell();
   }
 
@@ -343,16 +386,18 @@ class MeshView {
       dot.setAttribute('cy', places[i][1].toFixed(1));
       const isMarked = i === this.near || i === this.selected;
       dot.setAttribute('r', isMarked ? 6 : 3.6);
-      dot.setAttribute('class', isMarked ? 'near' : places[i][2] > middle ? 'back' : '');
+      const isHeld = this.app.dragsFigure && this.pins?.held.includes(i);
+      dot.setAttribute('class', isHeld ? 'held' : isMarked ? 'near' : places[i][2] > middle ? 'back' : '');
     });
   }
   tell() {
     const clone = this.onCard ? `displacements handed to the card in ${this.cloneTime.toFixed(2)} ms (skin of ${4 * this.skinSets} weights made in ${this.skinTime.toFixed(0)} ms)`
       : `cloned, with normals, in ${this.cloneTime.toFixed(2)} ms`;
     tellLegend(this.app, this.weightVertex);
+    tellHint(this.app, this.pinDrag);
     if (this.app.notice) return;
     this.app.say(`${this.name}: ${(this.mesh.vertices.length / 3).toLocaleString('en')} points in a cage of ${this.cage.vertices.length / 3} vertices, ` +
-                 `mean value; bound in ${this.bindTime.toFixed(0)} ms, ${clone}` + (this.selected >= 0 ? `; vertex ${this.selected} selected` : ''), false);
+                 `mean value; bound in ${this.bindTime.toFixed(0)} ms, ${clone}` + (this.selected >= 0 ? `; vertex ${this.selected} selected` : '') + tellPins(this.pinDrag), false);
   }
 }
 
@@ -380,18 +425,29 @@ function attachOrbit(view) {
     });
     return best;
   };
+  const pins = new PinPointers({
+    placeOf,
+    press: (place, event) => pressMesh(view, place, event, nearest),
+    hover: (place, event) => hoverMesh(view, place, event),
+    pinch(fingers) {
+      const zoom = pinchMesh(view, fingers);
+      return { kind: 'ground', move() { zoom(); view.redraw(); }, end() {} };
+    },
+  });
   const reachOf = event => event.pointerType === 'touch' ? 24 : 11;
   canvas.addEventListener('pointerdown', event => {
     if (!view.mesh) return;
     canvas.setPointerCapture(event.pointerId);
+    event.preventDefault();
+    if (view.app.dragsFigure) return attempt(view.app, () => pins.press(event));
     fingers.set(event.pointerId, placeOf(event));
     view.near = view.app.showsCage ? nearest(placeOf(event), reachOf(event)) : -1;
     if (fingers.size === 1) view.selected = view.near;
     gesture = fingers.size === 2 ? pinchMesh(view, fingers) : view.near >= 0 ? rememberedDrag(view, view.near) : orbit(view);
     view.redraw();
-    event.preventDefault();
   });
   canvas.addEventListener('pointermove', event => {
+    if (view.app.dragsFigure) return pins.move(event);
     const before = fingers.get(event.pointerId), now = placeOf(event);
     if (before) {
       fingers.set(event.pointerId, now);
@@ -403,7 +459,11 @@ function attachOrbit(view) {
     }
     view.redraw();
   });
-  const release = event => { if (fingers.delete(event.pointerId)) gesture = null; };
+  const release = event => {
+    pins.release(event);
+    if (fingers.delete(event.pointerId)) gesture = null;
+  };
+  canvas.addEventListener('pointerleave', event => pins.leave(event));
   canvas.addEventListener('pointerup', release);
   canvas.addEventListener('pointercancel', release);
   canvas.addEventListener('wheel', event => {
@@ -416,11 +476,17 @@ const orbit = view => (dx, dy) => {
   view.turn += dx * 0.008;
   view.rise = Math.max(-1.5, Math.min(1.5, view.rise + dy * 0.008));
 };
+/** Returns a shift on the screen by pixels, as one in space at a depth. */
+function shiftOnScreen({ toEye: m, canvas }, depth, dx, dy) {
+  const unit = depth * Math.tan(0.3) * 2 / canvas.clientHeight;
+  return [0, 1, 2].map(k => unit * (dx * m[4 * k] - dy * m[4 * k + 1]));
+}
 /** Drags a vertex in the plane of the screen, at its depth. */
 function dragMeshVertex(view, vertex) {
   return (dx, dy) => {
-    const unit = view.places[vertex][2] * Math.tan(0.3) * 2 / view.canvas.clientHeight, m = view.toEye;
-    for (let k = 0; k < 3; ++k) view.pose[3 * vertex + k] += unit * (dx * m[4 * k] - dy * m[4 * k + 1]);
+    const pose = view.pose.slice(); // poses are kept by undo
+    shiftOnScreen(view, view.places[vertex][2], dx, dy).forEach((x, k) => { pose[3 * vertex + k] += x; });
+    view.pose = pose;
   };
 }
 /** Drags a vertex as one step of undo, and ends a dance. */

@@ -3,11 +3,22 @@
 function attachPointer(view, app) {
   const { div } = view, fingers = new Map();
   let gesture = null; // of the pressed pointer: { move(place, event), end() }
+  const pins = new PinPointers({
+    placeOf: event => view.placeOf(event),
+    press: (place, event) => pressFigure(app, view, place, event),
+    hover: (place, event) => hoverFigure(app, view, place, event),
+    pinch: fingers => startPinch(app, view, fingers),
+  });
 
   const reach = event => (event.pointerType === 'touch' ? 26 : 13) / view.frame().scale;
   div.addEventListener('pointerdown', event => {
     if (event.button > 0) return;
     div.setPointerCapture(event.pointerId);
+    event.preventDefault();
+    if (app.dragsFigure) {
+      app.pause?.();
+      return attempt(app, () => pins.press(event));
+    }
     fingers.set(event.pointerId, [event.clientX, event.clientY]);
     if (fingers.size === 2) {
       gesture?.end(true);
@@ -16,9 +27,9 @@ function attachPointer(view, app) {
       app.pause?.();
       gesture = startGesture(app, view, view.placeOf(event), reach(event), event);
     }
-    event.preventDefault();
   });
   div.addEventListener('pointermove', event => {
+    if (app.dragsFigure) return pins.move(event);
     if (fingers.has(event.pointerId)) {
       fingers.set(event.pointerId, [event.clientX, event.clientY]);
       gesture?.move(view.placeOf(event), event);
@@ -27,14 +38,16 @@ function attachPointer(view, app) {
     }
   });
   const release = event => {
+    pins.release(event);
     if (!fingers.delete(event.pointerId)) return;
     gesture?.end();
     gesture = null;
   };
   div.addEventListener('pointerup', release);
   div.addEventListener('pointercancel', release);
-  div.addEventListener('pointerleave', event => { if (!fingers.has(event.pointerId)) app.hover(-1); });
+  div.addEventListener('pointerleave', event => { if (!fingers.has(event.pointerId)) app.hover(-1); pins.leave(event); });
   div.addEventListener('dblclick', event => {
+    if (app.dragsFigure) return;
     const edge = kindOf(app.cage).nearestEdge(app.cage, app.shownPose, view.placeOf(event), 1.5 * reach(event));
     if (edge) attempt(app, () => app.addVertex(edge.vertex, edge.share));
   });

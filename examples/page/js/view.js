@@ -42,6 +42,7 @@ class View {
     parts.lasso = svgElement('path', { class: 'lasso' }, this.overlay);
     const { mark } = kindOf(this.app.cage);
     parts.dots = allOf(this.app.pose.length / 2).map(i => svgElement(mark(i), {}, this.overlay));
+    parts.pins = new PinMarks(this.overlay, this.app.pinDrag);
   }
 
   /** Returns the map from the figure's coordinates to pixels of this view: p · scale + (x, y). */
@@ -79,10 +80,15 @@ class View {
       const place = isEnd ? { x: x - r, y: y - r, width: 2 * r, height: 2 * r } : { cx: x, cy: y, r };
       for (const [name, value] of Object.entries(place)) dot.setAttribute(name, value);
       dot.setAttribute('class', ['dot', selection.has(i) ? 'chosen' : '', app.hovered === i ? 'near' : '',
-        kind.isFixed(cage, i) ? 'still' : '', isShown(i) ? '' : 'unseen'].join(' '));
+        kind.isFixed(cage, i) ? 'still' : '', isShown(i) ? '' : 'unseen', app.dragsFigure && app.pins?.held.includes(i) ? 'held' : ''].join(' '));
     });
     this.drawGrips(app.gripsOf(pose, unit), unit);
     parts.lasso.setAttribute('d', app.lasso?.view === this ? loopsPath([app.lasso.points.length / 2], app.lasso.points) : '');
+  }
+  drawPins(places) { this.parts.pins.draw(places, 1 / this.frame().scale, this.type === this.app.leadType); }
+  /** Tests whether something of the figure is drawn under the pointer. */
+  isOnFigure({ clientX, clientY }) {
+    return this.shadow.elementsFromPoint(clientX, clientY).some(e => e !== this.copy.root && this.copy.root.contains(e));
   }
   drawGrips(grips, unit) {
     const { box, grips: marks } = this.parts;

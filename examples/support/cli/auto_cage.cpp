@@ -10,7 +10,6 @@
 #include <cageform/enclose/make_cage_3d.hpp>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <span>
@@ -28,12 +27,6 @@ double rounded(double x, double clearance) {
     return std::fabs(steps) < 1e15 && std::isfinite(unit) && unit > 0
                ? (unit < 1 ? steps / std::round(1 / unit) : steps * unit)
                : x;
-}
-
-/// The fewest digits that give it back.
-std::string shortest(double x) {
-    std::array<char, 32> digits{};
-    return {digits.data(), std::to_chars(digits.data(), digits.data() + digits.size(), x).ptr};
 }
 
 std::string percent(double part) {
@@ -121,7 +114,7 @@ SvgResult<AutoCage<ObjFile>> make_cage_for(const ObjFile& figure, const cageform
     std::string text;
     for (const auto& p : made.value.vertices()) {
         text += 'v';
-        for (const double x : p.v) text += ' ' + shortest(rounded(x, report.clearance));
+        for (const double x : p.v) text += ' ' + detail::digits_of(rounded(x, report.clearance));
         text += '\n';
     }
     for (const auto& face : made.value.faces()) {

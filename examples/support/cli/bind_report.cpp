@@ -153,6 +153,7 @@ void add_batch(cageform::BindReport& total, const cageform::BindReport& part, st
     };
     append(total.on_boundary, part.on_boundary);
     append(total.outside, part.outside);
+    append(total.faded, part.faded);
     append(total.not_finite, part.not_finite);
     append(total.unreached, part.unreached);
     append(total.not_restored, part.not_restored);
@@ -191,6 +192,7 @@ std::string describe(const cageform::BindReport& report) {
     text << "points: " << report.points << '\n';
     list("on the boundary", report.on_boundary);
     list("outside", report.outside);
+    if (!report.faded.empty()) list("outside, within the falloff", report.faded);
     list("not finite", report.not_finite);
     list("not reached by the solver", report.unreached);
     const auto extreme = [&](const char* what, const cageform::Extreme& value) {

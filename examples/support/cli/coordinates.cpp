@@ -165,7 +165,7 @@ cageform::HarmonicOptions CoordinatesChoice::harmonic_options(std::size_t dimens
     return options;
 }
 
-void OutsideChoice::add_option(CommandLine& line) {
+void OutsideChoice::add_options(CommandLine& line) {
     std::vector<std::string> words{"auto", "refuse", "keep", "nearest"};
     if (can_extend) words.push_back("extend");
     line.add("--outside", word,
@@ -177,15 +177,37 @@ void OutsideChoice::add_option(CommandLine& line) {
                  (with_sites ? "; keep with sibson; with a warning)" : ", with a warning)"))
         .one_of(words)
         .show_default();
+    if (can_fade) add_falloff(line, falloff);
+}
+
+void OutsideChoice::add_falloff(CommandLine& line, double& falloff) {
+    line.add("--falloff", falloff,
+             "points outside move less the farther they are from the cage, and not at all from this distance "
+             "on, in its units, so that a cage about a part of the figure does; with less than 1.5 times the "
+             "largest move the figure may fold there; 0: they do not fade")
+        .range(0.0, 1e100)
+        .show_default();
+}
+
+std::string OutsideChoice::fault() const {
+    if (falloff > 0 && (word == "keep" || word == "refuse"))
+        return "--falloff: with --outside " + word + " no point outside moves";
+    return {};
 }
 
 template <cageform::Scalar T, std::size_t D>
-cageform::OutsidePoints OutsideChoice::policy(const ChosenCoordinates<T, D>& coordinates) const {
-    if (word == "extend" || (word == "auto" && can_extend && coordinates.has_extension()))
-        return cageform::OutsidePoints::extend;
-    return word == "nearest" || (word == "auto" && !coordinates.takes_sites)
-               ? cageform::OutsidePoints::nearest_boundary
-               : cageform::OutsidePoints::keep_in_place;
+cageform::BindOptions OutsideChoice::bind_options(const ChosenCoordinates<T, D>& coordinates) const {
+    cageform::BindOptions options;
+    if (word == "extend" || (word == "auto" && can_extend && coordinates.has_extension())) {
+        options.outside = cageform::OutsidePoints::extend;
+        options.falloff = coordinates.has_extension() ? falloff : 0; // else judge() refuses
+    } else if (word == "nearest" || (word == "auto" && (falloff > 0 || !coordinates.takes_sites))) {
+        options.outside = cageform::OutsidePoints::nearest_boundary;
+        options.falloff = falloff;
+    } else {
+        options.outside = cageform::OutsidePoints::keep_in_place;
+    }
+    return options;
 }
 
 template <cageform::Scalar T, std::size_t D>
@@ -211,10 +233,10 @@ OutsideChoice::judge(const ChosenCoordinates<T, D>& coordinates, const cageform:
                                                  : ": the grid is too coarse; raise --resolution"),
                 {}};
     }
-    if (!some || word != "auto" || cage_is_made) return {};
+    if (!some || word != "auto" || cage_is_made || falloff > 0) return {};
     if (2 * report.outside.size() > report.points && !coordinates.takes_sites)
         return {found + ": is it the cage of another figure? Use --outside to choose what they do", {}};
-    const auto done = policy(coordinates);
+    const auto done = bind_options(coordinates).outside;
     return {
         {},
         found + "; they " +
@@ -225,9 +247,9 @@ OutsideChoice::judge(const ChosenCoordinates<T, D>& coordinates, const cageform:
             (coordinates.takes_sites ? " (--surround, --outside)" : " (--outside)")};
 }
 
-template cageform::OutsidePoints OutsideChoice::policy(const ChosenCoordinates<double, 2>&) const;
-template cageform::OutsidePoints OutsideChoice::policy(const ChosenCoordinates<double, 3>&) const;
-template cageform::OutsidePoints OutsideChoice::policy(const ChosenCoordinates<float, 3>&) const;
+template cageform::BindOptions OutsideChoice::bind_options(const ChosenCoordinates<double, 2>&) const;
+template cageform::BindOptions OutsideChoice::bind_options(const ChosenCoordinates<double, 3>&) const;
+template cageform::BindOptions OutsideChoice::bind_options(const ChosenCoordinates<float, 3>&) const;
 template OutsideChoice::Verdict OutsideChoice::judge(const ChosenCoordinates<double, 2>&,
                                                      const cageform::BindReport&, std::span<const Point2>,
                                                      const std::string&, const std::string&) const;

@@ -180,18 +180,24 @@ SvgResult<std::vector<P>> pose_of_handles(const cageform::Binding<T, D>& binding
     return handles;
 }
 
-/// The choice of --outside, which is common to all programs that move a figure.
+/// The choice of --outside and --falloff, which is common to all programs that move a figure.
 struct OutsideChoice {
     std::string word =
         "auto"; // extend where the coordinates are defined outside, keep with sites, else nearest
     bool with_sites = false;   // whether the program takes control points without a cage
     bool can_extend = true;    // whether the program can do with weights of points outside
     bool cage_is_made = false; // for the figure: what is outside is not seen
+    bool can_fade = true;      // whether the program can do with weights that do not sum to 1
+    double falloff = 0;        // the distance at which displacements outside have faded; 0: they do not fade
 
-    void add_option(CommandLine& line);
+    void add_options(CommandLine& line);
+    /// Adds --falloff alone, for a program with its own --outside.
+    static void add_falloff(CommandLine& line, double& falloff);
+    std::string fault() const; ///< why the options do not go together; empty: they do
 
+    /// Returns how points outside are bound.
     template <cageform::Scalar T, std::size_t D>
-    cageform::OutsidePoints policy(const ChosenCoordinates<T, D>& coordinates) const;
+    cageform::BindOptions bind_options(const ChosenCoordinates<T, D>& coordinates) const;
 
     /// The messages after a bind.
     struct Verdict {

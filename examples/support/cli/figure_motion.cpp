@@ -38,7 +38,7 @@ using PoseCheck = std::function<std::string(const std::vector<Point2>& pose)>;
 PoseCheck check_crossings(const CageFile& cage) {
     return [&cage](const std::vector<Point2>& pose) {
         std::vector<cageform::Vec<double, 2>> places;
-        for (const Point2& p : pose) places.push_back({p.x, p.y});
+        for (std::size_t i = 0; i < cage.vertices.size(); ++i) places.push_back({pose[i].x, pose[i].y});
         const CageFile moved = moved_cage(cage, places);
         const auto report = cage.curves ? cageform::check(moved.curved_polygon<double>())
                                         : cageform::check(moved.polygon<double>());
@@ -111,7 +111,7 @@ public:
         : figure_(figure)
         , control_(control)
         , outside_(outside) {
-        options_.outside = outside.policy(control.coordinates);
+        options_ = outside.bind_options(control.coordinates);
     }
 
     /// False where it cannot be done: see `failure`.
@@ -149,7 +149,9 @@ private:
                std::span<Point2> moved) {
         const std::string name = control_.name_of(frame);
         std::string collapsed;
-        const auto handles = pose_of_handles(binding, control_.poses[pose], name, collapsed);
+        const auto handles = control_.poses_all_handles
+                                 ? SvgResult<std::vector<Point2>>(control_.poses[pose])
+                                 : pose_of_handles(binding, control_.poses[pose], name, collapsed);
         if (pose_warning.empty()) pose_warning = collapsed;
         if (!handles) {
             failure = to_string(handles.error());
@@ -207,6 +209,20 @@ SvgResult<MovedFigure> move_figure(const SvgDocument& document, const std::strin
     }
     result.drawing = std::move(*drawing);
     return result;
+}
+
+SvgResult<std::vector<std::vector<Point2>>> move_points(const std::vector<Point2>& points,
+                                                        const std::string& figure,
+                                                        const FigureControl& control,
+                                                        const OutsideChoice& outside) {
+    BatchMover mover(figure, control, outside);
+    std::vector<Point2> moved(control.frames * points.size());
+    if (!mover.move(points, std::vector<std::size_t>(points.size()), moved)) return SvgError{mover.failure};
+    if (!mover.warning.empty()) warn(mover.warning);
+    std::vector<std::vector<Point2>> frames;
+    for (auto at = moved.begin(); at != moved.end(); at += std::ptrdiff_t(points.size()))
+        frames.emplace_back(at, at + std::ptrdiff_t(points.size()));
+    return frames;
 }
 
 } // namespace cageform_examples

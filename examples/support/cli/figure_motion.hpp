@@ -19,6 +19,7 @@ struct FigureControl {
     std::string pose_name;                  // of the poses' file
     std::size_t frames = 1;                 // of a motion; of a pose 1
     std::vector<std::vector<Point2>> poses; // of the vertices: layer * frames + frame
+    bool poses_all_handles = false;         // whether the poses are of edges' vectors too
     std::vector<double> weights;            // of sites, or none
     std::string weights_name;
     std::function<std::string(const cageform::BindReport&)> describe_faults;
@@ -48,5 +49,13 @@ struct MovedFigure {
 SvgResult<MovedFigure> move_figure(const SvgDocument& document, const std::string& figure,
                                    const FigureControl& control, const OutsideChoice& outside,
                                    const DeformOptions& options);
+
+/// Moves points of a figure to all frames of a control, as move_figure() moves what does not come late.
+///
+///   returns  the points in every frame
+SvgResult<std::vector<std::vector<Point2>>> move_points(const std::vector<Point2>& points,
+                                                        const std::string& figure,
+                                                        const FigureControl& control,
+                                                        const OutsideChoice& outside);
 
 } // namespace cageform_examples

@@ -21,24 +21,9 @@ std::string refusal(std::string_view text, const std::string& why) {
     return detail::quoted(text) + " " + why;
 }
 
-std::vector<std::string_view> parts_of(std::string_view text, char separator) {
-    std::vector<std::string_view> parts;
-    for (std::size_t end = 0; end != text.npos;) {
-        end = text.find(separator);
-        parts.push_back(detail::trim(text.substr(0, end)));
-        text.remove_prefix(end == text.npos ? text.size() : end + 1);
-    }
-    return parts;
-}
-
-std::string parse_finite(std::string_view text, double& number) {
-    const std::string why = detail::parse_number(text, number);
-    return why.empty() && !std::isfinite(number) ? refusal(text, "is not a finite number") : why;
-}
-
 std::string parse_all(std::span<const std::string_view> parts, std::span<double> numbers) {
     for (std::size_t k = 0; k < parts.size(); ++k) {
-        if (std::string why = parse_finite(parts[k], numbers[k]); !why.empty()) return why;
+        if (std::string why = detail::parse_finite(parts[k], numbers[k]); !why.empty()) return why;
     }
     return {};
 }
@@ -62,7 +47,7 @@ std::string keep_where(std::string_view condition, std::span<const Vec<double, D
                            (D == 2 ? "; the plane has x and y" : ""));
     }
     double bound = 0;
-    if (std::string why = parse_finite(detail::trim(condition.substr(sign + 1)), bound); !why.empty())
+    if (std::string why = detail::parse_finite(detail::trim(condition.substr(sign + 1)), bound); !why.empty())
         return why;
     const double side = condition[sign] == '>' ? 1 : -1;
     std::erase_if(selected, [&](std::size_t i) { return !(side * rest[i][axis] > side * bound); });
@@ -90,7 +75,7 @@ std::string select(std::string_view part, std::span<const Vec<double, D>> rest,
     if (part == "all") return {};
     const bool is_number = !part.empty() && part.front() >= '0' && part.front() <= '9';
     if (!is_number) {
-        for (const std::string_view condition : parts_of(part, '&')) {
+        for (const std::string_view condition : detail::parts_of(part, '&')) {
             if (std::string why = keep_where(condition, rest, selected); !why.empty()) return why;
         }
         return selected.empty() ? refusal(part, "holds for no vertex of the cage") : "";
@@ -144,7 +129,7 @@ public:
     /// An empty reason is success.
     std::string parse(std::string_view numbers) {
         text_ = numbers;
-        return parse_parts(parts_of(numbers, ','));
+        return parse_parts(detail::parts_of(numbers, ','));
     }
 
     void apply(Point& p) const {
@@ -175,34 +160,13 @@ private:
             if (std::string why = parse_all(parts, vector_.v); !why.empty()) return why;
             for (std::size_t k = parts.size(); k < D; ++k) vector_[k] = vector_[0];
             return {};
-        case PoseOperation::turn: return parse_turn(parts);
+        case PoseOperation::turn: return parse_turn<D>(text_, degrees_, vector_);
         case PoseOperation::bend:
             return parse_span(parts, in_plane ? "xy or yx" : "xy, zx or another two axes");
         case PoseOperation::twist:
             if (in_plane) return refusal(text_, "is for cages in space");
             return parse_span(parts, "x, y or z");
         }
-        return {};
-    }
-
-    std::string parse_turn(std::span<const std::string_view> parts) {
-        if (D == 2 ? parts.size() != 1 : parts.size() != 2 && parts.size() != 4)
-            return refusal(text_, D == 2 ? "is not one angle"
-                                         : "is not an angle and an axis, such as 30,y or 30,1,1,0");
-        if (std::string why = parse_finite(parts[0], degrees_); !why.empty()) return why;
-        if (D == 2) return {};
-        if (parts.size() == 2) {
-            const std::size_t axis = axis_of<D>(parts[1]);
-            if (axis == D) return refusal(text_, "has no axis x, y or z");
-            vector_[axis] = 1;
-            return {};
-        }
-        if (std::string why = parse_all(parts.subspan(1), vector_.v); !why.empty()) return why;
-        double largest = 0;
-        for (const double x : vector_.v) largest = std::max(largest, std::fabs(x));
-        if (largest == 0) return refusal(text_, "has an axis of length zero");
-        for (double& x : vector_.v) x /= largest; // so that its square is in range
-        vector_ = (1 / std::sqrt(dot(vector_, vector_))) * vector_;
         return {};
     }
 
@@ -288,7 +252,7 @@ std::string parse_centre(std::string_view text, std::span<const Vec<double, D>> 
         centre = mean_of(pose, *selected);
         return {};
     }
-    const auto parts = parts_of(text, ',');
+    const auto parts = detail::parts_of(text, ',');
     if (parts.size() == D) return parse_all(parts, centre.v);
     return refusal(text, std::string("is not a point: write ") + (D == 2 ? "x,y" : "x,y,z") +
                              ", or v and vertices such as v2,7");
@@ -300,13 +264,37 @@ template <std::size_t D>
 SvgResult<std::vector<std::size_t>> parse_selection(std::string_view word,
                                                     std::span<const Vec<double, D>> rest) {
     std::vector<std::size_t> selected, more;
-    for (const std::string_view part : parts_of(word, ',')) {
+    for (const std::string_view part : detail::parts_of(word, ',')) {
         if (const std::string why = select(part, rest, more); !why.empty()) return SvgError{why};
         selected.insert(selected.end(), more.begin(), more.end());
     }
     std::sort(selected.begin(), selected.end());
     selected.erase(std::unique(selected.begin(), selected.end()), selected.end());
     return selected;
+}
+
+template <std::size_t D>
+std::string parse_turn(std::string_view text, double& degrees, Vec<double, D>& axis) {
+    const auto parts = detail::parts_of(text, ',');
+    if (D == 2 ? parts.size() != 1 : parts.size() != 2 && parts.size() != 4)
+        return refusal(text,
+                       D == 2 ? "is not one angle" : "is not an angle and an axis, such as 30,y or 30,1,1,0");
+    if (std::string why = detail::parse_finite(parts[0], degrees); !why.empty()) return why;
+    if (D == 2) return {};
+    if (parts.size() == 2) {
+        const std::size_t k = axis_of<D>(parts[1]);
+        if (k == D) return refusal(text, "has no axis x, y or z");
+        axis = {};
+        axis[k] = 1;
+        return {};
+    }
+    if (std::string why = parse_all(std::span(parts).subspan(1), axis.v); !why.empty()) return why;
+    double largest = 0;
+    for (const double x : axis.v) largest = std::max(largest, std::fabs(x));
+    if (largest == 0) return refusal(text, "has an axis of length zero");
+    for (double& x : axis.v) x /= largest; // so that its square is in range
+    axis = (1 / std::sqrt(dot(axis, axis))) * axis;
+    return {};
 }
 
 template <std::size_t D>
@@ -347,7 +335,7 @@ std::string apply_operation(PoseOperation operation, std::string_view word,
 
 std::string move_control_point(std::string_view word, std::span<const std::vector<std::size_t>> loops,
                                std::span<Vec<double, 2>> pose) {
-    const auto parts = parts_of(word, ':');
+    const auto parts = detail::parts_of(word, ':');
     if (parts.size() != 3)
         return refusal(word, "is not LOOP:K:DX,DY: a loop, one of its control points, and a move");
     std::size_t loop = 0, point = 0;
@@ -368,6 +356,8 @@ template SvgResult<std::vector<std::size_t>> parse_selection(std::string_view,
                                                              std::span<const Vec<double, 2>>);
 template SvgResult<std::vector<std::size_t>> parse_selection(std::string_view,
                                                              std::span<const Vec<double, 3>>);
+template std::string parse_turn(std::string_view, double&, Vec<double, 2>&);
+template std::string parse_turn(std::string_view, double&, Vec<double, 3>&);
 template std::string apply_operation(PoseOperation, std::string_view, std::span<const Vec<double, 2>>,
                                      std::span<Vec<double, 2>>, std::span<const std::vector<std::size_t>>);
 template std::string apply_operation(PoseOperation, std::string_view, std::span<const Vec<double, 3>>,

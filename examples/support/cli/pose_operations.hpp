@@ -52,6 +52,13 @@ template <std::size_t D>
 SvgResult<std::vector<std::size_t>> parse_selection(std::string_view word,
                                                     std::span<const cageform::Vec<double, D>> rest);
 
+/// Reads a turn: DEGREES, in space DEGREES,AXIS, such as 30,y or 30,1,1,0.
+///
+///   axis      out, of length 1; in the plane untouched
+///   returns   empty, or why not
+template <std::size_t D>
+std::string parse_turn(std::string_view text, double& degrees, cageform::Vec<double, D>& axis);
+
 /// Applies an operation, WHICH:NUMBERS[@POINT], to a pose. Middles are means of vertices where they are by
 /// then.
 ///
@@ -76,6 +83,8 @@ extern template SvgResult<std::vector<std::size_t>>
     parse_selection(std::string_view, std::span<const cageform::Vec<double, 2>>);
 extern template SvgResult<std::vector<std::size_t>>
     parse_selection(std::string_view, std::span<const cageform::Vec<double, 3>>);
+extern template std::string parse_turn(std::string_view, double&, cageform::Vec<double, 2>&);
+extern template std::string parse_turn(std::string_view, double&, cageform::Vec<double, 3>&);
 extern template std::string apply_operation(PoseOperation, std::string_view,
                                             std::span<const cageform::Vec<double, 2>>,
                                             std::span<cageform::Vec<double, 2>>,

@@ -1,5 +1,6 @@
 #include "files/cage_file.hpp"
 
+#include "files/atomic_file.hpp"
 #include "svg/document.hpp"
 
 #include <charconv>
@@ -10,11 +11,8 @@ namespace cageform_examples {
 
 namespace {
 
-/// Formats a number with the fewest digits that restore it.
-std::string digits_of(double x) {
-    std::array<char, 32> digits;
-    return {digits.data(), std::to_chars(digits.data(), digits.data() + digits.size(), x).ptr};
-}
+using detail::digits_of;
+
 std::string digits_of(const Point2& p) {
     return digits_of(p.x) + ',' + digits_of(p.y);
 }
@@ -151,6 +149,17 @@ std::string to_csv(const CageFile& cage) {
         for (const Point2& p : block.points) text += digits_of(p) + '\n';
     }
     return text;
+}
+
+SvgResult<std::string> pose_text(const CageFile& pose, const std::string& path, const ViewBox& view) {
+    const bool is_csv = ending_of(path) == ".csv";
+    if (!is_csv && pose.has_cells() && !pose.lattice)
+        return SvgError{path + ": " + pose.name + " has chains or points, which need a .csv file"};
+    if (is_csv && pose.curves)
+        return SvgError{path + ": " + pose.name + " has curves, which need an .svg file"};
+    if (is_csv) return to_csv(pose);
+    const auto text = to_svg(pose, view);
+    return text ? text : SvgError{path + ": " + to_string(text.error())};
 }
 
 namespace {

@@ -186,6 +186,12 @@ SvgResult<CageFile> with_curves(CageFile cage);
 SvgResult<std::string> to_svg(const CageFile& cage, const ViewBox& view);
 std::string to_csv(const CageFile& cage);
 
+/// A pose of a cage as the text of a file, .svg or .csv by the ending of its path.
+///
+///   fails   as to_svg() does, and where the cage has what the format cannot hold: chains or points in SVG,
+///           curves in CSV
+SvgResult<std::string> pose_text(const CageFile& pose, const std::string& path, const ViewBox& view);
+
 /// Draws a cage into an SVG document, in root user space: loops and chains as dashed lines, points as
 /// circles. Ends of curves are squares, and their control points circles on thin lines to them; an edge that
 /// is a line shows none.

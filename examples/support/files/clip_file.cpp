@@ -22,20 +22,9 @@ SvgResult<PoseClip> load_pose_clip(const std::string& path, std::size_t vertex_c
 
 namespace {
 
-/// The fields of a line, between commas.
-std::vector<std::string> fields_of(std::string_view text) {
-    std::vector<std::string> fields;
-    for (std::size_t at = 0; at <= text.size();) {
-        const std::size_t end = std::min(text.find(',', at), text.size());
-        fields.emplace_back(detail::trim(text.substr(at, end - at)));
-        at = end + 1;
-    }
-    return fields;
-}
-
 /// Field k as a finite number; `why` becomes the reason where it is none, and stays what it is if it is one
 /// already.
-double field_number(const std::vector<std::string>& fields, std::size_t k, std::string& why) {
+double field_number(const std::vector<std::string_view>& fields, std::size_t k, std::string& why) {
     double x = 0;
     const std::string fault = k < fields.size() ? detail::parse_number(fields[k], x) : "a number is missing";
     if (why.empty()) why = !fault.empty() ? fault : std::isfinite(x) ? "" : "a number is not finite";
@@ -43,7 +32,7 @@ double field_number(const std::vector<std::string>& fields, std::size_t k, std::
 }
 
 /// "vertices,11:0.5,10"; an empty reason is success.
-std::string add_shares(const std::vector<std::string>& fields, std::size_t vertex_count,
+std::string add_shares(const std::vector<std::string_view>& fields, std::size_t vertex_count,
                        ClipControl& control) {
     for (std::size_t k = 1; k < fields.size(); ++k) {
         const std::size_t colon = fields[k].find(':');
@@ -59,14 +48,22 @@ std::string add_shares(const std::vector<std::string>& fields, std::size_t verte
     return {};
 }
 
+/// "pin,NAME,X,Y[,WEIGHT]"; an empty reason is success.
+std::string add_pin(const std::vector<std::string_view>& fields, ClipControl& control) {
+    std::string why;
+    const auto value = [&](std::size_t k) { return field_number(fields, k, why); };
+    control.pin = {{value(2), value(3)}, fields.size() > 4 ? value(4) : 1};
+    return why.empty() && !(control.pin->weight > 0) ? "the weight of a pin is not positive" : why;
+}
+
 /// "TIME,X,Y,TURN,KIND"; an empty reason is success.
-std::string add_row(const std::vector<std::string>& fields, ClipControl& control) {
+std::string add_row(const std::vector<std::string_view>& fields, ClipControl& control) {
     std::string why;
     const auto value = [&](std::size_t k) { return field_number(fields, k, why); };
     ClipControl::Row row{value(0), {value(1), value(2), value(3)}};
     if (!why.empty()) return why;
     row.move[2] *= std::numbers::pi / 180;
-    const std::string kind = fields.size() > 4 ? fields[4] : "";
+    const std::string_view kind = fields.size() > 4 ? fields[4] : "";
     if (kind == "ease")
         row.kind = cageform::KeyKind::bezier;
     else if (kind == "hold")
@@ -108,22 +105,31 @@ SvgResult<ClipFile> parse_clip(std::string_view file, const std::string& path, s
         ++number;
         const std::string_view text = detail::trim(line);
         if (text.empty() || text.front() == '#') continue;
-        const std::vector<std::string> fields = fields_of(text);
-        const std::string& word = fields.front();
+        const auto fields = detail::parts_of(text, ',');
+        const std::string_view word = fields.front();
         std::string why;
         const auto value = [&](std::size_t k) { return field_number(fields, k, why); };
         if (word == "length") {
             clip.length = value(1);
             if (why.empty() && !(clip.length > 0)) why = "the length is not positive";
         } else if (word == "late") {
-            clip.late.push_back({fields.size() > 1 ? fields[1] : "", value(2)});
+            clip.late.push_back({std::string(fields.size() > 1 ? fields[1] : ""), value(2)});
         } else if (word == "ground") {
             clip.ground = {value(1), value(2)};
         } else if (word == "control") {
             clip.controls.emplace_back().name = fields.size() > 1 ? fields[1] : "";
+            if (clip.has_pins()) why = "a clip has either controls or pins";
+        } else if (word == "pin") {
+            if (!clip.controls.empty() && !clip.has_pins()) why = "a clip has either controls or pins";
+            ClipControl& control = clip.controls.emplace_back();
+            control.name = fields.size() > 1 ? fields[1] : "";
+            if (why.empty()) why = add_pin(fields, control);
         } else if (clip.controls.empty()) {
             why = "\"control,NAME\" is missing before";
-        } else if (ClipControl& control = clip.controls.back(); word == "vertices") {
+        } else if (ClipControl& control = clip.controls.back();
+                   control.pin && (word == "vertices" || word == "pivot")) {
+            why = "a pin has no " + std::string(word);
+        } else if (word == "vertices") {
             why = add_shares(fields, vertex_count, control);
         } else if (word == "pivot") {
             control.pivot = {value(1), value(2)};
@@ -138,6 +144,41 @@ SvgResult<ClipFile> parse_clip(std::string_view file, const std::string& path, s
         if (!why.empty()) return SvgError{path + ": " + detail::quoted(control.name) + ": " + why};
     }
     return clip;
+}
+
+std::string clip_text(const ClipFile& clip, const std::string& heading) {
+    std::string text = "# " + heading + "\nlength," + detail::digits_of(clip.length) + '\n';
+    const auto append = [&](std::initializer_list<double> numbers) {
+        for (const double x : numbers) text += ',' + detail::digits_of(x);
+    };
+    for (const auto& late : clip.late)
+        text += "late," + late.element + ',' + detail::digits_of(late.seconds) + '\n';
+    if (clip.ground) {
+        text += "ground";
+        append({clip.ground->y, clip.ground->speed});
+        text += '\n';
+    }
+    for (const ClipControl& control : clip.controls) {
+        text += (control.pin ? "\npin," : "\ncontrol,") + control.name;
+        if (control.pin) append({control.pin->place.x, control.pin->place.y, control.pin->weight});
+        if (!control.pin) {
+            text += "\nvertices";
+            for (const auto& [vertex, weight] : control.shares)
+                text += ',' + std::to_string(vertex) + ':' + detail::digits_of(weight);
+            text += "\npivot";
+            append({control.pivot.x, control.pivot.y});
+        }
+        text += "\ntime,x,y,turn,kind\n";
+        for (const auto& [time, move, kind] : control.rows) {
+            text += detail::digits_of(time);
+            append({move[0], move[1], move[2] * 180 / std::numbers::pi});
+            text += kind == cageform::KeyKind::bezier   ? ",ease\n"
+                    : kind == cageform::KeyKind::hold   ? ",hold\n"
+                    : kind == cageform::KeyKind::linear ? ",linear\n"
+                                                        : ",automatic\n";
+        }
+    }
+    return text;
 }
 
 SvgResult<PoseClip> parse_pose_clip(std::string_view file, const std::string& path,

@@ -15,6 +15,11 @@
 //     1.2,0,0,6,ease
 //     2.4,0,0,-6,ease
 //
+//     pin,the nose,130,240        a point of the figure moves in place of vertices, and the cage follows
+//     time,x,y,turn,kind
+//     0.0,0,0,0,ease
+//     …
+//
 // A key moves the control's vertices by x and y and turns them by degrees, clockwise on the screen. Its
 // kind is hold, linear, automatic, or ease: Bézier handles that leave the key and come to it level. A
 // control begins again after its last key, so its time is a part of the clip's. Where several controls
@@ -53,7 +58,15 @@ inline constexpr const char* clip_format =
     "\n"
     "A key is hold, linear, automatic or ease. A control starts again after its last\n"
     "key, and its duration has to divide the clip's. Several controls of a vertex add\n"
-    "up. late and ground can be left out; # begins a comment.\n";
+    "up. late and ground can be left out; # begins a comment.\n"
+    "\n"
+    "In place of all controls a clip can have pins, which move points of the figure; the\n"
+    "cage follows as rigidly as it can, and becomes keys. A pin that never turns leaves\n"
+    "the figure to turn there:\n"
+    "\n"
+    "    pin,the nose,130,240,1  its place at rest, and perhaps its weight\n"
+    "    time,x,y,turn,kind\n"
+    "    0.0,0,0,0,ease\n";
 
 /// The text for --help on poses in space.
 inline constexpr const char* pose_clip_format =
@@ -78,10 +91,15 @@ struct ClipControl {
         std::array<double, 3> move{}; // x, y, turn
         cageform::KeyKind kind = cageform::KeyKind::automatic;
     };
+    struct Pin {
+        Point2 place; // at rest
+        double weight = 1;
+    };
     std::string name;
-    std::vector<Share> shares;
+    std::vector<Share> shares; // none of a pin
     Point2 pivot;
     std::vector<Row> rows;
+    std::optional<Pin> pin = {};
 };
 
 struct ClipFile {
@@ -96,7 +114,9 @@ struct ClipFile {
     double length = 0;
     std::vector<Late> late;
     std::optional<Ground> ground;
-    std::vector<ClipControl> controls;
+    std::vector<ClipControl> controls; // all of vertices, or all pins
+
+    bool has_pins() const { return !controls.empty() && controls.front().pin.has_value(); }
 };
 
 /// A motion in the plane from the text of a file.
@@ -104,11 +124,15 @@ struct ClipFile {
 ///   name    stands before every message
 ///   fails   where a line is none of the above, a number is not finite, a vertex is not one of
 ///           `vertex_count`, or
-///           the times of a control do not ascend or are no part of the length
+///           the times of a control do not ascend or are no part of the length, or there are controls
+///           beside pins
 SvgResult<ClipFile> parse_clip(std::string_view text, const std::string& name, std::size_t vertex_count);
 
 /// Works as parse_clip(), from a file; fails also where it cannot be read.
 SvgResult<ClipFile> load_clip(const std::string& path, std::size_t vertex_count);
+
+/// A clip as the text of a file that parse_clip() reads back, all but turns to the bit.
+std::string clip_text(const ClipFile& clip, const std::string& heading);
 
 /// The motion of a cage with these vertices. It begins again at its end.
 SvgResult<cageform::CageClip<double, 2>> make_clip(const ClipFile& file, std::span<const Point2> vertices);

@@ -17,6 +17,16 @@ std::string_view trim(std::string_view text) {
     return text;
 }
 
+std::vector<std::string_view> parts_of(std::string_view text, char separator) {
+    std::vector<std::string_view> parts;
+    for (std::size_t end = 0; end != text.npos;) {
+        end = text.find(separator);
+        parts.push_back(trim(text.substr(0, end)));
+        text.remove_prefix(end == text.npos ? text.size() : end + 1);
+    }
+    return parts;
+}
+
 std::string quoted(std::string_view word) {
     std::string text = "\"";
     for (const char c : word.substr(0, 40)) text += c >= 0 && c < ' ' ? '?' : c;
@@ -29,6 +39,16 @@ std::string parse_number(std::string_view field, double& number) {
     if (error == std::errc::result_out_of_range) return "number out of range: " + quoted(field);
     if (error != std::errc{} || end != field.data() + field.size()) return "not a number: " + quoted(field);
     return {};
+}
+
+std::string parse_finite(std::string_view text, double& number) {
+    const std::string why = parse_number(text, number);
+    return why.empty() && !std::isfinite(number) ? quoted(text) + " is not a finite number" : why;
+}
+
+std::string digits_of(double x) {
+    std::array<char, 32> digits;
+    return {digits.data(), std::to_chars(digits.data(), digits.data() + digits.size(), x).ptr};
 }
 
 std::string short_number(double number) {

@@ -21,11 +21,20 @@ namespace detail {
 
 std::string_view trim(std::string_view text);
 
+/// The parts of a text between separators, without blanks around them.
+std::vector<std::string_view> parts_of(std::string_view text, char separator);
+
 /// A word of a file for a message: no control characters, and not too much of it.
 std::string quoted(std::string_view word);
 
 /// Anything std::from_chars takes for a number, "nan" and "inf" included; an empty reason is success.
 std::string parse_number(std::string_view field, double& number);
+
+/// Works as parse_number(); fails also where the number is not finite.
+std::string parse_finite(std::string_view text, double& number);
+
+/// Formats a number with the fewest digits that restore it.
+std::string digits_of(double x);
 
 /// Formats a number for messages, with at most six digits.
 std::string short_number(double number);

@@ -5,11 +5,12 @@
 //
 //     TRIS  #triangles × 3 × uint32
 //     CLIP  ClipHeader; piece_counts, #curves × uint32: x, y and z of every vertex of the cage; pieces,
-//           curve by
-//           curve, 5 × float each
+//           curve by curve, 5 × float each
+//     PINS  packed PoseSamples (cageform/pose/types/pose_blob.hpp), by which pins pose the cage
 //
 // Nothing here is known to bind-time code: the engine's client includes it.
 
+#include <cageform/pose/types/pose_blob.hpp>
 #include <cageform/runtime.hpp>
 
 #include <array>
@@ -31,6 +32,7 @@ struct FigureParts {
     std::string fault; ///< why they cannot be used; empty where they can
     std::span<const std::array<std::uint32_t, 3>> triangles; ///< point into the figure
     cageform::CageClip<float, 3> clip;                       ///< of no vertices where there is none
+    cageform::PoseSamples<float, 3> samples;                 ///< of no handles where there are none
 };
 
 /// Returns the number of the cage's vertices: the handles that are points, which come first.
@@ -40,7 +42,7 @@ inline std::size_t vertices_of(const cageform::PackedFigureView<float, 3>& figur
 
 /// Checks everything that could make playing read or write out of bounds.
 inline FigureParts read_parts(const cageform::PackedFigureView<float, 3>& figure) {
-    const auto refused = [](const std::string& why) { return FigureParts{why, {}, {}}; };
+    const auto refused = [](const std::string& why) { return FigureParts{why, {}, {}, {}}; };
     FigureParts parts;
     parts.triangles = figure.part_as<std::array<std::uint32_t, 3>>("TRIS");
     for (const auto& triangle : parts.triangles) {
@@ -48,6 +50,14 @@ inline FigureParts read_parts(const cageform::PackedFigureView<float, 3>& figure
             if (corner >= figure.point_count())
                 return refused("a triangle refers to a point that does not exist");
         }
+    }
+    if (const auto packed = figure.part("PINS"); !packed.empty()) {
+        auto [samples, report] = cageform::open_pose_samples<float, 3>(packed);
+        if (report.status != cageform::Status::ok)
+            return refused(std::string("samples for pins: ") + cageform::to_string(report.status));
+        if (samples.handle_count() != figure.handle_count())
+            return refused("samples for pins: they belong to another cage");
+        parts.samples = std::move(samples);
     }
     std::span<const std::byte> data = figure.part("CLIP");
     if (data.empty()) return parts;

@@ -43,7 +43,6 @@ std::string parse_corner(std::string_view word, const std::array<std::size_t, 2>
     return parse_index(word.substr(second + 1), so_far[1], count[1], "normal", corner.normal);
 }
 
-/// Reads the three numbers after "v" or "vn"; an empty reason is success.
 std::string parse_three_numbers(std::span<const std::string_view> words, std::string_view text, Point3& point,
                                 ObjNumbers& numbers) {
     if (words.size() < 4) return "three numbers are expected";

@@ -68,6 +68,7 @@ struct ObjFile {
     std::vector<std::uint32_t> triangle_faces;           // #triangles: of which face each is a part
     std::vector<std::size_t> folded; // faces whose triangles do not all look one way: not to be had without
     std::optional<LatticeBox<3>> lattice; // its control points are the vertices, then the still handles
+    std::vector<std::array<std::uint32_t, 4>> tetrahedra; // of a .mesh file (files/medit_file.hpp)
 };
 
 namespace detail {
@@ -137,6 +138,11 @@ private:
 ///   count  of all there are in the file
 std::string parse_index(std::string_view word, std::size_t so_far, std::size_t count, const char* what,
                         std::uint32_t& index);
+
+/// Reads the three numbers after the first word, and where in the text they stand; an empty reason is
+/// success.
+std::string parse_three_numbers(std::span<const std::string_view> words, std::string_view text, Point3& point,
+                                ObjNumbers& numbers);
 
 /// Twice the area of a face times its normal, of any number of corners.
 Point3 area_vector(const ObjFace& face, std::span<const Point3> vertices);

@@ -121,6 +121,30 @@ SvgResult<SvgDocument> draw_pose(const CageFile& cage, const CageFile& pose, con
     return picture;
 }
 
+void draw_pins(SvgDocument& document, const std::vector<Pin<2>>& pins, double diagonal) {
+    auto group = document.xml.document_element().append_child("g");
+    const auto set = [](pugi::xml_node element, const char* name, const auto& value) {
+        element.append_attribute(name) = value;
+    };
+    set(group, "stroke", "#1f6fb4");
+    set(group, "stroke-width", diagonal / 300);
+    for (const Pin<2>& pin : pins) {
+        if (pin.target == pin.place) continue;
+        auto line = group.append_child("line");
+        set(line, "x1", pin.place[0]);
+        set(line, "y1", pin.place[1]);
+        set(line, "x2", pin.target[0]);
+        set(line, "y2", pin.target[1]);
+    }
+    for (const Pin<2>& pin : pins) {
+        auto dot = group.append_child("circle");
+        set(dot, "cx", pin.target[0]);
+        set(dot, "cy", pin.target[1]);
+        set(dot, "r", diagonal / 90);
+        set(dot, "fill", "white");
+    }
+}
+
 Picture draw_pose(const ObjFile& cage, const std::vector<Point3>& pose) {
     constexpr std::size_t width = 900, height = 1000;
     constexpr Colour paper{0.98f, 0.93f, 0.9f}, at_rest{0.7f, 0.7f, 0.7f}, ink{0.76f, 0.22f, 0.48f};

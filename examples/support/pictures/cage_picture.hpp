@@ -2,6 +2,7 @@
 
 // Pictures of cages that show the numbers of their vertices.
 
+#include "cli/pins.hpp"
 #include "files/cage_file.hpp"
 #include "files/obj_file.hpp"
 #include "pictures/picture.hpp"
@@ -25,6 +26,9 @@ SvgResult<SvgDocument> draw_pose(const CageFile& cage, const CageFile& pose, con
 ///
 ///   letter   the size of the numbers
 void draw_numbers(SvgDocument& document, const CageFile& cage, double letter);
+
+/// Draws into a document, in root user space, pins: a dot at every target, and a line from where it was.
+void draw_pins(SvgDocument& document, const std::vector<Pin<2>>& pins, double diagonal);
 
 /// A cage in space from the front and from behind: its faces, the edges at rest in grey, and the numbers of
 /// the vertices of faces turned here.

@@ -19,8 +19,8 @@ namespace cageform::inline CAGEFORM_ABI {
 ///             bad *point* is listed and kept in place; the others are bound nevertheless
 ///   cost      that of the coordinates, plus O(#handles) a point; (#handles + D) scalars of memory
 ///             a point
-///   fails     as the cage's check and the coordinates say; coordinates_empty; cancelled;
-///             out_of_memory
+///   fails     as the cage's check and the coordinates say; coordinates_empty;
+///             falloff_not_supported; cancelled; out_of_memory
 ///
 /// A figure with normals:
 ///
@@ -54,7 +54,8 @@ inline constexpr detail::Bind bind{};
 ///             any length, read as the scalar of the coordinates
 ///   options   as for `bind`. With nearest_boundary, vectors of points outside move with the material
 ///             at the nearest boundary point. Without extension, or with keep_in_place, they
-///             keep their direction and length
+///             keep their direction and length. With a falloff f, t' = t + Σ (f t·∇w_i + (t·∇f) w_i)
+///             (C'_i − C_i)
 ///   returns   a binding for each family and the report, as `bind` does: lists of points (not
 ///             finite: the point or one of its vectors); the largest |Σw| and |Σwc − t|; the
 ///             changes and the least of these weights

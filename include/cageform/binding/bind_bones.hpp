@@ -73,14 +73,15 @@ Result<Binding<T, D>, BindBonesReport> bind_bones(const R& points, const Bones& 
             return {done, {}};
         };
         // All points count as inside. Zero weights stay zero: a bone keeps to its points.
-        const detail::BindInput<T, D> input{faults,
-                                            [&] { return handles.view(); },
-                                            false,
-                                            false,
-                                            true,
-                                            evaluate,
-                                            [](const Vec<T, D>& p, std::span<T>) { return p; },
-                                            detail::read_points<T>(points)};
+        const auto stay = [](const Vec<T, D>& p, std::span<T>) { return p; };
+        const detail::BindInput<T, D> input{.cage = faults,
+                                            .handles = [&] { return handles.view(); },
+                                            .local = true,
+                                            .evaluate = evaluate,
+                                            .evaluate_weights = evaluate,
+                                            .nearest_boundary = stay,
+                                            .distance = {},
+                                            .points = detail::read_points<T>(points)};
         auto bound = detail::bind_points(input, options, Binding<T, D>{}, running);
         result.value = std::move(bound.value);
         static_cast<BindReport&>(result.report) = std::move(bound.report);

@@ -25,7 +25,8 @@ namespace cageform::inline CAGEFORM_ABI {
 ///               chosen greedily, from the smallest weight on. A pose that moves no handle by more
 ///               than d moves a point to within d · Σ|w − w0| of where the binding puts it
 ///   exact       except for rounding to single precision: 1e-7 of the cage's size
-///   returns     the skin and its report; points that the binding keeps in place have no weights
+///   returns     the skin and its report; points that the binding keeps in place have no weights, and
+///               the skin does not fade by BindOptions::falloff: the report lists the points
 ///   cost        a few Newton steps of O(#handles) each time that handles are dropped,
 ///               log(#handles / K) times and more if the hull is narrow: 0.1 ms a point for 112
 ///               handles

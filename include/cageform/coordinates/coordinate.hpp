@@ -47,6 +47,8 @@ concept CageCoordinateConstants = requires {
 ///   nearest_boundary(p, row)
 ///                       returns the boundary point nearest to the finite point `p`, and fills its
 ///                       weights (#handles)
+///   distance_outside(p) optional: the distance of a point outside from the cage and its gradient, by which
+///                       BindOptions::falloff fades; without it that from the nearest boundary point
 template <class C>
 concept CageCoordinates = CageCoordinateConstants<C> &&
     requires(const C& c, BlockView<const typename C::scalar> points, BlockView<typename C::scalar> weights,

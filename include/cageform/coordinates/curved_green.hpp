@@ -4,6 +4,7 @@
 #include <cageform/coordinates/coordinate.hpp>
 #include <cageform/coordinates/curved_green/block.hpp>
 #include <cageform/coordinates/detail/evaluate_blocks.hpp>
+#include <cageform/coordinates/detail/outside_distance.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 
@@ -87,6 +88,12 @@ public:
         evaluate_block<false>(block, weights.data(), states, 4 * tables_.tolerance);
         for (std::size_t h = 0; h < row.size(); ++h) row[h] = static_cast<T>(weights[h][0]);
         return vec_cast<T>((1 / tables_.scale) * at);
+    }
+    /// See CageCoordinates.
+    detail::OutsideDistance<2> distance_outside(const Vec<T, 2>& p) const noexcept {
+        const auto nearest = nearest_of(tables_.scale * vec_cast<double>(p));
+        const auto at = tables_.edges[nearest.edge].curve.at(nearest.place.t);
+        return detail::OutsideDistance<2>(vec_cast<double>(p) - (1 / tables_.scale) * at);
     }
 
 private:

@@ -3,6 +3,7 @@
 
 #include <cageform/coordinates/coordinate.hpp>
 #include <cageform/coordinates/detail/evaluate_blocks.hpp>
+#include <cageform/coordinates/detail/outside_distance.hpp>
 #include <cageform/coordinates/lattice/box_around.hpp>
 #include <cageform/coordinates/lattice/spline_axis.hpp>
 #include <cageform/core/detail/simd.hpp>
@@ -23,7 +24,8 @@ namespace cageform::inline CAGEFORM_ABI {
 ///   smooth    as the splines: C^(degree − 1) in the box, C¹ at its faces
 ///   falloff   outside, displacements fade to nothing at this distance from the box, C¹ at both ends. The
 ///             handles are then followed by D + 1 still handles, o and o + A_k, which poses must leave at
-///             rest
+///             rest. BindOptions::falloff fades by the same distance without them; given both, points fade
+///             by both
 ///   zeros     all but (degree + 1)^D weights in the box, exactly
 ///   cost      O(#handles) a point, to write the weights
 ///   faults    lattice_degree, lattice_knots, frame_not_finite, frame_flat (the axis depends on the others),
@@ -153,6 +155,12 @@ public:
             if (k == D) break;
         }
         return box_.translation + box_.map_vector(u);
+    }
+    /// Returns the distance of a point outside from that place of the box, and its gradient.
+    detail::OutsideDistance<D> distance_outside(const Vec<T, D>& p) const noexcept {
+        auto u = in_box(p);
+        (void)state_at(u);
+        return distance_at(u);
     }
 
 private:
@@ -319,29 +327,36 @@ private:
         }
         return state;
     }
-    /// Sets how displacements fade at a point.
-    void fade_at(std::size_t lane, Work& work) const noexcept {
+    /// Returns the distance |A (u − c)| of a place u from the nearest one in the box, c along its axes, and
+    /// its gradient: c stays where u_k is in [0, 1].
+    detail::OutsideDistance<D> distance_at(const Vec<T, D>& u) const noexcept {
         Vec<T, D> beyond{};
-        for (std::size_t k = 0; k < D; ++k) {
-            const T u = work.place[k][lane];
-            beyond[k] = u - std::clamp(u, T(0), T(1));
-        }
+        for (std::size_t k = 0; k < D; ++k) beyond[k] = u[k] - std::clamp(u[k], T(0), T(1));
         const auto off = box_.map_vector(beyond);
         const auto distance = static_cast<T>(length(scale_ * vec_cast<double>(off)) / scale_);
-        if (!(distance > 0)) return;
-        const T t = (std::min)(distance / falloff_, T(1));
-        work.kept[lane] = 1 - t * t * (3 - 2 * t);
-        // The distance is |A (u − c)|; c stays where u_k is in [0, 1].
-        const T rate = -6 * t * (1 - t) / falloff_;
+        detail::OutsideDistance<D> result;
+        if (!(distance > 0)) return result;
+        result.distance = double(distance);
         for (std::size_t k = 0; k < D; ++k) {
             if (beyond[k] == 0) continue;
             T along = 0;
             for (std::size_t axis = 0; axis < D; ++axis)
                 along += box_.columns[k][axis] * (off[axis] / distance);
-            along *= rate;
-            for (std::size_t axis = 0; axis < D; ++axis)
-                work.kept_gradient[axis][lane] += along * inverse_[k][axis];
+            result.gradient = result.gradient + double(along) * vec_cast<double>(inverse_[k]);
         }
+        return result;
+    }
+    /// Sets how displacements fade at a point.
+    void fade_at(std::size_t lane, Work& work) const noexcept {
+        Vec<T, D> u{};
+        for (std::size_t k = 0; k < D; ++k) u[k] = work.place[k][lane];
+        const auto from_box = distance_at(u);
+        if (!(from_box.distance > 0)) return;
+        const T t = (std::min)(static_cast<T>(from_box.distance) / falloff_, T(1));
+        work.kept[lane] = 1 - t * t * (3 - 2 * t);
+        const double rate = double(-6 * t * (1 - t) / falloff_);
+        for (std::size_t axis = 0; axis < D; ++axis)
+            work.kept_gradient[axis][lane] = static_cast<T>(rate * from_box.gradient[axis]);
     }
 
     using Functions = std::array<const std::vector<Lanes<T>>*, D>; ///< by axis

@@ -88,6 +88,7 @@ namespace cageform::inline CAGEFORM_ABI {
     X(input_malformed, "the text or the arrays do not follow their format")                 \
     X(handle_not_allowed, "a handle lies where the format allows none")                           \
     /* binding/: bind, pack, skins */                                                     \
+    X(falloff_not_supported, "a falloff is a finite distance, and takes weights of points outside")\
     X(too_many_handles, "more handles than can be counted or kept")                               \
     X(handles_not_points, "some handles are vectors, and only points will do")                    \
     X(bone_axes_dependent, "the axes of a bone do not span the space")                            \
@@ -110,6 +111,7 @@ namespace cageform::inline CAGEFORM_ABI {
     X(not_a_blob, "the memory holds no packed binding, or is not aligned to 64 bytes")            \
     X(not_a_figure, "the memory holds no packed figure, or is not aligned to 64 bytes")           \
     X(not_a_clip, "the memory holds no packed clip, or is not aligned to 64 bytes")               \
+    X(not_pose_samples, "the memory holds no packed samples, or is not aligned to 64 bytes")      \
     X(blob_version_differs, "the packed data is of another version or byte order")                \
     X(blob_kind_differs, "the packed data is of another scalar or dimension")                     \
     X(blob_truncated, "the packed data is cut off")                                               \

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cageform/pose/detail/pose_sampler.hpp>
+#include <cageform/pose/types/pose_blob.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 

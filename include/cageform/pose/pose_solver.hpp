@@ -7,6 +7,7 @@
 #include <cageform/pose/detail/pose_system.hpp>
 #include <cageform/pose/detail/rigid_frame.hpp>
 #include <cageform/pose/detail/rotation_pass.hpp>
+#include <cageform/pose/types/pose_blob.hpp>
 
 #include <utility>
 
@@ -32,7 +33,6 @@ class PoseSolver {
 public:
     using scalar = T;
     static constexpr std::size_t dimension = D;
-    static constexpr std::size_t most_handles = 4096;
 
     PoseSolver() = default;
     /// Takes the samples over. `status` is then ok, samples_missing, too_many_handles or out_of_memory.
@@ -169,7 +169,7 @@ private:
 
     Status begin() {
         const std::size_t count = handle_count();
-        if (count > most_handles) return Status::too_many_handles;
+        if (count > samples_.most_handles) return Status::too_many_handles;
         if (count == 0 || samples_.cluster_count == 0) return Status::samples_missing;
         for (auto* vectors : {&displacements_, &kept_, &right_, &last_}) vectors->reset(count);
         sample_displacements_.resize(count);
@@ -206,10 +206,8 @@ private:
         from.reset(system.unknowns.size());
         to.reset(system.unknowns.size());
         std::vector<Vec<double, D>> offsets(system.pins.rows.size()), demands(system.pins.rows.size());
-        const std::size_t automatic = D == 2 ? 0 : 5;
         detail::Anderson anderson;
-        anderson.reset(D * from.blocks(),
-                       options_.history == PoseOptions::automatic ? automatic : options_.history);
+        anderson.reset(D * from.blocks(), options_.history);
         from_ = std::move(from);
         to_ = std::move(to);
         offsets_ = std::move(offsets);

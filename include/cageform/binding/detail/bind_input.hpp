@@ -4,6 +4,7 @@
 
 #include <cageform/coordinates/coordinate.hpp>
 #include <cageform/coordinates/detail/evaluate_blocks.hpp>
+#include <cageform/coordinates/detail/outside_distance.hpp>
 #include <cageform/core/view.hpp>
 
 #include <algorithm>
@@ -50,7 +51,10 @@ struct BindInput {
     bool has_extension = false, closed_form = false, local = false;
     /// Fills rows of weights; for vectors, of gradients.
     std::function<Evaluation(const Batch<T>&, const Running&)> evaluate;
+    std::function<Evaluation(const Batch<T>&, const Running&)> evaluate_weights; ///< for vectors too
     std::function<Vec<T, D>(const Vec<T, D>&, std::span<T>)> nearest_boundary;
+    std::function<OutsideDistance<D>(const Vec<T, D>&)> distance;
+    bool is_within_handles = false; ///< the cage lies within the bounds of the handles that are points
     PointReader<T> points;
 };
 
@@ -65,17 +69,21 @@ template <CageCoordinates C>
 BindInput<typename C::scalar, C::dimension> bind_input(const C& coordinates,
                                                        PointReader<typename C::scalar> points) {
     using T = typename C::scalar;
+    const auto evaluate = [&coordinates](const Batch<T>& batch, const Running& running) {
+        return coordinates.evaluate(batch.points, batch.rows, batch.states, running);
+    };
     return {coordinates.cage_report(),
             [&coordinates] { return handle_view(coordinates); },
             C::has_extension,
             C::closed_form,
             has_local_rows<C>,
-            [&coordinates](const Batch<T>& batch, const Running& running) {
-                return coordinates.evaluate(batch.points, batch.rows, batch.states, running);
-            },
+            evaluate,
+            evaluate,
             [&coordinates](const Vec<T, C::dimension>& p, std::span<T> row) {
                 return coordinates.nearest_boundary(p, row);
             },
+            [&coordinates](const Vec<T, C::dimension>& p) { return outside_distance(coordinates, p); },
+            is_within_handles<C>,
             std::move(points)};
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cageform/binding/detail/binders.hpp>
+#include <cageform/binding/detail/falloff.hpp>
 #include <cageform/binding/types/figure_binding.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
@@ -64,7 +65,8 @@ Status bind_read_figure(const C& coordinates, FigureInput<typename C::scalar, C:
                         const BindOptions& options, const Running& running,
                         Result<FigureBinding<typename C::scalar, C::dimension>, FigureBindReport>& result) {
     if constexpr (requires(C solved) { solved.solve(running); }) {
-        if (input.has_normals() && coordinates.cage_report().status == Status::ok) {
+        const Status falloff = check_falloff(options, C::has_extension); // before a solve
+        if (falloff == Status::ok && input.has_normals() && coordinates.cage_report().status == Status::ok) {
             C solved = coordinates;
             const Evaluation solution = solved.solve(running.subtask(0, 0.7));
             BindReport& report = result.report.points;

@@ -3,12 +3,17 @@
 
 #include <cageform/binding/binding.hpp>
 #include <cageform/binding/detail/bind_input.hpp>
+#include <cageform/binding/detail/falloff.hpp>
 #include <cageform/binding/detail/piece_measures.hpp>
 #include <cageform/core/affine/linear_restorer.hpp>
+#include <cageform/core/detail/bounds.hpp>
 #include <cageform/core/detail/huge_pages.hpp>
 #include <cageform/core/detail/in_parallel.hpp>
 #include <cageform/core/detail/stopwatch.hpp>
 #include <cageform/core/result.hpp>
+
+#include <algorithm>
+#include <optional>
 
 namespace cageform::inline CAGEFORM_ABI {
 
@@ -31,7 +36,14 @@ protected:
         , count_(input.points.size)
         , states_(count_, PointState::unreached)
         , missed_(count_)
-        , pieces_((block_count<T>(count_) + piece_blocks - 1) / piece_blocks) {}
+        , beyond_(options.falloff > 0 ? count_ : 0)
+        , pieces_((block_count<T>(count_) + piece_blocks - 1) / piece_blocks) {
+        std::vector<Vec<T, D>> corners;
+        for (std::size_t i = 0; i < handles_.count && !beyond_.empty() && input.is_within_handles; ++i) {
+            if (handles_.is_point(i)) corners.push_back(handles_.rest[i]);
+        }
+        if (!corners.empty()) bounds_ = bounds_of(std::span<const Vec<T, D>>(corners));
+    }
 
     /// Makes the bindings, reusing their memory; fill() sets weights, rest and states.
     template <class Fill>
@@ -76,6 +88,28 @@ protected:
                (options_.outside == OutsidePoints::nearest_boundary ||
                 (options_.outside == OutsidePoints::extend && input_.has_extension));
     }
+    /// Returns how the displacement of point i, which lies outside at `p`, fades. A point that keeps
+    /// nothing gets no weights.
+    Fading<D> fading_of(std::size_t i, const Vec<T, D>& p) {
+        if (beyond_.empty()) return {};
+        Fading<D> fading;
+        if (is_far(p)) // so are most points too far from the cage, at no search
+            fading.kept = 0;
+        else
+            fading = {input_.distance(p), options_.falloff};
+        fading.kept = static_cast<T>(fading.kept);
+        beyond_[i] = fading.kept == 0;
+        return fading;
+    }
+    /// Returns whether a point is too far from the bounds of the cage, if these are known, to move.
+    bool is_far(const Vec<T, D>& p) const noexcept {
+        if (!bounds_) return false;
+        Vec<double, D> away{};
+        for (std::size_t k = 0; k < D; ++k)
+            away[k] = double(p[k]) - double(std::clamp(p[k], bounds_->lower[k], bounds_->upper[k]));
+        return OutsideDistance<D>(away).distance >= options_.falloff;
+    }
+    bool is_beyond(std::size_t i) const noexcept { return !beyond_.empty() && beyond_[i] != 0; }
     bool restores() const noexcept { return options_.linear_precision == LinearPrecision::restore; }
 
     /// Records the measures of a block. A point becomes unreached if it is so far away that its
@@ -124,7 +158,10 @@ protected:
             switch (states_[i]) {
             case PointState::inside: break;
             case PointState::on_boundary: report.on_boundary.push_back(i); break;
-            case PointState::outside: report.outside.push_back(i); break;
+            case PointState::outside:
+                report.outside.push_back(i);
+                if (!beyond_.empty() && beyond_[i] == 0) report.faded.push_back(i);
+                break;
             case PointState::not_finite: report.not_finite.push_back(i); break;
             case PointState::unreached: report.unreached.push_back(i); break;
             }
@@ -142,6 +179,8 @@ protected:
     std::vector<BlockView<T>> weights_, rest_; // of each binding
     std::vector<PointState> states_;
     std::vector<char> missed_; // more than rounding is left to restore
+    std::vector<char> beyond_; // outside, and too far from the cage to move; empty without a falloff
+    std::optional<Bounds<T, D>> bounds_; // that hold the cage, if there are any and a falloff
     std::vector<BindPiece> pieces_;
 };
 
@@ -208,26 +247,46 @@ private:
         PieceMeasures<T> measures(this->first_of(piece));
         for (std::size_t b = first; b < first + weights.blocks(); ++b) {
             Lanes<T>* const row = this->weights_[0].block(b);
-            Lanes<T> target[D], bound;
+            Lanes<T> target[D], bound, kept;
             for (std::size_t k = 0; k < D; ++k) target[k] = this->rest_[0].block(b)[k];
-            for (std::size_t lane = 0; lane < lanes; ++lane)
-                bound[lane] = resolve(b * lanes + lane, target) ? T(1) : T(0);
-            if (this->take(this->restorer_.run(target, bound, row, this->restores()), bound, b, measures))
-                this->clear_unreached(bound, b, row);
+            bool fades = false;
+            for (std::size_t lane = 0; lane < lanes; ++lane) {
+                kept[lane] = T(1);
+                bound[lane] = resolve(b * lanes + lane, target, kept[lane]) ? T(1) : T(0);
+                fades = fades || kept[lane] != T(1);
+            }
+            auto outcome = this->restorer_.run(target, bound, row, this->restores());
+            if (fades) fade(kept, row, outcome);
+            if (this->take(outcome, bound, b, measures)) this->clear_unreached(bound, b, row);
         }
         measures.put_into(this->pieces_[piece]);
     }
 
+    /// Multiplies the weights of points outside by what they keep. Their sums are measured before, their
+    /// sizes after.
+    template <class Outcome>
+    void fade(const Lanes<T>& kept, Lanes<T>* row, Outcome& outcome) const noexcept {
+        const auto factor = Simd<T>::load(kept);
+        const auto scale = [&](Lanes<T>& numbers) { (factor * Simd<T>::load(numbers)).store(numbers); };
+        for (std::size_t h = 0; h < handles_.count; ++h) scale(row[h]);
+        scale(outcome.least);
+        scale(outcome.sizes);
+    }
+
     /// Returns whether a point gets weights. A point outside may get those of the nearest boundary
-    /// point, which is written to `target`. A point without weights gets zeros and some finite target.
-    bool resolve(std::size_t i, Lanes<T> (&target)[D]) {
+    /// point, which is written to `target`, and may keep less than all of its weights. A point without
+    /// weights gets zeros and some finite target.
+    bool resolve(std::size_t i, Lanes<T> (&target)[D], T& kept) {
         const PointState state = i < count_ ? states_[i] : PointState::not_finite;
-        const bool as_nearest =
-            state == PointState::outside && this->options_.outside == OutsidePoints::nearest_boundary;
-        if (!as_nearest && this->is_bound(state)) return true;
+        const bool is_outside = state == PointState::outside;
+        const auto share =
+            is_outside ? static_cast<T>(this->fading_of(i, block_point<D>(this->rest_[0], i)).kept) : T(1);
+        const bool as_nearest = is_outside && this->options_.outside == OutsidePoints::nearest_boundary;
+        if (share != T(0)) kept = share;
+        if (!as_nearest && share != T(0) && this->is_bound(state)) return true;
         Lanes<T>* const row = this->weights_[0].block(i / lanes);
         const std::size_t lane = i % lanes;
-        if (as_nearest) {
+        if (as_nearest && share != T(0)) {
             std::vector<T> weights(handles_.count);
             const auto q = input_.nearest_boundary(block_point<D>(this->rest_[0], i), weights);
             for (std::size_t k = 0; k < D; ++k) target[k][lane] = q[k];
@@ -240,15 +299,17 @@ private:
     }
 };
 
-/// Checks the cage, and calls make(report) if it is sound.
+/// Checks the cage and the options, and calls make(report) if they are sound.
 template <Scalar T, std::size_t D, class Make>
-BindReport report_bind(const BindInput<T, D>& input, const Make& make) {
+BindReport report_bind(const BindInput<T, D>& input, const BindOptions& options, const Make& make) {
     BindReport report;
     report.points = input.points.size;
     run_into(report, [&] {
         report.cage = input.cage;
         if (report.cage.status != Status::ok) return report.cage.status;
-        return input.handles().count == 0 ? Status::coordinates_empty : make(report);
+        if (input.handles().count == 0) return Status::coordinates_empty;
+        const Status status = check_falloff(options, input.has_extension);
+        return status == Status::ok ? make(report) : status;
     });
     return report;
 }
@@ -257,7 +318,7 @@ template <class T, std::size_t D>
 Result<Binding<T, D>, BindReport> bind_points(const BindInput<T, D>& input, const BindOptions& options,
                                               Binding<T, D>&& recycled, const Running& running) {
     Result<Binding<T, D>, BindReport> result;
-    result.report = report_bind(input, [&](BindReport& report) {
+    result.report = report_bind(input, options, [&](BindReport& report) {
         PointBinder<T, D> binder(input, options);
         result.value = std::move(recycled);
         return binder.run(result.value, running, report);

@@ -27,6 +27,7 @@ struct SkinnedPoint {
     Kind kind = Kind::without_weights;
     double error = 0, partition = 0, reproduction = 0, added = 0;
     std::size_t used = 0;
+    bool fades = false;
 };
 
 inline void gather_skin(const std::vector<SkinnedPoint>& points, SkinWeightsReport& report) {
@@ -39,6 +40,7 @@ inline void gather_skin(const std::vector<SkinnedPoint>& points, SkinWeightsRepo
             continue;
         }
         if (point.kind == SkinnedPoint::Kind::not_reproduced) report.not_reproduced.push_back(i);
+        if (point.fades) report.faded.push_back(i);
         report.weight_errors[i] = static_cast<float>(point.error);
         report.weight_error.raise({point.error, i});
         report.partition_error.raise({point.partition, i});
@@ -122,15 +124,23 @@ public:
     struct SkinPoint {
         Vec<double, D> p, offset{}; ///< to the reproduced point, in units of the size
         double whole = 0;           ///< Σ|w|
+        double sum = 1;             ///< Σw of a point that fades: its weights are divided by it
         bool is_bound = false;
     };
 
     SkinPoint point_of(std::size_t i) const {
         SkinPoint point{vec_cast<double>(block_point<D>(binding_.rest, i))};
+        double sum = 0;
         for (std::size_t h = 0; h < binding_.handle_count(); ++h) {
             const double w = binding_.weights(i, h);
+            sum += w;
             point.whole += std::fabs(w);
             point.offset = point.offset + w * from(point.p, h);
+        }
+        if (sum > 0 && sum < 1 - 1e-4) { // by more than a solver's residual
+            point.sum = sum;
+            point.whole /= sum;
+            point.offset = (1 / sum) * point.offset;
         }
         point.is_bound =
             is_finite(point.p) && is_finite(point.whole) && is_finite(point.offset) && point.whole != 0;
@@ -138,6 +148,10 @@ public:
         // solver's residual or rounding, and is ignored.
         if (dot(point.offset, point.offset) < 1e-8) point.offset = {};
         return point;
+    }
+    /// Returns the weight of a handle, as if the point did not fade.
+    double unfaded_weight(std::size_t i, const SkinPoint& point, std::size_t handle) const {
+        return double(binding_.weights(i, handle)) / point.sum;
     }
     AffineFrame<double, D> frame_of(const SkinPoint& point) const {
         return {point.p + size_ * point.offset, size_};
@@ -171,12 +185,13 @@ public:
         result.error = point.whole;
         result.partition = -1;
         for (std::size_t k = 0; k < result.used; ++k) {
-            const double w = weights[k], w0 = binding_.weights(i, joints[k]);
+            const double w = weights[k], w0 = unfaded_weight(i, point, joints[k]);
             missed = missed + w * from(point.p, joints[k]);
             result.partition += w;
             result.error += std::fabs(w - w0) - std::fabs(w0);
             result.added = (std::max)(result.added, w - w0);
         }
+        result.fades = point.sum != 1;
         result.partition = std::fabs(result.partition);
         result.error = (std::max)(result.error, 0.0);
         result.reproduction = size_ * std::sqrt(dot(missed, missed));
@@ -225,7 +240,7 @@ private:
         const auto point = measure_.point_of(i);
         if (!point.is_bound) return {};
         solver.load(binding_.handle_view(), measure_.frame_of(point),
-                    [&](std::size_t h) { return double(binding_.weights(i, h)); });
+                    [&](std::size_t h) { return measure_.unfaded_weight(i, point, h); });
         SkinnedPoint result;
         result.kind = solver.reduce(joints.size(), options_.threshold) ? SkinnedPoint::Kind::reproduced
                                                                        : SkinnedPoint::Kind::not_reproduced;

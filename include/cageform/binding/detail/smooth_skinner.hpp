@@ -39,9 +39,9 @@ public:
         weld();
         SmoothWeights<D> weights(handle_positions(), options_.influences);
         for (std::size_t n = 0; n < first_.size(); ++n) {
-            const auto frame = measure_.frame_of(points_[first_[n]]);
-            weights.add_node(frame.centre,
-                             [&](std::size_t h) { return double(binding_.weights(first_[n], h)); });
+            const auto& point = points_[first_[n]];
+            weights.add_node(measure_.frame_of(point).centre,
+                             [&](std::size_t h) { return measure_.unfaded_weight(first_[n], point, h); });
         }
         for (const auto& triangle : triangles) {
             for (std::size_t k = 0; k < 3; ++k)

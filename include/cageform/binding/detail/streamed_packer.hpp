@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cageform/binding/bind.hpp>
+#include <cageform/binding/detail/falloff.hpp>
 #include <cageform/binding/detail/packers.hpp>
 #include <cageform/binding/detail/spatial_order.hpp>
 #include <cageform/binding/types/blob.hpp>
@@ -48,6 +49,8 @@ public:
     Status run(const C& coordinates, const Running& running,
                Result<PackedBinding<T, D>, StreamedPackReport>& result) {
         Status status = result.report.packed.status = set_order();
+        if (status != Status::ok) return status;
+        status = result.report.bound.status = check_falloff(options_.bind, C::has_extension);
         if (status != Status::ok) return status;
         {
             C solved = coordinates; // freed before the batches are joined
@@ -149,6 +152,7 @@ private:
         const std::pair<const std::vector<std::size_t>&, std::vector<std::size_t>&> lists[] = {
             {batch.on_boundary, all.on_boundary},
             {batch.outside, all.outside},
+            {batch.faded, all.faded},
             {batch.not_finite, all.not_finite},
             {batch.unreached, all.unreached},
             {batch.not_restored, all.not_restored}};
@@ -183,8 +187,8 @@ private:
     void summarise(const PackedBinding<T, D>& blob,
                    Result<PackedBinding<T, D>, StreamedPackReport>& result) const {
         BindReport& bound = result.report.bound;
-        for (auto* list :
-             {&bound.on_boundary, &bound.outside, &bound.not_finite, &bound.unreached, &bound.not_restored})
+        for (auto* list : {&bound.on_boundary, &bound.outside, &bound.faded, &bound.not_finite,
+                           &bound.unreached, &bound.not_restored})
             std::sort(list->begin(), list->end());
         PackReport& packed = result.report.packed;
         std::vector<Vec<double, D>> finite;

@@ -29,11 +29,35 @@ public:
     }
 
 private:
+    /// The points outside that fade, ascending, and the weights of which they keep a share.
+    struct FadingPoints {
+        std::vector<std::size_t> numbers; ///< counted from the first point of the gradients
+        std::vector<Fading<D>> fading;
+        std::vector<Lanes<T>> position, memory;
+        BlockView<T> points, weights;
+
+        void add(std::size_t number, const Fading<D>& how) {
+            numbers.push_back(number);
+            fading.push_back(how);
+        }
+        /// Makes room for positions and weights; lanes behind the last point lie at `filler`.
+        void make_room(std::size_t handles, const Vec<T, D>& filler) {
+            const std::size_t blocks = block_count<T>(numbers.size());
+            position.resize(blocks * D);
+            memory.resize(blocks * handles);
+            points = {position.data(), D, numbers.size()};
+            weights = {memory.data(), handles, numbers.size()};
+            for (auto& row : memory) Simd<T>(T(0)).store(row);
+            for (std::size_t i = 0; i < blocks * D; ++i) Simd<T>(filler[i % D]).store(position[i]);
+        }
+    };
+
     /// Memory for the gradients at points [first, first + points.points).
     struct Gradients {
         std::vector<Lanes<T>> position, slopes;
         std::size_t first = 0;
         BlockView<T> points, rows;
+        FadingPoints fading; ///< evaluated where the gradients are
 
         Gradients(std::size_t most, std::size_t handles)
             : position(block_count<T>(most) * D)
@@ -68,23 +92,35 @@ private:
     }
 
     /// Computes the gradients at the points; for points that follow the boundary, at their nearest
-    /// boundary point.
+    /// boundary point. Points that fade get their weights too.
     Evaluation evaluate(Gradients& gradients, const Running& running) {
         load(gradients);
         const auto states = std::span(states_).subspan(gradients.first, gradients.points.points);
         const bool to_boundary = this->options_.outside == OutsidePoints::nearest_boundary;
         const Batch<T> batch{gradients.points, gradients.rows, states};
         Evaluation evaluation = input_.evaluate(batch, running.subtask(0, to_boundary ? 0.5 : 1));
-        if (evaluation.status != Status::ok || !to_boundary) return evaluation;
+        if (evaluation.status != Status::ok) return evaluation;
+        find_fading(gradients, states);
+        if (!to_boundary) {
+            const Status status = weigh(gradients, states);
+            if (status != Status::ok) evaluation.status = status;
+            return evaluation;
+        }
         std::vector<std::size_t> outside;
         std::vector<T> row(handles_.count);
-        for (std::size_t i = 0; i < states.size(); ++i) {
-            if (states[i] != PointState::outside) continue;
+        FadingPoints& fading = gradients.fading;
+        for (std::size_t i = 0, n = 0; i < states.size(); ++i) {
+            if (states[i] != PointState::outside || this->is_beyond(gradients.first + i)) continue;
             outside.push_back(i);
             const auto q = input_.nearest_boundary(block_point<D>(gradients.points, i), row);
             for (std::size_t k = 0; k < D; ++k) gradients.points(i, k) = q[k];
+            if (n == fading.numbers.size()) continue;
+            for (std::size_t k = 0; k < D; ++k) fading.points(n, k) = q[k];
+            for (std::size_t h = 0; h < row.size(); ++h) fading.weights(n, h) = row[h];
+            ++n;
         }
         if (outside.empty()) return evaluation;
+        restore(fading);
         evaluation = input_.evaluate(batch, running.subtask(0.5, 1));
         for (const std::size_t i : outside) {
             const bool there = states[i] == PointState::inside || states[i] == PointState::on_boundary;
@@ -93,6 +129,48 @@ private:
                             : PointState::unreached;
         }
         return evaluation;
+    }
+
+    /// Finds the points outside that fade, and those that stay.
+    void find_fading(Gradients& gradients, std::span<const PointState> states) {
+        FadingPoints& points = gradients.fading;
+        points = {};
+        if (!(this->options_.falloff > 0)) return;
+        for (std::size_t i = 0; i < states.size(); ++i) {
+            if (states[i] != PointState::outside) continue;
+            const auto how = this->fading_of(gradients.first + i, block_point<D>(gradients.points, i));
+            if (how.kept != 0) points.add(i, how);
+        }
+        points.make_room(handles_.count, handles_.rest[0]);
+    }
+
+    /// Computes the weights of the points that fade, by the extension of the coordinates.
+    Status weigh(Gradients& gradients, std::span<PointState> states) {
+        FadingPoints& points = gradients.fading;
+        if (points.numbers.empty()) return Status::ok;
+        for (std::size_t n = 0; n < points.numbers.size(); ++n) {
+            const auto p = block_point<D>(gradients.points, points.numbers[n]);
+            for (std::size_t k = 0; k < D; ++k) points.points(n, k) = p[k];
+        }
+        std::vector<PointState> found(points.numbers.size(), PointState::unreached);
+        const auto status = input_.evaluate_weights({points.points, points.weights, found}, {}).status;
+        if (status != Status::ok) return status;
+        for (std::size_t n = 0; n < found.size(); ++n) {
+            if (found[n] == PointState::unreached) states[points.numbers[n]] = PointState::unreached;
+        }
+        restore(points);
+        return Status::ok;
+    }
+
+    /// Restores linear precision of the weights, as bind does.
+    void restore(FadingPoints& points) const {
+        for (std::size_t b = 0; b < points.weights.blocks(); ++b) {
+            Lanes<T> bound;
+            for (std::size_t lane = 0; lane < lanes; ++lane)
+                bound[lane] = b * lanes + lane < points.numbers.size() ? T(1) : T(0);
+            (void)this->restorer_.run(points.points.block(b), bound, points.weights.block(b),
+                                      this->restores());
+        }
     }
 
     /// Reads the user's points and vectors.
@@ -119,13 +197,12 @@ private:
         const std::size_t first = this->first_of(piece) / lanes;
         PieceMeasures<T> measures(this->first_of(piece));
         for (std::size_t b = first; b < first + block_count<T>(this->states_of(piece).size()); ++b) {
-            const Lanes<T>* const slopes = gradients.rows.block(b - gradients.first / lanes);
             Lanes<T> bound;
             for (std::size_t lane = 0; lane < lanes; ++lane) {
                 const std::size_t i = b * lanes + lane;
-                bound[lane] = i < count_ && this->is_bound(states_[i]) ? T(1) : T(0);
+                bound[lane] = i < count_ && this->is_bound(states_[i]) && !this->is_beyond(i) ? T(1) : T(0);
             }
-            for (std::size_t n = 0; n < vectors_.size(); ++n) bind_block(b, n, slopes, bound, measures);
+            for (std::size_t n = 0; n < vectors_.size(); ++n) bind_block(b, n, gradients, bound, measures);
             // A point that lost one vector loses them all.
             for (const BlockView<T>& weights : this->weights_)
                 this->clear_unreached(bound, b, weights.block(b));
@@ -134,8 +211,9 @@ private:
     }
 
     /// Computes the weights of vector n in a block: w_i = t·∇w_i.
-    void bind_block(std::size_t b, std::size_t n, const Lanes<T>* slopes, const Lanes<T>& bound,
+    void bind_block(std::size_t b, std::size_t n, const Gradients& gradients, const Lanes<T>& bound,
                     PieceMeasures<T>& measures) {
+        const Lanes<T>* const slopes = gradients.rows.block(b - gradients.first / lanes);
         Lanes<T>* const row = this->weights_[n].block(b);
         Lanes<T> target[D];
         for (std::size_t lane = 0; lane < lanes; ++lane) {
@@ -151,7 +229,38 @@ private:
         for (std::size_t lane = 0; lane < lanes; ++lane) {
             if (bound[lane] == T(0)) this->clear(row, lane);
         }
-        this->take(this->restorer_.run_vectors(target, bound, row, this->restores()), bound, b, measures);
+        auto outcome = this->restorer_.run_vectors(target, bound, row, this->restores());
+        fade(b, n, gradients, bound, outcome);
+        this->take(outcome, bound, b, measures);
+    }
+
+    /// Makes weights outside those of a displacement that fades: f (t·∇w_i) + (t·∇f) w_i. Their sums are
+    /// measured before, their sizes after.
+    template <class Outcome>
+    void fade(std::size_t b, std::size_t n, const Gradients& gradients, const Lanes<T>& bound,
+              Outcome& outcome) const noexcept {
+        const FadingPoints& points = gradients.fading;
+        const std::size_t first = b * lanes - gradients.first;
+        Lanes<T>* const row = this->weights_[n].block(b);
+        const auto begin = points.numbers.begin(), end = points.numbers.end();
+        for (auto at = std::lower_bound(begin, end, first); at != end && *at < first + lanes; ++at) {
+            const std::size_t lane = *at - first, point = std::size_t(at - begin);
+            if (bound[lane] == T(0)) continue;
+            const Fading<D>& how = points.fading[point];
+            double slope = 0;
+            for (std::size_t k = 0; k < D; ++k)
+                slope += double(this->rest_[n].block(b)[k][lane]) * how.gradient[k];
+            T least = (std::numeric_limits<T>::max)(), sizes = 0;
+            for (std::size_t h = 0; h < handles_.count; ++h) {
+                T& weight = row[h][lane];
+                weight = static_cast<T>(how.kept * double(weight) + slope * double(points.weights(point, h)));
+                least = (std::min)(least, weight);
+                sizes += std::fabs(weight);
+            }
+            outcome.least[lane] = least;
+            outcome.sizes[lane] = sizes;
+            if (!is_finite(sizes)) outcome.partition[lane] = sizes; // too large for the scalar
+        }
     }
 
     std::span<const PointReader<T>> vectors_;
@@ -161,7 +270,7 @@ template <class T, std::size_t D>
 BindReport bind_vectors_into(std::span<Binding<T, D>> bindings, const BindInput<T, D>& input,
                              std::span<const PointReader<T>> vectors, const BindOptions& options,
                              const Running& running) {
-    BindReport report = report_bind(input, [&](BindReport& into) {
+    BindReport report = report_bind(input, options, [&](BindReport& into) {
         return VectorBinder<T, D>(input, vectors, options).run(bindings, running, into);
     });
     if (report.status != Status::ok) std::fill(bindings.begin(), bindings.end(), Binding<T, D>{});

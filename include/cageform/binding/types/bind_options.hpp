@@ -23,6 +23,20 @@ enum class LinearPrecision : std::uint8_t { restore, leave };
 struct BindOptions {
     OutsidePoints outside = OutsidePoints::extend;
     LinearPrecision linear_precision = LinearPrecision::restore;
+    /// The distance from the cage at which the displacements of points outside have faded to nothing, in
+    /// the units of the cage; 0: they do not fade. The weights of a point outside, at distance d, are
+    /// multiplied by
+    ///
+    ///     f = (1 − x)² (1 + 2x),   x = d / falloff
+    ///
+    /// and are exact zeros where x is 1 or more. Rest stays exact; affine poses are not exact outside. The
+    /// motion is as smooth at the boundary as without, up to C¹. The slope of f is up to 1.5 / falloff: the
+    /// figure may fold if points move by more than two thirds of the falloff. With nearest_boundary the
+    /// motion jumps where two parts of the cage are equally near and nearer than the falloff.
+    ///
+    /// Fails with falloff_not_supported if it is negative or not finite, or if points outside have no
+    /// weights: with keep_in_place, or with extend where the coordinates have no extension.
+    double falloff = 0;
 };
 
 /// The largest (or least) value found, and the point that has it.
@@ -47,14 +61,17 @@ struct BindReport {
     SolverReport solver;
     std::size_t points = 0; ///< given
     std::vector<std::size_t> on_boundary;
-    std::vector<std::size_t> outside;    ///< treated according to BindOptions::outside
+    std::vector<std::size_t> outside; ///< treated according to BindOptions::outside
+    /// Those outside that lie within BindOptions::falloff; the others outside then stay in place.
+    std::vector<std::size_t> faded;
     std::vector<std::size_t> not_finite; ///< kept as they are in every pose
     std::vector<std::size_t> unreached;  ///< weights do not exist or overflow; kept in place
     /// LinearPrecision::restore has left more than rounding: the weights are so large (thin
     /// cages) that changes would not lower the residual
     std::vector<std::size_t> not_restored;
-    Extreme partition_error; ///< largest |Σw − 1| of the final weights
-    /// Largest |Σwc − p| of the final weights, in the units of the cage; with
+    /// Largest |Σw − 1| of the final weights; of points that fade, before they are multiplied by f.
+    Extreme partition_error;
+    /// Largest |Σwc − p| of the same weights, in the units of the cage; with
     /// OutsidePoints::nearest_boundary p is the boundary point.
     Extreme reproduction_error;
     Extreme weight_change;     ///< largest change of a weight in a round of LinearPrecision::restore

@@ -34,7 +34,11 @@ struct SkinWeightsReport {
     std::vector<std::size_t> not_reproduced;
     /// Kept in place by the binding, or not finite: all weights are 0.
     std::vector<std::size_t> without_weights;
-    /// #points: Σ|w − w0| over all handles, where w0 are the binding's weights
+    /// The binding's weights sum to less than 1 (BindOptions::falloff), the skin's to 1: multiply these by
+    /// the binding's sum, and give the rest to a joint that stands still.
+    std::vector<std::size_t> faded;
+    /// #points: Σ|w − w0| over all handles, where w0 are the binding's weights; of points that fade, over
+    /// their sum
     std::vector<float> weight_errors;
     Extreme weight_error;         ///< the largest of them
     double mean_weight_error = 0; ///< of the points that have weights

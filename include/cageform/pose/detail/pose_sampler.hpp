@@ -71,7 +71,7 @@ private:
         if (!(options_.smoothing >= 0) || !is_finite(options_.smoothing) || !is_finite(options_.spokes))
             return Status::value_not_finite;
         const std::size_t count = handles_.count;
-        if (count > 4096) return Status::too_many_handles;
+        if (count > to.most_handles) return Status::too_many_handles;
         to.rest_handles.assign(handles_.rest, handles_.rest + count);
         for (std::size_t i = 0; i < count; ++i)
             to.handle_kinds.push_back(handles_.is_point(i) ? HandleKind::point : HandleKind::vector);
@@ -94,7 +94,7 @@ private:
         if (sampled_.points.empty()) return Status::samples_missing;
         to.cluster_count = options_.rotations != 0
                                ? options_.rotations
-                               : (std::min)(std::size_t{400}, (std::max)(std::size_t{100}, 2 * count));
+                               : (std::min)(std::size_t{400}, (std::max)(std::size_t{200}, 2 * count));
         return Status::ok;
     }
 

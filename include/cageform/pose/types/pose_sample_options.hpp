@@ -8,7 +8,7 @@ namespace cageform::inline CAGEFORM_ABI {
 /// Zero, or for spokes a negative number, stands for a value that the numbers of handles and samples give.
 struct PoseSampleOptions {
     std::size_t samples = 0;   ///< about how many, on a lattice; by default 16 a handle, at least 4,000
-    std::size_t rotations = 0; ///< clusters; by default 2 a handle, from 100 to 400, never more than samples
+    std::size_t rotations = 0; ///< clusters; by default 2 a handle, from 200 to 400, never more than samples
     /// ρ: ties each handle to the cluster next to it, so that every handle is felt. By default 1e-3, and
     /// 1e-2 if some handles are vectors.
     double spokes = -1;

@@ -22,6 +22,7 @@ template <Scalar T, std::size_t D>
 struct PoseSamples {
     using scalar = T;
     static constexpr std::size_t dimension = D;
+    static constexpr std::size_t most_handles = 4096;
 
     std::vector<Vec<T, D>> rest_handles;  ///< #handles
     std::vector<HandleKind> handle_kinds; ///< #handles

@@ -10,19 +10,17 @@
 namespace cageform::inline CAGEFORM_ABI {
 
 struct PoseOptions {
-    static constexpr std::size_t automatic = ~std::size_t{0};
-
     /// μ: what a pin of weight 1 counts beside the stretch of the whole figure. Pins miss their targets by
     /// about 1/μ of what they pull. Lower it where there are more pins than a quarter of the handles.
     double pin_weight = 1e4;
     /// Corrects every step, so that pins miss a thousand times less. Turns of pins are not corrected.
     bool hard_pins = false;
     std::size_t iterations = 4; ///< in a frame
-    /// The number of steps that Anderson acceleration looks back at, at most 10; 0: none. By default it is
-    /// 5 in space and 0 in the plane.
-    std::size_t history = automatic;
+    /// The number of steps that Anderson acceleration looks back at, at most 10; 0: none. Figures with long
+    /// limbs then settle slowly.
+    std::size_t history = 5;
     /// A pose has settled when no handle moves farther in a frame; a share of the cage's size.
-    double settled_step = 1e-4;
+    double settled_step = 3e-5;
 };
 
 /// Pins: bound points that are to go to targets. A PoseSolver copies what it needs of them.

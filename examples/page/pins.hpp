@@ -1,0 +1,354 @@
+// Pins on a figure, which move its cage.
+#pragma once
+
+#include <cageform/clone/jacobians.hpp>
+#include <cageform/clone/pose_handles.hpp>
+#include <cageform/pose/pose_samples.hpp>
+#include <cageform/pose/pose_solver.hpp>
+
+#include <Eigen/Cholesky>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+namespace cageform_page {
+
+/// The pose of the points alone that comes nearest to a pose of all handles, for cages with vectors: those of
+/// Green's coordinates follow the points, while a PoseSolver moves them by themselves. Near is by the energy
+/// of the samples, with the pins and the held points. Vectors in the plane are linear in the points.
+class NearestPoints {
+public:
+    template <class B>
+    void begin(const cageform::PoseSamples<double, 2>& samples, const B& binding) {
+        const std::size_t handles = samples.handle_count();
+        size_ = samples.size;
+        points_.clear();
+        std::vector<cageform::Vec<double, 2>> rest, moved(handles);
+        for (std::size_t i = 0; i < handles; ++i) {
+            if (!binding.handle_view().is_point(i)) continue;
+            points_.push_back(i);
+            rest.push_back(samples.rest_handles[i]);
+        }
+        handles_of_ = Eigen::MatrixXd(2 * handles, 2 * rest.size());
+        for (std::size_t n = 0; n < 2 * rest.size(); ++n) {
+            auto pose = rest;
+            pose[n / 2][n % 2] += size_;
+            pose_handles(binding, pose, moved);
+            for (std::size_t i = 0; i < 2 * handles; ++i)
+                handles_of_(Index(i), Index(n)) =
+                    (moved[i / 2][i % 2] - samples.rest_handles[i / 2][i % 2]) / size_;
+        }
+        Eigen::MatrixXd stiffness = Eigen::MatrixXd::Zero(2 * Index(handles), 2 * Index(handles));
+        for (std::size_t i = 0; i < handles; ++i) {
+            for (std::size_t j = 0; j < handles; ++j) {
+                for (std::size_t k = 0; k < 2; ++k)
+                    stiffness(Index(2 * i + k), Index(2 * j + k)) = samples.stiffness_of(i, j);
+            }
+        }
+        pull_ = handles_of_.transpose() * stiffness;
+        matrix_ = pull_ * handles_of_;
+        proximity_ = 1e-10 * matrix_.trace() / double(matrix_.rows());
+        matrix_.diagonal().array() += proximity_;
+    }
+    bool is_needed() const { return points_.size() * 2 < std::size_t(pull_.cols()); }
+
+    /// Sets the pins, by the rows of their weights (#rows × #handles), and the points that are held.
+    void set(const Eigen::MatrixXd& rows, std::span<const std::uint32_t> held) {
+        rows_ = Eigen::MatrixXd(2 * rows.rows(), matrix_.cols());
+        for (Index r = 0; r < rows.rows(); ++r) {
+            for (Index k = 0; k < 2; ++k) {
+                rows_.row(2 * r + k).setZero();
+                for (Index i = 0; i < rows.cols(); ++i)
+                    rows_.row(2 * r + k) += rows(r, i) * handles_of_.row(2 * i + k);
+            }
+        }
+        Eigen::MatrixXd matrix = matrix_ + pin_weight * rows_.transpose() * rows_;
+        held_.clear();
+        for (std::size_t n = 0; n < points_.size(); ++n) {
+            if (std::find(held.begin(), held.end(), points_[n]) == held.end()) continue;
+            held_.push_back(n);
+            for (std::size_t k = 0; k < 2; ++k) matrix(Index(2 * n + k), Index(2 * n + k)) += held_weight;
+        }
+        factor_.compute(matrix);
+    }
+    /// Changes the points of a pose of all handles. Lengths are those of the samples: offsets, and
+    /// displacements of handles from rest.
+    ///
+    ///   offsets  of the pins' targets from rest, 2 a row
+    void solve(const Eigen::VectorXd& offsets, std::span<const cageform::Vec<double, 2>> rest,
+               std::span<cageform::Vec<double, 2>> handles) const {
+        Eigen::VectorXd moved(pull_.cols());
+        for (Index i = 0; i < moved.size(); ++i) {
+            const auto handle = std::size_t(i / 2), axis = std::size_t(i % 2);
+            moved(i) = (handles[handle][axis] - rest[handle][axis]) / size_;
+        }
+        Eigen::VectorXd right = pull_ * moved + pin_weight * rows_.transpose() * offsets;
+        for (std::size_t n = 0; n < points_.size(); ++n)
+            right.segment<2>(Index(2 * n)) += proximity_ * moved.segment<2>(Index(2 * points_[n]));
+        for (const std::size_t n : held_)
+            right.segment<2>(Index(2 * n)) += held_weight * moved.segment<2>(Index(2 * points_[n]));
+        const Eigen::VectorXd found = factor_.solve(right);
+        for (std::size_t n = 0; n < points_.size(); ++n) {
+            for (std::size_t k = 0; k < 2; ++k)
+                handles[points_[n]][k] = rest[points_[n]][k] + size_ * found(Index(2 * n + k));
+        }
+    }
+
+private:
+    using Index = Eigen::Index;
+    static constexpr double pin_weight = 1e6, held_weight = 1e8;
+
+    std::vector<std::size_t> points_; // the handles that are points
+    std::vector<std::size_t> held_;   // of these
+    double size_ = 0, proximity_ = 0;
+    Eigen::MatrixXd handles_of_; // of all handles by the points
+    Eigen::MatrixXd pull_, matrix_, rows_;
+    Eigen::LDLT<Eigen::MatrixXd> factor_;
+};
+
+/// Calls f(list) for all lists of samples.
+template <class Samples, class F>
+void for_each_list(Samples& samples, const F& f) {
+    f(samples.rest_handles);
+    f(samples.handle_kinds);
+    f(samples.points);
+    f(samples.clusters);
+    f(samples.centres);
+    f(samples.gradients);
+    f(samples.moments);
+    f(samples.stiffness);
+    f(samples.unfelt);
+}
+constexpr std::size_t numbers_for(std::size_t bytes) {
+    return (bytes + sizeof(double) - 1) / sizeof(double);
+}
+/// Writes samples as numbers, for another instance of this program.
+template <cageform::Scalar T, std::size_t D>
+void write_samples(const cageform::PoseSamples<T, D>& samples, std::vector<double>& to) {
+    to.assign(samples.centre.v, samples.centre.v + D);
+    to.insert(to.end(), {samples.size, double(samples.cluster_count)});
+    for_each_list(samples, [&](const auto& list) {
+        const std::size_t bytes = list.size() * sizeof(list[0]), begin = to.size() + 1;
+        to.push_back(double(list.size()));
+        to.resize(begin + numbers_for(bytes));
+        if (bytes > 0) std::memcpy(to.data() + begin, list.data(), bytes);
+    });
+}
+template <cageform::Scalar T, std::size_t D>
+cageform::PoseSamples<T, D> read_samples(const double* from) {
+    cageform::PoseSamples<T, D> samples;
+    for (double& x : samples.centre.v) x = *from++;
+    samples.size = *from++;
+    samples.cluster_count = std::size_t(*from++);
+    for_each_list(samples, [&](auto& list) {
+        list.resize(std::size_t(*from++));
+        const std::size_t bytes = list.size() * sizeof(list[0]);
+        if (bytes > 0) std::memcpy(static_cast<void*>(list.data()), from, bytes);
+        from += numbers_for(bytes);
+    });
+    return samples;
+}
+
+/// The pins of one figure.
+template <cageform::Scalar T, std::size_t D>
+class Pins {
+public:
+    using Status = cageform::Status;
+    using Point = cageform::Vec<T, D>;
+    using Target = cageform::Vec<double, D>;
+    using Turn = cageform::PoseTurn<D>;
+
+    /// Takes the samples of solved coordinates; there are no pins then.
+    ///
+    ///   still  how many handles poses leave at rest, the last ones
+    template <class C>
+    Status take(const C& coordinates, std::size_t still, cageform::PoseSamples<T, D> samples) {
+        solver_ = cageform::PoseSolver<T, D>(std::move(samples));
+        if (solver_.status() != Status::ok) return solver_.status();
+        still_ = still;
+        binding_ = cageform::bind(coordinates, std::vector<Point>{}).value;
+        if constexpr (D == 2) nearest_.begin(solver_.samples(), binding_);
+        return set(coordinates, {}, {}, {});
+    }
+
+    /// Sets the pins by their places at rest, which of them turn, and the points of the cage that are held.
+    template <class C>
+    Status set(const C& coordinates, std::span<const Target> points, std::span<const std::uint8_t> turned,
+               std::span<const std::uint32_t> held) {
+        culprit_ = none;
+        std::vector<Point> places;
+        for (const Target& p : points) places.push_back(cageform::vec_cast<T>(p));
+        auto [binding, report] = cageform::bind(coordinates, places);
+        auto [axes, axes_report] = cageform::bind_jacobians(coordinates, places);
+        if (report.status != Status::ok) return report.status;
+        for (const auto* left_out : {&report.not_finite, &report.unreached, &report.outside}) {
+            const bool counts = left_out != &report.outside || !C::has_extension;
+            if (counts && !left_out->empty()) culprit_ = (*left_out)[0];
+        }
+        if (culprit_ != none) return Status::pin_without_weights;
+        const auto view = binding.handle_view();
+        std::vector<std::uint32_t> kept(held.begin(), held.end());
+        for (std::size_t i = view.count - still_; i < view.count; ++i) kept.push_back(std::uint32_t(i));
+        Status status = solver_.set_held(kept);
+        cageform::PosePins<T, D> pins;
+        pins.binding = binding.view();
+        pins.turned = turned;
+        for (std::size_t k = 0; k < D && !turned.empty(); ++k) pins.axes[k] = axes[k].view();
+        if (status == Status::ok) status = solver_.set_pins(pins);
+        culprit_ = solver_.culprit();
+        if (status != Status::ok) return status;
+        binding_ = std::move(binding);
+        axes_ = std::move(axes);
+        turned_.assign(turned.begin(), turned.end());
+        turned_.resize(points.size(), 0);
+        if constexpr (D == 2) {
+            if (nearest_.is_needed()) nearest_.set(rows(), kept);
+        }
+        return Status::ok;
+    }
+
+    /// Starts from a pose of the points of the cage.
+    Status begin(std::span<const Target> pose) {
+        const Status status = set_handles(pose);
+        return status == Status::ok ? solver_.set_pose(handles_) : status;
+    }
+    /// Moves a pose towards the targets, a frame. Turns count for pins that turn.
+    cageform::PoseSolverReport solve(std::span<const Target> targets, std::span<const Turn> turns,
+                                     std::span<const Target> pose) {
+        cageform::PoseSolverReport report;
+        report.status = set_handles(pose);
+        if (report.status != Status::ok) return report;
+        report = solver_.solve(targets, handles_, turns);
+        if constexpr (D == 2) {
+            if (report.status == Status::ok && nearest_.is_needed())
+                nearest_.solve(offsets(targets, turns), solver_.samples().rest_handles, handles_);
+        }
+        return report;
+    }
+    /// Calls f(point) for the points of the pose.
+    template <class F>
+    void for_each_point(const F& f) const {
+        const auto view = binding_.handle_view();
+        for (std::size_t i = 0; i + still_ < view.count; ++i) {
+            if (view.is_point(i)) f(handles_[i]);
+        }
+    }
+
+    /// Finds the places of the pins under a pose, and how it changes the space about them.
+    Status locate(std::span<const Target> pose) { return locate(pose, binding_, axes_); }
+    const std::vector<Point>& places() const { return places_; }
+    /// Matrices, column after column.
+    const std::vector<T>& jacobians() const { return jacobians_; }
+
+    struct Found {
+        Point at;    ///< at rest
+        double miss; ///< how far off the goal the pose takes it
+    };
+    /// Finds the point at rest that a pose takes to `goal`, by Newton's method from `start`, in shorter steps
+    /// where whole ones do not come nearer or leave the cage.
+    template <class C>
+    Found find(const C& coordinates, const Point& start, const Point& goal,
+               std::span<const Target> pose) requires(D == 2) {
+        Found found{start, std::numeric_limits<double>::infinity()};
+        Point at = start, step{};
+        for (int n = 0; n < 40; ++n) {
+            const double miss = miss_of(coordinates, at, goal, pose);
+            if (miss < found.miss) {
+                found = {at, miss};
+                step = newton_step(goal - places_[0]);
+            } else {
+                step = 0.5 * step;
+            }
+            at = found.at + step;
+            if (at == found.at || !is_finite(at)) break;
+        }
+        return found;
+    }
+
+    const cageform::PoseSamples<T, D>& samples() const { return solver_.samples(); }
+    std::size_t count() const { return binding_.point_count(); }
+    std::size_t culprit() const { return culprit_; }
+
+private:
+    static constexpr std::size_t none = cageform::PoseSolverReport::none;
+    static constexpr double lever = cageform::detail::PinRows<T, D>::lever;
+
+    Status set_handles(std::span<const Target> pose) {
+        const auto view = binding_.handle_view();
+        std::vector<Point> points;
+        for (const Target& p : pose) points.push_back(cageform::vec_cast<T>(p));
+        for (std::size_t i = view.count - still_; i < view.count; ++i) points.push_back(view.rest[i]);
+        handles_.resize(view.count);
+        return pose_handles(binding_, points, handles_).status;
+    }
+    /// Locates a point; how far it is from the goal, infinity outside of the cage.
+    template <class C>
+    double miss_of(const C& coordinates, const Point& at, const Point& goal, std::span<const Target> pose) {
+        const std::array<Point, 1> point{at};
+        const auto [binding, report] = cageform::bind(coordinates, point);
+        const auto [axes, axes_report] = cageform::bind_jacobians(coordinates, point);
+        const bool is_inside = report.outside.empty() && report.unreached.empty();
+        if (!is_inside || locate(pose, binding, axes) != Status::ok)
+            return std::numeric_limits<double>::infinity();
+        return std::sqrt(dot(goal - places_[0], goal - places_[0]));
+    }
+    /// Returns the step at rest by which the point located moves so far; none where the pose turns it over.
+    Point newton_step(const Point& off) const {
+        const auto& j = jacobians_;
+        const double determinant = j[0] * j[3] - j[1] * j[2];
+        if (!(determinant > 0)) return {};
+        return {(j[3] * off[0] - j[2] * off[1]) / determinant, (j[0] * off[1] - j[1] * off[0]) / determinant};
+    }
+    Status locate(std::span<const Target> pose, const cageform::Binding<T, D>& binding,
+                  const std::array<cageform::Binding<T, D>, D>& axes) {
+        Status status = set_handles(pose);
+        places_.resize(binding.point_count());
+        jacobians_.resize(places_.size() * D * D);
+        if (status == Status::ok) status = cageform::clone(binding, handles_, places_);
+        if (status != Status::ok) return status;
+        const cageform::StridedMatrices<T, D> matrices(jacobians_.data(), places_.size());
+        return clone_jacobians(axes, handles_, matrices);
+    }
+
+    /// Returns the rows of weights of the pins and of the axes of those that turn, which have the lengths of
+    /// the samples.
+    Eigen::MatrixXd rows() const {
+        const std::size_t handles = binding_.handle_count();
+        Eigen::MatrixXd all(0, Eigen::Index(handles));
+        const auto add = [&](const auto& binding, std::size_t pin, double factor) {
+            all.conservativeResize(all.rows() + 1, Eigen::NoChange);
+            for (std::size_t i = 0; i < handles; ++i)
+                all(all.rows() - 1, Eigen::Index(i)) = factor * double(binding.weight(pin, i));
+        };
+        for (std::size_t pin = 0; pin < turned_.size(); ++pin) {
+            add(binding_, pin, 1);
+            for (std::size_t k = 0; k < D && turned_[pin] != 0; ++k)
+                add(axes_[k], pin, lever * samples().size);
+        }
+        return all;
+    }
+    Eigen::VectorXd offsets(std::span<const Target> targets, std::span<const Turn> turns) const {
+        std::vector<double> all;
+        for (std::size_t pin = 0; pin < turned_.size(); ++pin) {
+            const auto rest = cageform::vec_cast<double>(binding_.rest_point(pin));
+            for (std::size_t k = 0; k < D; ++k) all.push_back((targets[pin][k] - rest[k]) / samples().size);
+            if (turned_[pin] == 0) continue;
+            const double c = lever * (std::cos(turns[pin][0]) - 1), s = lever * std::sin(turns[pin][0]);
+            all.insert(all.end(), {c, s, -s, c});
+        }
+        return Eigen::Map<const Eigen::VectorXd>(all.data(), Eigen::Index(all.size()));
+    }
+
+    cageform::PoseSolver<T, D> solver_;
+    NearestPoints nearest_;
+    cageform::Binding<T, D> binding_;
+    std::array<cageform::Binding<T, D>, D> axes_;
+    std::vector<std::uint8_t> turned_;
+    std::vector<Point> handles_, places_;
+    std::vector<T> jacobians_;
+    std::size_t still_ = 0, culprit_ = none;
+};
+
+} // namespace cageform_page

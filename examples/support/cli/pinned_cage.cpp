@@ -1,0 +1,266 @@
+#include "cli/pinned_cage.hpp"
+
+#include "cli/guard.hpp"
+#include "cli/pose_operations.hpp"
+#include "cli/progress_bar.hpp"
+#include "files/csv.hpp"
+
+#include <cageform/pose/pose_samples.hpp>
+
+#include <chrono>
+#include <sstream>
+
+namespace cageform_examples {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double ms_since(Clock::time_point begin) {
+    return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
+}
+
+constexpr std::size_t most_frames = 2000; // of a pose; figures in space take some hundred
+
+} // namespace
+
+void PinChoice::add_options(CommandLine& line) {
+    solving.settled_step = 1e-6;
+    line.add_text(
+            "--pin", [this](const std::string& word) { given.emplace_back(word, false); },
+            "take a point of the figure to a place, and all else along: PLACE:TARGET@DEGREES, such as "
+            "90,16:70,20 or, with signs, by how much: 90,16:+0,-5; PLACE alone stays where it is")
+        .in_order();
+    line.add_text(
+            "--pins", [this](const std::string& path) { given.emplace_back(path, true); },
+            "a CSV file of pins, one on each line")
+        .in_order();
+    line.add("--hold", held,
+             "vertices of the cage that pins leave where the pose has them, by default at rest: 0-1,5");
+    line.add("--pin-weight", solving.pin_weight,
+             "how strongly pins pull; less lets them miss their targets, where there are many")
+        .range(1e-6, 1e12)
+        .show_default();
+    line.add_flag("--hard-pins", solving.hard_pins, "let pins miss a thousand times less").rarely_needed();
+    line.add("--smoothing", sampling.smoothing,
+             "spread bends by pins over this length, a share of the cage's size; soft drawings take 0.02")
+        .range(0.0, 1.0)
+        .show_default();
+}
+
+std::string PinChoice::fault(bool has_pose) const {
+    if (!is_given() && !held.empty()) return "--hold is for pins: give --pin or --pins too";
+    if (is_given() && has_pose && held.empty())
+        return "pins move all vertices that are not held, whatever their pose: give --hold too, or only one "
+               "of "
+               "pins and a pose";
+    return {};
+}
+
+template <std::size_t D>
+SvgResult<std::vector<Pin<D>>> PinChoice::pins(std::span<const cageform::Vec<double, D>> vertices) const {
+    std::vector<Pin<D>> all;
+    for (const auto& [text, is_file] : given) {
+        if (is_file) {
+            auto some = load_pins<D>(text, vertices);
+            if (!some) return some.error();
+            all.insert(all.end(), some->begin(), some->end());
+        } else {
+            auto one = parse_pin<D>(text, vertices);
+            if (!one) return one.error();
+            all.push_back(std::move(*one));
+        }
+    }
+    if (const std::string why = contradiction(all); !why.empty()) warn(why);
+    return all;
+}
+
+template <std::size_t D>
+SvgResult<std::vector<std::uint32_t>> PinChoice::held_handles(std::span<const cageform::Vec<double, D>> rest,
+                                                              const std::vector<std::size_t>& still) const {
+    std::vector<std::size_t> all = still;
+    if (!held.empty()) {
+        auto selected = parse_selection(held, rest);
+        if (!selected) return SvgError{"--hold " + detail::quoted(held) + ": " + to_string(selected.error())};
+        all.insert(all.end(), selected->begin(), selected->end());
+    }
+    std::sort(all.begin(), all.end());
+    all.erase(std::unique(all.begin(), all.end()), all.end());
+    const auto is_vertex = [&](std::size_t i) { return i < rest.size(); };
+    if (std::size_t(std::count_if(all.begin(), all.end(), is_vertex)) == rest.size())
+        return SvgError{"--hold " + detail::quoted(held) + " leaves no vertex of the cage to move"};
+    return std::vector<std::uint32_t>(all.begin(), all.end());
+}
+
+template <cageform::Scalar T, std::size_t D>
+SvgResult<PinnedCage<T, D>> PinnedCage<T, D>::make(const ChosenCoordinates<T, D>& coordinates,
+                                                   const PinnedCageNames& names, std::vector<Pin<D>> pins,
+                                                   std::vector<std::uint32_t> held, const PinChoice& choice,
+                                                   const OutsideChoice& outside) {
+    using cageform::Status;
+    PinnedCage made;
+    const auto refuse = [&](cageform::BindReport report, Status status) {
+        report.status = status;
+        report.cage = coordinates.cage_report();
+        return SvgError{names.describe_faults(report)};
+    };
+    if (!coordinates.has_gradients())
+        return SvgError{"--pin: " + names.coordinates + " coordinates have no gradients, which pins need"};
+    const auto begin = Clock::now();
+    {
+        ProgressBar bar("sampling");
+        auto [samples, sampled] = pose_samples(coordinates, choice.sampling, {.progress = bar.callback()});
+        if (sampled.status == Status::samples_missing)
+            return SvgError{names.cage + ": " + cageform::to_string(sampled.status)};
+        if (sampled.status == Status::solver_not_supported)
+            return SvgError{"--pin: pins need gradients, which this --solver does not give"};
+        if (sampled.status != Status::ok) return refuse(sampled.bind, sampled.status);
+        made.solver_ = cageform::PoseSolver<T, D>(std::move(samples), choice.solving);
+    }
+    made.sampling_ms_ = ms_since(begin);
+
+    std::vector<cageform::Vec<double, D>> places;
+    std::vector<double> weights;
+    std::vector<std::uint8_t> turned;
+    bool any_turns = false;
+    for (const Pin<D>& pin : pins) {
+        places.push_back(pin.place);
+        weights.push_back(pin.weight);
+        turned.push_back(pin.turn ? 1 : 0);
+        any_turns = any_turns || pin.turn;
+    }
+    cageform::BindOptions options = outside.bind_options(coordinates);
+    // A pin outside is a slip where the coordinates end at the cage, unless one asks for what is outside.
+    if (outside.word == "auto" && outside.falloff == 0 && !coordinates.has_extension())
+        options.outside = cageform::OutsidePoints::keep_in_place;
+    const auto bound = coordinates.bind(places, options);
+    if (!bound) return refuse(bound.report, bound.report.status);
+    const std::string where = coordinates.takes_sites ? "the convex hull of " : "the cage ";
+    if (const auto& out = bound.report.outside; !out.empty()) {
+        const std::string which = name_of(pins, out.front()) + " lies outside " + where + names.cage;
+        if (options.outside == cageform::OutsidePoints::keep_in_place)
+            return SvgError{which + (coordinates.has_extension() ? ": use --outside extend"
+                                                                 : ": no vertex moves that point")};
+        if (outside.word == "auto") warn(which + "; it follows the extension of the coordinates (--outside)");
+    }
+    if (const auto& lost = bound.report.unreached; !lost.empty())
+        return SvgError{name_of(pins, lost.front()) + ": no weights can be computed there"};
+    std::array<cageform::Binding<T, D>, D> axes;
+    if (any_turns) {
+        auto columns = coordinates.bind_jacobians(places, options);
+        if (!columns) return refuse(columns.report, columns.report.status);
+        axes = std::move(columns.value);
+    }
+
+    cageform::PosePins<T, D> of_solver{
+        .binding = bound.value.view(), .axes = {}, .points = {}, .weights = weights, .turned = {}};
+    if (any_turns) {
+        for (std::size_t k = 0; k < D; ++k) of_solver.axes[k] = axes[k].view();
+        of_solver.turned = turned;
+    }
+    const auto click = Clock::now();
+    Status status = made.solver_.set_held(held);
+    if (status == Status::ok) status = made.solver_.set_pins(of_solver);
+    made.click_ms_ = ms_since(click);
+    if (status == Status::pin_without_weights)
+        return SvgError{name_of(pins, made.solver_.culprit()) + ": " + cageform::to_string(status)};
+    if (status != Status::ok) return SvgError{names.cage + ": pins: " + cageform::to_string(status)};
+    made.pins_ = std::move(pins);
+    made.held_ = held.size();
+    return made;
+}
+
+template <cageform::Scalar T, std::size_t D>
+typename PinnedCage<T, D>::Targets PinnedCage<T, D>::targets() const {
+    Targets targets;
+    for (const Pin<D>& pin : pins_) targets.push_back(pin.target);
+    return targets;
+}
+
+template <cageform::Scalar T, std::size_t D>
+typename PinnedCage<T, D>::Turns PinnedCage<T, D>::turns() const {
+    Turns turns;
+    const auto has_turn = [](const Pin<D>& pin) { return pin.turn.has_value(); };
+    if (std::none_of(pins_.begin(), pins_.end(), has_turn)) return turns;
+    for (const Pin<D>& pin : pins_) turns.push_back(pin.turn.value_or(cageform::PoseTurn<D>{}));
+    return turns;
+}
+
+template <cageform::Scalar T, std::size_t D>
+SvgResult<bool> PinnedCage<T, D>::start(const Pose& pose) {
+    const auto status = solver_.set_pose(pose);
+    if (status != cageform::Status::ok) return SvgError{cageform::to_string(status)};
+    return true;
+}
+
+template <cageform::Scalar T, std::size_t D>
+SvgResult<bool> PinnedCage<T, D>::settle(const Targets& targets, const Turns& turns, Pose& pose) {
+    const auto begin = Clock::now();
+    for (std::size_t n = 0; n < most_frames && (n == 0 || !last_.settled); ++n) {
+        last_ = solver_.solve(targets, pose, turns);
+        if (last_.status != cageform::Status::ok) {
+            const bool is_named = last_.culprit < pins_.size();
+            return SvgError{(is_named ? name_of(pins_, last_.culprit) : std::string("pins")) + ": " +
+                            cageform::to_string(last_.status)};
+        }
+        if (frames_ == 0) first_ms_ = click_ms_ + ms_since(begin);
+        ++frames_;
+        iterations_ += last_.iterations;
+    }
+    solving_ms_ += ms_since(begin);
+    ++poses_;
+    folded_ = std::max(folded_, last_.folded);
+    if (last_.settled) return true;
+    ++unsettled_;
+    largest_step_ = std::max(largest_step_, last_.step);
+    return true;
+}
+
+template <cageform::Scalar T, std::size_t D>
+std::string PinnedCage<T, D>::report() const {
+    const auto& samples = solver_.samples();
+    const auto counted = [](std::size_t n, const char* what) {
+        return std::to_string(n) + ' ' + what + (n == 1 ? "" : "s");
+    };
+    std::ostringstream text;
+    text.precision(3);
+    text << "pins: " << pins_.size() << ", held: " << held_ << " of "
+         << counted(samples.handle_count(), "handle") << "\nsamples: " << samples.points.size() << " in "
+         << counted(samples.cluster_count, "cluster") << ", " << double(samples.bytes()) / 1000 << " kB, "
+         << sampling_ms_ << " ms\nposes: " << poses_ << ", " << counted(frames_, "frame") << " of "
+         << counted(iterations_, "iteration") << ", " << solving_ms_ << " ms, the first frame " << first_ms_
+         << " ms after the pins\n";
+    if (last_.missed < pins_.size())
+        text << "largest miss: " << last_.miss << ", " << name_of(pins_, last_.missed) << '\n';
+    text << "stretch: " << last_.least_stretch << " to " << last_.largest_stretch
+         << " in the mean of a cluster, " << last_.folded << " folded\n";
+    if (last_.unfelt > 0) text << "handles that hardly a sample feels: " << last_.unfelt << '\n';
+    return text.str();
+}
+
+template <cageform::Scalar T, std::size_t D>
+std::string PinnedCage<T, D>::warning() const {
+    std::string text;
+    if (folded_ > 0)
+        text = "pins fold the figure, in " + std::to_string(folded_) + " of " +
+               std::to_string(solver_.samples().cluster_count) +
+               " parts: move them less, or lower --pin-weight where they are many";
+    if (unsettled_ == 0) return text;
+    return text + (text.empty() ? "" : "; ") +
+           (poses_ == 1
+                ? "the pose by pins has"
+                : std::to_string(unsettled_) + " of " + std::to_string(poses_) + " poses by pins have") +
+           " not settled after " + std::to_string(most_frames) + " frames: a vertex still moves by " +
+           detail::short_number(largest_step_) + " in a frame";
+}
+
+template SvgResult<std::vector<Pin<2>>> PinChoice::pins(std::span<const cageform::Vec<double, 2>>) const;
+template SvgResult<std::vector<Pin<3>>> PinChoice::pins(std::span<const cageform::Vec<double, 3>>) const;
+template SvgResult<std::vector<std::uint32_t>>
+PinChoice::held_handles(std::span<const cageform::Vec<double, 2>>, const std::vector<std::size_t>&) const;
+template SvgResult<std::vector<std::uint32_t>>
+PinChoice::held_handles(std::span<const cageform::Vec<double, 3>>, const std::vector<std::size_t>&) const;
+template class PinnedCage<double, 2>;
+template class PinnedCage<double, 3>;
+
+} // namespace cageform_examples

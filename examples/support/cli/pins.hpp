@@ -1,0 +1,80 @@
+#pragma once
+
+// Pins: points of a figure that are to go to targets, as words of a command line and as CSV files.
+
+#include "svg/path.hpp"
+
+#include <cageform/core/vec.hpp>
+#include <cageform/pose/types/pose_solver.hpp>
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace cageform_examples {
+
+/// The text for --help.
+inline constexpr const char* pins_format =
+    "A pin takes a point of the figure to a target, and the rest follows as rigidly as it\n"
+    "can: --pin PLACE:TARGET@DEGREES, where :TARGET and @DEGREES can be left out.\n"
+    "\n"
+    "    --pin 915,165             the point (915, 165) stays where it is\n"
+    "    --pin 915,165:760,60      it goes to (760, 60)\n"
+    "    --pin 915,165:+20,-5      with a sign, it moves by that; numbers without one\n"
+    "                              beside it move too\n"
+    "    --pin 915,165:=-20,-5     behind =, a place in any case\n"
+    "    --pin 915,165:+0,+0@-40   the figure there turns too, as with --turn\n"
+    "\n"
+    "In space places are x,y,z, or the number of a vertex of the figure, from 0, and a\n"
+    "turn has an axis: --pin 5021:+0.2,+0.4,0@30,y. A CSV file of pins has one on each\n"
+    "line, of places alone, and a pin that does not turn has an empty angle:\n"
+    "\n"
+    "    x,y,TX,TY[,ANGLE[,WEIGHT]]              in the plane\n"
+    "    x,y,z,TX,TY,TZ[,RX,RY,RZ[,WEIGHT]]      in space; R is an axis, as long as the\n"
+    "                                            angle; in place of x,y,z a vertex\n"
+    "\n"
+    "An empty line, a line of words at the top and lines that begin with # are skipped.\n";
+
+/// A point of a figure at rest, and what becomes of it.
+template <std::size_t D>
+struct Pin {
+    std::string name; ///< for messages: the option, or file and line
+    cageform::Vec<double, D> place{};
+    cageform::Vec<double, D> target{};
+    std::optional<cageform::PoseTurn<D>> turn = {}; ///< in radians; none: it turns as it likes
+    double weight = 1;
+};
+
+/// Reads a pin of a command line, PLACE[:TARGET][@TURN].
+///
+///   vertices   the figure's, which pins in space may name; else empty
+///   fails      where a part is no place, target or turn, or a vertex is none of the figure's
+template <std::size_t D>
+SvgResult<Pin<D>> parse_pin(std::string_view word, std::span<const cageform::Vec<double, D>> vertices = {});
+
+/// Reads pins from the text of a CSV file.
+///
+///   name    stands before every message, with the number of the line
+///   fails   where a line has too few or too many numbers, a number is wrong, a weight is not positive, a
+///           vertex is none of the figure's, or there is no pin
+template <std::size_t D>
+SvgResult<std::vector<Pin<D>>> parse_pins(std::string_view text, const std::string& name,
+                                          std::span<const cageform::Vec<double, D>> vertices = {});
+
+/// Works as parse_pins(), from a file; fails also where it cannot be read.
+template <std::size_t D>
+SvgResult<std::vector<Pin<D>>> load_pins(const std::string& path,
+                                         std::span<const cageform::Vec<double, D>> vertices = {});
+
+/// "pin 3 (pins.csv:4) at (12, 5)", counted from 1.
+template <std::size_t D>
+std::string name_of(const std::vector<Pin<D>>& pins, std::size_t n);
+
+/// Names two pins at one place whose targets differ; empty where there are none.
+template <std::size_t D>
+std::string contradiction(const std::vector<Pin<D>>& pins);
+
+} // namespace cageform_examples
