@@ -317,12 +317,13 @@ static void test_normals(void) {
     memset(&options, 0, sizeof options);
     options.size = sizeof options;
     options.outside = CAGEFORM_NEAREST_BOUNDARY;
+    options.falloff = 100;
     report.size = sizeof report;
     memcpy(bad, points, sizeof bad);
     bad[10] = NAN;
     CHECK(cageform_bind(coordinates, points_of(bad, 4, CAGEFORM_DOUBLE, 3), &given, &with, &options, NULL,
                         &binding, &report) == CAGEFORM_OK);
-    CHECK(report.outside == 1 && report.not_finite == 1);
+    CHECK(report.outside == 1 && report.not_finite == 1 && report.faded == 1);
     CHECK(cageform_binding_list(binding, CAGEFORM_LIST_OUTSIDE, list, 4, &count) == CAGEFORM_OK);
     CHECK(count == 1 && list[0] == 2);
     CHECK(cageform_binding_list(binding, CAGEFORM_LIST_NOT_FINITE, list, 4, &count) == CAGEFORM_OK);
@@ -390,7 +391,11 @@ static void test_pins(void) {
     cageform_coordinates* coordinates = coordinates_of(square_cage(), CAGEFORM_MEAN_VALUE, CAGEFORM_FLOAT);
     cageform_binding* binding = NULL;
     cageform_figure* figure = NULL;
-    cageform_samples* samples = NULL;
+    cageform_samples *samples = NULL, *opened = NULL, *none = NULL;
+    cageform_samples_info info;
+    cageform_bytes* packed = NULL;
+    const void* data = NULL;
+    size_t bytes = 0;
     cageform_pins* pins = NULL;
     cageform_samples_options sampling;
     cageform_pins_options options;
@@ -407,7 +412,14 @@ static void test_pins(void) {
     CHECK(cageform_binding_figure(binding, &figure) == CAGEFORM_OK);
     CHECK(cageform_pose_samples(coordinates, &sampling, NULL, &samples, &report) == CAGEFORM_OK);
     CHECK(report.samples > 400 && report.rotations > 0);
-    CHECK(cageform_pins_create(samples, &options, &pins) == CAGEFORM_OK);
+    CHECK(cageform_samples_pack(samples, &packed, &report) == CAGEFORM_OK);
+    CHECK(cageform_bytes_view(packed, &data, &bytes) == CAGEFORM_OK && bytes == report.bytes);
+    CHECK(cageform_samples_open(data, bytes, 0, &opened) == CAGEFORM_OK);
+    CHECK(cageform_samples_open(data, bytes - 64, 0, &none) == CAGEFORM_BLOB_TRUNCATED && none == NULL);
+    info.size = sizeof info;
+    CHECK(cageform_samples_describe(opened, &info) == CAGEFORM_OK && info.handles == 4 &&
+          info.dimension == 2);
+    CHECK(cageform_pins_create(opened, &options, &pins) == CAGEFORM_OK);
     CHECK(cageform_pins_set(pins, figure, far, 1, NULL, &report) == CAGEFORM_INDEX_OUT_OF_RANGE);
     CHECK(report.culprit == 0 && strlen(report.message) > 0);
     CHECK(cageform_pins_set(pins, figure, chosen, 2, weights, &report) == CAGEFORM_OK);
@@ -424,6 +436,8 @@ static void test_pins(void) {
                          NULL, NULL, NULL) == CAGEFORM_OK);
     CHECK(fabs(out[4] - 3.0) < 0.02 && fabs(out[5] - 2.0) < 0.02);
     cageform_free(pins);
+    cageform_free(opened);
+    cageform_free(packed);
     cageform_free(samples);
     cageform_free(figure);
     cageform_free(binding);

@@ -89,6 +89,7 @@ typedef int32_t cageform_status;
     X(312, SIBSON_DEGREE_NOT_SUPPORTED, sibson_degree_not_supported)                                         \
     X(313, GRADIENTS_NOT_SUPPORTED, gradients_not_supported)                                                 \
     X(314, SOLVER_NOT_SUPPORTED, solver_not_supported)                                                       \
+    X(315, FALLOFF_NOT_SUPPORTED, falloff_not_supported)                                                     \
     X(400, RESOLUTION_NOT_SUPPORTED, resolution_not_supported)                                               \
     X(401, ACCURACY_NOT_SUPPORTED, accuracy_not_supported)                                                   \
     X(402, TOLERANCE_NOT_POSITIVE, tolerance_not_positive)                                                   \
@@ -139,6 +140,7 @@ typedef int32_t cageform_status;
     X(707, BLOB_CORRUPT, blob_corrupt)                                                                       \
     X(708, BLOB_OF_ANOTHER_CAGE, blob_of_another_cage)                                                       \
     X(709, BLOB_OF_ANOTHER_FIGURE, blob_of_another_figure)                                                   \
+    X(710, NOT_POSE_SAMPLES, not_pose_samples)                                                               \
     X(800, VECTORS_MISSING, vectors_missing)                                                                 \
     X(801, BINDINGS_DIFFER, bindings_differ)                                                                 \
     X(802, POSE_SIZE_DIFFERS, pose_size_differs)                                                             \
@@ -243,6 +245,67 @@ typedef struct cageform_pins cageform_pins;               /* poses a cage by pin
 /* Frees an object of any kind; null is allowed. Those made of it go first. */
 CAGEFORM_API cageform_status cageform_free(void* object);
 
+/* ---- Reports ------------------------------------------------------------------------------------------- */
+
+enum {
+    CAGEFORM_NO_ELEMENT = 0,
+    CAGEFORM_VERTEX = 1,
+    CAGEFORM_EDGE = 2,
+    CAGEFORM_FACE = 3,
+    CAGEFORM_LOOP = 4
+};
+
+/* A fault of a cage, or a warning. */
+typedef struct cageform_fault {
+    cageform_status status; /* 0: a warning */
+    uint32_t a_is, b_is;    /* which elements the indices name; an edge is named by its first vertex */
+    uint32_t reserved;
+    size_t a, b;
+    const char* text; /* never freed */
+} cageform_fault;
+
+/* How a call went; a call fills what it knows and sets the rest to 0, indices to CAGEFORM_NONE. */
+typedef struct cageform_report {
+    size_t size;
+    cageform_status status;
+    uint32_t faults, warnings; /* of the cage: cageform_check lists them */
+    uint32_t reserved;
+    size_t culprit;       /* the index that the status names: a point, handle, pin, face, clip, … */
+    cageform_fault fault; /* of the cage: the first, or the first warning */
+    double seconds;
+    char message[256]; /* the status and the culprit in a sentence; empty if all went well */
+
+    /* cageform_bind; cageform_binding_list has the indices */
+    size_t points, on_boundary, outside, faded, not_finite, unreached, not_restored;
+    double partition_error,
+        reproduction_error;             /* the largest |sum of weights - 1|, and distance from its place */
+    double least_weight, amplification; /* the largest sum of |weights| of a point */
+
+    /* harmonic coordinates */
+    size_t unknowns, memory;    /* of one function; bytes */
+    double grid_error;          /* an estimate of the largest error of a weight */
+    double sufficient_accuracy; /* with CAGEFORM_OUT_OF_MEMORY: an accuracy that works; 0: none is known */
+
+    /* cageform_pack */
+    size_t bytes, dense_bytes;
+    double distance, mean_distance; /* from where all weights put a point */
+
+    /* cageform_make_cage; volumes are areas in the plane */
+    size_t vertices, components, tunnels;
+    double margin, clearance, volume, tightest_volume, least_angle;
+
+    /* cageform_pose_samples */
+    size_t samples, rotations;
+
+    /* cageform_pins_solve: the largest miss, and the pin of it is the culprit; in the units of the cage */
+    double miss, step, rigid_energy, least_stretch, largest_stretch;
+    size_t iterations, folded;
+    int settled;
+
+    /* cageform_compile_clip */
+    double curve_error; /* the largest distance of a coordinate from its keys' curve */
+} cageform_report;
+
 /* ==== Every frame ======================================================================================= */
 
 typedef struct cageform_open_options {
@@ -336,69 +399,42 @@ CAGEFORM_API cageform_status cageform_player_describe(const cageform_player* pla
 CAGEFORM_API cageform_status cageform_player_sample(cageform_player* player, double time,
                                                     cageform_output pose);
 
+/* ---- Pins ---------------------------------------------------------------------------------------------- */
+
+typedef struct cageform_samples_info {
+    size_t size;
+    size_t handles;
+    uint32_t scalar, dimension; /* of poses and targets */
+} cageform_samples_info;
+CAGEFORM_API cageform_status cageform_samples_describe(const cageform_samples* samples,
+                                                       cageform_samples_info* info);
+/* Opens packed samples, which are copied; `data` is aligned to 64 bytes. */
+CAGEFORM_API cageform_status cageform_samples_open(const void* data, size_t bytes, int skip_checksum,
+                                                   cageform_samples** samples);
+
+typedef struct cageform_pins_options {
+    size_t size;
+    double pin_weight; /* 0: 1e4 */
+    int hard;
+    size_t iterations; /* of a frame; 0: 4 */
+} cageform_pins_options;
+/* Copies the samples. */
+CAGEFORM_API cageform_status cageform_pins_create(const cageform_samples* samples,
+                                                  const cageform_pins_options* options, cageform_pins** pins);
+/* Sets pins among the points of a figure, which is copied from; count 0 takes all away. `weights` may be
+ * null. The report may be null too, and names the pin that is refused. */
+CAGEFORM_API cageform_status cageform_pins_set(cageform_pins* pins, const cageform_figure* figure,
+                                               const uint32_t* points, size_t count, const double* weights,
+                                               cageform_report* report);
+/* Holds handles where the pose has them. */
+CAGEFORM_API cageform_status cageform_pins_hold(cageform_pins* pins, const uint32_t* handles, size_t count,
+                                                cageform_report* report);
+/* Moves the pose (in and out, all handles) towards the targets, one for each pin; again until
+ * report.settled. The scalar is that of the coordinates. No allocation. */
+CAGEFORM_API cageform_status cageform_pins_solve(cageform_pins* pins, cageform_points targets,
+                                                 cageform_output pose, cageform_report* report);
 #if !defined(CAGEFORM_C_RUNTIME_ONLY)
 /* ==== Bind time ========================================================================================= */
-
-/* ---- Reports ------------------------------------------------------------------------------------------- */
-
-enum {
-    CAGEFORM_NO_ELEMENT = 0,
-    CAGEFORM_VERTEX = 1,
-    CAGEFORM_EDGE = 2,
-    CAGEFORM_FACE = 3,
-    CAGEFORM_LOOP = 4
-};
-
-/* A fault of a cage, or a warning. */
-typedef struct cageform_fault {
-    cageform_status status; /* 0: a warning */
-    uint32_t a_is, b_is;    /* which elements the indices name; an edge is named by its first vertex */
-    uint32_t reserved;
-    size_t a, b;
-    const char* text; /* never freed */
-} cageform_fault;
-
-/* How a call went; a call fills what it knows and sets the rest to 0, indices to CAGEFORM_NONE. */
-typedef struct cageform_report {
-    size_t size;
-    cageform_status status;
-    uint32_t faults, warnings; /* of the cage: cageform_check lists them */
-    uint32_t reserved;
-    size_t culprit;       /* the index that the status names: a point, handle, pin, face, clip, … */
-    cageform_fault fault; /* of the cage: the first, or the first warning */
-    double seconds;
-    char message[256]; /* the status and the culprit in a sentence; empty if all went well */
-
-    /* cageform_bind; cageform_binding_list has the indices */
-    size_t points, on_boundary, outside, not_finite, unreached, not_restored;
-    double partition_error,
-        reproduction_error;             /* the largest |sum of weights - 1|, and distance from its place */
-    double least_weight, amplification; /* the largest sum of |weights| of a point */
-
-    /* harmonic coordinates */
-    size_t unknowns, memory;    /* of one function; bytes */
-    double grid_error;          /* an estimate of the largest error of a weight */
-    double sufficient_accuracy; /* with CAGEFORM_OUT_OF_MEMORY: an accuracy that works; 0: none is known */
-
-    /* cageform_pack */
-    size_t bytes, dense_bytes;
-    double distance, mean_distance; /* from where all weights put a point */
-
-    /* cageform_make_cage; volumes are areas in the plane */
-    size_t vertices, components, tunnels;
-    double margin, clearance, volume, tightest_volume, least_angle;
-
-    /* cageform_pose_samples */
-    size_t samples, rotations;
-
-    /* cageform_pins_solve: the largest miss, and the pin of it is the culprit; in the units of the cage */
-    double miss, step, rigid_energy, least_stretch, largest_stretch;
-    size_t iterations, folded;
-    int settled;
-
-    /* cageform_compile_clip */
-    double curve_error; /* the largest distance of a coordinate from its keys' curve */
-} cageform_report;
 
 /* ---- Cages --------------------------------------------------------------------------------------------- */
 
@@ -527,6 +563,7 @@ typedef struct cageform_bind_options {
     size_t size;
     uint32_t outside;           /* what becomes of points outside */
     int leave_linear_precision; /* leaves weights as the coordinates gave them */
+    double falloff;             /* outside, displacements fade to nothing at this distance; 0: they do not */
 } cageform_bind_options;
 
 /* Binds points, and normals and tangents if they are not null (one for each point; tangents of 3 or 4
@@ -551,7 +588,8 @@ enum {
     CAGEFORM_LIST_OUTSIDE = 1,
     CAGEFORM_LIST_NOT_FINITE = 2,
     CAGEFORM_LIST_UNREACHED = 3,
-    CAGEFORM_LIST_NOT_RESTORED = 4
+    CAGEFORM_LIST_NOT_RESTORED = 4,
+    CAGEFORM_LIST_FADED = 5
 };
 /* Lists points in ascending order, as far as there is room: `count` is their number. */
 CAGEFORM_API cageform_status cageform_binding_list(const cageform_binding* binding, uint32_t list,
@@ -617,7 +655,7 @@ CAGEFORM_API cageform_status cageform_compile_clip(const double* times, size_t c
                                                    const cageform_running* running, cageform_bytes** clip,
                                                    cageform_report* report);
 
-/* ---- Pins ---------------------------------------------------------------------------------------------- */
+/* ---- Samples for pins ---------------------------------------------------------------------------------- */
 
 typedef struct cageform_samples_options {
     size_t size;
@@ -629,28 +667,10 @@ CAGEFORM_API cageform_status cageform_pose_samples(const cageform_coordinates* c
                                                    const cageform_samples_options* options,
                                                    const cageform_running* running,
                                                    cageform_samples** samples, cageform_report* report);
+/* Packs samples for cageform_samples_open: what a game ships beside a figure. */
+CAGEFORM_API cageform_status cageform_samples_pack(const cageform_samples* samples, cageform_bytes** packed,
+                                                   cageform_report* report);
 
-typedef struct cageform_pins_options {
-    size_t size;
-    double pin_weight; /* 0: 1e4 */
-    int hard;
-    size_t iterations; /* of a frame; 0: 4 */
-} cageform_pins_options;
-/* Copies the samples. */
-CAGEFORM_API cageform_status cageform_pins_create(const cageform_samples* samples,
-                                                  const cageform_pins_options* options, cageform_pins** pins);
-/* Sets pins among the points of a figure, which is copied from; count 0 takes all away. `weights` may be
- * null. The report may be null too, and names the pin that is refused. */
-CAGEFORM_API cageform_status cageform_pins_set(cageform_pins* pins, const cageform_figure* figure,
-                                               const uint32_t* points, size_t count, const double* weights,
-                                               cageform_report* report);
-/* Holds handles where the pose has them. */
-CAGEFORM_API cageform_status cageform_pins_hold(cageform_pins* pins, const uint32_t* handles, size_t count,
-                                                cageform_report* report);
-/* Moves the pose (in and out, all handles) towards the targets, one for each pin; again until
- * report.settled. The scalar is that of the coordinates. No allocation. */
-CAGEFORM_API cageform_status cageform_pins_solve(cageform_pins* pins, cageform_points targets,
-                                                 cageform_output pose, cageform_report* report);
 #endif
 
 #ifdef __cplusplus
@@ -662,8 +682,8 @@ CAGEFORM_API cageform_status cageform_pins_solve(cageform_pins* pins, cageform_p
 #if defined(CAGEFORM_C_IMPLEMENTATION) && !defined(CAGEFORM_C_IMPLEMENTED)
 #define CAGEFORM_C_IMPLEMENTED
 #include <cageform/c/detail/every_frame.impl.hpp>
+#include <cageform/c/detail/pins.impl.hpp>
 #if !defined(CAGEFORM_C_RUNTIME_ONLY)
 #include <cageform/c/detail/pack.impl.hpp>
-#include <cageform/c/detail/pins.impl.hpp>
 #endif
 #endif

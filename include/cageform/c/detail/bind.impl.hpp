@@ -1,7 +1,7 @@
 // The functions of the C interface that check and make cages, and bind.
 #pragma once
 
-#include <cageform/c/detail/every_frame.impl.hpp>
+#include <cageform/c/detail/pins.impl.hpp>
 
 #include <cageform/c/detail/cages.hpp>
 #include <cageform/enclose/make_cage.hpp>
@@ -65,16 +65,6 @@ cageform_status with_running(const cageform_running* given, const Use& use) {
     return use(running);
 }
 
-/// Makes an object that fill(object), which returns a code, fills.
-template <class X, class Fill>
-cageform_status make_filled(X** made, const Fill& fill) {
-    auto object = std::make_unique<X>();
-    object->kind = X::its_kind;
-    object->destroy = destroy_allocated<X>;
-    const cageform_status status = fill(*object);
-    if (status == CAGEFORM_OK) *made = object.release();
-    return status;
-}
 /// Calls use(view) with the points of a drawing and the numbers that name them, all below their count.
 inline cageform_status check_drawing(const cageform_drawing& drawing, std::size_t together) noexcept {
     if (drawing.indices == nullptr && drawing.index_count > 0) return CAGEFORM_ARGUMENT_NULL;
@@ -332,6 +322,7 @@ cageform_status cageform_bind(const cageform_coordinates* coordinates, cageform_
         if (own.outside > CAGEFORM_NEAREST_BOUNDARY) return cageform_status(CAGEFORM_CHOICE_UNKNOWN);
         cageform::BindOptions choice;
         choice.outside = static_cast<cageform::OutsidePoints>(own.outside);
+        choice.falloff = own.falloff;
         if (own.leave_linear_precision != 0) choice.linear_precision = cageform::LinearPrecision::leave;
         return c::with_running(running, [&](const cageform::Running& how) {
             return c::with(coordinates->coordinates, [&](const auto& any) {
@@ -413,10 +404,10 @@ cageform_status cageform_binding_list(const cageform_binding* binding, uint32_t 
     const cageform_status status = c::check_object(binding);
     if (status != CAGEFORM_OK) return status;
     if (count == nullptr || (indices == nullptr && room > 0)) return CAGEFORM_ARGUMENT_NULL;
-    if (list > CAGEFORM_LIST_NOT_RESTORED) return CAGEFORM_CHOICE_UNKNOWN;
+    if (list > CAGEFORM_LIST_FADED) return CAGEFORM_CHOICE_UNKNOWN;
     const auto& report = binding->report;
-    const std::array lists{&report.on_boundary, &report.outside, &report.not_finite, &report.unreached,
-                           &report.not_restored};
+    const std::array lists{&report.on_boundary, &report.outside,      &report.not_finite,
+                           &report.unreached,   &report.not_restored, &report.faded};
     const auto& its = *lists[list];
     *count = its.size();
     std::copy_n(its.begin(), std::min(room, its.size()), indices);

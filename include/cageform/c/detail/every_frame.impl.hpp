@@ -5,6 +5,7 @@
 #include <cageform/clone/clone_figure.hpp>
 #include <cageform/clone/clone_transposed.hpp>
 #include <cageform/clone/pose_handles.hpp>
+#include <cageform/pose/types/pose_blob.hpp>
 #include <cageform/version.hpp>
 
 // mingw-w64 without posix threads and WebAssembly have none: cageform_running::threads is then not read.
@@ -113,6 +114,7 @@ struct BlobType {
         read(BlobHeader{});
         read(FigureHeader{});
         read(ClipHeader{});
+        read(PoseBlobHeader{});
     }
 };
 

@@ -161,6 +161,21 @@ cageform_status with_points(const P& points, const Use& use) {
                                         static_cast<std::ptrdiff_t>(stride)));
 }
 
+/// Makes an object that fill(object), which returns a code, fills.
+template <class X, class Fill>
+cageform_status make_filled(X** made, const Fill& fill) {
+    struct Guard {
+        X* object;
+        ~Guard() { delete object; }
+    } guard{new (std::nothrow) X{}};
+    if (guard.object == nullptr) return CAGEFORM_OUT_OF_MEMORY;
+    guard.object->kind = X::its_kind;
+    guard.object->destroy = destroy_allocated<X>;
+    const cageform_status status = fill(*guard.object);
+    if (status == CAGEFORM_OK) *made = std::exchange(guard.object, nullptr);
+    return status;
+}
+
 /// The loop of the caller, without memory of its own.
 struct CallersFor {
     const cageform_running* running = nullptr; ///< null: the calling thread

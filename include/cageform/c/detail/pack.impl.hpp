@@ -6,6 +6,7 @@
 #include <cageform/animate/compile.hpp>
 #include <cageform/animate/pack_clip.hpp>
 #include <cageform/binding/pack.hpp>
+#include <cageform/pose/pose_samples.hpp>
 
 struct cageform_bytes : cageform::detail::c::Object {
     static constexpr Kind its_kind = Kind::bytes;
@@ -154,6 +155,54 @@ cageform_status cageform_compile_clip(const double* times, size_t count, cagefor
                 if (read != CAGEFORM_OK) return read;
                 return c::compile_poses(times, count, copied, own, how, clip, its);
             });
+        });
+    });
+}
+
+cageform_status cageform_pose_samples(const cageform_coordinates* coordinates,
+                                      const cageform_samples_options* options,
+                                      const cageform_running* running, cageform_samples** samples,
+                                      cageform_report* report) {
+    namespace c = cageform::detail::c;
+    return c::reported(report, "number", [&](cageform_report& its) {
+        cageform_samples_options own;
+        cageform_status status = c::check_object(coordinates);
+        if (status == CAGEFORM_OK) status = c::read_struct(options, own);
+        if (status == CAGEFORM_OK && samples == nullptr) status = CAGEFORM_ARGUMENT_NULL;
+        if (status != CAGEFORM_OK) return status;
+        cageform::PoseSampleOptions choice;
+        choice.samples = own.samples;
+        choice.rotations = own.rotations;
+        choice.smoothing = own.smoothing;
+        return c::with_running(running, [&](const cageform::Running& how) {
+            return c::with(coordinates->coordinates, [&](const auto& any) {
+                auto made = cageform::pose_samples(any, choice, how);
+                its.samples = made.report.samples;
+                its.rotations = made.report.rotations;
+                its.seconds = made.report.seconds;
+                if (!made) return c::code_of(made.status());
+                its.bytes = made.value.bytes();
+                return c::make_filled(samples, [&](cageform_samples& object) {
+                    object.samples = std::move(made.value);
+                    return cageform_status(CAGEFORM_OK);
+                });
+            });
+        });
+    });
+}
+
+cageform_status cageform_samples_pack(const cageform_samples* samples, cageform_bytes** packed,
+                                      cageform_report* report) {
+    namespace c = cageform::detail::c;
+    return c::reported(report, "number", [&](cageform_report& its) {
+        const cageform_status status = c::check_object(samples);
+        if (status != CAGEFORM_OK) return status;
+        if (packed == nullptr) return cageform_status(CAGEFORM_ARGUMENT_NULL);
+        return c::with(samples->samples, [&](const auto& own) {
+            auto made = pack(own);
+            if (!made) return c::code_of(made.status());
+            its.bytes = made.value.bytes().size();
+            return c::make_bytes(std::move(made.value), packed);
         });
     });
 }

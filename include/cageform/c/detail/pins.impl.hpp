@@ -1,9 +1,9 @@
 // The functions of the C interface that pose a cage by pins.
 #pragma once
 
-#include <cageform/c/detail/bind.impl.hpp>
+#include <cageform/c/detail/every_frame.impl.hpp>
 
-#include <cageform/pose/pose_samples.hpp>
+#include <cageform/c/detail/messages.hpp>
 #include <cageform/pose/pose_solver.hpp>
 
 struct cageform_samples : cageform::detail::c::Object {
@@ -35,35 +35,34 @@ inline void fill(cageform_report& report, const PoseSolverReport& posed) noexcep
 
 extern "C" {
 
-cageform_status cageform_pose_samples(const cageform_coordinates* coordinates,
-                                      const cageform_samples_options* options,
-                                      const cageform_running* running, cageform_samples** samples,
-                                      cageform_report* report) {
+cageform_status cageform_samples_open(const void* data, size_t bytes, int skip_checksum,
+                                      cageform_samples** samples) {
     namespace c = cageform::detail::c;
-    return c::reported(report, "number", [&](cageform_report& its) {
-        cageform_samples_options own;
-        cageform_status status = c::check_object(coordinates);
-        if (status == CAGEFORM_OK) status = c::read_struct(options, own);
-        if (status == CAGEFORM_OK && samples == nullptr) status = CAGEFORM_ARGUMENT_NULL;
-        if (status != CAGEFORM_OK) return status;
-        cageform::PoseSampleOptions choice;
-        choice.samples = own.samples;
-        choice.rotations = own.rotations;
-        choice.smoothing = own.smoothing;
-        return c::with_running(running, [&](const cageform::Running& how) {
-            return c::with(coordinates->coordinates, [&](const auto& any) {
-                auto made = cageform::pose_samples(any, choice, how);
-                its.samples = made.report.samples;
-                its.rotations = made.report.rotations;
-                its.seconds = made.report.seconds;
-                if (!made) return c::code_of(made.status());
-                its.bytes = made.value.bytes();
-                return c::make_filled(samples, [&](cageform_samples& object) {
-                    object.samples = std::move(made.value);
-                    return cageform_status(CAGEFORM_OK);
-                });
+    if (data == nullptr || samples == nullptr) return CAGEFORM_ARGUMENT_NULL;
+    return c::guarded([&] {
+        const c::BlobType type(data, bytes);
+        return c::with_type(type.scalar, type.dimension, [&]<class T, std::size_t D>() {
+            cageform::BlobExpectation expected;
+            if (skip_checksum != 0) expected.check = cageform::BlobCheck::structure;
+            auto opened =
+                cageform::open_pose_samples<T, D>({static_cast<const std::byte*>(data), bytes}, expected);
+            if (!opened) return c::code_of(opened.status());
+            return c::make_filled(samples, [&](cageform_samples& object) {
+                object.samples = std::move(opened.value);
+                return cageform_status(CAGEFORM_OK);
             });
         });
+    });
+}
+
+cageform_status cageform_samples_describe(const cageform_samples* samples, cageform_samples_info* info) {
+    namespace c = cageform::detail::c;
+    const cageform_status status = c::check_object(samples);
+    if (status != CAGEFORM_OK) return status;
+    return c::with(samples->samples, [&](const auto& its) {
+        using Samples = std::remove_cvref_t<decltype(its)>;
+        return c::write_struct(
+            cageform_samples_info{0, its.handle_count(), c::scalar_code<Samples>, Samples::dimension}, info);
     });
 }
 
