@@ -161,6 +161,11 @@ class Reports(unittest.TestCase):
         self.assertEqual(list(binding.not_finite), [2])
         self.assertEqual(list(binding.on_boundary), [3])
         self.assertIn('outside: 1', str(binding.report))
+        fading = cageform.Coordinates(cageform.Cage.polygon(SQUARE)).bind([(2, 5), (2, 7)], falloff=2)
+        self.assertEqual((list(fading.outside), list(fading.faded)), ([0, 1], [0]))
+        np.testing.assert_allclose(fading.weights().sum(axis=1), [0.5, 0])
+        with self.assertRaises(errors.FalloffNotSupported):
+            cageform.Coordinates(cageform.Cage.polygon(SQUARE)).bind([(2, 5)], falloff=-1)
 
     def test_faults(self):
         crossing = cageform.Cage.polygon(SQUARE[[0, 2, 1, 3]])
@@ -212,7 +217,8 @@ class Made(unittest.TestCase):
         coordinates = cageform.Coordinates(cageform.Cage.polygon(bar))
         points = np.array([(0.5, 0.5), (3, 0.5), (5.5, 0.5)])
         figure = coordinates.bind(points).figure
-        pins = cageform.Pins(coordinates)
+        samples = cageform.Samples(coordinates)
+        pins = cageform.Pins(cageform.open_samples(samples.pack()))
         pins.set(figure, [0, 1, 2])
         pose, report = pins.solve(points, figure.rest())
         np.testing.assert_array_equal(pose, bar)  # at rest to the bit

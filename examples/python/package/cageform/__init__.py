@@ -20,8 +20,8 @@ import numpy as np
 
 from . import _c
 
-__all__ = ['Cage', 'Coordinates', 'Binding', 'Figure', 'Clip', 'Pins', 'Report', 'Fault', 'CageformError', 'errors', 'open',
-           'make_cage', 'check', 'compile_clip', 'version']
+__all__ = ['Cage', 'Coordinates', 'Binding', 'Figure', 'Clip', 'Samples', 'Pins', 'Report', 'Fault', 'CageformError', 'errors', 'open',
+           'open_samples', 'make_cage', 'check', 'compile_clip', 'version']
 
 
 def _load():
@@ -441,16 +441,17 @@ class Coordinates(_Object):
         _check(code, report)
         return report
 
-    def bind(self, points, normals=None, tangents=None, outside='extend', leave_linear_precision=False, threads=None,
+    def bind(self, points, normals=None, tangents=None, outside='extend', falloff=0, leave_linear_precision=False,
+             threads=None,
              progress=None):
         """Binds points (#points, dimension), and normals and tangents of as many rows (tangents in space, of 3 or 4 numbers).
-        Bad points are listed and kept in place. `outside`: 'extend', 'keep_in_place', 'nearest_boundary'. `progress(done)`
-        may return False to cancel."""
+        Bad points are listed and kept in place. `outside`: 'extend', 'keep_in_place', 'nearest_boundary'; displacements
+        outside fade to nothing at the distance `falloff`, if it is not 0. `progress(done)` may return False to cancel."""
         points = _points(points, dimension=self.dimension)
         more = [None if array is None else _points(array, name=name) for array, name in
                 ((normals, 'normals'), (tangents, 'tangents'))]
         options = _struct(_c.cageform_bind_options, outside=_choice(_OUTSIDE, outside, 'outside'),
-                          leave_linear_precision=int(leave_linear_precision))
+                          leave_linear_precision=int(leave_linear_precision), falloff=falloff)
         report = Report()
         running, raised = _running(threads, progress)
         handle = _call(_library.cageform_bind, self._handle, _view(points), *(None if a is None else _view(a) for a in more),
@@ -460,7 +461,7 @@ class Coordinates(_Object):
 
 class Binding(_Object):
     """A figure with all its weights. `report`; `figure`, to be cloned; lists of points as arrays of indices: `on_boundary`,
-    `outside`, `not_finite`, `unreached`, `not_restored`."""
+    `outside`, `not_finite`, `unreached`, `not_restored`, `faded`."""
 
     def __init__(self, handle, coordinates, points, report):
         super().__init__(handle)
@@ -472,7 +473,7 @@ class Binding(_Object):
         return Figure(_call(_library.cageform_binding_figure, self._handle), self)
 
     def __getattr__(self, name):
-        lists = ('on_boundary', 'outside', 'not_finite', 'unreached', 'not_restored')
+        lists = ('on_boundary', 'outside', 'not_finite', 'unreached', 'not_restored', 'faded')
         if name not in lists:
             raise AttributeError(name)
         count = ctypes.c_size_t(0)
@@ -622,14 +623,23 @@ class Figure(_Object):
         return Clip(_call(_library.cageform_play, self._handle, clip, None), None, self)
 
 
+def _aligned(source):
+    """Returns the bytes of a file, which is mapped, or of memory, at a multiple of 64."""
+    if isinstance(source, (str, os.PathLike)):
+        data = np.memmap(source, mode='r') if os.path.getsize(source) else np.empty(0, np.uint8)
+    else:
+        data = np.frombuffer(source, np.uint8)
+    if data.ctypes.data % 64 == 0:
+        return data
+    memory = np.empty(len(data) + 64, np.uint8)
+    start = -memory.ctypes.data % 64
+    memory[start:start + len(data)] = data
+    return memory[start:start + len(data)]
+
+
 def open(source, skip_checksum=False):
     """Opens a packed figure: the path of a file, which is mapped, or bytes. Copies only what is not aligned to 64 bytes."""
-    data = np.memmap(source, mode='r') if isinstance(source, (str, os.PathLike)) else np.frombuffer(source, np.uint8)
-    if data.ctypes.data % 64 != 0:
-        memory = np.empty(len(data) + 64, np.uint8)
-        start = -memory.ctypes.data % 64
-        memory[start:start + len(data)] = data
-        data = memory[start:start + len(data)]
+    data = _aligned(source)
     options = _struct(_c.cageform_open_options, skip_checksum=int(skip_checksum))
     handle, culprit = ctypes.c_void_p(), ctypes.c_size_t()
     code = _library.cageform_open(data.ctypes.data, len(data), options, ctypes.byref(handle), ctypes.byref(culprit))
@@ -688,24 +698,62 @@ def compile_clip(times, poses, tolerance=0, pack_tolerance=0, keys='smooth', bef
     return Clip(_call(_library.cageform_play_bytes, data.ctypes.data, len(data), None), data), report
 
 
+class Samples(_Object):
+    """Samples of the inside of a cage, by which pins move it: made once, of coordinates that have gradients.
+
+    samples    about how many; 0: 16 a handle, at least 4,000
+    rotations  how many turn on their own; 0: by the number of handles
+    smoothing  spreads bends over this share of the cage's size
+
+    handles, dimension, dtype; report
+    """
+
+    def __init__(self, coordinates, samples=0, rotations=0, smoothing=0, threads=None, progress=None):
+        options = _struct(_c.cageform_samples_options, samples=samples, rotations=rotations, smoothing=smoothing)
+        report = Report()
+        running, raised = _running(threads, progress)
+        self._adopt(_call(_library.cageform_pose_samples, coordinates._handle, options, running, report=report, raised=raised),
+                    report)
+
+    def _adopt(self, handle, report):
+        _Object.__init__(self, handle)
+        info = _struct(_c.cageform_samples_info)
+        _check(_library.cageform_samples_describe(self._handle, info))
+        self.handles, self.dimension, self.report = info.handles, info.dimension, report
+        self.dtype = np.dtype((np.float32, np.float64)[info.scalar])
+
+    def pack(self):
+        """Returns the bytes as a numpy array of uint8; open_samples reads them."""
+        report = Report()
+        return _bytes_of(_call(_library.cageform_samples_pack, self._handle, report=report))
+
+
+def open_samples(source, skip_checksum=False):
+    """Opens packed samples: the path of a file, or bytes."""
+    data = _aligned(source)
+    handle = ctypes.c_void_p()
+    _check(_library.cageform_samples_open(data.ctypes.data, len(data), int(skip_checksum), ctypes.byref(handle)))
+    samples = Samples.__new__(Samples)
+    samples._adopt(handle, None)
+    return samples
+
+
 class Pins(_Object):
     """Moves a cage by pins on a figure, as rigidly as possible inside.
 
-        pins = cageform.Pins(coordinates)
+        pins = cageform.Pins(cageform.Samples(coordinates))
         pins.set(binding.figure, [12, 40])            # numbers of points
         pose, report = pins.solve(targets, pose)      # again until report.settled
+
+    pin_weight  what a pin counts beside the stretch of the whole figure; 0: 1e4
+    hard        pins miss a thousand times less
+    iterations  of a frame; 0: 4
     """
 
-    def __init__(self, coordinates, samples=0, rotations=0, smoothing=0, pin_weight=0, hard=False, iterations=0, threads=None,
-                 progress=None):
-        options = _struct(_c.cageform_samples_options, samples=samples, rotations=rotations, smoothing=smoothing)
-        self.report = Report()
-        running, raised = _running(threads, progress)
-        made = _Object(_call(_library.cageform_pose_samples, coordinates._handle, options, running, report=self.report,
-                             raised=raised))
+    def __init__(self, samples, pin_weight=0, hard=False, iterations=0):
         own = _struct(_c.cageform_pins_options, pin_weight=pin_weight, hard=int(hard), iterations=iterations)
-        super().__init__(_call(_library.cageform_pins_create, made._handle, own))
-        self._coordinates = coordinates
+        super().__init__(_call(_library.cageform_pins_create, samples._handle, own))
+        self.dimension, self.dtype = samples.dimension, samples.dtype
 
     def set(self, figure, points, weights=None):
         """Pins points of a figure, instead of those before. The pose stays."""
@@ -725,9 +773,10 @@ class Pins(_Object):
     def solve(self, targets, pose):
         """A frame: moves a copy of the pose (#handles, dimension) towards the targets (#pins, dimension). Returns the pose
         and a Report with miss, step, settled, folded, least_stretch, largest_stretch."""
-        its = self._coordinates
-        targets = _points(targets, its.dtype, 'targets', its.dimension)
-        pose = np.array(pose, dtype=its.dtype, order='C')
+        targets = _points(targets, self.dtype, 'targets', self.dimension)
+        pose = np.array(pose, dtype=self.dtype, order='C')
+        if pose.ndim != 2 or pose.shape[1] != self.dimension:
+            raise ValueError('pose: an array (#handles, %d), not %s' % (self.dimension, pose.shape))
         report = Report()
         _check(_library.cageform_pins_solve(self._handle, _view(targets), _view(pose, _c.cageform_output), report._c), report)
         return pose, report
