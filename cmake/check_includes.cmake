@@ -12,7 +12,8 @@ set(allowed_clone core binding/binding.hpp binding/detail/packed_binding.hpp bin
 set(allowed_pose core binding/binding.hpp binding/detail/packed_binding.hpp binding/types/blob.hpp clone pose)
 # What makes samples for a PoseSolver binds, and a PoseSolver does not include it.
 set(pose_bind_time pose/pose_samples.hpp pose/types/pose_sample_options.hpp pose/detail/pose_sampler.hpp
-                   pose/detail/sample_lattice.hpp pose/detail/sample_clusters.hpp pose/detail/sample_sums.hpp)
+                   pose/detail/sample_lattice.hpp pose/detail/sample_clusters.hpp pose/detail/sample_sums.hpp
+                   pose/detail/column_products.hpp pose/detail/column_products.impl.hpp)
 foreach(header IN LISTS pose_bind_time)
   set(allowed_${header} core cage grid coordinates binding ${pose_bind_time} pose/types/pose_samples.hpp
                          pose/types/pose_blob.hpp)
@@ -35,7 +36,7 @@ endforeach()
 # Third-party headers, by folder.
 set(third_party_adapt Eigen/ glm/)
 set(third_party_binding Eigen/)
-set(third_party_pose/detail/sample_sums.hpp Eigen/)
+set(third_party_pose/detail/column_products.impl.hpp Eigen/)
 set(third_party_fields/detail/graph_factors.hpp Eigen/)
 set(third_party_fields/detail/elimination.hpp Eigen/)
 # Standard headers that preprocess to 27,000 lines and more, kept out of run time.

@@ -30,7 +30,6 @@ template <SampledCoordinates C>
 class PoseSampler {
     using T = typename C::scalar;
     static constexpr std::size_t D = C::dimension;
-    using Matrix = typename SampleSums<T, D>::Matrix;
 
 public:
     /// given  the samples; null: they are on a lattice inside the cage
@@ -151,11 +150,11 @@ private:
         leave_out(report_.bind.not_finite);
         leave_out(report_.bind.unreached);
         if (!has_weights_outside(coordinates_)) leave_out(report_.bind.outside);
-        gradients_.resize(Eigen::Index(handles_.count), Eigen::Index(points.size() * D));
+        gradients_.resize(handles_.count * points.size() * D);
         for (std::size_t n = 0; n < points.size(); ++n) {
             for (std::size_t k = 0; k < D; ++k) {
                 for (std::size_t i = 0; i < handles_.count; ++i)
-                    gradients_(Eigen::Index(i), Eigen::Index(n * D + k)) =
+                    gradients_[(n * D + k) * handles_.count + i] =
                         is_there_[n] ? size_ * double(axes[k].weight(n, i)) : 0;
             }
         }
@@ -163,10 +162,11 @@ private:
     }
     void add_batch(std::size_t count, const std::vector<std::uint32_t>& numbers, SampleSums<T, D>& sums,
                    const Running& running) {
-        sums.add_products(gradients_.leftCols(Eigen::Index(count * D)), running);
+        const std::size_t together = D * handles_.count; // the numbers of a sample
+        sums.add_products(std::span(gradients_).first(count * together), running);
         for (std::size_t n = 0; n < count; ++n) {
             if (is_there_[n])
-                sums.add_sample(gradients_.middleCols(Eigen::Index(n * D), Eigen::Index(D)),
+                sums.add_sample(std::span(gradients_).subspan(n * together, together),
                                 cluster_of_[numbers[n]]);
             report_.samples += is_there_[n] ? 1 : 0;
             report_.left_out += is_there_[n] ? 0 : 1;
@@ -175,16 +175,17 @@ private:
     /// Adds the differences of neighbours, which smoothness weighs.
     void add_pairs(std::size_t first, std::size_t last, SampleSums<T, D>& sums, const Running& running) {
         if (first == last) return;
-        Matrix differences = Matrix::Zero(gradients_.rows(), Eigen::Index((last - first) * D));
+        const std::size_t together = D * handles_.count;
+        std::vector<double> differences((last - first) * together);
         for (std::size_t n = first; n < last; ++n) {
             const auto [a, b] = sampled_.neighbours[n];
             if (!is_there_[column_[a]] || !is_there_[column_[b]]) continue;
             const auto apart = (1 / size_) * vec_cast<double>(sampled_.points[a] - sampled_.points[b]);
             const double factor = options_.smoothing / std::sqrt(dot(apart, apart));
-            const auto of = [&](std::uint32_t s) {
-                return gradients_.middleCols(Eigen::Index(column_[s] * D), Eigen::Index(D));
-            };
-            differences.middleCols(Eigen::Index((n - first) * D), Eigen::Index(D)) = factor * (of(a) - of(b));
+            const double* const of_a = gradients_.data() + column_[a] * together;
+            const double* const of_b = gradients_.data() + column_[b] * together;
+            for (std::size_t i = 0; i < together; ++i)
+                differences[(n - first) * together + i] = factor * (of_a[i] - of_b[i]);
         }
         sums.add_products(differences, running);
     }
@@ -213,11 +214,12 @@ private:
             if (is_point) direction = direction - vec_cast<double>(places[nearest]);
             const double length = std::sqrt(dot(direction, direction));
             if (!(length > 1e-6 * to.size)) continue; // the sample feels it
-            Eigen::VectorXd gradient = Eigen::VectorXd::Zero(Eigen::Index(handles_.count));
+            std::vector<double> gradient(handles_.count);
             for (std::size_t h = 0; is_point && h < handles_.count; ++h)
-                gradient(Eigen::Index(h)) = -double(binding.weight(nearest, h));
-            gradient(Eigen::Index(i)) += 1;
-            sums.add_spoke(to.size / length * gradient, (1 / length) * direction, nearest,
+                gradient[h] = -double(binding.weight(nearest, h));
+            gradient[i] += 1;
+            for (double& x : gradient) x *= to.size / length;
+            sums.add_spoke(gradient, (1 / length) * direction, nearest,
                            report_.spokes / double(handles_.count));
         }
         return Status::ok;
@@ -242,7 +244,8 @@ private:
     std::vector<std::uint32_t> cluster_of_;
     std::vector<std::uint32_t> column_; ///< #samples: the place of a sample in the batch, if it is there
     double size_ = 0;                   ///< of the cage
-    Matrix gradients_;           ///< #handles × (points of a batch · D), in lengths of the cage's size
+    /// D columns of #handles numbers for each point of a batch, in lengths of the cage's size.
+    std::vector<double> gradients_;
     std::vector<bool> is_there_; ///< the points of a batch that have gradients
 };
 

@@ -1,92 +1,89 @@
 // The sums of PoseSamples over samples and spokes.
 #pragma once
 
-#include <cageform/core/detail/in_parallel.hpp>
+#include <cageform/pose/detail/column_products.hpp>
 #include <cageform/pose/types/pose_samples.hpp>
 
-#include <Eigen/Core>
-
+#include <array>
 #include <cmath>
 #include <vector>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Adds up K, G and M. Gradients are those of lengths that are shares of the cage's size.
+/// Adds up K, G and M. Gradients are those of lengths that are shares of the cage's size; matrices are stored
+/// column after column, each column with a number for every handle.
 template <Scalar T, std::size_t D>
 class SampleSums {
 public:
-    using Matrix = Eigen::MatrixXd;
-
     SampleSums(std::size_t handles, std::size_t clusters)
-        : stiffness_(Matrix::Zero(Eigen::Index(handles), Eigen::Index(handles)))
-        , gradients_(Matrix::Zero(Eigen::Index(handles), Eigen::Index(clusters * D)))
-        , moments_(clusters, Eigen::Matrix<double, int(D), int(D)>::Zero()) {}
+        : handles_(handles)
+        , stiffness_(handles * handles)
+        , gradients_(handles * clusters * D)
+        , moments_(clusters) {}
 
-    /// Adds the products of columns, #handles × any number, to K. Threads take columns of K.
-    void add_products(const Matrix& columns, const Running& running) {
-        constexpr Eigen::Index panel = 64;
-        const Eigen::Index handles = stiffness_.rows();
-        in_parallel(
-            running, std::size_t((handles + panel - 1) / panel), 1, [&](std::size_t begin, std::size_t end) {
-                for (auto n = Eigen::Index(begin); n < Eigen::Index(end); ++n) {
-                    const Eigen::Index first = n * panel, width = (std::min)(panel, handles - first);
-                    stiffness_.block(first, first, handles - first, width).noalias() +=
-                        columns.bottomRows(handles - first) * columns.middleRows(first, width).transpose();
-                }
-            });
+    /// Adds the products of columns to K.
+    void add_products(std::span<const double> columns, const Running& running) {
+        add_column_products(std::span<double>(stiffness_), columns, handles_, running);
     }
-    /// Adds a sample of weight 1 to its cluster.
-    void add_sample(const Eigen::Ref<const Matrix>& gradient, std::size_t cluster) {
-        gradients_.middleCols(Eigen::Index(cluster * D), Eigen::Index(D)) += gradient;
-        moments_[cluster].diagonal().array() += 1;
+    /// Adds a sample of weight 1, of D columns, to its cluster.
+    void add_sample(std::span<const double> gradient, std::size_t cluster) {
+        double* const sum = gradients_.data() + cluster * D * handles_;
+        for (std::size_t n = 0; n < D * handles_; ++n) sum[n] += gradient[n];
+        for (std::size_t k = 0; k < D; ++k) moments_[cluster][k * D + k] += 1;
     }
     /// Divides by the number of samples.
     void finish_samples(std::size_t count) {
-        stiffness_ /= double(count);
-        gradients_ /= double(count);
-        for (auto& moment : moments_) moment /= double(count);
-        felt_ = stiffness_.diagonal();
+        for (double& x : stiffness_) x /= double(count);
+        for (double& x : gradients_) x /= double(count);
+        for (auto& moment : moments_) {
+            for (double& x : moment) x /= double(count);
+        }
+        for (std::size_t i = 0; i < handles_; ++i) felt_.push_back(stiffness_[i * handles_ + i]);
     }
     /// Adds a spoke: `gradient` times the handles at rest is `direction`.
-    void add_spoke(const Eigen::VectorXd& gradient, const Vec<double, D>& direction, std::size_t cluster,
+    void add_spoke(std::span<const double> gradient, const Vec<double, D>& direction, std::size_t cluster,
                    double weight) {
-        stiffness_.template selfadjointView<Eigen::Lower>().rankUpdate(gradient, weight);
+        for (std::size_t j = 0; j < handles_; ++j) {
+            if (gradient[j] == 0) continue;
+            for (std::size_t i = j; i < handles_; ++i)
+                stiffness_[j * handles_ + i] += weight * gradient[j] * gradient[i];
+        }
         for (std::size_t k = 0; k < D; ++k) {
-            gradients_.col(Eigen::Index(cluster * D + k)) += weight * direction[k] * gradient;
+            double* const column = gradients_.data() + (cluster * D + k) * handles_;
+            for (std::size_t i = 0; i < handles_; ++i) column[i] += weight * direction[k] * gradient[i];
             for (std::size_t m = 0; m < D; ++m)
-                moments_[cluster](Eigen::Index(k), Eigen::Index(m)) += weight * (direction[k] * direction[m]);
+                moments_[cluster][k * D + m] += weight * (direction[k] * direction[m]);
         }
     }
 
     void write(PoseSamples<T, D>& to) const {
-        const auto handles = std::size_t(stiffness_.rows());
         to.cluster_count = moments_.size();
         const std::size_t blocks = block_count<T>(to.cluster_count);
-        to.gradients.resize(blocks * handles * D);
+        to.gradients.resize(blocks * handles_ * D);
         to.moments.resize(blocks * D * D);
         for (std::size_t c = 0; c < blocks * lane_count<T>; ++c) {
             const std::size_t block = c / lane_count<T>, lane = c % lane_count<T>;
             const bool is_there = c < to.cluster_count;
-            for (std::size_t n = 0; n < handles * D; ++n)
-                to.gradients[block * handles * D + n][lane] =
-                    is_there ? T(gradients_(Eigen::Index(n / D), Eigen::Index(c * D + n % D))) : T(0);
+            for (std::size_t n = 0; n < handles_ * D; ++n)
+                to.gradients[block * handles_ * D + n][lane] =
+                    is_there ? T(gradients_[(c * D + n % D) * handles_ + n / D]) : T(0);
             for (std::size_t n = 0; n < D * D; ++n)
-                to.moments[block * D * D + n][lane] =
-                    is_there ? T(moments_[c](Eigen::Index(n / D), Eigen::Index(n % D))) : T(n % (D + 1) == 0);
+                to.moments[block * D * D + n][lane] = is_there ? T(moments_[c][n]) : T(n % (D + 1) == 0);
         }
-        const double mean = felt_.mean();
-        for (std::size_t i = 0; i < handles; ++i) {
-            for (std::size_t j = 0; j <= i; ++j)
-                to.stiffness.push_back(stiffness_(Eigen::Index(i), Eigen::Index(j)));
-            if (!(felt_(Eigen::Index(i)) > 1e-6 * mean)) to.unfelt.push_back(std::uint32_t(i));
+        double mean = 0;
+        for (const double felt : felt_) mean += felt / double(handles_);
+        for (std::size_t i = 0; i < handles_; ++i) {
+            for (std::size_t j = 0; j <= i; ++j) to.stiffness.push_back(stiffness_[j * handles_ + i]);
+            if (!(felt_[i] > 1e-6 * mean)) to.unfelt.push_back(std::uint32_t(i));
         }
     }
 
 private:
-    Matrix stiffness_; ///< its lower half
-    Matrix gradients_; ///< D columns for each cluster
-    std::vector<Eigen::Matrix<double, int(D), int(D)>> moments_;
-    Eigen::VectorXd felt_; ///< the diagonal without spokes
+    std::size_t handles_;
+    std::vector<double> stiffness_;                  ///< its lower half
+    std::vector<double> gradients_;                  ///< D columns for each cluster
+    std::vector<std::array<double, D * D>> moments_; ///< row after row
+    std::vector<double> felt_;                       ///< the diagonal without spokes
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail
