@@ -146,21 +146,33 @@ void clone_all_ways(const cageform::PackedBindingView<T, D>& binding) {
     }
 }
 
-template <class T, std::size_t D>
-void open_as(std::span<const std::byte> bytes) {
+/// Opens bytes with and without their checksum. If they open, so do as many as they say and not one less, and
+/// use(what) runs on what was opened without.
+///
+///   open      open(bytes, check): a Result
+///   is_empty  is_empty(what): whether nothing was opened
+template <class Open, class IsEmpty, class Use>
+void open_and_use(std::span<const std::byte> bytes, const Open& open, const IsEmpty& is_empty,
+                  const Use& use) {
     for (const BlobCheck check : {BlobCheck::all, BlobCheck::structure}) {
-        const auto opened = cageform::open_blob<T, D>(bytes, {.check = check});
+        const auto opened = open(bytes, check);
         if (opened.status() != Status::ok) {
-            REQUIRE(opened.value.point_count() == 0 && opened.value.weights == nullptr);
+            REQUIRE(is_empty(opened.value));
             continue;
         }
         REQUIRE(opened.report.bytes <= bytes.size());
-        REQUIRE((cageform::open_blob<T, D>(bytes.first(opened.report.bytes), {.check = check}).status() ==
-                 Status::ok));
-        REQUIRE((cageform::open_blob<T, D>(bytes.first(opened.report.bytes - 1), {.check = check}).status() !=
-                 Status::ok));
-        if (check == BlobCheck::structure) clone_all_ways(opened.value);
+        const auto again = [&](std::size_t size) { return open(bytes.first(size), check).status(); };
+        REQUIRE(again(opened.report.bytes) == Status::ok && again(opened.report.bytes - 1) != Status::ok);
+        if (check == BlobCheck::structure) use(opened.value);
     }
+}
+
+template <class T, std::size_t D>
+void open_as(std::span<const std::byte> bytes) {
+    open_and_use(
+        bytes, [](auto some, BlobCheck check) { return cageform::open_blob<T, D>(some, {.check = check}); },
+        [](const auto& what) { return what.point_count() == 0 && what.weights == nullptr; },
+        [](const auto& what) { clone_all_ways(what); });
 }
 
 /// A clip at times within its range, far beyond and back, with a cursor in memory exactly as long as it
@@ -181,19 +193,10 @@ void play(const cageform::CageClipView<T, D>& clip) {
 
 template <class T, std::size_t D>
 void open_clip_as(std::span<const std::byte> bytes) {
-    for (const BlobCheck check : {BlobCheck::all, BlobCheck::structure}) {
-        const auto opened = cageform::open_clip<T, D>(bytes, check);
-        if (opened.status() != Status::ok) {
-            REQUIRE(opened.value.vertex_count() == 0 && opened.value.bank.knots.empty());
-            continue;
-        }
-        REQUIRE(opened.report.bytes <= bytes.size());
-        const auto again = [&](std::size_t size) {
-            return cageform::open_clip<T, D>(bytes.first(size), check).status();
-        };
-        REQUIRE(again(opened.report.bytes) == Status::ok && again(opened.report.bytes - 1) != Status::ok);
-        if (check == BlobCheck::structure) play(opened.value);
-    }
+    open_and_use(
+        bytes, [](auto some, BlobCheck check) { return cageform::open_clip<T, D>(some, check); },
+        [](const auto& what) { return what.vertex_count() == 0 && what.bank.knots.empty(); },
+        [](const auto& what) { play(what); });
 }
 
 /// A solver with pins whose weights are any, for two frames; a matrix may have no solution.
@@ -226,19 +229,11 @@ void solve(const cageform::PoseSamples<T, D>& samples) {
 
 template <class T, std::size_t D>
 void open_samples_as(std::span<const std::byte> bytes) {
-    for (const BlobCheck check : {BlobCheck::all, BlobCheck::structure}) {
-        const auto opened = cageform::open_pose_samples<T, D>(bytes, {.check = check});
-        if (opened.status() != Status::ok) {
-            REQUIRE(opened.value.handle_count() == 0 && opened.value.gradients.empty());
-            continue;
-        }
-        REQUIRE(opened.report.bytes <= bytes.size());
-        const auto again = [&](std::size_t size) {
-            return cageform::open_pose_samples<T, D>(bytes.first(size), {.check = check}).status();
-        };
-        REQUIRE(again(opened.report.bytes) == Status::ok && again(opened.report.bytes - 1) != Status::ok);
-        if (check == BlobCheck::structure) solve(opened.value);
-    }
+    open_and_use(
+        bytes,
+        [](auto some, BlobCheck check) { return cageform::open_pose_samples<T, D>(some, {.check = check}); },
+        [](const auto& what) { return what.handle_count() == 0 && what.gradients.empty(); },
+        [](const auto& what) { solve(what); });
 }
 
 /// The figure that opens, cloned; its labels and parts, read; its clips, played.
@@ -275,19 +270,10 @@ void play(const cageform::PackedFigureView<T, D>& figure) {
 
 template <class T, std::size_t D>
 void open_figure_as(std::span<const std::byte> bytes) {
-    for (const BlobCheck check : {BlobCheck::all, BlobCheck::structure}) {
-        const auto opened = cageform::open<T, D>(bytes, {.check = check});
-        if (opened.status() != Status::ok) {
-            REQUIRE(opened.value.point_count() == 0 && opened.value.table.empty());
-            continue;
-        }
-        REQUIRE(opened.report.bytes <= bytes.size());
-        const auto again = [&](std::size_t size) {
-            return cageform::open<T, D>(bytes.first(size), {.check = check}).status();
-        };
-        REQUIRE(again(opened.report.bytes) == Status::ok && again(opened.report.bytes - 1) != Status::ok);
-        if (check == BlobCheck::structure) play(opened.value);
-    }
+    open_and_use(
+        bytes, [](auto some, BlobCheck check) { return cageform::open<T, D>(some, {.check = check}); },
+        [](const auto& what) { return what.point_count() == 0 && what.table.empty(); },
+        [](const auto& what) { play(what); });
 }
 
 void open_as_all(std::span<const std::byte> bytes) {

@@ -51,9 +51,8 @@ void PinChoice::add_options(CommandLine& line) {
 std::string PinChoice::fault(bool has_pose) const {
     if (!is_given() && !held.empty()) return "--hold is for pins: give --pin or --pins too";
     if (is_given() && has_pose && held.empty())
-        return "pins move all vertices that are not held, whatever their pose: give --hold too, or only one "
-               "of "
-               "pins and a pose";
+        return "pins move all vertices that are not held, whatever their pose: give --hold too, or only "
+               "one of pins and a pose";
     return {};
 }
 
