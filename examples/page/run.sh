@@ -17,11 +17,9 @@ echo "the character (its program takes some minutes to build the first time)"
 cmake --build build --target make_character >$work/build.txt 2>&1 || { cat $work/build.txt; exit 1; }
 build/examples/make_character $work >/dev/null
 
-if [ ! -f $work/page.wasm ] || [ -n "$(find include $page/*.?pp -newer $work/page.wasm -type f)" ]; then
+if [ ! -f $work/page.wasm ] || [ -n "$(find include $page/*.?pp examples/support/wasm -newer $work/page.wasm -type f)" ]; then
   echo "the library to WebAssembly (a minute)"
-  clang++-19 --target=wasm32-wasi -mexec-model=reactor -std=c++20 -O2 -fno-unroll-loops -flto -msimd128 -DNDEBUG -fno-exceptions -fno-rtti \
-    -Wall -Wextra -Iinclude -isystem /usr/include/eigen3 $page/page.cpp \
-    -Wl,-z,stack-size=1048576 -Wl,--strip-all -o $work/page.wasm # products of matrices take more than the 64 kB of the default
+  sh examples/support/wasm/compile.sh $page/page.cpp $work/page.wasm
 fi
 
 # packed FILE: as a string of JavaScript
@@ -75,6 +73,7 @@ done
   printf ' },\nwasm: '
   packed $work/page.wasm
   printf '\n};\n'
+  cat examples/support/wasm/host.js
   for part in engine path safe_svg figure cage kinds field clip pins plane_pins view app pointer timeline save mesh mesh_pins main; do cat $page/js/$part.js; done
 } >$work/page.js
 

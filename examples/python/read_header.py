@@ -16,7 +16,7 @@ class Header:
 
     def __init__(self, text):
         self.statuses = [(int(n), name, own) for n, name, own in re.findall(
-            r'X\((\d+), [A-Z0-9_]+, ([a-z0-9_]+)(?:,\s*"([^"]*)")?\)', text)]
+            r'X\((\d+), [A-Z0-9_]+, ([a-z0-9_]+)(?:,[\s\\]*"([^"]*)")?\)', text)]
         text = re.sub(r'/\*.*?\*/', '', text, flags=re.S)
         text = re.sub(r'^\s*#.*(?:\\\n.*)*$', '', text, flags=re.M)
         self.constants = {name: int(number) for name, number in re.findall(r'\b(CAGEFORM_\w+) = (\d+)', text)}

@@ -10,35 +10,12 @@ async function unpack(text) {
   return new Uint8Array(await new Response(stream).arrayBuffer());
 }
 
-/** The imports of WASI's C library: a clock, and no output; and the callback for progress. */
-function wasiHost(memory, onProgress) {
-  const view = () => new DataView(memory().buffer);
-  const known = {
-    clock_time_get(id, precision, at) {
-      view().setBigUint64(at, BigInt(Math.round(performance.now() * 1e6)), true);
-      return 0;
-    },
-    fd_write(file, list, count, written) {
-      let size = 0;
-      for (let i = 0; i < count; ++i) size += view().getUint32(list + 8 * i + 4, true);
-      view().setUint32(written, size, true);
-      return 0;
-    },
-    progress: onProgress,
-    proc_exit(code) { throw new Error('the library has ended with ' + code); },
-  };
-  const badFile = 8;
-  return new Proxy(known, { get: (all, name) => all[name] ?? (() => badFile) });
-}
-
 class Engine {
   /** The library in an instance of its own; `onProgress` gets the fraction done of long computations. */
   static async start(module, onProgress = () => {}) {
     const engine = new Engine();
-    const host = wasiHost(() => engine.calls.memory, onProgress);
-    const imports = {};
-    for (const { module: group, name } of WebAssembly.Module.imports(module)) (imports[group] ??= {})[name] = host[name];
-    engine.calls = (await WebAssembly.instantiate(module, imports)).exports;
+    const host = wasiHost(() => engine.calls.memory, { progress: onProgress });
+    engine.calls = (await WebAssembly.instantiate(module, importsOf(module, host))).exports;
     engine.calls._initialize();
     return engine;
   }
@@ -223,7 +200,7 @@ class CageMaker {
   /** Calls makeCage() or makeShell() there; throws on a fault, or if it is stopped. */
   make(method, given, vertices, onProgress) {
     this.stop();
-    const text = `${wasiHost}\n${Engine}
+    const text = `${wasiHost}\n${importsOf}\n${Engine}
       onmessage = async ({ data: { module, method, given, vertices } }) => {
         try {
           let told = 0;

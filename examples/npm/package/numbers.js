@@ -1,0 +1,102 @@
+// The caller's numbers, checked.
+
+import { CONSTANTS } from './layout.js';
+import { CageformError, outside, refuse } from './engine.js';
+
+const isList = given => Array.isArray(given) || (ArrayBuffer.isView(given) && !(given instanceof DataView));
+
+/** Returns an array of a class, the caller's own where it is one already. */
+function converted(Kind, given, name) {
+  if (given instanceof Kind) return given;
+  try {
+    return Kind.from(given);
+  } catch {
+    return refuse(`${name}: numbers are needed`);
+  }
+}
+
+/** Returns points { numbers, dimension, count }: of a flat array, or one of arrays. Numbers stay as they are if they are a
+ *  Float32Array or a Float64Array; `Kind` asks for one of them. */
+export function points(given, name, { dimension, Kind = null }) {
+  if (given === null || given === undefined) throw new CageformError('argument_null', `${name}: an array is needed`);
+  if (!isList(given)) refuse(`${name}: an array is needed`);
+  let flat = given;
+  if (Array.isArray(given) && isList(given[0])) {
+    if (given.some(row => !isList(row) || row.length !== dimension))
+      throw new CageformError('dimension_differs', `${name}: ${dimension} numbers a point are needed`);
+    flat = given.map(row => Array.from(row)).flat();
+  }
+  if (flat.length % dimension !== 0)
+    throw new CageformError('dimension_differs', `${name}: ${flat.length} numbers are not points of ${dimension}`);
+  if (Array.isArray(flat) && flat.some(number => typeof number !== 'number')) refuse(`${name}: numbers are needed`);
+  const wanted = Kind ?? (flat instanceof Float32Array ? Float32Array : Float64Array);
+  const numbers = outside(converted(wanted, flat, name));
+  return { numbers, dimension, count: numbers.length / dimension };
+}
+
+/** Returns the array to be written: the caller's, which has to have this size, or a new one. */
+export function output(given, size, Kind, name) {
+  if (given === undefined || given === null || given === true) return new Kind(size);
+  if (!(given instanceof Kind)) throw new CageformError('scalar_differs', `${name}: a ${Kind.name} is needed`);
+  if (given.length !== size) throw new CageformError('output_too_small', `${name}: ${size} numbers are needed, not ${given.length}`);
+  return given;
+}
+
+/** Returns whole numbers of a flat array, or one of arrays. */
+export function indices(given, name) {
+  if (given instanceof Uint32Array) return given.slice();
+  if (given === null || given === undefined) throw new CageformError('argument_null', `${name}: an array is needed`);
+  if (!isList(given)) refuse(`${name}: an array is needed`);
+  const flat = Array.isArray(given) ? given.map(row => (isList(row) ? Array.from(row) : row)).flat() : given;
+  for (const number of flat) whole(number, name);
+  return converted(Uint32Array, flat, name);
+}
+
+export function whole(given, name, from = 0) {
+  if (!Number.isInteger(given) || given < from || given > 0xFFFFFFFF) refuse(`${name}: a whole number from ${from} to 2^32 - 1 is needed`);
+  return given;
+}
+export function number(given, name) {
+  if (typeof given !== 'number') refuse(`${name}: a number is needed`);
+  return given;
+}
+export function numbers(given, count, name) {
+  if (!isList(given) || given.length !== count) refuse(`${name}: ${count} numbers are needed`);
+  return Array.from(given, x => number(x, name));
+}
+export function string(given, name) {
+  if (typeof given !== 'string') refuse(`${name}: a string is needed`);
+  return given;
+}
+export function progressOf(given) {
+  if (given !== undefined && given !== null && typeof given !== 'function') refuse('progress: a function is needed');
+  return given ?? null;
+}
+export function options(given, known) {
+  if (given === undefined) return {};
+  if (given === null || typeof given !== 'object') refuse('options: an object is needed');
+  for (const name of Object.keys(given)) {
+    if (!known.includes(name)) refuse(`there is no option ${name}; there are ${known.join(', ')}`);
+  }
+  return given;
+}
+export function choice(choices, given, name) {
+  if (!Object.hasOwn(choices, given)) {
+    const names = Object.keys(choices).map(own => `'${own}'`).join(', ');
+    throw new CageformError('choice_unknown', `${name}: one of ${names} is needed`);
+  }
+  return choices[given];
+}
+
+const SCALARS = { float32: Float32Array, float64: Float64Array };
+export const scalarClass = given => choice(SCALARS, given, 'scalar');
+/** The class of arrays that a number of the library stands for. */
+export const classOf = scalar => (scalar === CONSTANTS.FLOAT ? Float32Array : Float64Array);
+export const nameOf = Kind => (Kind === Float32Array ? 'float32' : 'float64');
+
+/** Returns bytes: of an ArrayBuffer, or of any view. */
+export function bytesOf(given, name) {
+  if (given instanceof ArrayBuffer) return new Uint8Array(given);
+  if (ArrayBuffer.isView(given)) return outside(new Uint8Array(given.buffer, given.byteOffset, given.byteLength));
+  throw new CageformError(given === null || given === undefined ? 'argument_null' : 'argument_refused', `${name}: bytes are needed`);
+}

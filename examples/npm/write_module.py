@@ -1,0 +1,108 @@
+"""Writes what the npm package takes from the C header: offsets of structs in WebAssembly, statuses, constants, exports.
+
+    python3 write_module.py include/cageform/c/cageform.h include/cageform/version.hpp FOLDER
+
+FOLDER/layout.js and layout.d.ts, for the package; layout_check.hpp, which cageform.cpp compiles: the compiler proves the
+offsets; exports.txt and exports_runtime.txt, options of the linker.
+"""
+
+import pathlib
+import re
+import sys
+
+sys.dont_write_bytecode = True
+sys.path.insert(0, str(pathlib.Path(__file__).parent.parent / 'python'))
+from read_header import Header  # noqa: E402
+
+# Kinds of numbers as JavaScript reads them, and their bytes. Pointers and functions are addresses of 4 bytes.
+NUMBERS = {'size_t': ('u32', 4), 'uint32_t': ('u32', 4), 'int32_t': ('i32', 4), 'uint64_t': ('u64', 8), 'double': ('f64', 8),
+           'int': ('i32', 4), 'char': ('u8', 1), 'cageform_status': ('i32', 4)}
+
+
+def kind_of(kind, layouts):
+    """Returns the kind of a field, its bytes and its alignment."""
+    if kind in layouts:
+        return kind, layouts[kind]['size'], layouts[kind]['alignment']
+    name, size = NUMBERS.get(kind, ('u32', 4))
+    return name, size, size
+
+
+def layouts_of(header):
+    layouts = {}
+    for struct, fields in header.structs.items():
+        at, widest, placed = 0, 1, {}
+        for name, kind, lengths in fields:
+            known, size, alignment = kind_of(kind, layouts)
+            at = -(-at // alignment) * alignment
+            count = 1
+            for length in lengths:
+                count *= length
+            placed[name] = [known, at, count, kind]
+            at += size * count
+            widest = max(widest, alignment)
+        layouts[struct] = {'size': -(-at // widest) * widest, 'alignment': widest, 'fields': placed}
+    return layouts
+
+
+def camel(name):
+    return re.sub(r'_(\w)', lambda match: match.group(1).upper(), name)
+
+
+def write_script(header, layouts, version):
+    lines = ['// Written by write_module.py from cageform.h.', '', "export const VERSION = '%s';" % version, '',
+             '// Names of fields: kind, offset, how many.', 'export const STRUCTS = {']
+    for struct, its in layouts.items():
+        fields = ', '.join("%s: ['%s', %d, %d]" % (camel(name), kind, at, count) for name, (kind, at, count, _) in its['fields'].items())
+        lines.append('  %s: { size: %d, fields: { %s } },' % (struct, its['size'], fields))
+    lines += ['};', '', 'export const STATUSES = {']
+    lines += ["  %d: '%s'," % (number, name) for number, name, _ in header.statuses] + ['};', '', 'export const CONSTANTS = {']
+    lines += ['  %s: %d,' % (name[len('CAGEFORM_'):], number) for name, number in header.constants.items()] + ['};', '']
+    return '\n'.join(lines)
+
+
+def write_types(header, layouts):
+    lines = ['// Written by write_module.py from cageform.h.', '',
+             '/** The name of a status of the library. */', 'export type LibraryStatus =']
+    lines += ["  | '%s'" % name for number, name, _ in header.statuses if number != 0]
+    lines[-1] += ';'
+    lines += ['', '/** The numbers of a report, as the header of C describes them; a call sets those that it knows, the others are 0. */',
+              'export interface ReportNumbers {']
+    for name, (kind, _, count, _) in layouts['cageform_report']['fields'].items():
+        if name not in ('size', 'status', 'reserved', 'culprit', 'fault', 'message', 'settled'):
+            lines.append('  readonly %s: number;' % camel(name))
+    return '\n'.join(lines + ['}', ''])
+
+
+def write_check(layouts, runtime):
+    """Assertions for the compiler, of structs that the run time has, or of all."""
+    lines = ['// Written by write_module.py from cageform.h.', '#pragma once', '', '#include <cageform/c/cageform.h>', '', '#include <cstddef>', '']
+    for struct, its in layouts.items():
+        if struct not in runtime.structs:
+            lines.append('#if !defined(CAGEFORM_C_RUNTIME_ONLY)')
+        lines.append('static_assert(sizeof(%s) == %d);' % (struct, its['size']))
+        lines += ['static_assert(offsetof(%s, %s) == %d);' % (struct, name, at) for name, (_, at, _, _) in its['fields'].items()]
+        if struct not in runtime.structs:
+            lines.append('#endif')
+    return '\n'.join(lines + [''])
+
+
+def exports_of(header):
+    names = [*header.functions, 'cageform_call_begin', 'cageform_call_undo', 'cageform_call_progress', 'malloc', 'free', '__stack_pointer']
+    return '\n'.join('-Wl,--export=' + name for name in names) + '\n'
+
+
+def main():
+    text, version, folder = pathlib.Path(sys.argv[1]).read_text(), pathlib.Path(sys.argv[2]).read_text(), pathlib.Path(sys.argv[3])
+    header, runtime = Header(text), Header(text[:text.index('#if !defined(CAGEFORM_C_RUNTIME_ONLY)')])
+    layouts = layouts_of(header)
+    number = re.search(r'VERSION_STRING "(.*)"', version).group(1)
+    for name, written in (('layout.js', write_script(header, layouts, number)), ('layout.d.ts', write_types(header, layouts)),
+                          ('layout_check.hpp', write_check(layouts, runtime)), ('exports.txt', exports_of(header)),
+                          ('exports_runtime.txt', exports_of(runtime))):
+        path = folder / name
+        if not path.exists() or path.read_text() != written:
+            path.write_text(written)
+
+
+if __name__ == '__main__':
+    main()
