@@ -4,12 +4,9 @@
 # scripts. Nothing is loaded but Debian packages.
 set -eu
 cd "$(dirname "$0")/../.."
-sh cmake/install_packages.sh g++ cmake ninja-build libeigen3-dev python3 python3-numpy python3-setuptools python3-wheel \
-  python3-pip python3-matplotlib
+sh cmake/install_packages.sh python3 python3-numpy python3-setuptools python3-wheel python3-pip python3-matplotlib
+sh examples/python/build_library.sh
 build=build/python
-cmake -S . -B $build -G Ninja -DCMAKE_BUILD_TYPE=Release -DBUILD_SHARED_LIBS=ON -DCAGEFORM_BUILD_COMPILED=ON \
-  -DCAGEFORM_BUILD_TESTS=OFF -DCAGEFORM_BUILD_EXAMPLES=OFF -DCAGEFORM_INSTALL=OFF > $build.log 2>&1 || { cat $build.log; exit 1; }
-ninja -C $build cageform_compiled
 # The sources of the wheel are put together apart, so that nothing is written among those of the project.
 wheel=$build/wheel
 rm -rf $wheel

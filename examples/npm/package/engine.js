@@ -295,6 +295,9 @@ class Kept {
 
 const dropped = new FinalizationRegistry(kept => kept.release());
 
+/** What constructors that are not for callers take first. */
+export const MADE = Symbol('made');
+
 /** What the caller holds of an object of the library. */
 export class Owner {
   #kept = null;

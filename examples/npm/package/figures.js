@@ -1,6 +1,6 @@
 // What is called every frame: figures and clips.
 
-import { CageformError, NONE, Owner, aligned, refuse, scalarOf, started } from './engine.js';
+import { CageformError, MADE, NONE, Owner, aligned, refuse, scalarOf, started } from './engine.js';
 import { bytesOf, classOf, nameOf, number, options, output, points, string, whole } from './numbers.js';
 import { STATUSES, STRUCTS } from './layout.js';
 
@@ -29,9 +29,9 @@ export class Figure extends Owner {
   #room = null; // where poses and clones are: structs and numbers
 
   /** Not for callers: open(), Binding and level() make figures. */
-  constructor(engine, at, keeps = [], memory = []) {
+  constructor(made, engine, at, keeps = [], memory = []) {
     super();
-    if (!(at > 0)) refuse('a figure is made by open() or bind()');
+    if (made !== MADE) refuse('a figure is made by open() or bind()');
     this._adopt(engine, at, keeps, memory);
     const { points: count, handles, vertices, clips, levels, scalar, dimension, hasNormals, hasTangents, hasLabels } =
       described(engine, 'cageform_figure_describe', at, 'cageform_figure_info');
@@ -56,8 +56,8 @@ export class Figure extends Owner {
 
   level(level) {
     const { _engine: engine, _at: at } = this;
-    whole(level, 'level');
-    return new Figure(engine, engine.scoped(scope => engine.make(scope, 'cageform_open_level', [at, level, 0])), [this._kept]);
+    if (whole(level, 'level') > this.levels) throw new CageformError('index_out_of_bounds', `level: there are ${this.levels}`, level);
+    return new Figure(MADE, engine, engine.scoped(scope => engine.make(scope, 'cageform_open_level', [at, level, 0])), [this._kept]);
   }
 
   /** Takes the memory of clones, once for the figure's life: it is freed with it. */
@@ -152,7 +152,7 @@ export class Figure extends Owner {
         if (found === NONE) throw new CageformError('index_out_of_bounds', `there is no clip '${clip}'`);
       }
       whole(found, 'clip');
-      return new Clip(engine, engine.make(scope, 'cageform_play', [at, found, 0]), [this._kept]);
+      return new Clip(MADE, engine, engine.make(scope, 'cageform_play', [at, found, 0]), [this._kept]);
     });
   }
 }
@@ -162,9 +162,9 @@ export class Clip extends Owner {
   #dimension = 0;
 
   /** Not for callers: Figure.clip() and compileClip() make clips. */
-  constructor(engine, at, keeps = [], memory = [], bytes = null) {
+  constructor(made, engine, at, keeps = [], memory = [], bytes = null) {
     super();
-    if (!(at > 0)) refuse('a clip is made by Figure.clip() or compileClip()');
+    if (made !== MADE) refuse('a clip is made by Figure.clip() or compileClip()');
     this._adopt(engine, at, keeps, memory);
     const { begin, end, vertices, scalar, dimension, name, nameLength } =
       described(engine, 'cageform_player_describe', at, 'cageform_clip_info');
@@ -193,7 +193,7 @@ export function open(source, chosen) {
   const engine = started(), bytes = bytesOf(source, 'source');
   const { skipChecksum } = options(chosen, ['skipChecksum']);
   const { memory, at } = fileAt(engine, bytes);
-  return new Figure(engine, orFree(engine, memory, () => engine.scoped(scope => {
+  return new Figure(MADE, engine, orFree(engine, memory, () => engine.scoped(scope => {
     const own = scope.struct('cageform_open_options', { skipChecksum: Boolean(skipChecksum) });
     const made = scope.struct(4), culprit = scope.struct(4);
     const code = engine.call('cageform_open', at, bytes.length, own, made, culprit), tag = engine.view('u32', culprit, 1)[0];

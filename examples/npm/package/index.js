@@ -1,9 +1,9 @@
 // Everything: the run time, and what is made before it.
 
-import { CageformError, Fault, Owner, Report, objectOf, refuse, scalarOf, start, started } from './engine.js';
+import { CageformError, Fault, MADE, Owner, Report, objectOf, refuse, scalarOf, start, started } from './engine.js';
 import { Clip, Figure, described, fileAt, orFree, written } from './figures.js';
 import { CONSTANTS, VERSION } from './layout.js';
-import { bytesOf, choice, classOf, indices, nameOf, number, numbers, options, points, progressOf, scalarClass, string, whole } from './numbers.js';
+import { bytesOf, choice, classOf, flattened, indices, nameOf, number, numbers, options, points, progressOf, scalarClass, string, whole } from './numbers.js';
 
 export { CageformError, Fault, Report };
 export { Clip, Figure, open } from './figures.js';
@@ -20,15 +20,15 @@ export class Cage {
   #its;
 
   /** Not for callers: the functions below make cages. */
-  constructor(its) {
-    if (its === undefined || KINDS[its.kind] === undefined) refuse('a cage is made by Cage.polygon(), mesh(), curves(), lattice() or sites()');
+  constructor(made, its) {
+    if (made !== MADE) refuse('a cage is made by Cage.polygon(), mesh(), curves(), lattice() or sites()');
     this.#its = { vertices: null, counts: null, indices: null, loops: null, dimension: its.vertices?.dimension, ...its };
     this.kind = its.kind;
     this.dimension = this.#its.dimension;
   }
 
   static polygon(vertices, loops) {
-    return new Cage({ kind: 'polygon', vertices: points(vertices, 'vertices', { dimension: 2 }),
+    return new Cage(MADE, { kind: 'polygon', vertices: points(vertices, 'vertices', { dimension: 2 }),
                       counts: loops === undefined ? null : indices(loops, 'loops') });
   }
 
@@ -36,7 +36,7 @@ export class Cage {
     const { divisions = 1, offPlane = 0, corners = 3 } = options(chosen, ['divisions', 'offPlane', 'corners']);
     const listed = Array.isArray(faces) && typeof faces[0] === 'object', flat = indices(faces, 'faces');
     const each = listed ? Uint32Array.from(faces, face => face?.length ?? 1) : new Uint32Array(Math.ceil(flat.length / whole(corners, 'corners', 3))).fill(corners);
-    return new Cage({ kind: 'mesh', vertices: points(vertices, 'vertices', { dimension: 3 }), counts: each, indices: flat,
+    return new Cage(MADE, { kind: 'mesh', vertices: points(vertices, 'vertices', { dimension: 3 }), counts: each, indices: flat,
                       divisions: whole(divisions, 'divisions', 1), offPlane: number(offPlane, 'offPlane') });
   }
 
@@ -49,7 +49,7 @@ export class Cage {
       joined.set(edge.numbers, at);
       at += edge.numbers.length;
     }
-    return new Cage({ kind: 'curves', vertices: points(joined, 'edges', { dimension: 2 }), counts: Uint32Array.from(all, edge => Math.max(edge.count - 1, 0)),
+    return new Cage(MADE, { kind: 'curves', vertices: points(joined, 'edges', { dimension: 2 }), counts: Uint32Array.from(all, edge => Math.max(edge.count - 1, 0)),
                       loops: loops === undefined ? null : indices(loops, 'loops') });
   }
 
@@ -60,13 +60,13 @@ export class Cage {
     const each = (given, name) => (typeof given === 'number' ? Array(dimension).fill(whole(given, name)) : numbers(given, dimension, name).map(n => whole(n, name)));
     const padded = list => [...list, 0].slice(0, 3);
     const edges = axes.map(axis => padded(numbers(axis, dimension, 'axes')));
-    return new Cage({ kind: 'lattice', dimension, points: each(along, 'points'), degree: each(degree, 'degree'), falloff: number(falloff, 'falloff'),
+    return new Cage(MADE, { kind: 'lattice', dimension, points: each(along, 'points'), degree: each(degree, 'degree'), falloff: number(falloff, 'falloff'),
                       origin: padded(numbers(origin, dimension, 'origin')), axes: edges });
   }
 
   static sites(sites, chosen) {
     const { dimension = 3 } = options(chosen, ['dimension']);
-    return new Cage({ kind: 'sites', vertices: points(sites, 'sites', { dimension: dimensionOf(dimension) }) });
+    return new Cage(MADE, { kind: 'sites', vertices: points(sites, 'sites', { dimension: dimensionOf(dimension) }) });
   }
 
   get vertices() { return this.#its.vertices?.numbers.slice() ?? null; }
@@ -131,7 +131,7 @@ export function makeCage(places, joined, chosen) {
       const found = points(engine.view('f64', at.data, at.count * at.dimension).slice(), 'vertices', { dimension: at.dimension });
       const cage = { kind: kind === CONSTANTS.MESH ? 'mesh' : 'polygon', vertices: found, counts: copied(counts, countCount), indices: copied(faces, indexCount) };
       cage.counts ??= cage.indices && new Uint32Array(cage.indices.length / 3).fill(3);
-      return { cage: new Cage(cage), report: scope.report(report) };
+      return { cage: new Cage(MADE, cage), report: scope.report(report) };
     } finally {
       engine.ended || engine.call('cageform_free', made);
     }
@@ -198,7 +198,7 @@ export class Coordinates extends Owner {
       return engine.make(scope, 'cageform_bind', [at, view(given), ...vectors.map(view), scope.struct('cageform_bind_options', own), scope.running(told)],
                          { report: to, progress: told });
     });
-    return new Binding(engine, made, { report, points: given.count, handles: this.handles, Kind: this.#Kind });
+    return new Binding(MADE, engine, made, { report, points: given.count, handles: this.handles, Kind: this.#Kind });
   }
 }
 
@@ -216,9 +216,9 @@ export class Binding extends Owner {
   #Kind;
 
   /** Not for callers: Coordinates.bind() makes bindings. */
-  constructor(engine, at, its) {
+  constructor(made, engine, at, its) {
     super();
-    if (!(at > 0)) refuse('a binding is made by Coordinates.bind()');
+    if (made !== MADE) refuse('a binding is made by Coordinates.bind()');
     this._adopt(engine, at, [], []);
     this.#Kind = its.Kind;
     Object.assign(this, { report: its.report, points: its.points, handles: its.handles, scalar: nameOf(its.Kind) });
@@ -226,7 +226,7 @@ export class Binding extends Owner {
   }
   #newFigure() {
     const { _engine: engine, _at: at } = this;
-    return new Figure(engine, engine.scoped(scope => engine.make(scope, 'cageform_binding_figure', [at])), [this._kept]);
+    return new Figure(MADE, engine, engine.scoped(scope => engine.make(scope, 'cageform_binding_figure', [at])), [this._kept]);
   }
 
   #list(name) {
@@ -274,7 +274,7 @@ export class Binding extends Owner {
       options(chosen, ['tolerance', 'threshold', 'largest', 'reach', 'poses', 'format', 'clips', 'levels', 'progress']);
     const own = { tolerance: number(tolerance, 'tolerance'), threshold: number(threshold, 'threshold'), largest: whole(largest, 'largest'),
                   reach: number(reach, 'reach'), format: choice(FORMATS, format, 'format') };
-    const where = poses === undefined ? null : points(poses, 'poses', { dimension: this.figure.dimension }), told = progressOf(progress);
+    const where = poses === undefined ? null : points(flattened(poses), 'poses', { dimension: this.figure.dimension }), told = progressOf(progress);
     if (clips === null || typeof clips !== 'object' || !Array.isArray(levels)) refuse('clips: an object of clips, levels: an array of bytes is needed');
     const parts = Object.entries(clips).map(([name, clip]) => {
       if (objectOf(Clip, clip, 'clips').bytes === null) refuse(`clips: ${name} has no bytes, as compileClip() did not make it`);
@@ -317,8 +317,7 @@ export function compileClip(times, poses, chosen) {
   const at = points(times, 'times', { dimension: 1, Kind: Float64Array }), own = {
     tolerance: number(tolerance, 'tolerance'), packTolerance: number(packTolerance, 'packTolerance'), keys: choice(JOINED, keys, 'keys'),
     before: choice(ENDS, before, 'before'), after: choice(ENDS, after, 'after'), scalar: scalarOf(scalarClass(scalar)) };
-  const flat = Array.isArray(poses) && ArrayBuffer.isView(poses[0]) ? poses.flatMap(pose => Array.from(pose)) : Array.isArray(poses?.[0]?.[0]) ? poses.flat() : poses;
-  const all = points(flat, 'poses', { dimension: dimensionOf(dimension) }), told = progressOf(progress);
+  const all = points(flattened(poses), 'poses', { dimension: dimensionOf(dimension) }), told = progressOf(progress);
   const { bytes, report } = engine.scoped(scope => {
     const to = scope.newReport();
     const made = engine.make(scope, 'cageform_compile_clip', [scope.array(at.numbers), at.count, scope.struct('cageform_points', scope.points(all)),
@@ -327,13 +326,13 @@ export function compileClip(times, poses, chosen) {
   });
   const { memory, at: start } = fileAt(engine, bytes);
   const player = orFree(engine, memory, () => engine.scoped(scope => engine.make(scope, 'cageform_play_bytes', [start, bytes.length, 0])));
-  return { clip: new Clip(engine, player, [], [memory], bytes), report };
+  return { clip: new Clip(MADE, engine, player, [], [memory], bytes), report };
 }
 
 export class Samples extends Owner {
   constructor(coordinates, chosen) {
     super();
-    if (coordinates instanceof PackedSamples) return this.#finish(coordinates.engine, coordinates.at, null);
+    if (coordinates === MADE) return this.#finish(chosen.engine, chosen.at, null);
     const engine = objectOf(Coordinates, coordinates, 'coordinates')._engine;
     const { samples = 0, rotations = 0, smoothing = 0, progress } = options(chosen, ['samples', 'rotations', 'smoothing', 'progress']);
     const own = { samples: whole(samples, 'samples'), rotations: whole(rotations, 'rotations'), smoothing: number(smoothing, 'smoothing') };
@@ -356,15 +355,11 @@ export class Samples extends Owner {
     });
   }
 }
-/** What openSamples() makes of. */
-class PackedSamples {
-  constructor(engine, at) { Object.assign(this, { engine, at }); }
-}
 
 export function openSamples(source, chosen) {
   const engine = started(true), bytes = bytesOf(source, 'source'), { skipChecksum = false } = options(chosen, ['skipChecksum']);
   const at = engine.scoped(scope => engine.make(scope, 'cageform_samples_open', [scope.array(bytes, 64), bytes.length, skipChecksum ? 1 : 0]));
-  return new Samples(new PackedSamples(engine, at));
+  return new Samples(MADE, { engine, at });
 }
 
 export class Pins extends Owner {

@@ -34,6 +34,12 @@ export function points(given, name, { dimension, Kind = null }) {
   return { numbers, dimension, count: numbers.length / dimension };
 }
 
+/** Returns one row of the numbers of arrays of arrays. */
+export function flattened(given) {
+  if (!Array.isArray(given) || !isList(given[0])) return given;
+  return given.map(row => (isList(row) ? Array.from(flattened(row)) : row)).flat();
+}
+
 /** Returns the array to be written: the caller's, which has to have this size, or a new one. */
 export function output(given, size, Kind, name) {
   if (given === undefined || given === null || given === true) return new Kind(size);

@@ -1,0 +1,24 @@
+#!/bin/sh
+# Usage: sh examples/npm/three/run.sh [--serve]
+# Installs three.js from npm's registry, which needs a network, and the package of ../run.sh; binds the project's character in
+# node; opens the page in a headless Chromium, checks what it shows, and writes out/npm_three_*.png.
+#   --serve   hands the page out for a browser instead, until it is stopped
+# This test is apart from those of the package, which need no network.
+set -eu
+cd "$(dirname "$0")/../../.."
+version=$(sed -n 's/.*VERSION_STRING "\(.*\)".*/\1/p' include/cageform/version.hpp)
+[ -f "out/cageform-$version.tgz" ] || sh examples/npm/run.sh --build-only
+sh cmake/install_packages.sh g++ cmake ninja-build libeigen3-dev libpugixml-dev zlib1g-dev libstb-dev libcli11-dev libtinyobjloader-dev \
+  nlohmann-json3-dev libgmp-dev chromium python3
+work=build/npm/three
+mkdir -p $work/data
+if [ ! -f $work/data/character.obj ]; then
+  [ -f build/build.ninja ] || cmake -S . -B build -G Ninja -DCMAKE_BUILD_TYPE= -DCMAKE_CXX_FLAGS='-O2 -march=native' \
+    -DCAGEFORM_BUILD_TESTS=OFF -DCAGEFORM_BUILD_BENCH=OFF >/dev/null
+  cmake --build build --target make_character >$work/build.txt 2>&1 || { cat $work/build.txt; exit 1; }
+  build/examples/make_character $work/data >/dev/null
+fi
+cp examples/npm/three/package.json examples/npm/three/*.js examples/npm/three/index.html $work
+(cd $work && npm install --no-audit --no-fund --silent && npm install --offline --no-save --no-audit --no-fund --silent "../../../out/cageform-$version.tgz")
+(cd $work && node bind.js data .)
+PYTHONDONTWRITEBYTECODE=1 exec /usr/bin/python3 examples/npm/three/test.py $work out "$@"

@@ -1,0 +1,41 @@
+"""Opens the example with three.js in a headless Chromium: python3 test.py FOLDER PICTURES [--serve]"""
+
+import json
+import pathlib
+import sys
+import time
+
+sys.path.insert(0, str(pathlib.Path(__file__).parent.parent / 'test'))
+from browser import Browser, serve  # noqa: E402
+
+
+def main(folder, pictures, *options):
+    address = serve(folder)
+    if '--serve' in options:
+        print(address)
+        while True:
+            time.sleep(1000)
+    expected = json.loads((pathlib.Path(folder) / 'character.json').read_text())
+    browser = Browser((900, 700))
+    try:
+        browser.call('Page.navigate', {'url': address + '/index.html'})
+        browser.wait('window.drawn && window.drawn.frames > 60', seconds=120)
+        each = browser.run('window.drawn.milliseconds')
+        for stop in (0, expected['time'], 1.5):
+            browser.run("location.hash = '#%g'" % stop)
+            browser.wait('window.drawn.time === %g' % stop)
+            browser.frames(3)
+            browser.picture('%s/npm_three_%g.png' % (pictures, stop))
+            if stop == expected['time']:
+                points = browser.run('Array.from(window.drawn.points)')
+        faults = browser.faults()
+    finally:
+        browser.close()
+    assert points == expected['points'], 'the page and node come to other points'
+    assert not faults, faults
+    shots = {(pathlib.Path(pictures) / ('npm_three_%g.png' % stop)).read_bytes() for stop in (0, expected['time'], 1.5)}
+    assert len(shots) == 3, 'the pictures do not differ'
+    print('three.js: %d points as in node, to the bit; %.2f ms a frame for clip, clone and normals' % (len(points) // 3, each))
+
+
+main(*sys.argv[1:])
