@@ -37,7 +37,7 @@ const lines = new LineSegments(new BufferGeometry(), new LineBasicMaterial({ col
 skin.frustumCulled = lines.frustumCulled = false; // bounds are of the first frame
 scene.add(new AmbientLight(0xffffff, 1), light, skin, lines);
 camera.position.set(2.2, 1.4, 5.2);
-camera.lookAt(0.2, 1, 0);
+camera.lookAt(0, 0.95, 0);
 
 const renderer = new WebGLRenderer({ antialias: true, preserveDrawingBuffer: true });
 renderer.setPixelRatio(devicePixelRatio);

@@ -6,7 +6,7 @@ import sys
 import time
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent.parent / 'test'))
-from browser import Browser, serve  # noqa: E402
+from chromium import Browser, serve  # noqa: E402
 
 
 def main(folder, pictures, *options):

@@ -1,4 +1,4 @@
-"""Runs the tests of the npm package in a headless Chromium: python3 browser.py FOLDER
+"""Runs the tests of the npm package in a headless Chromium: python3 chromium.py FOLDER
 
 FOLDER has the installed package, the tests, and data/; a server on this machine alone hands them out.
 """
