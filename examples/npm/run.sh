@@ -31,10 +31,7 @@ compiled cageform exports # two minutes
 rm -rf $package
 mkdir -p $package
 cp $npm/package/*.js $npm/package/*.d.ts $npm/package/README.md LICENSE $made/layout.js $made/layout.d.ts $made/*.wasm $package
-{
-  cat examples/support/wasm/host.js
-  printf '\nexport { importsOf, wasiHost };\n'
-} >$package/host.js
+sh $npm/write_host.sh $package/host.js
 version=$(sed -n 's/.*VERSION_STRING "\(.*\)".*/\1/p' include/cageform/version.hpp)
 sed -e "s/@VERSION@/$version/" -e "s/@LICENSE@/$(sed -n '1s/ License$//p' LICENSE)/" $npm/package/package.json.in >$package/package.json
 tarball=out/cageform-$version.tgz

@@ -14,6 +14,16 @@ declare class Owner {
   free(): void;
 }
 
+/** What lies inside a polygon or a mesh of triangles, for harmonic coordinates. */
+export interface CageCells {
+  /** So many of the last vertices are not on the boundary; they are handles too. */
+  cellVertices?: number;
+  /** Points (a = b) and edges inside; everything within the radius follows them. */
+  bones?: readonly { a: number; b?: number; radius: number }[];
+  /** In the plane two ends an edge, in space three corners a triangle. */
+  walls?: Indices;
+}
+
 /** A cage, as arrays. */
 export class Cage {
   private constructor();
@@ -25,10 +35,10 @@ export class Cage {
   readonly faces: number[][] | null;
 
   /** Loops in the plane, and how many vertices each has. */
-  static polygon(vertices: Numbers, loops?: Indices): Cage;
+  static polygon(vertices: Numbers, loops?: Indices | null, options?: CageCells): Cage;
   /** Faces in space, counter-clockwise seen from outside: an array for each, or flat with so many `corners` each (3). Quads
    *  may be divided; a face whose corners are farther off its plane than `offPlane` is a fan. */
-  static mesh(vertices: Numbers, faces: Indices, options?: { corners?: number; divisions?: number; offPlane?: number }): Cage;
+  static mesh(vertices: Numbers, faces: Indices, options?: CageCells & { corners?: number; divisions?: number; offPlane?: number }): Cage;
   /** Loops of Bézier curves in the plane, for Green coordinates: 2 to 4 control points an edge; and edges of each loop. */
   static curves(edges: readonly Numbers[], loops?: Indices): Cage;
   /** A box of splines: control points along each axis, a corner of the box, and its edges. */
@@ -80,6 +90,9 @@ export interface CoordinatesOptions {
 /** Coordinates of a cage. */
 export class Coordinates extends Owner {
   constructor(cage: Cage, options?: CoordinatesOptions);
+  /** Of several cages over one figure, such as a body and a head; where they overlap, they are blended by depth. Mean value or
+   *  harmonic. Handles are those of the first cage, then of the next. */
+  static blend(cages: readonly Cage[], options?: CoordinatesOptions): Coordinates;
   readonly kind: CoordinatesKind;
   readonly scalar: Scalar;
   readonly report: Report;

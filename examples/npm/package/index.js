@@ -16,6 +16,14 @@ export const init = source => start(source, new URL('./cageform.wasm', import.me
 
 const KINDS = { polygon: CONSTANTS.POLYGON, mesh: CONSTANTS.MESH, curves: CONSTANTS.CURVES, lattice: CONSTANTS.LATTICE, sites: CONSTANTS.SITES };
 
+/** What lies inside of a cage. */
+const CELLS = ['cellVertices', 'bones', 'walls'];
+function cellsOf({ cellVertices = 0, bones = [], walls }) {
+  if (!Array.isArray(bones)) refuse('bones: an array of { a, b, radius } is needed');
+  const boneOf = ({ a, b = a, radius }) => ({ a: whole(a, 'bones'), b: whole(b, 'bones'), radius: number(radius, 'bones') });
+  return { cellVertices: whole(cellVertices, 'cellVertices'), bones: bones.map(bone => boneOf(bone ?? {})), walls: walls === undefined ? null : indices(walls, 'walls') };
+}
+
 export class Cage {
   #its;
 
@@ -27,17 +35,17 @@ export class Cage {
     this.dimension = this.#its.dimension;
   }
 
-  static polygon(vertices, loops) {
+  static polygon(vertices, loops, chosen) {
     return new Cage(MADE, { kind: 'polygon', vertices: points(vertices, 'vertices', { dimension: 2 }),
-                      counts: loops === undefined ? null : indices(loops, 'loops') });
+                            counts: loops === undefined || loops === null ? null : indices(loops, 'loops'), ...cellsOf(options(chosen, CELLS)) });
   }
 
   static mesh(vertices, faces, chosen) {
-    const { divisions = 1, offPlane = 0, corners = 3 } = options(chosen, ['divisions', 'offPlane', 'corners']);
+    const { divisions = 1, offPlane = 0, corners = 3, ...cells } = options(chosen, ['divisions', 'offPlane', 'corners', ...CELLS]);
     const listed = Array.isArray(faces) && typeof faces[0] === 'object', flat = indices(faces, 'faces');
     const each = listed ? Uint32Array.from(faces, face => face?.length ?? 1) : new Uint32Array(Math.ceil(flat.length / whole(corners, 'corners', 3))).fill(corners);
     return new Cage(MADE, { kind: 'mesh', vertices: points(vertices, 'vertices', { dimension: 3 }), counts: each, indices: flat,
-                      divisions: whole(divisions, 'divisions', 1), offPlane: number(offPlane, 'offPlane') });
+                      divisions: whole(divisions, 'divisions', 1), offPlane: number(offPlane, 'offPlane'), ...cellsOf(cells) });
   }
 
   static curves(edges, loops) {
@@ -81,12 +89,13 @@ export class Cage {
   /** Writes a cageform_cage. */
   _describe(scope) {
     const { vertices, counts, indices: corners, loops, divisions = 0, offPlane = 0, points: along = [], degree = [], origin = [], axes = [],
-            falloff = 0, dimension } = this.#its;
+            falloff = 0, dimension, cellVertices = 0, bones = [], walls = null } = this.#its;
     const length = array => array?.length ?? 0;
     return scope.struct('cageform_cage', {
       kind: KINDS[this.kind], ...(vertices === null ? {} : { vertices: scope.points(vertices) }), counts: scope.array(counts), countCount: length(counts),
       indices: scope.array(corners), indexCount: length(corners), loops: scope.array(loops), loopCount: length(loops), divisions, offPlane,
       ...(this.kind === 'lattice' ? { dimension } : {}), points: along, degree, origin, axes, falloff,
+      cellVertices, bones: scope.structs('cageform_bone', bones), boneCount: bones.length, walls: scope.array(walls), wallIndexCount: length(walls),
     });
   }
 }
@@ -151,25 +160,38 @@ const reported = (engine, make) => engine.scoped(scope => {
   return { at: make(scope, report), report: scope.report(report) };
 });
 
+/** Several cages over one figure. */
+class Blend {
+  constructor(cages) {
+    if (!Array.isArray(cages) || cages.length === 0) refuse('cages: an array of cages is needed');
+    this.cages = cages.map(cage => objectOf(Cage, cage, 'cages'));
+  }
+}
+
 export class Coordinates extends Owner {
   #Kind;
 
   constructor(cage, chosen) {
     super();
     const engine = started(true);
-    objectOf(Cage, cage, 'cage');
-    const { kind = USUAL[cage.kind], scalar = 'float32', accuracy = 0, memoryLimit = 0, degree = 1, disk } =
+    const cages = cage instanceof Blend ? cage.cages : [objectOf(Cage, cage, 'cage')];
+    const { kind = USUAL[cages[0].kind], scalar = 'float32', accuracy = 0, memoryLimit = 0, degree = 1, disk } =
       options(chosen, ['kind', 'scalar', 'accuracy', 'memoryLimit', 'degree', 'disk']);
     this.#Kind = scalarClass(scalar);
     const own = { type: choice(TYPES, kind, 'kind'), scalar: scalarOf(this.#Kind), accuracy: number(accuracy, 'accuracy'),
                   memoryLimit: whole(memoryLimit, 'memoryLimit'), sibsonDegree: whole(degree, 'degree'), ...(disk === undefined ? {} : { disk: numbers(disk, 3, 'disk') }) };
-    const { at, report } = reported(engine, (scope, to) =>
-      engine.make(scope, 'cageform_coordinates_create', [cage._describe(scope), scope.struct('cageform_coordinates_options', own)], { report: to }));
+    const { at, report } = reported(engine, (scope, to) => {
+      const structs = cages.map(one => one._describe(scope)), how = scope.struct('cageform_coordinates_options', own);
+      if (!(cage instanceof Blend)) return engine.make(scope, 'cageform_coordinates_create', [structs[0], how], { report: to });
+      return engine.make(scope, 'cageform_coordinates_blend', [scope.array(Uint32Array.from(structs)), structs.length, how], { report: to });
+    });
     this._adopt(engine, at, [], []);
     const { handles, vertices, dimension, hasWeightsOutside, hasGradients } =
       described(engine, 'cageform_coordinates_describe', at, 'cageform_coordinates_info');
     Object.assign(this, { kind, scalar, report, handles, vertices, dimension, hasWeightsOutside: hasWeightsOutside !== 0, hasGradients: hasGradients !== 0 });
   }
+
+  static blend(cages, chosen) { return new Coordinates(new Blend(cages), chosen); }
 
   rest(out) {
     const { _engine: engine, _at: at } = this;

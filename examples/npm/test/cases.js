@@ -316,6 +316,25 @@ export const tests = [
     equal(cageform.check(cageform.Cage.polygon(SQUARE)).length, 0, 'no fault');
   } },
 
+  { name: 'cells inside a cage are handles; several cages are blended', run({ cageform }) {
+    const { Cage, Coordinates } = cageform;
+    const inside = new Coordinates(Cage.polygon([...SQUARE, [2, 2]], null, { cellVertices: 1, bones: [{ a: 4, radius: 0.5 }] }), { kind: 'harmonic' });
+    const { figure } = inside.bind([2.1, 2.2, 0.5, 0.5]), pose = figure.rest(), before = figure.clone(pose).points;
+    pose[8] += 0.25;
+    const after = figure.clone(pose).points;
+    equal(inside.handles, 5, 'handles');
+    assert(Math.abs(after[0] - before[0] - 0.25) < 1e-5 && after[2] - before[2] < 0.1, `${before} ${after}`);
+    refused(cageform, 'interior_cells_not_supported', () => new Coordinates(Cage.polygon([...SQUARE, [2, 2]], null, { cellVertices: 1, bones: [{ a: 4, radius: 0.5 }] }), { kind: 'mean-value' }));
+    refused(cageform, 'argument_refused', () => Cage.polygon(SQUARE, null, { bones: [null] }));
+    const two = Coordinates.blend([Cage.polygon(SQUARE), Cage.polygon(SQUARE.map(([x, y]) => [x + 3, y]))]), points = Float32Array.of(1, 1, 3.5, 2, 6, 3);
+    const bound = two.bind(points), moved = two.rest().map((x, i) => x + i % 2);
+    equal(two.handles, 8, 'handles of both');
+    assert(difference(bound.figure.clone(moved).points, points.map((x, i) => x + i % 2)) < 1e-5, 'a move of both');
+    equal(refused(cageform, 'cage_self_crossing', () => Coordinates.blend([Cage.polygon(SQUARE), Cage.polygon(CROSSED)])).culprit, 1, 'the cage that is refused');
+    refused(cageform, 'argument_refused', () => Coordinates.blend([]));
+    refused(cageform, 'argument_null', () => Coordinates.blend([null]));
+  } },
+
   { name: 'bad points are listed and kept', run({ cageform }) {
     const coordinates = new cageform.Coordinates(cageform.Cage.polygon(SQUARE));
     const binding = coordinates.bind([NaN, 1, 9, 9, 1, 1], { outside: 'keep_in_place' });
@@ -528,7 +547,7 @@ export function hostile({ cageform }, count, seed) {
     () => Cage.polygon(mostly(arrayOf), anything(0)), () => Cage.mesh(anything(0), anything(0), anything(1)), () => Cage.curves(anything(0), anything(0)), () => Cage.lattice(anything(0)),
     () => new Coordinates(Cage.sites(mostly(arrayOf), anything(1)), anything(1)), () => new Coordinates(Cage.mesh(mostly(() => CUBE), mostly(() => TRIANGLES)), anything(1)),
     () => new Coordinates(Cage.polygon(mostly(() => SQUARE), mostly(() => undefined)), anything(1)), () => cageform.check(mostly(() => objects[10 + pick(4)])),
-    () => cageform.compileClip(mostly(() => [0, 1]), mostly(() => [CUBE, CUBE]), anything(1)), () => clip.sample(anything(0), anything(0)),
+    () => cageform.compileClip(mostly(() => [0, 1]), mostly(() => [CUBE, CUBE]), anything(1)), () => clip.sample(anything(0), anything(0)), () => Coordinates.blend([mostly(() => objects[10]), mostly(() => objects[10])], anything(1)),
     () => new Pins(anything(0), anything(0)), () => objects[8].set(mostly(figures), mostly(arrayOf), anything(1)), () => objects[8].hold(mostly(arrayOf)),
     () => objects[8].solve(mostly(arrayOf), mostly(() => CUBE)), () => new cageform[['Figure', 'Clip', 'Binding', 'Samples', 'Cage'][pick(5)]](anything(0), anything(0)),
     () => (pick(40) === 0 ? cageform.makeCage(mostly(() => CUBE), mostly(() => TRIANGLES), mostly(() => ({ vertices: 12, progress: () => pick(50) > 0 }))) : cageform.makeCage(arrayOf(), arrayOf(), anything(1))),

@@ -1,7 +1,8 @@
 """Writes what the native library computes, for the tests of the npm package: python3 native.py FOLDER
 
 The Python package and its library are found by PYTHONPATH and CAGEFORM_LIBRARY. FOLDER/native.json has cages, points, weights,
-poses, clones and packed figures.
+poses, clones and packed figures; small.json has some of them, and a copy of it is kept beside this file for a test without the
+native library.
 """
 
 import base64
@@ -19,6 +20,7 @@ CUBE = [(x, y, z) for z in (-1, 1) for y in (-1, 1) for x in (-1, 1)]
 QUADS = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (1, 3, 7, 5), (3, 2, 6, 7), (2, 0, 4, 6)]
 TRIANGLES = [corner for a, b, c, d in QUADS for corner in ((a, b, c), (a, c, d))]
 CURVES = [[(0, 0), (2, -1), (4, 0)], [(4, 0), (4, 4)], [(4, 4), (3, 5), (1, 3), (0, 4)], [(0, 4), (0, 0)]]
+SMALL = ('square harmonic float32', 'star mean-value float64', 'cube mean-value float32', 'cube green float64')
 rng = np.random.default_rng(38)
 
 
@@ -80,6 +82,9 @@ def main(folder):
                 entry['clone'] = flat(clone)
             written.append(entry)
     (pathlib.Path(folder) / 'native.json').write_text(json.dumps(written))
+    members = ('name', 'packedWithClip', 'pose', 'smallClone', 'sample')
+    kept = [{member: its[member] for member in members} for its in written if its['name'] in SMALL]
+    (pathlib.Path(folder) / 'small.json').write_text(json.dumps(kept, indent=0) + '\n')
     print('%d cases of the native library' % len(written))
 
 

@@ -20,6 +20,7 @@ struct cageform_binding : cageform::detail::c::Object {
 
     cageform::detail::c::OfAnyType<cageform::FigureBinding> figure;
     cageform::BindReport report;
+    std::vector<std::vector<std::uint32_t>> labels_before; // of figures made before
 };
 struct cageform_made_cage : cageform::detail::c::Object {
     static constexpr Kind its_kind = Kind::made_cage;
@@ -423,7 +424,8 @@ cageform_status cageform_binding_set_labels(cageform_binding* binding, const cha
             std::vector<std::string_view> texts;
             for (std::size_t n = 0; n < count; ++n)
                 texts.push_back(labels[n] == nullptr ? std::string_view{} : std::string_view(labels[n]));
-            return c::code_of(its.set_labels(texts));
+            binding->labels_before.emplace_back();
+            return c::code_of(its.set_labels(texts, &binding->labels_before.back()));
         });
     });
 }
