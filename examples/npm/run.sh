@@ -33,6 +33,7 @@ mkdir -p $package
 cp $npm/package/*.js $npm/package/*.d.ts $npm/package/README.md LICENSE $made/layout.js $made/layout.d.ts $made/*.wasm $package
 sh $npm/write_host.sh $package/host.js
 version=$(sed -n 's/.*VERSION_STRING "\(.*\)".*/\1/p' include/cageform/version.hpp)
+chmod 644 $package/*
 sed -e "s/@VERSION@/$version/" -e "s/@LICENSE@/$(sed -n '1s/ License$//p' LICENSE)/" $npm/package/package.json.in >$package/package.json
 tarball=out/cageform-$version.tgz
 npm pack --silent --pack-destination out ./$package >/dev/null

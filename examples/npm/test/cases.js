@@ -534,7 +534,7 @@ export function hostile({ cageform }, count, seed) {
     default: return pick(2) ? () => pick(4) > 0 : {};
     }
   };
-  const mostly = own => (pick(4) === 0 ? anything(0) : own());
+  const mostly = own => (pick(8) === 0 ? anything(0) : own());
   const figures = () => objects[5 + pick(2)];
   const calls = [
     () => new Coordinates(mostly(() => objects[10 + pick(4)]), mostly(() => ({ kind: words[pick(6)] }))),
@@ -550,7 +550,7 @@ export function hostile({ cageform }, count, seed) {
     () => cageform.compileClip(mostly(() => [0, 1]), mostly(() => [CUBE, CUBE]), anything(1)), () => clip.sample(anything(0), anything(0)), () => Coordinates.blend([mostly(() => objects[10]), mostly(() => objects[10])], anything(1)),
     () => new Pins(anything(0), anything(0)), () => objects[8].set(mostly(figures), mostly(arrayOf), anything(1)), () => objects[8].hold(mostly(arrayOf)),
     () => objects[8].solve(mostly(arrayOf), mostly(() => CUBE)), () => new cageform[['Figure', 'Clip', 'Binding', 'Samples', 'Cage'][pick(5)]](anything(0), anything(0)),
-    () => (pick(40) === 0 ? cageform.makeCage(mostly(() => CUBE), mostly(() => TRIANGLES), mostly(() => ({ vertices: 12, progress: () => pick(50) > 0 }))) : cageform.makeCage(arrayOf(), arrayOf(), anything(1))),
+    () => (pick(150) === 0 ? cageform.makeCage(mostly(() => CUBE), mostly(() => TRIANGLES), mostly(() => ({ vertices: 12, progress: () => pick(50) > 0 }))) : cageform.makeCage(arrayOf(), arrayOf(), anything(1))),
   ];
   let refusals = 0;
   const met = new Set();
