@@ -67,30 +67,59 @@ constexpr std::size_t usual = sizeof(Block);
 
 } // namespace
 
-void* operator new(std::size_t size) { return allocate_or_fail(size, usual); }
-void* operator new[](std::size_t size) { return allocate_or_fail(size, usual); }
-void* operator new(std::size_t size, std::align_val_t to) { return allocate_or_fail(size, std::size_t(to)); }
-void* operator new[](std::size_t size, std::align_val_t to) { return allocate_or_fail(size, std::size_t(to)); }
-void* operator new(std::size_t size, const std::nothrow_t&) noexcept { return allocate(size, usual); }
-void* operator new[](std::size_t size, const std::nothrow_t&) noexcept { return allocate(size, usual); }
+void* operator new(std::size_t size) {
+    return allocate_or_fail(size, usual);
+}
+void* operator new[](std::size_t size) {
+    return allocate_or_fail(size, usual);
+}
+void* operator new(std::size_t size, std::align_val_t to) {
+    return allocate_or_fail(size, std::size_t(to));
+}
+void* operator new[](std::size_t size, std::align_val_t to) {
+    return allocate_or_fail(size, std::size_t(to));
+}
+void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
+    return allocate(size, usual);
+}
+void* operator new[](std::size_t size, const std::nothrow_t&) noexcept {
+    return allocate(size, usual);
+}
 void* operator new(std::size_t size, std::align_val_t to, const std::nothrow_t&) noexcept {
     return allocate(size, std::size_t(to));
 }
 void* operator new[](std::size_t size, std::align_val_t to, const std::nothrow_t&) noexcept {
     return allocate(size, std::size_t(to));
 }
-void operator delete(void* memory) noexcept { release(memory); }
-void operator delete[](void* memory) noexcept { release(memory); }
-void operator delete(void* memory, std::size_t) noexcept { release(memory); }
-void operator delete[](void* memory, std::size_t) noexcept { release(memory); }
-void operator delete(void* memory, std::align_val_t) noexcept { release(memory); }
-void operator delete[](void* memory, std::align_val_t) noexcept { release(memory); }
-void operator delete(void* memory, std::size_t, std::align_val_t) noexcept { release(memory); }
-void operator delete[](void* memory, std::size_t, std::align_val_t) noexcept { release(memory); }
+void operator delete(void* memory) noexcept {
+    release(memory);
+}
+void operator delete[](void* memory) noexcept {
+    release(memory);
+}
+void operator delete(void* memory, std::size_t) noexcept {
+    release(memory);
+}
+void operator delete[](void* memory, std::size_t) noexcept {
+    release(memory);
+}
+void operator delete(void* memory, std::align_val_t) noexcept {
+    release(memory);
+}
+void operator delete[](void* memory, std::align_val_t) noexcept {
+    release(memory);
+}
+void operator delete(void* memory, std::size_t, std::align_val_t) noexcept {
+    release(memory);
+}
+void operator delete[](void* memory, std::size_t, std::align_val_t) noexcept {
+    release(memory);
+}
 
 /// What the standard library calls where it would throw.
 [[noreturn]] void std::__libcpp_verbose_abort(const char* format, ...) {
-    const bool is_memory = std::strncmp(format, "length_error", 12) == 0 || std::strncmp(format, "bad_a", 5) == 0;
+    const bool is_memory =
+        std::strncmp(format, "length_error", 12) == 0 || std::strncmp(format, "bad_a", 5) == 0;
     cageform_host_fail(is_memory ? CAGEFORM_OUT_OF_MEMORY : CAGEFORM_FAILED);
 }
 

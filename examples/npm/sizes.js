@@ -9,8 +9,21 @@ const sizes = files => {
   return [bytes.length, gzipSync(bytes, { level: 9 }).length, brotliCompressSync(bytes).length];
 };
 const scripts = readdirSync(folder).filter(file => file.endsWith('.js'));
-const rows = [['cageform.wasm', ['cageform.wasm']], ['runtime.wasm', ['runtime.wasm']], ['scripts', scripts],
-              ['scripts of cageform/runtime', scripts.filter(file => file !== 'index.js')]];
+const rows = [
+  ['cageform.wasm', ['cageform.wasm']],
+  ['runtime.wasm', ['runtime.wasm']],
+  ['scripts', scripts],
+  [
+    'scripts of cageform/runtime',
+    scripts.filter(file => !['index.js', 'cages.js', 'bindings.js', 'pins.js'].includes(file)),
+  ],
+];
 console.log(`${'bytes'.padEnd(30)}${'raw'.padStart(10)}${'gzip'.padStart(10)}${'brotli'.padStart(10)}`);
-for (const [name, files] of rows) console.log(name.padEnd(30) + sizes(files).map(size => String(size).padStart(10)).join(''));
+for (const [name, files] of rows)
+  console.log(
+    name.padEnd(30) +
+      sizes(files)
+        .map(size => String(size).padStart(10))
+        .join(''),
+  );
 console.log(`${tarball.padEnd(30)}${String(readFileSync(tarball).length).padStart(10)}`);

@@ -4,7 +4,7 @@ import { importsOf, wasiHost } from './host.js';
 import { CONSTANTS, STATUSES, STRUCTS } from './layout.js';
 
 /** An index that names nothing. */
-export const NONE = 0xFFFFFFFF;
+export const NONE = 0xffffffff;
 
 export class CageformError extends Error {
   constructor(status, message, culprit = null, report = null) {
@@ -17,16 +17,27 @@ export class CageformError extends Error {
 }
 
 /** Throws a mistake of the caller, which the library need not see. */
-export function refuse(message) { throw new CageformError('argument_refused', message); }
+export function refuse(message) {
+  throw new CageformError('argument_refused', message);
+}
 
 /** What a call that fails in the module throws, to leave it. */
 class Left {
-  constructor(code) { this.code = code; }
+  constructor(code) {
+    this.code = code;
+  }
 }
 
 // Functions that change an object which is there. If memory runs out in one, what it has allocated may belong to the object.
-const CHANGING = new Set(['cageform_free', 'cageform_coordinates_solve', 'cageform_binding_set_labels', 'cageform_pins_set',
-                          'cageform_pins_hold', 'cageform_pins_solve', 'cageform_player_sample']);
+const CHANGING = new Set([
+  'cageform_free',
+  'cageform_coordinates_solve',
+  'cageform_binding_set_labels',
+  'cageform_pins_set',
+  'cageform_pins_hold',
+  'cageform_pins_solve',
+  'cageform_player_sample',
+]);
 
 const ARRAYS = { u8: Uint8Array, u32: Uint32Array, f32: Float32Array, f64: Float64Array };
 
@@ -35,9 +46,13 @@ export class Engine {
   static async start(module) {
     const engine = new Engine();
     const own = {
-      fail(code) { throw new Left(code); },
+      fail(code) {
+        throw new Left(code);
+      },
       progress: (context, done) => engine.#tell(done),
-      proc_exit() { throw new Left(engine.codes.failed); },
+      proc_exit() {
+        throw new Left(engine.codes.failed);
+      },
     };
     const host = wasiHost(() => engine.calls.memory, own);
     engine.calls = (await WebAssembly.instantiate(module, importsOf(module, host))).exports;
@@ -52,7 +67,9 @@ export class Engine {
   #progress = null; // the caller's, of the call that runs
   #raised = null;
 
-  get buffer() { return this.calls.memory.buffer; }
+  get buffer() {
+    return this.calls.memory.buffer;
+  }
 
   #tell(done) {
     try {
@@ -65,14 +82,16 @@ export class Engine {
 
   /** Throws if no call can be made now. */
   ready() {
-    if (this.ended) throw new CageformError('failed', 'the library has ended by a fault of its own; init() starts it again');
+    if (this.ended)
+      throw new CageformError('failed', 'the library has ended by a fault of its own; init() starts it again');
     if (this.#busy) refuse('progress() may not call the library');
   }
 
   /** Calls a function and returns its number. A call that runs out of memory returns that status, and frees what it took. */
   call(name, ...given) {
     this.ready();
-    const { calls } = this, stack = calls.__stack_pointer.value;
+    const { calls } = this,
+      stack = calls.__stack_pointer.value;
     this.#busy = true;
     try {
       calls.cageform_call_begin();
@@ -95,8 +114,14 @@ export class Engine {
     if (code === 0) return;
     const status = STATUSES[code] ?? 'failed';
     if (report !== null) report.status = status;
-    if (this.ended) throw new CageformError('failed', 'the library has ended by a fault of its own; init() starts it again');
-    throw new CageformError(status, report?.message || this.text(this.call('cageform_status_text', code)), report?.culprit ?? null, report);
+    if (this.ended)
+      throw new CageformError('failed', 'the library has ended by a fault of its own; init() starts it again');
+    throw new CageformError(
+      status,
+      report?.message || this.text(this.call('cageform_status_text', code)),
+      report?.culprit ?? null,
+      report,
+    );
   }
 
   text(at, length) {
@@ -116,7 +141,9 @@ export class Engine {
   }
 
   /** Returns numbers in memory, as a view that is valid until the memory grows. */
-  view(kind, at, count) { return new ARRAYS[kind](this.buffer, at, count); }
+  view(kind, at, count) {
+    return new ARRAYS[kind](this.buffer, at, count);
+  }
 
   /** Calls use(scope) with memory that is freed after it. */
   scoped(use) {
@@ -152,7 +179,9 @@ export class Engine {
 /** Memory of a call. */
 export class Scope {
   #taken = [];
-  constructor(engine) { this.engine = engine; }
+  constructor(engine) {
+    this.engine = engine;
+  }
 
   free() {
     for (const at of this.#taken) this.engine.free(at);
@@ -177,7 +206,8 @@ export class Scope {
   }
   /** Several structs, one after the other. */
   structs(name, all) {
-    const { size } = STRUCTS[name], at = this.struct(Math.max(all.length, 1) * size);
+    const { size } = STRUCTS[name],
+      at = this.struct(Math.max(all.length, 1) * size);
     all.forEach((members, n) => this.#write(at + n * size, name, members));
     return at;
   }
@@ -194,7 +224,8 @@ export class Scope {
   }
   /** Returns members of a struct in memory. */
   read(name, at) {
-    const data = new DataView(this.engine.buffer), read = {};
+    const data = new DataView(this.engine.buffer),
+      read = {};
     for (const [field, [kind, offset, count]] of Object.entries(STRUCTS[name].fields)) {
       const place = at + offset;
       if (kind === 'u32') read[field] = data.getUint32(place, true);
@@ -206,7 +237,9 @@ export class Scope {
     return read;
   }
 
-  layout(name) { return STRUCTS[name]; }
+  layout(name) {
+    return STRUCTS[name];
+  }
 
   /** Copies a typed array, and returns its address; 0 for null. */
   array(numbers, alignment = 8) {
@@ -216,11 +249,19 @@ export class Scope {
     this.engine.view('u8', at, bytes.length).set(bytes);
     return at;
   }
-  string(text) { return this.array(new TextEncoder().encode(text + '\0')); }
+  string(text) {
+    return this.array(new TextEncoder().encode(text + '\0'));
+  }
 
   /** Members of a cageform_points with a copy of the numbers. */
   points({ numbers, dimension, count }) {
-    return { data: this.array(numbers), count, bytes: numbers.byteLength, scalar: scalarOf(numbers.constructor), dimension };
+    return {
+      data: this.array(numbers),
+      count,
+      bytes: numbers.byteLength,
+      scalar: scalarOf(numbers.constructor),
+      dimension,
+    };
   }
   /** Members of a cageform_output with room for points, and how to read them. */
   output(count, dimension, Kind) {
@@ -234,14 +275,23 @@ export class Scope {
     if (progress === undefined || progress === null) return 0;
     return this.struct('cageform_running', { progress: this.engine.progressAt });
   }
-  newReport() { return this.struct('cageform_report', { culprit: NONE }); }
-  report(at) { return new Report(this.read('cageform_report', at), this.engine); }
+  newReport() {
+    return this.struct('cageform_report', { culprit: NONE });
+  }
+  report(at) {
+    return new Report(this.read('cageform_report', at), this.engine);
+  }
 }
 
 export const aligned = (at, alignment) => Math.ceil(at / alignment) * alignment;
 export const scalarOf = Kind => (Kind === Float32Array ? CONSTANTS.FLOAT : CONSTANTS.DOUBLE);
 
-const ELEMENTS = { [CONSTANTS.VERTEX]: 'vertex', [CONSTANTS.EDGE]: 'edge', [CONSTANTS.FACE]: 'face', [CONSTANTS.LOOP]: 'loop' };
+const ELEMENTS = {
+  [CONSTANTS.VERTEX]: 'vertex',
+  [CONSTANTS.EDGE]: 'edge',
+  [CONSTANTS.FACE]: 'face',
+  [CONSTANTS.LOOP]: 'loop',
+};
 
 /** A fault of a cage, or a warning. */
 export class Fault {
@@ -253,7 +303,10 @@ export class Fault {
     this.b = element(its.bIs, its.b);
   }
   toString() {
-    const named = [this.a, this.b].filter(Boolean).map(({ kind, index }) => `${kind} ${index}`).join(', ');
+    const named = [this.a, this.b]
+      .filter(Boolean)
+      .map(({ kind, index }) => `${kind} ${index}`)
+      .join(', ');
     return this.text + (named ? ` (${named})` : '');
   }
 }
@@ -270,7 +323,8 @@ export class Report {
   toString() {
     const lines = this.message ? [this.message] : [];
     for (const [name, value] of Object.entries(this)) {
-      if (typeof value === 'number' && value !== 0 && name !== 'culprit') lines.push(`${name}: ${Number(value.toPrecision(4))}`);
+      if (typeof value === 'number' && value !== 0 && name !== 'culprit')
+        lines.push(`${name}: ${Number(value.toPrecision(4))}`);
     }
     return lines.join('\n') || 'ok';
   }
@@ -311,8 +365,12 @@ export class Owner {
     if (this.#kept === null) throw new CageformError('object_of_another_kind', 'the object is freed');
     return this.#kept;
   }
-  get _engine() { return this._kept.engine; }
-  get _at() { return this._kept.at; }
+  get _engine() {
+    return this._kept.engine;
+  }
+  get _at() {
+    return this._kept.at;
+  }
 
   /** Frees the memory now, not when the garbage is collected. What was made of the object stays usable. */
   free() {
@@ -327,8 +385,11 @@ export class Owner {
 
 /** Returns an argument that has to be an object of a class, of this engine. */
 export function objectOf(Class, given, name, engine = null) {
-  if (!(given instanceof Class)) throw new CageformError(given === null || given === undefined ? 'argument_null' : 'object_of_another_kind',
-                                                         `${name}: a ${Class.name} is needed`);
+  if (!(given instanceof Class))
+    throw new CageformError(
+      given === null || given === undefined ? 'argument_null' : 'object_of_another_kind',
+      `${name}: a ${Class.name} is needed`,
+    );
   if (engine !== null && given._engine !== engine)
     throw new CageformError('object_of_another_kind', `${name}: it belongs to a library that was started apart`);
   return given;
@@ -342,7 +403,11 @@ export const outside = array => (current !== null && array.buffer === current.bu
 /** Returns the library that is started, of all functions or of those of every frame. */
 export function started(bind = false) {
   if (current === null || (bind && current.calls.cageform_bind === undefined))
-    refuse(bind && current !== null ? "this needs init() of 'cageform', not of 'cageform/runtime'" : 'call await init() first');
+    refuse(
+      bind && current !== null
+        ? "this needs init() of 'cageform', not of 'cageform/runtime'"
+        : 'call await init() first',
+    );
   current.ready();
   return current;
 }

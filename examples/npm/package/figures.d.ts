@@ -3,8 +3,10 @@
 import type { LibraryStatus, ReportNumbers } from './layout.js';
 
 /** Numbers in one row, or an array for each point. float32 and float64 arrays are read as they are. */
-export type Numbers = Float32Array | Float64Array | readonly number[] | readonly (readonly number[] | Float32Array | Float64Array)[];
-export type Indices = Uint32Array | Uint16Array | Int32Array | readonly number[] | readonly (readonly number[] | Uint32Array)[];
+export type Numbers =
+  Float32Array | Float64Array | readonly number[] | readonly (readonly number[] | Float32Array | Float64Array)[];
+export type Indices =
+  Uint32Array | Uint16Array | Int32Array | readonly number[] | readonly (readonly number[] | Uint32Array)[];
 export type Array32or64 = Float32Array | Float64Array;
 export type Scalar = 'float32' | 'float64';
 

@@ -1,7 +1,18 @@
 import type { Array32or64, Clip, Fault, Figure, Indices, Numbers, Report, Scalar, Source } from './figures.js';
 
 export { CageformError, Clip, Fault, Figure, open, version } from './figures.js';
-export type { Array32or64, CloneOptions, Cloned, Element, Indices, Numbers, Report, Scalar, Source, Status } from './figures.js';
+export type {
+  Array32or64,
+  CloneOptions,
+  Cloned,
+  Element,
+  Indices,
+  Numbers,
+  Report,
+  Scalar,
+  Source,
+  Status,
+} from './figures.js';
 
 /** Starts the library; without an argument it finds cageform.wasm beside this file. Await it before the first call. */
 export function init(source?: Source | Promise<Source>): Promise<void>;
@@ -38,11 +49,21 @@ export class Cage {
   static polygon(vertices: Numbers, loops?: Indices | null, options?: CageCells): Cage;
   /** Faces in space, counter-clockwise seen from outside: an array for each, or flat with so many `corners` each (3). Quads
    *  may be divided; a face whose corners are farther off its plane than `offPlane` is a fan. */
-  static mesh(vertices: Numbers, faces: Indices, options?: CageCells & { corners?: number; divisions?: number; offPlane?: number }): Cage;
+  static mesh(
+    vertices: Numbers,
+    faces: Indices,
+    options?: CageCells & { corners?: number; divisions?: number; offPlane?: number },
+  ): Cage;
   /** Loops of Bézier curves in the plane, for Green coordinates: 2 to 4 control points an edge; and edges of each loop. */
   static curves(edges: readonly Numbers[], loops?: Indices): Cage;
   /** A box of splines: control points along each axis, a corner of the box, and its edges. */
-  static lattice(options: { points?: number | number[]; origin: number[]; axes: number[][]; degree?: number | number[]; falloff?: number }): Cage;
+  static lattice(options: {
+    points?: number | number[];
+    origin: number[];
+    axes: number[][];
+    degree?: number | number[];
+    falloff?: number;
+  }): Cage;
   /** Points without a cage, for Sibson coordinates. */
   static sites(points: Numbers, options?: { dimension?: 2 | 3 }): Cage;
 }
@@ -71,7 +92,7 @@ export interface MakeCageOptions {
 export function makeCage(points: Numbers, indices: Indices, options?: MakeCageOptions): { cage: Cage; report: Report };
 
 export type CoordinatesKind =
-  | 'mean-value' | 'harmonic' | 'green' | 'sibson' | 'barycentric' | 'wachspress' | 'discrete-harmonic' | 'splines';
+  'mean-value' | 'harmonic' | 'green' | 'sibson' | 'barycentric' | 'wachspress' | 'discrete-harmonic' | 'splines';
 
 export interface CoordinatesOptions {
   /** Mean value; splines of a lattice, Green of curves, Sibson of sites. */
@@ -175,11 +196,18 @@ export interface ClipOptions {
   progress?: Progress;
 }
 /** Compiles poses of the cage's vertices at ascending times: all numbers in a row, or an array for each time. */
-export function compileClip(times: Numbers, poses: Numbers | readonly Numbers[], options?: ClipOptions): { clip: Clip; report: Report };
+export function compileClip(
+  times: Numbers,
+  poses: Numbers | readonly Numbers[],
+  options?: ClipOptions,
+): { clip: Clip; report: Report };
 
 /** Samples of the inside of a cage, by which pins move it: of coordinates that have gradients. */
 export class Samples extends Owner {
-  constructor(coordinates: Coordinates, options?: { samples?: number; rotations?: number; smoothing?: number; progress?: Progress });
+  constructor(
+    coordinates: Coordinates,
+    options?: { samples?: number; rotations?: number; smoothing?: number; progress?: Progress },
+  );
   readonly handles: number;
   readonly dimension: 2 | 3;
   readonly scalar: Scalar;

@@ -44,7 +44,8 @@ export function flattened(given) {
 export function output(given, size, Kind, name) {
   if (given === undefined || given === null || given === true) return new Kind(size);
   if (!(given instanceof Kind)) throw new CageformError('scalar_differs', `${name}: a ${Kind.name} is needed`);
-  if (given.length !== size) throw new CageformError('output_too_small', `${name}: ${size} numbers are needed, not ${given.length}`);
+  if (given.length !== size)
+    throw new CageformError('output_too_small', `${name}: ${size} numbers are needed, not ${given.length}`);
   return given;
 }
 
@@ -59,7 +60,8 @@ export function indices(given, name) {
 }
 
 export function whole(given, name, from = 0) {
-  if (!Number.isInteger(given) || given < from || given > 0xFFFFFFFF) refuse(`${name}: a whole number from ${from} to 2^32 - 1 is needed`);
+  if (!Number.isInteger(given) || given < from || given > 0xffffffff)
+    refuse(`${name}: a whole number from ${from} to 2^32 - 1 is needed`);
   return given;
 }
 export function number(given, name) {
@@ -88,7 +90,9 @@ export function options(given, known) {
 }
 export function choice(choices, given, name) {
   if (!Object.hasOwn(choices, given)) {
-    const names = Object.keys(choices).map(own => `'${own}'`).join(', ');
+    const names = Object.keys(choices)
+      .map(own => `'${own}'`)
+      .join(', ');
     throw new CageformError('choice_unknown', `${name}: one of ${names} is needed`);
   }
   return choices[given];
@@ -104,5 +108,8 @@ export const nameOf = Kind => (Kind === Float32Array ? 'float32' : 'float64');
 export function bytesOf(given, name) {
   if (given instanceof ArrayBuffer) return new Uint8Array(given);
   if (ArrayBuffer.isView(given)) return outside(new Uint8Array(given.buffer, given.byteOffset, given.byteLength));
-  throw new CageformError(given === null || given === undefined ? 'argument_null' : 'argument_refused', `${name}: bytes are needed`);
+  throw new CageformError(
+    given === null || given === undefined ? 'argument_null' : 'argument_refused',
+    `${name}: bytes are needed`,
+  );
 }

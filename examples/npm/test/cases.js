@@ -1,574 +1,756 @@
 // The tests of the package, for node and for a browser: each has a name and run({ cageform, runtime, file, bytes }). `file(path)`
 // returns a file's text, `bytes(name)` those of one of the package's modules.
 
-export function assert(holds, message) {
-  if (!holds) throw new Error(message);
-}
-const equal = (a, b, what) => assert(Object.is(a, b), `${what}: ${a} is not ${b}`);
-
-/** The largest difference of numbers. */
-function difference(a, b) {
-  equal(a.length, b.length, 'lengths');
-  let most = 0;
-  for (let i = 0; i < a.length; ++i) {
-    if (!(Math.abs(a[i] - b[i]) <= most)) most = Math.abs(a[i] - b[i]);
-  }
-  return most;
-}
-const sameBits = (a, b, what) => assert(a.length === b.length && a.every((x, i) => Object.is(x, b[i]) || x === b[i]), `${what}: other bits`);
-
-/** What a call throws, which has to be a CageformError of a status. */
-function refused(cageform, status, call) {
-  try {
-    call();
-  } catch (error) {
-    assert(error instanceof cageform.CageformError, `${status}: not a CageformError but ${error?.stack}`);
-    equal(error.status, status, `${error.message} (${call})`);
-    assert(error.message.length > 5, `${status}: no sentence`);
-    return error;
-  }
-  throw new Error(`${call} was not refused`);
-}
-
-/** Random numbers of a seed (Vigna's splitmix in 32 bits). */
-export function randomOf(seed) {
-  let state = seed >>> 0;
-  const next = () => {
-    state = (state + 0x9E3779B9) >>> 0;
-    let z = state;
-    z = Math.imul(z ^ (z >>> 16), 0x21F0AAAD);
-    z = Math.imul(z ^ (z >>> 15), 0x735A2D97);
-    return ((z ^ (z >>> 15)) >>> 0) / 2 ** 32;
-  };
-  return { next, uniform: (a, b) => a + (b - a) * next(), pick: n => Math.floor(next() * n) };
-}
-const uniformly = (random, count, low, high, Kind = Float32Array) => Kind.from({ length: count }, () => random.uniform(low, high));
-
-export const SQUARE = [[0, 0], [4, 0], [4, 4], [0, 4]];
-const CROSSED = [[0, 0], [4, 4], [4, 0], [0, 4]];
-export const CUBE = [-1, 1].flatMap(z => [-1, 1].flatMap(y => [-1, 1].map(x => [x, y, z])));
-const QUADS = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [1, 3, 7, 5], [3, 2, 6, 7], [2, 0, 4, 6]];
-export const TRIANGLES = QUADS.flatMap(([a, b, c, d]) => [[a, b, c], [a, c, d]]);
-const CURVES = [[[0, 0], [2, -1], [4, 0]], [[4, 0], [4, 4]], [[4, 4], [3, 5], [1, 3], [0, 4]], [[0, 4], [0, 0]]];
-const BOX = { points: 4, origin: [-1, -1, -1], axes: [[2, 0, 0], [0, 2, 0], [0, 0, 2]] };
+import { hostile } from './hostile.js';
+import {
+  BOX,
+  CROSSED,
+  CUBE,
+  CURVES,
+  QUADS,
+  SQUARE,
+  TRIANGLES,
+  assert,
+  difference,
+  equal,
+  randomOf,
+  refused,
+  sameBits,
+  uniformly,
+} from './support.js';
 
 /** Coordinates of every type, with points inside. */
 function* everyType({ Cage, Coordinates }, random) {
   for (const scalar of ['float32', 'float64']) {
     const Kind = scalar === 'float32' ? Float32Array : Float64Array;
-    const square = Cage.polygon(SQUARE), cube = Cage.mesh(CUBE, TRIANGLES);
-    const plane = () => uniformly(random, 60, 0.5, 3.5, Kind), space = () => uniformly(random, 60, -0.9, 0.9, Kind);
+    const square = Cage.polygon(SQUARE),
+      cube = Cage.mesh(CUBE, TRIANGLES);
+    const plane = () => uniformly(random, 60, 0.5, 3.5, Kind),
+      space = () => uniformly(random, 60, -0.9, 0.9, Kind);
     for (const kind of ['mean-value', 'harmonic', 'green', 'wachspress', 'discrete-harmonic', 'sibson'])
       yield { coordinates: new Coordinates(square, { kind, scalar }), points: plane(), Kind };
     for (const kind of ['mean-value', 'harmonic', 'green', 'sibson'])
       yield { coordinates: new Coordinates(cube, { kind, scalar }), points: space(), Kind };
     yield { coordinates: new Coordinates(Cage.mesh(CUBE, QUADS, { divisions: 2 }), { scalar }), points: space(), Kind };
     yield { coordinates: new Coordinates(Cage.lattice(BOX), { scalar }), points: space(), Kind };
-    yield { coordinates: new Coordinates(Cage.curves(CURVES), { scalar }), points: uniformly(random, 60, 0.5, 3, Kind), Kind };
+    yield {
+      coordinates: new Coordinates(Cage.curves(CURVES), { scalar }),
+      points: uniformly(random, 60, 0.5, 3, Kind),
+      Kind,
+    };
     yield { coordinates: new Coordinates(Cage.sites(CUBE), { scalar, degree: 3 }), points: space(), Kind };
-    yield { coordinates: new Coordinates(Cage.polygon(SQUARE.slice(0, 3)), { kind: 'barycentric', scalar }),
-            points: uniformly(random, 60, 0.4, 0.6, Kind).map((x, n) => (n % 2 ? x : x + 2)), Kind };
+    yield {
+      coordinates: new Coordinates(Cage.polygon(SQUARE.slice(0, 3)), { kind: 'barycentric', scalar }),
+      points: uniformly(random, 60, 0.4, 0.6, Kind).map((x, n) => (n % 2 ? x : x + 2)),
+      Kind,
+    };
   }
 }
 
 const bytesOf64 = text => Uint8Array.from(atob(text), c => c.charCodeAt(0));
 
 export const tests = [
-  { name: 'a call before init() is refused with a sentence', before: true, run({ cageform }) {
-    refused(cageform, 'argument_refused', () => new cageform.Coordinates(cageform.Cage.polygon(SQUARE)));
-    refused(cageform, 'argument_refused', () => cageform.open(new Uint8Array(100)));
-  } },
+  {
+    name: 'a call before init() is refused with a sentence',
+    before: true,
+    run({ cageform }) {
+      refused(cageform, 'argument_refused', () => new cageform.Coordinates(cageform.Cage.polygon(SQUARE)));
+      refused(cageform, 'argument_refused', () => cageform.open(new Uint8Array(100)));
+    },
+  },
 
-  { name: 'init() refuses what is no module', before: true, async run({ cageform, bytes }) {
-    for (const wrong of [new Uint8Array(8), 7, {}, new Uint8Array([0, 97, 115, 109, 1, 0, 0, 0])]) {
-      const error = await cageform.init(wrong).then(() => null, given => given);
-      assert(error instanceof cageform.CageformError, `init(${wrong}) gave ${error}`);
-    }
-    const small = await cageform.init(await bytes('runtime.wasm')).then(() => null, given => given);
-    assert(small instanceof cageform.CageformError, 'the small module has not all functions');
-  } },
+  {
+    name: 'init() refuses what is no module',
+    before: true,
+    async run({ cageform, bytes }) {
+      for (const wrong of [new Uint8Array(8), 7, {}, new Uint8Array([0, 97, 115, 109, 1, 0, 0, 0])]) {
+        const error = await cageform.init(wrong).then(
+          () => null,
+          given => given,
+        );
+        assert(error instanceof cageform.CageformError, `init(${wrong}) gave ${error}`);
+      }
+      const small = await cageform.init(await bytes('runtime.wasm')).then(
+        () => null,
+        given => given,
+      );
+      assert(small instanceof cageform.CageformError, 'the small module has not all functions');
+    },
+  },
 
   // The native library with portable settings (no fused multiplication) has the same arithmetic, but for functions of the C
   // library, and the harmonic solver, whose vectors are as wide as the processor's.
-  { name: 'weights, clones, normals and files are those of the native library', async run({ cageform, file }) {
-    const { Cage, Coordinates, open } = cageform;
-    for (const native of JSON.parse(await file('native.json'))) {
-      const [kind, given] = native.cage, Kind = native.options.scalar === 'float32' ? Float32Array : Float64Array;
-      const coordinates = new Coordinates(Cage[kind](...given), native.options);
-      const binding = coordinates.bind(Kind.from(native.points), native.normals ? { normals: native.normals } : {});
-      const bound = native.options.kind === 'harmonic' ? 1e-6 : native.options.scalar === 'float32' ? 0 : 1e-15;
-      const near = (a, b, what) => assert(difference(a, b) <= bound, `${native.name}: ${what} differs by ${difference(a, b)}`);
-      near(binding.weights(), native.weights, 'weights');
-      const normals = native.normals !== undefined, clone = binding.figure.clone(native.pose, { normals });
-      near(clone.points, native.clone, 'clone');
-      if (normals) near(clone.normals, native.clonedNormals, 'normals');
+  {
+    name: 'weights, clones, normals and files are those of the native library',
+    async run({ cageform, file }) {
+      const { Cage, Coordinates, open } = cageform;
+      for (const native of JSON.parse(await file('native.json'))) {
+        const [kind, given] = native.cage,
+          Kind = native.options.scalar === 'float32' ? Float32Array : Float64Array;
+        const coordinates = new Coordinates(Cage[kind](...given), native.options);
+        const binding = coordinates.bind(Kind.from(native.points), native.normals ? { normals: native.normals } : {});
+        const bound = native.options.kind === 'harmonic' ? 1e-6 : native.options.scalar === 'float32' ? 0 : 1e-15;
+        const near = (a, b, what) =>
+          assert(difference(a, b) <= bound, `${native.name}: ${what} differs by ${difference(a, b)}`);
+        near(binding.weights(), native.weights, 'weights');
+        const normals = native.normals !== undefined,
+          clone = binding.figure.clone(native.pose, { normals });
+        near(clone.points, native.clone, 'clone');
+        if (normals) near(clone.normals, native.clonedNormals, 'normals');
 
-      const opened = open(bytesOf64(native.packed)), again = opened.clone(native.pose, { normals });
-      sameBits(again.points, native.clone, `${native.name}, opened`);
-      if (normals) sameBits(again.normals, native.clonedNormals, `${native.name}, opened, normals`);
-      const small = open(bytesOf64(native.packedWithClip));
-      sameBits(small.clone(native.pose).points, native.smallClone, `${native.name}, fewer weights`);
-      sameBits(small.clip('there and back').sample(0.7), native.sample, `${native.name}, clip`);
-      for (const own of [binding.figure, binding, coordinates, opened, small]) own.free();
-    }
-  } },
+        const opened = open(bytesOf64(native.packed)),
+          again = opened.clone(native.pose, { normals });
+        sameBits(again.points, native.clone, `${native.name}, opened`);
+        if (normals) sameBits(again.normals, native.clonedNormals, `${native.name}, opened, normals`);
+        const small = open(bytesOf64(native.packedWithClip));
+        sameBits(small.clone(native.pose).points, native.smallClone, `${native.name}, fewer weights`);
+        sameBits(small.clip('there and back').sample(0.7), native.sample, `${native.name}, clip`);
+        for (const own of [binding.figure, binding, coordinates, opened, small]) own.free();
+      }
+    },
+  },
 
-  { name: 'weights are those of the reference data, to its accuracy', async run({ cageform, file }) {
-    const { Cage, Coordinates } = cageform;
-    const cases = [
-      ['mean-value', 5e-11, ['meanvalue2d_star', 'meanvalue2d_cat', 'meanvalue2d_square_square_hole', 'meanvalue3d_cube', 'meanvalue3d_l_prism']],
-      ['harmonic', 1e-4, ['harmonic2d_l_shape', 'harmonic2d_star', 'harmonic3d_cube_triangulated']],
-      ['wachspress', 1e-13, ['wachspress2d_hexagon', 'wachspress2d_rectangle']],
-      ['discrete-harmonic', 1e-13, ['discrete_harmonic2d_hexagon']],
-      ['sibson', 1e-12, ['sibson2d_random_points', 'sibson3d_random_points_3d']],
-    ];
-    for (const [kind, bound, names] of cases) {
-      for (const name of names) {
-        const { cage, sites, points, coordinates: expected, dimension } = JSON.parse(await file(`oracle/${name}.json`));
-        const made = sites ? Cage.sites(sites, { dimension }) : dimension === 3 ? Cage.mesh(cage.vertices, cage.faces) :
-          Cage.polygon(cage.loops.flat().map(vertex => cage.vertices[vertex]), cage.loops.map(loop => loop.length));
-        const order = dimension === 2 && !sites ? cage.loops.flat() : null; // of the vertices
-        const coordinates = new Coordinates(made, { kind, scalar: 'float64', ...(kind === 'harmonic' ? { accuracy: bound } : {}) });
-        const binding = coordinates.bind(points, { leaveLinearPrecision: true }), weights = binding.weights();
-        let most = 0;
-        points.forEach((point, n) => {
-          for (let i = 0; i < coordinates.handles; ++i)
-            most = Math.max(most, Math.abs(weights[n * coordinates.handles + i] - expected[n][order ? order[i] : i]));
+  {
+    name: 'weights are those of the reference data, to its accuracy',
+    async run({ cageform, file }) {
+      const { Cage, Coordinates } = cageform;
+      const cases = [
+        [
+          'mean-value',
+          5e-11,
+          [
+            'meanvalue2d_star',
+            'meanvalue2d_cat',
+            'meanvalue2d_square_square_hole',
+            'meanvalue3d_cube',
+            'meanvalue3d_l_prism',
+          ],
+        ],
+        ['harmonic', 1e-4, ['harmonic2d_l_shape', 'harmonic2d_star', 'harmonic3d_cube_triangulated']],
+        ['wachspress', 1e-13, ['wachspress2d_hexagon', 'wachspress2d_rectangle']],
+        ['discrete-harmonic', 1e-13, ['discrete_harmonic2d_hexagon']],
+        ['sibson', 1e-12, ['sibson2d_random_points', 'sibson3d_random_points_3d']],
+      ];
+      for (const [kind, bound, names] of cases) {
+        for (const name of names) {
+          const {
+            cage,
+            sites,
+            points,
+            coordinates: expected,
+            dimension,
+          } = JSON.parse(await file(`oracle/${name}.json`));
+          const made = sites
+            ? Cage.sites(sites, { dimension })
+            : dimension === 3
+              ? Cage.mesh(cage.vertices, cage.faces)
+              : Cage.polygon(
+                  cage.loops.flat().map(vertex => cage.vertices[vertex]),
+                  cage.loops.map(loop => loop.length),
+                );
+          const order = dimension === 2 && !sites ? cage.loops.flat() : null; // of the vertices
+          const coordinates = new Coordinates(made, {
+            kind,
+            scalar: 'float64',
+            ...(kind === 'harmonic' ? { accuracy: bound } : {}),
+          });
+          const binding = coordinates.bind(points, { leaveLinearPrecision: true }),
+            weights = binding.weights();
+          let most = 0;
+          points.forEach((point, n) => {
+            for (let i = 0; i < coordinates.handles; ++i)
+              most = Math.max(most, Math.abs(weights[n * coordinates.handles + i] - expected[n][order ? order[i] : i]));
+          });
+          assert(most <= bound, `${name}: a weight is off by ${most}`);
+        }
+      }
+    },
+  },
+
+  {
+    name: 'every type: weights sum to one, rest comes back to the bit, moves are exact',
+    run({ cageform }) {
+      const random = randomOf(1);
+      let types = 0;
+      for (const { coordinates, points, Kind } of everyType(cageform, random)) {
+        const binding = coordinates.bind(points),
+          { figure } = binding,
+          what = `${coordinates.kind} ${coordinates.scalar}`;
+        sameBits(figure.clone(figure.rest()).points, points, what);
+        const weights = binding.weights(),
+          count = points.length / coordinates.dimension;
+        for (let n = 0; n < count; ++n) {
+          let sum = 0;
+          for (let i = 0; i < coordinates.vertices; ++i) sum += weights[n * coordinates.handles + i];
+          assert(Math.abs(sum - 1) <= (Kind === Float32Array ? 2e-5 : 1e-10), `${what}: weights sum to ${sum}`);
+        }
+        const vertices = coordinates
+          .rest()
+          .subarray(0, coordinates.vertices * coordinates.dimension)
+          .map(x => x + 0.25);
+        const moved = figure.clone(figure.poseHandles(vertices)).points;
+        const off = difference(
+          moved,
+          points.map(x => x + 0.25),
+        );
+        assert(off <= (Kind === Float32Array ? 2e-5 : 1e-10), `${what}: a move is off by ${off}`);
+        ++types;
+      }
+      equal(types, 30, 'types');
+    },
+  },
+
+  {
+    name: 'gradients are the transpose of clone',
+    run({ cageform }) {
+      const random = randomOf(2),
+        coordinates = new cageform.Coordinates(cageform.Cage.mesh(CUBE, TRIANGLES), { scalar: 'float64' });
+      const { figure } = coordinates.bind(uniformly(random, 300, -0.9, 0.9, Float64Array));
+      const ofPoints = uniformly(random, 300, -1, 1, Float64Array),
+        step = uniformly(random, 24, -1, 1, Float64Array),
+        rest = figure.rest();
+      const value = t =>
+        figure.clone(rest.map((x, i) => x + t * step[i])).points.reduce((sum, x, i) => sum + x * ofPoints[i], 0);
+      const slope = figure.gradients(ofPoints).reduce((sum, x, i) => sum + x * step[i], 0);
+      assert(Math.abs((value(1) - value(-1)) / 2 - slope) < 1e-11, 'slopes differ');
+    },
+  },
+
+  {
+    name: "arrays of every layout give the same bits; out is the caller's",
+    run({ cageform }) {
+      const random = randomOf(3),
+        flat = uniformly(random, 300, -0.9, 0.9),
+        coordinates = new cageform.Coordinates(cageform.Cage.mesh(CUBE, TRIANGLES));
+      const rows = Array.from({ length: 100 }, (x, n) => Array.from(flat.subarray(3 * n, 3 * n + 3)));
+      const pose = coordinates.rest().map(x => x + random.uniform(-0.1, 0.1)),
+        expected = coordinates.bind(flat).figure.clone(pose).points;
+      for (const points of [Array.from(flat), Float64Array.from(flat), rows, rows.map(row => Float32Array.from(row))]) {
+        const { figure } = coordinates.bind(points);
+        for (const same of [pose, Array.from(pose), Float64Array.from(pose)])
+          sameBits(figure.clone(same).points, expected, 'layout');
+        const out = new Float32Array(300),
+          normals = coordinates.bind(points, { normals: rows.map(() => [0, 0, 1]) }).figure;
+        assert(figure.clone(pose, { out }).points === out, 'out is returned');
+        sameBits(out, expected, 'out');
+        const own = new Float32Array(300),
+          turned = normals.clone(pose, { normals: own });
+        assert(turned.normals === own && own.some(x => x !== 0), 'normals are written');
+      }
+      assert(
+        Math.abs(
+          Math.hypot(
+            ...coordinates
+              .bind(flat, { normals: rows.map(() => [0, 0, 1]) })
+              .figure.clone(pose, { normals: true })
+              .normals.subarray(0, 3),
+          ) - 1,
+        ) < 1e-5,
+        'normals have length 1',
+      );
+    },
+  },
+
+  {
+    name: 'normals and tangents at rest come back',
+    run({ cageform }) {
+      const coordinates = new cageform.Coordinates(cageform.Cage.mesh(CUBE, TRIANGLES));
+      const binding = coordinates.bind([0, 0, 0, 0.5, 0.5, 0.5], {
+        normals: [0, 0, 1, 0, 1, 0],
+        tangents: [1, 0, 0, 1, 0, 0, 1, -1],
+      });
+      const { points, normals, tangents } = binding.figure.clone(binding.figure.rest(), {
+        normals: true,
+        tangents: true,
+      });
+      assert(difference(points, [0, 0, 0, 0.5, 0.5, 0.5]) === 0, 'points');
+      assert(
+        difference(normals, [0, 0, 1, 0, 1, 0]) < 1e-6 && difference(tangents, [1, 0, 0, 1, 0, 0, 1, -1]) < 1e-6,
+        `${normals} ${tangents}`,
+      );
+      const view = binding.figure.cloneView(binding.figure.rest(), { normals: true, tangents: true });
+      sameBits(view.normals, normals, 'views of normals');
+      sameBits(view.tangents, tangents, 'views of tangents');
+    },
+  },
+
+  {
+    name: 'a view ends when memory grows, with length 0, and the next one is right',
+    run({ cageform }) {
+      const coordinates = new cageform.Coordinates(cageform.Cage.mesh(CUBE, TRIANGLES)),
+        random = randomOf(4);
+      const { figure } = coordinates.bind(uniformly(random, 3000, -0.9, 0.9)),
+        pose = coordinates.rest().map(x => 2 * x);
+      const expected = figure.clone(pose).points,
+        { points: view } = figure.cloneView(pose);
+      sameBits(view, expected, 'view');
+      assert(figure.cloneView(pose).points === view, 'the view is the same while memory stays');
+      const held = [];
+      for (let n = 0; view.length > 0 && n < 60; ++n) held.push(coordinates.bind(uniformly(random, 300000, -0.9, 0.9)));
+      equal(view.length, 0, 'length of a view that has ended');
+      refused(cageform, 'dimension_differs', () => coordinates.bind([1]));
+      refused(cageform, 'pose_size_differs', () => figure.clone(view));
+      sameBits(figure.cloneView(pose).points, expected, 'view after growth');
+      sameBits(
+        coordinates.bind(figure.cloneView(figure.rest()).points).figure.clone(pose).points,
+        expected,
+        'a view as input',
+      );
+      for (const binding of held) {
+        binding.figure.free();
+        binding.free();
+      }
+    },
+  },
+
+  {
+    name: 'a figure file: labels, clips, levels',
+    run({ cageform }) {
+      const random = randomOf(5),
+        coordinates = new cageform.Coordinates(cageform.Cage.polygon(SQUARE)),
+        points = uniformly(random, 400, 0.5, 3.5);
+      const binding = coordinates.bind(points),
+        { figure: before } = binding;
+      binding.setLabels(['foot', null, 'head', '']);
+      binding.setLabels(['Fuß', null, 'head', '']);
+      sameBits(before.clone(before.rest()).points, points, 'a figure made before');
+      const rest = Array.from(coordinates.rest()),
+        taller = rest.map((x, i) => (i % 2 ? 1.5 * x : x));
+      const { clip, report } = cageform.compileClip([0, 1, 2], [rest, taller, rest], { dimension: 2, after: 'cycle' });
+      assert(report.curveError < 0.01 && clip.begin === 0 && clip.end === 2 && clip.vertices === 4, String(report));
+      const coarse = coordinates.bind(points.slice(0, 100)).pack();
+      const { bytes, report: packed } = binding.pack({
+        tolerance: 1e-3,
+        clips: { wave: clip },
+        levels: [coarse.bytes],
+      });
+      assert(packed.bytes === bytes.length && packed.distance <= 1e-3, String(packed));
+      const figure = cageform.open(bytes);
+      equal(figure.labels().join(), 'Fuß,,head,', 'labels');
+      equal(`${figure.clips} ${figure.levels} ${figure.handles} ${figure.points}`, '1 1 4 200', 'counts');
+      const wave = figure.clip('wave'),
+        by = figure.clip(0);
+      equal(wave.name, 'wave', 'name');
+      assert(difference(wave.sample(1), taller) < 0.01 && difference(by.sample(3), taller) < 0.01, 'samples');
+      const out = new Float32Array(8);
+      assert(wave.sample(0.3, out) === out, 'out');
+      equal(figure.level(1).points, 50, 'points of a level');
+      refused(cageform, 'index_out_of_bounds', () => figure.clip('walk'));
+      const error = refused(cageform, 'index_out_of_bounds', () => figure.clip(7));
+      assert(error.culprit === null, 'no culprit');
+      for (let n = 0; n < 400; ++n) {
+        // spoilt files
+        const spoilt = bytes.slice(0, n % 2 ? undefined : random.pick(bytes.length));
+        if (n % 2) spoilt[random.pick(spoilt.length)] ^= 1 << random.pick(8);
+        try {
+          cageform.open(spoilt).clone(rest);
+        } catch (fault) {
+          assert(
+            fault instanceof cageform.CageformError && !['failed', 'argument_refused'].includes(fault.status),
+            `${n}: ${fault.stack}`,
+          );
+          continue;
+        }
+        assert(spoilt.length === bytes.length, `${n}: a shorter file was opened`);
+      }
+      const trusted = bytes.slice(); // without the checksum whatever is left may not trap
+      for (let n = 0; n < 400; ++n) {
+        trusted.set(bytes);
+        for (let k = 0; k < 4; ++k) trusted[random.pick(trusted.length)] = random.pick(256);
+        try {
+          cageform.open(trusted, { skipChecksum: true }).clone(rest);
+        } catch (fault) {
+          assert(fault instanceof cageform.CageformError && fault.status !== 'failed', `${n}: ${fault.stack}`);
+        }
+      }
+    },
+  },
+
+  {
+    name: 'pins reach their targets, with samples that were packed',
+    run({ cageform }) {
+      const coordinates = new cageform.Coordinates(cageform.Cage.mesh(CUBE, TRIANGLES));
+      const samples = new cageform.Samples(coordinates, { samples: 2000 }),
+        bytes = samples.pack(),
+        opened = cageform.openSamples(bytes);
+      sameBits(opened.pack(), bytes, 'packed again');
+      const { figure } = coordinates.bind([-0.5, 0, 0, 0.5, 0, 0, 0, 0.5, 0.3]),
+        targets = [-0.6, 0.1, 0, 0.6, 0, 0.1, 0, 0.5, 0.4];
+      const poses = [samples, opened].map(its => {
+        const pins = new cageform.Pins(its);
+        refused(cageform, 'pins_do_not_match', () => pins.solve([0, 0, 0], figure.rest()));
+        pins.set(figure, [0, 1, 2]);
+        let step = { pose: figure.rest() },
+          frames = 0;
+        do step = pins.solve(targets, step.pose);
+        while (!step.report.settled && ++frames < 500);
+        assert(step.report.settled && step.report.miss < 0.01, String(step.report));
+        assert(difference(figure.clone(step.pose).points, targets) < 0.01, 'targets');
+        const wrong = refused(cageform, 'index_out_of_range', () => pins.set(figure, [0, 77]));
+        equal(wrong.culprit, 1, 'culprit');
+        return step.pose;
+      });
+      sameBits(poses[0], poses[1], 'poses');
+    },
+  },
+
+  {
+    name: 'makeCage: encloses, is told progress, is cancelled, passes exceptions on',
+    run({ cageform }) {
+      const told = [],
+        ends = [
+          [0, 0],
+          [3, 0],
+          [3, 2],
+        ],
+        joined = [
+          [0, 1],
+          [1, 2],
+        ],
+        radii = [0.1, 0.2];
+      const flat = cageform.makeCage(ends, joined, {
+        dimension: 2,
+        radii,
+        vertices: 20,
+        progress: done => {
+          told.push(done);
+        },
+      });
+      equal(
+        `${flat.cage.kind} ${flat.cage.dimension} ${flat.cage.vertices.length}`,
+        `polygon 2 ${2 * flat.report.vertices}`,
+        'cage',
+      );
+      assert(flat.report.clearance > 0, String(flat.report));
+      assert(
+        told.length > 1 && told.every((x, i) => x >= 0 && x <= 1 && (i === 0 || x >= told[i - 1])),
+        'progress ascends',
+      );
+      equal(new cageform.Coordinates(flat.cage).bind(ends).outside.length, 0, 'points outside');
+      const { cage, report } = cageform.makeCage(CUBE, TRIANGLES, { shape: 'box' });
+      assert(
+        cage.kind === 'mesh' && cage.vertices.length === 3 * report.vertices && report.clearance > 0,
+        String(report),
+      );
+      equal(cageform.check(cage).length, 0, 'faults');
+      equal(new cageform.Coordinates(cage).bind(CUBE).outside.length, 0, 'points outside');
+      refused(cageform, 'cancelled', () => cageform.makeCage(CUBE, TRIANGLES, { progress: () => false }));
+      const own = new Error('mine');
+      let caught = null;
+      try {
+        cageform.makeCage(CUBE, TRIANGLES, {
+          progress() {
+            throw own;
+          },
         });
-        assert(most <= bound, `${name}: a weight is off by ${most}`);
-      }
-    }
-  } },
-
-  { name: 'every type: weights sum to one, rest comes back to the bit, moves are exact', run({ cageform }) {
-    const random = randomOf(1);
-    let types = 0;
-    for (const { coordinates, points, Kind } of everyType(cageform, random)) {
-      const binding = coordinates.bind(points), { figure } = binding, what = `${coordinates.kind} ${coordinates.scalar}`;
-      sameBits(figure.clone(figure.rest()).points, points, what);
-      const weights = binding.weights(), count = points.length / coordinates.dimension;
-      for (let n = 0; n < count; ++n) {
-        let sum = 0;
-        for (let i = 0; i < coordinates.vertices; ++i) sum += weights[n * coordinates.handles + i];
-        assert(Math.abs(sum - 1) <= (Kind === Float32Array ? 2e-5 : 1e-10), `${what}: weights sum to ${sum}`);
-      }
-      const vertices = coordinates.rest().subarray(0, coordinates.vertices * coordinates.dimension).map(x => x + 0.25);
-      const moved = figure.clone(figure.poseHandles(vertices)).points;
-      const off = difference(moved, points.map(x => x + 0.25));
-      assert(off <= (Kind === Float32Array ? 2e-5 : 1e-10), `${what}: a move is off by ${off}`);
-      ++types;
-    }
-    equal(types, 30, 'types');
-  } },
-
-  { name: 'gradients are the transpose of clone', run({ cageform }) {
-    const random = randomOf(2), coordinates = new cageform.Coordinates(cageform.Cage.mesh(CUBE, TRIANGLES), { scalar: 'float64' });
-    const { figure } = coordinates.bind(uniformly(random, 300, -0.9, 0.9, Float64Array));
-    const ofPoints = uniformly(random, 300, -1, 1, Float64Array), step = uniformly(random, 24, -1, 1, Float64Array), rest = figure.rest();
-    const value = t => figure.clone(rest.map((x, i) => x + t * step[i])).points.reduce((sum, x, i) => sum + x * ofPoints[i], 0);
-    const slope = figure.gradients(ofPoints).reduce((sum, x, i) => sum + x * step[i], 0);
-    assert(Math.abs((value(1) - value(-1)) / 2 - slope) < 1e-11, 'slopes differ');
-  } },
-
-  { name: 'arrays of every layout give the same bits; out is the caller\'s', run({ cageform }) {
-    const random = randomOf(3), flat = uniformly(random, 300, -0.9, 0.9), coordinates = new cageform.Coordinates(cageform.Cage.mesh(CUBE, TRIANGLES));
-    const rows = Array.from({ length: 100 }, (x, n) => Array.from(flat.subarray(3 * n, 3 * n + 3)));
-    const pose = coordinates.rest().map(x => x + random.uniform(-0.1, 0.1)), expected = coordinates.bind(flat).figure.clone(pose).points;
-    for (const points of [Array.from(flat), Float64Array.from(flat), rows, rows.map(row => Float32Array.from(row))]) {
-      const { figure } = coordinates.bind(points);
-      for (const same of [pose, Array.from(pose), Float64Array.from(pose)]) sameBits(figure.clone(same).points, expected, 'layout');
-      const out = new Float32Array(300), normals = coordinates.bind(points, { normals: rows.map(() => [0, 0, 1]) }).figure;
-      assert(figure.clone(pose, { out }).points === out, 'out is returned');
-      sameBits(out, expected, 'out');
-      const own = new Float32Array(300), turned = normals.clone(pose, { normals: own });
-      assert(turned.normals === own && own.some(x => x !== 0), 'normals are written');
-    }
-    assert(Math.abs(Math.hypot(...coordinates.bind(flat, { normals: rows.map(() => [0, 0, 1]) }).figure.clone(pose, { normals: true }).normals.subarray(0, 3)) - 1) < 1e-5,
-           'normals have length 1');
-  } },
-
-  { name: 'normals and tangents at rest come back', run({ cageform }) {
-    const coordinates = new cageform.Coordinates(cageform.Cage.mesh(CUBE, TRIANGLES));
-    const binding = coordinates.bind([0, 0, 0, 0.5, 0.5, 0.5], { normals: [0, 0, 1, 0, 1, 0], tangents: [1, 0, 0, 1, 0, 0, 1, -1] });
-    const { points, normals, tangents } = binding.figure.clone(binding.figure.rest(), { normals: true, tangents: true });
-    assert(difference(points, [0, 0, 0, 0.5, 0.5, 0.5]) === 0, 'points');
-    assert(difference(normals, [0, 0, 1, 0, 1, 0]) < 1e-6 && difference(tangents, [1, 0, 0, 1, 0, 0, 1, -1]) < 1e-6, `${normals} ${tangents}`);
-    const view = binding.figure.cloneView(binding.figure.rest(), { normals: true, tangents: true });
-    sameBits(view.normals, normals, 'views of normals');
-    sameBits(view.tangents, tangents, 'views of tangents');
-  } },
-
-  { name: 'a view ends when memory grows, with length 0, and the next one is right', run({ cageform }) {
-    const coordinates = new cageform.Coordinates(cageform.Cage.mesh(CUBE, TRIANGLES)), random = randomOf(4);
-    const { figure } = coordinates.bind(uniformly(random, 3000, -0.9, 0.9)), pose = coordinates.rest().map(x => 2 * x);
-    const expected = figure.clone(pose).points, { points: view } = figure.cloneView(pose);
-    sameBits(view, expected, 'view');
-    assert(figure.cloneView(pose).points === view, 'the view is the same while memory stays');
-    const held = [];
-    for (let n = 0; view.length > 0 && n < 60; ++n) held.push(coordinates.bind(uniformly(random, 300000, -0.9, 0.9)));
-    equal(view.length, 0, 'length of a view that has ended');
-    refused(cageform, 'dimension_differs', () => coordinates.bind([1]));
-    refused(cageform, 'pose_size_differs', () => figure.clone(view));
-    sameBits(figure.cloneView(pose).points, expected, 'view after growth');
-    sameBits(coordinates.bind(figure.cloneView(figure.rest()).points).figure.clone(pose).points, expected, 'a view as input');
-    for (const binding of held) {
-      binding.figure.free();
-      binding.free();
-    }
-  } },
-
-  { name: 'a figure file: labels, clips, levels', run({ cageform }) {
-    const random = randomOf(5), coordinates = new cageform.Coordinates(cageform.Cage.polygon(SQUARE)), points = uniformly(random, 400, 0.5, 3.5);
-    const binding = coordinates.bind(points), { figure: before } = binding;
-    binding.setLabels(['foot', null, 'head', '']);
-    binding.setLabels(['Fuß', null, 'head', '']);
-    sameBits(before.clone(before.rest()).points, points, 'a figure made before');
-    const rest = Array.from(coordinates.rest()), taller = rest.map((x, i) => (i % 2 ? 1.5 * x : x));
-    const { clip, report } = cageform.compileClip([0, 1, 2], [rest, taller, rest], { dimension: 2, after: 'cycle' });
-    assert(report.curveError < 0.01 && clip.begin === 0 && clip.end === 2 && clip.vertices === 4, String(report));
-    const coarse = coordinates.bind(points.slice(0, 100)).pack();
-    const { bytes, report: packed } = binding.pack({ tolerance: 1e-3, clips: { wave: clip }, levels: [coarse.bytes] });
-    assert(packed.bytes === bytes.length && packed.distance <= 1e-3, String(packed));
-    const figure = cageform.open(bytes);
-    equal(figure.labels().join(), 'Fuß,,head,', 'labels');
-    equal(`${figure.clips} ${figure.levels} ${figure.handles} ${figure.points}`, '1 1 4 200', 'counts');
-    const wave = figure.clip('wave'), by = figure.clip(0);
-    equal(wave.name, 'wave', 'name');
-    assert(difference(wave.sample(1), taller) < 0.01 && difference(by.sample(3), taller) < 0.01, 'samples');
-    const out = new Float32Array(8);
-    assert(wave.sample(0.3, out) === out, 'out');
-    equal(figure.level(1).points, 50, 'points of a level');
-    refused(cageform, 'index_out_of_bounds', () => figure.clip('walk'));
-    const error = refused(cageform, 'index_out_of_bounds', () => figure.clip(7));
-    assert(error.culprit === null, 'no culprit');
-    for (let n = 0; n < 400; ++n) { // spoilt files
-      const spoilt = bytes.slice(0, n % 2 ? undefined : random.pick(bytes.length));
-      if (n % 2) spoilt[random.pick(spoilt.length)] ^= 1 << random.pick(8);
-      try {
-        cageform.open(spoilt).clone(rest);
-      } catch (fault) {
-        assert(fault instanceof cageform.CageformError && !['failed', 'argument_refused'].includes(fault.status), `${n}: ${fault.stack}`);
-        continue;
-      }
-      assert(spoilt.length === bytes.length, `${n}: a shorter file was opened`);
-    }
-    const trusted = bytes.slice(); // without the checksum whatever is left may not trap
-    for (let n = 0; n < 400; ++n) {
-      trusted.set(bytes);
-      for (let k = 0; k < 4; ++k) trusted[random.pick(trusted.length)] = random.pick(256);
-      try {
-        cageform.open(trusted, { skipChecksum: true }).clone(rest);
-      } catch (fault) {
-        assert(fault instanceof cageform.CageformError && fault.status !== 'failed', `${n}: ${fault.stack}`);
-      }
-    }
-  } },
-
-  { name: 'pins reach their targets, with samples that were packed', run({ cageform }) {
-    const coordinates = new cageform.Coordinates(cageform.Cage.mesh(CUBE, TRIANGLES));
-    const samples = new cageform.Samples(coordinates, { samples: 2000 }), bytes = samples.pack(), opened = cageform.openSamples(bytes);
-    sameBits(opened.pack(), bytes, 'packed again');
-    const { figure } = coordinates.bind([-0.5, 0, 0, 0.5, 0, 0, 0, 0.5, 0.3]), targets = [-0.6, 0.1, 0, 0.6, 0, 0.1, 0, 0.5, 0.4];
-    const poses = [samples, opened].map(its => {
-      const pins = new cageform.Pins(its);
-      refused(cageform, 'pins_do_not_match', () => pins.solve([0, 0, 0], figure.rest()));
-      pins.set(figure, [0, 1, 2]);
-      let step = { pose: figure.rest() }, frames = 0;
-      do step = pins.solve(targets, step.pose); while (!step.report.settled && ++frames < 500);
-      assert(step.report.settled && step.report.miss < 0.01, String(step.report));
-      assert(difference(figure.clone(step.pose).points, targets) < 0.01, 'targets');
-      const wrong = refused(cageform, 'index_out_of_range', () => pins.set(figure, [0, 77]));
-      equal(wrong.culprit, 1, 'culprit');
-      return step.pose;
-    });
-    sameBits(poses[0], poses[1], 'poses');
-  } },
-
-  { name: 'makeCage: encloses, is told progress, is cancelled, passes exceptions on', run({ cageform }) {
-    const told = [], ends = [[0, 0], [3, 0], [3, 2]], joined = [[0, 1], [1, 2]], radii = [0.1, 0.2];
-    const flat = cageform.makeCage(ends, joined, { dimension: 2, radii, vertices: 20, progress: done => { told.push(done); } });
-    equal(`${flat.cage.kind} ${flat.cage.dimension} ${flat.cage.vertices.length}`, `polygon 2 ${2 * flat.report.vertices}`, 'cage');
-    assert(flat.report.clearance > 0, String(flat.report));
-    assert(told.length > 1 && told.every((x, i) => x >= 0 && x <= 1 && (i === 0 || x >= told[i - 1])), 'progress ascends');
-    equal(new cageform.Coordinates(flat.cage).bind(ends).outside.length, 0, 'points outside');
-    const { cage, report } = cageform.makeCage(CUBE, TRIANGLES, { shape: 'box' });
-    assert(cage.kind === 'mesh' && cage.vertices.length === 3 * report.vertices && report.clearance > 0, String(report));
-    equal(cageform.check(cage).length, 0, 'faults');
-    equal(new cageform.Coordinates(cage).bind(CUBE).outside.length, 0, 'points outside');
-    refused(cageform, 'cancelled', () => cageform.makeCage(CUBE, TRIANGLES, { progress: () => false }));
-    const own = new Error('mine');
-    let caught = null;
-    try {
-      cageform.makeCage(CUBE, TRIANGLES, { progress() { throw own; } });
-    } catch (error) {
-      caught = error;
-    }
-    assert(caught === own, 'the exception is the callback\'s');
-    const inside = refused(cageform, 'argument_refused', () => cageform.makeCage(CUBE, TRIANGLES, { progress() { cageform.check(cage); } }));
-    assert(inside.message.includes('progress()'), inside.message);
-  } },
-
-  { name: 'faults of cages are named', run({ cageform }) {
-    const [fault] = cageform.check(cageform.Cage.polygon(CROSSED));
-    equal(String(fault), 'edges cross or touch (edge 0, edge 2)', 'fault');
-    const error = refused(cageform, 'cage_self_crossing', () => new cageform.Coordinates(cageform.Cage.polygon(CROSSED)));
-    assert(error.report.fault.a.kind === 'edge' && error.message.includes('edge 0'), error.message);
-    equal(cageform.check(cageform.Cage.polygon(SQUARE)).length, 0, 'no fault');
-  } },
-
-  { name: 'cells inside a cage are handles; several cages are blended', run({ cageform }) {
-    const { Cage, Coordinates } = cageform;
-    const inside = new Coordinates(Cage.polygon([...SQUARE, [2, 2]], null, { cellVertices: 1, bones: [{ a: 4, radius: 0.5 }] }), { kind: 'harmonic' });
-    const { figure } = inside.bind([2.1, 2.2, 0.5, 0.5]), pose = figure.rest(), before = figure.clone(pose).points;
-    pose[8] += 0.25;
-    const after = figure.clone(pose).points;
-    equal(inside.handles, 5, 'handles');
-    assert(Math.abs(after[0] - before[0] - 0.25) < 1e-5 && after[2] - before[2] < 0.1, `${before} ${after}`);
-    refused(cageform, 'interior_cells_not_supported', () => new Coordinates(Cage.polygon([...SQUARE, [2, 2]], null, { cellVertices: 1, bones: [{ a: 4, radius: 0.5 }] }), { kind: 'mean-value' }));
-    refused(cageform, 'argument_refused', () => Cage.polygon(SQUARE, null, { bones: [null] }));
-    const two = Coordinates.blend([Cage.polygon(SQUARE), Cage.polygon(SQUARE.map(([x, y]) => [x + 3, y]))]), points = Float32Array.of(1, 1, 3.5, 2, 6, 3);
-    const bound = two.bind(points), moved = two.rest().map((x, i) => x + i % 2);
-    equal(two.handles, 8, 'handles of both');
-    assert(difference(bound.figure.clone(moved).points, points.map((x, i) => x + i % 2)) < 1e-5, 'a move of both');
-    equal(refused(cageform, 'cage_self_crossing', () => Coordinates.blend([Cage.polygon(SQUARE), Cage.polygon(CROSSED)])).culprit, 1, 'the cage that is refused');
-    refused(cageform, 'argument_refused', () => Coordinates.blend([]));
-    refused(cageform, 'argument_null', () => Coordinates.blend([null]));
-  } },
-
-  { name: 'bad points are listed and kept', run({ cageform }) {
-    const coordinates = new cageform.Coordinates(cageform.Cage.polygon(SQUARE));
-    const binding = coordinates.bind([NaN, 1, 9, 9, 1, 1], { outside: 'keep_in_place' });
-    equal(`${binding.notFinite} ${binding.outside}`, '0 1', 'lists');
-    assert(Number.isNaN(binding.figure.clone(binding.figure.rest()).points[0]), 'a point that is not finite stays');
-  } },
-
-  { name: 'wrong input of every kind is a CageformError', run({ cageform }) {
-    const { Cage, Coordinates, Samples, Pins, open, openSamples, check, makeCage, compileClip } = cageform;
-    const plane = new Coordinates(Cage.polygon(SQUARE)), space = new Coordinates(Cage.mesh(CUBE, TRIANGLES));
-    const { figure } = plane.bind([1, 1, 2, 2]), other = space.bind([0, 0, 0]), freed = plane.bind([1, 1]);
-    const wrong = [];
-    const no = (status, call) => {
-      try {
-        refused(cageform, status, call);
       } catch (error) {
-        wrong.push(error.message);
+        caught = error;
       }
-    };
-    freed.figure.free();
-    freed.free();
-    freed.free(); // twice is once
-    no('object_of_another_kind', () => freed.weights());
-    no('object_of_another_kind', () => freed.figure.clone(SQUARE));
-    no('pose_size_differs', () => figure.clone([[0, 0]]));
-    no('pose_not_finite', () => figure.clone([[0, 0], [1, NaN], [2, 2], [3, Infinity]]));
-    no('dimension_differs', () => figure.clone([1, 2, 3]));
-    no('dimension_differs', () => figure.clone(CUBE));
-    no('argument_null', () => figure.clone(null));
-    no('argument_null', () => figure.clone());
-    no('argument_refused', () => figure.clone('pose'));
-    no('argument_refused', () => figure.clone([1n, 2n]));
-    no('argument_refused', () => figure.clone(new BigInt64Array(8)));
-    no('argument_refused', () => figure.clone(['a', 'b']));
-    no('argument_refused', () => figure.clone([1, {}, Symbol('x'), null]));
-    no('output_too_small', () => figure.clone(SQUARE, { out: new Float32Array(3) }));
-    no('scalar_differs', () => figure.clone(SQUARE, { out: new Float64Array(4) }));
-    no('argument_refused', () => figure.clone(SQUARE, { outt: new Float32Array(4) }));
-    no('argument_refused', () => figure.clone(SQUARE, { tangents: true }));
-    no('vectors_missing', () => figure.clone(SQUARE, { normals: true }));
-    no('vectors_missing', () => other.figure.clone(CUBE, { tangents: true }));
-    no('index_out_of_bounds', () => figure.level(3));
-    no('argument_refused', () => figure.level(-1));
-    no('argument_refused', () => figure.level(1.5));
-    no('argument_refused', () => figure.clip({}));
-    no('index_out_of_bounds', () => figure.clip('none'));
-    no('argument_null', () => new Coordinates());
-    no('object_of_another_kind', () => new Coordinates(figure));
-    no('choice_unknown', () => new Coordinates(Cage.polygon(SQUARE), { kind: 'mean value' }));
-    no('choice_unknown', () => new Coordinates(Cage.polygon(SQUARE), { scalar: 'int8' }));
-    no('choice_unknown', () => new Coordinates(Cage.polygon(SQUARE), { kind: 'toString' }));
-    no('cage_kind_not_supported', () => new Coordinates(Cage.sites(CUBE), { kind: 'harmonic' }));
-    no('accuracy_not_supported', () => new Coordinates(Cage.polygon(SQUARE), { kind: 'harmonic', accuracy: 3 }).bind([1, 1]));
-    no('accuracy_not_supported', () => new Coordinates(Cage.polygon(SQUARE), { kind: 'harmonic', accuracy: NaN }).bind([1, 1]));
-    no('argument_refused', () => new Coordinates(Cage.polygon(SQUARE), { accuracy: '3' }));
-    no('argument_refused', () => new Coordinates(Cage.polygon(SQUARE), null));
-    no('too_few_vertices', () => new Coordinates(Cage.polygon([])));
-    no('vertex_not_finite', () => new Coordinates(Cage.polygon([[0, 0], [1, NaN], [2, 2]])));
-    no('face_without_vertex', () => new Coordinates(Cage.mesh(CUBE, [[0, 1, 99]])));
-    no('counts_do_not_match', () => new Coordinates(Cage.mesh(CUBE, [0, 1, 2, 3])));
-    no('cage_has_no_area', () => new Coordinates(Cage.polygon([[0, 0], [1, 1], [2, 2]])));
-    no('argument_refused', () => Cage.mesh(CUBE, [[0, 1, -1]]));
-    no('argument_refused', () => Cage.mesh(CUBE, [[0, 1, 1.5]]));
-    no('argument_refused', () => new Cage({ kind: 'round' }));
-    no('argument_refused', () => new Cage());
-    no('argument_refused', () => Cage.lattice({ origin: [0], axes: [[1, 0], [0, 1]] }));
-    no('argument_refused', () => Cage.lattice());
-    no('dimension_differs', () => Cage.sites(CUBE, { dimension: 7 }));
-    no('dimension_differs', () => plane.bind(CUBE));
-    no('vectors_do_not_match', () => space.bind(CUBE, { normals: [[0, 0, 1]] }));
-    no('argument_refused', () => plane.bind([1, 1], { progress: 3 }));
-    no('choice_unknown', () => plane.bind([1, 1], { outside: 'no' }));
-    no('falloff_not_supported', () => plane.bind([1, 1], { falloff: -1 }));
-    no('labels_do_not_match', () => plane.bind([1, 1]).setLabels(['a']));
-    no('argument_refused', () => plane.bind([1, 1]).setLabels([1, 2, 3, 4]));
-    no('index_out_of_bounds', () => plane.bind([1, 1]).weights(0, 7));
-    no('index_out_of_bounds', () => plane.bind([1, 1]).weights(1, 1));
-    no('choice_unknown', () => plane.bind([1, 1]).pack({ format: 'small' }));
-    no('object_of_another_kind', () => plane.bind([1, 1]).pack({ clips: { a: figure } }));
-    no('argument_null', () => plane.bind([1, 1]).pack({ levels: [null] }));
-    no('argument_null', () => open());
-    no('argument_refused', () => open('a file'));
-    no('not_a_figure', () => open(new Uint8Array(0)));
-    no('not_a_figure', () => open(new Uint8Array(1000)));
-    no('not_pose_samples', () => openSamples(new Uint8Array(1000)));
-    no('object_of_another_kind', () => check(SQUARE));
-    no('argument_null', () => check());
-    no('figure_empty', () => makeCage([], []));
-    no('argument_null', () => makeCage(CUBE));
-    no('argument_refused', () => makeCage(CUBE, TRIANGLES, { vertices: -3 }));
-    no('index_out_of_range', () => makeCage(CUBE, [[0, 1, 88]]));
-    no('argument_refused', () => makeCage([[0, 0], [1, 1]], [[0, 1]], { dimension: 2, radii: [1, 2] }));
-    no('keys_not_ascending', () => compileClip([1, 0], [CUBE, CUBE]));
-    no('counts_do_not_match', () => compileClip([0, 1, 2], [CUBE, CUBE]));
-    no('object_of_another_kind', () => new Samples(figure));
-    no('object_of_another_kind', () => new Pins(space));
-    no('argument_refused', () => new cageform.Figure());
-    no('argument_refused', () => new cageform.Clip());
-    const pins = new Pins(new Samples(space, { samples: 500 }));
-    no('bindings_differ', () => pins.set(figure, [0]));
-    no('object_of_another_kind', () => pins.set(space, [0]));
-    no('argument_refused', () => pins.set(other.figure, [0], { weights: [1, 2] }));
-    no('index_out_of_range', () => pins.hold([99]));
-    no('object_of_another_kind', () => Coordinates.prototype.rest.call(freed.figure));
-    equal(wrong.join('\n'), '', 'refusals');
-  } },
+      assert(caught === own, "the exception is the callback's");
+      const inside = refused(cageform, 'argument_refused', () =>
+        cageform.makeCage(CUBE, TRIANGLES, {
+          progress() {
+            cageform.check(cage);
+          },
+        }),
+      );
+      assert(inside.message.includes('progress()'), inside.message);
+    },
+  },
 
-  { name: 'memory that runs out is a status, and is given back', run({ cageform }) {
-    const { Cage, Coordinates } = cageform, space = new Coordinates(Cage.mesh(CUBE, TRIANGLES));
-    const many = new Float32Array(3e7), fine = space.bind(CUBE).figure, pose = fine.rest(), expected = fine.clone(pose).points;
-    // 10^7 points of 3,375 handles take 135 GB.
-    const lattice = new Coordinates(Cage.lattice({ ...BOX, points: 15 }));
-    let grown = null;
-    for (let n = 0; n < 12; ++n) {
-      const error = refused(cageform, 'out_of_memory', () => lattice.bind(many));
-      assert(error.report.status === 'out_of_memory' && error.culprit === null, 'report');
-      const size = fine.cloneView(pose).points.buffer.byteLength;
-      grown ??= size;
-      equal(size, grown, 'memory after the first time');
-    }
-    refused(cageform, 'too_many_handles', () => new Coordinates(Cage.lattice({ ...BOX, points: 2000 })));
-    sameBits(fine.clone(pose).points, expected, 'clone');
-    lattice.free();
-  } },
+  {
+    name: 'faults of cages are named',
+    run({ cageform }) {
+      const [fault] = cageform.check(cageform.Cage.polygon(CROSSED));
+      equal(String(fault), 'edges cross or touch (edge 0, edge 2)', 'fault');
+      const error = refused(
+        cageform,
+        'cage_self_crossing',
+        () => new cageform.Coordinates(cageform.Cage.polygon(CROSSED)),
+      );
+      assert(error.report.fault.a.kind === 'edge' && error.message.includes('edge 0'), error.message);
+      equal(cageform.check(cageform.Cage.polygon(SQUARE)).length, 0, 'no fault');
+    },
+  },
 
-  { name: 'free() in any order; a figure keeps what it was made of', run({ cageform }) {
-    const random = randomOf(6), points = uniformly(random, 30000, -0.9, 0.9);
-    let size = null;
-    for (let n = 0; n < 60; ++n) {
-      const coordinates = new cageform.Coordinates(cageform.Cage.mesh(CUBE, TRIANGLES)), binding = coordinates.bind(points), { figure } = binding;
-      const opened = cageform.open(binding.pack().bytes), pose = figure.rest();
-      const all = [coordinates, binding, figure, opened];
-      for (let k = all.length; k > 1; --k) all.push(...all.splice(random.pick(k), 1));
-      for (const object of all.slice(0, 2)) object.free();
-      for (const own of all.slice(2)) {
-        if (own instanceof cageform.Figure) sameBits(own.clone(pose).points, points, 'after others went');
+  {
+    name: 'cells inside a cage are handles; several cages are blended',
+    run({ cageform }) {
+      const { Cage, Coordinates } = cageform;
+      const inside = new Coordinates(
+        Cage.polygon([...SQUARE, [2, 2]], null, { cellVertices: 1, bones: [{ a: 4, radius: 0.5 }] }),
+        { kind: 'harmonic' },
+      );
+      const { figure } = inside.bind([2.1, 2.2, 0.5, 0.5]),
+        pose = figure.rest(),
+        before = figure.clone(pose).points;
+      pose[8] += 0.25;
+      const after = figure.clone(pose).points;
+      equal(inside.handles, 5, 'handles');
+      assert(Math.abs(after[0] - before[0] - 0.25) < 1e-5 && after[2] - before[2] < 0.1, `${before} ${after}`);
+      refused(
+        cageform,
+        'interior_cells_not_supported',
+        () =>
+          new Coordinates(
+            Cage.polygon([...SQUARE, [2, 2]], null, { cellVertices: 1, bones: [{ a: 4, radius: 0.5 }] }),
+            { kind: 'mean-value' },
+          ),
+      );
+      refused(cageform, 'argument_refused', () => Cage.polygon(SQUARE, null, { bones: [null] }));
+      const two = Coordinates.blend([Cage.polygon(SQUARE), Cage.polygon(SQUARE.map(([x, y]) => [x + 3, y]))]),
+        points = Float32Array.of(1, 1, 3.5, 2, 6, 3);
+      const bound = two.bind(points),
+        moved = two.rest().map((x, i) => x + (i % 2));
+      equal(two.handles, 8, 'handles of both');
+      assert(
+        difference(
+          bound.figure.clone(moved).points,
+          points.map((x, i) => x + (i % 2)),
+        ) < 1e-5,
+        'a move of both',
+      );
+      equal(
+        refused(cageform, 'cage_self_crossing', () => Coordinates.blend([Cage.polygon(SQUARE), Cage.polygon(CROSSED)]))
+          .culprit,
+        1,
+        'the cage that is refused',
+      );
+      refused(cageform, 'argument_refused', () => Coordinates.blend([]));
+      refused(cageform, 'argument_null', () => Coordinates.blend([null]));
+    },
+  },
+
+  {
+    name: 'bad points are listed and kept',
+    run({ cageform }) {
+      const coordinates = new cageform.Coordinates(cageform.Cage.polygon(SQUARE));
+      const binding = coordinates.bind([NaN, 1, 9, 9, 1, 1], { outside: 'keep_in_place' });
+      equal(`${binding.notFinite} ${binding.outside}`, '0 1', 'lists');
+      assert(Number.isNaN(binding.figure.clone(binding.figure.rest()).points[0]), 'a point that is not finite stays');
+    },
+  },
+
+  {
+    name: 'wrong input of every kind is a CageformError',
+    run({ cageform }) {
+      const { Cage, Coordinates, Samples, Pins, open, openSamples, check, makeCage, compileClip } = cageform;
+      const plane = new Coordinates(Cage.polygon(SQUARE)),
+        space = new Coordinates(Cage.mesh(CUBE, TRIANGLES));
+      const { figure } = plane.bind([1, 1, 2, 2]),
+        other = space.bind([0, 0, 0]),
+        freed = plane.bind([1, 1]);
+      const wrong = [];
+      const no = (status, call) => {
+        try {
+          refused(cageform, status, call);
+        } catch (error) {
+          wrong.push(error.message);
+        }
+      };
+      freed.figure.free();
+      freed.free();
+      freed.free(); // twice is once
+      no('object_of_another_kind', () => freed.weights());
+      no('object_of_another_kind', () => freed.figure.clone(SQUARE));
+      no('pose_size_differs', () => figure.clone([[0, 0]]));
+      no('pose_not_finite', () =>
+        figure.clone([
+          [0, 0],
+          [1, NaN],
+          [2, 2],
+          [3, Infinity],
+        ]),
+      );
+      no('dimension_differs', () => figure.clone([1, 2, 3]));
+      no('dimension_differs', () => figure.clone(CUBE));
+      no('argument_null', () => figure.clone(null));
+      no('argument_null', () => figure.clone());
+      no('argument_refused', () => figure.clone('pose'));
+      no('argument_refused', () => figure.clone([1n, 2n]));
+      no('argument_refused', () => figure.clone(new BigInt64Array(8)));
+      no('argument_refused', () => figure.clone(['a', 'b']));
+      no('argument_refused', () => figure.clone([1, {}, Symbol('x'), null]));
+      no('output_too_small', () => figure.clone(SQUARE, { out: new Float32Array(3) }));
+      no('scalar_differs', () => figure.clone(SQUARE, { out: new Float64Array(4) }));
+      no('argument_refused', () => figure.clone(SQUARE, { outt: new Float32Array(4) }));
+      no('argument_refused', () => figure.clone(SQUARE, { tangents: true }));
+      no('vectors_missing', () => figure.clone(SQUARE, { normals: true }));
+      no('vectors_missing', () => other.figure.clone(CUBE, { tangents: true }));
+      no('index_out_of_bounds', () => figure.level(3));
+      no('argument_refused', () => figure.level(-1));
+      no('argument_refused', () => figure.level(1.5));
+      no('argument_refused', () => figure.clip({}));
+      no('index_out_of_bounds', () => figure.clip('none'));
+      no('argument_null', () => new Coordinates());
+      no('object_of_another_kind', () => new Coordinates(figure));
+      no('choice_unknown', () => new Coordinates(Cage.polygon(SQUARE), { kind: 'mean value' }));
+      no('choice_unknown', () => new Coordinates(Cage.polygon(SQUARE), { scalar: 'int8' }));
+      no('choice_unknown', () => new Coordinates(Cage.polygon(SQUARE), { kind: 'toString' }));
+      no('cage_kind_not_supported', () => new Coordinates(Cage.sites(CUBE), { kind: 'harmonic' }));
+      no('accuracy_not_supported', () =>
+        new Coordinates(Cage.polygon(SQUARE), { kind: 'harmonic', accuracy: 3 }).bind([1, 1]),
+      );
+      no('accuracy_not_supported', () =>
+        new Coordinates(Cage.polygon(SQUARE), { kind: 'harmonic', accuracy: NaN }).bind([1, 1]),
+      );
+      no('argument_refused', () => new Coordinates(Cage.polygon(SQUARE), { accuracy: '3' }));
+      no('argument_refused', () => new Coordinates(Cage.polygon(SQUARE), null));
+      no('too_few_vertices', () => new Coordinates(Cage.polygon([])));
+      no(
+        'vertex_not_finite',
+        () =>
+          new Coordinates(
+            Cage.polygon([
+              [0, 0],
+              [1, NaN],
+              [2, 2],
+            ]),
+          ),
+      );
+      no('face_without_vertex', () => new Coordinates(Cage.mesh(CUBE, [[0, 1, 99]])));
+      no('counts_do_not_match', () => new Coordinates(Cage.mesh(CUBE, [0, 1, 2, 3])));
+      no(
+        'cage_has_no_area',
+        () =>
+          new Coordinates(
+            Cage.polygon([
+              [0, 0],
+              [1, 1],
+              [2, 2],
+            ]),
+          ),
+      );
+      no('argument_refused', () => Cage.mesh(CUBE, [[0, 1, -1]]));
+      no('argument_refused', () => Cage.mesh(CUBE, [[0, 1, 1.5]]));
+      no('argument_refused', () => new Cage({ kind: 'round' }));
+      no('argument_refused', () => new Cage());
+      no('argument_refused', () =>
+        Cage.lattice({
+          origin: [0],
+          axes: [
+            [1, 0],
+            [0, 1],
+          ],
+        }),
+      );
+      no('argument_refused', () => Cage.lattice());
+      no('dimension_differs', () => Cage.sites(CUBE, { dimension: 7 }));
+      no('dimension_differs', () => plane.bind(CUBE));
+      no('vectors_do_not_match', () => space.bind(CUBE, { normals: [[0, 0, 1]] }));
+      no('argument_refused', () => plane.bind([1, 1], { progress: 3 }));
+      no('choice_unknown', () => plane.bind([1, 1], { outside: 'no' }));
+      no('falloff_not_supported', () => plane.bind([1, 1], { falloff: -1 }));
+      no('labels_do_not_match', () => plane.bind([1, 1]).setLabels(['a']));
+      no('argument_refused', () => plane.bind([1, 1]).setLabels([1, 2, 3, 4]));
+      no('index_out_of_bounds', () => plane.bind([1, 1]).weights(0, 7));
+      no('index_out_of_bounds', () => plane.bind([1, 1]).weights(1, 1));
+      no('choice_unknown', () => plane.bind([1, 1]).pack({ format: 'small' }));
+      no('object_of_another_kind', () => plane.bind([1, 1]).pack({ clips: { a: figure } }));
+      no('argument_null', () => plane.bind([1, 1]).pack({ levels: [null] }));
+      no('argument_null', () => open());
+      no('argument_refused', () => open('a file'));
+      no('not_a_figure', () => open(new Uint8Array(0)));
+      no('not_a_figure', () => open(new Uint8Array(1000)));
+      no('not_pose_samples', () => openSamples(new Uint8Array(1000)));
+      no('object_of_another_kind', () => check(SQUARE));
+      no('argument_null', () => check());
+      no('figure_empty', () => makeCage([], []));
+      no('argument_null', () => makeCage(CUBE));
+      no('argument_refused', () => makeCage(CUBE, TRIANGLES, { vertices: -3 }));
+      no('index_out_of_range', () => makeCage(CUBE, [[0, 1, 88]]));
+      no('argument_refused', () =>
+        makeCage(
+          [
+            [0, 0],
+            [1, 1],
+          ],
+          [[0, 1]],
+          { dimension: 2, radii: [1, 2] },
+        ),
+      );
+      no('keys_not_ascending', () => compileClip([1, 0], [CUBE, CUBE]));
+      no('counts_do_not_match', () => compileClip([0, 1, 2], [CUBE, CUBE]));
+      no('object_of_another_kind', () => new Samples(figure));
+      no('object_of_another_kind', () => new Pins(space));
+      no('argument_refused', () => new cageform.Figure());
+      no('argument_refused', () => new cageform.Clip());
+      const pins = new Pins(new Samples(space, { samples: 500 }));
+      no('bindings_differ', () => pins.set(figure, [0]));
+      no('object_of_another_kind', () => pins.set(space, [0]));
+      no('argument_refused', () => pins.set(other.figure, [0], { weights: [1, 2] }));
+      no('index_out_of_range', () => pins.hold([99]));
+      no('object_of_another_kind', () => Coordinates.prototype.rest.call(freed.figure));
+      equal(wrong.join('\n'), '', 'refusals');
+    },
+  },
+
+  {
+    name: 'memory that runs out is a status, and is given back',
+    run({ cageform }) {
+      const { Cage, Coordinates } = cageform,
+        space = new Coordinates(Cage.mesh(CUBE, TRIANGLES));
+      const many = new Float32Array(3e7),
+        fine = space.bind(CUBE).figure,
+        pose = fine.rest(),
+        expected = fine.clone(pose).points;
+      // 10^7 points of 3,375 handles take 135 GB.
+      const lattice = new Coordinates(Cage.lattice({ ...BOX, points: 15 }));
+      let grown = null;
+      for (let n = 0; n < 12; ++n) {
+        const error = refused(cageform, 'out_of_memory', () => lattice.bind(many));
+        assert(error.report.status === 'out_of_memory' && error.culprit === null, 'report');
+        const size = fine.cloneView(pose).points.buffer.byteLength;
+        grown ??= size;
+        equal(size, grown, 'memory after the first time');
       }
-      if (n > 2) size ??= all.filter(own => own instanceof cageform.Figure && all.indexOf(own) >= 2)[0]?.cloneView(pose).points.buffer.byteLength ?? null;
-      for (const object of all) object.free();
-    }
-    const { figure } = new cageform.Coordinates(cageform.Cage.mesh(CUBE, TRIANGLES)).bind(points);
-    assert(figure.cloneView(figure.rest()).points.buffer.byteLength === size, 'memory grows though all is freed');
-  } },
+      refused(cageform, 'too_many_handles', () => new Coordinates(Cage.lattice({ ...BOX, points: 2000 })));
+      sameBits(fine.clone(pose).points, expected, 'clone');
+      lattice.free();
+    },
+  },
+
+  {
+    name: 'free() in any order; a figure keeps what it was made of',
+    run({ cageform }) {
+      const random = randomOf(6),
+        points = uniformly(random, 30000, -0.9, 0.9);
+      let size = null;
+      for (let n = 0; n < 60; ++n) {
+        const coordinates = new cageform.Coordinates(cageform.Cage.mesh(CUBE, TRIANGLES)),
+          binding = coordinates.bind(points),
+          { figure } = binding;
+        const opened = cageform.open(binding.pack().bytes),
+          pose = figure.rest();
+        const all = [coordinates, binding, figure, opened];
+        for (let k = all.length; k > 1; --k) all.push(...all.splice(random.pick(k), 1));
+        for (const object of all.slice(0, 2)) object.free();
+        for (const own of all.slice(2)) {
+          if (own instanceof cageform.Figure) sameBits(own.clone(pose).points, points, 'after others went');
+        }
+        if (n > 2)
+          size ??=
+            all.filter(own => own instanceof cageform.Figure && all.indexOf(own) >= 2)[0]?.cloneView(pose).points.buffer
+              .byteLength ?? null;
+        for (const object of all) object.free();
+      }
+      const { figure } = new cageform.Coordinates(cageform.Cage.mesh(CUBE, TRIANGLES)).bind(points);
+      assert(figure.cloneView(figure.rest()).points.buffer.byteLength === size, 'memory grows though all is freed');
+    },
+  },
 
   { name: '10,000 hostile calls', run: context => hostile(context, 10000, 7) },
 
-  { name: 'the run time alone: opens, clones and plays with the same bits', async run({ cageform, runtime, file }) {
-    await runtime.init();
-    for (const native of JSON.parse(await file('native.json'))) {
-      const figure = runtime.open(bytesOf64(native.packedWithClip));
-      sameBits(figure.clone(native.pose).points, native.smallClone, native.name);
-      sameBits(figure.clip('there and back').sample(0.7), native.sample, native.name);
-    }
-    equal(runtime.version, cageform.version, 'versions');
-  } },
+  {
+    name: 'the run time alone: opens, clones and plays with the same bits',
+    async run({ cageform, runtime, file }) {
+      await runtime.init();
+      for (const native of JSON.parse(await file('native.json'))) {
+        const figure = runtime.open(bytesOf64(native.packedWithClip));
+        sameBits(figure.clone(native.pose).points, native.smallClone, native.name);
+        sameBits(figure.clip('there and back').sample(0.7), native.sample, native.name);
+      }
+      equal(runtime.version, cageform.version, 'versions');
+    },
+  },
 ];
-
-/** Calls anything with anything. Whatever is thrown has to be a CageformError that is not the library's end. */
-export function hostile({ cageform }, count, seed) {
-  const { Cage, Coordinates, Samples, Pins, CageformError } = cageform, random = randomOf(seed), { pick } = random;
-  const space = new Coordinates(Cage.mesh(CUBE, TRIANGLES)), plane = new Coordinates(Cage.polygon(SQUARE), { kind: 'green', scalar: 'float64' });
-  const freed = new Coordinates(Cage.polygon(SQUARE));
-  freed.free();
-  const bindings = [space.bind(uniformly(random, 90, -0.9, 0.9)), plane.bind(uniformly(random, 90, 0.5, 3.5))];
-  const files = bindings.map(binding => binding.pack({ tolerance: 1e-2 }).bytes), samples = new Samples(space, { samples: 300 });
-  const { clip } = cageform.compileClip([0, 1], [CUBE, CUBE]);
-  const objects = [space, plane, freed, ...bindings, ...bindings.map(binding => binding.figure), samples, new Pins(samples), clip,
-                   Cage.polygon(SQUARE), Cage.lattice(BOX), Cage.sites(CUBE), Cage.mesh(CUBE, QUADS)];
-  const numbers = [0, -0, 1, -1, 2, 3, 4, 7, 8, 24, 0.5, NaN, Infinity, -Infinity, 1e308, 1e-308, 2 ** 31, 2 ** 32 - 1, 2 ** 32, 2 ** 53, '3', 'x', '', null, undefined, true, 5n, Symbol('s')];
-  const arrayOf = () => {
-    const size = [0, 1, 2, 3, 8, 16, 24, 30, 45, 90, 91][pick(11)], wild = pick(3) === 0;
-    const values = Array.from({ length: size }, () => (wild && pick(8) === 0 ? numbers[pick(numbers.length)] : random.uniform(-2, 4)));
-    const tame = () => values.map(value => (typeof value === 'number' ? value : 0));
-    switch (pick(9)) {
-    case 0: return values;
-    case 1: return Float32Array.from(tame());
-    case 2: return Float64Array.from(tame());
-    case 3: return Uint32Array.from(tame());
-    case 4: return new Uint8Array(size);
-    case 5: return Array.from({ length: pick(9) }, () => values.slice(0, pick(5)));
-    case 6: return tame().map(value => Math.abs(Math.floor(value)));
-    case 7: return pick(2) ? CUBE : SQUARE;
-    default: return [new DataView(new ArrayBuffer(8)), new BigInt64Array(3), files[pick(2)], files[pick(2)].subarray(pick(300)), new ArrayBuffer(pick(100)), { length: 3 }, [[]], [null]][pick(8)];
-    }
-  };
-  const names = ['out', 'normals', 'tangents', 'kind', 'scalar', 'progress', 'dimension', 'vertices', 'radii', 'tolerance', 'clips', 'levels', 'poses', 'format', 'weights', 'points',
-                 'origin', 'axes', 'degree', 'skipChecksum', 'divisions', 'samples', 'falloff', 'disk', 'accuracy'];
-  const words = ['green', 'harmonic', 'mean-value', 'splines', 'sibson', 'barycentric', 'float32', 'float64', 'box', 'hull', 'half', 'int8', 'x', 'smooth', 'wave'];
-  const anything = depth => {
-    switch (pick(depth > 2 ? 4 : 7)) {
-    case 0: return numbers[pick(numbers.length)];
-    case 1: return arrayOf();
-    case 2: return objects[pick(objects.length)];
-    case 3: return words[pick(words.length)];
-    case 4: return Object.fromEntries(Array.from({ length: pick(3) }, () => [names[pick(names.length)], anything(depth + 1)]));
-    case 5: return Array.from({ length: pick(4) }, () => anything(depth + 1));
-    default: return pick(2) ? () => pick(4) > 0 : {};
-    }
-  };
-  const mostly = own => (pick(8) === 0 ? anything(0) : own());
-  const figures = () => objects[5 + pick(2)];
-  const calls = [
-    () => new Coordinates(mostly(() => objects[10 + pick(4)]), mostly(() => ({ kind: words[pick(6)] }))),
-    () => space.bind(mostly(() => uniformly(random, 90, -1.2, 1.2)), anything(1)), () => plane.bind(mostly(arrayOf), anything(1)),
-    () => figures().clone(mostly(() => uniformly(random, 24, -2, 2)), anything(1)), () => figures().cloneView(mostly(arrayOf), anything(1)),
-    () => figures().gradients(anything(0), anything(0)), () => figures().poseHandles(mostly(arrayOf), anything(0)), () => figures().clip(anything(0)), () => figures().level(anything(0)),
-    () => figures().rest(anything(0)), () => figures().labels(),
-    () => cageform.open(mostly(() => files[pick(2)].slice(0, pick(2) ? undefined : pick(500))), anything(1)), () => cageform.openSamples(mostly(arrayOf), anything(1)),
-    () => bindings[pick(2)].weights(anything(0), anything(0)), () => bindings[pick(2)].setLabels(anything(0)), () => bindings[pick(2)].pack(anything(0)),
-    () => Cage.polygon(mostly(arrayOf), anything(0)), () => Cage.mesh(anything(0), anything(0), anything(1)), () => Cage.curves(anything(0), anything(0)), () => Cage.lattice(anything(0)),
-    () => new Coordinates(Cage.sites(mostly(arrayOf), anything(1)), anything(1)), () => new Coordinates(Cage.mesh(mostly(() => CUBE), mostly(() => TRIANGLES)), anything(1)),
-    () => new Coordinates(Cage.polygon(mostly(() => SQUARE), mostly(() => undefined)), anything(1)), () => cageform.check(mostly(() => objects[10 + pick(4)])),
-    () => cageform.compileClip(mostly(() => [0, 1]), mostly(() => [CUBE, CUBE]), anything(1)), () => clip.sample(anything(0), anything(0)), () => Coordinates.blend([mostly(() => objects[10]), mostly(() => objects[10])], anything(1)),
-    () => new Pins(anything(0), anything(0)), () => objects[8].set(mostly(figures), mostly(arrayOf), anything(1)), () => objects[8].hold(mostly(arrayOf)),
-    () => objects[8].solve(mostly(arrayOf), mostly(() => CUBE)), () => new cageform[['Figure', 'Clip', 'Binding', 'Samples', 'Cage'][pick(5)]](anything(0), anything(0)),
-    () => (pick(150) === 0 ? cageform.makeCage(mostly(() => CUBE), mostly(() => TRIANGLES), mostly(() => ({ vertices: 12, progress: () => pick(50) > 0 }))) : cageform.makeCage(arrayOf(), arrayOf(), anything(1))),
-  ];
-  let refusals = 0;
-  const met = new Set();
-  for (let n = 0; n < count; ++n) {
-    const call = calls[pick(calls.length)];
-    try {
-      const made = call();
-      if (typeof made?.free === 'function' && !objects.includes(made)) made.free();
-      made?.clip?.free?.();
-    } catch (error) {
-      assert(error instanceof CageformError, `call ${n} of seed ${seed}: ${call} threw ${error?.stack}`);
-      assert(!error.message.includes('has ended'), `call ${n} of seed ${seed}: ${call} ended the library: ${error.stack}`);
-      ++refusals;
-      met.add(error.status);
-    }
-  }
-  assert(refusals > count / 4 && refusals < count && met.size > 20, `${refusals} refusals, ${met.size} statuses`);
-  const pose = bindings[0].figure.rest();
-  assert(bindings[0].figure.clone(pose).points.every(Number.isFinite), 'the library works on');
-  return `${refusals} refused, ${met.size} statuses`;
-}

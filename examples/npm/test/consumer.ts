@@ -1,6 +1,19 @@
 // A typed program, which is compiled by tsc --strict and run in node: every member of the declarations that a user meets.
 
-import { Cage, CageformError, Coordinates, Pins, Samples, check, compileClip, init, makeCage, open, openSamples, version } from 'cageform';
+import {
+  Cage,
+  CageformError,
+  Coordinates,
+  Pins,
+  Samples,
+  check,
+  compileClip,
+  init,
+  makeCage,
+  open,
+  openSamples,
+  version,
+} from 'cageform';
 import type { Array32or64, BindOptions, Binding, Fault, Figure, Report, Status } from 'cageform';
 import { init as initRuntime, open as openSmall } from 'cageform/runtime';
 
@@ -10,7 +23,12 @@ function expect(holds: boolean, what: string): void {
 
 await init();
 await initRuntime();
-const square: readonly (readonly number[])[] = [[0, 0], [4, 0], [4, 4], [0, 4]];
+const square: readonly (readonly number[])[] = [
+  [0, 0],
+  [4, 0],
+  [4, 4],
+  [0, 4],
+];
 const cage: Cage = Cage.polygon(square);
 const faults: Fault[] = check(cage);
 expect(faults.length === 0 && cage.kind === 'polygon' && cage.vertices?.length === 8, 'cage');
@@ -19,10 +37,12 @@ const solved: Report = coordinates.solve({ progress: (done: number) => done <= 1
 expect(solved.unknowns > 0 && solved.status === 'ok' && coordinates.hasGradients, String(solved));
 const options: BindOptions = { outside: 'keep_in_place', progress: () => undefined };
 const binding: Binding = coordinates.bind(Float32Array.of(1, 1, 2, 3), options);
-const figure: Figure = binding.figure, pose: Array32or64 = figure.rest();
+const figure: Figure = binding.figure,
+  pose: Array32or64 = figure.rest();
 pose[4] = 6;
 pose[5] = 6;
-const out = new Float32Array(4), { points, normals } = figure.clone(pose, { out });
+const out = new Float32Array(4),
+  { points, normals } = figure.clone(pose, { out });
 expect(points === out && normals === undefined && points[0]! > 1, 'clone');
 expect(figure.cloneView(pose).points.length === 4 && figure.gradients(points).length === 8, 'views and gradients');
 const { clip } = compileClip([0, 1], [[...figure.rest()], [...pose]], { dimension: 2, keys: 'linear' });
@@ -32,17 +52,32 @@ expect(openSmall(bytes.buffer).clone(pose).points.length === 4, 'run time');
 const pins = new Pins(openSamples(new Samples(coordinates, { samples: 500 }).pack()), { hard: true });
 pins.set(figure, [0], { weights: [1] });
 expect(pins.solve([1.2, 1.1], pose).report.iterations > 0, 'pins');
-expect(makeCage(square, [[0, 1], [1, 2]], { dimension: 2, vertices: 12, radii: [0.1, 0.1] }).cage.dimension === 2, 'made cage');
+expect(
+  makeCage(
+    square,
+    [
+      [0, 1],
+      [1, 2],
+    ],
+    { dimension: 2, vertices: 12, radii: [0.1, 0.1] },
+  ).cage.dimension === 2,
+  'made cage',
+);
 try {
   figure.clone([0]);
 } catch (error) {
   if (!(error instanceof CageformError)) throw error;
-  const status: Status = error.status, culprit: number | string | null = error.culprit;
+  const status: Status = error.status,
+    culprit: number | string | null = error.culprit;
   expect(status === 'dimension_differs' && culprit === null, status);
 }
 // @ts-expect-error: there is no such kind
-try { new Coordinates(cage, { kind: 'mean value' }); } catch {}
+try {
+  new Coordinates(cage, { kind: 'mean value' });
+} catch {}
 // @ts-expect-error: figures are made by open() and bind()
-try { new figure.constructor.Figure(); } catch {}
+try {
+  new figure.constructor.Figure();
+} catch {}
 for (const object of [figure, binding, coordinates, pins, clip]) object.free();
 console.log(`typed consumer of cageform ${version}: well`);

@@ -9,17 +9,25 @@ import { Cage, Coordinates, compileClip, init, open } from 'cageform';
 function parse(text) {
   const rows = text.split('\n').map(line => line.split(' '));
   const vertices = rows.filter(([word]) => word === 'v').flatMap(row => row.slice(1, 4).map(Number));
-  const faces = rows.filter(([word]) => word === 'f').map(row => row.slice(1, 4).map(corner => parseInt(corner, 10) - 1));
+  const faces = rows
+    .filter(([word]) => word === 'f')
+    .map(row => row.slice(1, 4).map(corner => parseInt(corner, 10) - 1));
   return { vertices: Float32Array.from(vertices), faces };
 }
 
 /** Returns normals of vertices: means of the faces' normals, weighted by area. */
 function normalsOf({ vertices, faces }) {
-  const normals = new Float32Array(vertices.length), at = i => vertices.subarray(3 * i, 3 * i + 3);
+  const normals = new Float32Array(vertices.length),
+    at = i => vertices.subarray(3 * i, 3 * i + 3);
   for (const [a, b, c] of faces) {
-    const [p, q, r] = [a, b, c].map(at), u = q.map((x, k) => x - p[k]), v = r.map((x, k) => x - p[k]);
+    const [p, q, r] = [a, b, c].map(at),
+      u = q.map((x, k) => x - p[k]),
+      v = r.map((x, k) => x - p[k]);
     const normal = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
-    for (const corner of [a, b, c]) normal.forEach((x, k) => { normals[3 * corner + k] += x; });
+    for (const corner of [a, b, c])
+      normal.forEach((x, k) => {
+        normals[3 * corner + k] += x;
+      });
   }
   for (let i = 0; i < normals.length; i += 3) {
     const length = Math.hypot(normals[i], normals[i + 1], normals[i + 2]) || 1;
@@ -30,9 +38,13 @@ function normalsOf({ vertices, faces }) {
 
 /** Returns times and poses of a clip; the first pose ends it again. */
 function parseClip(text) {
-  const times = [], poses = [];
+  const times = [],
+    poses = [];
   let length = 0;
-  for (const [word, ...rest] of text.split('\n').filter(line => line && !line.startsWith('#')).map(line => line.split(','))) {
+  for (const [word, ...rest] of text
+    .split('\n')
+    .filter(line => line && !line.startsWith('#'))
+    .map(line => line.split(','))) {
     if (word === 'length') length = Number(rest[0]);
     else if (word === 'pose') {
       times.push(Number(rest[0]));
@@ -45,9 +57,12 @@ function parseClip(text) {
 const [folder, out] = process.argv.slice(2);
 const file = name => readFile(`${folder}/${name}`, 'utf8');
 await init();
-const mesh = parse(await file('character.obj')), cage = parse(await file('character_cage.obj'));
+const mesh = parse(await file('character.obj')),
+  cage = parse(await file('character_cage.obj'));
 const start = performance.now();
-const binding = new Coordinates(Cage.mesh(cage.vertices, cage.faces), { kind: 'harmonic' }).bind(mesh.vertices, { normals: normalsOf(mesh) });
+const binding = new Coordinates(Cage.mesh(cage.vertices, cage.faces), { kind: 'harmonic' }).bind(mesh.vertices, {
+  normals: normalsOf(mesh),
+});
 console.log(`${binding.points} points bound in ${Math.round(performance.now() - start)} ms`);
 const { times, poses } = parseClip(await file('character_clip.csv'));
 const { clip } = compileClip(times, poses, { after: 'cycle', packTolerance: 1e-4 });
@@ -55,5 +70,10 @@ const { bytes, report } = binding.pack({ tolerance: 5e-3, clips: { dance: clip }
 console.log(`${bytes.length} bytes, ${report.distance.toPrecision(2)} off at most`);
 await writeFile(`${out}/character.figure`, bytes);
 
-const figure = open(bytes), time = 0.6, { points } = figure.clone(figure.clip('dance').sample(time));
-await writeFile(`${out}/character.json`, JSON.stringify({ faces: mesh.faces.flat(), cageFaces: cage.faces.flat(), time, points: Array.from(points) }));
+const figure = open(bytes),
+  time = 0.6,
+  { points } = figure.clone(figure.clip('dance').sample(time));
+await writeFile(
+  `${out}/character.json`,
+  JSON.stringify({ faces: mesh.faces.flat(), cageFaces: cage.faces.flat(), time, points: Array.from(points) }),
+);

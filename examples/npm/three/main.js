@@ -1,23 +1,40 @@
 // A character that is cloned from its cage in each frame, drawn by three.js. #0.6 in the address stops at that time.
 
-import { AmbientLight, BufferAttribute, BufferGeometry, Color, DirectionalLight, EdgesGeometry, LineBasicMaterial, LineSegments, Mesh,
-         MeshStandardMaterial, PerspectiveCamera, Scene, WebGLRenderer } from 'three';
+import {
+  AmbientLight,
+  BufferAttribute,
+  BufferGeometry,
+  Color,
+  DirectionalLight,
+  EdgesGeometry,
+  LineBasicMaterial,
+  LineSegments,
+  Mesh,
+  MeshStandardMaterial,
+  PerspectiveCamera,
+  Scene,
+  WebGLRenderer,
+} from 'three';
 import { init, open } from 'cageform/runtime';
 
 const bytesOf = async name => (await fetch(name)).arrayBuffer();
 await init();
-const figure = open(await bytesOf('character.figure')), dance = figure.clip('dance');
+const figure = open(await bytesOf('character.figure')),
+  dance = figure.clip('dance');
 const { faces, cageFaces } = await (await fetch('character.json')).json();
 
 /** A geometry whose positions are written anew in each frame. */
 function geometryOf(count, indices) {
   const geometry = new BufferGeometry();
-  for (const name of ['position', 'normal']) geometry.setAttribute(name, new BufferAttribute(new Float32Array(3 * count), 3));
+  for (const name of ['position', 'normal'])
+    geometry.setAttribute(name, new BufferAttribute(new Float32Array(3 * count), 3));
   geometry.setIndex(indices);
   return geometry;
 }
-const body = geometryOf(figure.points, faces), { position, normal } = body.attributes;
-const pose = figure.rest(), cage = new BufferGeometry();
+const body = geometryOf(figure.points, faces),
+  { position, normal } = body.attributes;
+const pose = figure.rest(),
+  cage = new BufferGeometry();
 cage.setAttribute('position', new BufferAttribute(pose, 3)); // what a clip writes is what is drawn
 cage.setIndex(cageFaces);
 
@@ -28,7 +45,8 @@ function show(time) {
   position.needsUpdate = normal.needsUpdate = true;
 }
 
-const scene = new Scene(), camera = new PerspectiveCamera(30, innerWidth / innerHeight, 0.1, 50);
+const scene = new Scene(),
+  camera = new PerspectiveCamera(30, innerWidth / innerHeight, 0.1, 50);
 scene.background = new Color(0xeef0f3);
 const light = new DirectionalLight(0xffffff, 2.5);
 light.position.set(2, 4, 5);
@@ -50,17 +68,25 @@ function resize() {
 addEventListener('resize', resize);
 resize();
 
-let frames = 0, spent = 0;
+let frames = 0,
+  spent = 0;
 function draw(now) {
-  const stop = location.hash.slice(1), start = performance.now();
+  const stop = location.hash.slice(1),
+    start = performance.now();
   show(stop === '' ? now / 1000 : Number(stop));
   spent += performance.now() - start;
   ++frames;
   lines.geometry.dispose();
   lines.geometry = new EdgesGeometry(cage, 1);
   renderer.render(scene, camera);
-  if (frames % 30 === 0) document.getElementById('says').textContent = `${figure.points} points, ${(spent / frames).toFixed(2)} ms a frame`;
-  window.drawn = { frames, milliseconds: spent / frames, time: stop === '' ? null : Number(stop), points: position.array };
+  if (frames % 30 === 0)
+    document.getElementById('says').textContent = `${figure.points} points, ${(spent / frames).toFixed(2)} ms a frame`;
+  window.drawn = {
+    frames,
+    milliseconds: spent / frames,
+    time: stop === '' ? null : Number(stop),
+    points: position.array,
+  };
   requestAnimationFrame(draw);
 }
 requestAnimationFrame(draw);

@@ -1,13 +1,12 @@
-// Tests the run time alone, of the folder that this file is copied to: node --test runtime.js
+// Tests the run time alone, of the folder that this file is copied to: node --test small.js
 // small.json is of the native library: native.py writes it.
 
 import { readFile } from 'node:fs/promises';
 import { test } from 'node:test';
 import * as runtime from './runtime.js';
-import { assert, randomOf } from './cases.js';
+import { assert, randomOf, sameBits } from './support.js';
 
 const bytesOf = text => Uint8Array.from(Buffer.from(text, 'base64'));
-const sameBits = (a, b, what) => assert(a.length === b.length && a.every((x, i) => x === b[i]), `${what}: other bits`);
 const small = JSON.parse(await readFile(new URL('small.json', import.meta.url), 'utf8'));
 
 await test('nothing works before init()', () => {
@@ -21,7 +20,8 @@ await test('nothing works before init()', () => {
 await test('opens, clones and plays with the bits of the native library', async () => {
   await runtime.init();
   for (const one of small) {
-    const figure = runtime.open(bytesOf(one.packedWithClip)), normals = one.normals !== undefined;
+    const figure = runtime.open(bytesOf(one.packedWithClip)),
+      normals = one.normals !== undefined;
     sameBits(figure.clone(one.pose, { normals }).points, one.smallClone, one.name);
     sameBits(figure.clip('there and back').sample(0.7), one.sample, one.name);
     figure.free();
@@ -31,10 +31,14 @@ await test('2,000 spoilt files are refused, or harmless without their checksum',
   const random = randomOf(9);
   let refusals = 0;
   for (let n = 0; n < 2000; ++n) {
-    const { packedWithClip, pose } = small[n % small.length], spoilt = bytesOf(packedWithClip), skipChecksum = n % 3 === 0;
+    const { packedWithClip, pose } = small[n % small.length],
+      spoilt = bytesOf(packedWithClip),
+      skipChecksum = n % 3 === 0;
     for (let k = 0; k < 3; ++k) spoilt[random.pick(spoilt.length)] ^= 1 + random.pick(255);
     try {
-      const figure = runtime.open(random.pick(4) ? spoilt : spoilt.subarray(0, random.pick(spoilt.length)), { skipChecksum });
+      const figure = runtime.open(random.pick(4) ? spoilt : spoilt.subarray(0, random.pick(spoilt.length)), {
+        skipChecksum,
+      });
       figure.clone(pose);
       figure.free();
     } catch (error) {

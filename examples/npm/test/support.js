@@ -1,0 +1,102 @@
+// What the tests share.
+
+export function assert(holds, message) {
+  if (!holds) throw new Error(message);
+}
+export const equal = (a, b, what) => assert(Object.is(a, b), `${what}: ${a} is not ${b}`);
+
+/** The largest difference of numbers. */
+export function difference(a, b) {
+  equal(a.length, b.length, 'lengths');
+  let most = 0;
+  for (let i = 0; i < a.length; ++i) {
+    if (!(Math.abs(a[i] - b[i]) <= most)) most = Math.abs(a[i] - b[i]);
+  }
+  return most;
+}
+export const sameBits = (a, b, what) =>
+  assert(a.length === b.length && a.every((x, i) => Object.is(x, b[i]) || x === b[i]), `${what}: other bits`);
+
+/** What a call throws, which has to be a CageformError of a status. */
+export function refused(cageform, status, call) {
+  try {
+    call();
+  } catch (error) {
+    assert(error instanceof cageform.CageformError, `${status}: not a CageformError but ${error?.stack}`);
+    equal(error.status, status, `${error.message} (${call})`);
+    assert(error.message.length > 5, `${status}: no sentence`);
+    return error;
+  }
+  throw new Error(`${call} was not refused`);
+}
+
+/** Random numbers of a seed (Vigna's splitmix in 32 bits). */
+export function randomOf(seed) {
+  let state = seed >>> 0;
+  const next = () => {
+    state = (state + 0x9e3779b9) >>> 0;
+    let z = state;
+    z = Math.imul(z ^ (z >>> 16), 0x21f0aaad);
+    z = Math.imul(z ^ (z >>> 15), 0x735a2d97);
+    return ((z ^ (z >>> 15)) >>> 0) / 2 ** 32;
+  };
+  return { next, uniform: (a, b) => a + (b - a) * next(), pick: n => Math.floor(next() * n) };
+}
+export const uniformly = (random, count, low, high, Kind = Float32Array) =>
+  Kind.from({ length: count }, () => random.uniform(low, high));
+
+export const SQUARE = [
+  [0, 0],
+  [4, 0],
+  [4, 4],
+  [0, 4],
+];
+export const CROSSED = [
+  [0, 0],
+  [4, 4],
+  [4, 0],
+  [0, 4],
+];
+export const CUBE = [-1, 1].flatMap(z => [-1, 1].flatMap(y => [-1, 1].map(x => [x, y, z])));
+export const QUADS = [
+  [0, 2, 3, 1],
+  [4, 5, 7, 6],
+  [0, 1, 5, 4],
+  [1, 3, 7, 5],
+  [3, 2, 6, 7],
+  [2, 0, 4, 6],
+];
+export const TRIANGLES = QUADS.flatMap(([a, b, c, d]) => [
+  [a, b, c],
+  [a, c, d],
+]);
+export const CURVES = [
+  [
+    [0, 0],
+    [2, -1],
+    [4, 0],
+  ],
+  [
+    [4, 0],
+    [4, 4],
+  ],
+  [
+    [4, 4],
+    [3, 5],
+    [1, 3],
+    [0, 4],
+  ],
+  [
+    [0, 4],
+    [0, 0],
+  ],
+];
+export const BOX = {
+  points: 4,
+  origin: [-1, -1, -1],
+  axes: [
+    [2, 0, 0],
+    [0, 2, 0],
+    [0, 0, 2],
+  ],
+};
