@@ -4,6 +4,7 @@ import {
   Cage,
   CageformError,
   Coordinates,
+  Figure,
   Pins,
   Samples,
   check,
@@ -14,7 +15,7 @@ import {
   openSamples,
   version,
 } from 'cageform';
-import type { Array32or64, BindOptions, Binding, Fault, Figure, Report, Status } from 'cageform';
+import type { Array32or64, BindOptions, Binding, Fault, Report, Status } from 'cageform';
 import { init as initRuntime, open as openSmall } from 'cageform/runtime';
 
 function expect(holds: boolean, what: string): void {
@@ -71,13 +72,18 @@ try {
     culprit: number | string | null = error.culprit;
   expect(status === 'dimension_differs' && culprit === null, status);
 }
-// @ts-expect-error: there is no such kind
-try {
-  new Coordinates(cage, { kind: 'mean value' });
-} catch {}
-// @ts-expect-error: figures are made by open() and bind()
-try {
-  new figure.constructor.Figure();
-} catch {}
+for (const wrong of [
+  // @ts-expect-error: there is no such kind
+  () => new Coordinates(cage, { kind: 'mean value' }),
+  // @ts-expect-error: figures are made by open() and bind()
+  () => new Figure(),
+]) {
+  try {
+    wrong();
+    throw new Error('not refused');
+  } catch (error) {
+    expect(error instanceof CageformError, String(error));
+  }
+}
 for (const object of [figure, binding, coordinates, pins, clip]) object.free();
 console.log(`typed consumer of cageform ${version}: well`);
