@@ -1,6 +1,6 @@
-// The C interface as WebAssembly, for the npm package. Without exceptions a failed allocation cannot unwind what runs. Here the
-// host does: cageform_host_fail() throws in JavaScript, which drops the frames, and cageform_call_undo() then frees what the
-// call has allocated so far, as a list of it is kept.
+// The C interface as WebAssembly, for the npm package. Without exceptions a failed allocation cannot unwind what
+// runs. Here the host does: cageform_host_fail() throws in JavaScript, which drops the frames, and
+// cageform_call_undo() then frees what the call has allocated so far, as a list of it is kept.
 
 #define CAGEFORM_C_IMPLEMENTATION
 #include <cageform/c/cageform.h>
@@ -116,7 +116,7 @@ void operator delete[](void* memory, std::size_t, std::align_val_t) noexcept {
     release(memory);
 }
 
-/// What the standard library calls where it would throw.
+/// The standard library calls it where it would throw.
 [[noreturn]] void std::__libcpp_verbose_abort(const char* format, ...) {
     const bool is_memory =
         std::strncmp(format, "length_error", 12) == 0 || std::strncmp(format, "bad_a", 5) == 0;

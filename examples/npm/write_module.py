@@ -53,7 +53,8 @@ def write_script(header, layouts, version):
     lines = ['// Written by write_module.py from cageform.h.', '', "export const VERSION = '%s';" % version, '',
              '// Names of fields: kind, offset, how many.', 'export const STRUCTS = {']
     for struct, its in layouts.items():
-        fields = ', '.join("%s: ['%s', %d, %d]" % (camel(name), kind, at, count) for name, (kind, at, count, _) in its['fields'].items())
+        fields = ', '.join("%s: ['%s', %d, %d]" % (camel(name), kind, at, count)
+                           for name, (kind, at, count, _) in its['fields'].items())
         lines.append('  %s: { size: %d, fields: { %s } },' % (struct, its['size'], fields))
     lines += ['};', '', 'export const STATUSES = {']
     lines += ["  %d: '%s'," % (number, name) for number, name, _ in header.statuses] + ['};', '', 'export const CONSTANTS = {']
@@ -66,7 +67,7 @@ def write_types(header, layouts):
              '/** The name of a status of the library. */', 'export type LibraryStatus =']
     lines += ["  | '%s'" % name for number, name, _ in header.statuses if number != 0]
     lines[-1] += ';'
-    lines += ['', '/** The numbers of a report, as the header of C describes them; a call sets those that it knows, the others are 0. */',
+    lines += ['', '/** Numbers of a report, as the header of C describes them; a call sets those that it knows, others are 0. */',
               'export interface ReportNumbers {']
     for name, (kind, _, count, _) in layouts['cageform_report']['fields'].items():
         if name not in ('size', 'status', 'reserved', 'culprit', 'fault', 'message', 'settled'):
@@ -76,7 +77,8 @@ def write_types(header, layouts):
 
 def write_check(layouts, runtime):
     """Assertions for the compiler, of structs that the run time has, or of all."""
-    lines = ['// Written by write_module.py from cageform.h.', '#pragma once', '', '#include <cageform/c/cageform.h>', '', '#include <cstddef>', '']
+    lines = ['// Written by write_module.py from cageform.h.', '#pragma once', '', '#include <cageform/c/cageform.h>', '',
+             '#include <cstddef>', '']
     for struct, its in layouts.items():
         if struct not in runtime.structs:
             lines.append('#if !defined(CAGEFORM_C_RUNTIME_ONLY)')
@@ -89,7 +91,8 @@ def write_check(layouts, runtime):
 
 def exports_of(header, without=()):
     own = [name for name in header.functions if not any(word in name for word in without)]
-    names = [*own, 'cageform_call_begin', 'cageform_call_undo', 'cageform_call_progress', 'malloc', 'free', '__stack_pointer']
+    calls = ['cageform_call_begin', 'cageform_call_undo', 'cageform_call_progress']
+    names = [*own, *calls, 'malloc', 'free', '__stack_pointer']
     return '\n'.join('-Wl,--export=' + name for name in names) + '\n'
 
 

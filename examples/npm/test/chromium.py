@@ -15,7 +15,7 @@ from browser import Browser  # noqa: E402
 
 
 class Quiet(http.server.SimpleHTTPRequestHandler):
-    extensions_map = {**http.server.SimpleHTTPRequestHandler.extensions_map, '.js': 'text/javascript', '.wasm': 'application/wasm'}
+    extensions_map = {'.html': 'text/html', '.js': 'text/javascript', '.wasm': 'application/wasm', '': 'application/octet-stream'}
 
     def log_message(self, *args):
         pass

@@ -15,7 +15,8 @@ import numpy as np
 import cageform
 
 SQUARE = [(0, 0), (4, 0), (4, 4), (0, 4)]
-STAR = [(0.26, 0.36), (0.95, 0.31), (0.43, -0.14), (0.59, -0.81), (0, -0.45), (-0.59, -0.81), (-0.43, -0.14), (-0.95, 0.31), (-0.26, 0.36), (0, 1)]
+STAR = [(0.26, 0.36), (0.95, 0.31), (0.43, -0.14), (0.59, -0.81), (0, -0.45), (-0.59, -0.81), (-0.43, -0.14), (-0.95, 0.31),
+        (-0.26, 0.36), (0, 1)]
 CUBE = [(x, y, z) for z in (-1, 1) for y in (-1, 1) for x in (-1, 1)]
 QUADS = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (1, 3, 7, 5), (3, 2, 6, 7), (2, 0, 4, 6)]
 TRIANGLES = [corner for a, b, c, d in QUADS for corner in ((a, b, c), (a, c, d))]
@@ -67,11 +68,13 @@ def main(folder):
             pose = binding.figure.pose_handles((vertices + rng.normal(scale=0.05, size=vertices.shape)).astype(scalar))
             clone = binding.figure.clone(pose, normals=bool(vectors))
             packed, _ = binding.pack()
-            clip, _ = cageform.compile_clip([0, 1, 2], np.stack([vertices, pose[:coordinates.vertices], vertices]), dtype=np.dtype(scalar))
+            poses = np.stack([vertices, pose[:coordinates.vertices], vertices])
+            clip, _ = cageform.compile_clip([0, 1, 2], poses, dtype=np.dtype(scalar))
             with_clip, _ = binding.pack(tolerance=1e-2, clips={'there and back': clip})
             flat = lambda array: np.asarray(array, np.float64).ravel().tolist()
             bytes_of = lambda array: base64.b64encode(array.tobytes()).decode()
-            entry = {'name': '%s %s %s' % (name, options.get('kind', 'splines'), scalar), 'cage': made, 'options': {**options, 'scalar': scalar},
+            entry = {'name': '%s %s %s' % (name, options.get('kind', 'splines'), scalar), 'cage': made,
+                     'options': {**options, 'scalar': scalar},
                      'points': flat(points), 'weights': flat(binding.weights()), 'pose': flat(pose), 'packed': bytes_of(packed),
                      'packedWithClip': bytes_of(with_clip), 'sample': flat(clip.sample(0.7)), 'dimension': dimension}
             small = cageform.open(with_clip)

@@ -8,8 +8,8 @@ set -eu
 cd "$(dirname "$0")/../../.."
 version=$(sed -n 's/.*VERSION_STRING "\(.*\)".*/\1/p' include/cageform/version.hpp)
 [ -f "out/cageform-$version.tgz" ] || sh examples/npm/run.sh --build-only
-sh cmake/install_packages.sh g++ cmake ninja-build libeigen3-dev libpugixml-dev zlib1g-dev libstb-dev libcli11-dev libtinyobjloader-dev \
-  nlohmann-json3-dev libgmp-dev chromium python3
+sh cmake/install_packages.sh g++ cmake ninja-build libeigen3-dev libpugixml-dev zlib1g-dev libstb-dev libcli11-dev \
+  libtinyobjloader-dev nlohmann-json3-dev libgmp-dev chromium python3
 work=build/npm/three
 mkdir -p $work/data
 if [ ! -f $work/data/character.obj ]; then
@@ -19,6 +19,8 @@ if [ ! -f $work/data/character.obj ]; then
   build/examples/make_character $work/data >/dev/null
 fi
 cp examples/npm/three/package.json examples/npm/three/*.js examples/npm/three/index.html $work
-(cd $work && npm install --no-audit --no-fund --silent && npm install --offline --no-save --no-audit --no-fund --silent "../../../out/cageform-$version.tgz")
+quiet='--no-audit --no-fund --silent'
+# shellcheck disable=SC2086  # the list is meant to be split
+(cd $work && npm install $quiet && npm install --offline --no-save $quiet "../../../out/cageform-$version.tgz")
 (cd $work && node bind.js data .)
 PYTHONDONTWRITEBYTECODE=1 exec /usr/bin/python3 examples/npm/three/test.py $work out "$@"
