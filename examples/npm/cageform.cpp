@@ -1,5 +1,5 @@
-// The C interface as WebAssembly, for the npm package. Without exceptions a failed allocation cannot unwind what
-// runs. Here the host does: cageform_host_fail() throws in JavaScript, which drops the frames, and
+// The C interface as WebAssembly, for the npm package. Without exceptions no failed allocation can unwind
+// what runs. Here the host does: cageform_host_fail() throws in JavaScript, which drops the frames, and
 // cageform_call_undo() then frees what the call has allocated so far, as a list of it is kept.
 
 #define CAGEFORM_C_IMPLEMENTATION

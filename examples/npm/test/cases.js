@@ -79,7 +79,7 @@ export const tests = [
   },
 
   // The native library with portable settings (no fused multiplication) has the same arithmetic, but for functions of the C
-  // library, and the harmonic solver, whose vectors are as wide as the processor's.
+  // library, and the harmonic solver, which iterates.
   {
     name: 'weights, clones, normals and files are those of the native library',
     async run({ cageform, file }) {

@@ -21,7 +21,7 @@ CUBE = [(x, y, z) for z in (-1, 1) for y in (-1, 1) for x in (-1, 1)]
 QUADS = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (1, 3, 7, 5), (3, 2, 6, 7), (2, 0, 4, 6)]
 TRIANGLES = [corner for a, b, c, d in QUADS for corner in ((a, b, c), (a, c, d))]
 CURVES = [[(0, 0), (2, -1), (4, 0)], [(4, 0), (4, 4)], [(4, 4), (3, 5), (1, 3), (0, 4)], [(0, 4), (0, 0)]]
-SMALL = ('square harmonic float32', 'star mean-value float64', 'cube mean-value float32', 'cube green float64')
+SMALL = ('square wachspress float32', 'star mean-value float64', 'cube mean-value float32', 'cube green float64')
 rng = np.random.default_rng(38)
 
 
