@@ -58,7 +58,7 @@ cp -r examples/python/package/cageform $work/python
 export PYTHONDONTWRITEBYTECODE=1
 CAGEFORM_LIBRARY=$PWD/build/python/libcageform.so PYTHONPATH=$work/python /usr/bin/python3 $npm/test/native.py $test/data
 
-(cd $test && DATA=data node --test node.js)
+(cd $test && DATA=data node --test node.js && node --test full.js)
 (cd $test && tsc --strict --target es2022 --module node16 --moduleResolution node16 --lib es2022,dom --outDir compiled consumer.ts)
 (cd $test && node compiled/consumer.js)
 /usr/bin/python3 $npm/test/chromium.py $test

@@ -28,7 +28,8 @@ class Left {
   }
 }
 
-// Functions that change an object which is there. If memory runs out in one, what it has allocated may belong to the object.
+// Functions that change an object which is there, their first argument. If memory runs out in one, what it has allocated may
+// belong to the object, which is then left alone for ever.
 const CHANGING = new Set([
   'cageform_free',
   'cageform_coordinates_solve',
@@ -64,6 +65,7 @@ export class Engine {
   codes = Object.fromEntries(Object.entries(STATUSES).map(([code, name]) => [name, Number(code)]));
   ended = false; // by a fault of the library itself
   #busy = false;
+  #left = new Set(); // addresses of objects that are half changed
   #progress = null; // the caller's, of the call that runs
   #raised = null;
 
@@ -90,6 +92,7 @@ export class Engine {
   /** Calls a function and returns its number. A call that runs out of memory returns that status, and frees what it took. */
   call(name, ...given) {
     this.ready();
+    if (this.#left.size > 0 && this.#left.has(given[0])) return this.codes.object_of_another_kind;
     const { calls } = this,
       stack = calls.__stack_pointer.value;
     this.#busy = true;
@@ -99,7 +102,8 @@ export class Engine {
     } catch (error) {
       calls.__stack_pointer.value = stack;
       if (error instanceof Left) {
-        if (!CHANGING.has(name)) calls.cageform_call_undo();
+        if (CHANGING.has(name)) this.#left.add(given[0]);
+        else calls.cageform_call_undo();
         return error.code;
       }
       this.ended = true;
