@@ -1,10 +1,12 @@
 // The tests in node: node --test node.js, in a folder where the package is installed. DATA has native.json and oracle/.
 
-import { readFile } from 'node:fs/promises';
+import { execFileSync } from 'node:child_process';
+import { readFile, writeFile } from 'node:fs/promises';
 import { test } from 'node:test';
 import * as cageform from 'cageform';
 import * as runtime from 'cageform/runtime';
 import { tests } from './cases.js';
+import { equal } from './support.js';
 
 const context = {
   cageform,
@@ -20,3 +22,10 @@ for (const { name, run } of tests.filter(one => !one.before))
     const said = await run(context);
     if (said) t.diagnostic(said);
   });
+await test('the ten lines of the README print what it says', async () => {
+  const text = await readFile('node_modules/cageform/README.md', 'utf8');
+  const [, program, printed] = text.match(/```js\n([^]*?)```\n\nIt prints\n\n((?: {4}.*\n)+)/);
+  await writeFile('readme.js', program);
+  const said = execFileSync(process.execPath, ['readme.js'], { encoding: 'utf8' });
+  equal(said, printed.replaceAll(/^ {4}/gm, ''), 'output');
+});
