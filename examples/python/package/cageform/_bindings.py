@@ -151,12 +151,12 @@ class Binding(Owner):
 
     @property
     def unreached(self) -> Array:
-        """Points that no weights of harmonic coordinates reach; they are kept in place."""
+        """Points whose weights do not exist or overflow; they are kept in place."""
         return self._list(_c.CAGEFORM_LIST_UNREACHED)
 
     @property
     def not_restored(self) -> Array:
-        """Points that affine poses do not move as they should."""
+        """Points that affine poses do not move as they should, because no weights could be found that do."""
         return self._list(_c.CAGEFORM_LIST_NOT_RESTORED)
 
     @property

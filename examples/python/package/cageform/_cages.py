@@ -36,7 +36,7 @@ class Cage:
     def polygon(vertices: npt.ArrayLike, loops: Optional[npt.ArrayLike] = None) -> Cage:
         """Makes a cage of loops in the plane.
 
-        vertices  (#vertices, 2): the outer loop counter-clockwise or clockwise, holes and further loops after it
+        vertices  (#vertices, 2): loop after loop, in either direction; the even-odd rule says what is inside
         loops     (#loops,): how many vertices each loop has; None: there is one loop
         """
         return Cage(_c.CAGEFORM_POLYGON, arrays.points(vertices, 'vertices', 2), _optional(loops, 'loops'))

@@ -354,8 +354,20 @@ cageform_status cageform_binding_figure(const cageform_binding* binding, cagefor
     if (status != CAGEFORM_OK) return status;
     if (figure == nullptr) return CAGEFORM_ARGUMENT_NULL;
     return c::with(binding->figure, [&](const auto& its) {
+        const auto labels = its.label_bytes();
         return c::make_object(
-            nullptr, 0, 0, [&](cageform_figure& made, std::byte*) { made.view = its.view(); }, figure);
+            nullptr, 0, labels.size(),
+            [&](cageform_figure& made, std::byte* memory) {
+                auto view = its.view();
+                if (view.labels.begin != nullptr) { // copied, for the binding may get others
+                    const auto text = view.labels.text - reinterpret_cast<const char*>(labels.data());
+                    const void* const own = std::memcpy(memory, labels.data(), labels.size());
+                    view.labels = {static_cast<const std::uint32_t*>(own),
+                                   static_cast<const char*>(own) + text};
+                }
+                made.view = view;
+            },
+            figure);
     });
 }
 
