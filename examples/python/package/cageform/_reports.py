@@ -99,7 +99,7 @@ class Report:
     def __str__(self) -> str:
         lines = [self.message] if self.message else []
         if self.fault and self.fault.is_warning:
-            lines.append('warning: %s' % self.fault)
+            lines.append(str(self.fault))
         for name, value in self._known():
             if name not in ('status', 'message', 'culprit', 'fault'):
                 value = '%.3g' % value if isinstance(value, float) else 'yes' if value is True else value
