@@ -11,13 +11,9 @@ python=/usr/bin/python3
 lib=$PWD/build/shared
 work=$PWD/build/python
 
-# The sources of the wheel are put together apart, so that nothing is written among those of the project.
 rm -rf "$work"
-mkdir -p "$work/wheel" out
-cp -r examples/python/package/. LICENSE "$work/wheel"
-cp -L "$lib/libcageform.so" "$work/wheel/cageform"
-$python examples/python/read_header.py ctypes include/cageform/c/cageform.h >"$work/wheel/cageform/_c.py"
-sed -n 's/.*VERSION_STRING "\(.*\)".*/\1/p' include/cageform/version.hpp >"$work/wheel/VERSION"
+mkdir -p "$work" out
+sh examples/python/assemble.sh "$lib/libcageform.so" "$work/wheel"
 (cd "$work/wheel" && $python -m build --no-isolation --wheel >"$work/log.txt" 2>&1) || { cat "$work/log.txt"; exit 1; }
 rm -f out/cageform-*.whl
 cp "$work"/wheel/dist/*.whl out
@@ -34,7 +30,7 @@ test_bare() { # RELEASE
   mirror=$(apt-get indextargets --format '$(REPO_URI)' 'Created-By: Packages' 'Codename: bookworm' | head -n 1)
   debootstrap --variant=minbase --include=python3-numpy,python3-pip "$1" "$bare" "$mirror" >"$work/log.txt" 2>&1 ||
     { tail "$work/log.txt"; exit 1; }
-  cp "out/$wheel" examples/python/test.py "$work/layout.txt" "$bare/root"
+  cp "out/$wheel" examples/python/test.py "$work/wheel/layout.txt" "$bare/root"
   [ ! -e "$bare/usr/bin/cc" ] || { echo "this Debian has a compiler"; exit 1; }
   chroot "$bare" /usr/bin/env -i PATH=/usr/bin:/bin HOME=/root CAGEFORM_LAYOUT=/root/layout.txt sh -ec "cd /root
     python3 -m pip install -q --root-user-action=ignore --no-index --no-deps --target site --no-warn-script-location $wheel
@@ -44,18 +40,15 @@ print(\"Debian $1: Python %s, numpy %s, cageform %s\" % (sys.version.split()[0],
   rm -rf --one-file-system "$bare"
 }
 
-# What the tests compare with, in C++ and C.
+# What the tests compare with, in C++.
 c++ -std=c++20 -O2 -DNDEBUG -DCAGEFORM_COMPILED -Iinclude examples/python/beside.cpp -o "$work/beside" -L"$lib" -lcageform \
   -Wl,-rpath,"$lib"
-$python examples/python/read_header.py layout include/cageform/c/cageform.h >"$work/layout.c"
-cc -std=c99 -Iinclude "$work/layout.c" -o "$work/layout"
-"$work/layout" >"$work/layout.txt"
 case ${1-} in
   --benchmark) exec $python examples/python/benchmark.py "$work/beside" ;;
   --bare) test_bare "$2"; exit ;;
 esac
 
-CAGEFORM_BESIDE="$work/beside" CAGEFORM_LAYOUT="$work/layout.txt" $python examples/python/test.py
+CAGEFORM_BESIDE="$work/beside" CAGEFORM_LAYOUT="$work/wheel/layout.txt" $python examples/python/test.py
 (cd "$work/site" && MYPYPATH=. mypy --strict -p cageform)
 
 scripts=examples/python/scripts data=examples/data out=out/python
