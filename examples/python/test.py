@@ -4,12 +4,15 @@ CAGEFORM_BESIDE is the program of beside.cpp, CAGEFORM_LAYOUT a file that the pr
 needs them is skipped without.
 """
 
-import ctypes
+import contextlib
 import copy
+import ctypes
 import gc
+import io
 import os
 import pathlib
 import pickle
+import re
 import signal
 import subprocess
 import sys
@@ -493,6 +496,16 @@ class Reports(unittest.TestCase):
             for member, own in vars(its).items():
                 if isinstance(its, type) and callable(own) and not member.startswith('_'):
                     self.assertTrue(own.__doc__, '%s.%s' % (name, member))
+
+    def test_readme(self):
+        """The program of the README prints what stands below it."""
+        readme = pathlib.Path(__file__).with_name('README.md')
+        if not readme.exists():
+            self.skipTest('there is no README.md')
+        code, printed = re.search('```python\n(.*?)```.*?```text\n(.*?)```', readme.read_text(encoding='utf-8'), re.S).groups()
+        with contextlib.redirect_stdout(io.StringIO()) as out:
+            exec(code, {})
+        self.assertEqual(out.getvalue(), printed)
 
     def test_import(self):
         """Without numpy or the library, the import says what is missing."""
