@@ -1,4 +1,4 @@
-/* A C99 program of the installed package: binds a square's points, moves them, packs them, opens them again. */
+/* A C99 program of the installed package: binds points of a square, moves them, packs and opens them. */
 #include <cageform/c/cageform.h>
 
 #include <stdio.h>
@@ -44,13 +44,16 @@ int main(void) {
     options.scalar = CAGEFORM_DOUBLE;
     failures += cageform_abi_version() != CAGEFORM_C_ABI;
     failures += cageform_coordinates_create(&cage, &options, &coordinates, NULL) != CAGEFORM_OK;
-    failures += cageform_bind(coordinates, points_of(inside, 2), NULL, NULL, NULL, NULL, &binding, NULL) != CAGEFORM_OK;
+    failures += cageform_bind(coordinates, points_of(inside, 2), NULL, NULL, NULL, NULL, &binding, NULL) !=
+                CAGEFORM_OK;
     failures += cageform_pack(binding, NULL, NULL, &packed, NULL) != CAGEFORM_OK;
     failures += cageform_bytes_view(packed, &data, &bytes) != CAGEFORM_OK;
     failures += cageform_open(data, bytes, NULL, &figure, NULL) != CAGEFORM_OK;
-    failures += cageform_clone(figure, points_of(square, 4), output_of(moved, 2), NULL, NULL, NULL) != CAGEFORM_OK;
+    failures +=
+        cageform_clone(figure, points_of(square, 4), output_of(moved, 2), NULL, NULL, NULL) != CAGEFORM_OK;
     failures += memcmp(moved, inside, sizeof inside) != 0; /* at rest to the bit */
-    failures += cageform_free(figure) + cageform_free(packed) + cageform_free(binding) + cageform_free(coordinates);
+    failures +=
+        cageform_free(figure) + cageform_free(packed) + cageform_free(binding) + cageform_free(coordinates);
     printf("cageform %s: %d failures\n", cageform_version(), failures);
     return failures != 0;
 }
