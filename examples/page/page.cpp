@@ -15,6 +15,7 @@
 #include <cageform/coordinates/harmonic.hpp>
 #include <cageform/coordinates/lattice.hpp>
 #include <cageform/coordinates/mean_value.hpp>
+#include <cageform/coordinates/sibson.hpp>
 #include <cageform/enclose/make_cage.hpp>
 #include <cageform/enclose/make_cage_3d.hpp>
 
@@ -26,7 +27,6 @@ namespace {
 using cageform::Status;
 using cageform_page::Pins;
 using cageform_page::Plane;
-using cageform_page::PlaneCoordinates;
 using cageform_page::Point2;
 using Point3 = cageform::Vec<float, 3>;
 
@@ -65,19 +65,14 @@ private:
 // ---- figures in the plane ----
 
 enum Type { mean_value, harmonic, green, sibson, lattice, curved };
-std::array<std::unique_ptr<Plane>, 6> planes;
+std::array<Plane, 6> planes;
 
-template <class C>
-std::unique_ptr<Plane> plane_of(C coordinates) {
-    return std::make_unique<cageform_page::PlaneOf<C>>(std::move(coordinates));
-}
-
-std::unique_ptr<Plane> make_plane(int type, const cageform::Polygon<double>& cage) {
+cageform::AnyCoordinates<double, 2> coordinates_of(int type, const cageform::Polygon<double>& cage) {
     switch (type) {
-    case harmonic: return plane_of(cageform::HarmonicCoordinates<double, 2>(cage));
-    case green: return plane_of(cageform::GreenCoordinates<double, 2>(cage));
-    case sibson: return plane_of(cageform::SibsonCoordinates<double, 2>(cage.vertices()));
-    default: return plane_of(cageform::MeanValueCoordinates<double, 2>(cage));
+    case harmonic: return cageform::HarmonicCoordinates<double, 2>(cage);
+    case green: return cageform::GreenCoordinates<double, 2>(cage);
+    case sibson: return cageform::SibsonCoordinates<double, 2>(cage.vertices());
+    default: return cageform::MeanValueCoordinates<double, 2>(cage);
     }
 }
 
@@ -175,8 +170,9 @@ PAGE_EXPORT(page_cage) int page_cage(int type, std::size_t loops, std::size_t ve
     Reader reader;
     const auto sizes = reader.counts(loops);
     const cageform::Polygon<double> cage(reader.points<2>(vertices), sizes);
-    auto plane = make_plane(type, cage);
-    const Status status = plane->solve();
+    Plane plane{.coordinates = coordinates_of(type, cage), .is_sites = type == sibson};
+    Status status = plane.coordinates.cage_report().status;
+    if (status == Status::ok) status = plane.coordinates.solve().status;
     if (status == Status::ok) planes[std::size_t(type)] = std::move(plane);
     return refuse(status);
 }
@@ -220,8 +216,7 @@ PAGE_EXPORT(page_lattice) int page_lattice() {
     if (status == Status::ok) {
         const std::size_t still = coordinates.still_handles();
         tell_points(coordinates.handles(), coordinates.handles().size() - still);
-        planes[lattice] = plane_of(std::move(coordinates));
-        planes[lattice]->still_handles = still;
+        planes[lattice] = {.coordinates = std::move(coordinates), .still_handles = still};
     }
     return refuse(status);
 }
@@ -247,7 +242,7 @@ PAGE_EXPORT(page_curves) int page_curves(std::size_t loops, std::size_t edges) {
     const Status status = coordinates.cage_report().status;
     if (status == Status::ok) {
         tell_points(coordinates.handles(), 3 * edges);
-        planes[curved] = plane_of(std::move(coordinates));
+        planes[curved] = {.coordinates = std::move(coordinates)};
     }
     return refuse(status);
 }
@@ -255,7 +250,7 @@ PAGE_EXPORT(page_curves) int page_curves(std::size_t loops, std::size_t edges) {
 /// Binds points. In: points. Out: how many are outside, not reached, or not finite; the least weight.
 PAGE_EXPORT(page_bind) int page_bind(std::size_t type, std::size_t batch, std::size_t points) {
     Reader reader;
-    const auto report = planes[type]->bind(batch, reader.points<2>(points));
+    const auto report = planes[type].bind(batch, reader.points<2>(points));
     output = {double(report.outside.size()), double(report.unreached.size()),
               double(report.not_finite.size()), report.least_weight.value};
     return refuse(report.status);
@@ -264,13 +259,13 @@ PAGE_EXPORT(page_bind) int page_bind(std::size_t type, std::size_t batch, std::s
 /// Moves bound points. In: a pose of the vertices. Returns the address of the points, or 0.
 PAGE_EXPORT(page_clone) const Point2* page_clone(std::size_t type, std::size_t batch, std::size_t vertices) {
     Reader reader;
-    const Status status = planes[type]->clone(batch, reader.points<2>(vertices));
-    return refuse(status) == 0 ? planes[type]->places() : nullptr;
+    const Status status = planes[type].clone(batch, reader.points<2>(vertices));
+    return refuse(status) == 0 ? planes[type].places.data() : nullptr;
 }
 
 /// Out: the weight of a vertex at every bound point.
 PAGE_EXPORT(page_weights) std::size_t page_weights(std::size_t type, std::size_t batch, std::size_t vertex) {
-    const auto& binding = planes[type]->bindings[batch];
+    const auto& binding = planes[type].bindings[batch];
     output.resize(binding.point_count());
     for (std::size_t i = 0; i < output.size(); ++i) output[i] = binding.weight(i, vertex);
     return output.size();
@@ -448,17 +443,16 @@ int locate_pins(P& pins, std::size_t vertices) {
 } // namespace
 
 PAGE_EXPORT(page_pins_sample) std::size_t page_pins_sample(std::size_t type, std::size_t samples) {
-    return sample_inside(PlaneCoordinates(*planes[type]), samples);
+    return sample_inside(planes[type].coordinates, samples);
 }
 /// Takes samples, which another instance may have made; there are no pins then. In: the samples.
 PAGE_EXPORT(page_pins_take) int page_pins_take(std::size_t type) {
-    auto& plane = *planes[type];
-    return refuse(plane_pins.take(PlaneCoordinates(plane), plane.still_handles,
+    return refuse(plane_pins.take(planes[type].coordinates, planes[type].still_handles,
                                   cageform_page::read_samples<double, 2>(input.data())));
 }
 PAGE_EXPORT(page_pins_set)
 int page_pins_set(std::size_t type, std::size_t count, std::size_t held, bool turns) {
-    return set_pins<2>(plane_pins, PlaneCoordinates(*planes[type]), count, held, turns);
+    return set_pins<2>(plane_pins, planes[type].coordinates, count, held, turns);
 }
 /// Starts from a pose. In: the pose.
 PAGE_EXPORT(page_pins_begin) int page_pins_begin(std::size_t vertices) {
@@ -480,7 +474,7 @@ PAGE_EXPORT(page_pins_find) void page_pins_find(std::size_t type, std::size_t ve
     Reader reader;
     const auto ends = reader.points<2>(2);
     const auto found =
-        plane_pins.find(PlaneCoordinates(*planes[type]), ends[0], ends[1], reader.points<2>(vertices));
+        plane_pins.find(planes[type].coordinates, ends[0], ends[1], reader.points<2>(vertices));
     output = {found.at[0], found.at[1], found.miss};
 }
 

@@ -1,6 +1,7 @@
 // Pins on a figure, which move its cage.
 #pragma once
 
+#include <cageform/binding/any_coordinates.hpp>
 #include <cageform/clone/jacobians.hpp>
 #include <cageform/clone/pose_handles.hpp>
 #include <cageform/pose/pose_samples.hpp>
@@ -184,7 +185,7 @@ public:
         auto [axes, axes_report] = cageform::bind_jacobians(coordinates, places);
         if (report.status != Status::ok) return report.status;
         for (const auto* left_out : {&report.not_finite, &report.unreached, &report.outside}) {
-            const bool counts = left_out != &report.outside || !C::has_extension;
+            const bool counts = left_out != &report.outside || D == 2; // in the plane pins are inside
             if (counts && !left_out->empty()) culprit_ = (*left_out)[0];
         }
         if (culprit_ != none) return Status::pin_without_weights;

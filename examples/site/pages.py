@@ -34,6 +34,13 @@ TYPES = [
     ("harmonic", "Harmonic"), ("green", "Green"), ("curved_green", "Cages of curves"), ("sibson", "Natural neighbours"), ("lattice", "Lattices"), ("blended", "Blended"),
 ]
 
+# Other languages and programs in the order of the menu: the page, its name there, and the README that it shows.
+LANGUAGES = [
+    ("c", "C", "include/cageform/c/README.md"), ("python", "Python", "examples/python/README.md"),
+    ("npm", "JavaScript", "examples/npm/README.md"), ("csharp", "C#", "examples/csharp/README.md"),
+    ("blender", "Blender", "examples/blender/README.md"), ("packaging", "vcpkg, Conan", "examples/packaging/README.md"),
+]
+
 
 def read(path):
     with open(os.path.join(ROOT, path), encoding="utf-8") as file:
@@ -218,6 +225,9 @@ def label_of(path):
     lesson = re.match(r"examples/lessons/(\d\d)_\w+\.cpp$", path)
     if lesson:
         return "lesson_" + lesson[1]
+    for label, _, readme in LANGUAGES:
+        if path in (readme, os.path.dirname(readme)):
+            return label
     page = re.match(SITE + r"/(\w+)\.md$", path)
     if page:
         return page[1] if page[1] != "index" else "index"
@@ -368,6 +378,8 @@ def layout(lessons):
     menu += "<tab type=\"usergroup\" url=\"@ref rooms\" title=\"Reference\">%s%s</tab>" % (
         tabs([("rooms", "Rooms")] + [("room_" + room, room) for room in ROOMS]),
         "<tab type=\"classlist\" title=\"Classes\"/><tab type=\"namespacemembers\" title=\"All names\"/>")
+    menu += "<tab type=\"usergroup\" url=\"@ref languages\" title=\"Languages\">%s</tab>" % tabs(
+        [("languages", "All")] + [(label, name) for label, name, _ in LANGUAGES])
     menu += tabs([("engines", "For engines"), ("changes", "Changes")])
     return LAYOUT % menu
 
@@ -421,6 +433,11 @@ def main(out):
     text = relinked(read("examples/README.md"), "examples", headers)
     write_page("gallery", re.sub(r"^# [^\n]*\n", "# Gallery {#gallery}\n", text))
     write_page("speed", relinked(read("bench/README.md"), "bench", headers))
+    for label, _, readme in LANGUAGES:
+        text = relinked(read(readme), os.path.dirname(readme), headers)
+        if label == "c":
+            text += "\n\n<h2>The header</h2>\n\n```c\n%s```\n" % read("include/cageform/c/cageform.h")
+        write_page(label, text)
     for name in files(SITE, ".md"):
         check_paths(name, read(SITE + "/" + name))
         text = relinked(read(SITE + "/" + name), SITE, headers).replace("@README_CODE@", readme_code())

@@ -304,6 +304,129 @@ static void test_types(void) {
     }
 }
 
+/* Binds a point and moves all handles by (3, 3, …): so does the point. Returns the weight of a handle. */
+static double weight_and_move(const cageform_coordinates* coordinates, const double* point, size_t handles,
+                              uint32_t dimension, size_t handle) {
+    cageform_binding* binding = NULL;
+    cageform_figure* figure = NULL;
+    double weights[16], pose[48], out[3];
+    size_t n;
+    CHECK(cageform_bind(coordinates, points_of(point, 1, CAGEFORM_DOUBLE, dimension), NULL, NULL, NULL, NULL,
+                        &binding, NULL) == CAGEFORM_OK);
+    CHECK(cageform_binding_figure(binding, &figure) == CAGEFORM_OK);
+    CHECK(cageform_binding_weights(binding, 0, 1, weights, sizeof weights) == CAGEFORM_OK);
+    CHECK(cageform_figure_rest(figure, output_of(pose, handles, CAGEFORM_DOUBLE, dimension)) == CAGEFORM_OK);
+    for (n = 0; n < handles * dimension; ++n) pose[n] += 3;
+    CHECK(cageform_clone(figure, points_of(pose, handles, CAGEFORM_DOUBLE, dimension),
+                         output_of(out, 1, CAGEFORM_DOUBLE, dimension), NULL, NULL, NULL) == CAGEFORM_OK);
+    for (n = 0; n < dimension; ++n) CHECK(fabs(out[n] - point[n] - 3) < 1e-9);
+    cageform_free(figure);
+    cageform_free(binding);
+    return weights[handle];
+}
+
+/* Cells inside a cage, and several cages. */
+static void test_cells_and_blends(void) {
+    const double with_point[10] = {0, 0, 4, 0, 4, 4, 0, 4, 2, 2}, beside[2] = {2.25, 2}, both[2] = {3, 1};
+    const double right[8] = {2, 0, 6, 0, 6, 4, 2, 4}, crossing[8] = {2, 0, 6, 4, 6, 0, 2, 4};
+    const cageform_bone bone = {4, 4, 0.5};
+    const uint32_t wall[3] = {8, 9, 10}, left_wall[2] = {4, 5};
+    double with_wall[33], with_edge[12];
+    const double on_wall[3] = {0.4, 0, 0.0};
+    cageform_cage cage = square_cage(), second = square_cage(), third;
+    const cageform_cage* cages[2];
+    cageform_coordinates* coordinates;
+    cageform_coordinates_options options;
+    cageform_report report;
+    cageform_fault faults[4];
+    size_t count = 0;
+    memset(&options, 0, sizeof options);
+    options.size = sizeof options;
+    options.scalar = CAGEFORM_DOUBLE;
+    report.size = sizeof report;
+
+    cage.vertices = points_of(with_point, 5, CAGEFORM_DOUBLE, 2);
+    cage.cell_vertices = 1;
+    cage.bones = &bone;
+    cage.bone_count = 1;
+    coordinates = coordinates_of(cage, CAGEFORM_HARMONIC, CAGEFORM_DOUBLE);
+    CHECK(weight_and_move(coordinates, beside, 5, 2, 4) > 0.9); /* within the radius it follows the point */
+    cageform_free(coordinates);
+    CHECK(cageform_check(&cage, faults, 4, &count) == CAGEFORM_OK && count == 0);
+    CHECK(cageform_coordinates_create(&cage, NULL, &coordinates, &report) ==
+          CAGEFORM_INTERIOR_CELLS_NOT_SUPPORTED);
+    options.type = CAGEFORM_HARMONIC;
+    cage.bones = NULL;
+    CHECK(cageform_coordinates_create(&cage, &options, &coordinates, &report) == CAGEFORM_ARGUMENT_NULL);
+    cage.bone_count = 0;
+    memcpy(with_edge, with_point, sizeof with_point);
+    with_edge[10] = 1;
+    with_edge[11] = 2;
+    cage.vertices = points_of(with_edge, 6, CAGEFORM_DOUBLE, 2);
+    cage.cell_vertices = 2;
+    cage.walls = left_wall;
+    cage.wall_index_count = 2;
+    coordinates = coordinates_of(cage, CAGEFORM_HARMONIC, CAGEFORM_DOUBLE);
+    CHECK(weight_and_move(coordinates, with_point + 8, 6, 2, 4) == 1); /* a vertex follows itself */
+    cageform_free(coordinates);
+    cage.wall_index_count = 1;
+    CHECK(cageform_coordinates_create(&cage, &options, &coordinates, &report) ==
+          CAGEFORM_COUNTS_DO_NOT_MATCH);
+    cage.wall_index_count = 2;
+    cage.walls = wall;
+    CHECK(cageform_coordinates_create(&cage, &options, &coordinates, &report) ==
+          CAGEFORM_INDEX_OUT_OF_BOUNDS);
+    cage.cell_vertices = 7;
+    CHECK(cageform_coordinates_create(&cage, &options, &coordinates, &report) ==
+          CAGEFORM_COUNTS_DO_NOT_MATCH);
+
+    memcpy(with_wall, cube, sizeof cube);
+    with_wall[24] = with_wall[27] = -0.5;
+    with_wall[30] = 0.5;
+    with_wall[25] = with_wall[28] = with_wall[31] = 0;
+    with_wall[26] = -0.5;
+    with_wall[29] = 0.5;
+    with_wall[32] = 0;
+    third = cube_cage();
+    third.vertices = points_of(with_wall, 11, CAGEFORM_DOUBLE, 3);
+    third.cell_vertices = 3;
+    third.walls = wall;
+    third.wall_index_count = 3;
+    options.accuracy = 0.05;
+    CHECK(cageform_coordinates_create(&third, &options, &coordinates, &report) == CAGEFORM_OK);
+    CHECK(weight_and_move(coordinates, on_wall, 11, 3, 10) > 0.8); /* linear on the triangle: 0.9 */
+    cageform_free(coordinates);
+    third.indices = quads;
+    third.index_count = 24;
+    third.counts = fours;
+    third.count_count = 6;
+    CHECK(cageform_coordinates_create(&third, &options, &coordinates, &report) ==
+          CAGEFORM_CAGE_KIND_NOT_SUPPORTED);
+
+    cage = square_cage();
+    cages[0] = &cage;
+    cages[1] = &second;
+    second.vertices = points_of(right, 4, CAGEFORM_DOUBLE, 2);
+    for (options.type = CAGEFORM_MEAN_VALUE; options.type <= CAGEFORM_HARMONIC; ++options.type) {
+        CHECK(cageform_coordinates_blend(cages, 2, &options, &coordinates, &report) == CAGEFORM_OK);
+        CHECK(report.culprit == CAGEFORM_NONE && report.message[0] == 0);
+        CHECK(weight_and_move(coordinates, both, 8, 2, 1) > 0.1); /* both cages take part */
+        CHECK(weight_and_move(coordinates, both, 8, 2, 4) > 0.1);
+        cageform_free(coordinates);
+    }
+    CHECK(cageform_coordinates_blend(cages, 2, &options, &coordinates, &report) ==
+          CAGEFORM_CAGE_KIND_NOT_SUPPORTED);
+    options.type = CAGEFORM_MEAN_VALUE;
+    second.vertices = points_of(crossing, 4, CAGEFORM_DOUBLE, 2);
+    CHECK(cageform_coordinates_blend(cages, 2, &options, &coordinates, &report) ==
+          CAGEFORM_CAGE_SELF_CROSSING);
+    CHECK(report.culprit == 1);
+    cages[1] = NULL;
+    CHECK(cageform_coordinates_blend(cages, 2, &options, &coordinates, &report) == CAGEFORM_ARGUMENT_NULL);
+    CHECK(cageform_coordinates_blend(cages, 0, &options, &coordinates, &report) == CAGEFORM_TOO_FEW_VERTICES);
+    CHECK(cageform_coordinates_blend(NULL, 1, &options, &coordinates, &report) == CAGEFORM_ARGUMENT_NULL);
+}
+
 /* Normals and tangents; points outside; a point that is not finite. */
 static void test_normals(void) {
     const double points[12] = {0.5, 0, 0, 0, 0.5, 0, 5, 0, 0, 0, 0, 0.5};
@@ -525,6 +648,7 @@ int main(void) {
     }
     test_square();
     test_types();
+    test_cells_and_blends();
     test_normals();
     test_made_cages();
     test_pins();

@@ -22,6 +22,75 @@ double ms_since(Clock::time_point begin) {
 
 constexpr std::size_t most_frames = 2000; // of a pose; figures in space take some hundred
 
+template <std::size_t D>
+bool pin_turns(const Pin<D>& pin) {
+    return pin.turn.has_value();
+}
+
+template <class Coordinates>
+SvgError cage_refused(const Coordinates& coordinates, const PinnedCageNames& names,
+                      cageform::BindReport report, cageform::Status status) {
+    report.status = status;
+    report.cage = coordinates.cage_report();
+    return SvgError{names.describe_faults(report)};
+}
+
+/// Samples the inside of a cage, with a bar.
+template <cageform::Scalar T, std::size_t D>
+SvgResult<cageform::PoseSamples<T, D>> sample(const ChosenCoordinates<T, D>& coordinates,
+                                              const PinnedCageNames& names,
+                                              const cageform::PoseSampleOptions& options) {
+    using cageform::Status;
+    if (!coordinates.has_gradients())
+        return SvgError{"--pin: " + names.coordinates + " coordinates have no gradients, which pins need"};
+    ProgressBar bar("sampling");
+    auto [samples, report] = pose_samples(coordinates, options, {.progress = bar.callback()});
+    if (report.status == Status::samples_missing)
+        return SvgError{names.cage + ": " + cageform::to_string(report.status)};
+    if (report.status == Status::solver_not_supported)
+        return SvgError{"--pin: pins need gradients, which this --solver does not give"};
+    if (report.status != Status::ok) return cage_refused(coordinates, names, report.bind, report.status);
+    return std::move(samples);
+}
+
+/// The weights of pins, and of the axes where pins turn.
+template <cageform::Scalar T, std::size_t D>
+struct BoundPins {
+    cageform::Binding<T, D> places;
+    std::array<cageform::Binding<T, D>, D> axes;
+};
+
+/// Binds pins, and names one that no vertex moves.
+template <cageform::Scalar T, std::size_t D>
+SvgResult<BoundPins<T, D>> bind_pins(const ChosenCoordinates<T, D>& coordinates, const PinnedCageNames& names,
+                                     const std::vector<Pin<D>>& pins, const OutsideChoice& outside) {
+    std::vector<cageform::Vec<double, D>> places;
+    for (const Pin<D>& pin : pins) places.push_back(pin.place);
+    cageform::BindOptions options = outside.bind_options(coordinates);
+    // A pin outside is a slip where the coordinates end at the cage, unless one asks for what is outside.
+    if (outside.word == "auto" && outside.falloff == 0 && !coordinates.has_extension())
+        options.outside = cageform::OutsidePoints::keep_in_place;
+    auto [bound, report] = coordinates.bind(places, options);
+    if (report.status != cageform::Status::ok) return cage_refused(coordinates, names, report, report.status);
+    const std::string where = coordinates.takes_sites ? "the convex hull of " : "the cage ";
+    if (const auto& out = report.outside; !out.empty()) {
+        const std::string which = name_of(pins, out.front()) + " lies outside " + where + names.cage;
+        if (options.outside == cageform::OutsidePoints::keep_in_place)
+            return SvgError{which + (coordinates.has_extension() ? ": use --outside extend"
+                                                                 : ": no vertex moves that point")};
+        if (outside.word == "auto") warn(which + "; it follows the extension of the coordinates (--outside)");
+    }
+    if (const auto& lost = report.unreached; !lost.empty())
+        return SvgError{name_of(pins, lost.front()) + ": no weights can be computed there"};
+    BoundPins<T, D> made{std::move(bound), {}};
+    if (std::any_of(pins.begin(), pins.end(), pin_turns<D>)) {
+        auto axes = coordinates.bind_jacobians(places, options);
+        if (!axes) return cage_refused(coordinates, names, axes.report, axes.report.status);
+        made.axes = std::move(axes.value);
+    }
+    return made;
+}
+
 } // namespace
 
 void PinChoice::add_options(CommandLine& line) {
@@ -98,63 +167,24 @@ SvgResult<PinnedCage<T, D>> PinnedCage<T, D>::make(const ChosenCoordinates<T, D>
                                                    const OutsideChoice& outside) {
     using cageform::Status;
     PinnedCage made;
-    const auto refuse = [&](cageform::BindReport report, Status status) {
-        report.status = status;
-        report.cage = coordinates.cage_report();
-        return SvgError{names.describe_faults(report)};
-    };
-    if (!coordinates.has_gradients())
-        return SvgError{"--pin: " + names.coordinates + " coordinates have no gradients, which pins need"};
     const auto begin = Clock::now();
-    {
-        ProgressBar bar("sampling");
-        auto [samples, sampled] = pose_samples(coordinates, choice.sampling, {.progress = bar.callback()});
-        if (sampled.status == Status::samples_missing)
-            return SvgError{names.cage + ": " + cageform::to_string(sampled.status)};
-        if (sampled.status == Status::solver_not_supported)
-            return SvgError{"--pin: pins need gradients, which this --solver does not give"};
-        if (sampled.status != Status::ok) return refuse(sampled.bind, sampled.status);
-        made.solver_ = cageform::PoseSolver<T, D>(std::move(samples), choice.solving);
-    }
+    auto samples = sample(coordinates, names, choice.sampling);
+    if (!samples) return samples.error();
+    made.solver_ = cageform::PoseSolver<T, D>(std::move(*samples), choice.solving);
     made.sampling_ms_ = ms_since(begin);
+    const auto bound = bind_pins(coordinates, names, pins, outside);
+    if (!bound) return bound.error();
 
-    std::vector<cageform::Vec<double, D>> places;
     std::vector<double> weights;
     std::vector<std::uint8_t> turned;
-    bool any_turns = false;
     for (const Pin<D>& pin : pins) {
-        places.push_back(pin.place);
         weights.push_back(pin.weight);
-        turned.push_back(pin.turn ? 1 : 0);
-        any_turns = any_turns || pin.turn;
+        turned.push_back(pin_turns(pin) ? 1 : 0);
     }
-    cageform::BindOptions options = outside.bind_options(coordinates);
-    // A pin outside is a slip where the coordinates end at the cage, unless one asks for what is outside.
-    if (outside.word == "auto" && outside.falloff == 0 && !coordinates.has_extension())
-        options.outside = cageform::OutsidePoints::keep_in_place;
-    const auto bound = coordinates.bind(places, options);
-    if (!bound) return refuse(bound.report, bound.report.status);
-    const std::string where = coordinates.takes_sites ? "the convex hull of " : "the cage ";
-    if (const auto& out = bound.report.outside; !out.empty()) {
-        const std::string which = name_of(pins, out.front()) + " lies outside " + where + names.cage;
-        if (options.outside == cageform::OutsidePoints::keep_in_place)
-            return SvgError{which + (coordinates.has_extension() ? ": use --outside extend"
-                                                                 : ": no vertex moves that point")};
-        if (outside.word == "auto") warn(which + "; it follows the extension of the coordinates (--outside)");
-    }
-    if (const auto& lost = bound.report.unreached; !lost.empty())
-        return SvgError{name_of(pins, lost.front()) + ": no weights can be computed there"};
-    std::array<cageform::Binding<T, D>, D> axes;
-    if (any_turns) {
-        auto columns = coordinates.bind_jacobians(places, options);
-        if (!columns) return refuse(columns.report, columns.report.status);
-        axes = std::move(columns.value);
-    }
-
     cageform::PosePins<T, D> of_solver{
-        .binding = bound.value.view(), .axes = {}, .points = {}, .weights = weights, .turned = {}};
-    if (any_turns) {
-        for (std::size_t k = 0; k < D; ++k) of_solver.axes[k] = axes[k].view();
+        .binding = bound->places.view(), .axes = {}, .points = {}, .weights = weights, .turned = {}};
+    if (std::any_of(pins.begin(), pins.end(), pin_turns<D>)) {
+        for (std::size_t k = 0; k < D; ++k) of_solver.axes[k] = bound->axes[k].view();
         of_solver.turned = turned;
     }
     const auto click = Clock::now();
@@ -179,8 +209,7 @@ typename PinnedCage<T, D>::Targets PinnedCage<T, D>::targets() const {
 template <cageform::Scalar T, std::size_t D>
 typename PinnedCage<T, D>::Turns PinnedCage<T, D>::turns() const {
     Turns turns;
-    const auto has_turn = [](const Pin<D>& pin) { return pin.turn.has_value(); };
-    if (std::none_of(pins_.begin(), pins_.end(), has_turn)) return turns;
+    if (std::none_of(pins_.begin(), pins_.end(), pin_turns<D>)) return turns;
     for (const Pin<D>& pin : pins_) turns.push_back(pin.turn.value_or(cageform::PoseTurn<D>{}));
     return turns;
 }

@@ -446,6 +446,12 @@ enum {
     CAGEFORM_SITES = 4    /* points without a cage, in the plane or in space */
 };
 
+/* A point inside a cage (a = b) or, in space, an edge; everything within the radius follows it. */
+typedef struct cageform_bone {
+    uint32_t a, b; /* vertices of the cage */
+    double radius;
+} cageform_bone;
+
 /* A cage in the caller's memory, of which coordinates take copies. Any scalar. */
 typedef struct cageform_cage {
     size_t size;
@@ -468,6 +474,14 @@ typedef struct cageform_cage {
     uint32_t points[3], degree[3]; /* along each axis; 0: 4, and 3 */
     double origin[3], axes[3][3];  /* axes[k] is the edge of the box along axis k */
     double falloff; /* outside, displacements fade to nothing at this distance; 0: they do not */
+
+    /* Cells inside a POLYGON or a MESH of triangles, for CAGEFORM_HARMONIC. The last `cell_vertices` of
+     * `vertices` are not on the boundary; they are handles too. */
+    size_t cell_vertices;
+    const cageform_bone* bones;
+    size_t bone_count;
+    const uint32_t* walls; /* in the plane the two ends of each edge, in space the corners of each triangle */
+    size_t wall_index_count;
 } cageform_cage;
 
 /* Checks whether a cage can serve, as coordinates do. Lists faults and warnings as far as there is room:
@@ -540,6 +554,13 @@ CAGEFORM_API cageform_status cageform_coordinates_create(const cageform_cage* ca
                                                          const cageform_coordinates_options* options,
                                                          cageform_coordinates** coordinates,
                                                          cageform_report* report);
+/* Makes coordinates of several cages over one figure, such as a body and a head; where cages overlap, they are
+ * blended by depth. Handles are those of the first cage, then of the next. Takes polygons and meshes of
+ * triangles, and CAGEFORM_MEAN_VALUE or CAGEFORM_HARMONIC. The culprit is the cage that is refused. */
+CAGEFORM_API cageform_status cageform_coordinates_blend(const cageform_cage* const* cages, size_t count,
+                                                        const cageform_coordinates_options* options,
+                                                        cageform_coordinates** coordinates,
+                                                        cageform_report* report);
 typedef struct cageform_coordinates_info {
     size_t size;
     size_t handles, vertices;

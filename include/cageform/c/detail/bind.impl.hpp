@@ -125,6 +125,29 @@ inline cageform_status make_cage_in_space(const cageform_drawing& drawing, const
     return CAGEFORM_OK;
 }
 
+/// Makes coordinates, which make(options, coordinates) fills, of a scalar that the options choose.
+template <class Make>
+cageform_status make_coordinates(std::size_t dimension, const cageform_coordinates_options* options,
+                                 cageform_coordinates** coordinates, cageform_report& report,
+                                 const Make& make) {
+    if (coordinates == nullptr) return CAGEFORM_ARGUMENT_NULL;
+    cageform_coordinates_options choice;
+    const cageform_status read = read_struct(options, choice);
+    if (read != CAGEFORM_OK) return read;
+    return with_type(choice.scalar, dimension, [&]<class T, std::size_t D>() {
+        AnyCoordinates<T, D> made;
+        const cageform_status status = make(choice, made);
+        if (status != CAGEFORM_OK) return status;
+        fill(report, made.cage_report());
+        if (made.cage_report().status != Status::ok) return code_of(made.cage_report().status);
+        report.culprit = CAGEFORM_NONE;
+        return make_filled(coordinates, [&](cageform_coordinates& object) {
+            object.coordinates = std::move(made);
+            return cageform_status(CAGEFORM_OK);
+        });
+    });
+}
+
 /// Binds points that are copied, with normals and tangents if there are any.
 template <class T, std::size_t D>
 cageform_status bind_copied(const AnyCoordinates<T, D>& coordinates, const std::vector<Vec<T, D>>& points,
@@ -234,25 +257,32 @@ cageform_status cageform_coordinates_create(const cageform_cage* cage,
                                             cageform_coordinates** coordinates, cageform_report* report) {
     namespace c = cageform::detail::c;
     return c::reported(report, "element", [&](cageform_report& its) {
-        if (cage == nullptr || coordinates == nullptr) return cageform_status(CAGEFORM_ARGUMENT_NULL);
+        if (cage == nullptr) return cageform_status(CAGEFORM_ARGUMENT_NULL);
         cageform_cage own;
-        cageform_coordinates_options choice;
-        cageform_status status = c::read_struct(cage, own);
-        if (status == CAGEFORM_OK) status = c::read_struct(options, choice);
+        const cageform_status status = c::read_struct(cage, own);
         if (status != CAGEFORM_OK) return status;
         if (own.kind > CAGEFORM_SITES) return cageform_status(CAGEFORM_CHOICE_UNKNOWN);
-        return c::with_type(choice.scalar, c::dimension_of(own), [&]<class T, std::size_t D>() {
-            cageform::AnyCoordinates<T, D> made;
-            const cageform_status made_well = c::coordinates_of(own, choice, made);
-            if (made_well != CAGEFORM_OK) return made_well;
-            c::fill(its, made.cage_report());
-            if (made.cage_report().status != cageform::Status::ok)
-                return c::code_of(made.cage_report().status);
-            return c::make_filled(coordinates, [&](cageform_coordinates& object) {
-                object.coordinates = std::move(made);
-                return cageform_status(CAGEFORM_OK);
-            });
-        });
+        return c::make_coordinates(
+            c::dimension_of(own), options, coordinates, its,
+            [&](const auto& choice, auto& made) { return c::coordinates_of(own, choice, made); });
+    });
+}
+
+cageform_status cageform_coordinates_blend(const cageform_cage* const* cages, std::size_t count,
+                                           const cageform_coordinates_options* options,
+                                           cageform_coordinates** coordinates, cageform_report* report) {
+    namespace c = cageform::detail::c;
+    return c::reported(report, "cage", [&](cageform_report& its) {
+        if (count == 0) return cageform_status(CAGEFORM_TOO_FEW_VERTICES);
+        if (cages == nullptr || cages[0] == nullptr) return cageform_status(CAGEFORM_ARGUMENT_NULL);
+        cageform_cage first;
+        const cageform_status status = c::read_struct(cages[0], first);
+        if (status != CAGEFORM_OK) return status;
+        if (first.kind > CAGEFORM_SITES) return cageform_status(CAGEFORM_CHOICE_UNKNOWN);
+        return c::make_coordinates(c::dimension_of(first), options, coordinates, its,
+                                   [&](const auto& choice, auto& made) {
+                                       return c::blend_of(std::span(cages, count), choice, made, its.culprit);
+                                   });
     });
 }
 

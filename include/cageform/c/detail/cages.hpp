@@ -3,9 +3,11 @@
 
 #include <cageform/binding/any_coordinates.hpp>
 #include <cageform/c/detail/reports.hpp>
+#include <cageform/cage/cell_complex.hpp>
 #include <cageform/cage/curved/curved_polygon.hpp>
 #include <cageform/cage/point_set.hpp>
 #include <cageform/coordinates/barycentric.hpp>
+#include <cageform/coordinates/blended.hpp>
 #include <cageform/coordinates/curved_green.hpp>
 #include <cageform/coordinates/green.hpp>
 #include <cageform/coordinates/harmonic.hpp>
@@ -58,11 +60,25 @@ inline std::size_t dimension_of(const cageform_cage& cage) noexcept {
     }
 }
 
+/// Whether a cage has cells inside.
+inline bool has_cells(const cageform_cage& cage) noexcept {
+    return cage.cell_vertices > 0 || cage.bone_count > 0 || cage.wall_index_count > 0;
+}
+
+/// Copies the vertices of the boundary, which those of cells follow.
+template <class T, std::size_t D>
+cageform_status copy_boundary(const cageform_cage& cage, std::vector<Vec<T, D>>& vertices) {
+    if (cage.cell_vertices > cage.vertices.count) return CAGEFORM_COUNTS_DO_NOT_MATCH;
+    const cageform_status status = copy_points(cage.vertices, vertices);
+    vertices.resize(vertices.size() - (status == CAGEFORM_OK ? cage.cell_vertices : 0));
+    return status;
+}
+
 template <class T>
 cageform_status polygon_of(const cageform_cage& cage, Polygon<T>& polygon) {
     std::vector<Vec<T, 2>> vertices;
     std::vector<std::size_t> sizes;
-    cageform_status status = copy_points(cage.vertices, vertices);
+    cageform_status status = copy_boundary(cage, vertices);
     if (status == CAGEFORM_OK) status = copy_numbers(cage.counts, cage.count_count, sizes);
     if (status == CAGEFORM_OK) polygon = Polygon<T>(vertices, sizes);
     return status;
@@ -99,7 +115,7 @@ template <class T, class Use>
 cageform_status with_mesh(const cageform_cage& cage, const Use& use) {
     std::vector<Vec<T, 3>> vertices;
     std::vector<std::size_t> sizes;
-    cageform_status status = copy_points(cage.vertices, vertices);
+    cageform_status status = copy_boundary(cage, vertices);
     if (status == CAGEFORM_OK) status = copy_numbers(cage.counts, cage.count_count, sizes);
     if (status != CAGEFORM_OK) return status;
     if (cage.indices == nullptr && cage.index_count > 0) return CAGEFORM_ARGUMENT_NULL;
@@ -126,6 +142,53 @@ cageform_status with_mesh(const cageform_cage& cage, const Use& use) {
     options.non_planar = PolyhedralOptions::NonPlanar::fan;
     options.divisions = cage.divisions == 0 ? 1 : cage.divisions;
     return use(PolyhedralMesh<T>(vertices, faces, options));
+}
+
+/// Makes the polygon or the triangles of a cage.
+template <class T, std::size_t D>
+cageform_status simple_cage_of(const cageform_cage& cage,
+                               std::conditional_t<D == 2, Polygon<T>, TriangleMesh<T>>& made) {
+    if (cage.kind != (D == 2 ? CAGEFORM_POLYGON : CAGEFORM_MESH)) return CAGEFORM_CAGE_KIND_NOT_SUPPORTED;
+    if constexpr (D == 2) {
+        return polygon_of(cage, made);
+    } else {
+        return with_mesh<T>(cage, [&]<class Mesh>(Mesh mesh) {
+            if constexpr (!std::is_same_v<Mesh, TriangleMesh<T>>)
+                return CAGEFORM_CAGE_KIND_NOT_SUPPORTED;
+            else
+                made = std::move(mesh);
+            return CAGEFORM_OK;
+        });
+    }
+}
+
+/// Makes a cage with the cells inside it.
+template <class T, std::size_t D>
+cageform_status complex_of(const cageform_cage& cage, CellComplex<T, D>& made) {
+    typename CellComplex<T, D>::Boundary boundary;
+    std::vector<Vec<T, D>> vertices;
+    cageform_status status = simple_cage_of<T, D>(cage, boundary);
+    if (status == CAGEFORM_OK) status = copy_points(cage.vertices, vertices);
+    if (status != CAGEFORM_OK) return status;
+    if (cage.bones == nullptr && cage.bone_count > 0) return CAGEFORM_ARGUMENT_NULL;
+    if (cage.walls == nullptr && cage.wall_index_count > 0) return CAGEFORM_ARGUMENT_NULL;
+    if (cage.wall_index_count % D != 0) return CAGEFORM_COUNTS_DO_NOT_MATCH;
+    InteriorCells<D> cells;
+    for (std::size_t n = 0; n < cage.bone_count; ++n) {
+        const cageform_bone& bone = cage.bones[n];
+        if ((std::max)(bone.a, bone.b) >= vertices.size()) return CAGEFORM_INDEX_OUT_OF_BOUNDS;
+        cells.bones.push_back({bone.a, bone.b, bone.radius});
+    }
+    cells.facets.resize(cage.wall_index_count / D);
+    const std::uint32_t* corner = cage.walls;
+    for (auto& facet : cells.facets) {
+        for (std::uint32_t& vertex : facet) {
+            vertex = *corner++;
+            if (vertex >= vertices.size()) return CAGEFORM_INDEX_OUT_OF_BOUNDS;
+        }
+    }
+    made = CellComplex<T, D>(std::move(boundary), vertices, std::move(cells));
+    return CAGEFORM_OK;
 }
 
 template <class T, std::size_t D>
@@ -157,6 +220,14 @@ cageform_status coordinates_of(const cageform_cage& cage, const cageform_coordin
         return cageform_status(CAGEFORM_OK);
     };
     if (options.type > CAGEFORM_SPLINES) return CAGEFORM_CHOICE_UNKNOWN;
+    if (has_cells(cage)) {
+        if (options.type != CAGEFORM_HARMONIC) return CAGEFORM_INTERIOR_CELLS_NOT_SUPPORTED;
+        CellComplex<T, D> cells;
+        const cageform_status status = complex_of(cage, cells);
+        if (status != CAGEFORM_OK) return status;
+        return keep(
+            HarmonicCoordinates<T, D, CellComplex<T, D>>(std::move(cells), harmonic_options(options)));
+    }
     if (options.type == CAGEFORM_SPLINES || cage.kind == CAGEFORM_LATTICE) {
         if (options.type != CAGEFORM_SPLINES || cage.kind != CAGEFORM_LATTICE)
             return CAGEFORM_CAGE_KIND_NOT_SUPPORTED;
@@ -211,12 +282,54 @@ cageform_status coordinates_of(const cageform_cage& cage, const cageform_coordin
     }
 }
 
+/// Makes coordinates of several cages, blended where they overlap.
+template <class T, std::size_t D>
+cageform_status blend_of(std::span<const cageform_cage* const> cages,
+                         const cageform_coordinates_options& options, AnyCoordinates<T, D>& made,
+                         std::size_t& culprit) {
+    using Cage = std::conditional_t<D == 2, Polygon<T>, TriangleMesh<T>>;
+    const auto blend = [&](const auto& coordinates_of_one) {
+        std::vector<decltype(coordinates_of_one(Cage{}))> components;
+        for (const cageform_cage* given : cages) {
+            culprit = components.size();
+            cageform_cage own;
+            Cage cage;
+            if (given == nullptr) return cageform_status(CAGEFORM_ARGUMENT_NULL);
+            cageform_status status = read_struct(given, own);
+            if (status == CAGEFORM_OK && has_cells(own)) status = CAGEFORM_INTERIOR_CELLS_NOT_SUPPORTED;
+            if (status == CAGEFORM_OK) status = simple_cage_of<T, D>(own, cage);
+            if (status != CAGEFORM_OK) return status;
+            components.push_back(coordinates_of_one(std::move(cage)));
+        }
+        BlendedCoordinates blended(std::move(components));
+        culprit = blended.refused_component();
+        made = std::move(blended);
+        return cageform_status(CAGEFORM_OK);
+    };
+    switch (options.type) {
+    case CAGEFORM_MEAN_VALUE:
+        return blend([](Cage cage) { return MeanValueCoordinates<T, D>(std::move(cage)); });
+    case CAGEFORM_HARMONIC:
+        return blend(
+            [&](Cage cage) { return HarmonicCoordinates<T, D>(std::move(cage), harmonic_options(options)); });
+    default:
+        return options.type > CAGEFORM_SPLINES ? CAGEFORM_CHOICE_UNKNOWN : CAGEFORM_CAGE_KIND_NOT_SUPPORTED;
+    }
+}
+
 /// Checks a cage as coordinates of it would.
 inline cageform_status report_of(const cageform_cage& cage, CageReport& report) {
     const auto keep = [&](CageReport its) {
         report = std::move(its);
         return cageform_status(CAGEFORM_OK);
     };
+    if (has_cells(cage)) {
+        return with_type(CAGEFORM_DOUBLE, dimension_of(cage), [&]<class T, std::size_t D>() {
+            CellComplex<T, D> cells;
+            const cageform_status status = complex_of(cage, cells);
+            return status != CAGEFORM_OK ? status : keep(check(cells));
+        });
+    }
     switch (cage.kind) {
     case CAGEFORM_POLYGON: {
         Polygon<double> polygon;

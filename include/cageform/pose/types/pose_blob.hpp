@@ -211,11 +211,11 @@ Result<PoseSamples<T, D>, BlobReport> open_pose_samples(std::span<const std::byt
     std::memcpy(&header, data.data(), sizeof(header));
     if (header.scalar_bytes != sizeof(T) || header.dimension != D)
         status = Status::blob_kind_differs;
+    else if (expected.cage_hash != 0 && header.cage_hash != expected.cage_hash)
+        status = Status::blob_of_another_cage;
     else
         status = detail::guard_memory(
             [&] { return detail::read_pose_samples(data.data(), header, opened.value); });
-    if (status == Status::ok && expected.cage_hash != 0 && header.cage_hash != expected.cage_hash)
-        status = Status::blob_of_another_cage;
     if (status != Status::ok) {
         opened.value = {};
         return opened;
