@@ -308,6 +308,37 @@ class Laws(unittest.TestCase):
             weights = coordinates.bind(points).weights()
             np.testing.assert_allclose(weights[:, :coordinates.vertices].sum(axis=1), 1, atol=1e-4)
 
+    def test_cells(self):
+        """A vertex inside is a handle: what is about it follows it."""
+        cage = cageform.Cage.polygon(SQUARE).with_cells([(1, 1), (3, 3), (3, 2)], bones=[(4, 4, 0.5)], walls=[(5, 6)])
+        coordinates = cageform.Coordinates(cage, 'harmonic')
+        self.assertEqual(coordinates.handles, 7)
+        figure = coordinates.bind([(1, 1), (1.2, 1.1), (3, 2.5)]).figure
+        pose = figure.rest()
+        pose[4] += 0.5
+        np.testing.assert_allclose(figure.clone(pose), [(1.5, 1.5), (1.7, 1.6), (3, 2.5)], atol=1e-12)
+        bar = cageform.Cage.mesh(CUBE, TRIANGLES).with_cells([(0, 0, -0.4), (0, 0, 0.4)], bones=[(8, 9, 0.2)])
+        self.assertEqual(cageform.Coordinates(bar, 'harmonic').handles, 10)
+        with self.assertRaises(errors.InteriorCellsNotSupported):
+            cageform.Coordinates(cage)
+        with self.assertRaises(errors.IndexOutOfBounds):
+            cageform.Coordinates(cageform.Cage.polygon(SQUARE).with_cells([(1, 1)], bones=[(7, 7, 0.5)]), 'harmonic')
+
+    def test_blend(self):
+        """Each of two cages moves its own part of a figure."""
+        cages = [cageform.Cage.polygon(SQUARE), cageform.Cage.polygon(SQUARE + (6, 0))]
+        coordinates = cageform.Coordinates.blend(cages)
+        self.assertEqual(coordinates.handles, 8)
+        figure = coordinates.bind([(2, 2), (8, 2)]).figure
+        pose = figure.rest()
+        pose[4:] += (0, 1)
+        np.testing.assert_allclose(figure.clone(pose), [(2, 2), (8, 3)], atol=1e-12)
+        with self.assertRaises(errors.CageSelfCrossing) as caught:
+            cageform.Coordinates.blend(cages[:1] + [cageform.Cage.polygon(SQUARE[[0, 2, 1, 3]])])
+        self.assertEqual(caught.exception.culprit, 1)
+        with self.assertRaises(cageform.CageformError):
+            cageform.Coordinates.blend([])
+
     def test_gradients(self):
         figure = cageform.Coordinates(cageform.Cage.mesh(CUBE, TRIANGLES)).bind(inside(100, 3)).figure
         pose, gradients = figure.rest() + rng.normal(size=(8, 3)), rng.normal(size=(100, 3))

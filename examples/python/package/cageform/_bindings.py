@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ctypes
-from typing import TYPE_CHECKING, Any, Dict, Mapping, Optional, Sequence, Tuple
+from typing import TYPE_CHECKING, Any, Dict, List, Mapping, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
@@ -30,6 +30,11 @@ _FORMATS = {'smallest': _c.CAGEFORM_FORMAT_SMALLEST, 'scalar': _c.CAGEFORM_FORMA
             'int16': _c.CAGEFORM_FORMAT_INT16, 'int8': _c.CAGEFORM_FORMAT_INT8}
 
 
+def _options(kind: str, dtype: npt.DTypeLike, accuracy: float, memory_limit: int) -> Any:
+    return arrays.struct(_c.cageform_coordinates_options, type=arrays.choice(_TYPES, kind, 'kind'),
+                         scalar=arrays.scalar_of(dtype), accuracy=accuracy, memory_limit=memory_limit)
+
+
 class Coordinates(Owner):
     """Coordinates of a cage, by which figures are bound.
 
@@ -42,19 +47,35 @@ class Coordinates(Owner):
     degree        Sibson: 1, or 3, smooth at the sites
     disk          Green on curves: (x, y, radius) of a disk
 
-    report, cage, dtype, handles (their number; vectors are among them in 'green'), vertices (handles that are
+    report, cage (a list if they are blended), dtype, handles (their number; vectors are among them in 'green'), vertices (handles that are
     points), dimension, has_weights_outside, has_gradients
     """
 
     def __init__(self, cage: Cage, kind: Optional[str] = None, dtype: npt.DTypeLike = np.float64, accuracy: float = 0,
                  memory_limit: int = 0, degree: int = 1, disk: Optional[Tuple[float, float, float]] = None) -> None:
-        chosen = arrays.choice(_TYPES, kind or _DEFAULTS.get(cage.kind, 'mean-value'), 'kind')
-        options = arrays.struct(_c.cageform_coordinates_options, type=chosen, scalar=arrays.scalar_of(dtype),
-                                accuracy=accuracy, memory_limit=memory_limit, sibson_degree=degree)
+        if kind is None:
+            kind = _DEFAULTS.get(cage.kind, 'mean-value')
+        options = _options(kind, dtype, accuracy, memory_limit)
+        arrays.set_member(options, 'sibson_degree', degree)
         if disk is not None:
             options.disk[:] = arrays.doubles(disk, 'disk', 3, 'of x, y, radius').tolist()
-        self.cage, self.dtype = cage, np.dtype(dtype)
-        self._object, self.report = make(library.cageform_coordinates_create, cage._describe(), options)
+        self._adopt(cage, dtype, *make(library.cageform_coordinates_create, cage._describe(), options))
+
+    @classmethod
+    def blend(cls, cages: Sequence[Cage], kind: str = 'mean-value', dtype: npt.DTypeLike = np.float64,
+              accuracy: float = 0, memory_limit: int = 0) -> Coordinates:
+        """Makes coordinates of several cages over one figure, such as a body and a head: polygons, or meshes of
+        triangles. Where cages overlap, they are blended by depth. Handles are those of the first cage, then of the next.
+        The kind is 'mean-value' or 'harmonic'; the rest is as above. The culprit is the cage that is refused."""
+        described = [cage._describe() for cage in cages]
+        listed = (ctypes.POINTER(_c.cageform_cage) * max(len(described), 1))(*[ctypes.pointer(its) for its in described])
+        its = cls.__new__(cls)
+        its._adopt(list(cages), dtype, *make(library.cageform_coordinates_blend, ctypes.cast(listed, ctypes.c_void_p),
+                                             len(described), _options(kind, dtype, accuracy, memory_limit)))
+        return its
+
+    def _adopt(self, cage: Union[Cage, List[Cage]], dtype: npt.DTypeLike, handle: Handle, report: Report) -> None:
+        self.cage, self.dtype, self._object, self.report = cage, np.dtype(dtype), handle, report
         info = arrays.struct(_c.cageform_coordinates_info)
         check(library.cageform_coordinates_describe(self._object, info))
         self.handles, self.vertices, self.dimension = info.handles, info.vertices, info.dimension

@@ -97,6 +97,21 @@ class Cage:
         """Makes a cage of points alone, for Sibson coordinates: (#sites, 2 or 3)."""
         return Cage(_c.CAGEFORM_SITES, arrays.points(vertices, 'vertices'))
 
+    def with_cells(self, vertices: npt.ArrayLike, bones: Sequence[Tuple[int, int, float]] = (),
+                   walls: Optional[npt.ArrayLike] = None) -> Cage:
+        """Returns this polygon, or mesh of triangles, with cells inside, for harmonic coordinates.
+
+        vertices  (#more, dimension): handles inside, which are numbered after those of the cage
+        bones     (a, b, radius): all within the radius of an edge, in space, or of a vertex (a = b) follows it
+        walls     in the plane edges (#walls, 2), in space triangles (#walls, 3), of numbers of vertices
+        """
+        if self.vertices is None:
+            raise ValueError('cells are inside a polygon or a mesh')
+        more = arrays.points(vertices, 'vertices', self.vertices.shape[1])
+        members = dict(self.members, cell_vertices=len(more), bones=[tuple(bone) for bone in bones],
+                       walls=arrays.indices(() if walls is None else walls, 'walls'))
+        return Cage(self.kind, np.concatenate([self.vertices, more]), self.counts, self.indices, self.loops, members)
+
     @property
     def faces(self) -> Union[Array, List[Array], None]:
         """The faces of a mesh: (#faces, corners), or a list of arrays if they differ in corners; None of others."""
@@ -110,7 +125,7 @@ class Cage:
     def _describe(self) -> Any:
         """Describes the cage to the library. Arrays are looked at again, because they may have been changed."""
         its = arrays.struct(_c.cageform_cage, kind=self.kind)
-        its.keeps = []  # pointers in structs keep nothing
+        its.keeps = []  # pointers in structs keep no array
         if self.vertices is not None:
             its.keeps.append(arrays.points(self.vertices, 'vertices'))
             its.vertices = arrays.view(its.keeps[-1])
@@ -121,7 +136,14 @@ class Cage:
                 setattr(its, name, arrays.pointer(its.keeps[-1]))
                 setattr(its, length, its.keeps[-1].size)
         for name, value in self.members.items():
-            if name == 'axes':
+            if name == 'bones':
+                listed = [_c.cageform_bone(*arrays.indices(bone[:2], name).tolist(), bone[2]) for bone in value]
+                its.keeps.append((_c.cageform_bone * max(len(listed), 1))(*listed))
+                its.bones, its.bone_count = its.keeps[-1], len(listed)
+            elif name == 'walls':
+                its.keeps.append(value)
+                its.walls, its.wall_index_count = arrays.pointer(value), value.size
+            elif name == 'axes':
                 for axis, edge in zip(its.axes, value):
                     axis[:len(value)] = edge.tolist()
             elif isinstance(value, np.ndarray):
