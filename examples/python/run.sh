@@ -27,7 +27,7 @@ test_bare() { # RELEASE
   bare=$work/bare
   mkdir "$bare"
   trap 'rm -rf --one-file-system "$bare"' EXIT
-  mirror=$(apt-get indextargets --format '$(REPO_URI)' 'Created-By: Packages' 'Codename: bookworm' | head -n 1)
+  mirror=$(apt-get indextargets --format '$(REPO_URI)' 'Created-By: Packages' 'Codename: bookworm' 2>/dev/null | head -n 1)
   debootstrap --variant=minbase --include=python3-numpy,python3-pip "$1" "$bare" "$mirror" >"$work/log.txt" 2>&1 ||
     { tail "$work/log.txt"; exit 1; }
   cp "out/$wheel" examples/python/test.py "$work/wheel/layout.txt" "$bare/root"
