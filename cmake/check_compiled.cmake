@@ -1,7 +1,8 @@
 # cmake -DBUILD=… -DSOURCE=… -DWORK=… -DCOMPILER=… -DGENERATOR=… -P check_compiled.cmake
 # Installs a build with cageform::compiled, then builds and runs a client of the library, without Eigen, with the flags of that
 # build, and one by clang where it is installed. With flags for other registers the client must not link, whatever its
-# optimisation.
+# optimisation. A client in C links it too, by the package and by pkg-config, and as WORK/shared/libcageform.so, which is linked of
+# the same objects; others load it from there.
 file(REMOVE_RECURSE ${WORK})
 file(STRINGS ${BUILD}/CMakeCache.txt flags REGEX "^CMAKE_CXX_FLAGS:")
 string(REGEX REPLACE "^CMAKE_CXX_FLAGS:[A-Z]*=(.*)$" "\\1" flags "${flags}")
@@ -43,4 +44,39 @@ endif()
 build(registers "${flags} -DCAGEFORM_REGISTER_BYTES=0" failed)
 if(NOT failed OR NOT output MATCHES "undefined reference|undefined symbol")
   message(FATAL_ERROR "a client for other registers: ${failed}, ${output}")
+endif()
+
+function(run)
+  execute_process(COMMAND ${ARGN} RESULT_VARIABLE failed OUTPUT_VARIABLE output ERROR_VARIABLE output)
+  if(failed)
+    message(FATAL_ERROR "${ARGN}: ${output}")
+  endif()
+endfunction()
+run(${CMAKE_COMMAND} -G ${GENERATOR} -S ${SOURCE}/c -B ${WORK}/c -DCMAKE_PREFIX_PATH=${WORK}/prefix -DCMAKE_CXX_COMPILER=${COMPILER})
+run(${CMAKE_COMMAND} --build ${WORK}/c)
+run(${WORK}/c/client_c)
+file(STRINGS ${WORK}/c/CMakeCache.txt c_compiler REGEX "^CMAKE_C_COMPILER:")
+string(REGEX REPLACE ".*=" "" c_compiler "${c_compiler}")
+find_program(pkg_config NAMES pkg-config pkgconf)
+if(pkg_config)
+  set(ENV{PKG_CONFIG_PATH} ${WORK}/prefix/share/pkgconfig)
+  execute_process(COMMAND ${pkg_config} --cflags --libs --static cageform-compiled RESULT_VARIABLE failed OUTPUT_VARIABLE flags
+                  ERROR_VARIABLE flags OUTPUT_STRIP_TRAILING_WHITESPACE)
+  if(failed)
+    message(FATAL_ERROR "pkg-config cageform-compiled: ${flags}")
+  endif()
+  separate_arguments(flags UNIX_COMMAND "${flags}")
+  run(${c_compiler} -std=c99 ${SOURCE}/c/main.c -o ${WORK}/c/by_pkg_config ${flags})
+  run(${WORK}/c/by_pkg_config)
+else()
+  message(STATUS "no pkg-config: what it reads is not checked")
+endif()
+file(GLOB archive ${WORK}/prefix/lib*/libcageform.a ${WORK}/prefix/lib*/*/libcageform.a)
+if(CMAKE_HOST_SYSTEM_NAME STREQUAL "Linux" AND archive)
+  file(MAKE_DIRECTORY ${WORK}/shared)
+  run(${COMPILER} -shared -o ${WORK}/shared/libcageform.so -Wl,--whole-archive ${archive} -Wl,--no-whole-archive
+      -Wl,--version-script=${CMAKE_CURRENT_LIST_DIR}/compiled/exports.map)
+  run(${c_compiler} -std=c99 -I${WORK}/prefix/include ${SOURCE}/c/main.c -o ${WORK}/c/shared -L${WORK}/shared -lcageform
+      -Wl,-rpath,${WORK}/shared)
+  run(${WORK}/c/shared)
 endif()

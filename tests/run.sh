@@ -22,7 +22,7 @@ case $preset in
     fi
     ;;
   *)
-    packages="$packages g++ pkg-config librsvg2-bin tango-icon-theme libtinygltf-dev
+    packages="$packages g++ pkg-config librsvg2-bin tango-icon-theme libtinygltf-dev python3-numpy
       g++-mingw-w64-x86-64-win32 g++-arm-linux-gnueabihf qemu-user"
     command -v npm >/dev/null 2>&1 || packages="$packages nodejs npm"
     [ "$preset" != release ] || packages="$packages libbenchmark-dev libsuitesparse-dev libopenblas0-serial libcgal-dev

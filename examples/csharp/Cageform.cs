@@ -1,150 +1,362 @@
-// Packed figures in C#, for Unity and mono: open, clone, play. It calls the C interface of the shared library
-// (include/cageform/c/cageform.h): put libcageform.so, libcageform.dylib or cageform.dll beside the program, in Unity into
-// Assets/Plugins. No memory is allocated in a frame; arrays are pinned while a call lasts.
+// Packed figures in C# 7, for Unity and mono: open, clone, play clips, pose by pins. It calls the C interface of the shared
+// library (include/cageform/c/cageform.h). No memory is allocated in a frame, and no code is unsafe.
+//
+// Points are of float, in space: x y z each, in arrays or at addresses. Everything throws CageformException where the library
+// refuses something, and ArgumentException where an array is too short. A Figure may be used by several threads at once, a
+// Player and Pins by one at a time.
 using System;
 using System.Runtime.InteropServices;
+using System.Text;
 
 namespace Cageform
 {
-    /// A status that is not ok; Code is its number, which never changes.
+    /// A status that is not ok.
     public sealed class CageformException : Exception
     {
+        /// Its number, which never changes, and its name, as "blob_corrupt".
         public readonly int Code;
-        public CageformException(int code) : base(Native.Text(code)) { Code = code; }
+        public readonly string Name;
+        /// What it names: of pins the number of the pin or handle, of a file the part, as four letters; or null.
+        public readonly string Culprit;
+
+        internal CageformException(int code, string culprit = null, string message = null)
+            : base(message ?? Native.Text(Native.cageform_status_text(code)))
+        {
+            Code = code;
+            Name = Native.Text(Native.cageform_status_name(code));
+            Culprit = culprit;
+        }
     }
 
-    /// A packed figure: a file that bind_mesh or cageform_pack has written. Of float, in space.
+    /// A packed figure: a file that bind_mesh, the Python package or cageform_pack has written.
     public sealed class Figure : IDisposable
     {
-        IntPtr handle;
-        readonly IntPtr file; // aligned to 64 bytes, inside of `memory`
-        readonly IntPtr memory;
-        readonly ulong[] sizes = new ulong[5];
-
-        public int Points { get { return (int)sizes[0]; } }
-        public int Handles { get { return (int)sizes[1]; } }
-        /// Handles that are points of the cage: what clips and PoseHandles take.
-        public int Vertices { get { return (int)sizes[2]; } }
-        public int Clips { get { return (int)sizes[3]; } }
+        internal readonly Handle Handle;
+        public readonly int Points, Handles, Clips, Levels;
+        /// Handles that are vertices of the cage: what clips and PoseHandles take.
+        public readonly int Vertices;
         public readonly bool HasNormals, HasTangents;
 
-        /// Opens the bytes of a file, which are copied. Throws CageformException.
-        public Figure(byte[] bytes)
+        /// Opens the bytes of a file, which are copied.
+        public Figure(byte[] bytes) : this(Open(bytes)) { }
+
+        Figure(Handle handle)
         {
-            if (bytes == null) throw new ArgumentNullException("bytes");
-            memory = Marshal.AllocHGlobal(new IntPtr(bytes.LongLength + 64));
-            file = new IntPtr((memory.ToInt64() + 63) / 64 * 64);
-            Marshal.Copy(bytes, 0, file, bytes.Length);
-            int code = Native.cageform_open(file, new UIntPtr((ulong)bytes.LongLength), IntPtr.Zero, out handle, IntPtr.Zero);
-            var info = new Native.FigureInfo { size = (UIntPtr)Marshal.SizeOf(typeof(Native.FigureInfo)) };
-            if (code == 0) code = Native.cageform_figure_describe(handle, ref info);
-            if (code == 0 && (info.scalar != Native.Float || info.dimension != 3)) code = Native.ScalarDiffers;
+            Handle = handle;
+            var info = new Native.FigureInfo { size = Native.SizeOf<Native.FigureInfo>() };
+            int code = Native.cageform_figure_describe(handle, ref info);
+            if (code == 0 && info.scalar != Native.Float) code = Native.ScalarDiffers;
+            if (code == 0 && info.dimension != 3) code = Native.DimensionDiffers;
             if (code != 0)
             {
-                Dispose();
+                handle.Dispose();
                 throw new CageformException(code);
             }
-            sizes[0] = (ulong)info.points;
-            sizes[1] = (ulong)info.handles;
-            sizes[2] = (ulong)info.vertices;
-            sizes[3] = (ulong)info.clips;
+            Points = checked((int)info.points);
+            Handles = checked((int)info.handles);
+            Vertices = checked((int)info.vertices);
+            Clips = checked((int)info.clips);
+            Levels = checked((int)info.levels);
             HasNormals = info.has_normals != 0;
             HasTangents = info.has_tangents != 0;
         }
 
-        /// Writes the handles at rest, x y z each: a pose to start from.
+        static Handle Open(byte[] bytes)
+        {
+            var memory = new AlignedBytes(bytes);
+            Handle handle;
+            UIntPtr part;
+            int code = Native.cageform_open(memory.Data, memory.Size, IntPtr.Zero, out handle, out part);
+            if (code == 0) return handle.Keep(memory);
+            memory.Free();
+            ulong tag = (ulong)part;
+            if (tag == 0 || tag > uint.MaxValue) throw new CageformException(code);
+            string name = Encoding.ASCII.GetString(BitConverter.GetBytes((uint)tag));
+            throw new CageformException(code, name, Native.Text(Native.cageform_status_text(code)) + " (part " + name + ")");
+        }
+
+        /// Opens a level of less detail, which takes the same poses; level 0 is the figure again.
+        public Figure Level(int level)
+        {
+            Handle handle;
+            Native.Check(Native.cageform_open_level(Handle, Native.Index(level, "level"), IntPtr.Zero, out handle));
+            return new Figure(handle.Keep(Handle));
+        }
+
+        /// Writes the handles at rest, a pose to start from.
         public void Rest(float[] pose)
         {
-            using (var to = new Native.Pinned(pose, Handles, "pose"))
-                Native.Check(Native.cageform_figure_rest(handle, to.Output()));
+            using (var to = new Pinned(pose, 3, Handles, "pose"))
+                Native.Check(Native.cageform_figure_rest(Handle, to.View));
         }
 
-        /// Moves the figure with a pose of all handles. Normals may be null.
-        public void Clone(float[] pose, float[] points, float[] normals = null)
+        /// Moves the figure with a pose of all handles. Tangents may be null, or normals too; tangents are x y z w each, w the
+        /// handedness.
+        public void Clone(float[] pose, float[] points, float[] normals = null, float[] tangents = null)
         {
-            using (var from = new Native.Pinned(pose, Handles, "pose"))
-            using (var to = new Native.Pinned(points, Points, "points"))
-            {
-                if (normals == null)
-                {
-                    Native.Check(Native.cageform_clone(handle, from.Input(), to.Output(), IntPtr.Zero, IntPtr.Zero, IntPtr.Zero));
-                    return;
-                }
-                using (var turned = new Native.Pinned(normals, Points, "normals"))
-                {
-                    Native.Points output = turned.Output();
-                    Native.Check(Native.cageform_clone_with_normals(handle, from.Input(), to.Output(), ref output, IntPtr.Zero,
-                                                                    IntPtr.Zero));
-                }
-            }
+            using (var from = new Pinned(pose, 3, Handles, "pose"))
+            using (var to = new Pinned(points, 3, Points, "points"))
+            using (var turned = normals == null ? default(Pinned) : new Pinned(normals, 3, Points, "normals"))
+            using (var along = tangents == null ? default(Pinned) : new Pinned(tangents, 4, Points, "tangents"))
+                Clone(from.Address, to.Address, turned.Address, along.Address);
         }
 
-        /// Computes a pose of all handles from one of the cage's vertices, where Green coordinates have others too.
+        /// Moves the figure, all at addresses, as GetUnsafePtr of NativeArray gives them: Handles points of a pose, then memory
+        /// for Points points, normals, tangents; the last or the last two may be IntPtr.Zero. A wrong address or length ends the program.
+        public void Clone(IntPtr pose, IntPtr points, IntPtr normals, IntPtr tangents)
+        {
+            Native.Points from = Pinned.ViewOf(pose, 3, Handles), to = Pinned.ViewOf(points, 3, Points);
+            Native.Points turned = Pinned.ViewOf(normals, 3, Points), along = Pinned.ViewOf(tangents, 4, Points);
+            int code;
+            if (normals == IntPtr.Zero && tangents == IntPtr.Zero)
+                code = Native.cageform_clone(Handle, from, to, IntPtr.Zero, IntPtr.Zero, IntPtr.Zero);
+            else if (tangents == IntPtr.Zero)
+                code = Native.cageform_clone(Handle, from, to, ref turned, IntPtr.Zero, IntPtr.Zero);
+            else
+                code = Native.cageform_clone(Handle, from, to, ref turned, ref along, IntPtr.Zero);
+            Native.Check(code);
+        }
+
+        /// Computes a pose of all handles from one of the cage's vertices. Green coordinates need it, others take either.
         public void PoseHandles(float[] vertices, float[] handles)
         {
-            using (var from = new Native.Pinned(vertices, Vertices, "vertices"))
-            using (var to = new Native.Pinned(handles, Handles, "handles"))
-                Native.Check(Native.cageform_pose_handles(handle, from.Input(), to.Output()));
+            using (var from = new Pinned(vertices, 3, Vertices, "vertices"))
+            using (var to = new Pinned(handles, 3, Handles, "handles"))
+                Native.Check(Native.cageform_pose_handles(Handle, from.View, to.View));
         }
 
-        /// Plays a clip by its name; the player is used no longer than the figure.
+        /// Returns the label of a handle; empty if it has none.
+        public string Label(int handle)
+        {
+            IntPtr text;
+            UIntPtr length;
+            Native.Check(Native.cageform_figure_label(Handle, Native.Index(handle, "handle"), out text, out length));
+            var bytes = new byte[(int)length];
+            if (bytes.Length > 0) Marshal.Copy(text, bytes, 0, bytes.Length);
+            return Encoding.UTF8.GetString(bytes);
+        }
+
+        /// Finds the first handle with a label; -1 if none has it.
+        public int FindHandle(string label)
+        {
+            byte[] text = Encoding.UTF8.GetBytes(label);
+            UIntPtr handle;
+            Native.Check(Native.cageform_figure_find_handle(Handle, text, (UIntPtr)text.Length, out handle));
+            return (ulong)handle < (ulong)Handles ? (int)handle : -1;
+        }
+
+        /// Plays a clip by its name. Every character has a player of its own.
         public Player Play(string name)
         {
-            byte[] text = System.Text.Encoding.UTF8.GetBytes(name);
+            byte[] text = Encoding.UTF8.GetBytes(name);
             UIntPtr clip;
-            Native.Check(Native.cageform_figure_find_clip(handle, text, (UIntPtr)text.Length, out clip));
-            if (clip == UIntPtr.Zero || (ulong)clip < (ulong)Clips) return new Player(handle, clip);
-            throw new ArgumentException("the figure has no clip " + name);
+            Native.Check(Native.cageform_figure_find_clip(Handle, text, (UIntPtr)text.Length, out clip));
+            if ((ulong)clip >= (ulong)Clips) throw new ArgumentException("the figure has no clip " + name, "name");
+            Handle handle;
+            Native.Check(Native.cageform_play(Handle, clip, IntPtr.Zero, out handle));
+            return new Player(handle.Keep(Handle));
         }
 
-        public void Dispose()
-        {
-            Native.cageform_free(handle);
-            handle = IntPtr.Zero;
-            Marshal.FreeHGlobal(memory);
-            GC.SuppressFinalize(this);
-        }
+        public void Dispose() { Handle.Dispose(); }
     }
 
     /// Plays a clip: the motion of a cage's vertices.
     public sealed class Player : IDisposable
     {
-        IntPtr handle;
+        readonly Handle handle;
         public readonly int Vertices;
         public readonly double Begin, End;
 
-        internal Player(IntPtr figure, UIntPtr clip)
+        internal Player(Handle handle)
         {
-            Native.Check(Native.cageform_play(figure, clip, IntPtr.Zero, out handle));
-            var info = new Native.ClipInfo { size = (UIntPtr)Marshal.SizeOf(typeof(Native.ClipInfo)) };
+            this.handle = handle;
+            var info = new Native.ClipInfo { size = Native.SizeOf<Native.ClipInfo>() };
             Native.Check(Native.cageform_player_describe(handle, ref info));
-            Vertices = (int)(ulong)info.vertices;
+            Vertices = checked((int)info.vertices);
             Begin = info.begin;
             End = info.end;
         }
 
-        /// Writes the cage's vertices at a time in seconds, x y z each.
+        /// Writes the cage's vertices at a time.
         public void Sample(double time, float[] vertices)
         {
-            using (var to = new Native.Pinned(vertices, Vertices, "vertices"))
-                Native.Check(Native.cageform_player_sample(handle, time, to.Output()));
+            using (var to = new Pinned(vertices, 3, Vertices, "vertices"))
+                Native.Check(Native.cageform_player_sample(handle, time, to.View));
         }
 
+        public void Dispose() { handle.Dispose(); }
+    }
+
+    /// Poses a cage by pins on a figure, as rigidly as possible inside.
+    public sealed class Pins : IDisposable
+    {
+        readonly Handle handle;
+        readonly IntPtr report;
+        int pins;
+        public readonly int Handles;
+
+        /// Opens packed samples of the cage, whose bytes are copied.
+        ///   pinWeight   what a pin counts beside the stretch of the whole figure; 0: 1e4
+        ///   hard        pins miss a thousand times less
+        ///   iterations  of a frame; 0: 4
+        public Pins(byte[] samples, double pinWeight = 0, bool hard = false, int iterations = 0)
+        {
+            var memory = new AlignedBytes(samples);
+            Handle opened = null;
+            try
+            {
+                Native.Check(Native.cageform_samples_open(memory.Data, memory.Size, 0, out opened));
+                var info = new Native.SamplesInfo { size = Native.SizeOf<Native.SamplesInfo>() };
+                Native.Check(Native.cageform_samples_describe(opened, ref info));
+                if (info.scalar != Native.Float) throw new CageformException(Native.ScalarDiffers);
+                if (info.dimension != 3) throw new CageformException(Native.DimensionDiffers);
+                Handles = checked((int)info.handles);
+                var options = new Native.PinsOptions { size = Native.SizeOf<Native.PinsOptions>(), pin_weight = pinWeight,
+                                                       hard = hard ? 1 : 0, iterations = Native.Index(iterations, "iterations") };
+                Native.Check(Native.cageform_pins_create(opened, ref options, out handle));
+            }
+            finally
+            {
+                if (opened != null) opened.Dispose();
+                memory.Free();
+            }
+            var room = new AlignedBytes((int)Native.SizeOf<Native.Report>());
+            handle.Keep(room);
+            report = room.Data;
+            Marshal.WriteIntPtr(report, (IntPtr)(int)Native.SizeOf<Native.Report>());
+        }
+
+        /// Pins points of a figure, by their numbers, instead of those before. Weights may be null.
+        public void Set(Figure figure, int[] points, double[] weights = null)
+        {
+            if (weights != null && weights.Length != points.Length) throw new ArgumentException("one weight a pin", "weights");
+            Check(Native.cageform_pins_set(handle, figure.Handle, points, (UIntPtr)points.Length, weights, report));
+            pins = points.Length;
+        }
+
+        /// Holds handles where the pose has them, instead of those before.
+        public void Hold(int[] handles)
+        {
+            Check(Native.cageform_pins_hold(handle, handles, (UIntPtr)handles.Length, report));
+        }
+
+        /// Moves a pose of all handles towards the targets, one for each pin. Once a frame, until it returns true: the pose has
+        /// settled.
+        public bool Solve(float[] targets, float[] pose)
+        {
+            using (var from = new Pinned(targets, 3, pins, "targets"))
+            using (var to = new Pinned(pose, 3, Handles, "pose"))
+                Check(Native.cageform_pins_solve(handle, from.View, to.View, report));
+            return Marshal.ReadInt32(report, settled) != 0;
+        }
+
+        /// The largest distance of a pin from its target, of the last frame.
+        public double Miss { get { return BitConverter.Int64BitsToDouble(Marshal.ReadInt64(report, miss)); } }
+
+        static readonly int settled = Native.OffsetOf("settled"), miss = Native.OffsetOf("miss");
+        static readonly int culprit = Native.OffsetOf("culprit"), message = Native.OffsetOf("message");
+
+        void Check(int code)
+        {
+            if (code == 0) return;
+            ulong named = (ulong)Marshal.ReadIntPtr(report, culprit).ToInt64();
+            string text = Native.Text(IntPtr.Add(report, message));
+            throw new CageformException(code, named > uint.MaxValue ? null : named.ToString(), text.Length > 0 ? text : null);
+        }
+
+        public void Dispose() { handle.Dispose(); }
+    }
+
+    /// An object of the library. It is freed before what it keeps: the object that it is made of, or memory.
+    public sealed class Handle : SafeHandle
+    {
+        Handle parent;
+        AlignedBytes memory;
+
+        Handle() : base(IntPtr.Zero, true) { }
+        public override bool IsInvalid { get { return handle == IntPtr.Zero; } }
+
+        internal Handle Keep(Handle other)
+        {
+            bool added = false;
+            other.DangerousAddRef(ref added);
+            parent = other;
+            return this;
+        }
+        internal Handle Keep(AlignedBytes other)
+        {
+            memory = other;
+            return this;
+        }
+        protected override bool ReleaseHandle()
+        {
+            bool freed = Native.cageform_free(handle) == 0;
+            if (parent != null) parent.DangerousRelease();
+            memory.Free();
+            return freed;
+        }
+    }
+
+    /// Bytes at a multiple of 64, where the library wants them.
+    struct AlignedBytes
+    {
+        IntPtr memory;
+        public readonly IntPtr Data;
+        public readonly UIntPtr Size;
+
+        public AlignedBytes(int size)
+        {
+            memory = Marshal.AllocHGlobal(size + 64);
+            Data = new IntPtr((memory.ToInt64() + 63) / 64 * 64);
+            Size = (UIntPtr)size;
+        }
+        public AlignedBytes(byte[] bytes) : this((bytes ?? throw new ArgumentNullException("bytes")).Length)
+        {
+            Marshal.Copy(bytes, 0, Data, bytes.Length);
+        }
+        public void Free()
+        {
+            Marshal.FreeHGlobal(memory);
+            memory = IntPtr.Zero;
+        }
+    }
+
+    /// An array that stays in its place while a call lasts.
+    struct Pinned : IDisposable
+    {
+        GCHandle held;
+        public readonly Native.Points View;
+
+        public Pinned(float[] numbers, int dimension, int points, string name)
+        {
+            if (numbers == null) throw new ArgumentNullException(name);
+            if (numbers.Length < (long)dimension * points)
+                throw new ArgumentException(name + " has " + numbers.Length + " numbers, " + (long)dimension * points + " are needed",
+                                            name);
+            held = GCHandle.Alloc(numbers, GCHandleType.Pinned);
+            View = ViewOf(held.AddrOfPinnedObject(), dimension, points);
+        }
+        public IntPtr Address { get { return View.data; } }
+        public static Native.Points ViewOf(IntPtr data, int dimension, int points)
+        {
+            return new Native.Points { data = data, count = (UIntPtr)points, bytes = (UIntPtr)(4UL * (ulong)dimension * (ulong)points),
+                                       scalar = Native.Float, dimension = (uint)dimension };
+        }
         public void Dispose()
         {
-            Native.cageform_free(handle);
-            handle = IntPtr.Zero;
+            if (held.IsAllocated) held.Free();
         }
     }
 
     static class Native
     {
-        const string Library = "cageform";
+        const string Library = "cageform"; // libcageform.so, libcageform.dylib, cageform.dll; where it is linked in: "__Internal"
         internal const uint Float = 0;
-        internal const int ScalarDiffers = 1005;
+        internal const int ScalarDiffers = 1005, DimensionDiffers = 1006;
 
+        // As in cageform.h; the test compares where members lie.
         [StructLayout(LayoutKind.Sequential)]
-        internal struct Points // cageform_points and cageform_output
+        internal struct Points // cageform_output is the same
         {
             internal IntPtr data;
             internal UIntPtr count, stride, bytes;
@@ -166,53 +378,98 @@ namespace Cageform
             internal IntPtr name;
             internal UIntPtr name_length;
         }
-
-        /// An array that stays in its place while a call lasts.
-        internal struct Pinned : IDisposable
+        [StructLayout(LayoutKind.Sequential)]
+        internal struct SamplesInfo
         {
-            GCHandle held;
-            readonly int count;
-
-            internal Pinned(float[] numbers, int points, string name)
-            {
-                if (numbers == null) throw new ArgumentNullException(name);
-                if (numbers.Length < 3 * points)
-                    throw new ArgumentException(name + " has " + numbers.Length + " numbers, " + 3 * points + " are needed");
-                held = GCHandle.Alloc(numbers, GCHandleType.Pinned);
-                count = points;
-            }
-            internal Points Output()
-            {
-                return new Points { data = held.AddrOfPinnedObject(), count = (UIntPtr)count, bytes = (UIntPtr)(12L * count),
-                                    scalar = Float, dimension = 3 };
-            }
-            internal Points Input() { return Output(); }
-            public void Dispose() { held.Free(); }
+            internal UIntPtr size, handles;
+            internal uint scalar, dimension;
+        }
+        [StructLayout(LayoutKind.Sequential)]
+        internal struct PinsOptions
+        {
+            internal UIntPtr size;
+            internal double pin_weight;
+            internal int hard;
+            internal UIntPtr iterations;
+        }
+        [StructLayout(LayoutKind.Sequential)]
+        internal struct Fault
+        {
+            internal int status;
+            internal uint a_is, b_is, reserved;
+            internal UIntPtr a, b;
+            internal IntPtr text;
+        }
+        [StructLayout(LayoutKind.Sequential)]
+        internal struct Report
+        {
+            internal UIntPtr size;
+            internal int status;
+            internal uint faults, warnings, reserved;
+            internal UIntPtr culprit;
+            internal Fault fault;
+            internal double seconds;
+            [MarshalAs(UnmanagedType.ByValArray, SizeConst = 256)] internal byte[] message;
+            internal UIntPtr points, on_boundary, outside, faded, not_finite, unreached, not_restored;
+            internal double partition_error, reproduction_error, least_weight, amplification;
+            internal UIntPtr unknowns, memory;
+            internal double grid_error, sufficient_accuracy;
+            internal UIntPtr bytes, dense_bytes;
+            internal double distance, mean_distance;
+            internal UIntPtr vertices, components, tunnels;
+            internal double margin, clearance, volume, tightest_volume, least_angle;
+            internal UIntPtr samples, rotations;
+            internal double miss, step, rigid_energy, least_stretch, largest_stretch;
+            internal UIntPtr iterations, folded;
+            internal int settled;
+            internal double curve_error;
         }
 
+        internal static UIntPtr SizeOf<T>() { return (UIntPtr)Marshal.SizeOf(typeof(T)); }
+        internal static int OffsetOf(string member) { return Marshal.OffsetOf(typeof(Report), member).ToInt32(); }
+        internal static UIntPtr Index(int number, string name)
+        {
+            if (number < 0) throw new ArgumentOutOfRangeException(name);
+            return (UIntPtr)number;
+        }
         internal static void Check(int code)
         {
             if (code != 0) throw new CageformException(code);
         }
-        internal static string Text(int code) { return Marshal.PtrToStringAnsi(cageform_status_text(code)); }
+        internal static string Text(IntPtr text) { return Marshal.PtrToStringAnsi(text); }
 
-        [DllImport(Library)] static extern IntPtr cageform_status_text(int status);
+        [DllImport(Library)] internal static extern IntPtr cageform_status_text(int status);
+        [DllImport(Library)] internal static extern IntPtr cageform_status_name(int status);
         [DllImport(Library)] internal static extern int cageform_free(IntPtr item);
-        [DllImport(Library)] internal static extern int cageform_open(IntPtr data, UIntPtr bytes, IntPtr options, out IntPtr figure,
-                                                                      IntPtr culprit);
-        [DllImport(Library)] internal static extern int cageform_figure_describe(IntPtr figure, ref FigureInfo info);
-        [DllImport(Library)] internal static extern int cageform_figure_rest(IntPtr figure, Points handles);
-        [DllImport(Library)] internal static extern int cageform_clone(IntPtr figure, Points pose, Points points, IntPtr normals,
+        [DllImport(Library)] internal static extern int cageform_open(IntPtr data, UIntPtr bytes, IntPtr options, out Handle figure,
+                                                                      out UIntPtr culprit);
+        [DllImport(Library)] internal static extern int cageform_open_level(Handle figure, UIntPtr level, IntPtr options,
+                                                                            out Handle opened);
+        [DllImport(Library)] internal static extern int cageform_figure_describe(Handle figure, ref FigureInfo info);
+        [DllImport(Library)] internal static extern int cageform_figure_rest(Handle figure, Points handles);
+        [DllImport(Library)] internal static extern int cageform_figure_label(Handle figure, UIntPtr handle, out IntPtr text,
+                                                                              out UIntPtr length);
+        [DllImport(Library)] internal static extern int cageform_figure_find_handle(Handle figure, byte[] text, UIntPtr length,
+                                                                                    out UIntPtr handle);
+        [DllImport(Library)] internal static extern int cageform_clone(Handle figure, Points pose, Points points, IntPtr normals,
                                                                        IntPtr tangents, IntPtr running);
-        [DllImport(Library, EntryPoint = "cageform_clone")]
-        internal static extern int cageform_clone_with_normals(IntPtr figure, Points pose, Points points, ref Points normals,
-                                                               IntPtr tangents, IntPtr running);
-        [DllImport(Library)] internal static extern int cageform_pose_handles(IntPtr figure, Points vertices, Points handles);
-        [DllImport(Library)] internal static extern int cageform_figure_find_clip(IntPtr figure, byte[] name, UIntPtr length,
+        [DllImport(Library)] internal static extern int cageform_clone(Handle figure, Points pose, Points points, ref Points normals,
+                                                                       IntPtr tangents, IntPtr running);
+        [DllImport(Library)] internal static extern int cageform_clone(Handle figure, Points pose, Points points, ref Points normals,
+                                                                       ref Points tangents, IntPtr running);
+        [DllImport(Library)] internal static extern int cageform_pose_handles(Handle figure, Points vertices, Points handles);
+        [DllImport(Library)] internal static extern int cageform_figure_find_clip(Handle figure, byte[] name, UIntPtr length,
                                                                                   out UIntPtr clip);
-        [DllImport(Library)] internal static extern int cageform_play(IntPtr figure, UIntPtr clip, IntPtr options,
-                                                                      out IntPtr player);
-        [DllImport(Library)] internal static extern int cageform_player_describe(IntPtr player, ref ClipInfo info);
-        [DllImport(Library)] internal static extern int cageform_player_sample(IntPtr player, double time, Points pose);
+        [DllImport(Library)] internal static extern int cageform_play(Handle figure, UIntPtr clip, IntPtr options, out Handle player);
+        [DllImport(Library)] internal static extern int cageform_player_describe(Handle player, ref ClipInfo info);
+        [DllImport(Library)] internal static extern int cageform_player_sample(Handle player, double time, Points pose);
+        [DllImport(Library)] internal static extern int cageform_samples_open(IntPtr data, UIntPtr bytes, int skip_checksum,
+                                                                              out Handle samples);
+        [DllImport(Library)] internal static extern int cageform_samples_describe(Handle samples, ref SamplesInfo info);
+        [DllImport(Library)] internal static extern int cageform_pins_create(Handle samples, ref PinsOptions options, out Handle pins);
+        [DllImport(Library)] internal static extern int cageform_pins_set(Handle pins, Handle figure, int[] points, UIntPtr count,
+                                                                          double[] weights, IntPtr report);
+        [DllImport(Library)] internal static extern int cageform_pins_hold(Handle pins, int[] handles, UIntPtr count, IntPtr report);
+        [DllImport(Library)] internal static extern int cageform_pins_solve(Handle pins, Points targets, Points pose, IntPtr report);
     }
 }

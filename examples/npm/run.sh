@@ -45,18 +45,17 @@ node $npm/sizes.js $package "$tarball"
 [ "${1:-}" != --build-only ] || exit 0
 
 sh cmake/install_packages.sh node-typescript chromium python3-numpy
-sh examples/python/build_library.sh
+sh cmake/build_shared.sh
 test=$work/test # the empty folder
 rm -rf $test
-mkdir -p $test/data $work/python
+mkdir -p $test/data
 echo '{ "private": true, "type": "module" }' >$test/package.json
 (cd $test && npm install --offline --no-audit --no-fund --silent "../../../$tarball")
 cp $npm/test/*.js $npm/test/*.ts $npm/test/*.html $test
 cp -r tests/data/oracle $test/data
-cp -r examples/python/package/cageform $work/python
-/usr/bin/python3 examples/python/read_header.py include/cageform/c/cageform.h $work/python/cageform/_c.py
+sh examples/python/assemble.sh build/shared/libcageform.so $work/python
 export PYTHONDONTWRITEBYTECODE=1
-CAGEFORM_LIBRARY=$PWD/build/python/libcageform.so PYTHONPATH=$work/python /usr/bin/python3 $npm/test/native.py $test/data
+PYTHONPATH=$work/python /usr/bin/python3 $npm/test/native.py $test/data
 
 (cd $test && DATA=data node --test node.js && node --test full.js)
 (cd $test && tsc --strict --target es2022 --module node16 --moduleResolution node16 --lib es2022,dom --outDir compiled consumer.ts)

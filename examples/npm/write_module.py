@@ -57,15 +57,17 @@ def write_script(header, layouts, version):
                            for name, (kind, at, count, _) in its['fields'].items())
         lines.append('  %s: { size: %d, fields: { %s } },' % (struct, its['size'], fields))
     lines += ['};', '', 'export const STATUSES = {']
-    lines += ["  %d: '%s'," % (number, name) for number, name, _ in header.statuses] + ['};', '', 'export const CONSTANTS = {']
-    lines += ['  %s: %d,' % (name[len('CAGEFORM_'):], number) for name, number in header.constants.items()] + ['};', '']
+    lines += ["  %d: '%s'," % (number, name) for number, name in header.statuses.items()] + ['};', '', 'export const CONSTANTS = {']
+    named = {name[len('CAGEFORM_'):]: number for name, number in header.constants.items()}
+    lines += ['  %s: %d,' % constant for constant in named.items() if constant[0].lower() not in header.statuses.values()]
+    lines += ['};', '']
     return '\n'.join(lines)
 
 
 def write_types(header, layouts):
     lines = ['// Written by write_module.py from cageform.h.', '',
              '/** The name of a status of the library. */', 'export type LibraryStatus =']
-    lines += ["  | '%s'" % name for number, name, _ in header.statuses if number != 0]
+    lines += ["  | '%s'" % name for number, name in header.statuses.items() if number != 0]
     lines[-1] += ';'
     lines += ['', '/** Numbers of a report, as the header of C describes them; a call sets those that it knows, others are 0. */',
               'export interface ReportNumbers {']

@@ -1,6 +1,7 @@
-"""Reads the C header of the library: its structs, constants, statuses and functions, for bindings of other languages.
+"""Reads the C header of the library, for bindings of other languages.
 
-    python3 read_header.py ../../include/cageform/c/cageform.h cageform/_c.py    writes declarations for ctypes
+    python3 read_header.py ctypes include/cageform/c/cageform.h >_c.py     declarations for ctypes
+    python3 read_header.py layout include/cageform/c/cageform.h >layout.c  a C program that prints where members lie
 """
 
 import re
@@ -11,96 +12,102 @@ NUMBERS = {'size_t': 'c_size_t', 'uint32_t': 'c_uint32', 'int32_t': 'c_int32', '
 
 
 class Header:
-    """structs: name to [(field, type, [lengths])]; functions: name to (type, [(name, type)]); constants: name to
-    number; statuses: [(number, name, text or None)]. A type is the text of C without const and names."""
+    """constants: name to number; statuses: number to name in small letters; structs: name to a list of members (name,
+    type, lengths of the array that it is); functions: name to (type, types of arguments). Types are those of C without
+    const; 'function' is a pointer to one."""
 
     def __init__(self, text):
-        self.statuses = [(int(n), name, own) for n, name, own in re.findall(
-            r'X\((\d+), [A-Z0-9_]+, ([a-z0-9_]+)(?:,[\s\\]*"([^"]*)")?\)', text)]
+        listed = re.findall(r'X\((\d+), ([A-Z0-9_]+), ([a-z0-9_]+)', text)
+        self.statuses = {int(number): name for number, _, name in listed}
+        self.constants = {'CAGEFORM_' + name: int(number) for number, name, _ in listed}
+        self.constants.update((name, int(number)) for name, number in re.findall(r'#define (CAGEFORM_C_ABI) (\d+)', text))
         text = re.sub(r'/\*.*?\*/', '', text, flags=re.S)
         text = re.sub(r'^\s*#.*(?:\\\n.*)*$', '', text, flags=re.M)
-        self.constants = {name: int(number) for name, number in re.findall(r'\b(CAGEFORM_\w+) = (\d+)', text)}
-        self.structs = {}
-        for name, body in re.findall(r'typedef struct (\w+) \{(.*?)\} \1;', text, flags=re.S):
-            self.structs[name] = [field for line in body.split(';') for field in fields_of(line)]
+        self.constants.update((name, int(number)) for name, number in re.findall(r'\b(CAGEFORM_\w+) = (\d+)', text))
+        self.structs = {name: [member for line in body.split(';') if line.strip() for member in members_of(line)]
+                        for name, body in re.findall(r'typedef struct (\w+) \{(.*?)\} \1;', text, flags=re.S)}
         self.functions = {}
         for kind, name, arguments in re.findall(r'CAGEFORM_API ([\w \*]+?)(\w+)\((.*?)\);', text, flags=re.S):
-            listed = [] if arguments.strip() == 'void' else [typed(a)[:2] for a in arguments.split(',')]
-            self.functions[name] = (plain(kind), [(n, t) for n, t in listed])
+            listed = [] if arguments.strip() == 'void' else arguments.split(',')
+            self.functions[name] = plain(kind), [declared(argument)[1] for argument in listed]
 
 
 def plain(kind):
-    return re.sub(r'\s+', ' ', re.sub(r'\bconst\b', '', kind)).strip().replace(' *', '*')
+    return ' '.join(re.sub(r'\bconst\b', '', kind).split()).replace(' *', '*')
 
 
-def typed(text):
-    """Returns name, type and lengths of a declaration."""
-    text = re.sub(r'\s+', ' ', text).strip()
+def declared(text):
+    """Returns name, type and lengths of what a declaration declares."""
     if '(*' in text:
         return re.search(r'\(\*(\w+)\)', text).group(1), 'function', []
-    kind, name, lengths = re.fullmatch(r'(.*?)(\w+)((?:\[\d+\])*)', text).groups()
-    return name, plain(kind), [int(n) for n in re.findall(r'\d+', lengths)]
+    kind, name, lengths = re.fullmatch(r'(.*?)(\w+)((?:\[\d+\])*)', ' '.join(text.split())).groups()
+    return name, plain(kind), [int(length) for length in re.findall(r'\d+', lengths)]
 
 
-def fields_of(line):
-    """Returns the fields of a line of a struct: several may share a type."""
-    line = re.sub(r'\s+', ' ', line).strip()
-    if not line:
-        return []
+def members_of(line):
+    """Returns the members of a line of a struct: several may share a type."""
     if '(*' in line:
-        return [typed(line)]
-    first, *more = [part.strip() for part in line.split(',')]
-    name, kind, lengths = typed(first)
-    fields = [(name, kind, lengths)]
-    for part in more:
-        name, own, lengths = typed(kind.rstrip('*') + ' ' + part)
-        fields.append((name, own, lengths))
-    return fields
+        return [declared(line)]
+    first, *more = line.split(',')
+    members = [declared(first)]
+    return members + [declared(members[0][1].rstrip('*') + ' ' + other) for other in more]
 
 
 def ctypes_of(kind, structs):
-    if kind == 'function' or kind == 'cageform_range_body':
-        raise ValueError(kind)
-    if kind in NUMBERS:
-        return NUMBERS[kind]
+    """Returns the type of ctypes. Objects, memory and where a pointer is put are c_void_p."""
     if kind in structs:
         return kind
+    if kind in NUMBERS:
+        return NUMBERS[kind]
     if kind == 'char*':
         return 'c_char_p'
-    if kind.endswith('*') and kind[:-1] in structs:
-        return 'POINTER(%s)' % kind[:-1]
-    if kind.endswith('**') or kind.endswith('*') and kind[:-1] in NUMBERS and kind != 'char*':
-        return 'c_void_p' if kind.endswith('**') else 'POINTER(%s)' % NUMBERS[kind[:-1]]
-    return 'c_void_p'  # void, and objects
+    pointed = kind[:-1]
+    if pointed in structs or pointed in NUMBERS:
+        return 'POINTER(%s)' % ctypes_of(pointed, structs)
+    return 'c_void_p'
+
+
+def python_type(kind, lengths):
+    whole = kind in NUMBERS and kind not in ('double', 'char') and not lengths
+    return 'int' if whole else 'float' if kind == 'double' and not lengths else 'Any'
 
 
 def write_ctypes(header):
-    lines = ['"""Declarations for ctypes, written by read_header.py from cageform.h."""', '',
-             'from ctypes import *', '', 'RANGE_BODY = CFUNCTYPE(None, c_void_p, c_size_t, c_size_t)',
-             'FUNCTIONS_OF = {', "    'parallel_for': CFUNCTYPE(None, c_void_p, c_size_t, c_size_t, RANGE_BODY, c_void_p),",
+    lines = ['"""Declarations of cageform.h, written by read_header.py."""', '',
+             'from ctypes import *', 'from typing import Any, Dict, List, Tuple', '',
+             'RANGE_BODY = CFUNCTYPE(None, c_void_p, c_size_t, c_size_t)', 'FUNCTIONS_OF: Dict[str, Any] = {',
+             "    'parallel_for': CFUNCTYPE(None, c_void_p, c_size_t, c_size_t, RANGE_BODY, c_void_p),",
              "    'progress': CFUNCTYPE(c_int, c_void_p, c_double),", '}', '']
-    for name, number in header.constants.items():
-        lines.append('%s = %d' % (name, number))
-    lines += ['', 'STATUSES = {']
-    lines += ["    %d: '%s'," % (number, name) for number, name, _ in header.statuses] + ['}', '']
-    for name, fields in header.structs.items():
-        lines += ['', 'class %s(Structure):' % name, '    _fields_ = [']
-        for field, kind, lengths in fields:
-            own = "FUNCTIONS_OF['%s']" % field if kind == 'function' else ctypes_of(kind, header.structs)
+    lines += ['%s = %d' % constant for constant in header.constants.items()]
+    lines += ['', 'STATUSES: Dict[int, str] = {'] + ["    %d: '%s'," % status for status in header.statuses.items()] + ['}', '']
+    for name, members in header.structs.items():
+        lines += ['', 'class %s(Structure):' % name]
+        lines += ['    %s: %s' % (member, python_type(kind, lengths)) for member, kind, lengths in members]
+        lines += ['    _fields_ = [']
+        for member, kind, lengths in members:
+            own = "FUNCTIONS_OF['%s']" % member if kind == 'function' else ctypes_of(kind, header.structs)
             for length in reversed(lengths):
                 own = '(%s * %d)' % (own, length)
-            lines.append("        ('%s', %s)," % (field, own))
+            lines.append("        ('%s', %s)," % (member, own))
         lines += ['    ]', '']
-    lines += ['', 'FUNCTIONS = {']
+    lines += ['', 'FUNCTIONS: Dict[str, Tuple[Any, List[Any]]] = {']
     for name, (kind, arguments) in header.functions.items():
-        listed = ', '.join(ctypes_of(k, header.structs) for _, k in arguments)
+        listed = ', '.join(ctypes_of(argument, header.structs) for argument in arguments)
         lines.append("    '%s': (%s, [%s])," % (name, ctypes_of(kind, header.structs), listed))
-    lines += ['}', '']
-    return '\n'.join(lines)
+    return '\n'.join(lines + ['}'])
+
+
+def write_layout(header):
+    lines = ['#include <cageform/c/cageform.h>', '#include <stdio.h>', '', 'int main(void) {']
+    for name, members in header.structs.items():
+        lines.append('    printf("%s %%zu\\n", sizeof(%s));' % (name, name))
+        lines += ['    printf("%s.%s %%zu\\n", offsetof(%s, %s));' % (name, member, name, member) for member, _, _ in members]
+    return '\n'.join(lines + ['    return 0;', '}'])
 
 
 if __name__ == '__main__':
-    with open(sys.argv[1], encoding='utf-8') as file:
-        written = write_ctypes(Header(file.read()))
-    with open(sys.argv[2], 'w', encoding='utf-8') as file:
-        file.write(written)
+    writers = {'ctypes': write_ctypes, 'layout': write_layout}
+    if len(sys.argv) != 3 or sys.argv[1] not in writers:
+        raise SystemExit(__doc__)
+    with open(sys.argv[2], encoding='utf-8') as file:
+        print(writers[sys.argv[1]](Header(file.read())))

@@ -1,14 +1,31 @@
-"""Tests of the Python package: python3 test.py, with the package on the path."""
+"""Tests of the Python package: python3 test.py, with the package on the path.
 
+CAGEFORM_BESIDE is the program of beside.cpp, CAGEFORM_LAYOUT a file that the program of `read_header.py layout` wrote; what
+needs them is skipped without.
+"""
+
+import contextlib
+import copy
 import ctypes
+import gc
+import io
 import os
 import pathlib
+import pickle
+import re
+import signal
+import subprocess
+import sys
 import tempfile
+import threading
+import tracemalloc
 import unittest
+import weakref
 
 import numpy as np
 
 import cageform
+from cageform import _arrays as arrays
 from cageform import _c, errors
 
 SQUARE = np.array([(0, 0), (4, 0), (4, 4), (0, 4)], dtype=np.float64)
@@ -44,26 +61,225 @@ class Arrays(unittest.TestCase):
         binding.figure.clone(pose, out=transposed)
         np.testing.assert_array_equal(transposed, expected)
 
+    def test_strange_layouts(self):
+        """Points to be bound may be read-only, spread, reversed, transposed, of the other byte order, misaligned, integer."""
+        coordinates = cageform.Coordinates(cageform.Cage.polygon(4 * SQUARE))
+        whole = rng.integers(1, 15, (60, 2))
+        for dtype in (np.float32, np.float64):
+            points = whole.astype(dtype)
+            locked = points.copy()
+            locked.flags.writeable = False
+            packed = np.zeros(60, [('flag', np.uint8), ('at', dtype, 2)])
+            packed['at'] = points
+            expected = coordinates.bind(points).weights()
+            for same in (locked, np.repeat(points, 3, axis=0)[::3], points[::-1].copy()[::-1], np.asfortranarray(points),
+                         points.astype(points.dtype.newbyteorder()), packed['at'], whole, whole.astype(np.uint8),
+                         whole.astype(np.float16), whole.tolist()):
+                np.testing.assert_array_equal(coordinates.bind(same).weights(), expected)
+            row = np.broadcast_to(points[:1], (5, 2))
+            np.testing.assert_array_equal(coordinates.bind(row).weights(), np.repeat(expected[:1], 5, axis=0))
+
     def test_nothing_is_copied(self):
-        points = inside(10, 3, np.float32)
-        self.assertIs(cageform._points(points), points)
-        every_other = points[::2]
-        self.assertIs(cageform._points(every_other), every_other)
+        """The library reads and writes where the arrays lie, and a frame allocates nothing that is large."""
+        points = inside(20000, 3, np.float32)
+        wide = np.zeros((1000, 8))
+        for array in (points, points[::2], wide[:, 3:6], points[5:5], wide[7:8, 1:4]):
+            read = arrays.points(array, 'points')
+            self.assertIs(read, array)
+            self.assertEqual(arrays.view(read).data, array.__array_interface__['data'][0])
+        figure = cageform.Coordinates(cageform.Cage.mesh(CUBE, TRIANGLES), dtype=np.float32).bind(points[::2]).figure
+        pose, out = figure.rest(), np.empty((10000, 3), np.float32)
+        tracemalloc.start()
+        figure.clone(pose, out=out)
+        figure.gradients(out, out=pose)
+        peak = tracemalloc.get_traced_memory()[1]
+        tracemalloc.stop()
+        self.assertLess(peak, 5000)
+
+    def test_out_over_pose(self):
+        """A pose may be written over."""
+        figure = cageform.Coordinates(cageform.Cage.polygon(SQUARE)).bind(inside(4)).figure
+        pose = figure.rest() * (2, 1)
+        expected = figure.clone(pose)
+        np.testing.assert_array_equal(figure.clone(pose, out=pose), expected)
 
     def test_refused(self):
-        figure = cageform.Coordinates(cageform.Cage.polygon(SQUARE)).bind(inside(5)).figure
-        with self.assertRaises(ValueError):
-            figure.clone(np.zeros((4, 3)))
-        with self.assertRaises(ValueError):
-            figure.clone(np.zeros(8))
-        with self.assertRaises(ValueError):
-            figure.clone(figure.rest(), out=np.empty((4, 2)))
-        with self.assertRaises(errors.PoseSizeDiffers):
-            figure.clone(np.zeros((3, 2)))
-        with self.assertRaises(errors.PoseNotFinite):
-            figure.clone(np.full((4, 2), np.nan))
-        with self.assertRaises(TypeError):
-            cageform.Coordinates(cageform.Cage.polygon(SQUARE), dtype=np.int32)
+        """The exception names the argument, and what it is."""
+        polygon = cageform.Cage.polygon(SQUARE)
+        coordinates = cageform.Coordinates(polygon)
+        figure = coordinates.bind(inside(5)).figure
+        locked = np.empty((5, 2))
+        locked.flags.writeable = False
+        for kind, words, call in (
+                (ValueError, r'pose.*\(count, 2\), not \(4, 3\)', lambda: figure.clone(np.zeros((4, 3)))),
+                (ValueError, r'pose.*not \(8,\)', lambda: figure.clone(np.zeros(8))),
+                (ValueError, r'out.*\(5, 2\), not \(4, 2\)', lambda: figure.clone(figure.rest(), out=np.empty((4, 2)))),
+                (ValueError, 'out.*read-only', lambda: figure.clone(figure.rest(), out=locked)),
+                (TypeError, 'out.*list', lambda: figure.clone(figure.rest(), out=[])),
+                (TypeError, 'out.*int64', lambda: figure.clone(figure.rest(), out=np.empty((5, 2), np.int64))),
+                (TypeError, 'pose.*complex128', lambda: figure.clone(figure.rest() * 1j)),
+                (TypeError, 'points.*<U1', lambda: coordinates.bind([('a', 'b')])),
+                (TypeError, 'dtype.*int32', lambda: cageform.Coordinates(polygon, dtype=np.int32)),
+                (ValueError, r'normals.*\(5, 3\)', lambda: coordinates.bind(inside(5), normals=np.zeros((5, 3)))),
+                (ValueError, "outside: .*'extend'.*not 'away'", lambda: coordinates.bind(inside(5), outside='away')),
+                (ValueError, 'threads.*-1', lambda: coordinates.bind(inside(5), threads=-1)),
+                (ValueError, 'sibson_degree: -1', lambda: cageform.Coordinates(polygon, degree=-1)),
+                (ValueError, 'largest.*-3', lambda: coordinates.bind(inside(5)).pack(largest=-3)),
+                (TypeError, 'largest', lambda: coordinates.bind(inside(5)).pack(largest=1.5)),
+                (ValueError, 'first', lambda: coordinates.bind(inside(5)).weights(-1)),
+                (ValueError, 'clip.*-1', lambda: figure.clip(-1)),
+                (ValueError, 'faces.*2\\*\\*32', lambda: cageform.Cage.mesh(CUBE, [(0, 1, -2)])),
+                (TypeError, 'faces.*float64', lambda: cageform.Cage.mesh(CUBE, [(0, 1, 2.5)])),
+                (ValueError, r'axes.*\(2, 3\)', lambda: cageform.Cage.lattice(3, (0, 0), np.zeros((2, 3)))),
+                (ValueError, r'poses.*\(3, #vertices', lambda: cageform.compile_clip([0, 1, 2], np.zeros((2, 4, 2)))),
+                (TypeError, 'Coordinates.bind', cageform.Binding),
+                (errors.PoseSizeDiffers, '', lambda: figure.clone(np.zeros((3, 2)))),
+                (errors.PoseNotFinite, '', lambda: figure.clone(np.full((4, 2), np.nan))),
+                (errors.LoopsDoNotMatch, 'do not add up', lambda: cageform.Coordinates(cageform.Cage.polygon(SQUARE, [5]))),
+                (cageform.CageformError, '', lambda: coordinates.bind(inside(5)).weights(3, 3))):
+            with self.assertRaisesRegex(kind, words):
+                call()
+
+    def test_changed_cage(self):
+        """Arrays of a cage that were changed are read as they are now, and as what they are."""
+        cage = cageform.Cage.mesh(CUBE.copy(), TRIANGLES)
+        cage.vertices[:] *= 2
+        self.assertEqual(cageform.Coordinates(cage).rest().max(), 2)
+        reversed_ = cageform.Cage(cage.kind, cage.vertices, indices=TRIANGLES.ravel()[::-1].astype(np.int16)[::-1])
+        np.testing.assert_array_equal(cageform.Coordinates(reversed_).rest(), cageform.Coordinates(cage).rest())
+
+
+class Memory(unittest.TestCase):
+    def test_order(self):
+        """Objects outlive what they were made of, in Python's eyes, and go when nothing refers to them."""
+        cage = cageform.Cage.polygon(SQUARE.copy())
+        coordinates = cageform.Coordinates(cage)
+        points = inside(50)
+        binding = coordinates.bind(points)
+        clip, _ = cageform.compile_clip([0, 1], np.stack([SQUARE, 2 * SQUARE]), dtype=np.float64)
+        packed, _ = binding.pack(clips={'grow': clip})
+        figure, opened = binding.figure, cageform.open(packed)
+        player, level = opened.clip('grow'), opened.level(0)
+        dead = [weakref.ref(its) for its in (cage, coordinates, binding, clip, opened)]
+        gc.disable()  # nothing waits for the collector
+        try:
+            del cage, coordinates, binding, clip, packed, opened
+            self.assertEqual([its() for its in dead], [None] * 5)
+        finally:
+            gc.enable()
+        gc.collect()
+        np.testing.assert_array_equal(figure.clone(figure.rest()), points)
+        np.testing.assert_array_equal(level.clone(level.rest()), points)
+        np.testing.assert_allclose(player.sample(1), 2 * SQUARE)
+
+    def test_cycles(self):
+        """The collector frees objects of a cycle in an order that the library can bear."""
+        for _ in range(20):
+            binding = cageform.Coordinates(cageform.Cage.polygon(SQUARE)).bind(inside(50))
+            binding.itself, binding.figure.binding = binding, binding
+            del binding
+            gc.collect()
+
+    def test_no_leak(self):
+        """Memory of the library is given back."""
+        def resident():
+            with open('/proc/self/statm', encoding='ascii') as file:
+                return int(file.read().split()[1]) * os.sysconf('SC_PAGE_SIZE')
+        if not os.path.exists('/proc/self/statm'):
+            self.skipTest('there is no /proc')
+        coordinates, points = cageform.Coordinates(cageform.Cage.polygon(SQUARE)), inside(20000)
+        for n in range(60):  # of 1.4 MB each
+            if n == 10:
+                before = resident()
+            cageform.open(coordinates.bind(points, threads=1).pack()[0]).rest()
+        self.assertLess(resident() - before, 20e6)
+
+    def test_old_figure(self):
+        """A figure from before its binding got labels still is what it was."""
+        binding = cageform.Coordinates(cageform.Cage.polygon(SQUARE)).bind(inside(5))
+        binding.set_labels(['one', 'two', 'three', 'four'])
+        before = binding.figure
+        binding.set_labels(['a label that is much longer than the one before'] * 4)
+        self.assertEqual(before.labels(), ['one', 'two', 'three', 'four'])
+        self.assertEqual(len(binding.figure.labels()[0]), 47)
+
+    def test_copies(self):
+        """Objects of the library are not copied and not pickled; cages, reports and exceptions are."""
+        coordinates = cageform.Coordinates(cageform.Cage.polygon(SQUARE))
+        binding = coordinates.bind(inside(5))
+        for its in (coordinates, binding, binding.figure):
+            for copied in (copy.copy, copy.deepcopy, pickle.dumps):
+                with self.assertRaisesRegex(TypeError, type(its).__name__):
+                    copied(its)
+        same = pickle.loads(pickle.dumps(coordinates.cage))
+        np.testing.assert_array_equal(same.vertices, SQUARE)
+        self.assertEqual(pickle.loads(pickle.dumps(binding.report)), binding.report)
+        with self.assertRaises(errors.CageSelfCrossing) as caught:
+            cageform.Coordinates(cageform.Cage.polygon(SQUARE[[0, 2, 1, 3]]))
+        sent = pickle.loads(pickle.dumps(caught.exception))
+        self.assertEqual((type(sent), str(sent), sent.report),
+                         (errors.CageSelfCrossing, str(caught.exception), caught.exception.report))
+
+    def test_bytes_that_change(self):
+        """A figure has bytes of its own where the caller's may change."""
+        points = inside(50)
+        packed = bytearray(cageform.Coordinates(cageform.Cage.polygon(SQUARE)).bind(points).pack()[0])
+        memory = np.empty(len(packed) + 64, np.uint8)
+        start = -memory.ctypes.data % 64
+        whole = memory[start:start + len(packed)]
+        whole[:] = packed
+        figure = cageform.open(whole)
+        whole[:] = 255
+        np.testing.assert_array_equal(figure.clone(figure.rest()), points)
+        with self.assertRaisesRegex(TypeError, 'source'):
+            cageform.open(whole[::2])
+        with self.assertRaisesRegex(TypeError, 'source'):
+            cageform.open(7)
+
+    def test_hostile_files(self):
+        """Files that are cut or spoilt are refused, whatever the place."""
+        packed = cageform.Coordinates(cageform.Cage.polygon(SQUARE)).bind(inside(30)).pack()[0]
+        for _ in range(300):
+            spoilt = packed.copy()
+            spoilt[rng.integers(len(packed))] ^= 1 << rng.integers(8)
+            with self.assertRaises(cageform.CageformError):
+                cageform.open(spoilt)
+            with self.assertRaises(cageform.CageformError):
+                cageform.open(packed[:rng.integers(len(packed))].tobytes())
+
+
+class BesideCpp(unittest.TestCase):
+    def test_bits(self):
+        """Weights, clones and packed files have the bits of C++."""
+        program = os.environ.get('CAGEFORM_BESIDE')
+        if not program:
+            self.skipTest('CAGEFORM_BESIDE is not set')
+        for dtype in (np.float32, np.float64):
+            points, pose = inside(1000, 3, dtype), (CUBE + 0.3 * rng.normal(size=(8, 3))).astype(dtype)
+            with tempfile.TemporaryDirectory() as folder:
+                for name, array in (('vertices', CUBE), ('faces', TRIANGLES.astype(np.uint32)), ('points', points),
+                                    ('pose', pose)):
+                    array.tofile(os.path.join(folder, name))
+                subprocess.run([program, folder, np.dtype(dtype).name, '0'], check=True, stdout=subprocess.DEVNULL)
+                theirs = {name: pathlib.Path(folder, name).read_bytes() for name in ('weights', 'clone', 'figure')}
+            binding = cageform.Coordinates(cageform.Cage.mesh(CUBE, TRIANGLES), dtype=dtype).bind(points)
+            self.assertEqual(binding.weights().tobytes(), theirs['weights'])
+            self.assertEqual(binding.figure.clone(pose).tobytes(), theirs['clone'])
+            self.assertEqual(binding.figure.clone(pose.astype(np.float64)).tobytes(), theirs['clone'])
+            self.assertEqual(binding.pack(tolerance=1e-3)[0].tobytes(), theirs['figure'])
+
+    def test_layout(self):
+        """Structs of ctypes lie as those of C."""
+        path = os.environ.get('CAGEFORM_LAYOUT')
+        if not path:
+            self.skipTest('CAGEFORM_LAYOUT is not set')
+        lines = pathlib.Path(path).read_text(encoding='ascii').splitlines()
+        self.assertGreater(len(lines), 200)
+        for line in lines:
+            name, number = line.split()
+            kind, _, member = name.partition('.')
+            its = getattr(_c, kind)
+            self.assertEqual(getattr(its, member).offset if member else ctypes.sizeof(its), int(number), name)
 
 
 class Laws(unittest.TestCase):
@@ -92,6 +308,38 @@ class Laws(unittest.TestCase):
             weights = coordinates.bind(points).weights()
             np.testing.assert_allclose(weights[:, :coordinates.vertices].sum(axis=1), 1, atol=1e-4)
 
+    def test_cells(self):
+        """A vertex inside is a handle: what is about it follows it."""
+        cage = cageform.Cage.polygon(SQUARE).with_cells([(1, 1), (3, 3), (3, 2)], bones=[(4, 4, 0.5)], walls=[(5, 6)])
+        coordinates = cageform.Coordinates(cage, 'harmonic')
+        self.assertEqual(coordinates.handles, 7)
+        points = [(1, 1), (1.2, 1.1), (3, 2.5)]
+        weights = coordinates.bind(points, leave_linear_precision=True).weights()
+        np.testing.assert_allclose([weights[0, 4], weights[1, 4], weights[2, 5:].sum()], 1, atol=1e-3)  # the accuracy
+        figure = coordinates.bind(points).figure
+        np.testing.assert_array_equal(figure.clone(figure.rest()), points)
+        bar = cageform.Cage.mesh(CUBE, TRIANGLES).with_cells([(0, 0, -0.4), (0, 0, 0.4)], bones=[(8, 9, 0.2)])
+        self.assertEqual(cageform.Coordinates(bar, 'harmonic').handles, 10)
+        with self.assertRaises(errors.InteriorCellsNotSupported):
+            cageform.Coordinates(cage)
+        with self.assertRaises(errors.IndexOutOfBounds):
+            cageform.Coordinates(cageform.Cage.polygon(SQUARE).with_cells([(1, 1)], bones=[(7, 7, 0.5)]), 'harmonic')
+
+    def test_blend(self):
+        """Each of two cages moves its own part of a figure."""
+        cages = [cageform.Cage.polygon(SQUARE), cageform.Cage.polygon(SQUARE + (6, 0))]
+        coordinates = cageform.Coordinates.blend(cages)
+        self.assertEqual(coordinates.handles, 8)
+        figure = coordinates.bind([(2, 2), (8, 2)]).figure
+        pose = figure.rest()
+        pose[4:] += (0, 1)
+        np.testing.assert_allclose(figure.clone(pose), [(2, 2), (8, 3)], atol=1e-12)
+        with self.assertRaises(errors.CageSelfCrossing) as caught:
+            cageform.Coordinates.blend(cages[:1] + [cageform.Cage.polygon(SQUARE[[0, 2, 1, 3]])])
+        self.assertEqual(caught.exception.culprit, 1)
+        with self.assertRaises(cageform.CageformError):
+            cageform.Coordinates.blend([])
+
     def test_gradients(self):
         figure = cageform.Coordinates(cageform.Cage.mesh(CUBE, TRIANGLES)).bind(inside(100, 3)).figure
         pose, gradients = figure.rest() + rng.normal(size=(8, 3)), rng.normal(size=(100, 3))
@@ -107,6 +355,50 @@ class Laws(unittest.TestCase):
         np.testing.assert_array_equal(one, two)
         figure = cageform.Coordinates(cage).bind(points).figure
         np.testing.assert_array_equal(figure.clone(2 * CUBE), figure.clone(2 * CUBE, threads=2))
+
+    def test_threads_of_python(self):
+        """Threads clone one figure at once, and sample one clip and solve one set of pins in turn."""
+        coordinates = cageform.Coordinates(cageform.Cage.mesh(CUBE, TRIANGLES))
+        points = inside(20000, 3)
+        figure = coordinates.bind(points).figure
+        clip, _ = cageform.compile_clip(np.arange(8), CUBE * np.linspace(1, 2, 8)[:, None, None], dtype=np.float64)
+        pins = cageform.Pins(cageform.Samples(coordinates))
+        pins.set(figure, [0, 1, 2])
+        poses = [CUBE * scale for scale in (0.5, 1, 2, 3)]
+        expected = [figure.clone(pose) for pose in poses]
+        times = np.linspace(0, 7, 50)
+        sampled = [clip.sample(time) for time in times]
+        wrong = []
+
+        def work(own):
+            for n in range(50):
+                if not (figure.clone(poses[own]) == expected[own]).all():
+                    wrong.append('clone')
+                if not (clip.sample(times[n]) == sampled[n]).all():
+                    wrong.append('sample')
+                if not (pins.solve(points[:3], CUBE)[0] == CUBE).all():
+                    wrong.append('solve')
+        workers = [threading.Thread(target=work, args=(own,)) for own in range(4)]
+        for worker in workers:
+            worker.start()
+        for worker in workers:
+            worker.join()
+        self.assertEqual(wrong, [])
+
+    def test_released(self):
+        """Other threads of Python run during a call."""
+        coordinates, points = cageform.Coordinates(cageform.Cage.mesh(CUBE, TRIANGLES)), inside(100000, 3)
+        ticks, done = [0], threading.Event()
+
+        def count():
+            while not done.wait(1e-4):
+                ticks[0] += 1
+        counter = threading.Thread(target=count)
+        counter.start()
+        while ticks[0] < 3:
+            coordinates.bind(points, threads=1)
+        done.set()
+        counter.join()
 
 
 class Figures(unittest.TestCase):
@@ -193,10 +485,68 @@ class Reports(unittest.TestCase):
         with self.assertRaisesRegex(RuntimeError, 'mine'):
             cageform.Coordinates(cageform.Cage.polygon(SQUARE), 'harmonic').bind(inside(10), progress=fails)
 
-    def test_structs(self):
-        """The declarations are those of the header: no struct of ctypes has another size than its numbers add up to."""
-        for name in ('cageform_points', 'cageform_report', 'cageform_cage'):
-            self.assertEqual(ctypes.sizeof(getattr(_c, name)) % 8, 0)
+    def test_interrupt(self):
+        """Ctrl-C cancels a long call, with or without a progress callback; the handler is as before after it."""
+        cage = cageform.Cage.mesh(CUBE, TRIANGLES)
+        for progress in (None, lambda done: None):
+            coordinates = cageform.Coordinates(cage, 'harmonic', accuracy=2e-4)
+            timer = threading.Timer(0.05, os.kill, (os.getpid(), signal.SIGINT))
+            timer.start()
+            with self.assertRaises(KeyboardInterrupt):
+                while True:  # until it is interrupted, however fast
+                    coordinates.bind(inside(10, 3), progress=progress)
+                    coordinates = cageform.Coordinates(cage, 'harmonic', accuracy=2e-4)
+            timer.join()
+            self.assertIs(signal.getsignal(signal.SIGINT), signal.default_int_handler)
+
+        def interrupts(done):
+            os.kill(os.getpid(), signal.SIGINT)
+        with self.assertRaises(KeyboardInterrupt):
+            cageform.Coordinates(cage, 'harmonic').bind(inside(10, 3), progress=interrupts)
+
+    def test_print(self):
+        binding = cageform.Coordinates(cageform.Cage.polygon(SQUARE)).bind([(1, 1), (9, 9)])
+        self.assertRegex(str(binding.report), '(?s)^seconds: .*\npoints: 2\noutside: 1\n.*partition error: ')
+        self.assertRegex(repr(binding.report), r'^Report\(seconds=.*, points=2, outside=1, .*\)$')
+        self.assertEqual((str(cageform.Report()), repr(cageform.Report())), ('ok', 'Report()'))
+        names = {name for name, _ in _c.cageform_report._fields_} - {'size', 'reserved'}
+        self.assertEqual(set(vars(cageform.Report())), names)
+
+    def test_errors(self):
+        """Every status has an exception, with its sentence."""
+        self.assertGreater(len(errors.__all__), 100)
+        for name in errors.__all__:
+            kind = getattr(errors, name)
+            self.assertTrue(issubclass(kind, cageform.CageformError) and kind.__doc__, name)
+        self.assertTrue(issubclass(errors.OutOfMemory, MemoryError))
+
+    def test_documented(self):
+        """All that is public has a docstring; functions that take arrays name their shapes."""
+        for name in cageform.__all__:
+            its = getattr(cageform, name)
+            self.assertTrue(its.__doc__, name)
+            for member, own in vars(its).items():
+                if isinstance(its, type) and callable(own) and not member.startswith('_'):
+                    self.assertTrue(own.__doc__, '%s.%s' % (name, member))
+
+    def test_readme(self):
+        """The program of the README prints what stands below it."""
+        readme = pathlib.Path(__file__).with_name('README.md')
+        if not readme.exists():
+            self.skipTest('there is no README.md')
+        code, printed = re.search('```python\n(.*?)```.*?```text\n(.*?)```', readme.read_text(encoding='utf-8'), re.S).groups()
+        with contextlib.redirect_stdout(io.StringIO()) as out:
+            exec(code, {})
+        self.assertEqual(out.getvalue(), printed)
+
+    def test_import(self):
+        """Without numpy or the library, the import says what is missing."""
+        for code, words in (("sys.modules['numpy'] = None", 'cageform needs numpy'),
+                            ("os.environ['CAGEFORM_LIBRARY'] = '/nowhere.so'", '/nowhere.so cannot be used')):
+            run = subprocess.run([sys.executable, '-c', 'import os, sys\n%s\nimport cageform' % code],
+                                 env=dict(os.environ, PYTHONPATH=os.pathsep.join(sys.path)), stderr=subprocess.PIPE, check=False)
+            self.assertNotEqual(run.returncode, 0)
+            self.assertRegex(run.stderr.decode().splitlines()[-1], '^ImportError: .*' + words)
 
 
 class Made(unittest.TestCase):

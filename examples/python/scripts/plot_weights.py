@@ -23,6 +23,7 @@ def main(out):
         weights[binding.outside] = np.nan
         drawn = axes.contourf(x, y, weights.reshape(x.shape), np.linspace(-0.2, 1, 25), cmap='RdBu_r', vmin=-1, vmax=1)
         axes.plot(*np.append(corner, corner[:1], axis=0).T, color='black')
+        axes.set(xlim=(-0.2, 6.2), ylim=(-0.2, 6.2))
         axes.set_title(kind)
         axes.set_aspect('equal')
     figure.suptitle('the weight of the vertex at (2, 2)')

@@ -49,10 +49,9 @@ public:
     /// Sets a label for every handle, of any length; `pack` and `rebind_cage` keep them.
     ///
     ///   labels   any range whose elements convert to std::string_view
-    ///   before   out: the memory of the labels before, which views made before read; or null
     ///   returns  labels_do_not_match; out_of_memory; the labels are then as they were
     template <class Labels>
-    Status set_labels(const Labels& labels, std::vector<std::uint32_t>* before = nullptr) {
+    Status set_labels(const Labels& labels) {
         const std::size_t count = points.handle_count();
         if (std::size(labels) != count) return Status::labels_do_not_match;
         return detail::guard_memory([&] {
@@ -68,7 +67,6 @@ public:
                 end += label.size();
                 made[++handle] = static_cast<std::uint32_t>(end);
             }
-            if (before != nullptr) *before = std::move(labels_);
             labels_ = std::move(made);
             labelled_ = count;
             return Status::ok;

@@ -20,7 +20,6 @@ struct cageform_binding : cageform::detail::c::Object {
 
     cageform::detail::c::OfAnyType<cageform::FigureBinding> figure;
     cageform::BindReport report;
-    std::vector<std::vector<std::uint32_t>> labels_before; // of figures made before
 };
 struct cageform_made_cage : cageform::detail::c::Object {
     static constexpr Kind its_kind = Kind::made_cage;
@@ -385,8 +384,20 @@ cageform_status cageform_binding_figure(const cageform_binding* binding, cagefor
     if (status != CAGEFORM_OK) return status;
     if (figure == nullptr) return CAGEFORM_ARGUMENT_NULL;
     return c::with(binding->figure, [&](const auto& its) {
+        const auto labels = its.label_bytes();
         return c::make_object(
-            nullptr, 0, 0, [&](cageform_figure& made, std::byte*) { made.view = its.view(); }, figure);
+            nullptr, 0, labels.size(),
+            [&](cageform_figure& made, std::byte* memory) {
+                auto view = its.view();
+                if (view.labels.begin != nullptr) { // copied, for the binding may get others
+                    const auto text = view.labels.text - reinterpret_cast<const char*>(labels.data());
+                    const void* const own = std::memcpy(memory, labels.data(), labels.size());
+                    view.labels = {static_cast<const std::uint32_t*>(own),
+                                   static_cast<const char*>(own) + text};
+                }
+                made.view = view;
+            },
+            figure);
     });
 }
 
@@ -424,8 +435,7 @@ cageform_status cageform_binding_set_labels(cageform_binding* binding, const cha
             std::vector<std::string_view> texts;
             for (std::size_t n = 0; n < count; ++n)
                 texts.push_back(labels[n] == nullptr ? std::string_view{} : std::string_view(labels[n]));
-            binding->labels_before.emplace_back();
-            return c::code_of(its.set_labels(texts, &binding->labels_before.back()));
+            return c::code_of(its.set_labels(texts));
         });
     });
 }

@@ -1,0 +1,36 @@
+"""Writes what Test.cs reads: python3 figure.py FOLDER. A bound bar with a clip and samples, and what the library makes of it."""
+
+import pathlib
+import sys
+
+import numpy as np
+
+import cageform
+
+folder = pathlib.Path(sys.argv[1])
+rng = np.random.default_rng(1)
+box = np.array([(x, y, z) for z in (-1, 1) for y in (-1, 1) for x in (-1, 1)], dtype=np.float32)
+faces = np.array([(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (1, 3, 7, 5), (3, 2, 6, 7), (2, 0, 4, 6)])
+cage = cageform.Cage.mesh(box, np.concatenate([faces[:, [0, 1, 2]], faces[:, [0, 2, 3]]]))
+points = rng.uniform(-0.9, 0.9, (500, 3)).astype(np.float32)
+normals = rng.normal(size=(500, 3))
+tangents = np.concatenate([np.cross(normals, rng.normal(size=(500, 3))), np.sign(rng.normal(size=(500, 1)))], axis=1)
+coordinates = cageform.Coordinates(cage, dtype=np.float32)
+binding = coordinates.bind(points, normals, tangents)
+binding.set_labels(['left foot', None, 'hand ✋', None, None, None, None, None])
+low, _ = coordinates.bind(points[:50]).pack()
+clip, _ = cageform.compile_clip([0, 1, 3], np.stack([box, 2 * box, box + 1]))
+figure, _ = binding.pack(tolerance=1e-3, clips={'grow': clip}, levels=[low])
+samples = cageform.Samples(coordinates)
+
+opened, pins = cageform.open(figure), cageform.Pins(samples)
+pose = (box + 0.2 * rng.normal(size=(8, 3))).astype(np.float32)
+moved, turned, along = opened.clone(pose, tangents=True)
+targets, pulled = points[[0, 7, 9]] + np.array([(0, 0, 0), (0, 0, 0), (0, 0, 0.5)], np.float32), box
+pins.set(opened, [0, 7, 9])
+pulled, _ = pins.solve(targets, pulled)
+for name, array in (('figure', figure), ('samples', samples.pack()), ('pose', pose), ('moved', moved), ('turned', turned),
+                    ('along', along), ('sampled', opened.clip('grow').sample(1.5)), ('level', opened.level(1).clone(pose)),
+                    ('targets', targets), ('pulled', pulled),
+                    ('plane', cageform.Coordinates(cageform.Cage.polygon(box[[0, 1, 3, 2], :2])).bind(points[:, :2]).pack()[0])):
+    array.tofile(folder / name)

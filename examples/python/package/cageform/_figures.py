@@ -1,0 +1,230 @@
+"""What is done every frame: figures are cloned, clips are played."""
+
+from __future__ import annotations
+
+import ctypes
+import threading
+from typing import TYPE_CHECKING, Any, List, Optional, Tuple, Union
+
+import numpy as np
+
+from . import _arrays as arrays
+from . import _c
+from ._arrays import Array, Source
+from ._library import library
+from ._objects import Handle, Owner, Progress, Running, bytes_of, make, make_plain
+from ._reports import Report
+from .errors import check, error_of
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+
+class Figure(Owner):
+    """Points that a pose of handles moves: of a Binding, or made by open. Several threads may clone it at once.
+
+    points, handles, vertices (handles that are points), clips, levels: their numbers
+    dimension, dtype, has_normals, has_tangents
+    """
+
+    points: int
+    handles: int
+    vertices: int
+    dimension: int
+    clips: int
+    levels: int
+    dtype: np.dtype[Any]
+    has_normals: bool
+    has_tangents: bool
+
+    def __init__(self) -> None:
+        raise TypeError('a Figure is of a Binding, or made by open')
+
+    @classmethod
+    def _of(cls, handle: Handle) -> Figure:
+        its = cls.__new__(cls)
+        its._object, info = handle, arrays.struct(_c.cageform_figure_info)
+        check(library.cageform_figure_describe(handle, info))
+        for name in ('points', 'handles', 'vertices', 'dimension', 'clips', 'levels'):
+            setattr(its, name, getattr(info, name))
+        its.dtype = arrays.dtype_of(info.scalar)
+        its.has_normals, its.has_tangents = bool(info.has_normals), bool(info.has_tangents)
+        return its
+
+    def rest(self) -> Array:
+        """Returns the handles at rest, a pose to start from: (#handles, dimension)."""
+        out = np.empty((self.handles, self.dimension), self.dtype)
+        check(library.cageform_figure_rest(self._object, arrays.written_view(out)))
+        return out
+
+    def labels(self) -> List[str]:
+        """Returns the labels of the handles; '' for those without."""
+        listed = []
+        for handle in range(self.handles):
+            text, length = ctypes.c_void_p(), ctypes.c_size_t()
+            check(library.cageform_figure_label(self._object, handle, ctypes.byref(text), ctypes.byref(length)))
+            listed.append(ctypes.string_at(text, length.value).decode() if text.value and length.value else '')
+        return listed
+
+    def level(self, level: int) -> Figure:
+        """Opens a level of less detail, which takes the same poses; level 0 is the figure again."""
+        opened = make_plain(library.cageform_open_level, self._object, _index(level, 'level'), None, keeps=(self._object,))
+        return Figure._of(opened)
+
+    def clone(self, pose: npt.ArrayLike, out: Optional[Array] = None, normals: bool = False, tangents: bool = False,
+              threads: int = 1) -> Any:
+        """Moves the figure. At rest the points come back to the bit.
+
+        pose     (#handles, dimension)
+        out      (#points, dimension): is written and returned, instead of a new array
+        normals, tangents  asks for them too: tangents (#points, 4), the last the handedness, come with normals
+
+        Returns points (#points, dimension), or a tuple of points and normals, or of points, normals and tangents.
+        """
+        given = arrays.points(pose, 'pose', self.dimension, self.dtype)
+        if out is not None and np.may_share_memory(given, out):
+            given = given.copy()
+        moved = arrays.output(out, (self.points, self.dimension), self.dtype)
+        turned = np.empty((self.points, self.dimension), self.dtype) if normals or tangents else None
+        along = np.empty((self.points, 4), self.dtype) if tangents else None
+        check(library.cageform_clone(self._object, arrays.view(given), arrays.written_view(moved),
+                                     None if turned is None else arrays.written_view(turned),
+                                     None if along is None else arrays.written_view(along), _running(threads)))
+        moved = arrays.give_back(moved, out)
+        return moved if turned is None else (moved, turned) if along is None else (moved, turned, along)
+
+    def gradients(self, of_points: npt.ArrayLike, out: Optional[Array] = None, threads: int = 1) -> Array:
+        """Computes the gradients of the handles (#handles, dimension) from those of the points (#points, dimension) that
+        clone returns: its transpose. `out` is written and returned, instead of a new array."""
+        given = arrays.points(of_points, 'of_points', self.dimension, self.dtype)
+        if out is not None and np.may_share_memory(given, out):
+            given = given.copy()
+        handles = arrays.output(out, (self.handles, self.dimension), self.dtype)
+        check(library.cageform_clone_transposed(self._object, arrays.view(given), arrays.written_view(handles),
+                                                _running(threads)))
+        return arrays.give_back(handles, out)
+
+    def pose_handles(self, vertices: npt.ArrayLike) -> Array:
+        """Computes a pose of all handles (#handles, dimension) from one of the cage's vertices (#vertices, dimension).
+        Green coordinates need it, others take either."""
+        given = arrays.points(vertices, 'vertices', self.dimension, self.dtype)
+        out = np.empty((self.handles, self.dimension), self.dtype)
+        check(library.cageform_pose_handles(self._object, arrays.view(given), arrays.written_view(out)))
+        return out
+
+    def clip(self, clip: Union[int, str]) -> Clip:
+        """Plays a clip, by its number or name. Raises KeyError if none has the name."""
+        if isinstance(clip, str):
+            found, name = ctypes.c_size_t(), clip.encode()
+            check(library.cageform_figure_find_clip(self._object, name, len(name), ctypes.byref(found)))
+            number = arrays.index_of(found.value)
+            if number is None:
+                raise KeyError(clip)
+            clip = number
+        handle = make_plain(library.cageform_play, self._object, _index(clip, 'clip'), None, keeps=(self._object,))
+        return Clip._of(handle, None)
+
+
+def _index(number: int, name: str) -> int:
+    if number < 0:
+        raise ValueError('%s: a number from 0 on, not %d' % (name, number))
+    return number
+
+
+def _running(threads: int) -> Any:
+    return None if threads == 1 else Running(threads, None).struct
+
+
+def open(source: Source, skip_checksum: bool = False) -> Figure:
+    """Opens a packed figure.
+
+    source         the path of a file, which is mapped and must not change while the figure is used; or bytes. They
+                   are copied if they can be written to, or do not begin at a multiple of 64
+    skip_checksum  trusts the bytes; reads tables alone
+    """
+    data = arrays.aligned(source)
+    options = arrays.struct(_c.cageform_open_options, skip_checksum=skip_checksum)
+    made, culprit = ctypes.c_void_p(), ctypes.c_size_t()
+    code = library.cageform_open(data.ctypes.data, len(data), options, ctypes.byref(made), ctypes.byref(culprit))
+    if code != _c.CAGEFORM_OK:
+        part = culprit.value.to_bytes(4, 'little').decode('ascii', 'replace') if 0 < culprit.value < 2 ** 32 else None
+        refused = error_of(code, culprit=part)
+        raise error_of(code, '%s (part %s)' % (refused, part), part) if part else refused
+    return Figure._of(Handle(made.value or 0, data))
+
+
+class Clip(Owner):
+    """The motion of a cage, made by compile_clip, or a figure's. One thread at a time samples it.
+
+    begin, end  times
+    vertices    of the cage
+    name        of a figure's clip
+    bytes       the packed clip, if compile_clip made it
+    """
+
+    begin: float
+    end: float
+    vertices: int
+    name: Optional[str]
+    bytes: Optional[Array]
+
+    def __init__(self) -> None:
+        raise TypeError('a Clip is made by compile_clip, or is a Figure\'s')
+
+    @classmethod
+    def _of(cls, handle: Handle, data: Optional[Array]) -> Clip:
+        its = cls.__new__(cls)
+        its._object, its.bytes, info = handle, data, arrays.struct(_c.cageform_clip_info)
+        check(library.cageform_player_describe(handle, info))
+        its.begin, its.end, its.vertices = info.begin, info.end, info.vertices
+        its.name = ctypes.string_at(info.name, info.name_length).decode() if info.name else None
+        its._shape, its._dtype = (info.vertices, info.dimension), arrays.dtype_of(info.scalar)
+        its._lock = threading.Lock()
+        return its
+
+    _shape: Tuple[int, int]
+    _dtype: np.dtype[Any]
+    _lock: threading.Lock
+
+    def sample(self, time: float, out: Optional[Array] = None) -> Array:
+        """Returns the cage's vertices at a time: (#vertices, dimension). `out` is written instead of a new array."""
+        pose = arrays.output(out, self._shape, self._dtype)
+        with self._lock:
+            check(library.cageform_player_sample(self._object, time, arrays.written_view(pose)))
+        return arrays.give_back(pose, out)
+
+
+_KEYS = {'smooth': _c.CAGEFORM_SMOOTH, 'linear': _c.CAGEFORM_LINEAR, 'hold': _c.CAGEFORM_HOLD}
+_ENDS = {'stay': _c.CAGEFORM_STAY, 'straight_on': _c.CAGEFORM_GO_STRAIGHT_ON, 'cycle': _c.CAGEFORM_CYCLE,
+         'cycle_with_offset': _c.CAGEFORM_CYCLE_WITH_OFFSET, 'ping_pong': _c.CAGEFORM_PING_PONG}
+
+
+def compile_clip(times: npt.ArrayLike, poses: npt.ArrayLike, tolerance: float = 0, pack_tolerance: float = 0,
+                 keys: str = 'smooth', before: str = 'stay', after: str = 'stay', dtype: npt.DTypeLike = np.float32,
+                 threads: Optional[int] = None, progress: Progress = None) -> Tuple[Clip, Report]:
+    """Compiles poses of a cage to a clip.
+
+    times           (#times,), ascending
+    poses           (#times, #vertices, dimension) of the cage's vertices
+    tolerance       the largest error of a coordinate; 0: a thousandth of the poses' size or less
+    pack_tolerance  the largest distance that curves in 16 bits may cost; 0: curves stay exact
+    keys            how poses are joined: 'smooth', 'linear', 'hold'
+    before, after   what is played before the first time and after the last: 'stay', 'straight_on', 'cycle',
+                    'cycle_with_offset', 'ping_pong'
+    dtype           of the clip; that of the figure that plays it
+    progress        progress(done) is told the fraction done; it returns False to cancel
+
+    Returns a Clip and a Report.
+    """
+    given = arrays.doubles(times, 'times', None, 'pose')
+    if np.ndim(poses) == 3 and np.shape(poses)[0] != len(given):
+        raise ValueError('poses: an array of shape (%d, #vertices, dimension), not %s' % (len(given), np.shape(poses)))
+    listed = arrays.poses(poses, 'poses', '#times, #vertices')
+    options = arrays.struct(_c.cageform_clip_options, tolerance=tolerance, pack_tolerance=pack_tolerance,
+                            keys=arrays.choice(_KEYS, keys, 'keys'), before=arrays.choice(_ENDS, before, 'before'),
+                            after=arrays.choice(_ENDS, after, 'after'), scalar=arrays.scalar_of(dtype))
+    handle, report = make(library.cageform_compile_clip, arrays.pointer(given, ctypes.c_double), len(given),
+                          arrays.view(listed), options, running=Running(threads, progress))
+    data = bytes_of(handle)
+    player = make_plain(library.cageform_play_bytes, data.ctypes.data, len(data), None, keeps=(data,))
+    return Clip._of(player, data), report

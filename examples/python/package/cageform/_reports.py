@@ -1,0 +1,122 @@
+"""Reports of calls, and faults of cages."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from typing import Any, Dict, List, Optional, Tuple
+
+from . import _c
+from ._arrays import index_of
+
+_ELEMENTS: Dict[int, str] = {_c.CAGEFORM_VERTEX: 'vertex', _c.CAGEFORM_EDGE: 'edge', _c.CAGEFORM_FACE: 'face',
+                             _c.CAGEFORM_LOOP: 'loop'}
+
+
+@dataclass(frozen=True)
+class Fault:
+    """A fault of a cage, or a warning."""
+
+    text: str                      #: a sentence
+    is_warning: bool
+    a: Optional[Tuple[str, int]]   #: an element, as ('vertex', 7); an edge is named by its first vertex
+    b: Optional[Tuple[str, int]]   #: another
+
+    def __str__(self) -> str:
+        named = ', '.join('%s %d' % element for element in (self.a, self.b) if element)
+        return self.text + (' (%s)' % named if named else '')
+
+    @classmethod
+    def _of(cls, its: Any) -> Fault:
+        def element(kind: int, index: int) -> Optional[Tuple[str, int]]:
+            return (_ELEMENTS[kind], index) if kind in _ELEMENTS else None
+        return cls(its.text.decode(), its.status == _c.CAGEFORM_OK, element(its.a_is, its.a), element(its.b_is, its.b))
+
+
+@dataclass(repr=False)
+class Report:
+    """How a call went. A call fills what it knows, and print() shows that; the rest is 0, None or empty."""
+
+    status: str = 'ok'
+    message: str = ''              #: what was refused, in a sentence; empty if all went well
+    culprit: Optional[int] = None  #: the index that the status names: of a point, handle, pin, face, clip …
+    faults: int = 0                #: of the cage; check() lists them
+    warnings: int = 0
+    fault: Optional[Fault] = None  #: of the cage: the first, or the first warning
+    seconds: float = 0
+
+    # bind; a Binding has the lists
+    points: int = 0
+    on_boundary: int = 0
+    outside: int = 0
+    faded: int = 0
+    not_finite: int = 0
+    unreached: int = 0
+    not_restored: int = 0
+    partition_error: float = 0     #: the largest |sum of weights - 1|
+    reproduction_error: float = 0  #: the largest distance of a point from where its weights put it
+    least_weight: float = 0
+    amplification: float = 0       #: the largest sum of |weights| of a point
+
+    # harmonic coordinates
+    unknowns: int = 0              #: of one function
+    memory: int = 0                #: in bytes
+    grid_error: float = 0          #: an estimate of the largest error of a weight
+    sufficient_accuracy: float = 0  #: with OutOfMemory: an accuracy that works; 0: none is known
+
+    # pack
+    bytes: int = 0
+    dense_bytes: int = 0           #: of a file with all weights
+    distance: float = 0            #: the largest distance of a point from where all weights put it
+    mean_distance: float = 0
+
+    # make_cage; volumes are areas in the plane
+    vertices: int = 0
+    components: int = 0
+    tunnels: int = 0
+    margin: float = 0
+    clearance: float = 0           #: the least distance of the figure from the cage
+    volume: float = 0
+    tightest_volume: float = 0
+    least_angle: float = 0
+
+    # Samples
+    samples: int = 0
+    rotations: int = 0
+
+    # Pins.solve, in the units of the cage
+    miss: float = 0                #: the largest distance of a pin from its target; the culprit is this pin
+    step: float = 0
+    rigid_energy: float = 0
+    least_stretch: float = 0
+    largest_stretch: float = 0
+    iterations: int = 0
+    folded: int = 0                #: samples
+    settled: bool = False          #: another frame would not move the pose
+
+    # compile_clip
+    curve_error: float = 0         #: the largest distance of a coordinate from its keys' curve
+
+    def __str__(self) -> str:
+        lines = [self.message] if self.message else []
+        if self.fault and self.fault.is_warning:
+            lines.append(str(self.fault))
+        for name, value in self._known():
+            if name not in ('status', 'message', 'culprit', 'fault'):
+                value = '%.3g' % value if isinstance(value, float) else 'yes' if value is True else value
+                lines.append('%s: %s' % (name.replace('_', ' '), value))
+        return '\n'.join(lines) or 'ok'
+
+    def __repr__(self) -> str:
+        return 'Report(%s)' % ', '.join('%s=%r' % known for known in self._known())
+
+    def _known(self) -> List[Tuple[str, Any]]:
+        listed = [(own.name, getattr(self, own.name), own.default) for own in fields(self)]
+        return [(name, value) for name, value, default in listed if value != default]
+
+    @classmethod
+    def _of(cls, its: Any) -> Report:
+        members = {own.name: getattr(its, own.name) for own in fields(cls)}
+        members.update(status=_c.STATUSES.get(its.status, 'failed'), message=its.message.decode(),
+                       culprit=index_of(its.culprit), fault=Fault._of(its.fault) if its.fault.text else None,
+                       settled=bool(its.settled))
+        return cls(**members)
