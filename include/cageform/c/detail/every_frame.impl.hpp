@@ -1,19 +1,12 @@
 // The functions of the C interface that a game calls.
 #pragma once
 
-#include <cageform/c/detail/objects.hpp>
+#include <cageform/c/detail/running.hpp>
 #include <cageform/clone/clone_figure.hpp>
 #include <cageform/clone/clone_transposed.hpp>
 #include <cageform/clone/pose_handles.hpp>
 #include <cageform/pose/types/pose_blob.hpp>
 #include <cageform/version.hpp>
-
-// mingw-w64 without posix threads and WebAssembly have none: cageform_running::threads is then not read.
-#if !defined(CAGEFORM_C_RUNTIME_ONLY) && !defined(__wasi__) &&                                               \
-    (!defined(__GLIBCXX__) || defined(_GLIBCXX_HAS_GTHREADS))
-#define CAGEFORM_DETAIL_C_THREADS
-#include <cageform/core/threads.hpp>
-#endif
 
 struct cageform_player : cageform::detail::c::Object {
     static constexpr Kind its_kind = Kind::player;
@@ -59,18 +52,6 @@ inline constexpr const char* own_name(cageform_status status) noexcept {
 #undef CAGEFORM_NAME_CASE
     default: return "unknown";
     }
-}
-
-/// Calls use(parallel_for) with the loop that the caller asks for.
-template <class Use>
-cageform_status with_loop(const cageform_running* given, const Use& use) {
-    cageform_running running;
-    const cageform_status status = read_struct(given, running);
-    if (status != CAGEFORM_OK) return status;
-#if defined(CAGEFORM_DETAIL_C_THREADS)
-    if (running.parallel_for == nullptr && running.threads > 1) return use(ThreadedFor{running.threads});
-#endif
-    return use(CallersFor{&running});
 }
 
 /// Makes an object in the caller's memory, or in its own if that is null; `more` bytes follow it.

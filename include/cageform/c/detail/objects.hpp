@@ -176,31 +176,6 @@ cageform_status make_filled(X** made, const Fill& fill) {
     return status;
 }
 
-/// The loop of the caller, without memory of its own.
-struct CallersFor {
-    const cageform_running* running = nullptr; ///< null: the calling thread
-
-    template <class Body>
-    void operator()(std::size_t count, std::size_t grain, Body&& body) const {
-        if (running == nullptr || running->parallel_for == nullptr) {
-            if (count > 0) body(std::size_t{0}, count);
-            return;
-        }
-        struct Call {
-            std::remove_reference_t<Body>& body;
-            std::size_t count;
-        };
-        Call call{body, count};
-        running->parallel_for(
-            running->context, count, grain,
-            [](void* argument, std::size_t begin, std::size_t end) {
-                auto& its = *static_cast<Call*>(argument);
-                if (begin < end && end <= its.count) its.body(begin, end);
-            },
-            &call);
-    }
-};
-
 } // namespace cageform::inline CAGEFORM_ABI::detail::c
 
 struct cageform_figure : cageform::detail::c::Object {

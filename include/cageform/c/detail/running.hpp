@@ -1,0 +1,96 @@
+// The loop, the threads and the progress of the caller.
+#pragma once
+
+#include <cageform/c/detail/objects.hpp>
+
+#if !defined(CAGEFORM_C_RUNTIME_ONLY)
+#include <cageform/core/running.hpp>
+
+#include <atomic>
+#include <exception>
+#endif
+
+// mingw-w64 without posix threads and WebAssembly have none: cageform_running::threads is then not read.
+#if !defined(CAGEFORM_C_RUNTIME_ONLY) && !defined(__wasi__) &&                                               \
+    (!defined(__GLIBCXX__) || defined(_GLIBCXX_HAS_GTHREADS))
+#define CAGEFORM_DETAIL_C_THREADS
+#include <cageform/core/threads.hpp>
+#endif
+
+namespace cageform::inline CAGEFORM_ABI::detail::c {
+
+/// The loop of the caller, without memory of its own.
+struct CallersFor {
+    const cageform_running* running = nullptr; ///< null: the calling thread
+
+    template <class Body>
+    void operator()(std::size_t count, std::size_t grain, Body&& body) const {
+        if (running == nullptr || running->parallel_for == nullptr) {
+            if (count > 0) body(std::size_t{0}, count);
+            return;
+        }
+        struct Call {
+            std::remove_reference_t<Body>& body;
+            std::size_t count;
+        };
+        Call call{body, count};
+        running->parallel_for(
+            running->context, count, grain,
+            [](void* argument, std::size_t begin, std::size_t end) {
+                auto& its = *static_cast<Call*>(argument);
+                if (begin < end && end <= its.count) its.body(begin, end);
+            },
+            &call);
+    }
+};
+
+/// Calls use(parallel_for) with the loop that the caller asks for.
+template <class Use>
+cageform_status with_loop(const cageform_running* given, const Use& use) {
+    cageform_running running;
+    const cageform_status status = read_struct(given, running);
+    if (status != CAGEFORM_OK) return status;
+#if defined(CAGEFORM_DETAIL_C_THREADS)
+    if (running.parallel_for == nullptr && running.threads > 1) return use(ThreadedFor{running.threads});
+#endif
+    return use(CallersFor{&running});
+}
+
+#if !defined(CAGEFORM_C_RUNTIME_ONLY)
+/// Calls use(running) with the caller's threads and progress. An exception of a body on another thread of the
+/// caller's loop is thrown again here, for C functions are not passed by exceptions.
+template <class Use>
+cageform_status with_running(const cageform_running* given, const Use& use) {
+    cageform_running own;
+    const cageform_status status = read_struct(given, own);
+    if (status != CAGEFORM_OK) return status;
+    Running running;
+    if (own.parallel_for != nullptr) {
+        running.parallel = [own](std::size_t count, std::size_t grain, const RangeBody& body) {
+#if defined(__cpp_exceptions)
+            std::atomic<bool> has_thrown = false;
+            std::exception_ptr thrown;
+            CallersFor{&own}(count, grain, [&](std::size_t begin, std::size_t end) {
+                try {
+                    body(begin, end);
+                } catch (...) {
+                    if (!has_thrown.exchange(true)) thrown = std::current_exception();
+                }
+            });
+            if (thrown) std::rethrow_exception(thrown);
+#else
+            CallersFor{&own}(count, grain, body);
+#endif
+        };
+    }
+#if defined(CAGEFORM_DETAIL_C_THREADS)
+    else if (own.threads > 1)
+        running.parallel = ThreadedFor{own.threads};
+#endif
+    if (own.progress != nullptr)
+        running.progress = [own](double done) { return own.progress(own.context, done) != 0; };
+    return use(running);
+}
+#endif
+
+} // namespace cageform::inline CAGEFORM_ABI::detail::c
