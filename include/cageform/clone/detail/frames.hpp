@@ -171,7 +171,7 @@ void for_moved_frames(const std::array<View, K>& tangents, const Pose& pose, con
             });
     };
     parallel_for(block_count<T>(layout.points), clone_grain, [&](std::size_t begin, std::size_t end) {
-        std::array<VectorTile<T, D>, K> tiles;
+        std::array<VectorTile<T, D>, K> tiles{}; // lanes after the last point are computed with
         for (std::size_t from = begin; from < end; from += step) {
             const std::size_t to = end - from < step ? end : from + step;
             for (std::size_t k = 0; k < K; ++k) tiles[k].load(tangents[k], pose, from, to);
