@@ -118,7 +118,7 @@ class Following(unittest.TestCase):
         bpy.ops.cageform.remove_cage()
         bpy.context.view_layer.update()
         np.testing.assert_array_equal(deform.positions(figure.data), rest)
-        self.assertEqual(len(figure.modifiers), 0, 'nothing is left')
+        self.assertEqual(len(figure.constraints), 0, 'nothing is left')
         self.assertEqual([key.name for key in figure.data.shape_keys.key_blocks], ['Basis'])
         self.assertEqual([text.name for text in bpy.data.texts], [])
 

@@ -28,8 +28,9 @@ class Wrong(unittest.TestCase):
     def use(self, cage):
         select_only(self.figure)
         bpy.ops.cageform.add_cage()
-        self.figure.cageform.bindings[0].cage = cage
-        return self.figure.cageform.bindings[0]
+        binding = self.figure.cageform.bindings[self.figure.cageform.active]
+        binding.cage = cage
+        return binding
 
     def faces_away(self, cage, count):
         mesh = bmesh.new()
@@ -65,8 +66,20 @@ class Wrong(unittest.TestCase):
         self.says('moves the mesh already')
 
     def test_open_cage(self):
-        """The faults of an open cage are selected in edit mode."""
+        """A cage with a small gap is closed, with a warning; one that is open is refused. Its faults are selected."""
         self.faces_away(self.cage, 1)
+        self.use(self.cage)
+        self.rebind()
+        report = self.figure.cageform.bindings[0].report
+        print('  ' + report.replace('\n', '\n  '))
+        self.assertIn('4 warnings on the cage', report)
+        bpy.ops.cageform.select_faults()
+        bpy.ops.object.mode_set(mode='OBJECT')
+        self.assertEqual(sum(vertex.select for vertex in self.cage.data.vertices), 4)
+        select_only(self.figure)
+        bpy.ops.cageform.remove_cage()
+        self.figure.shape_key_clear()
+        self.faces_away(self.cage, 2)
         binding = self.use(self.cage)
         self.assertEqual(self.says('').rstrip('.'), binding.refused.rstrip('.'))
         self.assertIsNone(self.figure.data.shape_keys)
@@ -101,9 +114,18 @@ class Wrong(unittest.TestCase):
         bpy.ops.object.mode_set(mode='OBJECT')
 
     def test_inside_out(self):
-        self.cage.data.flip_normals()
-        self.use(self.cage)
-        self.says('')
+        """A cage whose normals point inwards moves the mesh as one whose normals point outwards."""
+        binding, rest, moved = self.use(self.cage), deform.rest_positions(self.cage), {}
+        for inwards in (False, True):
+            for kind in ('harmonic', 'mean-value', 'green'):
+                binding.kind = kind
+                self.rebind()
+                move(self.cage, bent(rest, 0.1))
+                moved[kind, inwards] = key_of(self.figure)
+                move(self.cage, rest)
+            self.cage.data.flip_normals()
+        for kind in ('harmonic', 'mean-value', 'green'):
+            self.assertLess(off(moved[kind, True], moved[kind, False]), 1e-4, kind)
 
     def test_flat_and_empty(self):
         """Meshes without vertices, without faces, without volume, and without size."""

@@ -96,6 +96,14 @@ class Bake(Motion, bpy.types.Operator):
         return {'FINISHED'}
 
 
+def export_gltf(path):
+    """Exports what is selected, with one animation."""
+    one = {'export_nla_strips': False, 'export_animation_mode': 'ACTIVE_ACTIONS'}  # until 3.5, and since 3.6
+    known = bpy.ops.export_scene.gltf.get_rna_type().properties.keys()
+    bpy.ops.export_scene.gltf(filepath=path, export_format='GLB', use_selection=True, export_morph=True,
+                              export_animations=True, **{name: value for name, value in one.items() if name in known})
+
+
 class WriteGltf(Motion, bpy.types.Operator):
     """Writes the mesh as glTF, with its motion as shape keys, by Blender's own exporter"""
     bl_idname = 'cageform.write_gltf'
@@ -117,12 +125,14 @@ class WriteGltf(Motion, bpy.types.Operator):
             self.report({'ERROR'}, 'The shape key that follows the cage is muted: turn it on.')
             return {'CANCELLED'}
         recorded, selected = record(figure, context.scene, frames), list(context.selected_objects)
-        copy = figure.copy()
+        name, copy = figure.name, figure.copy()
         copy.data = figure.data.copy()
         copy.cageform.bindings.clear()
         copy.modifiers.clear()
+        copy.constraints.clear()
         copy.shape_key_clear()
         copy.shape_key_add(name='Basis', from_mix=False)
+        figure.name, copy.name = name + ' bound', name  # the file has the name of the mesh
         context.collection.objects.link(copy)
         bake(copy, frames, recorded)
         for item in selected:
@@ -130,12 +140,13 @@ class WriteGltf(Motion, bpy.types.Operator):
         copy.select_set(True)
         context.view_layer.objects.active = copy
         try:
-            bpy.ops.export_scene.gltf(filepath=bpy.path.ensure_ext(self.filepath, '.glb'), export_format='GLB',
-                                      use_selection=True, export_morph=True, export_animations=True)
+            export_gltf(bpy.path.ensure_ext(self.filepath, '.glb'))
         finally:
-            mesh = copy.data
+            mesh, action = copy.data, copy.data.shape_keys.animation_data.action
             bpy.data.objects.remove(copy)
             bpy.data.meshes.remove(mesh)
+            bpy.data.actions.remove(action)
+            figure.name = name
             for item in selected:
                 item.select_set(True)
             context.view_layer.objects.active = figure
@@ -172,7 +183,7 @@ class WriteFigure(bpy.types.Operator):
         points = own.clone(own.rest())
         normals = np.empty((len(points), 3), np.float32)
         figure.data.vertices.foreach_get('normal', normals.ravel())
-        normals = normals @ np.linalg.inv(deform.matrix_of(binding, 'from_mesh')[:3, :3])
+        normals = normals @ deform.matrix_of(binding, 'to_mesh')[:3, :3]
         normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-30)
         try:
             bound = deform.coordinates_as_bound(binding).bind(points, normals.astype(np.float32),

@@ -45,13 +45,12 @@ def update(binding, depsgraph, vertices=None, fault=''):
         deform.say(binding, fault)
         return
     deform.say(binding, 'Vertices of the mesh were moved in edit mode: bind again.' if its in _differ else '')
-    pose = deform.moved(vertices, deform.bound_from_cage(binding, depsgraph))
+    pose = deform.moved(vertices.astype(np.float64), deform.bound_from_cage(binding, depsgraph))
     if np.array_equal(_poses.get(its), pose):
         return
     _poses[its] = pose
     try:
-        to_mesh = np.linalg.inv(deform.matrix_of(binding, 'from_mesh'))
-        deform.write_key(key, deform.moved(deform.clone(figure, pose), to_mesh))
+        deform.write_key(key, deform.moved(deform.clone(figure, pose), deform.matrix_of(binding, 'to_mesh')))
     except library.CageformError as error:
         deform.say(binding, deform.sentence(error))
     binding.id_data.data.update()

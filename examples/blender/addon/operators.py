@@ -111,6 +111,9 @@ class MakeCage(Work):
             before += len(own)
         options = {'vertices': self.vertices, 'margin': self.margin, 'mirror': None if self.mirror == 'none' else self.mirror}
         points, triangles = np.concatenate(points), np.concatenate(triangles)
+        if not len(triangles):
+            self.report({'ERROR'}, 'The selected meshes have no faces.')
+            return {'CANCELLED'}
         return self.start(context, lambda progress: library.make_cage(points, triangles, progress=progress, **options))
 
     def take(self, context, result):
@@ -199,6 +202,8 @@ class Bind(Work):
             fault = 'The cage shares the data of the mesh: make it single-user.'
         elif any(other.cage == cage and other.data is not None and other != binding for other in figure.cageform.bindings):
             fault = 'This cage moves the mesh already.'
+        elif not len(cage.data.polygons):
+            fault = 'The cage has no faces.'
         elif not len(figure.data.vertices):
             fault = 'The mesh has no vertices.'
         elif not all(figure.matrix_world.to_scale()) or not all(cage.matrix_world.to_scale()):
@@ -211,9 +216,9 @@ class Bind(Work):
             bpy.ops.object.mode_set(mode='OBJECT')
         settings, self.placed = deform.settings_of(binding), deform.place(binding)
         from_cage, from_mesh = self.placed
-        points = deform.moved(deform.rest_positions(figure), from_mesh)
-        described = deform.cage_of(deform.moved(deform.rest_positions(cage), from_cage), cage.data,
-                                   np.linalg.det(from_cage) < 0)
+        points = deform.moved(deform.rest_positions(figure).astype(np.float64), from_mesh)
+        corners = deform.moved(deform.rest_positions(cage).astype(np.float64), from_cage)
+        described = deform.cage_of(corners, cage.data, np.linalg.det(from_cage) < 0)
 
         def work(progress):
             coordinates = deform.coordinates_of(described, settings['kind'], settings['accuracy'])
@@ -225,7 +230,7 @@ class Bind(Work):
     def take(self, context, result):
         bound, packed = result
         binding = active_binding(context)
-        deform.keep(binding, packed, bound.outside, self.placed)
+        deform.keep(binding, packed, bound, self.placed)
         deform.attach(binding)
         binding.report, binding.refused = words_of(bound.report, binding), ''
         follow.start(binding, context.evaluated_depsgraph_get())
@@ -246,7 +251,7 @@ def words_of(report, binding):
     if report.unreached:
         lines.append('%d too near the cage for this accuracy: they stay.' % report.unreached)
     if report.warnings:
-        lines.append('Warning: %s.' % report.fault)
+        lines.append('%d warnings on the cage. The first: %s.' % (report.warnings, str(report.fault).replace(' (warning)', '')))
     if report.least_weight < -0.01:
         lines.append('Weights go down to %.2f: parts may move the wrong way.' % report.least_weight)
     shared = sum(item.data == binding.id_data.data for item in bpy.data.objects)
@@ -285,8 +290,8 @@ class SelectFaults(bpy.types.Operator):
 
     def execute(self, context):
         cage = active_binding(context).cage
-        faults = [fault for fault in library.check(deform.cage_of(deform.rest_positions(cage), cage.data))
-                  if not fault.is_warning]
+        faults = library.check(deform.cage_of(deform.rest_positions(cage), cage.data))
+        faults = [fault for fault in faults if not fault.is_warning] or faults
         named = [element for fault in faults for element in (fault.a, fault.b) if element is not None]
         if not named:
             self.report({'INFO'}, 'No vertex or face of the cage is at fault')
@@ -294,7 +299,7 @@ class SelectFaults(bpy.types.Operator):
         faces = [index for kind, index in named if kind == 'face']
         vertices = [index for kind, index in named if kind != 'face']
         select(context, cage, np.array(faces or vertices), 'FACE' if faces else 'VERT')
-        self.report({'WARNING'}, '%d faults. The first: %s' % (len(faults), faults[0]))
+        self.report({'WARNING'}, '%d in all. The first: %s' % (len(faults), faults[0]))
         return {'FINISHED'}
 
 

@@ -72,7 +72,7 @@ class CAGEFORM_PT_panel(bpy.types.Panel):
             box = layout.box()
             box.alert = True
             write(box, context, fault)
-        if binding.refused:
+        if binding.refused or binding.data is not None and binding.data['warnings']:
             layout.operator(SelectFaults.bl_idname)
 
     def draw_motion(self, context, binding):
