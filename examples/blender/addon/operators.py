@@ -1,5 +1,6 @@
 """The operators that make cages, bind meshes and select what is at fault."""
 
+import os
 import threading
 
 import bpy
@@ -17,7 +18,8 @@ def active_binding(context):
 
 
 class Work(bpy.types.Operator):
-    """Runs work(progress) on a thread, with progress in the status bar and Escape to stop; in the background at once."""
+    """Runs work(progress=…, threads=…) on a thread, with progress in the status bar and Escape to stop; in the background at
+    once. In a window it leaves a processor to the window."""
 
     def start(self, context, work):
         self.done, self.error, self.result, self.stops = 0, None, None, False
@@ -26,9 +28,11 @@ class Work(bpy.types.Operator):
             self.done = done
             return not self.stops
 
+        threads = None if bpy.app.background else max(1, (os.cpu_count() or 1) - 1)
+
         def run():
             try:
-                self.result = work(progress)
+                self.result = work(progress=progress, threads=threads)
             except Exception as error:  # is shown by finish
                 self.error = error
 
@@ -47,7 +51,8 @@ class Work(bpy.types.Operator):
         if event.type != 'TIMER':
             return {'RUNNING_MODAL'}
         if self.thread.is_alive():
-            context.workspace.status_text_set('%s: %d %%. Press Esc to stop' % (self.bl_label, round(100 * self.done)))
+            context.workspace.status_text_set('%s: %s' % (self.bl_label, 'stopping' if self.stops else
+                                                          '%d %%. Press Esc to stop' % round(100 * self.done)))
             return {'RUNNING_MODAL'}
         context.window_manager.event_timer_remove(self.timer)
         context.workspace.status_text_set(None)
@@ -114,7 +119,7 @@ class MakeCage(Work):
         if not len(triangles):
             self.report({'ERROR'}, 'The selected meshes have no faces.')
             return {'CANCELLED'}
-        return self.start(context, lambda progress: library.make_cage(points, triangles, progress=progress, **options))
+        return self.start(context, lambda **running: library.make_cage(points, triangles, **options, **running))
 
     def take(self, context, result):
         made, report = result
@@ -220,9 +225,9 @@ class Bind(Work):
         corners = deform.moved(deform.rest_positions(cage).astype(np.float64), from_cage)
         described = deform.cage_of(corners, cage.data, np.linalg.det(from_cage) < 0)
 
-        def work(progress):
+        def work(**running):
             coordinates = deform.coordinates_of(described, settings['kind'], settings['accuracy'])
-            bound = coordinates.bind(points, progress=progress, outside=settings['outside'], falloff=settings['falloff'])
+            bound = coordinates.bind(points, outside=settings['outside'], falloff=settings['falloff'], **running)
             return bound, bound.pack()[0]
 
         return self.start(context, work)

@@ -37,9 +37,9 @@ class AddPins(Work):
             self.report({'ERROR'}, fault)
             return {'CANCELLED'}
         if 'samples' in binding.data:
-            return self.start(context, lambda progress: None)
+            return self.start(context, lambda **running: None)
         coordinates = deform.coordinates_as_bound(binding)
-        return self.start(context, lambda progress: library.Samples(coordinates, progress=progress).pack())
+        return self.start(context, lambda **running: library.Samples(coordinates, **running).pack())
 
     def take(self, context, samples):
         figure, binding = context.object, active_binding(context)

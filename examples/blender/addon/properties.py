@@ -26,7 +26,7 @@ class Binding(bpy.types.PropertyGroup):
                                     update=lambda self, _: deform.depend(self),
                                     description='The mesh that moves this one: closed, with few faces')
     kind: bpy.props.EnumProperty(name='Type', items=KINDS, default='harmonic')
-    accuracy: bpy.props.FloatProperty(name='Accuracy', default=1e-2, min=1e-4, max=0.1, precision=4,
+    accuracy: bpy.props.FloatProperty(name='Accuracy', default=1e-2, min=1e-4, soft_min=1e-3, max=0.1, precision=4,
                                       description='The largest error of a weight: smaller takes longer to bind')
     outside: bpy.props.EnumProperty(name='Outside', items=OUTSIDE,
                                     description='What vertices outside the cage do')
