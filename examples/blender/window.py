@@ -49,6 +49,24 @@ def screenshot(name):
         bpy.ops.screen.screenshot(filepath=os.path.join(pictures, name + '.png'))
 
 
+def crop(name, left, right, bottom, top):
+    """The pixels of a part of a screenshot: (#rows, #columns, 4), upwards."""
+    image = bpy.data.images.load(os.path.join(pictures, name + '.png'))
+    pixels = np.empty(len(image.pixels), np.float32)
+    image.pixels.foreach_get(pixels)
+    pixels = pixels.reshape(image.size[1], image.size[0], 4)[bottom:top, left:right]
+    bpy.data.images.remove(image)
+    return pixels
+
+
+def save(name, pixels, size=1):
+    image = bpy.data.images.new(name, pixels.shape[1], pixels.shape[0])
+    image.pixels.foreach_set(np.ascontiguousarray(pixels).ravel())
+    image.scale(round(size * pixels.shape[1]), round(size * pixels.shape[0]))
+    image.filepath_raw, image.file_format = os.path.join(pictures, name + '.png'), 'PNG'
+    image.save()
+
+
 def look(turn=0.5):
     """Looks at the scene from the front, a little from above."""
     area = view()[1]
@@ -59,6 +77,7 @@ def look(turn=0.5):
     space.region_3d.view_location, space.region_3d.view_distance = (0.25, 0, 0.1), 7
     space.overlay.show_floor = space.overlay.show_axis_x = space.overlay.show_axis_y = space.overlay.show_cursor = False
     space.shading.light, space.shading.studio_light = 'MATCAP', 'clay_brown.exr'
+    space.shading.background_type, space.shading.background_color = 'VIEWPORT', (0.05, 0.05, 0.05)
 
 
 def until(ready):
@@ -178,6 +197,9 @@ def steps():
     yield 0.7
     assert bpy.context.view_layer.objects.active == cage and cage.mode == 'EDIT', 'the faults are shown in edit mode'
     screenshot('fault_selected')
+    save('blender_panel', crop('pins', 370, 1057, 265, 720))
+    poses = [crop('pose_' + name, 368, 680, 215, 575) for name in ('tall', 'bent', 'twisted')]
+    save('blender_poses', np.concatenate(poses, axis=1), 0.75)
 
 
 def twisted(points, angle):

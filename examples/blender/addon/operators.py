@@ -247,7 +247,7 @@ class Bind(Work):
 
 def words_of(report, binding):
     """How a mesh was bound, a sentence a line."""
-    lines = ['Bound %d vertices in %.2f s.' % (report.points, report.seconds)]
+    lines = ['Bound %d vertices.' % report.points, 'It took %.2f s.' % report.seconds]
     if report.outside:
         stays = binding.outside == 'keep_in_place' or binding.outside == 'extend' and binding.kind == 'harmonic'
         lines.append('%d outside the cage: they %s.' % (report.outside, 'stay' if stays else 'follow'))

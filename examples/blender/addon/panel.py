@@ -1,5 +1,6 @@
 """The panel in the sidebar of the 3D Viewport."""
 
+import blf
 import bpy
 
 from . import deform
@@ -10,15 +11,17 @@ from .pin_operators import AddPins, RemovePins
 
 def write(layout, context, text):
     """Writes a text in lines that fit into the sidebar."""
-    width = max(20, int(context.region.width / (7.5 * context.preferences.system.ui_scale)) - 4)
+    scale = context.preferences.system.ui_scale
+    room = context.region.width - 75 * scale  # without tabs and margins
+    blf.size(0, 11 * scale)
     for sentence in text.splitlines():
         line = ''
         for word in sentence.split():
-            if line and len(line) + 1 + len(word) > width:
+            longer = line + ' ' + word if line else word
+            if line and blf.dimensions(0, longer)[0] > room:
                 layout.label(text=line)
-                line = word
-            else:
-                line += (' ' if line else '') + word
+                longer = word
+            line = longer
         layout.label(text=line)
 
 
@@ -71,7 +74,7 @@ class CAGEFORM_PT_panel(bpy.types.Panel):
         for fault in filter(None, (binding.refused, binding.fault)):
             box = layout.box()
             box.alert = True
-            write(box, context, fault)
+            write(box.column(align=True), context, fault)
         if binding.refused or binding.data is not None and binding.data['warnings']:
             layout.operator(SelectFaults.bl_idname)
 
