@@ -96,6 +96,28 @@ class Following(unittest.TestCase):
             wanted = expected(part, cage, world(cage, rest), world(cage, pose))
             self.assertLess(off(world(part, key_of(part)), wanted), 2e-6, part.name)
 
+    def test_seam(self):
+        """Two halves of a mesh, objects that are placed, turned and scaled each in its way, stay closed where they meet."""
+        whole, cage = monkey(2000), box()
+        points, halves = deform.rest_positions(whole), []
+        for sign in (-1, 1):
+            half = whole.copy()
+            half.data = whole.data.copy()
+            bpy.context.collection.objects.link(half)
+            half.location, half.rotation_euler, half.scale = (sign, 2, 3), (0.3 * sign, 1, 0), (1, 1 + 0.5 * sign, 1)
+            bpy.context.view_layer.update()
+            inverse = np.array(half.matrix_world.inverted())
+            half.data.vertices.foreach_set('co', np.float32(deform.moved(points.astype(np.float64), inverse)).ravel())
+            half.data.update()
+            halves.append(half)
+        rest = deform.rest_positions(cage)
+        for half in halves:
+            bind(half, cage)
+        move(cage, bent(rest, 0.2))
+        placed = [shown(half) for half in halves]
+        self.assertGreater(off(placed[0], points), 0.05)
+        self.assertLess(off(placed[0], placed[1]), 1e-5)
+
     def test_several_cages(self):
         """Cages of one mesh add what each of them does, and are taken away one by one."""
         figure = monkey(2000)

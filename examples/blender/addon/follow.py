@@ -58,11 +58,12 @@ def update(binding, depsgraph, vertices=None, fault=''):
 
 def update_all(depsgraph):
     pulled = {}  # a cage's name: its vertices, or None, and a fault. The first mesh with pins on it moves it
-    for binding in deform.bindings():
+    bindings = deform.bindings()
+    for binding in bindings:
         if len(binding.pins) and binding.cage is not None and binding.cage.name_full not in pulled:
             pulled[binding.cage.name_full] = pins.pull(binding, depsgraph)
     written = set()  # linked duplicates share a mesh and its shape key: the first of them writes it
-    for binding in deform.bindings():
+    for binding in bindings:
         its = binding.id_data.data.name_full, binding.key
         if its not in written:
             written.add(its)
