@@ -64,6 +64,17 @@ def bind(figure, cage=None, **settings):
     return figure.cageform.bindings[figure.cageform.active]
 
 
+def bound_monkey(vertices):
+    """A scene with a monkey that is bound to a made cage; the cage is made once."""
+    path = os.path.join(folder, 'monkey_%d.blend' % vertices)
+    if not os.path.exists(path):
+        empty_scene()
+        bind(monkey(vertices))
+        bpy.ops.wm.save_as_mainfile(filepath=path, copy=True)
+    bpy.ops.wm.open_mainfile(filepath=path)
+    return bpy.data.objects['Suzanne']
+
+
 def move(cage, pose):
     """Moves the vertices of a cage in its own space."""
     cage.data.vertices.foreach_set('co', np.ascontiguousarray(pose, np.float32).ravel())

@@ -12,11 +12,12 @@ from support import *
 class Export(unittest.TestCase):
     def setUp(self):
         """A monkey whose cage is bent and moves along, in ten frames."""
-        empty_scene()
-        self.figure = monkey(500)
+        self.figure = bound_monkey(500)
         self.figure.rotation_euler.z, self.figure.scale = 0.4, (1.2, 1.2, 1.2)
         bpy.context.view_layer.update()
-        self.cage = bind(self.figure).cage
+        self.cage = self.figure.cageform.bindings[0].cage
+        select_only(self.figure)
+        bpy.ops.cageform.bind()
         key = deform.add_key(self.cage, 'bend')
         deform.write_key(key, bent(deform.rest_positions(self.cage)))
         for frame, value in ((1, 0), (10, 1)):

@@ -145,7 +145,7 @@ class Following(unittest.TestCase):
         self.assertEqual([text.name for text in bpy.data.texts], [])
 
     def follows(self, figure, cage, rest, what):
-        """The mesh shows what the package makes of the cage as it is shown; the cage was bound where world space is its own."""
+        """The mesh shows what the package makes of the cage as it is shown. The cage was bound at the origin."""
         pose = shown(cage)
         self.assertGreater(np.abs(pose - rest).max(), 0.05, what + ': the cage has moved')
         self.assertLess(off(shown(figure), expected(figure, cage, rest, pose)), 2e-6, what)

@@ -130,7 +130,8 @@ class Wrong(unittest.TestCase):
     def test_flat_and_empty(self):
         """Meshes without vertices, without faces, without volume, and without size."""
         self.use(self.cage)
-        for vertices, faces in (([], []), ([(0, 0, 0)] * 4, []), ([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], [(0, 1, 2, 3)])):
+        square = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
+        for vertices, faces in (([], []), ([(0, 0, 0)] * 4, []), (square, [(0, 1, 2, 3)])):
             self.cage.data.clear_geometry()
             self.cage.data.from_pydata(vertices, [], faces)
             self.says('')

@@ -18,8 +18,8 @@ def active_binding(context):
 
 
 class Work(bpy.types.Operator):
-    """Runs work(progress=…, threads=…) on a thread, with progress in the status bar and Escape to stop; in the background at
-    once. In a window it leaves a processor to the window."""
+    """Runs work(progress=…, threads=…) on a thread, with progress in the status bar and Escape to stop; without a window at
+    once. It leaves a processor to the window."""
 
     def start(self, context, work):
         self.done, self.error, self.result, self.stops = 0, None, None, False
@@ -256,7 +256,8 @@ def words_of(report, binding):
     if report.unreached:
         lines.append('%d too near the cage for this accuracy: they stay.' % report.unreached)
     if report.warnings:
-        lines.append('%d warnings on the cage. The first: %s.' % (report.warnings, str(report.fault).replace(' (warning)', '')))
+        first = str(report.fault).replace(' (warning)', '')
+        lines.append('%d warnings on the cage. The first: %s.' % (report.warnings, first))
     if report.least_weight < -0.01:
         lines.append('Weights go down to %.2f: parts may move the wrong way.' % report.least_weight)
     shared = sum(item.data == binding.id_data.data for item in bpy.data.objects)
