@@ -235,12 +235,9 @@ def problem(binding, figure):
     return ''
 
 
-WORDS = {'pose_not_finite': 'a vertex of the cage has no finite position'}  # where the library speaks of other things
-
-
 def sentence(error):
     """An error of the library as a sentence."""
-    text = WORDS.get(error.name, str(error))
+    text = str(error)
     return text[:1].upper() + text[1:] + '.'
 
 

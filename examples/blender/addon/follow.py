@@ -44,9 +44,13 @@ def update(binding, depsgraph, vertices=None, fault=''):
     if fault or key.mute:
         deform.say(binding, fault)
         return
-    deform.say(binding, 'Vertices of the mesh were moved in edit mode: bind again.' if its in _differ else '')
     pose = deform.moved(vertices.astype(np.float64), deform.bound_from_cage(binding, depsgraph))
-    if np.array_equal(_poses.get(its), pose):
+    if not np.isfinite(pose).all():
+        fault = 'A vertex of the cage has no finite position.'
+    elif its in _differ:
+        fault = 'Vertices of the mesh were moved in edit mode: bind again.'
+    deform.say(binding, fault)
+    if not np.isfinite(pose).all() or np.array_equal(_poses.get(its), pose):
         return
     _poses[its] = pose
     try:
