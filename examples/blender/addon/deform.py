@@ -1,57 +1,75 @@
-"""What moves figures: bindings kept as bytes in the .blend, opened once, cloned whenever a cage has moved."""
+"""A bound mesh: its weights, kept as bytes in the .blend and opened once, and the shape key that follows the cage."""
 
-import bmesh
+import ctypes
+import uuid
+
 import bpy
 import numpy as np
 
 from . import library
 
-FIGURE, SAMPLES, OUTSIDE = 'cageform_figure', 'cageform_samples', 'cageform_outside'
+NAME = 'Cageform'  # of shape keys and constraints
 
-_opened = {}   # (object's name, binding's number): (hash of the bytes, Figure)
-_last = {}     # as above: the pose that was cloned last
-_pinned = {}   # as above: (hash, Pins, the pins' vertices)
+_figures = {}  # a stamp: the Figure that was opened
 
 
 def forget():
-    """Drops what belongs to the file that was open."""
-    for cache in (_opened, _last, _pinned):
-        cache.clear()
+    _figures.clear()
 
 
-def key_of(binding):
-    return binding.id_data.name_full, binding.number
+def bindings():
+    """All bindings of the file, quickly also where thousands of objects have none."""
+    by_name = bpy.app.version < (5, 0)  # later versions keep properties of add-ons apart from custom properties
+    return [binding for item in bpy.data.objects if ('cageform' in item if by_name else item.type == 'MESH')
+            for binding in item.cageform.bindings]
 
 
-def store(binding, name, data):
-    """Keeps bytes in the .blend, with the object of the binding."""
-    binding.id_data['%s_%d' % (name, binding.number)] = bytes(data)
+def is_in_scene(item):
+    """Whether an object is there. One that was deleted is kept as long as a property points to it."""
+    return item is not None and item.name in bpy.context.scene.objects
 
 
-def stored(binding, name):
-    return binding.id_data.get('%s_%d' % (name, binding.number))
+# ---- weights -----------------------------------------------------------------------------------------------------------
+
+def settings_of(binding):
+    return {'kind': binding.kind, 'accuracy': binding.accuracy, 'outside': binding.outside, 'falloff': binding.falloff}
+
+
+def keep(binding, packed, bound, placed):
+    """Keeps weights, and how they were made, in a hidden text that duplicates of the object share. Blender copies custom
+    properties of objects in every frame; those of a text it leaves alone."""
+    drop(binding)
+    binding.data = data = bpy.data.texts.new('.' + NAME)
+    data.use_fake_user = False
+    data['stamp'] = uuid.uuid4().hex
+    data['figure'], data['outside'] = bytes(packed), np.asarray(bound.outside, np.uint32).tobytes()
+    data['warnings'] = bound.report.warnings
+    data['settings'] = settings_of(binding)
+    for name, matrix in zip(('from_cage', 'from_mesh', 'to_mesh'), (*placed, np.linalg.inv(placed[1]))):
+        data[name] = matrix.ravel().tolist()
 
 
 def drop(binding):
-    for name in (FIGURE, SAMPLES, OUTSIDE):
-        binding.id_data.pop('%s_%d' % (name, binding.number), None)
-    for cache in (_opened, _last, _pinned):
-        cache.pop(key_of(binding), None)
+    data, binding.data = binding.data, None
+    if data is not None and data.users == 0:
+        bpy.data.texts.remove(data)
+
+
+def settings_as_bound(binding):
+    return dict(binding.data['settings'])
 
 
 def figure_of(binding):
-    """The figure of a binding, opened where it lies; None if there is none."""
-    data = stored(binding, FIGURE)
-    if data is None:
+    """The figure of a binding, opened the first time; None if it is not bound."""
+    if binding.data is None:
         return None
-    data = bytes(data)
-    mark = hash(data)
-    known = _opened.get(key_of(binding))
-    if known is None or known[0] != mark:
-        known = _opened[key_of(binding)] = (mark, library.open(data, skip_checksum=True))
-        _last.pop(key_of(binding), None)
-    return known[1]
+    stamp = binding.data['stamp']
+    if stamp not in _figures:
+        _figures[stamp] = library.open(binding.data['figure'], skip_checksum=True)
+    return _figures[stamp]
 
+
+# ---- points ------------------------------------------------------------------------------------------------------------
 
 def positions(mesh):
     """The vertices of a mesh: (#vertices, 3)."""
@@ -60,124 +78,190 @@ def positions(mesh):
     return numbers.reshape(-1, 3)
 
 
-def rest_positions(figure):
-    """The vertices of an object without what shape keys do to them."""
-    keys = figure.data.shape_keys
-    if keys is None:
-        return positions(figure.data)
-    numbers = np.empty(3 * len(figure.data.vertices), np.float32)
-    keys.reference_key.data.foreach_get('co', numbers)
+def key_positions(key):
+    """The vertices of a shape key: (#vertices, 3)."""
+    numbers = np.empty(3 * len(key.data), np.float32)
+    key.data.foreach_get('co', numbers)
     return numbers.reshape(-1, 3)
 
 
-def moved(points, matrix):
-    """Points by a matrix of Blender's, in double."""
-    matrix = np.array(matrix, dtype=np.float64)
-    return points @ matrix[:3, :3].T + matrix[:3, 3]
-
-
-def cage_positions(binding, depsgraph):
-    """The vertices of the cage as it is now, also while it is edited, in the space of the figure."""
-    cage, figure = binding.cage, binding.id_data
-    evaluated = cage.evaluated_get(depsgraph)
-    if cage.mode == 'EDIT':
-        mesh = bmesh.from_edit_mesh(cage.data)
-        points = np.array([vertex.co for vertex in mesh.verts], dtype=np.float32).reshape(-1, 3)
+def write_key(key, points):
+    """Writes the vertices of a shape key."""
+    numbers = np.ascontiguousarray(points, np.float32).ravel()
+    if hasattr(key, 'points'):  # since Blender 4.1
+        key.points.foreach_set('co', numbers)
+        return
+    # Before, foreach_set calls a function for every vertex: 7 ms for 50,000. The numbers lie one after the other.
+    count, first = len(key.data), key.data[0].as_pointer() if len(key.data) else 0
+    if count > 1 and 3 * count == len(numbers) and key.data[count - 1].as_pointer() == first + 12 * (count - 1):
+        ctypes.memmove(first, numbers.ctypes.data, numbers.nbytes)
     else:
-        points = positions(evaluated.data)
-    to_figure = figure.evaluated_get(depsgraph).matrix_world.inverted_safe() @ evaluated.matrix_world
-    return moved(points, to_figure)
+        key.data.foreach_set('co', numbers)
 
 
-def shape_key(binding):
-    """The shape key that a binding writes, made if it is missing."""
-    figure = binding.id_data
-    if figure.data.shape_keys is None:
-        figure.shape_key_add(name='Basis', from_mix=False)
-    name = 'Cageform' if binding.number == 0 else 'Cageform %d' % binding.number
-    key = figure.data.shape_keys.key_blocks.get(name)
-    if key is None:
-        key = figure.shape_key_add(name=name, from_mix=False)
-        key.value = 1
+def rest_positions(item):
+    """The vertices of an object without shape keys."""
+    keys = item.data.shape_keys
+    return positions(item.data) if keys is None else key_positions(keys.reference_key)
+
+
+def shown_positions(item, depsgraph):
+    """The vertices of an object as it is shown, by shape keys and modifiers, also in edit mode."""
+    evaluated = item.evaluated_get(depsgraph)
+    points = positions(evaluated.to_mesh())
+    evaluated.to_mesh_clear()
+    return points
+
+
+def moved(points, matrix):
+    """Points by a matrix (4, 4), in the points' scalar."""
+    matrix = np.array(matrix, dtype=points.dtype)
+    return np.einsum('ij,kj->ik', points, matrix[:3, :3]) + matrix[:3, 3]  # faster than a product, which starts threads
+
+
+# ---- spaces ------------------------------------------------------------------------------------------------------------
+# Weights are made in the space of the cage as it is scaled and turned when it is bound, so that all meshes of a cage have the
+# same: where their parts meet they move alike.
+
+def place(binding):
+    """The matrices (4, 4) to the space of a new binding, from that of the cage and that of the mesh."""
+    cage, figure = binding.cage.matrix_world, binding.id_data.matrix_world
+    turned = cage.to_3x3().to_4x4()
+    return np.array(turned), np.array(turned @ cage.inverted() @ figure)
+
+
+def matrix_of(binding, name):
+    """A matrix as it was when the mesh was bound: 'from_cage', 'from_mesh', or its inverse 'to_mesh'."""
+    return np.reshape(binding.data[name], (4, 4))
+
+
+def bound_from_cage(binding, depsgraph):
+    """The matrix from the space of the cage to that of a binding, as the objects are now."""
+    cage, figure = binding.cage.evaluated_get(depsgraph), binding.id_data.evaluated_get(depsgraph)
+    return matrix_of(binding, 'from_mesh') @ np.array(figure.matrix_world.inverted_safe() @ cage.matrix_world)
+
+
+# ---- cages -------------------------------------------------------------------------------------------------------------
+
+def cage_of(points, mesh, is_mirrored=False):
+    """A cage of the library, with the faces of a mesh; outside stays outside if the points are mirrored."""
+    faces = [list(polygon.vertices)[::-1 if is_mirrored else 1] for polygon in mesh.polygons]
+    return library.Cage.mesh(points, faces, off_plane=1e-6 * float(np.ptp(points, axis=0).max()) if len(points) else 0)
+
+
+def coordinates_of(cage, kind, accuracy):
+    return library.Coordinates(cage, kind, np.float32, accuracy=accuracy if kind == 'harmonic' else 0)
+
+
+def coordinates_as_bound(binding):
+    """The coordinates of a binding, made again of the cage at rest as it was bound."""
+    settings, mirrored = settings_as_bound(binding), np.linalg.det(matrix_of(binding, 'from_cage')) < 0
+    rest = figure_of(binding).rest()[:len(binding.cage.data.vertices)]
+    return coordinates_of(cage_of(rest, binding.cage.data, mirrored), settings['kind'], settings['accuracy'])
+
+
+# ---- the shape key -----------------------------------------------------------------------------------------------------
+
+def add_key(item, name):
+    """Adds a shape key that shows, and returns it."""
+    if item.data.shape_keys is None:
+        item.shape_key_add(name='Basis', from_mix=False)
+    key = item.shape_key_add(name=name, from_mix=False)
+    key.value = 1
     return key
 
 
-def update(binding, depsgraph, force=False):
-    """Clones a figure if its cage has moved. Returns whether it has, and sets the binding's fault."""
-    if binding.cage is None or binding.id_data.mode == 'EDIT':
-        return False
-    figure = figure_of(binding)
-    if figure is None:
-        return False
-    pose = cage_positions(binding, depsgraph)
-    if len(pose) != figure.vertices:
-        fault = 'The cage has %d vertices, %d when it was bound: bind again.' % (len(pose), figure.vertices)
-    elif len(binding.id_data.data.vertices) != figure.points:
-        fault = 'The mesh has %d vertices, %d when it was bound: bind again.' % (len(binding.id_data.data.vertices),
-                                                                                  figure.points)
-    else:
-        fault = ''
+def find_key(item, name):
+    keys = item.data.shape_keys
+    return None if keys is None else keys.key_blocks.get(name)
+
+
+def key_of(binding):
+    """The shape key that a binding writes; None if there is none."""
+    return find_key(binding.id_data, binding.key)
+
+
+def constraint_of(binding):
+    return binding.id_data.constraints.get(binding.key) if binding.key else None
+
+
+def depend(binding):
+    """Tells Blender that the mesh needs the cage, by a constraint that is off: else it leaves out a cage that is hidden in the
+    viewport or in renders. The name of a vertex group, of any, says that it is the vertices that are needed."""
+    constraint, parent = constraint_of(binding), binding.cage
+    while parent is not None and parent != binding.id_data:
+        parent = parent.parent
+    if constraint is not None:
+        constraint.target = None if parent == binding.id_data else binding.cage  # a cage cannot be above its parent
+        constraint.subtarget = NAME
+
+
+def attach(binding):
+    """Adds what follows the cage, the shape key and the constraint, unless they are there."""
+    if key_of(binding) is None:
+        binding.key = add_key(binding.id_data, NAME).name
+    if constraint_of(binding) is None:
+        constraint = binding.id_data.constraints.new('CHILD_OF')
+        constraint.name, constraint.mute, constraint.show_expanded = binding.key, True, False
+    depend(binding)
+
+
+def detach(binding):
+    """Removes the shape key, the constraint and the weights."""
+    key, constraint = key_of(binding), constraint_of(binding)
+    if key is not None:
+        binding.id_data.shape_key_remove(key)
+    if constraint is not None:
+        binding.id_data.constraints.remove(constraint)
+    drop(binding)
+
+
+# ---- following ---------------------------------------------------------------------------------------------------------
+
+def problem(binding, figure):
+    """Why a mesh cannot follow its cage, as a sentence; '' if it can."""
+    mesh, cage = binding.id_data.data, binding.cage
+    if not is_in_scene(cage):
+        return 'The cage is gone: undo, or choose another cage and bind again.'
+    if len(mesh.vertices) != figure.points:
+        return 'The mesh has %d vertices and had %d when it was bound: bind again.' % (len(mesh.vertices), figure.points)
+    if len(cage.data.vertices) != figure.vertices:
+        return 'The cage has %d vertices and had %d when it was bound: bind again.' % (len(cage.data.vertices),
+                                                                                       figure.vertices)
+    if key_of(binding) is None:
+        return 'The shape key "%s" is gone: bind again.' % binding.key
+    if not mesh.shape_keys.use_relative:
+        return 'The shape keys are absolute: turn on Relative in the list of shape keys.'
+    return ''
+
+
+def sentence(error):
+    """An error of the library as a sentence."""
+    text = str(error)
+    return text[:1].upper() + text[1:] + '.'
+
+
+def say(binding, fault):
+    """Shows a fault in the panel; '' takes it away."""
     if binding.fault != fault:
         binding.fault = fault
-    if fault:
-        return False
-    last = _last.get(key_of(binding))
-    if not force and last is not None and last.shape == pose.shape and (last == pose).all():
-        return False
-    _last[key_of(binding)] = pose
-    try:
-        handles = figure.pose_handles(pose) if figure.handles != figure.vertices else pose
-        points = figure.clone(handles)
-    except library.CageformError as error:
-        binding.fault = str(error)
-        return False
-    key = shape_key(binding)
-    key.data.foreach_set('co', points.astype(np.float32).ravel())
-    binding.id_data.data.update()
-    return True
 
 
-def bindings():
-    """All bindings of the file."""
-    for figure in bpy.data.objects:
-        if figure.type == 'MESH':
-            yield from figure.cageform.bindings
+def cage_positions(binding, depsgraph):
+    """Returns the vertices of the cage as it is shown, in its own space, and a sentence if modifiers change their number."""
+    points, bound = shown_positions(binding.cage, depsgraph), figure_of(binding).vertices
+    if len(points) == bound:
+        return points, ''
+    return None, 'The cage has %d vertices by its modifiers and %d without: turn these modifiers off.' % (len(points), bound)
 
 
-# ---- pins --------------------------------------------------------------------------------------------------------------
-
-def solver_of(binding):
-    """The solver of a binding's pins; None if it has none. Empties that were deleted are forgotten."""
-    pins = [pin for pin in binding.pins if pin.empty is not None]
-    data = stored(binding, SAMPLES)
-    if not pins or data is None:
-        return None, []
-    vertices = [pin.vertex for pin in pins]
-    mark = hash((bytes(data), tuple(vertices)))
-    known = _pinned.get(key_of(binding))
-    if known is None or known[0] != mark:
-        solver = library.Pins(library.open_samples(bytes(data), skip_checksum=True))
-        solver.set(figure_of(binding), vertices)
-        known = _pinned[key_of(binding)] = (mark, solver)
-    return known[1], pins
+def was_edited(binding):
+    """Whether vertices of the mesh were moved since it was bound."""
+    figure = figure_of(binding)
+    now, bound = moved(rest_positions(binding.id_data), matrix_of(binding, 'from_mesh')), figure.clone(figure.rest())
+    return bool(np.abs(now - bound).max() > 1e-5 * np.ptp(bound, axis=0).max())
 
 
-def pull(binding, depsgraph):
-    """Moves the cage so that pinned vertices are at their empties. Returns the report of the last frame; None if nothing is
-    pinned."""
-    solver, pins = solver_of(binding)
-    if solver is None:
-        return None
-    figure, cage = binding.id_data, binding.cage
-    to_figure = figure.matrix_world.inverted_safe()
-    targets = moved(np.array([pin.empty.evaluated_get(depsgraph).matrix_world.translation for pin in pins]), to_figure)
-    pose = moved(positions(cage.data), to_figure @ cage.matrix_world)
-    report = None
-    for _ in range(200):
-        pose, report = solver.solve(targets, pose)
-        if report.settled:
-            break
-    back = moved(pose, cage.matrix_world.inverted_safe() @ figure.matrix_world)
-    cage.data.vertices.foreach_set('co', back.astype(np.float32).ravel())
-    cage.data.update()
-    return report
+def clone(figure, vertices):
+    """The points of a figure for a pose of the cage's vertices, in the space of the binding."""
+    return figure.clone(figure.pose_handles(vertices) if figure.handles != figure.vertices else vertices)

@@ -1,0 +1,49 @@
+"""What the add-on keeps in the .blend, with the object that is bound."""
+
+import bpy
+
+from . import deform
+
+KINDS = [
+    ('harmonic', 'Harmonic', 'Best for characters: limbs do not pull each other. Vertices outside the cage stay'),
+    ('mean-value', 'Mean Value', 'Binds fastest, and moves vertices outside the cage too'),
+    ('green', 'Green', 'Keeps angles and details, and may leave the cage'),
+]
+OUTSIDE = [
+    ('extend', 'Follow', 'Vertices outside follow the cage; with Harmonic they stay'),
+    ('keep_in_place', 'Stay', 'Vertices outside stay where they are'),
+    ('nearest_boundary', 'Follow the Nearest Face', 'Vertices outside move with the nearest face of the cage'),
+]
+
+
+class Pin(bpy.types.PropertyGroup):
+    vertex: bpy.props.IntProperty()
+    empty: bpy.props.PointerProperty(type=bpy.types.Object)
+
+
+class Binding(bpy.types.PropertyGroup):
+    cage: bpy.props.PointerProperty(name='Cage', type=bpy.types.Object, poll=lambda _, item: item.type == 'MESH',
+                                    update=lambda self, _: deform.depend(self),
+                                    description='The mesh that moves this one: closed, with few faces')
+    kind: bpy.props.EnumProperty(name='Type', items=KINDS, default='harmonic')
+    accuracy: bpy.props.FloatProperty(name='Accuracy', default=1e-2, min=1e-4, soft_min=1e-3, max=0.1, precision=4,
+                                      description='The largest error of a weight: smaller takes longer to bind')
+    outside: bpy.props.EnumProperty(name='Outside', items=OUTSIDE,
+                                    description='What vertices outside the cage do')
+    falloff: bpy.props.FloatProperty(name='Falloff', min=0, subtype='DISTANCE',
+                                     description='Outside the cage, movement fades to nothing at this distance. '
+                                                 '0: it does not fade')
+    key: bpy.props.StringProperty(description='The shape key of the mesh that this binding writes')
+    data: bpy.props.PointerProperty(type=bpy.types.Text, description='Keeps the weights')
+    report: bpy.props.StringProperty(description='How the mesh was bound')
+    refused: bpy.props.StringProperty(description='Why the mesh could not be bound')
+    fault: bpy.props.StringProperty(description='Why the mesh does not follow')
+    pins: bpy.props.CollectionProperty(type=Pin)
+
+
+class Bindings(bpy.types.PropertyGroup):
+    bindings: bpy.props.CollectionProperty(type=Binding)
+    active: bpy.props.IntProperty()
+
+
+CLASSES = (Pin, Binding, Bindings)
