@@ -4,6 +4,7 @@
 # that nobody sees. Pictures are saved in out/blender/. Nothing is loaded but Debian packages.
 set -eu
 cd "$(dirname "$0")/../.."
+sh cmake/install_packages.sh python3
 sh cmake/build_shared.sh
 addon=build/blender/cageform
 rm -rf build/blender
