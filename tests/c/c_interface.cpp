@@ -4,8 +4,16 @@
 #include "../support/effort.hpp"
 #include "../support/meshes.hpp"
 
+#if !defined(CAGEFORM_COMPILED)
 #define CAGEFORM_C_IMPLEMENTATION
+#endif
+#include <cageform/binding/pack.hpp>
 #include <cageform/c/cageform.h>
+#include <cageform/c/detail/objects.hpp>
+#include <cageform/clone/clone_figure.hpp>
+#include <cageform/clone/clone_transposed.hpp>
+#include <cageform/coordinates/harmonic.hpp>
+#include <cageform/coordinates/mean_value.hpp>
 
 #include <cstring>
 #include <set>
