@@ -79,4 +79,12 @@ if(CMAKE_HOST_SYSTEM_NAME STREQUAL "Linux" AND archive)
   run(${c_compiler} -std=c99 -I${WORK}/prefix/include ${SOURCE}/c/main.c -o ${WORK}/c/shared -L${WORK}/shared -lcageform
       -Wl,-rpath,${WORK}/shared)
   run(${WORK}/c/shared)
+  find_program(nm NAMES nm)
+  if(nm) # no name of another library is visible in it
+    execute_process(COMMAND ${nm} -D --defined-only ${WORK}/shared/libcageform.so OUTPUT_VARIABLE names)
+    string(REGEX REPLACE "[^\n]*cageform[^\n]*\n" "" others "${names}")
+    if(NOT names MATCHES " cageform_clone\n" OR NOT others STREQUAL "")
+      message(FATAL_ERROR "names that the shared library shows: ${others}")
+    endif()
+  endif()
 endif()
