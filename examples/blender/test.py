@@ -32,7 +32,7 @@ class Install(unittest.TestCase):
         import cageform
         version = '.'.join(str(number) for number in cageform.bl_info['version'])
         self.assertIn('version = "%s"' % version, manifest, 'the manifest has the version of bl_info')
-        self.assertEqual(cageform.library.version, version, 'the add-on has the version of the library')
+        self.assertEqual(cageform.library.__version__, version, 'the add-on has the version of the library')
 
     def test_again(self):
         """The add-on can be turned off and on again."""
