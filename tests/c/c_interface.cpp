@@ -4,9 +4,7 @@
 #include "../support/effort.hpp"
 #include "../support/meshes.hpp"
 
-#if !defined(CAGEFORM_COMPILED)
 #define CAGEFORM_C_IMPLEMENTATION
-#endif
 #include <cageform/binding/pack.hpp>
 #include <cageform/c/cageform.h>
 #include <cageform/c/detail/objects.hpp>
