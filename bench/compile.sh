@@ -4,7 +4,7 @@
 # one file takes to compile at -O2, with each compiler installed (CXX names others); then how long a clone takes in a build
 # without optimisation, by headers alone and by the library.
 # Each has a budget: so many times the seconds that a file takes which uses std::regex (measured first, so that a budget holds
-# on any machine), and megabytes. What is over its budget twice is named, and the script fails.
+# on any machine), and megabytes. A file that is over its budget twice is named, and the script fails.
 set -eu
 root=$(cd "$(dirname "$0")/.." && pwd)
 work=$(mktemp -d)

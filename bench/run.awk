@@ -13,7 +13,7 @@ function sort(values, n,    i, j, x) {
         values[j + 1] = x
     }
 }
-# Of benchmark `key` (group and name), of processor time or (threads) of time that passed.
+# Returns a quantile of benchmark `key` (group and name): of processor time, or with threads of time that passed.
 function quantile(kind, key, share,    values, i, at) {
     for (i = 1; i <= count[key]; ++i) values[i] = seconds[kind, key, i]
     sort(values, count[key])

@@ -10,7 +10,7 @@ set(allowed_coordinates core config cage grid coordinates)
 set(allowed_binding core cage grid coordinates binding)
 set(allowed_clone core binding/binding.hpp binding/detail/packed_binding.hpp binding/types/blob.hpp binding/figure.hpp clone)
 set(allowed_pose core binding/binding.hpp binding/detail/packed_binding.hpp binding/types/blob.hpp clone pose)
-# What makes samples for a PoseSolver binds, and a PoseSolver does not include it.
+# Headers that make samples for a PoseSolver bind, and a PoseSolver does not include them.
 set(pose_bind_time pose/pose_samples.hpp pose/types/pose_sample_options.hpp pose/detail/pose_sampler.hpp
                    pose/detail/sample_lattice.hpp pose/detail/sample_clusters.hpp pose/detail/sample_sums.hpp
                    pose/detail/column_products.hpp pose/detail/column_products.impl.hpp)

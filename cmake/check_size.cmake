@@ -1,5 +1,5 @@
 # cmake -DCOMPILER=… -DINCLUDE=… -DHEADER=… -DLIMIT=… -P check_size.cmake
-# What every file pays that includes a header: its preprocessed lines, which may not pass the limit.
+# Counts the preprocessed lines of a header, which every file that includes it pays; they may not pass the limit.
 string(MAKE_C_IDENTIFIER ${HEADER} stem)
 set(source check_size_${stem}.cpp)
 file(WRITE ${source} "#include <${HEADER}>\n")

@@ -1,5 +1,5 @@
 # cmake -DNM=<nm> -DOBJECT=<object file> -P check_symbols.cmake
-# What a compiler makes of the functions called every frame: no exception thrown, no type information, no stream, no allocation,
+# Checks the object code of the functions called every frame: no exception thrown, no type information, no stream, no allocation,
 # and no memory that is written to but that of the caller.
 execute_process(COMMAND ${NM} --format=sysv ${OBJECT} OUTPUT_VARIABLE text RESULT_VARIABLE failed)
 if(failed)

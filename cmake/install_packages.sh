@@ -34,7 +34,7 @@ fi
 echo "Installing:$missing"
 export DEBIAN_FRONTEND=noninteractive
 # Another apt may hold a lock (unattended upgrades): wait for it. Only dpkg's lock has an option for that.
-# What it prints is of use where it fails.
+# Its output is of use where it fails.
 log=$(mktemp)
 trap 'rm -f "$log"' EXIT
 apt_get() {

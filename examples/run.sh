@@ -3,7 +3,7 @@
 # Installs what the examples need (Debian), builds them into build/examples/, runs them and fills out/ with
 # pictures: the cat at rest and in every pose by mean value and harmonic coordinates, with cells inside its cage,
 # the man, the aleph, a fish moved by points without a cage, a character in space, heat maps of coordinates, how the
-# solver converges and where its grid is fine, a key-frame curve and its pieces. What programs print goes to out/*.txt:
+# solver converges and where its grid is fine, a key-frame curve and its pieces. The output of programs goes to out/*.txt:
 # tables of figures and of fits of key-frame curves.
 # The cat comes first, once the two programs that draw it are built. Prints a line a step, and at the end what to open.
 #   cat           ends when the cat is drawn, as out/cat.png
@@ -264,7 +264,7 @@ for name in aleph fish; do "$programs/make_cage" "$data/$name.svg" --picture out
   aleph.svg out/aleph_made.svg fish.svg out/fish_made.svg character.obj out/character_made.png
 
 step "a character for a game"
-# What a game takes: a packed binding with the dance, and glTF files as a skin and as morph targets.
+# A game takes these: a packed binding with the dance, and glTF files as a skin and as morph targets.
 "$programs/bind_mesh" out/character.obj --cage out/character_cage.obj --clip out/character_clip.csv \
   --coordinates harmonic --max-distance 0.001 -o out/character.figure --report >>$report
 "$programs/export_gltf" out/character.obj --cage out/character_cage.obj --clip out/character_clip.csv --max-distance 0.01 \

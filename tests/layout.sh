@@ -12,7 +12,8 @@ count() { # WHAT FOUND MOST: fails where there is more than MOST
 }
 included=$(find include -mindepth 2 -maxdepth 3 -name '*.hpp') # by users
 public=$(printf '%s\n' "$included"; find include -path '*/types/*.hpp')
-faults=$(find include tests examples bench README.md \( -name '*.hpp' -o -name '*.cpp' -o -name '*.md' \) ! -path 'examples/site/*' \
+faults=$(find include tests examples bench cmake README.md \( -name '*.hpp' -o -name '*.cpp' -o -name '*.md' -o -name '*.[ch]' \
+  -o -name '*.py' -o -name '*.js' -o -name '*.ts' -o -name '*.cs' -o -name '*.sh' -o -name '*.awk' -o -name '*.cmake' \) ! -path 'examples/site/*.md' \
   -exec "$awk" -f tests/plain_english.awk {} +)
 printf '%s\n' "$faults"
 count 'sentences that open with "Of", "The same", "That of" or "What"' "$(printf '%s' "$faults" | grep -c .)" 0

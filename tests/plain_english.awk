@@ -31,6 +31,16 @@ FILENAME ~ /\.md$/ {
   }
   next
 }
+# Other languages: comments of whole lines, each by itself.
+FILENAME !~ /\.[ch]pp$/ {
+  if ($0 ~ /^ *(\/\/|\/\*|\*|#|""")/) {
+    words = $0
+    sub(/^ *(\/\/+|\/\*+|\*+|#+|""")[!<]* */, "", words)
+    add(words)
+    flush_text()
+  }
+  next
+}
 # A comment behind code, a new comment, or a line that begins an entry of a list such as "///   cost   O(n)".
 /\/\/[\/!]?<? / || /^ *\/\/\/?$/ {
   words = $0

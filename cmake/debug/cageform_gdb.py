@@ -16,7 +16,7 @@ def short(value):
 
 
 def size_of(vector):
-    """Of a std::vector, of libstdc++ or libc++."""
+    """Returns the size of a std::vector, of libstdc++ or libc++."""
     try:
         begin, end = vector["_M_impl"]["_M_start"], vector["_M_impl"]["_M_finish"]
     except gdb.error:
@@ -79,7 +79,7 @@ class StridedPoints:
 
 
 class Bound:
-    """What has so many points and handles as `counts` of the types below says."""
+    """Prints a value that has as many points and handles as `counts` of the types below says."""
 
     def __init__(self, value):
         self.value = value

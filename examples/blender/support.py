@@ -1,4 +1,4 @@
-"""What the tests of the add-on share: scenes, and the positions that the Python package gives for the same meshes."""
+"""Helpers of the add-on's tests: scenes, and the positions that the Python package gives for the same meshes."""
 
 import os
 import tempfile

@@ -1,4 +1,4 @@
-"""What is written is the motion that Blender shows: shape keys, glTF, packed figures."""
+"""Files hold the motion that Blender shows: shape keys, glTF, packed figures."""
 
 import os
 import unittest

@@ -10,7 +10,7 @@ from support import *
 
 
 def push(what):
-    """What the window does after a command; in the background nobody does."""
+    """Adds a step for undo, as the window does after a command; in the background nobody does."""
     bpy.ops.ed.undo_push(message=what)
 
 

@@ -153,7 +153,7 @@ class Pins(unittest.TestCase):
         self.assert_refused(other, 'remove them first')
 
     def test_refused(self):
-        """What cannot be pinned is refused by a sentence that names the way out."""
+        """Vertices that cannot be pinned are refused by a sentence that names the way out."""
         self.assert_refused(self.figure, 'No vertex is selected', [])
         self.assert_refused(self.figure, 'at most 50', list(range(60)))
         self.cage.modifiers.new('Wave', 'WAVE')

@@ -16,7 +16,7 @@ namespace Cageform
         /// Its number, which never changes, and its name, as "blob_corrupt".
         public readonly int Code;
         public readonly string Name;
-        /// What it names: of pins the number of the pin or handle, of a file the part, as four letters; or null.
+        /// The culprit: the number of a pin or handle, or the part of a file by its four letters; null if there is none.
         public readonly string Culprit;
 
         internal CageformException(int code, string culprit = null, string message = null)

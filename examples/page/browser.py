@@ -160,7 +160,7 @@ class Browser:
         return self.call('Runtime.getHeapUsage')['usedSize']
 
     def faults(self):
-        """What the page has complained about."""
+        """Returns the complaints of the page."""
         texts = []
         for event in self.events:
             parameters = event.get('params', {})

@@ -153,7 +153,7 @@ ANY_ORDER = '''(seed => {
 
 
 def test_any_order(page, first):
-    """What a user can do to cages, in any order; undo leads back to the beginning."""
+    """A user changes cages in any order; undo leads back to the beginning."""
     page.click('[data-figure=cat]')
     page.click('[data-cage=polygon]')
     faults = []

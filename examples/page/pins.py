@@ -97,7 +97,7 @@ def test_drags(page):
 
 
 def test_clicks(page):
-    """Of the pose that the drag has left: pins are set in what is bent."""
+    """Pins are set in the pose that the drag has left, where the figure is bent."""
     away(page)
     count, posed = page.run('page.pins.points.length'), page.run(POSE)
     worst = 0

@@ -17,7 +17,7 @@ from hostile import hostile_svg
 from pins import test_pins
 from support import BUILT, DATA, PROGRAMS, TYPES, Page, check, compare_pictures, farthest, native_places, pairs, read_csv
 
-# What is hard to get right of SVG: arcs, flags without spaces, use, nested transforms, percentages, styles, text.
+# These parts of SVG are hard to get right: arcs, flags without spaces, use, nested transforms, percentages, styles, text.
 HARD_SVG = '''<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink" viewBox="-20 -10 240 180" width="120mm">
 <style>.thick { stroke-width: 7px; } rect { fill: #7b5 }</style>
 <defs><g id="leaf"><path d="M0 0q20-25 40 0t40 0l-8 20z"/></g><linearGradient id="sky"><stop stop-color="#39c"/><stop offset="1" stop-color="#9cf"/></linearGradient>
@@ -90,7 +90,7 @@ def test_selection(page):
 
 
 def test_native(page, folder):
-    """Of the pose that the drags have left."""
+    """Compares the pose that the drags have left with the native programs."""
     page.drag_vertex(5, -25, -30)
     cage, pose = pairs(page.run('Array.from(page.cage.rest)')), pairs(page.pose())
     for coordinates in TYPES:
@@ -239,7 +239,7 @@ def test_script(page, folder):
 
 
 def test_expansion(page, folder):
-    """What expands to millions of instances is refused by name."""
+    """A drawing that expands to millions of instances is refused by name."""
     cases = {'use': NESTED_SVG, 'pattern': chain_svg('pattern', 'fill'), 'mask': chain_svg('mask', 'mask'), 'clip': chain_svg('clipPath', 'clip-path'),
              'marker': chain_svg('marker', 'marker-mid'), 'style': chain_svg('pattern', 'class').replace('</svg>', '<style>%s</style></svg>' % ''.join('.u%d { fill: url(#u%d) } ' % (k, k) for k in range(8)))}
     before = page.run('page.figure.name')

@@ -40,7 +40,7 @@ print(\"Debian $1: Python %s, numpy %s, cageform %s\" % (sys.version.split()[0],
   rm -rf --one-file-system "$bare"
 }
 
-# What the tests compare with, in C++.
+# The tests compare with this program in C++.
 c++ -std=c++20 -O2 -DNDEBUG -DCAGEFORM_COMPILED -Iinclude examples/python/beside.cpp -o "$work/beside" -L"$lib" -lcageform \
   -Wl,-rpath,"$lib"
 case ${1-} in

@@ -116,7 +116,7 @@ def comment(lines):
 
 
 def in_room(text, room):
-    """What a header declares, as a part of its room."""
+    """Makes the declarations of a header a part of its room."""
     begin = "\n/// \\addtogroup room_%s\n/// @{\n" % room
     text = text.replace("namespace cageform::inline CAGEFORM_ABI", "namespace cageform")
     text = re.sub(r"^namespace [\w:]+ \{$", lambda m: m[0] + begin, text, flags=re.M)

@@ -24,7 +24,7 @@ WIDE = '''(() => {
 
 
 def results(browser):
-    """What the search has found: a page of its own in a frame, for files one of another origin."""
+    """Returns the results of the search: a page of its own in a frame, for files one of another origin."""
     for frame in browser.call('Page.getFrameTree')['frameTree'].get('childFrames', []):
         world = browser.call('Page.createIsolatedWorld', {'frameId': frame['frame']['id']})
         return browser.call('Runtime.evaluate', {
@@ -46,7 +46,7 @@ def main(site, out):
         browser.call('Page.navigate', {'url': 'file://' + os.path.abspath(os.path.join(site, page))})
         browser.wait("document.readyState === 'complete' && location.href.includes('%s')" % page)
 
-    # Of the pages that Doxygen makes alike, every fifth.
+    # Doxygen makes many pages alike: every fifth is opened.
     alike = [page for page in pages if re.match(r'class|struct|concept|\w+_8hpp', page)]
     for page in [page for page in pages if page not in alike] + alike[::5]:
         browser.resize(*DESKTOP)

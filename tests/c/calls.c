@@ -575,7 +575,7 @@ static void test_pins(void) {
     cageform_free(coordinates);
 }
 
-/* What is refused, and by which name. */
+/* Wrong arguments are refused, each by its name. */
 static void test_refusals(void) {
     cageform_cage cage = square_cage();
     cageform_coordinates* coordinates = coordinates_of(cage, CAGEFORM_MEAN_VALUE, CAGEFORM_FLOAT);

@@ -517,7 +517,7 @@ report $ok "the vertices' come first, then those of the fans' vectors"
 works "weights, with no streams to print to" sh -c "'$programs/cage_weights' --cage box.obj --points inner.csv --coordinates harmonic -o closed.csv >&- 2>&-"
 cmp -s polygons.csv closed.csv && ok=yes || ok=no
 report $ok "what would be printed is not in the file"
-# What a game loads: sizes told, no half-written file.
+# A game loads these files: sizes are told, no file is half-written.
 bind="$programs/bind_mesh"
 works "a packed character" "$bind" character.obj --cage character_cage.obj --clip folder/character/character_clip.csv \
   --largest 8 --format int16 -o character.figure --report

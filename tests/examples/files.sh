@@ -1,5 +1,5 @@
 # shellcheck shell=sh disable=SC2013,SC2086,SC2154 # lists of names are meant to be split; command_line.sh has set the rest
-# Sourced by command_line.sh. What holds of every program that takes files, and of every option that takes one:
+# Sourced by command_line.sh. These laws hold for every program that takes files, and for every option that takes one:
 #   no input is written over, by whatever name;
 #   no name of a file commands the terminal;
 #   pictures show no files that a drawing links to.

@@ -1,6 +1,6 @@
 #!/bin/sh
 # Usage: run.sh PROGRAMS PLAYBACK FOLDER
-# What export_gltf and make_hand write: every kind of file is played by a second reader (PLAYBACK) and compared with the clone, and
+# Every kind of file that export_gltf and make_hand write is played by a second reader (PLAYBACK) and compared with the clone, and
 # has neither errors nor warnings of Khronos' validator, which is installed from npm into FOLDER. Wrong arguments
 # and broken files exit with 1, name the culprit and leave nothing behind. Exit code 77: no npm here, all else passed.
 set -u

@@ -36,7 +36,7 @@ while read -r drawing; do
     printf '%-40s refused: %s\n' "$title" "$(tail -n 1 "$name.still.txt" "$name.motion.txt" 2>/dev/null | grep -v '^=' | grep -v '^$' | tail -n 1 | cut -c1-150)"
     continue
   fi
-  # The same picture grown to all frames: both are drawn in the view of the motion.
+  # The picture grows to all frames: both are drawn in the view of the motion.
   view=$(grep -o 'viewBox="[^"]*"' "$name.03.svg" | head -n 1)
   [ "$view" = "$(grep -o 'viewBox="[^"]*"' "$name.svg" | head -n 1)" ] || {
     "$programs/deform_svg" "$drawing" --cage auto -o "$name.svg" --fit 2>/dev/null

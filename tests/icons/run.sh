@@ -2,7 +2,7 @@
 # Usage: run.sh [EVERY]
 # 3,500 icons that nobody here drew, of four themes that Debian has: all different ones of Tango and Adwaita, and as many of Breeze and of
 # Papirus as make up the number, spread evenly. With EVERY, each EVERY-th of these. deform_svg takes each through
-# the identity pose and through a bend. What rsvg-convert draws is compared with the icon, and with the picture of the icon
+# the identity pose and through a bend. The drawings of rsvg-convert are compared with the icon, and with the picture of the icon
 # bent (judge.cpp). Prints a table a theme; out/icons/ gets rows.txt, the pictures of those that differ most, and a sheet
 # of the worst twenty: at rest, expected, bent. Takes some minutes; not part of CI.
 # ICONS is the folder of the themes (/usr/share/icons), PROGRAMS and JOBS are that of deform_svg and the processes at a time.

@@ -112,7 +112,7 @@ class Program:
         return "out of time" if code in (-24, -9) else "crashed" if code < 0 else "failed" if code else ""
 
     def judge(self, mutant, most):
-        """What kills the mutant, if anything does, and how many cases it passes."""
+        """Returns the test that kills the mutant, if one does, and how many cases it passes."""
         spent, passed = 0.0, 0
         for seconds, name, reached in self.cases:
             if mutant.number not in reached or spent > most:

@@ -1,4 +1,4 @@
-"""What the add-on keeps in the .blend, with the object that is bound."""
+"""Properties that the add-on keeps in the .blend, with the object that is bound."""
 
 import bpy
 

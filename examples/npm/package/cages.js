@@ -12,7 +12,7 @@ const KINDS = {
   sites: CONSTANTS.SITES,
 };
 
-/** What lies inside of a cage. */
+/** The fields of a cage for the cells inside. */
 const CELLS = ['cellVertices', 'bones', 'walls'];
 function cellsOf({ cellVertices = 0, bones = [], walls }) {
   if (!Array.isArray(bones)) refuse('bones: an array of { a, b, radius } is needed');

@@ -21,7 +21,7 @@ export function refuse(message) {
   throw new CageformError('argument_refused', message);
 }
 
-/** What a call that fails in the module throws, to leave it. */
+/** The exception by which a call that fails leaves the module. */
 class Left {
   constructor(code) {
     this.code = code;
@@ -353,10 +353,10 @@ class Kept {
 
 const dropped = new FinalizationRegistry(kept => kept.release());
 
-/** What constructors that are not for callers take first. */
+/** The first argument of constructors that are not for callers. */
 export const MADE = Symbol('made');
 
-/** What the caller holds of an object of the library. */
+/** The base of classes that own an object of the library. */
 export class Owner {
   #kept = null;
 
@@ -376,7 +376,7 @@ export class Owner {
     return this._kept.at;
   }
 
-  /** Frees the memory now, not when the garbage is collected. What was made of the object stays usable. */
+  /** Frees the memory now, not when the garbage is collected. Objects made of this one stay usable. */
   free() {
     if (this.#kept === null) return;
     this.#kept.engine.ended || this.#kept.engine.ready();

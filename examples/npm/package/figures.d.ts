@@ -1,4 +1,4 @@
-// What a page runs every frame.
+// Types of the functions of every frame.
 
 import type { LibraryStatus, ReportNumbers } from './layout.js';
 
@@ -63,7 +63,7 @@ export interface Cloned {
 
 declare class Owner {
   protected constructor();
-  /** Frees the memory now; else the garbage collection does. What was made of the object stays usable. */
+  /** Frees the memory now; else the garbage collection does. Objects made of this one stay usable. */
   free(): void;
 }
 
@@ -112,7 +112,7 @@ export class Clip extends Owner {
   readonly dimension: 2 | 3;
   readonly scalar: Scalar;
   readonly name: string | null;
-  /** What pack() takes, if compileClip() made the clip. */
+  /** The bytes that pack() takes, if compileClip() made the clip. */
   readonly bytes: Uint8Array | null;
   /** The cage's vertices at a time. */
   sample(time: number, out?: Array32or64): Array32or64;
@@ -121,7 +121,7 @@ export class Clip extends Owner {
 /** Opens a packed figure, whose bytes are copied. */
 export function open(bytes: ArrayBuffer | ArrayBufferView, options?: { skipChecksum?: boolean }): Figure;
 
-/** What init() takes: bytes, a compiled module, a response or its promise, or an address. */
+/** The sources that init() takes: bytes, a compiled module, a response or its promise, or an address. */
 export type Source = ArrayBuffer | ArrayBufferView | WebAssembly.Module | Response | URL | string;
 
 /** The version of the library. */

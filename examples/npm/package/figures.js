@@ -1,4 +1,4 @@
-// What is called every frame: figures and clips.
+// Figures and clips, which are called every frame.
 
 import { CageformError, MADE, NONE, Owner, aligned, refuse, scalarOf, started } from './engine.js';
 import { bytesOf, classOf, nameOf, number, options, output, points, whole } from './numbers.js';

@@ -21,11 +21,11 @@ export function init(source?: Source | Promise<Source>): Promise<void>;
 export type Progress = (done: number) => boolean | void;
 
 declare class Owner {
-  /** Frees the memory now; else the garbage collection does. What was made of the object stays usable. */
+  /** Frees the memory now; else the garbage collection does. Objects made of this one stay usable. */
   free(): void;
 }
 
-/** What lies inside a polygon or a mesh of triangles, for harmonic coordinates. */
+/** Cells inside a polygon or a mesh of triangles, for harmonic coordinates. */
 export interface CageCells {
   /** So many of the last vertices are not on the boundary; they are handles too. */
   cellVertices?: number;
@@ -97,7 +97,7 @@ export type CoordinatesKind =
 export interface CoordinatesOptions {
   /** Mean value; splines of a lattice, Green of curves, Sibson of sites. */
   kind?: CoordinatesKind;
-  /** Of weights, poses and clones: float32. */
+  /** The scalar of weights, poses and clones; float32 if it is left out. */
   scalar?: Scalar;
   /** Harmonic: the largest error of a weight; 0: 1e-3. */
   accuracy?: number;
@@ -111,7 +111,7 @@ export interface CoordinatesOptions {
 /** Coordinates of a cage. */
 export class Coordinates extends Owner {
   constructor(cage: Cage, options?: CoordinatesOptions);
-  /** Of several cages over one figure, such as a body and a head; where they overlap, they are blended by depth. Mean value or
+  /** Makes coordinates of several cages over one figure, such as a body and a head; where they overlap, they are blended by depth. Mean value or
    *  harmonic. Handles are those of the first cage, then of the next. */
   static blend(cages: readonly Cage[], options?: CoordinatesOptions): Coordinates;
   readonly kind: CoordinatesKind;

@@ -1,4 +1,4 @@
-// What a page runs every frame: packed figures and their clips.
+// The functions of every frame: packed figures and their clips.
 
 import { start } from './engine.js';
 import { open } from './figures.js';

@@ -1,4 +1,4 @@
-// What the tests share.
+// Helpers of the tests.
 
 export function assert(holds, message) {
   if (!holds) throw new Error(message);
@@ -17,7 +17,7 @@ export function difference(a, b) {
 export const sameBits = (a, b, what) =>
   assert(a.length === b.length && a.every((x, i) => Object.is(x, b[i]) || x === b[i]), `${what}: other bits`);
 
-/** What a call throws, which has to be a CageformError of a status. */
+/** Returns the CageformError, of a status, that a call has to throw. */
 export function refused(cageform, status, call) {
   try {
     call();

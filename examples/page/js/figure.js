@@ -330,7 +330,7 @@ function markVertices(shape, target) {
   return path;
 }
 
-/** What is filtered: { element, reach, map, back, inside, region }. `reach` is how far in the element's units a filter paints beyond what
+/** Each filtered element is { element, reach, map, back, inside, region }. `reach` is how far in the element's units a filter paints beyond what
  *  it is given, `inside` the shapes of the element; `region` is the filter element where its region is in user space, else null. */
 function filtersOf(root, shapes) {
   return [...root.querySelectorAll('*')].flatMap(element => {

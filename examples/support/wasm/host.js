@@ -1,4 +1,4 @@
-// What a WebAssembly module of the library needs around it: for the page and for the npm package.
+// The host of a WebAssembly module of the library, for the page and for the npm package.
 
 /** The imports of WASI's C library: a clock, and no output; and `own` functions. `memory` returns the module's. */
 function wasiHost(memory, own) {

@@ -1,4 +1,4 @@
-"""Arrays of numpy as the library takes them. What it can read or write where it lies is not copied."""
+"""Arrays of numpy as the library takes them. Arrays that it can use where they lie are not copied."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is done every frame: figures are cloned, clips are played."""
+"""Functions of every frame: figures are cloned, clips are played."""
 
 from __future__ import annotations
 

@@ -34,7 +34,7 @@ def _free(address: int, _: Tuple[Any, ...], free: Any = library.cageform_free) -
 
 
 class Owner:
-    """What the classes of objects share."""
+    """The base of classes that own an object of the library."""
 
     _object: Handle
 
@@ -44,7 +44,7 @@ class Owner:
 
 
 class Running:
-    """Threads and progress of a call. What progress raises is raised after the call. Ctrl-C cancels the call."""
+    """Threads and progress of a call. An exception of progress is raised after the call. Ctrl-C cancels the call."""
 
     def __init__(self, threads: Optional[int], progress: Progress) -> None:
         if threads is None:
