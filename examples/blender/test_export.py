@@ -94,3 +94,6 @@ class Export(unittest.TestCase):
         self.assertGreater((normals * own).sum(axis=1).min(), 0.999, 'normals stand as in the scene')
         bpy.ops.cageform.write_figure(filepath=path, clip=False)
         self.assertEqual(library.open(path).clips, 0)
+        with self.assertRaisesRegex(RuntimeError, 'The file cannot be written'):
+            bpy.ops.cageform.write_figure(filepath=os.path.join(folder, 'no folder', 'monkey.figure'))
+        self.assertEqual([name for name in os.listdir(folder) if name.endswith('.part')], [], 'nothing is half-written')

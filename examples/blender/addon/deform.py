@@ -71,18 +71,20 @@ def figure_of(binding):
 
 # ---- points ------------------------------------------------------------------------------------------------------------
 
+def places_of(elements):
+    numbers = np.empty(3 * len(elements), np.float32)
+    elements.foreach_get('co', numbers)
+    return numbers.reshape(-1, 3)
+
+
 def positions(mesh):
     """The vertices of a mesh: (#vertices, 3)."""
-    numbers = np.empty(3 * len(mesh.vertices), np.float32)
-    mesh.vertices.foreach_get('co', numbers)
-    return numbers.reshape(-1, 3)
+    return places_of(mesh.vertices)
 
 
 def key_positions(key):
     """The vertices of a shape key: (#vertices, 3)."""
-    numbers = np.empty(3 * len(key.data), np.float32)
-    key.data.foreach_get('co', numbers)
-    return numbers.reshape(-1, 3)
+    return places_of(key.data)
 
 
 def write_key(key, points):

@@ -1,17 +1,14 @@
 """The operators that write the motion: into shape keys, glTF, and packed figures for games."""
 
+import os
+
 import bpy
 import numpy as np
 
 from . import deform, library
-from .operators import active_binding
+from .operators import active_binding, is_bound, to_object_mode
 
 BAKED = 'Cageform frame '  # names of the shape keys of a bake begin so
-
-
-def is_bound(context):
-    binding = active_binding(context)
-    return binding is not None and binding.data is not None
 
 
 def keys_of(figure):
@@ -118,8 +115,7 @@ class WriteGltf(Motion, bpy.types.Operator):
         return {'RUNNING_MODAL'}
 
     def execute(self, context):
-        if context.mode != 'OBJECT':
-            bpy.ops.object.mode_set(mode='OBJECT')
+        to_object_mode(context)
         figure, frames = context.object, frames_of(context.scene, self.step)
         if all(key.mute for key in keys_of(figure)):
             self.report({'ERROR'}, 'The shape key that follows the cage is muted: turn it on.')
@@ -151,6 +147,17 @@ class WriteGltf(Motion, bpy.types.Operator):
                 item.select_set(True)
             context.view_layer.objects.active = figure
         return {'FINISHED'}
+
+
+def write_whole(path, numbers):
+    """Writes an array to a file, or leaves what was there."""
+    beside = path + '.part'
+    try:
+        numbers.tofile(beside)
+        os.replace(beside, path)
+    finally:
+        if os.path.exists(beside):
+            os.remove(beside)
 
 
 class WriteFigure(bpy.types.Operator):
@@ -190,10 +197,13 @@ class WriteFigure(bpy.types.Operator):
                                                               outside=settings['outside'], falloff=settings['falloff'])
             clips = {'scene': clip_of(binding, context)} if self.clip else {}
             packed, report = bound.pack(tolerance=self.loss * np.ptp(points, axis=0).max(), clips=clips)
+            write_whole(bpy.path.abspath(self.filepath), packed)
         except library.CageformError as error:
             self.report({'ERROR'}, deform.sentence(error))
             return {'CANCELLED'}
-        packed.tofile(bpy.path.abspath(self.filepath))
+        except OSError as error:
+            self.report({'ERROR'}, 'The file cannot be written: %s.' % error)
+            return {'CANCELLED'}
         self.report({'INFO'}, 'Wrote %d kB. Packing moves a vertex by at most %.2g' % (report.bytes // 1000, report.distance))
         return {'FINISHED'}
 

@@ -17,6 +17,16 @@ def active_binding(context):
     return its.bindings[its.active] if 0 <= its.active < len(its.bindings) else None
 
 
+def is_bound(context):
+    binding = active_binding(context)
+    return binding is not None and binding.data is not None
+
+
+def to_object_mode(context):
+    if context.mode != 'OBJECT':
+        bpy.ops.object.mode_set(mode='OBJECT')
+
+
 class Work(bpy.types.Operator):
     """Runs work(progress=…, threads=…) on a thread, with progress in the status bar and Escape to stop; without a window at
     once. It leaves a processor to the window."""
@@ -176,8 +186,7 @@ class RemoveCage(bpy.types.Operator):
         return active_binding(context) is not None
 
     def execute(self, context):
-        if context.mode != 'OBJECT':
-            bpy.ops.object.mode_set(mode='OBJECT')
+        to_object_mode(context)
         its = context.object.cageform
         deform.detach(active_binding(context))
         its.bindings.remove(its.active)
@@ -217,8 +226,7 @@ class Bind(Work):
             binding.refused = fault
             self.report({'ERROR'}, fault)
             return {'CANCELLED'}
-        if context.mode != 'OBJECT':
-            bpy.ops.object.mode_set(mode='OBJECT')
+        to_object_mode(context)
         settings, self.placed = deform.settings_of(binding), deform.place(binding)
         from_cage, from_mesh = self.placed
         points = deform.moved(deform.rest_positions(figure).astype(np.float64), from_mesh)
@@ -274,8 +282,7 @@ class SelectOutside(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        binding = active_binding(context)
-        return binding is not None and binding.data is not None and len(binding.data['outside']) > 0
+        return is_bound(context) and len(active_binding(context).data['outside']) > 0
 
     def execute(self, context):
         indices = np.frombuffer(active_binding(context).data['outside'], np.uint32)
@@ -311,8 +318,7 @@ class SelectFaults(bpy.types.Operator):
 
 def select(context, item, indices, mode):
     """Shows an object in edit mode with some of its vertices or faces selected."""
-    if context.mode != 'OBJECT':
-        bpy.ops.object.mode_set(mode='OBJECT')
+    to_object_mode(context)
     item.hide_viewport = False
     item.hide_set(False)
     bpy.ops.object.select_all(action='DESELECT')

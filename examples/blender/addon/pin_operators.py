@@ -4,7 +4,7 @@ import bpy
 from mathutils import Vector
 
 from . import deform, library, pins
-from .operators import Work, active_binding
+from .operators import Work, active_binding, is_bound, to_object_mode
 
 
 class AddPins(Work):
@@ -17,13 +17,11 @@ class AddPins(Work):
 
     @classmethod
     def poll(cls, context):
-        binding = active_binding(context)
-        return binding is not None and binding.data is not None
+        return is_bound(context)
 
     def execute(self, context):
         binding = active_binding(context)
-        if context.mode != 'OBJECT':
-            bpy.ops.object.mode_set(mode='OBJECT')
+        to_object_mode(context)
         self.chosen = [vertex.index for vertex in context.object.data.vertices if vertex.select]
         fault = deform.problem(binding, deform.figure_of(binding)) or pins.problem(binding)
         for other in deform.bindings():

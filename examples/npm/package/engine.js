@@ -82,10 +82,14 @@ export class Engine {
     }
   }
 
-  /** Throws if no call can be made now. */
-  ready() {
+  /** Throws if the library has ended. */
+  #goesOn() {
     if (this.ended)
       throw new CageformError('failed', 'the library has ended by a fault of its own; init() starts it again');
+  }
+  /** Throws if no call can be made now. */
+  ready() {
+    this.#goesOn();
     if (this.#busy) refuse('progress() may not call the library');
   }
 
@@ -118,8 +122,7 @@ export class Engine {
     if (code === 0) return;
     const status = STATUSES[code] ?? 'failed';
     if (report !== null) report.status = status;
-    if (this.ended)
-      throw new CageformError('failed', 'the library has ended by a fault of its own; init() starts it again');
+    this.#goesOn();
     throw new CageformError(
       status,
       report?.message || this.text(this.call('cageform_status_text', code)),

@@ -47,6 +47,13 @@ def numbers(given: npt.ArrayLike, name: str) -> Array:
     return array
 
 
+def _serves(array: Array, dtype: np.dtype[Any]) -> bool:
+    """Whether the library can use an array (count, width) of a type where it lies."""
+    (count, width), item, (row, column) = array.shape, array.itemsize, array.strides
+    in_rows = column == item and (count < 2 or row >= width * item and row % item == 0)
+    return array.dtype == dtype and in_rows and array.flags.aligned
+
+
 def points(given: npt.ArrayLike, name: str, dimension: Optional[int] = None, dtype: Optional[np.dtype[Any]] = None,
            dimensions: Tuple[int, ...] = (2, 3)) -> Array:
     """Returns points that the library can read: the array itself if it can, else a copy. `dtype` is the one
@@ -58,11 +65,7 @@ def points(given: npt.ArrayLike, name: str, dimension: Optional[int] = None, dty
                          (name, ' or '.join(map(str, allowed)), array.shape))
     if dtype is None:
         dtype = array.dtype if array.dtype in _SCALARS else np.dtype(np.float64)
-    item, (row, column) = array.itemsize, array.strides
-    in_rows = column == item and (len(array) < 2 or row >= array.shape[1] * item and row % item == 0)
-    if array.dtype == dtype and in_rows and array.flags.aligned:
-        return array
-    return np.array(array, dtype=dtype, order='C')
+    return array if _serves(array, dtype) else np.array(array, dtype=dtype, order='C')
 
 
 def output(out: Optional[Array], shape: Tuple[int, ...], dtype: np.dtype[Any]) -> Array:
@@ -76,9 +79,7 @@ def output(out: Optional[Array], shape: Tuple[int, ...], dtype: np.dtype[Any]) -
                          (shape, '' if out.flags.writeable else 'a read-only one of ', out.shape))
     if not np.can_cast(dtype, out.dtype, 'same_kind'):
         raise TypeError('out: real numbers, not %s' % out.dtype)
-    item, (row, column) = out.itemsize, out.strides
-    in_rows = column == item and (len(out) < 2 or row >= shape[1] * item and row % item == 0)
-    return out if out.dtype == dtype and in_rows and out.flags.aligned else np.empty(shape, dtype)
+    return out if _serves(out, dtype) else np.empty(shape, dtype)
 
 
 def give_back(written: Array, out: Optional[Array]) -> Array:

@@ -54,11 +54,15 @@ inline constexpr const char* own_name(cageform_status status) noexcept {
     }
 }
 
+/// The bytes of an object, without what follows it: at most 63 more than its own.
+template <class X>
+constexpr std::size_t object_bytes = (sizeof(X) + 63) / 64 * 64;
+
 /// Makes an object in the caller's memory, or in its own if that is null; `more` bytes follow it.
 template <class X, class Fill>
 cageform_status make_object(void* memory, std::size_t bytes, std::size_t more, const Fill& fill,
                             X** made) noexcept {
-    constexpr std::size_t line = 64, own = (sizeof(X) + line - 1) / line * line;
+    constexpr std::size_t line = 64, own = object_bytes<X>;
     static_assert(alignof(X) <= line);
     const bool is_callers = memory != nullptr;
     if (is_callers && (bytes < own + more || reinterpret_cast<std::uintptr_t>(memory) % line != 0))
@@ -76,9 +80,6 @@ cageform_status make_object(void* memory, std::size_t bytes, std::size_t more, c
     *made = object;
     return CAGEFORM_OK;
 }
-template <class X>
-constexpr std::size_t object_bytes = (sizeof(X) + 63) / 64 * 64;
-
 /// Finds the scalar and the dimension that a header says; those of a figure if it is too short for any.
 struct BlobType {
     std::uint32_t scalar = CAGEFORM_FLOAT, dimension = 3;
