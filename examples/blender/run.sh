@@ -1,5 +1,5 @@
 #!/bin/sh
-# Usage: sh examples/blender/run.sh [--build-only]
+# Usage: sh examples/blender/run.sh [--build-only | --benchmark [PRECISION]]
 # Writes out/cageform_blender.zip, the add-on with the library in it, and tests it in Blender: in the background and in a window
 # that nobody sees. Pictures are saved in out/blender/. Nothing is loaded but Debian packages.
 set -eu
@@ -23,6 +23,11 @@ fresh() { # with the settings of a new user, and a folder of its own for add-ons
   mkdir -p build/blender/user
   BLENDER_USER_SCRIPTS=$PWD/build/blender/user BLENDER_USER_CONFIG=$PWD/build/blender/user "$@"
 }
+if [ "${1:-}" = --benchmark ]; then # beside Mesh Deform at a precision
+  fresh blender -b --python-exit-code 1 --python examples/blender/benchmark.py -- out/cageform_blender.zip "${2:-5}" |
+    grep -E 'vertices in a cage|bind .* a frame'
+  exit
+fi
 fresh blender -b --python-exit-code 1 --python examples/blender/test.py -- out/cageform_blender.zip
 fresh xvfb-run -a -s '-screen 0 1280x800x24' blender --enable-event-simulate -p 0 0 1280 800 \
   --python examples/blender/window.py -- out/cageform_blender.zip out/blender
