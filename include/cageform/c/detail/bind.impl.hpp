@@ -275,7 +275,7 @@ cageform_status cageform_binding_list(const cageform_binding* binding, uint32_t 
                            &report.unreached,   &report.not_restored, &report.faded};
     const auto& its = *lists[list];
     *count = its.size();
-    std::copy_n(its.begin(), std::min(room, its.size()), indices);
+    std::copy_n(its.begin(), (std::min)(room, its.size()), indices);
     return CAGEFORM_OK;
 }
 
