@@ -12,7 +12,7 @@
 
 namespace cageform_examples {
 
-/// A file, or a pipe, read from its beginning in pieces.
+/// A file, or a pipe, read from its beginning in pieces. Several threads may open files.
 class InputFile {
 public:
     /// On failure `error()` says why: there is no such file, it is a folder or cannot be opened.
@@ -26,6 +26,8 @@ public:
 
     /// The reason of the first failure, with the path; empty while there is none.
     const std::string& error() const { return error_; }
+    /// Whether the failure may pass by itself: a disk or network that does not answer, too many open files.
+    bool may_pass() const { return may_pass_; }
 
     std::uintmax_t size() const { return size_; }              ///< bytes; 0 of a pipe
     std::uintmax_t bytes_read() const { return read_so_far_; } ///< so far
@@ -35,7 +37,11 @@ private:
     int descriptor_ = -1;
     std::uintmax_t size_ = 0, read_so_far_ = 0;
     std::string error_;
+    bool may_pass_ = false;
 };
+
+/// Whether a failure with this value of errno may pass by itself, so that another try makes sense.
+bool failure_may_pass(int code);
 
 /// The path by which this program has opened, as an InputFile, the file at `path`; empty where it has not.
 /// Both paths may lead to it by links, hard ones too, and detours.
