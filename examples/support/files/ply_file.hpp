@@ -65,8 +65,9 @@ public:
     /// for its records.
     bool begin(std::string_view element, const std::vector<std::string>& properties);
 
-    /// Appends the chosen numbers of the next records, at most `most` of them, in the order of the choice. A list is appended as its length and its numbers. Returns the number of records; 0 at their end
-    /// and after a failure: the file ends too early, or a word is no number.
+    /// Appends the chosen numbers of the next records, in the order of the choice: of `most` records, or of
+    /// all that are left. A list is appended as its length and its numbers. Returns the number of records; 0
+    /// at their end and after a failure: the file ends too early, or a word is no number.
     std::size_t read(std::size_t most, std::vector<double>& numbers);
 
     /// Returns the number of the next record of the element.
