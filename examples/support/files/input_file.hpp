@@ -4,9 +4,12 @@
 
 #include "svg/path.hpp"
 
+#include <cageform/core/detail/packed_memory.hpp>
+
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -29,6 +32,9 @@ public:
     /// Whether the failure may pass by itself: a disk or network that does not answer, too many open files.
     bool may_pass() const { return may_pass_; }
 
+    /// Reads what is left. Returns hash_memory of all bytes of the file; nothing where it cannot be read.
+    std::optional<std::uint64_t> hash_to_end();
+
     std::uintmax_t size() const { return size_; }              ///< bytes; 0 of a pipe
     std::uintmax_t bytes_read() const { return read_so_far_; } ///< so far
 
@@ -38,6 +44,7 @@ private:
     std::uintmax_t size_ = 0, read_so_far_ = 0;
     std::string error_;
     bool may_pass_ = false;
+    cageform::detail::MemoryHash hash_; // of the bytes read so far
 };
 
 /// Whether a failure with this value of errno may pass by itself, so that another try makes sense.

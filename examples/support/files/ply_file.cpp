@@ -12,7 +12,7 @@ namespace cageform_examples {
 
 namespace {
 
-constexpr std::size_t longest_line = std::size_t{1} << 24; // bytes
+constexpr std::size_t longest_ply_line = std::size_t{1} << 24; // bytes
 constexpr std::size_t most_properties = 4096;
 
 /// The names of the types, the old and the new ones.
@@ -128,7 +128,7 @@ std::optional<std::string_view> PlyReader::take_line() {
         end = buffer_.find('\n', at_ + searched);
         if (end != std::string::npos) break;
         searched = buffer_.size() - at_;
-        if (searched > longest_line) return std::nullopt;
+        if (searched > longest_ply_line) return std::nullopt;
         if (fill(searched + 1)) continue;
         if (searched == 0 || !file_.error().empty()) return std::nullopt;
         end = buffer_.size(); // the last line has no end
@@ -257,6 +257,12 @@ bool PlyReader::skip(std::uint64_t records) {
         if (!read_record(nullptr)) return false;
     }
     return true;
+}
+
+std::optional<std::uint64_t> PlyReader::hash_to_end() {
+    const auto hash = file_.hash_to_end();
+    if (!hash) (void)fail({});
+    return hash;
 }
 
 std::size_t PlyReader::read(std::size_t most, std::vector<double>& numbers) {
