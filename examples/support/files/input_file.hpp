@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -27,6 +28,10 @@ public:
     /// The reason of the first failure, with the path; empty while there is none.
     const std::string& error() const { return error_; }
 
+    /// All bytes, read by the system where they are touched; none on a failure, of a pipe, and of an empty file.
+    /// They live as long as this object, begin at a page, and several programs share them.
+    std::span<const std::byte> map();
+
     std::uintmax_t size() const { return size_; }              ///< bytes; 0 of a pipe
     std::uintmax_t bytes_read() const { return read_so_far_; } ///< so far
 
@@ -34,6 +39,39 @@ private:
     std::string path_;
     int descriptor_ = -1;
     std::uintmax_t size_ = 0, read_so_far_ = 0;
+    void* mapped_ = nullptr; // size_ bytes
+    std::string error_;
+};
+
+/// The lines of a file, or of a pipe, one after the other; memory holds little more than one of them.
+class LineReader {
+public:
+    /// On failure `error()` says why.
+    ///
+    ///   longest   a line of more bytes is an error
+    explicit LineReader(const std::string& path, std::size_t longest = ~std::size_t{0});
+
+    /// The next line without its \n, which lives until the next call; false at the end of the file and on an
+    /// error.
+    bool next(std::string_view& line);
+
+    /// Appends all that follows the last line.
+    void read_rest(std::string& text);
+
+    const std::string& error() const { return error_; }
+
+    /// Returns the number of the last line, counted from 1.
+    std::size_t line() const { return line_; }
+
+    /// Returns the share of the file that has been read, in [0, 1].
+    double fraction() const;
+
+private:
+    std::string path_;
+    InputFile file_;
+    std::size_t longest_;
+    std::string text_; // read and not yet taken, from at_
+    std::size_t at_ = 0, line_ = 0;
     std::string error_;
 };
 
