@@ -1,7 +1,9 @@
 #include "files/input_file.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
+#include <mutex>
 #include <set>
 #include <system_error>
 #include <utility>
@@ -19,6 +21,17 @@ static std::set<std::string>& inputs() {
     return all;
 }
 
+static std::mutex& lock_of_inputs() {
+    static std::mutex lock;
+    return lock;
+}
+
+bool failure_may_pass(int code) {
+    constexpr std::array passing{EIO,    ENOSPC, EDQUOT, EMFILE, ENFILE,    ENOMEM,
+                                 EAGAIN, EBUSY,  ESTALE, EINTR,  ETIMEDOUT, ENETDOWN};
+    return std::find(passing.begin(), passing.end(), code) != passing.end();
+}
+
 InputFile::InputFile(std::string path)
     : path_(std::move(path)) {
     const auto refuse = [this](const std::string& why) { error_ = path_ + ": " + why; };
@@ -26,12 +39,14 @@ InputFile::InputFile(std::string path)
     struct stat status {};
     if (descriptor_ < 0 || fstat(descriptor_, &status) != 0) {
         const int code = errno;
+        may_pass_ = failure_may_pass(code);
         refuse(code == ENOENT ? "no such file"
                               : "cannot be opened: " + std::generic_category().message(code));
     } else if (S_ISDIR(status.st_mode)) {
         refuse("is a folder");
     } else if (S_ISREG(status.st_mode)) {
         size_ = std::uintmax_t(status.st_size);
+        const std::lock_guard guard(lock_of_inputs());
         inputs().insert(path_);
     }
 }
@@ -65,11 +80,13 @@ bool InputFile::read(std::string& text) {
     const int code = errno;
     text.resize(before + std::size_t(std::max<ssize_t>(count, 0)));
     read_so_far_ += text.size() - before;
+    may_pass_ = may_pass_ || (count < 0 && failure_may_pass(code));
     if (count < 0) error_ = path_ + ": cannot be read: " + std::generic_category().message(code);
     return count > 0;
 }
 
 std::string input_at(const std::filesystem::path& path) {
+    const std::lock_guard guard(lock_of_inputs());
     std::error_code none; // where one of them is no longer there
     for (const std::string& input : inputs()) {
         if (std::filesystem::equivalent(path, input, none)) return input;

@@ -13,7 +13,7 @@
 
 namespace cageform_examples {
 
-/// A file, or a pipe, read from its beginning in pieces.
+/// A file, or a pipe, read from its beginning in pieces. Several threads may open files.
 class InputFile {
 public:
     /// On failure `error()` says why: there is no such file, it is a folder or cannot be opened.
@@ -27,6 +27,8 @@ public:
 
     /// The reason of the first failure, with the path; empty while there is none.
     const std::string& error() const { return error_; }
+    /// Whether the failure may pass by itself: a disk or network that does not answer, too many open files.
+    bool may_pass() const { return may_pass_; }
 
     /// All bytes, read by the system where they are touched; none on a failure, of a pipe, and of an empty file.
     /// They live as long as this object, begin at a page, and several programs share them.
@@ -73,7 +75,11 @@ private:
     std::string text_; // read and not yet taken, from at_
     std::size_t at_ = 0, line_ = 0;
     std::string error_;
+    bool may_pass_ = false;
 };
+
+/// Whether a failure with this value of errno may pass by itself, so that another try makes sense.
+bool failure_may_pass(int code);
 
 /// The path by which this program has opened, as an InputFile, the file at `path`; empty where it has not.
 /// Both paths may lead to it by links, hard ones too, and detours.

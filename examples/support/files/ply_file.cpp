@@ -1,0 +1,357 @@
+#include "files/ply_file.hpp"
+
+#include "files/csv.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <charconv>
+#include <cstring>
+#include <utility>
+
+namespace cageform_examples {
+
+namespace {
+
+constexpr std::size_t longest_line = std::size_t{1} << 24; // bytes
+constexpr std::size_t most_properties = 4096;
+
+/// The names of the types, the old and the new ones.
+std::optional<PlyType> type_of(std::string_view word) {
+    constexpr std::array<std::array<std::string_view, 2>, 8> names{{{"char", "int8"},
+                                                                    {"uchar", "uint8"},
+                                                                    {"short", "int16"},
+                                                                    {"ushort", "uint16"},
+                                                                    {"int", "int32"},
+                                                                    {"uint", "uint32"},
+                                                                    {"float", "float32"},
+                                                                    {"double", "float64"}}};
+    for (std::size_t n = 0; n < names.size(); ++n) {
+        if (word == names[n][0] || word == names[n][1]) return PlyType(n);
+    }
+    return std::nullopt;
+}
+
+std::vector<std::string_view> words_of(std::string_view line) {
+    constexpr std::string_view blanks = " \t\r\f\v";
+    std::vector<std::string_view> words;
+    for (std::size_t from = line.find_first_not_of(blanks); from != std::string_view::npos;) {
+        const std::size_t to = std::min(line.find_first_of(blanks, from), line.size());
+        words.push_back(line.substr(from, to - from));
+        from = line.find_first_not_of(blanks, to);
+    }
+    return words;
+}
+
+template <class X>
+double number_at(const char* bytes, bool swapped) {
+    std::array<char, sizeof(X)> of_number;
+    std::copy_n(bytes, sizeof(X), of_number.begin());
+    if (swapped) std::reverse(of_number.begin(), of_number.end());
+    return double(std::bit_cast<X>(of_number));
+}
+
+double number_at(const char* bytes, PlyType type, bool swapped) {
+    switch (type) {
+    case PlyType::int8: return number_at<std::int8_t>(bytes, swapped);
+    case PlyType::uint8: return number_at<std::uint8_t>(bytes, swapped);
+    case PlyType::int16: return number_at<std::int16_t>(bytes, swapped);
+    case PlyType::uint16: return number_at<std::uint16_t>(bytes, swapped);
+    case PlyType::int32: return number_at<std::int32_t>(bytes, swapped);
+    case PlyType::uint32: return number_at<std::uint32_t>(bytes, swapped);
+    case PlyType::float32: return number_at<float>(bytes, swapped);
+    case PlyType::float64: return number_at<double>(bytes, swapped);
+    }
+    return 0;
+}
+
+bool is_swapped(PlyEncoding encoding) {
+    return (encoding == PlyEncoding::big_endian) == (std::endian::native == std::endian::little);
+}
+
+} // namespace
+
+std::size_t bytes_of(PlyType type) {
+    constexpr std::array<std::size_t, 8> bytes{1, 1, 2, 2, 4, 4, 4, 8};
+    return bytes[std::size_t(type)];
+}
+
+std::optional<std::size_t> PlyElement::find(std::string_view property) const {
+    for (std::size_t n = 0; n < properties.size(); ++n) {
+        if (properties[n].name == property) return n;
+    }
+    return std::nullopt;
+}
+
+std::optional<std::size_t> PlyElement::record_bytes() const {
+    std::size_t bytes = 0;
+    for (const PlyProperty& property : properties) {
+        if (property.count) return std::nullopt;
+        bytes += bytes_of(property.type);
+    }
+    return bytes;
+}
+
+const PlyElement* PlyHeader::find(std::string_view element) const {
+    for (const PlyElement& each : elements) {
+        if (each.name == element) return &each;
+    }
+    return nullptr;
+}
+
+PlyReader::PlyReader(const std::string& path)
+    : path_(path)
+    , file_(path) {
+    (void)read_header();
+    std::size_t most = 0;
+    for (const PlyElement& element : header_.elements) most = std::max(most, element.properties.size());
+    of_record_.resize(most);
+}
+
+bool PlyReader::fail(const std::string& why) {
+    if (error_.empty()) error_ = file_.error().empty() ? path_ + ": " + why : file_.error();
+    return false;
+}
+
+bool PlyReader::fill(std::size_t bytes) {
+    if (buffer_.size() - at_ >= bytes) return true;
+    buffer_.erase(0, at_);
+    at_ = 0;
+    while (buffer_.size() < bytes) {
+        if (!file_.read(buffer_)) return false;
+    }
+    return true;
+}
+
+std::optional<std::string_view> PlyReader::take_line() {
+    std::size_t end = std::string::npos;
+    for (std::size_t searched = 0; end == std::string::npos;) {
+        end = buffer_.find('\n', at_ + searched);
+        if (end != std::string::npos) break;
+        searched = buffer_.size() - at_;
+        if (searched > longest_line) return std::nullopt;
+        if (fill(searched + 1)) continue;
+        if (searched == 0 || !file_.error().empty()) return std::nullopt;
+        end = buffer_.size(); // the last line has no end
+    }
+    std::string_view line(buffer_.data() + at_, end - at_);
+    at_ = std::min(end + 1, buffer_.size());
+    ++line_;
+    if (line.ends_with('\r')) line.remove_suffix(1);
+    return line;
+}
+
+bool PlyReader::read_property(std::string_view line) {
+    const auto words = words_of(line);
+    const bool is_list = words.size() == 5 && words[1] == "list";
+    if (header_.elements.empty() || (!is_list && words.size() != 3))
+        return fail("line " + std::to_string(line_) + ": \"" + std::string(line) +
+                    "\" is no property of an element");
+    PlyProperty property;
+    property.name = words.back();
+    const auto type = type_of(words[words.size() - 2]);
+    if (is_list) property.count = type_of(words[2]);
+    if (!type || (is_list && (!property.count || *property.count >= PlyType::float32)))
+        return fail("line " + std::to_string(line_) + ": \"" + std::string(line) +
+                    "\" has a type that PLY files do not have");
+    property.type = *type;
+    PlyElement& element = header_.elements.back();
+    if (element.find(property.name) || element.properties.size() == most_properties)
+        return fail("line " + std::to_string(line_) + ": the element " + element.name + " has the property " +
+                    property.name + " twice, or too many");
+    element.properties.push_back(std::move(property));
+    return true;
+}
+
+bool PlyReader::read_header() {
+    if (!fill(4) || !(buffer_.starts_with("ply\n") || buffer_.starts_with("ply\r")))
+        return fail("is no PLY file: it does not begin with \"ply\"");
+    (void)take_line();
+    bool has_format = false;
+    while (const auto line = take_line()) {
+        const auto words = words_of(*line);
+        const auto where = "line " + std::to_string(line_) + ": ";
+        if (words.empty()) continue;
+        if (words[0] == "end_header") {
+            if (!has_format) return fail("its header has no line \"format\"");
+            return true;
+        }
+        if (words[0] == "comment" || words[0] == "obj_info") {
+            const std::size_t begin = line->find(words[0]) + words[0].size();
+            header_.comments.emplace_back(detail::trim(line->substr(begin)));
+        } else if (words[0] == "format") {
+            const auto encoding = words.size() > 1 ? words[1] : std::string_view();
+            if (encoding != "ascii" && encoding != "binary_little_endian" && encoding != "binary_big_endian")
+                return fail(where + "the format is none of ascii, binary_little_endian, binary_big_endian");
+            header_.encoding = encoding == "ascii"                  ? PlyEncoding::ascii
+                               : encoding == "binary_little_endian" ? PlyEncoding::little_endian
+                                                                    : PlyEncoding::big_endian;
+            has_format = true;
+        } else if (words[0] == "element") {
+            PlyElement element;
+            const bool has_words = words.size() == 3;
+            const char* const end = has_words ? words[2].data() + words[2].size() : nullptr;
+            if (!has_words || header_.find(words[1]) != nullptr ||
+                std::from_chars(words[2].data(), end, element.count).ptr != end ||
+                element.count > std::uint64_t{1} << 48)
+                return fail(where + "\"" + std::string(*line) +
+                            "\" is no new element with a number of records");
+            element.name = words[1];
+            header_.elements.push_back(std::move(element));
+        } else if (words[0] == "property") {
+            if (!read_property(*line)) return false;
+        } else {
+            return fail(where + "\"" + std::string(words[0].substr(0, 40)) +
+                        "\" begins no line of a PLY file's header");
+        }
+    }
+    return fail("its header has no line \"end_header\"");
+}
+
+std::string PlyReader::place() const {
+    return header_.elements[element_].name + " " + std::to_string(position_);
+}
+
+/// Whether the file can hold all records of an element, as far as its size tells.
+bool PlyReader::fits(const PlyElement& element) const {
+    const auto bytes = element.record_bytes();
+    if (file_.size() == 0 || !bytes || header_.encoding == PlyEncoding::ascii || *bytes == 0) return true;
+    const std::uintmax_t left =
+        file_.size() - std::min(file_.size(), file_.bytes_read()) + buffer_.size() - at_;
+    return element.count <= left / *bytes;
+}
+
+bool PlyReader::begin(std::string_view name, const std::vector<std::string>& properties) {
+    if (!error_.empty()) return false;
+    const PlyElement* const element = header_.find(name);
+    if (element == nullptr) return fail("has no element " + std::string(name));
+    const auto number = std::size_t(element - header_.elements.data());
+    if (number < element_ || (number == element_ && position_ > 0))
+        return fail("the element " + std::string(name) + " has been read");
+    std::vector<std::size_t> chosen;
+    for (const std::string& property : properties) {
+        const auto found = element->find(property);
+        if (!found) return fail("its element " + std::string(name) + " has no property " + property);
+        chosen.push_back(*found);
+    }
+    chosen_.clear();
+    while (element_ < number) {
+        if (!skip(header_.elements[element_].count)) return false;
+        ++element_;
+        position_ = 0;
+    }
+    chosen_ = std::move(chosen);
+    offsets_.clear();
+    for (const std::size_t p : chosen_) {
+        std::size_t offset = 0;
+        for (std::size_t q = 0; q < p; ++q) offset += bytes_of(element->properties[q].type);
+        offsets_.push_back(offset);
+    }
+    if (!fits(*element))
+        return fail("is cut off: it is too short for the " + std::to_string(element->count) +
+                    " records of its element " + element->name);
+    return true;
+}
+
+bool PlyReader::skip(std::uint64_t records) {
+    for (; records > 0; --records) {
+        if (!read_record(nullptr)) return false;
+    }
+    return true;
+}
+
+std::size_t PlyReader::read(std::size_t most, std::vector<double>& numbers) {
+    if (!error_.empty() || element_ == header_.elements.size()) return 0;
+    const PlyElement& element = header_.elements[element_];
+    const auto count = std::size_t(std::min<std::uint64_t>(most, element.count - position_));
+    const std::size_t before = numbers.size();
+    for (std::size_t n = 0; n < count; ++n) {
+        if (read_record(&numbers)) continue;
+        numbers.resize(before);
+        return 0;
+    }
+    return count;
+}
+
+bool PlyReader::read_record(std::vector<double>* numbers) {
+    const bool read = header_.encoding == PlyEncoding::ascii ? read_line(numbers) : read_binary(numbers);
+    position_ += read ? 1 : 0;
+    return read;
+}
+
+bool PlyReader::take_number(PlyType type, double& number) {
+    const std::size_t bytes = bytes_of(type);
+    if (!fill(bytes)) return fail("is cut off in " + place());
+    number = number_at(buffer_.data() + at_, type, is_swapped(header_.encoding));
+    at_ += bytes;
+    return true;
+}
+
+bool PlyReader::read_binary(std::vector<double>* numbers) {
+    const auto& properties = header_.elements[element_].properties;
+    if (const auto bytes = header_.elements[element_].record_bytes()) {
+        if (!fill(*bytes)) return fail("is cut off in " + place());
+        const bool swapped = is_swapped(header_.encoding);
+        for (std::size_t k = 0; numbers != nullptr && k < chosen_.size(); ++k) {
+            const char* const from = buffer_.data() + at_ + offsets_[k];
+            numbers->push_back(number_at(from, properties[chosen_[k]].type, swapped));
+        }
+        at_ += *bytes;
+        return true;
+    }
+    for (std::size_t p = 0; p < properties.size(); ++p) {
+        of_record_[p].clear();
+        double number = 1;
+        if (properties[p].count) {
+            if (!take_number(*properties[p].count, number)) return false;
+            if (number < 0)
+                return fail(place() + ": the list " + properties[p].name + " has a negative length");
+            of_record_[p].push_back(number);
+        }
+        for (auto n = std::uint64_t(number); n > 0; --n) {
+            if (!take_number(properties[p].type, number)) return false;
+            of_record_[p].push_back(number);
+        }
+    }
+    for (std::size_t k = 0; numbers != nullptr && k < chosen_.size(); ++k)
+        numbers->insert(numbers->end(), of_record_[chosen_[k]].begin(), of_record_[chosen_[k]].end());
+    return true;
+}
+
+bool PlyReader::read_line(std::vector<double>* numbers) {
+    std::vector<std::string_view> words;
+    while (words.empty()) {
+        const auto line = take_line();
+        if (!line) return fail("is cut off in " + place());
+        words = words_of(*line);
+    }
+    const auto& properties = header_.elements[element_].properties;
+    std::size_t next = 0;
+    const auto take = [&](double& number) {
+        if (next == words.size())
+            return fail("line " + std::to_string(line_) + ": too few numbers for " + place());
+        const std::string why = detail::parse_number(words[next++], number);
+        return why.empty() || fail("line " + std::to_string(line_) + ": " + why);
+    };
+    for (std::size_t p = 0; p < properties.size(); ++p) {
+        of_record_[p].clear();
+        double number = 1;
+        if (properties[p].count) {
+            if (!take(number)) return false;
+            if (!(number >= 0 && number <= double(words.size())))
+                return fail("line " + std::to_string(line_) + ": the list " + properties[p].name +
+                            " is longer than its line");
+            of_record_[p].push_back(number);
+        }
+        for (auto n = std::uint64_t(number); n > 0; --n) {
+            if (!take(number)) return false;
+            of_record_[p].push_back(number);
+        }
+    }
+    if (next != words.size())
+        return fail("line " + std::to_string(line_) + ": too many numbers for " + place());
+    for (std::size_t k = 0; numbers != nullptr && k < chosen_.size(); ++k)
+        numbers->insert(numbers->end(), of_record_[chosen_[k]].begin(), of_record_[chosen_[k]].end());
+    return true;
+}
+
+} // namespace cageform_examples
