@@ -25,7 +25,6 @@
 
 #include <chrono>
 #include <iostream>
-#include <mutex>
 
 #include <nlohmann/json.hpp>
 
@@ -38,7 +37,7 @@ using cageform::Vec;
 struct Arguments {
     std::string figure, poses, rows = ":", mesh, out;
     double rate = 30;
-    std::size_t threads = 0;
+    std::size_t threads = 1;
     bool ascii = false, skip_existing = false, json = false;
 
     PosedFormat format() const {
@@ -105,7 +104,7 @@ private:
             return points;
         }
         std::vector<Vec<T, D>> pose(figure_.handle_count());
-        const auto report = cageform::pose_handles(figure_, *vertices, pose);
+        const auto report = cageform::pose_handles(figure_.points, *vertices, pose);
         Status status = report.status;
         points.resize(figure_.point_count());
         if (status == Status::ok) status = clone(figure_, pose, points);
@@ -118,7 +117,8 @@ private:
                               " faces of the cage have no area, so that the figure follows them wrongly";
         for (std::size_t i = 0; i < points.size() && outcome.fault.empty(); ++i) {
             if (!is_finite(points[i]))
-                refuse("point " + std::to_string(i) + " goes beyond the numbers of the figure: the pose is too large");
+                refuse("point " + std::to_string(i) +
+                       " goes beyond the numbers of the figure: the pose is too large");
         }
         return points;
     }
@@ -133,7 +133,7 @@ void print_line(const PoseRow& row, const Outcome& outcome) {
     nlohmann::ordered_json line = {{"row", row.row}, {"file", outcome.path}};
     line["status"] = !outcome.fault.empty() ? "failed" : outcome.skipped ? "skipped" : "written";
     if (!outcome.fault.empty()) {
-        line["error"] = printable(outcome.fault);
+        line["error"] = outcome.fault;
     } else if (!outcome.skipped) {
         line["bytes"] = outcome.bytes;
         line["seconds"] = outcome.seconds;
@@ -145,8 +145,8 @@ void print_line(const PoseRow& row, const Outcome& outcome) {
 template <class T, std::size_t D>
 int write_rows(const Arguments& given, const Cloner<T, D>& cloner, PoseRows<D>& poses, const RowRange& rows) {
     poses.skip(rows.first);
-    const cageform::ThreadedFor threads{given.threads};
-    const std::size_t together = 4 * threads.count(); // rows in memory
+    const cageform::ThreadedFor threads{unsigned(given.threads)};
+    const std::size_t together = 4 * std::max<std::size_t>(given.threads, 1); // rows in memory
     std::size_t done = 0, failed = 0;
     constexpr std::size_t most_messages = 20;
     std::vector<PoseRow> batch(together);
@@ -165,16 +165,18 @@ int write_rows(const Arguments& given, const Cloner<T, D>& cloner, PoseRows<D>& 
             if (!outcome.warning.empty()) warn(outcome.warning);
             ++done;
             if (outcome.fault.empty()) continue;
-            if (++failed <= most_messages) fail(outcome.fault);
+            if (++failed <= most_messages && !(stops && outcome.at_output)) fail(outcome.fault);
             stops = stops || outcome.at_output;
             may_pass = may_pass || outcome.may_pass;
         }
         if (given.json && !std::cout.flush()) return 1;
-        if (may_pass) return try_again;
-        if (stops) return 1;
+        if (may_pass)
+            note("this may pass: run the same line again, with --skip-existing to keep what is done");
+        if (stops) return may_pass ? try_again : 1;
     }
     if (failed > most_messages) note("and " + std::to_string(failed - most_messages) + " more");
-    if (failed > 0) note(std::to_string(failed) + " of " + std::to_string(done) + " rows failed; the others are done");
+    if (failed > 0)
+        note(std::to_string(failed) + " of " + std::to_string(done) + " rows failed; the others are done");
     if (!poses.error().empty()) return fail(poses.error());
     if (done == 0 && rows.first < rows.end)
         note(given.poses + ": has " + std::to_string(poses.row()) + " rows, so there is none to do");
@@ -205,8 +207,8 @@ int run_figure(const Arguments& given, const cageform::PackedFigureView<T, D>& f
         const auto mesh = load_obj(given.mesh);
         if (!mesh) return fail(to_string(mesh.error()));
         if (mesh->vertices.size() != figure.point_count())
-            return fail(given.mesh + ": has " + std::to_string(mesh->vertices.size()) + " vertices, the figure " +
-                        std::to_string(figure.point_count()) + " points");
+            return fail(given.mesh + ": has " + std::to_string(mesh->vertices.size()) +
+                        " vertices, the figure " + std::to_string(figure.point_count()) + " points");
         PosedFile file(given.format(), sizeof(T), *mesh);
         return write_rows(given, Cloner<T, D>(given, figure, std::move(file)), poses, rows);
     } else {
@@ -216,7 +218,8 @@ int run_figure(const Arguments& given, const cageform::PackedFigureView<T, D>& f
 
 /// Opens the figure as one of these scalars and dimensions.
 template <class T, std::size_t D>
-std::optional<int> try_figure(const Arguments& given, std::span<const std::byte> bytes, const RowRange& rows) {
+std::optional<int> try_figure(const Arguments& given, std::span<const std::byte> bytes,
+                              const RowRange& rows) {
     const auto opened = cageform::open<T, D>(bytes);
     if (opened.report.status == Status::blob_kind_differs) return std::nullopt;
     if (!opened) return fail(given.figure + ": " + cageform::to_string(opened.report.status));
@@ -225,9 +228,10 @@ std::optional<int> try_figure(const Arguments& given, std::span<const std::byte>
 
 int run_program(int argc, char** argv) {
     CommandLine line("Writes poses of a packed figure, a file a pose: rows of a table, or a clip.");
-    line.set_examples({"character.figure --poses poses.csv --rows 0:1000 -o 'out/%06d.ply'",
-                       "character.figure --poses walk.csv --rate 24 --mesh character.obj -o 'out/%04d.obj'",
-                       "character.figure --poses poses.csv --rows 5000:6000 --skip-existing --json -o 'out/%06d.npy'"});
+    line.set_examples(
+        {"character.figure --poses poses.csv --rows 0:1000 -o 'out/%06d.ply'",
+         "character.figure --poses walk.csv --rate 24 --mesh character.obj -o 'out/%04d.obj'",
+         "character.figure --poses poses.csv --rows 5000:6000 --skip-existing --json -o 'out/%06d.npy'"});
     Arguments given;
     line.add("figure", given.figure, "the packed figure that bind_mesh or bind_tiles writes").required();
     line.add("--poses", given.poses, "a table of poses of its cage, or a clip: a CSV file").required();
@@ -236,7 +240,8 @@ int run_program(int argc, char** argv) {
         return "\"" + text + "\" is not A:B, two whole numbers from 0 with A at most B";
     });
     line.add("-o,--output", given.out,
-             "the files to write, with %06d where the row's number goes: .ply, .obj, or .npy, an array of the points")
+             "the files to write, with %06d where the row's number goes: .ply, .obj, or .npy, an array of "
+             "the points")
         .required()
         .ends_with({".ply", ".obj", ".npy"})
         .check([](const std::string& text) -> std::string {
@@ -244,20 +249,23 @@ int run_program(int argc, char** argv) {
             return why.empty() ? why : "\"" + text + "\" " + why;
         });
     line.add("--mesh", given.mesh,
-             "the OBJ file that was bound: .obj files keep all that it holds, .ply files its faces; by default faces "
+             "the OBJ file that was bound: .obj files keep all that it holds, .ply files its faces; by "
+             "default faces "
              "are the triangles that the figure holds, if it has any");
     line.add("--rate", given.rate, "poses of a clip a second").range(1e-3, 1e6).show_default();
     line.add_flag("--ascii", given.ascii, "write .ply files as text, not as bytes");
     line.add_flag("--skip-existing", given.skip_existing, "leave files alone that are there already");
     line.add_flag("--json", given.json, "print a line of JSON a row: its file, status, bytes and seconds");
-    line.add("--threads", given.threads, "rows at a time; 0 means the processor's number").show_default();
-    line.set_footer(pose_table_format + std::string("\n") + pose_clip_format + "\n" + clip_format + "\n" + obj_format);
+    line.add("--threads", given.threads, "rows at a time").range(1, 1024).show_default();
+    line.set_footer(pose_table_format + std::string("\n") + pose_clip_format + "\n" + clip_format + "\n" +
+                    obj_format);
     if (const auto code = line.parse(argc, argv)) return *code;
     const RowRange rows = *RowRange::of(given.rows);
     if (given.ascii && given.format() != PosedFormat::ply_text)
         return fail("--ascii: only .ply files can be text or bytes; .obj files are text, .npy files bytes");
     if (!RowPath(given.out).has_place() && rows.end - rows.first != 1)
-        return fail("-o " + given.out + ": several rows would have one name: write %06d where the row's number goes, " +
+        return fail("-o " + given.out +
+                    ": several rows would have one name: write %06d where the row's number goes, " +
                     "or give one row, such as --rows 0:1");
 
     InputFile file(given.figure);

@@ -49,7 +49,8 @@ CutPath cut_path(std::string_view text) {
         text.remove_prefix(length);
         const bool is_width = width.empty() || (width.size() <= 3 && width.starts_with('0'));
         if (!is_width || !text.starts_with('d') || ++cut.places > 1)
-            cut.fault = "has a % that is no place for a row's number: write one %06d, or %% for a percent sign";
+            cut.fault =
+                "has a % that is no place for a row's number: write one %06d, or %% for a percent sign";
         if (width.size() > 1) std::from_chars(width.data(), width.data() + width.size(), cut.digits);
         if (!text.empty()) text.remove_prefix(1);
     }
@@ -73,7 +74,8 @@ RowPath::RowPath(const std::string& text) {
 std::string RowPath::of(std::size_t row) const {
     if (!has_place_) return before_;
     const std::string number = std::to_string(row);
-    return before_ + std::string(digits_ > number.size() ? digits_ - number.size() : 0, '0') + number + after_;
+    return before_ + std::string(digits_ > number.size() ? digits_ - number.size() : 0, '0') + number +
+           after_;
 }
 
 } // namespace cageform_examples

@@ -18,9 +18,9 @@ struct RowRange {
 };
 
 /// The text for --help.
-inline constexpr const char* rows_help =
-    "the rows to do, as A:B: from A, counted from 0, to before B; either may be left out, and B may be larger than "
-    "the number of rows";
+inline constexpr const char* rows_help = "the rows to do, as A:B: from A, counted from 0, to before B; "
+                                         "either may be left out, and B may be larger than "
+                                         "the number of rows";
 
 /// A path with a place for the number of a row: %d, or %06d for at least six digits. %% is one %.
 class RowPath {

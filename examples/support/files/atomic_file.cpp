@@ -87,7 +87,7 @@ void AtomicFile::open() {
         file_ = std::fopen(temporary_.c_str(), "wbx"); // x: never opens a file of someone else
         if (file_ == nullptr && errno != EEXIST) break;
     }
-    if (file_ == nullptr) return refuse(std::generic_category().message(errno));
+    if (file_ == nullptr) return refuse_code(errno);
     registered_ = temporary_.string();
     register_temporary(registered_.c_str());
 }
@@ -96,7 +96,7 @@ void AtomicFile::write(std::string_view text) {
     if (file_ == nullptr) return;
     errno = 0;
     if (std::fwrite(text.data(), 1, text.size(), file_) == text.size()) return;
-    refuse(std::generic_category().message(errno));
+    refuse_code(errno);
 }
 
 std::optional<std::string> AtomicFile::finish() {
@@ -110,7 +110,7 @@ std::optional<std::string> AtomicFile::finish() {
     if (!flushed || !closed) error.assign(flushed ? errno : code, std::generic_category());
     if (!error && std::filesystem::exists(status_))
         std::filesystem::permissions(temporary_, status_.permissions(), error);
-    if (error) refuse(error.message());
+    if (error) refuse_code(error.value());
     return error_;
 }
 
@@ -119,7 +119,7 @@ std::optional<std::string> AtomicFile::commit() {
     std::error_code error;
     std::filesystem::rename(temporary_, target_, error);
     if (error) {
-        refuse(error.message());
+        refuse_code(error.value());
         return error_;
     }
     in_place_ = true;
@@ -168,6 +168,11 @@ void AtomicFile::drop_old() {
 void AtomicFile::refuse(const std::string& why) {
     if (!error_) error_ = "cannot write " + path_.string() + ": " + why;
     abandon();
+}
+
+void AtomicFile::refuse_code(int code) {
+    may_pass_ = may_pass_ || (!error_ && failure_may_pass(code));
+    refuse(std::generic_category().message(code));
 }
 
 bool AtomicFile::refuse_input() {

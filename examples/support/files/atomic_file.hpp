@@ -41,6 +41,8 @@ public:
 
     /// The first failure so far.
     const std::optional<std::string>& error() const { return error_; }
+    /// Whether it may pass by itself (failure_may_pass()): the disk is full, or does not answer.
+    bool may_pass() const { return may_pass_; }
 
     /// Completes the temporary: what can fail has failed, but for the renaming. Nothing is written after
     /// it.
@@ -59,6 +61,7 @@ public:
 private:
     void open();
     bool refuse_input(); // whether it is a file that is read
+    void refuse_code(int code);
     void abandon();
 
     std::filesystem::path path_;
@@ -70,6 +73,7 @@ private:
     std::filesystem::file_status status_;
     std::FILE* file_ = nullptr;
     std::optional<std::string> error_;
+    bool may_pass_ = false;
 };
 
 /// All files that a program writes: none is in its place before all are complete.

@@ -86,7 +86,8 @@ public:
         std::string_view line;
         while (error_.empty() && points.size() < most && lines_.next(line)) {
             const std::string_view text = detail::trim(line);
-            if (text.empty() || text.front() == '#' || (lines_.line() == 1 && detail::is_header(text))) continue;
+            if (text.empty() || text.front() == '#' || (lines_.line() == 1 && detail::is_header(text)))
+                continue;
             std::array<double, D> p{};
             std::string why = detail::parse_point(text, p);
             for (const double x : p) {

@@ -132,8 +132,8 @@ bool LineReader::next(std::string_view& line) {
     if (!error_.empty() || !take_line(rest, line)) return false;
     ++line_;
     if (line.size() > longest_) {
-        error_ = path_ + ":" + std::to_string(line_) + ": the line has more than " + std::to_string(longest_) +
-                 " bytes";
+        error_ = path_ + ":" + std::to_string(line_) + ": the line has more than " +
+                 std::to_string(longest_) + " bytes";
         return false;
     }
     at_ = text_.size() - rest.size();

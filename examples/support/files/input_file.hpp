@@ -43,6 +43,7 @@ private:
     std::uintmax_t size_ = 0, read_so_far_ = 0;
     void* mapped_ = nullptr; // size_ bytes
     std::string error_;
+    bool may_pass_ = false;
 };
 
 /// The lines of a file, or of a pipe, one after the other; memory holds little more than one of them.
@@ -75,7 +76,6 @@ private:
     std::string text_; // read and not yet taken, from at_
     std::size_t at_ = 0, line_ = 0;
     std::string error_;
-    bool may_pass_ = false;
 };
 
 /// Whether a failure with this value of errno may pass by itself, so that another try makes sense.

@@ -27,7 +27,8 @@ SvgResult<cageform::CageClip<double, 2>> motion_of_clip(std::string_view text, c
     const auto clip = parse_clip(text, name, rest.size());
     if (!clip) return clip.error();
     if (clip->has_pins())
-        return SvgError{name + ": pins move points of the figure: animate_svg --save-clip makes keys of them"};
+        return SvgError{name +
+                        ": pins move points of the figure: animate_svg --save-clip makes keys of them"};
     std::vector<Point2> vertices;
     for (const auto& p : rest) vertices.push_back({p[0], p[1]});
     return make_clip(*clip, vertices);

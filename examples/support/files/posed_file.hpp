@@ -50,7 +50,7 @@ private:
 
     PosedFormat format_;
     const ObjFile* mesh_ = nullptr;
-    std::string head_, tail_; // before and after the points
+    std::string head_, tail_;   // before and after the points
     bool many_corners_ = false; // a face with more than 255
 };
 
