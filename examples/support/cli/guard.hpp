@@ -13,6 +13,9 @@ namespace cageform_examples {
 /// have these.
 std::string printable(std::string_view text);
 
+/// The exit code that asks for another try: EX_TEMPFAIL of sysexits.h.
+inline constexpr int try_again = 75;
+
 /// "program: message", printable; 1, the exit code of a failure.
 int fail(const std::string& message);
 void warn(const std::string& text); ///< "program: warning: text", printable

@@ -77,18 +77,17 @@ public:
     /// On failure `error()` says why.
     explicit PointReader(const std::string& path)
         : path_(path)
-        , file_(path) {
-        if (!file_.read(text_)) error_ = file_.error().empty() ? path + ": is empty" : file_.error();
-    }
+        , lines_(path)
+        , error_(lines_.error()) {}
 
     /// Fills `points` with the next at most `most` points; false at the end of the file or on an error.
     bool read(std::vector<std::array<double, D>>& points, std::size_t most) {
         points.clear();
         std::string_view line;
-        while (error_.empty() && points.size() < most && next_line(line)) {
-            ++line_;
+        while (error_.empty() && points.size() < most && lines_.next(line)) {
             const std::string_view text = detail::trim(line);
-            if (text.empty() || text.front() == '#' || (line_ == 1 && detail::is_header(text))) continue;
+            if (text.empty() || text.front() == '#' || (lines_.line() == 1 && detail::is_header(text)))
+                continue;
             std::array<double, D> p{};
             std::string why = detail::parse_point(text, p);
             for (const double x : p) {
@@ -98,43 +97,23 @@ public:
             if (why.empty())
                 points.push_back(p);
             else
-                error_ = path_ + ":" + std::to_string(line_) + ": " + why;
+                error_ = path_ + ":" + std::to_string(lines_.line()) + ": " + why;
         }
+        if (error_.empty()) error_ = lines_.error();
         return error_.empty() && !points.empty();
     }
 
     const std::string& error() const { return error_; }
 
     /// Returns the line of the last point read, counted from 1.
-    std::size_t line() const { return line_; }
+    std::size_t line() const { return lines_.line(); }
 
     /// Returns the share of the file that has been read, in [0, 1].
-    double fraction() const {
-        return file_.size() > 0 ? std::min(double(file_.bytes_read()) / double(file_.size()), 1.0) : 1.0;
-    }
+    double fraction() const { return lines_.fraction(); }
 
 private:
-    /// The next line, which lives until the next call; false at the end of the file and on an error.
-    bool next_line(std::string_view& line) {
-        std::size_t end = text_.find('\n', at_);
-        while (end == std::string::npos) {
-            text_.erase(0, at_);
-            at_ = 0;
-            const std::size_t searched = text_.size();
-            if (!file_.read(text_)) break;
-            end = text_.find('\n', searched);
-        }
-        error_ = file_.error();
-        std::string_view rest = std::string_view(text_).substr(at_);
-        if (!error_.empty() || !take_line(rest, line)) return false;
-        at_ = text_.size() - rest.size();
-        return true;
-    }
-
     std::string path_;
-    InputFile file_;
-    std::string text_; // read and not yet taken, from at_
-    std::size_t at_ = 0, line_ = 0;
+    LineReader lines_;
     std::string error_;
 };
 

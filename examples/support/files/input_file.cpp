@@ -10,6 +10,7 @@
 #include <utility>
 
 #include <fcntl.h>
+#include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -52,7 +53,21 @@ InputFile::InputFile(std::string path)
 }
 
 InputFile::~InputFile() {
+    if (mapped_ != nullptr) munmap(mapped_, std::size_t(size_));
     if (descriptor_ >= 0) close(descriptor_);
+}
+
+std::span<const std::byte> InputFile::map() {
+    if (!error_.empty() || size_ == 0) return {};
+    if (mapped_ == nullptr) {
+        void* const all = mmap(nullptr, std::size_t(size_), PROT_READ, MAP_PRIVATE, descriptor_, 0);
+        if (all == MAP_FAILED) {
+            error_ = path_ + ": cannot be mapped: " + std::generic_category().message(errno);
+            return {};
+        }
+        mapped_ = all;
+    }
+    return {static_cast<const std::byte*>(mapped_), std::size_t(size_)};
 }
 
 bool InputFile::read(std::string& text) {
@@ -101,6 +116,48 @@ bool take_line(std::string_view& text, std::string_view& line) {
     line = text.substr(0, end);
     text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
     return true;
+}
+
+LineReader::LineReader(const std::string& path, std::size_t longest)
+    : path_(path)
+    , file_(path)
+    , longest_(longest) {
+    if (!file_.read(text_)) error_ = file_.error().empty() ? path + ": is empty" : file_.error();
+}
+
+bool LineReader::next(std::string_view& line) {
+    if (!error_.empty()) return false;
+    std::size_t end = text_.find('\n', at_);
+    while (end == std::string::npos && text_.size() - at_ <= longest_) {
+        text_.erase(0, at_);
+        at_ = 0;
+        const std::size_t searched = text_.size();
+        if (!file_.read(text_)) break;
+        end = text_.find('\n', searched);
+    }
+    error_ = file_.error();
+    std::string_view rest = std::string_view(text_).substr(at_);
+    if (!error_.empty() || !take_line(rest, line)) return false;
+    ++line_;
+    if (line.size() > longest_) {
+        error_ = path_ + ":" + std::to_string(line_) + ": the line has more than " +
+                 std::to_string(longest_) + " bytes";
+        return false;
+    }
+    at_ = text_.size() - rest.size();
+    return true;
+}
+
+void LineReader::read_rest(std::string& text) {
+    text.append(text_, at_);
+    text_.clear();
+    at_ = 0;
+    while (file_.read(text)) continue;
+    if (error_.empty()) error_ = file_.error();
+}
+
+double LineReader::fraction() const {
+    return file_.size() > 0 ? std::min(double(file_.bytes_read()) / double(file_.size()), 1.0) : 1.0;
 }
 
 } // namespace cageform_examples

@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -35,6 +36,10 @@ public:
     /// Reads what is left. Returns hash_memory of all bytes of the file; nothing where it cannot be read.
     std::optional<std::uint64_t> hash_to_end();
 
+    /// All bytes, read by the system where they are touched; none on a failure, of a pipe, and of an empty file.
+    /// They live as long as this object, begin at a page, and several programs share them.
+    std::span<const std::byte> map();
+
     std::uintmax_t size() const { return size_; }              ///< bytes; 0 of a pipe
     std::uintmax_t bytes_read() const { return read_so_far_; } ///< so far
 
@@ -42,9 +47,42 @@ private:
     std::string path_;
     int descriptor_ = -1;
     std::uintmax_t size_ = 0, read_so_far_ = 0;
+    void* mapped_ = nullptr; // size_ bytes
     std::string error_;
     bool may_pass_ = false;
     cageform::detail::MemoryHash hash_; // of the bytes read so far
+};
+
+/// The lines of a file, or of a pipe, one after the other; memory holds little more than one of them.
+class LineReader {
+public:
+    /// On failure `error()` says why.
+    ///
+    ///   longest   a line of more bytes is an error
+    explicit LineReader(const std::string& path, std::size_t longest = ~std::size_t{0});
+
+    /// The next line without its \n, which lives until the next call; false at the end of the file and on an
+    /// error.
+    bool next(std::string_view& line);
+
+    /// Appends all that follows the last line.
+    void read_rest(std::string& text);
+
+    const std::string& error() const { return error_; }
+
+    /// Returns the number of the last line, counted from 1.
+    std::size_t line() const { return line_; }
+
+    /// Returns the share of the file that has been read, in [0, 1].
+    double fraction() const;
+
+private:
+    std::string path_;
+    InputFile file_;
+    std::size_t longest_;
+    std::string text_; // read and not yet taken, from at_
+    std::size_t at_ = 0, line_ = 0;
+    std::string error_;
 };
 
 /// Whether a failure with this value of errno may pass by itself, so that another try makes sense.

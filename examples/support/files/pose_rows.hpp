@@ -1,0 +1,82 @@
+#pragma once
+
+// Poses of a cage, numbered from 0: the rows of a table, or a clip at equal steps of time. A table is read a row
+// at a time, so it may have any length.
+
+#include "files/clip_file.hpp"
+#include "files/input_file.hpp"
+#include "svg/path.hpp"
+
+#include <cageform/animate/clip.hpp>
+#include <cageform/core/vec.hpp>
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace cageform_examples {
+
+/// The text for --help.
+inline constexpr const char* pose_table_format =
+    "A table of poses is a CSV file with a pose a line: x,y,z of every vertex of the\n"
+    "cage in its order (x,y in the plane), so 3n numbers for n vertices. Empty lines,\n"
+    "lines that begin with # and a first line that begins with x or a quote are no\n"
+    "rows. A clip starts with a line length,SECONDS; row k is its pose after k / rate\n"
+    "seconds, and the rows end before the clip starts again.\n";
+
+/// A row before its numbers are read.
+struct PoseRow {
+    std::size_t row = 0;  // counted from 0
+    std::size_t line = 0; // of a table; counted from 1
+    std::string text;     // of a table
+};
+
+/// The rows of a file of poses. `D`: 2 or 3.
+template <std::size_t D>
+class PoseRows {
+public:
+    using Pose = std::vector<cageform::Vec<double, D>>;
+
+    /// On failure `error()` says why. The first line of the file that is no comment tells a clip from a table.
+    ///
+    ///   rest   the vertices of the cage
+    ///   rate   poses of a clip a second; positive
+    PoseRows(const std::string& path, std::span<const cageform::Vec<double, D>> rest, double rate);
+
+    /// Moves on by `count` rows, or to the end, without reading their numbers.
+    void skip(std::size_t count);
+
+    /// The next row; false at the end and on an error.
+    bool next(PoseRow& row);
+
+    /// The pose of a row. Threads may call it together.
+    ///
+    ///   fails   where a line has not D numbers for every vertex, or one of them is not finite
+    SvgResult<Pose> pose_of(const PoseRow& row) const;
+
+    /// The row as messages name it: "poses.csv:12" or "walk.csv after 0.4 s".
+    std::string name_of(const PoseRow& row) const;
+
+    /// The number of the next row; at the end that of all rows.
+    std::size_t row() const { return row_; }
+
+    /// Why the file cannot be read on; empty while it can.
+    const std::string& error() const { return error_; }
+
+private:
+    bool next_line(std::string_view& line); // the next row of a table
+    void read_clip();
+
+    std::string path_;
+    std::vector<cageform::Vec<double, D>> rest_;
+    double rate_ = 1;
+    LineReader lines_;
+    std::optional<std::string> first_; // row of a table, until it is taken
+    std::optional<cageform::CageClip<double, D>> clip_;
+    std::size_t clip_rows_ = 0, row_ = 0;
+    std::string error_;
+};
+
+} // namespace cageform_examples
