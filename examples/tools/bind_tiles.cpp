@@ -2,7 +2,8 @@
 // is read and written in pieces, so a tile can have any size; memory is bounded, and said beforehand.
 //
 //     bind_tiles cage.obj --points 'tiles/*.ply' -o 'out/*.figure' --largest 16 --format half
-//     bind_tiles cage.obj --points 'tiles/*.ply' -o 'out/*.figure' --rows 0:100
+//     bind_tiles cage.obj --points 'tiles/*.ply' -o 'out/*.figure' --rows 0:100 --threads 4
+//     bind_tiles cage.obj --points 'tiles/*.ply' -o 'out/*.figure' --coordinates harmonic --solution cage.solution
 //
 // The tiles are sorted by their names, and --rows says which of them this process binds. A figure depends on its
 // tile and on the options alone: neither on other tiles, nor on threads, memory or rows. A figure that is there,
@@ -20,7 +21,10 @@
 #include "cli/progress_bar.hpp"
 #include "cli/tile_list.hpp"
 #include "cli/weight_choice.hpp"
+#include "files/atomic_file.hpp"
+#include "files/csv.hpp"
 #include "files/figure_stream.hpp"
+#include "files/input_file.hpp"
 #include "files/point_file.hpp"
 
 #include <cageform/binding/pack.hpp>
@@ -34,7 +38,6 @@
 #include <iostream>
 #include <mutex>
 #include <sstream>
-#include <sysexits.h>
 #include <thread>
 
 namespace {
@@ -46,7 +49,7 @@ using Point = cageform::Vec<float, 3>;
 constexpr int wrong_usage = 2;
 
 struct Arguments {
-    std::string cage;
+    std::string cage, solution, saved_solution;
     TileChoice tiles;
     MotionChoice moves;
     WeightChoice weights; // a distance as a share of the cage's size
@@ -263,14 +266,14 @@ std::string text_of(const Job& job, const Tile& tile, const Outcome& outcome) {
 int bind_all(const Job& job, const std::vector<Tile>& tiles, std::size_t threads, bool json) {
     std::atomic<std::size_t> next{0};
     std::mutex lock;
-    bool failed = false, try_again = false;
+    bool failed = false, passes = false;
     const auto work = [&] {
         for (std::size_t n = next++; n < tiles.size(); n = next++) {
             const Outcome outcome = TileBinder(job, tiles[n]).run();
             const std::lock_guard guard(lock);
             if (!outcome.error.empty()) {
                 (void)fail(outcome.error);
-                (outcome.may_pass ? try_again : failed) = true;
+                (outcome.may_pass ? passes : failed) = true;
             }
             if (json)
                 std::cout << json_of(job, tiles[n], outcome) << std::endl;
@@ -282,7 +285,7 @@ int bind_all(const Job& job, const std::vector<Tile>& tiles, std::size_t threads
     while (others.size() + 1 < std::min(threads, tiles.size())) others.emplace_back(work);
     work();
     for (std::thread& other : others) other.join();
-    return try_again ? EX_TEMPFAIL : failed ? 1 : 0;
+    return passes ? try_again : failed ? 1 : 0;
 }
 
 /// A hash of all that decides about the bytes of a figure beside its points.
@@ -328,6 +331,45 @@ std::size_t plan_memory(const Arguments& given, const Job& job, std::size_t tile
     return threads;
 }
 
+/// Solves, or takes functions from a file, and saves them; returns the exit status.
+int solve(const Arguments& given, std::size_t threads, const Job& job, std::optional<InputFile>& solution) {
+    ProgressBar bar("solving");
+    const cageform::Running running{cageform::ThreadedFor{unsigned(threads)}, bar.callback()};
+    cageform::Evaluation solved;
+    if (!given.solution.empty()) {
+        solution.emplace(given.solution);
+        const auto bytes = solution->map();
+        if (!solution->error().empty()) {
+            const int code = fail(solution->error());
+            return solution->may_pass() ? try_again : code;
+        }
+        solved = job.coordinates.load_solution(bytes, running);
+        if (solved.status != Status::ok)
+            return fail(given.solution + ": " + to_string(solved.status) + "; this cage is " + job.cage +
+                        " with --accuracy " + detail::short_number(given.choice.harmonic.accuracy) +
+                        "; --save-solution writes one that fits");
+    } else {
+        solved = job.coordinates.solve(running);
+    }
+    if (solved.status != Status::ok) {
+        cageform::BindReport refused;
+        refused.status = solved.status;
+        refused.solver = solved.solver;
+        return fail(describe_mesh_faults(job.cage, refused));
+    }
+    warn_of_coarse_grid(job.cage, solved.solver);
+    if (given.saved_solution.empty()) return 0;
+    const auto [bytes, saved] = job.coordinates.save_solution();
+    if (saved.status != Status::ok) return fail(given.saved_solution + ": " + to_string(saved.status));
+    AtomicFile file(given.saved_solution);
+    file.write({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+    if (const auto why = file.commit()) {
+        const int code = fail(*why);
+        return file.may_pass() ? try_again : code;
+    }
+    return 0;
+}
+
 int run_program(int argc, char** argv) {
     CommandLine line(
         "Binds files of points to a cage, each in bounded memory, and packs each into a figure.");
@@ -344,6 +386,11 @@ int run_program(int argc, char** argv) {
     given.choice.add_options(line);
     given.outside.add_options(line);
     given.weights.add_options(line, "the cage's size", "", "float");
+    line.add("--save-solution", given.saved_solution,
+             "harmonic: write the solved functions of the cage to this file, for other processes")
+        .ends_with({".solution"});
+    line.add("--solution", given.solution,
+             "harmonic: use the functions that --save-solution has written in place of a solve");
     line.add("--threads", given.threads, "the number of tiles that are bound at a time")
         .range(1, 1024)
         .show_default();
@@ -364,12 +411,20 @@ int run_program(int argc, char** argv) {
     if (const std::string why = given.outside.fault(); !why.empty()) return misused(why);
     if (const auto why = given.weights.fault(given.choice, given.moves.is_given()); !why.empty())
         return misused(why);
+    const bool has_solution = !given.solution.empty() || !given.saved_solution.empty();
+    if (has_solution &&
+        (given.choice.name != "harmonic" || given.choice.resolution != 0 || given.choice.is_uniform))
+        return misused("--solution and --save-solution are for --coordinates harmonic with --accuracy: other "
+                       "coordinates solve nothing that could be kept");
     const auto tiles = given.tiles.tiles();
     if (!tiles) return misused(to_string(tiles.error()));
     std::vector<std::string> inputs = given.moves.poses;
     inputs.push_back(given.cage);
     if (!given.moves.clip.empty()) inputs.push_back(given.moves.clip);
-    if (const auto why = fault_of_tiles(*tiles, inputs, {})) return misused(*why);
+    if (!given.solution.empty()) inputs.push_back(given.solution);
+    std::vector<std::string> outputs;
+    if (!given.saved_solution.empty()) outputs.push_back(given.saved_solution);
+    if (const auto why = fault_of_tiles(*tiles, inputs, outputs)) return misused(*why);
 
     const auto cage = load_mesh_cage(given.cage);
     if (!cage) return fail(to_string(cage.error()));
@@ -401,17 +456,8 @@ int run_program(int argc, char** argv) {
     job.bind = given.outside.bind_options(job.coordinates);
     warn_of_closed_gaps(cage->name, job.coordinates.cage_report());
     if (!job.coordinates.note.empty()) note(job.coordinates.note);
-    {
-        ProgressBar bar("solving");
-        const auto solved = job.coordinates.solve({cageform::ThreadedFor{unsigned(threads)}, bar.callback()});
-        if (solved.status != Status::ok) {
-            cageform::BindReport refused;
-            refused.status = solved.status;
-            refused.solver = solved.solver;
-            return fail(describe_mesh_faults(cage->name, refused));
-        }
-        warn_of_coarse_grid(cage->name, solved.solver);
-    }
+    std::optional<InputFile> solution; // its bytes are used as long as the coordinates
+    if (const int code = solve(given, threads, job, solution); code != 0) return code;
     if (!motion->keys.empty()) {
         const auto bound = job.coordinates.bind(std::span(cage->vertices).first(1), job.bind);
         if (!bound) return fail(describe_mesh_faults(cage->name, bound.report));

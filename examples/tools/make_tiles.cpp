@@ -1,13 +1,13 @@
 // Makes tiles of points for bind_tiles: points at random on the faces of a mesh, evenly by area, in binary PLY files.
 //
-//     make_tiles character.obj --points 100000000 --tiles 64 -o 'tiles/*.ply'
+//     make_tiles character.obj --points 100000000 --tiles 64 -o 'tiles/%02d.ply'
 //
 // A tile holds neighbouring faces, in the order of the mesh. The points depend on the mesh, their number and --seed,
 // not on the number of tiles: point n is the same, in whichever tile it comes.
 
 #include "cli/command_line.hpp"
 #include "cli/guard.hpp"
-#include "cli/tile_list.hpp"
+#include "cli/row_range.hpp"
 #include "files/atomic_file.hpp"
 #include "files/obj_file.hpp"
 
@@ -93,25 +93,26 @@ std::optional<std::string> write_tile(const FacePoints& points, std::size_t begi
 
 int run_program(int argc, char** argv) {
     CommandLine line("Makes files of random points on the faces of a mesh, for bind_tiles.");
-    line.set_examples({"character.obj --points 1000000 --tiles 8 -o 'tiles/*.ply'"});
+    line.set_examples({"character.obj --points 1000000 --tiles 8 -o 'tiles/%02d.ply'"});
     Arguments given;
     line.add("mesh", given.mesh, "an OBJ file with faces").required();
     line.add("--points", given.points, "the number of points in all tiles").show_default();
     line.add("--tiles", given.tiles, "the number of files").range(1, 1000000).show_default();
-    line.add("--rows", given.rows, "make only the tiles A:B, from number A up to, but not including, B");
+    line.add("--rows", given.rows, rows_help).check([](const auto& text) {
+        return RowRange::of(text) ? std::string() : "\"" + text + "\" is no range of rows, such as 0:100";
+    });
     line.add("--seed", given.seed, "another seed makes other points").range(0, 1000000).show_default();
     line.add("-o,--output", given.output,
-             "the files to write; with several a pattern whose * becomes the number")
+             "the files to write; with several a path with %d, or %03d, for the number of a tile")
         .required()
-        .ends_with({".ply"});
+        .ends_with({".ply"})
+        .check(RowPath::fault);
     line.set_footer(obj_format);
     if (const auto code = line.parse(argc, argv)) return *code == 0 ? 0 : wrong_usage;
-    const auto rows = parse_rows(given.rows, given.tiles);
-    const std::size_t star = given.output.find('*');
-    const bool has_place = star != std::string::npos || given.tiles == 1;
-    if (!rows || !has_place) {
-        (void)fail(!rows ? to_string(rows.error())
-                         : "--output " + given.output + ": write a * in place of the number of a tile");
+    const RowRange rows = RowRange::of(given.rows.empty() ? ":" : given.rows).value_or(RowRange{});
+    const RowPath path(given.output);
+    if (!path.has_place() && given.tiles > 1) {
+        (void)fail("--output " + given.output + ": write %d in place of the number of a tile");
         return wrong_usage;
     }
     const auto mesh = load_obj(given.mesh);
@@ -122,11 +123,9 @@ int run_program(int argc, char** argv) {
     const auto first_of = [&](std::size_t tile) {
         return given.points / given.tiles * tile + std::min(tile, given.points % given.tiles);
     };
-    for (std::size_t tile = rows->begin; tile < rows->end; ++tile) {
-        std::string number = std::to_string(tile), path = given.output;
-        number.insert(0, std::to_string(given.tiles - 1).size() - number.size(), '0');
-        if (star != std::string::npos) path.replace(star, 1, number);
-        if (const auto why = write_tile(points, first_of(tile), first_of(tile + 1), path)) return fail(*why);
+    for (std::size_t tile = rows.first; tile < std::min(rows.end, given.tiles); ++tile) {
+        if (const auto why = write_tile(points, first_of(tile), first_of(tile + 1), path.of(tile)))
+            return fail(*why);
     }
     return 0;
 }

@@ -1,10 +1,8 @@
 #include "cli/tile_list.hpp"
 
+#include "cli/row_range.hpp"
 #include "files/atomic_file.hpp"
 
-#include <algorithm>
-#include <array>
-#include <charconv>
 #include <filesystem>
 #include <map>
 #include <set>
@@ -15,34 +13,16 @@
 
 namespace cageform_examples {
 
-SvgResult<Rows> parse_rows(const std::string& word, std::size_t count) {
-    Rows rows{0, count};
-    if (word.empty()) return rows;
-    const auto fault = [&](const std::string& why) { return SvgError{"--rows " + word + ": " + why}; };
-    const std::size_t colon = word.find(':');
-    const std::string form = "write A:B, for the rows from A up to, but not including, B";
-    if (colon == std::string::npos) return fault(form);
-    const auto read = [](std::string_view text, std::size_t& number) {
-        const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), number);
-        return text.empty() || (code == std::errc() && end == text.data() + text.size());
-    };
-    const std::string_view text = word;
-    if (!read(text.substr(0, colon), rows.begin) || !read(text.substr(colon + 1), rows.end))
-        return fault(form);
-    if (rows.begin > rows.end) return fault("the first row comes after the last");
-    if (rows.end > count) return fault("there are only " + std::to_string(count) + " rows, numbered from 0");
-    return rows;
-}
-
 void TileChoice::add_options(CommandLine& line) {
     line.add(
             "--points", patterns,
             "files of points, tiles: PLY, OBJ or .npy; quote patterns such as 'tiles/*.ply', which may match "
             "more files than a command line holds")
         .required();
-    line.add("--rows", rows,
-             "bind only a part of the tiles, which are sorted by name: A:B, from number A up to, but not "
-             "including, B, counted from 0");
+    line.add("--rows", rows, std::string(rows_help) + "; rows are the tiles, sorted by name")
+        .check([](const auto& text) {
+            return RowRange::of(text) ? std::string() : "\"" + text + "\" is no range of rows, such as 0:100";
+        });
     line.add("-o,--output", output,
              "the figure to write; with several tiles a pattern whose * becomes the name of the tile")
         .required()
@@ -63,8 +43,7 @@ SvgResult<std::vector<Tile>> TileChoice::tiles() const {
         globfree(&found);
         if (code != 0) return SvgError{"--points " + pattern + ": no file has such a name"};
     }
-    const auto chosen = parse_rows(rows, files.size());
-    if (!chosen) return chosen.error();
+    const RowRange chosen = RowRange::of(rows.empty() ? ":" : rows).value_or(RowRange{});
     const std::size_t star = output.find('*');
     if (star == std::string::npos && files.size() > 1)
         return SvgError{"--output " + output + ": there are " + std::to_string(files.size()) +
@@ -75,7 +54,7 @@ SvgResult<std::vector<Tile>> TileChoice::tiles() const {
         Tile tile{row++, file, output};
         if (star != std::string::npos)
             tile.output.replace(star, 1, std::filesystem::path(file).stem().string());
-        if (tile.row >= chosen->begin && tile.row < chosen->end) all.push_back(std::move(tile));
+        if (tile.row >= chosen.first && tile.row < chosen.end) all.push_back(std::move(tile));
     }
     return all;
 }

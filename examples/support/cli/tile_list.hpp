@@ -1,6 +1,6 @@
 #pragma once
 
-// Lists of files that many processes divide among them: patterns, rows, and an output for each file.
+// Lists of files that many processes divide among them: patterns, rows, and a file to write for each.
 
 #include "cli/command_line.hpp"
 #include "svg/path.hpp"
@@ -18,15 +18,6 @@ struct Tile {
     std::string points, output;
 };
 
-/// Rows of a list, from `begin` up to, but not including, `end`.
-struct Rows {
-    std::size_t begin = 0, end = 0;
-};
-
-/// Rows from a word: "A:B", "A:" or ":B"; all of `count` rows where the word is empty. Fails where it is none of
-/// these, and where the rows do not exist.
-SvgResult<Rows> parse_rows(const std::string& word, std::size_t count);
-
 /// The choice of --points, --rows and --output.
 struct TileChoice {
     std::vector<std::string> patterns;
@@ -34,7 +25,7 @@ struct TileChoice {
 
     void add_options(CommandLine& line);
     /// The tiles that were chosen, of all that there are, sorted by name. Fails where a pattern has no files, the
-    /// rows do not exist, or the output has no place for a tile's name and there are several.
+    /// rows are none, or the output has no place for a tile's name and there are several.
     SvgResult<std::vector<Tile>> tiles() const;
 };
 

@@ -156,6 +156,12 @@ void LineReader::read_rest(std::string& text) {
     if (error_.empty()) error_ = file_.error();
 }
 
+std::optional<std::uint64_t> LineReader::hash_to_end() {
+    const auto hash = file_.hash_to_end();
+    if (error_.empty()) error_ = file_.error();
+    return hash;
+}
+
 double LineReader::fraction() const {
     return file_.size() > 0 ? std::min(double(file_.bytes_read()) / double(file_.size()), 1.0) : 1.0;
 }

@@ -67,8 +67,10 @@ public:
 
     /// Appends all that follows the last line.
     void read_rest(std::string& text);
+    std::optional<std::uint64_t> hash_to_end(); ///< InputFile::hash_to_end; no line comes after it
 
     const std::string& error() const { return error_; }
+    bool may_pass() const { return file_.may_pass(); } ///< InputFile::may_pass
 
     /// Returns the number of the last line, counted from 1.
     std::size_t line() const { return line_; }

@@ -31,24 +31,21 @@ public:
     /// Reads what is left. Returns hash_memory of all bytes of the file; nothing where it cannot be read.
     std::optional<std::uint64_t> hash_to_end();
 
-    const std::string& error() const { return ply_ ? ply_->error() : error_; }    ///< the first; empty: none
-    bool may_pass() const { return ply_ ? ply_->may_pass() : file_->may_pass(); } ///< InputFile::may_pass
+    const std::string& error() const { return error_; } ///< the first failure; empty while there is none
+    bool may_pass() const;                              ///< InputFile::may_pass
 
 private:
-    enum class Kind : std::uint8_t { ply, obj, npy };
-
     bool fail(const std::string& why);
-    bool read_more();
     void read_npy_header();
     bool read_vertex(std::vector<double>& numbers);
+    bool read_row(std::vector<double>& numbers);
 
     std::string path_, error_;
-    Kind kind_ = Kind::ply;
-    std::optional<PlyReader> ply_;
-    std::optional<InputFile> file_; // of the other kinds
-    std::string buffer_;
-    std::size_t at_ = 0; // in the buffer
-    std::uint64_t line_ = 0;
+    std::optional<PlyReader> ply_; // one of these three
+    std::optional<LineReader> obj_;
+    std::optional<InputFile> npy_;
+    std::string buffer_; // of an array, from at_
+    std::size_t at_ = 0;
     std::uint64_t left_ = 0; // points of an array
     std::size_t number_bytes_ = 0;
 };
