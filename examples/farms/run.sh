@@ -38,13 +38,13 @@ timed() { # WHAT COMMAND…   prints its seconds
 # ---- what there is to do: poses of a character ----
 "$programs/make_character" . >>log
 "$programs/bind_mesh" character.obj --cage character_cage.obj -o character.figure
-rows=300 # poses between the first of the clip and each of the others
+rows=600 # poses between the first of the clip and each of the others
 awk -F, -v rows=$rows '/^pose/ { ++p } /^[-0-9]/ { for (k = 1; k <= 3; ++k) x[p, ++n[p]] = $k }
   END { for (r = 0; r < rows; ++r) { q = 1 + r % p; t = r / rows
     for (k = 1; k <= n[1]; ++k) printf "%.6f%s", x[1, k] + t * (x[q, k] - x[1, k]), k < n[1] ? "," : "\n" } }' \
   character_clip.csv >poses.csv
 words="$programs/clone_figure $work/character.figure --poses $work/poses.csv --mesh $work/character.obj"
-task=25
+task=50
 last=$(((rows + task - 1) / task - 1))
 same() { # FOLDER
   diff -r one "$1" >>log || { echo "FAILED: $1 has other bytes than one process"; exit 1; }
@@ -53,6 +53,8 @@ same() { # FOLDER
 mkdir one
 # shellcheck disable=SC2086 # the words are meant to be split
 timed "one process" $words --rows :$rows -o "$work/one/%06d.obj"
+# shellcheck disable=SC2086
+timed "one process, two threads" $words --rows :$rows --threads 2 -o "$work/one/%06d.obj"
 report "$(find one -name '*.obj' | wc -l) files, $(du -sm one | cut -f 1) MB, $((last + 1)) tasks of $task poses"
 
 # A program that asks for another try, the first time that a task runs.
@@ -140,7 +142,10 @@ is_up() { sinfo -h -o %T | grep -qx idle; }
 waits_for Slurm is_up
 slurm() { # WORKERS FOLDER [BEFORE]
   # shellcheck disable=SC2086
-  sbatch --wait --array="0-$last%$1" "$farms/slurm.sbatch" $task ${3:-} $words -o "$work/$2/%06d.obj"
+  job=$(sbatch --parsable --array="0-$last" --cpus-per-task=$((2 / $1)) "$farms/slurm.sbatch" $task ${3:-} $words \
+    -o "$work/$2/%06d.obj")
+  while states=$(squeue -h -r -t all -j "$job" -o %T) && echo "$states" | grep -q 'PENDING\|CONFIGURING\|RUNNING\|COMPLETING\|REQUEUE'; do sleep 0.1; done
+  [ "$(echo "$states" | sort -u)" = COMPLETED ] # sbatch --wait would ask after 2, 10 and 42 s alone
 }
 for workers in 1 2; do
   fresh slurm
