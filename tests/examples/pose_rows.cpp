@@ -122,7 +122,7 @@ X number_at(std::string_view bytes, std::size_t offset) {
     return value;
 }
 
-/// What follows a text that is there.
+/// Returns the part that follows a text.
 std::string_view after(std::string_view text, std::string_view what) {
     const std::size_t at = text.find(what);
     INFO(what);
@@ -210,7 +210,7 @@ TEST_CASE("rows that are no poses are named by their lines", "[examples][rows]")
     CHECK(refusal<2>("", 1) == "file: is empty");
     CHECK(refusal<2>("# 1,2\n\n", 1) == "file: holds no poses");
     CHECK(refusal<2>("\n1,2\n3\n", 1) ==
-          "file:3: 1 numbers, but a pose of the figure's cage has 2: x,y of 1 vertices");
+          "file:3: 1 number, but a pose of the figure's cage has 2: x,y of 1 vertices");
     CHECK(refusal<3>("1,2,3\n1,2,3,4\n", 1) ==
           "file:2: 4 numbers, but a pose of the figure's cage has 3: x,y,z of 1 vertices");
     CHECK(refusal<2>("1,two\n", 1) == "file:1: column 2: not a number: \"two\"");

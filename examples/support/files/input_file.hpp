@@ -30,8 +30,8 @@ public:
     /// Whether the failure may pass by itself: a disk or network that does not answer, too many open files.
     bool may_pass() const { return may_pass_; }
 
-    /// All bytes, read by the system where they are touched; none on a failure, of a pipe, and of an empty file.
-    /// They live as long as this object, begin at a page, and several programs share them.
+    /// All bytes, read by the system where they are touched; none on a failure, of a pipe, and of an empty
+    /// file. They live as long as this object, begin at a page, and several programs share them.
     std::span<const std::byte> map();
 
     std::uintmax_t size() const { return size_; }              ///< bytes; 0 of a pipe
@@ -62,6 +62,7 @@ public:
     void read_rest(std::string& text);
 
     const std::string& error() const { return error_; }
+    bool may_pass() const { return file_.may_pass(); } ///< InputFile::may_pass
 
     /// Returns the number of the last line, counted from 1.
     std::size_t line() const { return line_; }
