@@ -40,8 +40,9 @@ struct Arguments {
     bool report = false;
 };
 
-constexpr std::size_t most_bytes = std::size_t{256} << 20; // of weights at a time
-constexpr int most_splits = 6;                             // of a splat, each in two
+constexpr std::size_t most_bytes = std::size_t{16} << 20; // of weights at a time: they stay in the cache
+constexpr std::size_t grain = 256;                        // splats that a thread takes at once
+constexpr int most_splits = 6;                            // of a splat, each in two
 
 /// Adds the seconds from its making to its end.
 class Clock {
@@ -108,9 +109,10 @@ public:
         const std::size_t count = scene_.size();
         const std::size_t most = batch_size();
         for (std::size_t first = 0; first < count && is_well(); first += most) {
-            std::vector<SplatPart> batch;
-            for (std::size_t i = first; i < std::min(first + most, count); ++i)
-                batch.push_back(part_of(scene_, i));
+            std::vector<SplatPart> batch(std::min(most, count - first));
+            threads_(batch.size(), grain, [&](std::size_t begin, std::size_t end) {
+                for (std::size_t i = begin; i < end; ++i) batch[i] = part_of(scene_, first + i);
+            });
             move_batch(batch, first, running);
             (void)running.keep_going(0.3 + 0.7 * double(first) / double(count));
         }
@@ -150,15 +152,16 @@ private:
         std::vector<Matrix3> jacobians(batch.size());
         if (!bind(places, jacobians, first, batch, running)) return;
         const Clock clock(seconds_.frame);
+        std::vector<SingularValues> posed(batch.size());
         std::vector<double> stretches(batch.size());
-        constexpr std::size_t grain = 256;
         threads_(batch.size(), grain, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) {
                 const auto& j = jacobians[i];
-                stretches[i] = cageform::is_finite(places[i]) && cageform::is_finite(j[0] + j[1] + j[2])
-                                   ? stretch_of(batch[i], j)
-                                   : HUGE_VAL;
-                if (!splits(stretches[i])) write_posed(scene_, batch[i], places[i], j);
+                stretches[i] = HUGE_VAL;
+                if (!cageform::is_finite(places[i]) || !cageform::is_finite(j[0] + j[1] + j[2])) continue;
+                posed[i] = posed_shape(batch[i], j);
+                stretches[i] = stretch_of(batch[i], posed[i]);
+                if (!splits(stretches[i])) write_posed(scene_, batch[i], places[i], j, posed[i]);
             }
         });
         for (std::size_t i = 0; i < batch.size(); ++i) {
@@ -169,7 +172,7 @@ private:
                 return;
             }
             if (part.opacity >= 1) stretch.raise({stretches[i], first + i});
-            if (splits(stretches[i])) cut(part, jacobians[i]);
+            if (splits(stretches[i])) cut(part, posed[i]);
         }
     }
 
@@ -178,13 +181,12 @@ private:
     }
 
     /// Puts the halves of a part where they are moved next.
-    void cut(const SplatPart& part, const Matrix3& jacobian) {
+    void cut(const SplatPart& part, const SingularValues& posed) {
         split += part.opacity >= 1 ? 1 : 0;
         const std::size_t bytes = scene_.layout.row_bytes, from = part.row * bytes;
-        const auto halves = halves_of(part, jacobian, scene_.size());
+        const auto halves = halves_of(part, posed, scene_.size());
         parts_.insert(parts_.end(), halves.begin(), halves.end());
-        scene_.rows.reserve(scene_.rows.size() + bytes); // a row of its own is appended
-        scene_.rows.append(scene_.rows, from, bytes);
+        scene_.rows += scene_.rows.substr(from, bytes);
     }
 
     /// Takes places to where the pose has them; false where it cannot.

@@ -92,7 +92,7 @@ SvgResult<Header> read_header(std::string_view& bytes, const std::string& name) 
     const auto fails = [&](const std::string& why) { return SvgError{name + ": " + why}; };
     std::string_view line;
     const auto next = [&] {
-        if (!take_line(bytes, line)) return false;
+        if (bytes.find('\n') == bytes.npos || !take_line(bytes, line)) return false;
         if (line.ends_with('\r')) line.remove_suffix(1);
         return true;
     };

@@ -9,13 +9,14 @@ namespace cageform_examples {
 namespace {
 
 /// Directions at which the first 2l + 1 determine a function of degree l, 1 to 3, well.
-constexpr std::array<Point3, 7> samples{Point3{0, 1, -1},  Point3{1, 0, -1}, Point3{1, 1, 1},
-                                        Point3{1, -2, -2}, Point3{0, 1, 0},  Point3{2, 0, 1},
-                                        Point3{1, 0, 0}};
-
-Point3 direction(std::size_t sample) {
-    const Point3& p = samples[sample];
-    return (1 / std::hypot(p[0], p[1], p[2])) * p;
+const std::array<Point3, 7>& directions() {
+    static const std::array<Point3, 7> units = [] {
+        std::array<Point3, 7> all{Point3{0, 1, -1}, Point3{1, 0, -1}, Point3{1, 1, 1}, Point3{1, -2, -2},
+                                  Point3{0, 1, 0},  Point3{2, 0, 1},  Point3{1, 0, 0}};
+        for (Point3& p : all) p = (1 / std::sqrt(dot(p, p))) * p;
+        return all;
+    }();
+    return units;
 }
 
 /// Values at the directions to coefficients of a degree, row after row.
@@ -25,7 +26,7 @@ std::array<double, (2 * Degree + 1) * (2 * Degree + 1)> solved_system() {
     Eigen::Matrix<double, count, count, Eigen::RowMajor> values;
     for (int i = 0; i < count; ++i) {
         std::array<double, most_harmonics> all{};
-        harmonics_at(direction(std::size_t(i)), all);
+        harmonics_at(directions()[std::size_t(i)], all);
         for (int j = 0; j < count; ++j) values(i, j) = all[harmonics_of(Degree - 1) + std::size_t(j)];
     }
     std::array<double, std::size_t(count * count)> solved{};
@@ -77,7 +78,7 @@ void harmonics_at(const Point3& d, std::span<double, most_harmonics> values) {
 
 TurnedHarmonics::TurnedHarmonics(const Matrix3& orthogonal) {
     const Matrix3 back = transposed(orthogonal);
-    for (std::size_t i = 0; i < samples.size(); ++i) harmonics_at(product(back, direction(i)), turned_[i]);
+    for (std::size_t i = 0; i < turned_.size(); ++i) harmonics_at(product(back, directions()[i]), turned_[i]);
 }
 
 void TurnedHarmonics::turn(std::span<double> coefficients) const {

@@ -9,11 +9,6 @@ namespace cageform_examples {
 
 namespace {
 
-double largest_size(const Matrix3& factor) {
-    const SingularValues values = singular_values(factor);
-    return values.sizes[values.largest()];
-}
-
 void turn_harmonics(SplatFile& scene, std::size_t row, const Matrix3& jacobian) {
     const auto& rest = scene.layout.rest;
     if (rest.empty()) return;
@@ -47,24 +42,29 @@ SplatPart part_of(const SplatFile& scene, std::size_t row) {
     return {row, scene.place(row), factor_of(shape), std::exp(*std::max_element(scales, scales + 3))};
 }
 
-double stretch_of(const SplatPart& part, const Matrix3& jacobian) {
-    return part.size > 0 ? largest_size(product(jacobian, part.factor)) / part.size : 1;
+SingularValues posed_shape(const SplatPart& part, const Matrix3& jacobian) {
+    return singular_values(product(jacobian, part.factor));
 }
 
-std::array<SplatPart, 2> halves_of(const SplatPart& part, const Matrix3& jacobian, std::size_t row) {
-    const HalfSplat half = half_of(part.factor, jacobian);
+double stretch_of(const SplatPart& part, const SingularValues& posed) {
+    return part.size > 0 ? posed.sizes[posed.largest()] / part.size : 1;
+}
+
+std::array<SplatPart, 2> halves_of(const SplatPart& part, const SingularValues& posed, std::size_t row) {
+    const HalfSplat half = half_of(part.factor, posed);
     const double opacity = part.opacity * HalfSplat::opacity;
     return {SplatPart{part.row, part.place - half.offset, half.factor, part.size, opacity},
             SplatPart{row, part.place + half.offset, half.factor, part.size, opacity}};
 }
 
-void write_posed(SplatFile& scene, const SplatPart& part, const Point3& place, const Matrix3& jacobian) {
+void write_posed(SplatFile& scene, const SplatPart& part, const Point3& place, const Matrix3& jacobian,
+                 const SingularValues& posed) {
     const auto row = part.row;
     const auto equal = [](const Point3& a, const Point3& b) { return std::equal(a.v, a.v + 3, b.v); };
     const bool turns = !std::equal(jacobian.begin(), jacobian.end(), identity3.begin(), equal);
     const bool is_whole = part.opacity >= 1;
     scene.set(row, scene.layout.place, place);
-    if (turns || !is_whole) scene.set(row, shape_of(product(jacobian, part.factor)));
+    if (turns || !is_whole) scene.set(row, shape_of(posed));
     if (!is_whole) {
         const std::size_t opacity = scene.layout.opacity;
         scene.set(row, opacity, logit_of(part.opacity * opacity_of(scene.number(row, opacity))));

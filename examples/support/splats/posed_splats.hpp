@@ -22,18 +22,22 @@ struct SplatPart {
 
 SplatPart part_of(const SplatFile& scene, std::size_t row);
 
+/// The ellipsoid of a part in a pose: singular values of J · factor.
+SingularValues posed_shape(const SplatPart& part, const Matrix3& jacobian);
+
 /// Returns the length of a posed part, as a share of that of the whole splat at rest. A splat of no length
 /// is not stretched.
-double stretch_of(const SplatPart& part, const Matrix3& jacobian);
+double stretch_of(const SplatPart& part, const SingularValues& posed);
 
 /// Cuts a part in two, as half_of() says.
 ///
 ///   row   of the second half, a copy of the row of the whole
-std::array<SplatPart, 2> halves_of(const SplatPart& part, const Matrix3& jacobian, std::size_t row);
+std::array<SplatPart, 2> halves_of(const SplatPart& part, const SingularValues& posed, std::size_t row);
 
 /// Writes a part to its row as a pose has it. Its covariance is JΣJᵀ, its harmonics turn by the orthogonal
 /// matrix nearest to J (reflections too: nearest_orthogonal()), normals turn as those of a surface, and all
 /// else stays. Where J is the identity the row keeps its bytes but for the place and the parts' numbers.
-void write_posed(SplatFile& scene, const SplatPart& part, const Point3& place, const Matrix3& jacobian);
+void write_posed(SplatFile& scene, const SplatPart& part, const Point3& place, const Matrix3& jacobian,
+                 const SingularValues& posed);
 
 } // namespace cageform_examples

@@ -24,8 +24,8 @@ bool turn_columns(Matrix3& a, Matrix3& right, std::size_t p, std::size_t q) {
     constexpr double rounding = 1e-15;
     if (!(std::fabs(ab) > rounding * std::sqrt(aa) * std::sqrt(bb))) return false;
     const double zeta = (bb - aa) / (2 * ab);
-    const double t = std::copysign(1 / (std::fabs(zeta) + std::hypot(1.0, zeta)), zeta);
-    const double c = 1 / std::hypot(1.0, t), s = c * t;
+    const double t = std::copysign(1 / (std::fabs(zeta) + std::sqrt(1 + zeta * zeta)), zeta);
+    const double c = 1 / std::sqrt(1 + t * t), s = c * t;
     for (Matrix3* m : {&a, &right}) {
         const Point3 x = (*m)[p], y = (*m)[q];
         (*m)[p] = c * x - s * y;
@@ -129,8 +129,7 @@ Matrix3 factor_of(const SplatShape& shape) {
     return factor;
 }
 
-SplatShape shape_of(const Matrix3& factor) {
-    SingularValues values = singular_values(factor);
+SplatShape shape_of(SingularValues values) {
     if (determinant(values.left) < 0) values.left[2] = -1.0 * values.left[2];
     SplatShape shape{quaternion_of(values.left), {}};
     for (std::size_t k = 0; k < 3; ++k)
@@ -138,9 +137,8 @@ SplatShape shape_of(const Matrix3& factor) {
     return shape;
 }
 
-HalfSplat half_of(const Matrix3& factor, const Matrix3& jacobian) {
-    const SingularValues values = singular_values(product(jacobian, factor));
-    const Point3 axis = values.right[values.largest()]; // in the coordinates of the factor's columns
+HalfSplat half_of(const Matrix3& factor, const SingularValues& posed) {
+    const Point3 axis = posed.right[posed.largest()]; // in the coordinates of the factor's columns
     const Point3 along = product(factor, axis);
     HalfSplat half{HalfSplat::opacity * along, factor};
     for (std::size_t k = 0; k < 3; ++k)

@@ -54,9 +54,11 @@ inline constexpr double least_log_scale = -87;
 /// standard deviation. A quaternion of length 0 stands for no rotation.
 Matrix3 factor_of(const SplatShape& shape);
 
-/// The shape whose covariance is F·Fᵀ, for every finite factor. The rotation is proper even where F turns space
-/// over: an ellipsoid is its own mirror image.
-SplatShape shape_of(const Matrix3& factor);
+/// The shape whose covariance is F·Fᵀ, for every finite factor. The rotation is proper even where F turns
+/// space over: an ellipsoid is its own mirror image.
+///
+///   values   of F
+SplatShape shape_of(SingularValues values);
 
 /// Half of a splat: its centre is offset from that of the whole, and the other half's by as much the other
 /// way.
@@ -73,8 +75,8 @@ struct HalfSplat {
 /// deviation from that of the whole. The pair has the mean, the second moment and the mass of the splat, at
 /// rest and in every affine pose; its density along the axis is flat in the middle and has no dip.
 ///
-///   factor     of the splat at rest
-///   jacobian   of the pose
-HalfSplat half_of(const Matrix3& factor, const Matrix3& jacobian);
+///   factor   of the splat at rest
+///   posed    singular values of J · factor, where the pose has the Jacobian J
+HalfSplat half_of(const Matrix3& factor, const SingularValues& posed);
 
 } // namespace cageform_examples

@@ -45,8 +45,8 @@ std::array<double, 3> paint(const Point3& place, const cageform::Bounds<double, 
     constexpr double bands = 14;
     const bool dark = std::fmod(share(1) * bands, 2) < 1;
     const double tint = share(0);
-    const double light = dark ? 0.55 : 0.95;
-    return {light * (0.85 - 0.35 * tint), light * (0.45 + 0.2 * tint), light * (0.25 + 0.5 * tint)};
+    if (dark) return {0.25 - 0.1 * tint, 0.2 + 0.15 * tint, 0.3 + 0.35 * tint};
+    return {0.98 - 0.25 * tint, 0.66 + 0.2 * tint, 0.38 + 0.52 * tint};
 }
 
 } // namespace
@@ -61,7 +61,7 @@ SplatFile splats_on(const ObjFile& mesh, const SurfaceSplatOptions& options) {
     SplatFile scene = empty_scene(options.degree);
     const double area = area_of(mesh), step = area / double(options.count);
     const auto box = cageform::bounds_of(std::span<const Point3>(mesh.vertices));
-    const double radius = 0.9 * std::sqrt(step / 3.14159265358979323846); // discs of one deviation meet
+    const double radius = 1.3 * std::sqrt(step / 3.14159265358979323846); // discs that leave no holes
     std::mt19937_64 random(options.seed);
     std::array<double, most_harmonics> gloss{};
     scene.rows.reserve(options.count * scene.layout.row_bytes);
@@ -83,7 +83,7 @@ SplatFile splats_on(const ObjFile& mesh, const SurfaceSplatOptions& options) {
             splat.shape = {turn_to(normal), {std::log(radius), std::log(radius), std::log(radius / 20)}};
             splat.opacity = logit_of(0.95);
             const Point3 light{-0.45, 0.75, 0.49};
-            const double shade = 0.45 + 0.55 * std::max(0.0, dot(normal, light));
+            const double shade = 0.6 + 0.4 * std::max(0.0, dot(normal, light));
             const auto own = paint(splat.place, box);
             // A lobe about the direction of eyes that see the light mirrored; files hold what a ray to the
             // splat sees, which goes against it.
@@ -91,7 +91,7 @@ SplatFile splats_on(const ObjFile& mesh, const SurfaceSplatOptions& options) {
             for (std::size_t channel = 0; channel < 3; ++channel) {
                 splat.colour[channel] = (shade * own[channel] - 0.5) / constant_harmonic;
                 for (std::size_t k = 0; k < harmonics_of(options.degree); ++k) {
-                    const double share = k < harmonics_of(1) ? 0.5 : k < harmonics_of(2) ? 0.35 : 0.2;
+                    const double share = k < harmonics_of(1) ? 0.3 : k < harmonics_of(2) ? 0.22 : 0.12;
                     splat.harmonics[channel].push_back(share * gloss[k]);
                 }
             }
