@@ -58,6 +58,11 @@ private:
     std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
+/// Whether all three are numbers of single precision, which files hold.
+bool is_float(const Point3& p) {
+    return std::all_of(p.v, p.v + 3, [](double x) { return std::isfinite(float(x)); });
+}
+
 struct Seconds {
     double read = 0, control = 0, bind = 0, frame = 0, write = 0;
 };
@@ -158,7 +163,7 @@ private:
             for (std::size_t i = begin; i < end; ++i) {
                 const auto& j = jacobians[i];
                 stretches[i] = HUGE_VAL;
-                if (!cageform::is_finite(places[i]) || !cageform::is_finite(j[0] + j[1] + j[2])) continue;
+                if (!is_float(places[i]) || !is_float(j[0]) || !is_float(j[1]) || !is_float(j[2])) continue;
                 posed[i] = posed_shape(batch[i], j);
                 stretches[i] = stretch_of(batch[i], posed[i]);
                 if (!splits(stretches[i])) write_posed(scene_, batch[i], places[i], j, posed[i]);
@@ -168,7 +173,7 @@ private:
             const SplatPart& part = batch[i];
             if (!std::isfinite(stretches[i])) {
                 fault = scene_.name + ": splat " + std::to_string(part.row) +
-                        " (counted from 0) leaves the range of numbers in the pose";
+                        " (counted from 0) leaves the range of single precision in the pose";
                 return;
             }
             if (part.opacity >= 1) stretch.raise({stretches[i], first + i});
@@ -270,11 +275,6 @@ int deform_scene(const Arguments& given, SplatFile& scene, Seconds& seconds) {
     if (const std::string why = given.control.save_fault(*control); !why.empty()) return fail(why);
     if (const auto why = fault_of_outputs({given.out, given.control.save_pose})) return fail(*why);
     const auto& [coordinates, cage] = std::tie(control->coordinates, control->cage);
-    if (!coordinates.has_gradients())
-        return fail("--coordinates " + given.control.choice.name +
-                    ": splats need coordinates with gradients, since they turn and stretch; take mean-value, "
-                    "harmonic or green");
-    if (!control->weights.empty()) return fail("--weights: points with weights have no gradients");
     warn_of_closed_gaps(cage.name, coordinates.cage_report());
     if (!coordinates.note.empty()) note(coordinates.note);
 
@@ -328,6 +328,7 @@ int run_program(int argc, char** argv) {
         })
         .show_default("0");
     given.control.outside.add_options(line);
+    given.control.of_sites.with_weights = false; // they have no gradients
     given.control.of_sites.add_options(line);
     line.add("--threads", given.threads, "how many threads compute; 0: as many as the machine has")
         .range(0, 1024)
