@@ -5,7 +5,7 @@
 //     deform_splats scene.ply --cage cage.obj --pose pose.obj --coordinates harmonic -o posed.ply
 //
 // Splats are volumes: where the pose has the Jacobian J, a covariance Σ becomes J Σ Jᵀ, and the colours that
-// change with the view turn by the rotation of J. What is opaque stays opaque.
+// change with the view turn by the rotation of J. The opacity stays.
 
 #include "cli/auto_cage.hpp"
 #include "cli/bind_report.hpp"

@@ -769,10 +769,11 @@ for type in mean-value green; do
   grep -q '^splats: 3000 of degree 3, 248 bytes each$' log && grep -q '^seconds: read .* bind .* frame .* write ' log && ok=yes || ok=no
   report $ok "deform_splats reports, $type"
 done
-works "one thread" "$splats" scene.ply --cage auto:40 --split 1.2 --threads 1 -o one.ply
-works "threads" "$splats" scene.ply --cage auto:40 --split 1.2 --threads 3 -o three.ply --report
+works "one thread" "$splats" scene.ply --cage lattice:3x5x3 --bend all:yx,0.9,0,90 --split 1.2 --threads 1 -o one.ply
+works "threads" "$splats" scene.ply --cage lattice:3x5x3 --bend all:yx,0.9,0,90 --split 1.2 --threads 3 -o three.ply --report
 cmp one.ply three.ply && grep -q '^split: [1-9]' log && ok=yes || ok=no
 report $ok "the result does not depend on threads"
+works "a first look" "$splats" scene.ply --cage box -o look.ply
 works "a lattice" "$splats" scene.ply --cage lattice:4x4x4 --turn all:90,y@0,0,0 -o quarter.ply
 works "splats drawn" "$programs/draw_splats" scene.ply -o drawn.png --view 20,10 --width 160 --height 120
 works "splats drawn beside a mesh" "$programs/draw_splats" quarter.ply --beside character.obj -o drawn.png --width 160 --height 120

@@ -45,7 +45,7 @@ public:
     Matrix3 matrix() { return {point(), point(), point()}; }
     /// A rotation by a quaternion evenly on the sphere.
     Matrix3 rotation() { return factor_of({{normal(), normal(), normal(), normal()}, {}}); }
-    /// Of a splat: with axes that differ up to a thousand times.
+    /// A splat whose axes differ up to a thousand times.
     SplatShape shape() {
         return {{normal(), normal(), normal(), normal()}, {between(-7, 0), between(-7, 0), between(-7, 0)}};
     }

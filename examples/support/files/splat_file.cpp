@@ -48,7 +48,7 @@ struct Property {
     bool is_float = false;
 };
 
-/// What the header says: the scene without its rows, the properties by name, and how many splats there are.
+/// The header: the scene without its rows, the properties by name, and how many splats there are.
 struct Header {
     SplatFile scene;
     std::map<std::string, Property, std::less<>> properties;

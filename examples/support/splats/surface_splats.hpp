@@ -16,9 +16,9 @@ struct SurfaceSplatOptions {
     std::uint64_t seed = 1;
 };
 
-/// Spreads splats evenly by area over the faces of a mesh. Each lies flat on its face, as wide as its share of
-/// the area, with the face's normal; bands of colour show how the surface stretches. The harmonics are a gloss:
-/// brighter where a light above the surface's left is mirrored to the eye.
+/// Spreads splats evenly by area over the faces of a mesh. Each lies flat on its face, a third wider than a
+/// disc of its share of the area, with the face's normal; bands of colour show how the surface stretches. The
+/// harmonics are a gloss: an eye sees it where the surface mirrors a light from above and the left.
 ///
 ///   mesh      with a face whose area is not 0
 ///   returns   the same scene for the same options, on all machines with the same mathematical functions
