@@ -252,6 +252,19 @@ for stop in "" --no-folds; do
 done
 "$programs/contact_sheet" -o out/box_folds.svg --columns 1 --tile 1000 --png --png-width 1000 \
   "bent by 180 degrees" out/box_bent.png "where the first tetrahedron would fold" out/box_bent--no-folds.png
+# Splats on the character, bent and drawn beside the bent mesh.
+"$programs/make_splats" out/character.obj -o out/splats.ply --count 100000 >>$report
+bend() { # PROGRAM FIGURE [OPTION ...]
+  "$@" --cage lattice:4x9x4 --bend all:yx,0.9,0,75 --twist all:y,0,2,50
+}
+bend "$programs/deform_splats" out/splats.ply --split 1.2 -o out/splats_bent.ply --report >>$report
+bend "$programs/deform_mesh" out/character.obj -o out/splats_bent.obj
+set --
+for view in 0,8 65,20 180,10; do
+  "$programs/draw_splats" out/splats_bent.ply --beside out/splats_bent.obj -o "out/splats_$view.png" --view $view --width 1200 --height 800
+  set -- "$@" "seen from $view" "out/splats_$view.png"
+done
+"$programs/contact_sheet" -o out/splats.svg --columns 3 --tile 900 --png --png-width 1500 "$@"
 # By a lattice, in the pose that comes nearest to the one by the cage; then by that pose, as a file.
 "$programs/lattice_fit" out/character.obj out/character_harmonic.obj --cage lattice:6x6x6 -o out/lattice_pose.obj \
   --picture out/lattice_fit.png >>$report
@@ -409,6 +422,7 @@ Open, in out/:
   fish.png                   a fish moved by points without a cage; sibson_cells.png, sibson_types.png, sibson_legs.png: how
                              their weights come about, beside harmonic ones; sibson.txt: degrees and rules of gradients
   character_pins.png         a character by pins, and by least squares; box_folds.png: tetrahedra bent until they fold
+  splats.png                 Gaussian splats, bent beside the mesh that they were made from; splats_bent.ply: for a viewer of splats
   character_harmonic.png     a character in space, in its cage; character_skin.glb: its dance, for a viewer of glTF
   bones_heat.png             the character moved by bones whose weights were found; bones_heat.glb: the same, for a viewer
   hand_poses.png             a hand moved by its joints; hand_layers.png, hand_points.png: by what; hand_bend.png,

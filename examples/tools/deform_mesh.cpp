@@ -11,15 +11,12 @@
 // Vertices move with the cage and normals turn with the faces. Everything else in the file stays: groups,
 // materials, texture coordinates, comments, cells.
 
-#include "cli/auto_cage.hpp"
 #include "cli/bind_report.hpp"
 #include "cli/command_line.hpp"
-#include "cli/coordinates.hpp"
 #include "cli/guard.hpp"
 #include "cli/mesh_cage.hpp"
+#include "cli/mesh_control.hpp"
 #include "cli/mesh_folds.hpp"
-#include "cli/pinned_cage.hpp"
-#include "cli/pose_choice.hpp"
 #include "cli/progress_bar.hpp"
 #include "cli/view_choice.hpp"
 #include "files/atomic_file.hpp"
@@ -30,7 +27,6 @@
 #include <cageform/clone/clone.hpp>
 #include <cageform/clone/clone_rational.hpp>
 
-#include <functional>
 #include <iostream>
 
 namespace {
@@ -38,31 +34,14 @@ namespace {
 using namespace cageform_examples;
 
 struct Arguments {
-    std::string figure, cage, pose, save_pose, out, picture;
-    OutsideChoice outside;
+    std::string figure, out, picture;
+    MeshControlChoice control;
     std::size_t weight = 0; // whose is painted
     bool paints = false;
     bool report = false;
     bool no_folds = false;
     cageform::FoldOptions folds;
-    CoordinatesChoice choice;
-    SiteChoice of_sites;
-    PoseChoice operations;
-    PinChoice pins;
     ViewChoice view;
-
-    bool has_pose() const { return !pose.empty() || !operations.operations.empty(); }
-};
-
-/// The control of the figure: coordinates, and the pose of their handles.
-struct Control {
-    ChosenCoordinates<double, 3> coordinates;
-    ObjFile cage, pose;          // of sites with points alone
-    std::vector<double> weights; // of sites, or none
-    std::function<std::string(const cageform::BindReport&)> describe_faults;
-    std::vector<Point3> handles = {}; // the pose of all, where pins pose vectors of faces too; else none
-    std::string on_pins = {};         // what --report says of them
-    std::size_t saved = 0; // the vertices that --save-pose writes: all but the corners of --surround
 };
 
 /// Sites as a picture shows them: an octahedron each.
@@ -82,126 +61,6 @@ ObjFile dots(const std::vector<Point3>& sites, double radius) {
     return file;
 }
 
-/// Poses the vertices by pins, if there are any, beside those held where they are.
-///
-///   still   vertices that no pose moves
-SvgResult<bool> pin_pose(Control& to, const Arguments& given, const ObjFile& figure,
-                         const std::vector<std::size_t>& still) {
-    if (!given.pins.is_given()) return true;
-    auto pins = given.pins.pins<3>(figure.vertices);
-    if (!pins) return pins.error();
-    const std::span<const Point3> rest(to.cage.vertices);
-    auto held = given.pins.held_handles(rest.first(to.saved), still);
-    if (!held) return held.error();
-    const std::string kind = to.cage.lattice ? "lattice" : given.choice.name;
-    auto pinned = PinnedCage<double, 3>::make(to.coordinates, {to.cage.name, kind, to.describe_faults},
-                                              std::move(*pins), std::move(*held), given.pins, given.outside);
-    if (!pinned) return pinned.error();
-    auto pose = pinned->rest();
-    std::copy(to.pose.vertices.begin(), to.pose.vertices.end(), pose.begin());
-    if (const auto started = pinned->start(pose); !started)
-        return SvgError{to.pose.name + ": " + to_string(started.error())};
-    if (const auto done = pinned->settle(pinned->targets(), pinned->turns(), pose); !done)
-        return done.error();
-    to.on_pins = pinned->report();
-    if (const std::string why = pinned->warning(); !why.empty()) warn(why);
-    std::copy(pose.begin(), pose.begin() + std::ptrdiff_t(to.pose.vertices.size()), to.pose.vertices.begin());
-    if (to.coordinates.handles().vector_count() > 0) to.handles = std::move(pose);
-    return true;
-}
-
-SvgResult<Control> read_sites(const Arguments& given, const ObjFile& figure) {
-    if (given.pose.empty() && !given.pins.is_given()) return SvgError{"--pose is required for points"};
-    if (given.pins.is_given() && !given.of_sites.weights.empty())
-        return SvgError{"--weights: pins cannot be solved for where points have weights"};
-    const std::string& path = given.pose.empty() ? given.cage : given.pose;
-    auto posed = load_posed_sites<3>(given.cage, path, given.of_sites,
-                                     [&]() -> SvgResult<std::vector<Point3>> { return figure.vertices; });
-    if (!posed) return posed.error();
-    auto& [sites, pose, weights] = *posed;
-    Control control{make_coordinates<double>(given.choice, sites), {}, {}, std::move(weights), {}};
-    control.cage.name = given.cage;
-    control.cage.vertices = sites.points;
-    control.pose.name = path;
-    control.pose.vertices = std::move(pose.points);
-    constexpr std::size_t corners = 8; // of the box that --surround adds
-    control.saved = sites.points.size() - (given.of_sites.surround > 0 ? corners : 0);
-    std::vector<std::size_t> still;
-    for (std::size_t i = control.saved; i < sites.points.size(); ++i) still.push_back(i);
-    control.describe_faults = [known = std::move(sites)](const cageform::BindReport& report) {
-        return describe_site_faults(known, report);
-    };
-    if (const auto done = pin_pose(control, given, figure, still); !done) return done.error();
-    return control;
-}
-
-/// The pose by a file, or by operations; where neither is given that of rest if there are pins, or of a cage
-/// that is made one for a first look.
-///
-///   held   vertices that no pose moves
-SvgResult<ObjFile> read_pose(const Arguments& given, const ObjFile& cage,
-                             const std::vector<std::size_t>& held) {
-    const bool operated = !given.operations.operations.empty();
-    if (!given.pose.empty() && operated)
-        return SvgError{"give --pose or operations such as --turn, but not both"};
-    const auto put_back = [&](ObjFile pose) {
-        for (const std::size_t i : held) pose.vertices[i] = cage.vertices[i];
-        return pose;
-    };
-    if (!given.pose.empty()) {
-        auto pose = load_obj(given.pose);
-        if (!pose) return pose;
-        const std::string why = pose_difference(cage, *pose);
-        if (!why.empty()) return SvgError{why};
-        return put_back(std::move(*pose));
-    }
-    if (!operated && given.pins.is_given()) return cage;
-    if (!operated && !CageWord::of(given.cage).is_auto)
-        return SvgError{"--pose is required, or operations such as --turn, or --pin"};
-    ObjFile pose = cage;
-    if (operated) {
-        auto moved = given.operations.posed(cage.vertices, cage.lattice);
-        if (!moved) return moved.error();
-        pose.vertices = std::move(*moved);
-    } else {
-        pose.vertices = first_pose(cage.vertices);
-    }
-    return put_back(std::move(pose));
-}
-
-SvgResult<Control> read_control(const Arguments& given, const ObjFile& figure) {
-    if (given.choice.takes_sites()) return read_sites(given, figure);
-    auto cage = load_or_make_cage(given.cage, figure);
-    if (!cage) return cage.error();
-    const auto still = given.operations.still(cage->lattice);
-    if (!still) return still.error();
-    auto pose = read_pose(given, *cage, *still);
-    if (!pose) return pose.error();
-    auto coordinates = make_coordinates<double>(given.choice, *cage);
-    const std::string name = cage->name;
-    Control control{
-        std::move(coordinates),
-        std::move(*cage),
-        std::move(*pose),
-        {},
-        [name](const cageform::BindReport& report) { return describe_mesh_faults(name, report); }};
-    control.saved = control.cage.lattice ? control.cage.lattice->points() : control.cage.vertices.size();
-    if (const auto done = pin_pose(control, given, figure, *still); !done) return done.error();
-    return control;
-}
-
-/// The text of a file that --pose reads.
-std::string saved_pose(const Control& control) {
-    if (!control.coordinates.takes_sites) return to_text(control.cage, control.pose.vertices);
-    std::string text;
-    for (std::size_t i = 0; i < control.saved; ++i) {
-        text += 'v';
-        for (const double x : control.pose.vertices[i].v) text += ' ' + detail::digits_of(x);
-        text += '\n';
-    }
-    return text;
-}
-
 struct Deformed {
     std::vector<Point3> vertices;
     std::vector<Colour> paint;   // of --weight
@@ -214,13 +73,13 @@ constexpr std::size_t most_bytes = std::size_t{256} << 20; // of weights at a ti
 
 /// Binds the figure and moves it; where the weights of all vertices would take more than 256 MB, a batch of
 /// them after the other. Until `fault` is not empty, or the report's status not ok.
-Deformed deformed(const Arguments& given, const ObjFile& figure, const Control& control) {
+Deformed deformed(const Arguments& given, const ObjFile& figure, const MeshControl& control) {
     const auto& coordinates = control.coordinates;
     const auto& [pose, weights] = std::tie(control.pose, control.weights);
     const std::span<const Point3> rest(figure.vertices);
     const std::size_t fits = most_bytes / (sizeof(double) * (coordinates.handles().count + 1));
     const std::size_t together = rest.size() <= fits ? rest.size() : fits / 4 + 1;
-    const auto options = given.outside.bind_options(coordinates);
+    const auto options = given.control.outside.bind_options(coordinates);
     Deformed result;
     result.vertices.resize(rest.size());
     auto& report = result.report;
@@ -260,8 +119,8 @@ Deformed deformed(const Arguments& given, const ObjFile& figure, const Control& 
                                 ? cageform::clone(bound.value, handles, moved)
                                 : cageform::clone_rational(bound.value, handles, std::span(weights), moved);
         if (status != cageform::Status::ok) {
-            result.fault =
-                (weights.empty() ? pose.name : given.of_sites.weights) + ": " + cageform::to_string(status);
+            result.fault = (weights.empty() ? pose.name : given.control.of_sites.weights) + ": " +
+                           cageform::to_string(status);
             return result;
         }
         for (std::size_t i = 0; given.paints && i < batch.size(); ++i)
@@ -275,7 +134,7 @@ Deformed deformed(const Arguments& given, const ObjFile& figure, const Control& 
 /// Finds what folds: tetrahedra, or by Jacobians the space at vertices.
 ///
 ///   handles   the pose of all
-MeshFolds found_folds(const Arguments& given, const ObjFile& figure, const Control& control,
+MeshFolds found_folds(const Arguments& given, const ObjFile& figure, const MeshControl& control,
                       std::span<const Point3> moved, std::span<const Point3> handles) {
     if (!figure.tetrahedra.empty()) return folds_of_cells(figure, moved, given.folds);
     MeshFolds folds;
@@ -287,7 +146,7 @@ MeshFolds found_folds(const Arguments& given, const ObjFile& figure, const Contr
     const auto at_rest = coordinates.handles();
     const std::span<const Point3> rest(figure.vertices);
     const std::size_t together = most_bytes / (3 * sizeof(double) * (at_rest.count + 1)) + 1;
-    const cageform::BindOptions options = given.outside.bind_options(coordinates);
+    const cageform::BindOptions options = given.control.outside.bind_options(coordinates);
     ProgressBar bar("looking for folds");
     const cageform::Running running{.progress = bar.callback()};
     if (together < rest.size()) (void)coordinates.solve(running.subtask(0, 0.5));
@@ -306,7 +165,7 @@ MeshFolds found_folds(const Arguments& given, const ObjFile& figure, const Contr
 
 /// Takes a figure that folds, and its pose, back along their straight ways from rest to where nothing folds.
 /// Returns why it cannot be done; empty if all is well.
-std::string stop_at_folds(const ObjFile& figure, Control& control, std::vector<Point3>& moved,
+std::string stop_at_folds(const ObjFile& figure, MeshControl& control, std::vector<Point3>& moved,
                           const MeshFolds& folds) {
     if (const std::string why = folds.fault(); !why.empty()) return figure.name + ": --no-folds: " + why;
     if (folds.report.count == 0) return {};
@@ -321,16 +180,18 @@ std::string stop_at_folds(const ObjFile& figure, Control& control, std::vector<P
 }
 
 /// Binds the figure, moves it and writes the requested files.
-int deform_figure(const Arguments& given, const ObjFile& figure, Control control) {
+int deform_figure(const Arguments& given, const ObjFile& figure, MeshControl control) {
     const auto& [coordinates, cage, pose] = std::tie(control.coordinates, control.cage, control.pose);
-    if (const auto why = fault_of_outputs({given.out, given.save_pose, given.picture})) return fail(*why);
+    if (const auto why = fault_of_outputs({given.out, given.control.save_pose, given.picture}))
+        return fail(*why);
     warn_of_closed_gaps(cage.name, coordinates.cage_report());
     if (!coordinates.note.empty()) note(coordinates.note);
     auto [moved, paint, handles, report, fault, warning] = deformed(given, figure, control);
     if (!fault.empty()) return fail(fault);
     if (report.status != cageform::Status::ok) return fail(control.describe_faults(report));
     warn_of_coarse_grid(cage.name, report.solver);
-    const auto outside = given.outside.judge(coordinates, report, figure.vertices, figure.name, cage.name);
+    const auto outside =
+        given.control.outside.judge(coordinates, report, figure.vertices, figure.name, cage.name);
     if (!outside.fault.empty()) return fail(outside.fault);
     if (!outside.warning.empty()) warn(outside.warning);
     if (!warning.empty()) warn(warning);
@@ -346,7 +207,7 @@ int deform_figure(const Arguments& given, const ObjFile& figure, Control control
 
     OutputFiles outputs;
     outputs.add(given.out).write(to_text(figure, moved));
-    if (!given.save_pose.empty()) outputs.add(given.save_pose).write(saved_pose(control));
+    if (!given.control.save_pose.empty()) outputs.add(given.control.save_pose).write(control.saved_pose());
     if (!given.picture.empty()) {
         ObjFile rest_dots, moved_dots;
         const ObjFile *drawn = &cage, *drawn_pose = &pose;
@@ -399,18 +260,7 @@ int run_program(int argc, char** argv) {
                        "part.mesh --cage box --twist all:x,0,4,90 --no-folds -o twisted.mesh --report"});
     Arguments given;
     line.add("figure", given.figure, "the OBJ or .mesh file to deform").required();
-    line.add("--cage", given.cage,
-             "its cage: an OBJ file of a closed mesh, faces counter-clockwise seen from outside; for sibson "
-             "and sibson-c1 a file of points" +
-                 std::string(auto_cage_help))
-        .required();
-    line.add("--pose", given.pose,
-             "the pose: the same mesh or points with vertices moved; or give operations such as --turn; with "
-             "--cage auto and none of these, half the figure bends");
-    given.operations.add_options(line);
-    given.pins.add_options(line);
-    line.add("--save-pose", given.save_pose, "also write the posed vertices to an OBJ file that --pose reads")
-        .ends_with({".obj"});
+    given.control.add_options(line);
     line.add_flag("--no-folds", given.no_folds,
                   "stop a pose that folds tetrahedra on its straight way from rest, where the first of them "
                   "would fold; of a surface, where the space at the first vertex would");
@@ -422,42 +272,34 @@ int run_program(int argc, char** argv) {
     line.add("-o,--output", given.out, "the file to write, .obj or .mesh as the figure is")
         .required()
         .ends_with({".obj", ".mesh"});
-    given.outside.with_sites = given.choice.with_sites = given.choice.with_normals = true;
-    given.choice.in_space = true;
-    given.outside.add_options(line);
-    given.of_sites.add_options(line);
+    given.control.outside.add_options(line);
+    given.control.of_sites.add_options(line);
     line.add("--picture", given.picture, "also draw it at rest and posed, in its cage, to a PNG file")
         .ends_with({".png"});
     given.view.add_options(line);
     const CommandOption weight =
         line.add("--weight", given.weight, "paint this vertex's weight on the figure in the picture, from 0");
     line.add_flag("--report", given.report, "print the bind report, how pins went, and what folds");
-    given.choice.add_options(line);
+    given.control.choice.add_options(line);
     line.set_footer(obj_format + std::string("\n") + medit_format + "\n" + lattice_format + "\n" +
                     pose_operations_format + "\n" + pins_format + "\n" + site_formats + "\n" +
                     site_weights_format);
     if (const auto code = line.parse(argc, argv)) return *code;
-    for (const std::string& why :
-         {given.of_sites.fault(given.choice), given.outside.fault(), given.pins.fault(given.has_pose())}) {
-        if (!why.empty()) return fail(why);
-    }
+    if (const std::string why = given.control.fault(); !why.empty()) return fail(why);
     const std::string ending = ending_of(given.figure) == ".mesh" ? ".mesh" : ".obj";
     if (ending_of(given.out) != ending)
         return fail("-o " + given.out + ": the figure " + given.figure + " is written as " + ending);
 
     const auto figure = load_mesh_or_obj(given.figure);
     if (!figure) return fail(to_string(figure.error()));
-    auto control = read_control(given, *figure);
+    auto control = read_mesh_control(given.control, *figure, figure->vertices);
     if (!control) return fail(to_string(control.error()));
-    if (!given.save_pose.empty() && !control->handles.empty())
-        return fail("--save-pose " + given.save_pose + ": with " + given.choice.name +
-                    " pins pose the faces beside the vertices, and a pose has vertices alone; take "
-                    "mean-value or harmonic");
+    if (const std::string why = given.control.save_fault(*control); !why.empty()) return fail(why);
     given.paints = weight.is_given();
     if (given.paints && given.picture.empty()) return fail("--weight is painted on the --picture: give one");
     if (given.paints && given.weight >= control->cage.vertices.size()) {
-        return fail("there is no vertex " + std::to_string(given.weight) + ": " + given.cage + " has " +
-                    std::to_string(control->cage.vertices.size()));
+        return fail("there is no vertex " + std::to_string(given.weight) + ": " + given.control.cage +
+                    " has " + std::to_string(control->cage.vertices.size()));
     }
     return deform_figure(given, *figure, std::move(*control));
 }

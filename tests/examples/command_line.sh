@@ -753,6 +753,58 @@ works "weights of a box with a gap" "$weights" --cage box_open.obj --points poin
 grep -qF 'cage_weights: warning: box_open.obj: 4 open edges were closed, first between vertices 1 and 4 (counted from 1, as in the file)' log && ok=yes || ok=no
 report $ok "the gap is reported"
 
+# ---- splats ----
+splats="$programs/deform_splats"
+works "splats on the character" "$programs/make_splats" character.obj -o scene.ply --count 3000
+[ "$(cat log)" = "scene.ply: 3000 splats of degree 3" ] && ok=yes || ok=no
+report $ok "make_splats tells what it made"
+for degree in 0 1 2; do works "splats of degree $degree" "$programs/make_splats" character.obj -o "degree_$degree.ply" --count 100 --degree $degree; done
+for scene in scene degree_0 degree_1 degree_2; do
+  works "splats at rest, $scene" "$splats" $scene.ply --cage character_cage.obj --pose character_cage.obj -o rest.ply
+  cmp $scene.ply rest.ply && ok=yes || ok=no
+  report $ok "splats at rest have the same bytes, $scene"
+done
+for type in mean-value green; do
+  works "splats posed, $type" "$splats" scene.ply --cage character_cage.obj --pose character_pose.obj --coordinates $type -o posed.ply --report
+  grep -q '^splats: 3000 of degree 3, 248 bytes each$' log && grep -q '^seconds: read .* bind .* frame .* write ' log && ok=yes || ok=no
+  report $ok "deform_splats reports, $type"
+done
+works "one thread" "$splats" scene.ply --cage lattice:3x5x3 --bend all:yx,0.9,0,90 --split 1.2 --threads 1 -o one.ply
+works "threads" "$splats" scene.ply --cage lattice:3x5x3 --bend all:yx,0.9,0,90 --split 1.2 --threads 3 -o three.ply --report
+cmp one.ply three.ply && grep -q '^split: [1-9]' log && ok=yes || ok=no
+report $ok "the result does not depend on threads"
+works "a first look" "$splats" scene.ply --cage box -o look.ply
+works "a lattice" "$splats" scene.ply --cage lattice:4x4x4 --turn all:90,y@0,0,0 -o quarter.ply
+works "splats drawn" "$programs/draw_splats" scene.ply -o drawn.png --view 20,10 --width 160 --height 120
+works "splats drawn beside a mesh" "$programs/draw_splats" quarter.ply --beside character.obj -o drawn.png --width 160 --height 120
+works "pins" "$splats" scene.ply --cage box --pin 0 --pin 2000:+0,0.1,0 -o pinned.ply --save-pose pinned.obj
+works "the pose of pins" "$splats" scene.ply --cage box --pose pinned.obj -o pinned.ply
+head -c 5000 scene.ply >short.ply
+sed 's/binary_little_endian/ascii/' scene.ply >ascii.ply
+sed 's/float opacity/float opaque/' scene.ply >opaque.ply
+{ head -c "$(($(wc -c <degree_0.ply) - 4))" degree_0.ply; printf '\000\000\300\177'; } >nan.ply
+for program in "$splats" "$programs/draw_splats"; do
+  case $program in *draw*) set -- -o out.png ;; *) set -- --cage box --move all:1,0,0 -o out.ply ;; esac
+  refuses 'none.ply: no such file' "$program" none.ply "$@"
+  refuses 'folder: is a folder' "$program" folder "$@"
+  refuses 'short.ply: is cut off: 3000 splats of 248 bytes are announced' "$program" short.ply "$@"
+  refuses 'ascii.ply: line 2: the format is "ascii": only binary_little_endian is read' "$program" ascii.ply "$@"
+  refuses 'opaque.ply: a splat has no property opacity' "$program" opaque.ply "$@"
+  refuses 'nan.ply: splat 99 (counted from 0): rot_3 is not a finite number' "$program" nan.ply "$@"
+  refuses 'character.obj: is no PLY file' "$program" character.obj "$@"
+done
+refuses 'give --pose or operations such as --turn, but not both' "$splats" scene.ply --cage character_cage.obj --pose character_pose.obj --turn all:1,y -o out.ply
+refuses '--pose is required' "$splats" scene.ply --cage character_cage.obj -o out.ply
+refuses '"1" is neither 0 nor a number from 1.01 to 1e9' "$splats" scene.ply --cage box --split 1 -o out.ply
+refuses '3000 of 3000 vertices of scene.ply lie outside' "$splats" scene.ply --cage square.obj --pose square.obj -o out.ply
+refuses 'missing/out.ply' "$splats" scene.ply --cage box --move all:1,0,0 -o missing/out.ply
+refuses 'scene.ply: splat 0 (counted from 0) leaves the range of single precision in the pose' "$splats" scene.ply --cage box --scale all:1e60 -o out.ply
+refuses 'out.obj' "$splats" scene.ply --cage box --move all:1,0,0 -o out.obj
+printf 'v 0 0 0\nv 1 1 1\nv 2 2 2\nf 1 2 3\n' >thin.obj
+refuses 'thin.obj: its faces have no area to lie on' "$programs/make_splats" thin.obj -o out.ply
+refuses '--count' "$programs/make_splats" character.obj -o out.ply --count 0
+refuses '--degree' "$programs/make_splats" character.obj -o out.ply --degree 4
+
 # ---- pose_cage ----
 pose_cage="$programs/pose_cage"
 works "numbers of a cage" "$pose_cage" "$cage" --picture numbers.svg --png --figure "$cat"
@@ -2063,7 +2115,7 @@ done
 # ---- what all programs have ----
 mkdir -p no_files
 version=$(sed -n 's/.*VERSION_STRING "\(.*\)"/\1/p' "$(dirname "$data")/../include/cageform/version.hpp")
-for program in deform_svg coordinate_field cage_weights figure_table contact_sheet convergence adaptive_grid pose_cage make_cage make_box deform_mesh make_character bind_mesh clone_figure \
+for program in deform_svg coordinate_field cage_weights figure_table contact_sheet convergence adaptive_grid pose_cage make_cage make_box deform_mesh make_splats deform_splats draw_splats make_character bind_mesh clone_figure \
   export_gltf skin_mesh animate_svg fit_curve bezier_tables make_hand pose_hand hand_sheet height_map grid_field diffuse_colours puzzle paths boundary_formula relaxation lattice_board leaf_cages lattice_fit pin_poses; do
   works "version of $program" "$programs/$program" --version
   [ "$(cat log)" = "$program (cageform) $version" ] && ok=yes || ok=no

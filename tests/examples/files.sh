@@ -27,6 +27,7 @@ cp "$data/puzzle.csv" pool
   seq 8 >corner_weights.txt
   sed '8s/.*/v 1.3 1.2 1.1/' box.obj >bent_box.obj
   printf 'v 0.25 0.25 0.25\nv 0.75 0.25 0.5\nv 0.5 0.75 0.5\nf 1 2 3\n' >inner.obj
+  "$programs/make_splats" inner.obj -o scene.ply --count 20 >/dev/null
   printf '0,0.3,0.3,0.3\n2,0.5,0.75,0.5\n' >space_pins.csv
   printf 'MeshVersionFormatted 2\nDimension 3\nVertices\n4\n0.2 0.2 0.2 0\n0.8 0.2 0.2 0\n0.2 0.8 0.2 0\n0.2 0.2 0.8 0\nTetrahedra\n1\n1 2 3 4 0\nEnd\n' \
     >solid.mesh
@@ -197,6 +198,10 @@ form contact_sheet -o out.svg --png --png-width 60 one hexagon.svg two red.png
 form deform_mesh inner.obj --cage box.obj --pose bent_box.obj --coordinates sibson --weights corner_weights.txt -o out.obj
 form deform_mesh inner.obj --cage box.obj --pins space_pins.csv --save-pose pinned.obj -o out.obj
 form deform_mesh solid.mesh --cage box.obj --pose bent_box.obj --no-folds -o out.mesh
+form make_splats inner.obj -o out.ply --count 20
+form deform_splats scene.ply --cage box.obj --pose bent_box.obj --save-pose saved.obj -o out.ply
+form deform_splats scene.ply --cage box.obj --pins space_pins.csv --split 1.1 -o out.ply
+form draw_splats scene.ply -o out.png --beside inner.obj --width 64 --height 40
 form make_box -o out.mesh --cage out_cage.obj
 form make_cage hexagon.svg -o out.svg --picture picture.svg --png
 form make_cage hexagon.svg --lattice 3x3 -o out.lattice.json

@@ -23,8 +23,9 @@ std::string CoordinatesChoice::name_fault(const std::string& given, const std::v
 }
 
 void SiteChoice::add_options(CommandLine& line) {
-    line.add("--weights", weights,
-             "sibson: a text file with a weight for each point; heavier points attract the figure more");
+    if (with_weights)
+        line.add("--weights", weights,
+                 "sibson: a text file with a weight for each point; heavier points attract the figure more");
     line.add("--surround", surround,
              "sibson and sibson-c1: add the corners of a box around everything as points that do not move, "
              "so that nothing is outside; the value is the box's margin, in diagonals of figure and points; "

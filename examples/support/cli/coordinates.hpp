@@ -67,8 +67,9 @@ struct CoordinatesChoice {
 
 /// The choice of --weights and --surround for sites.
 struct SiteChoice {
-    std::string weights; // a file; empty: none
-    double surround = 0; // the margin of points around all that stand still; 0: none
+    std::string weights;      // a file; empty: none
+    double surround = 0;      // the margin of points around all that stand still; 0: none
+    bool with_weights = true; // whether the program takes --weights
 
     void add_options(CommandLine& line);
     std::string fault(const CoordinatesChoice& choice) const; ///< why they do not go with it; empty: they do

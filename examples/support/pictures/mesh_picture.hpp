@@ -32,6 +32,9 @@ struct MeshSight {
     bool z_is_up = false; ///< the figure looks against y then; else y is up, and it looks along z
 };
 
+/// The paper of such pictures.
+inline constexpr Colour mesh_background{0.965f, 0.965f, 0.955f};
+
 /// Draws scenes side by side, each in an equal part of the width, all at the same scale from the same
 /// place.
 Picture draw_meshes(std::span<const MeshScene> scenes, std::size_t width, std::size_t height,
@@ -42,6 +45,8 @@ Picture draw_meshes(std::span<const MeshScene> scenes, std::size_t width, std::s
 struct ViewDirections {
     Point3 right, up, towards;
 };
+
+ViewDirections directions_of(const MeshSight& sight);
 
 /// The z axis is up: turned about it, then seen from above. Whole turns change nothing.
 ///

@@ -1,0 +1,170 @@
+#include "cli/mesh_control.hpp"
+
+#include "cli/auto_cage.hpp"
+#include "cli/bind_report.hpp"
+#include "cli/guard.hpp"
+#include "cli/mesh_cage.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace cageform_examples {
+
+namespace {
+
+/// Poses the vertices by pins, if there are any, beside those held where they are.
+///
+///   still   vertices that no pose moves
+SvgResult<bool> pin_pose(MeshControl& to, const MeshControlChoice& given, std::span<const Point3> places,
+                         const std::vector<std::size_t>& still) {
+    if (!given.pins.is_given()) return true;
+    auto pins = given.pins.pins<3>(places);
+    if (!pins) return pins.error();
+    const std::span<const Point3> rest(to.cage.vertices);
+    auto held = given.pins.held_handles(rest.first(to.saved), still);
+    if (!held) return held.error();
+    const std::string kind = to.cage.lattice ? "lattice" : given.choice.name;
+    auto pinned = PinnedCage<double, 3>::make(to.coordinates, {to.cage.name, kind, to.describe_faults},
+                                              std::move(*pins), std::move(*held), given.pins, given.outside);
+    if (!pinned) return pinned.error();
+    auto pose = pinned->rest();
+    std::copy(to.pose.vertices.begin(), to.pose.vertices.end(), pose.begin());
+    if (const auto started = pinned->start(pose); !started)
+        return SvgError{to.pose.name + ": " + to_string(started.error())};
+    if (const auto done = pinned->settle(pinned->targets(), pinned->turns(), pose); !done)
+        return done.error();
+    to.on_pins = pinned->report();
+    if (const std::string why = pinned->warning(); !why.empty()) warn(why);
+    std::copy(pose.begin(), pose.begin() + std::ptrdiff_t(to.pose.vertices.size()), to.pose.vertices.begin());
+    if (to.coordinates.handles().vector_count() > 0) to.handles = std::move(pose);
+    return true;
+}
+
+SvgResult<MeshControl> read_sites(const MeshControlChoice& given, std::span<const Point3> places) {
+    if (given.pose.empty() && !given.pins.is_given()) return SvgError{"--pose is required for points"};
+    if (given.pins.is_given() && !given.of_sites.weights.empty())
+        return SvgError{"--weights: pins cannot be solved for where points have weights"};
+    const std::string& path = given.pose.empty() ? given.cage : given.pose;
+    auto posed =
+        load_posed_sites<3>(given.cage, path, given.of_sites, [&]() -> SvgResult<std::vector<Point3>> {
+            return std::vector<Point3>(places.begin(), places.end());
+        });
+    if (!posed) return posed.error();
+    auto& [sites, pose, weights] = *posed;
+    MeshControl control{make_coordinates<double>(given.choice, sites), {}, {}, std::move(weights), {}};
+    control.cage.name = given.cage;
+    control.cage.vertices = sites.points;
+    control.pose.name = path;
+    control.pose.vertices = std::move(pose.points);
+    constexpr std::size_t corners = 8; // of the box that --surround adds
+    control.saved = sites.points.size() - (given.of_sites.surround > 0 ? corners : 0);
+    std::vector<std::size_t> still;
+    for (std::size_t i = control.saved; i < sites.points.size(); ++i) still.push_back(i);
+    control.describe_faults = [known = std::move(sites)](const cageform::BindReport& report) {
+        return describe_site_faults(known, report);
+    };
+    if (const auto done = pin_pose(control, given, places, still); !done) return done.error();
+    return control;
+}
+
+/// The pose by a file, or by operations; where neither is given that of rest if there are pins, or of a cage
+/// that is made one for a first look.
+///
+///   held   vertices that no pose moves
+SvgResult<ObjFile> read_pose(const MeshControlChoice& given, const ObjFile& cage,
+                             const std::vector<std::size_t>& held) {
+    const bool operated = !given.operations.operations.empty();
+    if (!given.pose.empty() && operated)
+        return SvgError{"give --pose or operations such as --turn, but not both"};
+    const auto put_back = [&](ObjFile pose) {
+        for (const std::size_t i : held) pose.vertices[i] = cage.vertices[i];
+        return pose;
+    };
+    if (!given.pose.empty()) {
+        auto pose = load_obj(given.pose);
+        if (!pose) return pose;
+        const std::string why = pose_difference(cage, *pose);
+        if (!why.empty()) return SvgError{why};
+        return put_back(std::move(*pose));
+    }
+    if (!operated && given.pins.is_given()) return cage;
+    if (!operated && !CageWord::of(given.cage).is_auto)
+        return SvgError{"--pose is required, or operations such as --turn, or --pin"};
+    ObjFile pose = cage;
+    if (operated) {
+        auto moved = given.operations.posed(cage.vertices, cage.lattice);
+        if (!moved) return moved.error();
+        pose.vertices = std::move(*moved);
+    } else {
+        pose.vertices = first_pose(cage.vertices);
+    }
+    return put_back(std::move(pose));
+}
+
+} // namespace
+
+SvgResult<MeshControl> read_mesh_control(const MeshControlChoice& given, const ObjFile& figure,
+                                         std::span<const Point3> places) {
+    if (given.choice.takes_sites()) return read_sites(given, places);
+    auto cage = load_or_make_cage(given.cage, figure);
+    if (!cage) return cage.error();
+    const auto still = given.operations.still(cage->lattice);
+    if (!still) return still.error();
+    auto pose = read_pose(given, *cage, *still);
+    if (!pose) return pose.error();
+    auto coordinates = make_coordinates<double>(given.choice, *cage);
+    const std::string name = cage->name;
+    MeshControl control{
+        std::move(coordinates),
+        std::move(*cage),
+        std::move(*pose),
+        {},
+        [name](const cageform::BindReport& report) { return describe_mesh_faults(name, report); }};
+    control.saved = control.cage.lattice ? control.cage.lattice->points() : control.cage.vertices.size();
+    if (const auto done = pin_pose(control, given, places, *still); !done) return done.error();
+    return control;
+}
+
+std::string MeshControl::saved_pose() const {
+    if (!coordinates.takes_sites) return to_text(cage, pose.vertices);
+    std::string text;
+    for (std::size_t i = 0; i < saved; ++i) {
+        text += 'v';
+        for (const double x : pose.vertices[i].v) text += ' ' + detail::digits_of(x);
+        text += '\n';
+    }
+    return text;
+}
+
+void MeshControlChoice::add_options(CommandLine& line) {
+    line.add("--cage", cage,
+             "its cage: an OBJ file of a closed mesh, faces counter-clockwise seen from outside; for sibson "
+             "and sibson-c1 a file of points" +
+                 std::string(auto_cage_help))
+        .required();
+    line.add("--pose", pose,
+             "the pose: the same mesh or points with vertices moved; or give operations such as --turn; with "
+             "--cage auto and none of these, half the figure bends");
+    operations.add_options(line);
+    pins.add_options(line);
+    line.add("--save-pose", save_pose, "also write the posed vertices to an OBJ file that --pose reads")
+        .ends_with({".obj"});
+    outside.with_sites = choice.with_sites = choice.with_normals = true;
+    choice.in_space = true;
+}
+
+std::string MeshControlChoice::fault() const {
+    for (const std::string& why : {of_sites.fault(choice), outside.fault(), pins.fault(has_pose())}) {
+        if (!why.empty()) return why;
+    }
+    return {};
+}
+
+std::string MeshControlChoice::save_fault(const MeshControl& control) const {
+    if (save_pose.empty() || control.handles.empty()) return {};
+    return "--save-pose " + save_pose + ": with " + choice.name +
+           " pins pose the faces beside the vertices, and a pose has vertices alone; take mean-value or "
+           "harmonic";
+}
+
+} // namespace cageform_examples

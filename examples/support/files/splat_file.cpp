@@ -1,0 +1,310 @@
+#include "files/splat_file.hpp"
+
+#include "files/csv.hpp"
+#include "files/input_file.hpp"
+#include "splats/harmonics.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <map>
+#include <utility>
+
+namespace cageform_examples {
+
+static_assert(std::endian::native == std::endian::little, "rows are read as they stand in the file");
+
+namespace {
+
+constexpr std::size_t number_bytes = sizeof(float);
+
+/// The bytes of a PLY type by its old or new name; 0 for none.
+std::size_t bytes_of_type(std::string_view type) {
+    static const std::map<std::string_view, std::size_t> bytes{
+        {"char", 1},  {"uchar", 1},  {"short", 2},   {"ushort", 2}, {"int", 4},   {"uint", 4},
+        {"float", 4}, {"double", 8}, {"int8", 1},    {"uint8", 1},  {"int16", 2}, {"uint16", 2},
+        {"int32", 4}, {"uint32", 4}, {"float32", 4}, {"float64", 8}};
+    const auto found = bytes.find(type);
+    return found == bytes.end() ? 0 : found->second;
+}
+
+std::vector<std::string_view> words_of(std::string_view line) {
+    std::vector<std::string_view> words;
+    while (true) {
+        const std::size_t begin = line.find_first_not_of(" \t\r");
+        if (begin == line.npos) return words;
+        line.remove_prefix(begin);
+        const std::size_t end = std::min(line.find_first_of(" \t\r"), line.size());
+        words.push_back(line.substr(0, end));
+        line.remove_prefix(end);
+    }
+}
+
+struct Property {
+    std::size_t offset = 0;
+    bool is_float = false;
+};
+
+/// The header: the scene without its rows, the properties by name, and how many splats there are.
+struct Header {
+    SplatFile scene;
+    std::map<std::string, Property, std::less<>> properties;
+    std::uint64_t splats = 0;
+};
+
+/// Reads one line after "format"; an empty reason is success.
+std::string read_line(std::string_view line, const std::vector<std::string_view>& words, Header& header,
+                      bool& has_element) {
+    SplatFile& scene = header.scene;
+    if (words[0] == "element") {
+        if (words.size() != 3) return "an element has a name and a count";
+        if (words[1] == "chunk") return "compressed scenes are not read: export it as an uncompressed PLY";
+        if (words[1] != "vertex" || has_element)
+            return "the element " + detail::quoted(words[1]) + ": a scene of splats has one, vertex";
+        const char* const end = words[2].data() + words[2].size();
+        const auto [last, error] = std::from_chars(words[2].data(), end, header.splats);
+        if (error != std::errc{} || last != end) return detail::quoted(words[2]) + " is no number of splats";
+        has_element = true;
+        scene.element_at = scene.header.size();
+        return {};
+    }
+    if (words[0] == "property") {
+        if (!has_element) return "a property before the element";
+        if (words.size() == 5 && words[1] == "list") return "a list: a splat has single numbers";
+        const std::size_t bytes = words.size() == 3 ? bytes_of_type(words[1]) : 0;
+        if (bytes == 0) return "a property has a type and a name";
+        const Property property{scene.layout.row_bytes, words[1] == "float" || words[1] == "float32"};
+        if (!header.properties.emplace(words[2], property).second)
+            return "the property " + detail::quoted(words[2]) + " is there twice";
+        scene.layout.row_bytes += bytes;
+    } else if (words[0] != "comment" && words[0] != "obj_info") {
+        return detail::quoted(words[0]) + " is no word of a PLY header";
+    }
+    scene.header.emplace_back(line);
+    return {};
+}
+
+/// Takes the header off the bytes.
+SvgResult<Header> read_header(std::string_view& bytes, const std::string& name) {
+    const auto fails = [&](const std::string& why) { return SvgError{name + ": " + why}; };
+    std::string_view line;
+    const auto next = [&] {
+        if (bytes.find('\n') == bytes.npos || !take_line(bytes, line)) return false;
+        if (line.ends_with('\r')) line.remove_suffix(1);
+        return true;
+    };
+    if (!next() || line != "ply") return fails("is no PLY file: it does not begin with ply");
+    Header header;
+    bool has_element = false, has_format = false;
+    for (std::size_t number = 2; next(); ++number) {
+        const auto words = words_of(line);
+        if (words.size() == 1 && words[0] == "end_header") {
+            if (!has_format || !has_element)
+                return fails(std::string("the header has no line ") + (has_format ? "element" : "format"));
+            return header;
+        }
+        const std::string place = "line " + std::to_string(number) + ": ";
+        if (words.empty()) return fails(place + "is empty");
+        if (words[0] == "format") {
+            has_format = true;
+            if (words.size() < 2 || words[1] != "binary_little_endian")
+                return fails(place + "the format is " + detail::quoted(words.size() < 2 ? "" : words[1]) +
+                             ": only binary_little_endian is read; convert it");
+            continue;
+        }
+        if (const std::string why = read_line(line, words, header, has_element); !why.empty())
+            return fails(place + why);
+    }
+    return fails("the header is cut off: it has no end_header");
+}
+
+/// Finds the numbers of a splat among the properties; an empty reason is success.
+std::string find_numbers(Header& header) {
+    SplatLayout& layout = header.scene.layout;
+    std::string why;
+    const auto find = [&](const std::string& property) -> std::size_t {
+        const auto found = header.properties.find(property);
+        if (found == header.properties.end()) {
+            if (why.empty()) why = "a splat has no property " + property;
+            return 0;
+        }
+        if (!found->second.is_float && why.empty()) why = "the property " + property + " is no float";
+        return found->second.offset;
+    };
+    const auto find_all = [&](const std::string& prefix, auto& offsets) {
+        for (std::size_t i = 0; i < offsets.size(); ++i) offsets[i] = find(prefix + std::to_string(i));
+    };
+    layout.place = {find("x"), find("y"), find("z")};
+    find_all("f_dc_", layout.colour);
+    layout.opacity = find("opacity");
+    find_all("scale_", layout.scales);
+    find_all("rot_", layout.rotation);
+    std::size_t rest = 0;
+    for (const auto& property : header.properties) rest += property.first.starts_with("f_rest_") ? 1 : 0;
+    if (why.empty() && rest != 0 && rest != 9 && rest != 24 && rest != 45)
+        why = std::to_string(rest) + " properties f_rest_: degrees 0 to 3 have 0, 9, 24 or 45";
+    layout.rest.resize(rest);
+    find_all("f_rest_", layout.rest);
+    if (header.properties.contains("nx") && header.properties.contains("ny") &&
+        header.properties.contains("nz"))
+        layout.normal = {find("nx"), find("ny"), find("nz")};
+    return why;
+}
+
+/// The property at an offset, for messages.
+std::string name_at(const Header& header, std::size_t offset) {
+    for (const auto& [name, property] : header.properties) {
+        if (property.offset == offset) return name;
+    }
+    return {};
+}
+
+/// The first number that is not finite; empty where all are.
+std::string number_fault(const SplatFile& scene, const Header& header) {
+    const SplatLayout& layout = scene.layout;
+    std::vector<std::size_t> offsets{layout.opacity};
+    for (const auto& some : {std::span<const std::size_t>(layout.place),
+                             {layout.colour},
+                             {layout.scales},
+                             {layout.rotation},
+                             {layout.rest},
+                             {layout.normal}})
+        offsets.insert(offsets.end(), some.begin(), some.end());
+    std::sort(offsets.begin(), offsets.end());
+    for (std::size_t i = 0; i < scene.size(); ++i) {
+        const char* const row = scene.rows.data() + i * layout.row_bytes;
+        bool finite = true;
+        for (const std::size_t offset : offsets) {
+            std::uint32_t bits = 0;
+            std::memcpy(&bits, row + offset, number_bytes);
+            finite &= (bits & 0x7f800000U) != 0x7f800000U;
+        }
+        if (finite) continue;
+        for (const std::size_t offset : offsets) {
+            if (!std::isfinite(scene.number(i, offset)))
+                return "splat " + std::to_string(i) + " (counted from 0): " + name_at(header, offset) +
+                       " is not a finite number";
+        }
+    }
+    return {};
+}
+
+} // namespace
+
+std::size_t SplatLayout::degree() const {
+    std::size_t degree = 0;
+    while (3 * harmonics_of(degree) < rest.size()) ++degree;
+    return degree;
+}
+
+double SplatFile::number(std::size_t splat, std::size_t offset) const {
+    float value = 0;
+    std::memcpy(&value, rows.data() + splat * layout.row_bytes + offset, number_bytes);
+    return double(value);
+}
+
+void SplatFile::set(std::size_t splat, std::size_t offset, double value) {
+    const auto rounded = float(value);
+    std::memcpy(rows.data() + splat * layout.row_bytes + offset, &rounded, number_bytes);
+}
+
+Point3 SplatFile::vector(std::size_t splat, std::span<const std::size_t> offsets) const {
+    return {number(splat, offsets[0]), number(splat, offsets[1]), number(splat, offsets[2])};
+}
+
+void SplatFile::set(std::size_t splat, std::span<const std::size_t> offsets, const Point3& value) {
+    for (std::size_t k = 0; k < 3; ++k) set(splat, offsets[k], value[k]);
+}
+
+SplatShape SplatFile::shape(std::size_t splat) const {
+    SplatShape shape{{}, vector(splat, layout.scales)};
+    for (std::size_t k = 0; k < 4; ++k) shape.rotation[k] = number(splat, layout.rotation[k]);
+    return shape;
+}
+
+void SplatFile::set(std::size_t splat, const SplatShape& shape) {
+    set(splat, layout.scales, shape.log_scales);
+    for (std::size_t k = 0; k < 4; ++k) set(splat, layout.rotation[k], shape.rotation[k]);
+}
+
+std::string SplatFile::header_text(std::size_t splats) const {
+    std::string text = "ply\nformat binary_little_endian 1.0\n";
+    const std::string element = "element vertex " + std::to_string(splats) + '\n';
+    for (std::size_t i = 0; i < header.size(); ++i) {
+        if (i == element_at) text += element;
+        text += header[i] + '\n';
+    }
+    return text + "end_header\n";
+}
+
+SvgResult<SplatFile> parse_splats(std::string bytes, std::string name) {
+    std::string_view left(bytes);
+    auto header = read_header(left, name);
+    if (!header) return header.error();
+    const auto fails = [&](const std::string& why) { return SvgError{name + ": " + why}; };
+    if (const std::string why = find_numbers(*header); !why.empty()) return fails(why);
+    SplatFile scene = header->scene;
+    const std::size_t row = scene.layout.row_bytes;
+    if (header->splats == 0) return fails("there is no splat in it");
+    if (left.size() / row != header->splats || left.size() % row != 0) {
+        const bool is_short = left.size() / row < header->splats;
+        return fails(std::string(is_short ? "is cut off" : "is too long") + ": " +
+                     std::to_string(header->splats) + " splats of " + std::to_string(row) +
+                     " bytes are announced, and " + std::to_string(left.size()) + " bytes follow the header");
+    }
+    bytes.erase(0, bytes.size() - left.size());
+    scene.rows = std::move(bytes);
+    scene.name = name;
+    if (const std::string why = number_fault(scene, *header); !why.empty()) return fails(why);
+    return scene;
+}
+
+SvgResult<SplatFile> load_splats(const std::filesystem::path& path) {
+    auto bytes = read_file(path.string());
+    if (!bytes) return bytes.error();
+    return parse_splats(std::move(*bytes), path.string());
+}
+
+SplatFile empty_scene(std::size_t degree) {
+    std::string text = "ply\nformat binary_little_endian 1.0\nelement vertex 1\n";
+    const auto add = [&](const std::string& property) { text += "property float " + property + '\n'; };
+    for (const char* property : {"x", "y", "z", "nx", "ny", "nz", "f_dc_0", "f_dc_1", "f_dc_2"})
+        add(property);
+    for (std::size_t i = 0; i < 3 * harmonics_of(degree); ++i) add("f_rest_" + std::to_string(i));
+    for (const char* property :
+         {"opacity", "scale_0", "scale_1", "scale_2", "rot_0", "rot_1", "rot_2", "rot_3"})
+        add(property);
+    text += "end_header\n";
+    std::string_view left(text);
+    auto header = read_header(left, "a scene");
+    (void)find_numbers(*header);
+    return header->scene;
+}
+
+void append(SplatFile& scene, const Splat& splat) {
+    const std::size_t i = scene.size();
+    const SplatLayout& layout = scene.layout;
+    scene.rows.resize(scene.rows.size() + layout.row_bytes);
+    scene.set(i, layout.place, splat.place);
+    scene.set(i, splat.shape);
+    scene.set(i, layout.opacity, splat.opacity);
+    for (std::size_t channel = 0; channel < 3; ++channel) {
+        scene.set(i, layout.colour[channel], splat.colour[channel]);
+        const std::size_t count = layout.rest.size() / 3;
+        for (std::size_t k = 0; k < count; ++k)
+            scene.set(i, layout.rest[channel * count + k], splat.harmonics[channel][k]);
+    }
+}
+
+double opacity_of(double logit) {
+    return 1 / (1 + std::exp(-logit));
+}
+
+double logit_of(double opacity) {
+    return std::log(opacity / (1 - opacity));
+}
+
+} // namespace cageform_examples

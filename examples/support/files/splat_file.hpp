@@ -1,0 +1,92 @@
+#pragma once
+
+// Scenes of 3D Gaussian splatting: the binary PLY files that trainers write and viewers read.
+
+#include "files/obj_file.hpp"
+#include "splats/splat.hpp"
+
+#include <array>
+#include <cstddef>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace cageform_examples {
+
+/// The text for --help.
+inline constexpr const char* splat_format =
+    "Scenes are binary PLY files, little-endian, of one element: vertex, a splat each. It has\n"
+    "the float properties x y z, f_dc_0 to 2, opacity, scale_0 to 2, rot_0 to 3 and 0, 9, 24\n"
+    "or 45 of f_rest, one channel after the other, in any order. Scales are logarithms,\n"
+    "opacity is a logit, the quaternion is w x y z. All other properties are kept, and nx ny\n"
+    "nz turn where they are not zero. Compressed files are not read. A scene is held in\n"
+    "memory: 248 bytes a splat of degree 3.\n";
+
+/// One splat, as the file has it.
+struct Splat {
+    Point3 place;
+    SplatShape shape;
+    double opacity = 0; ///< a logit
+    std::array<double, 3> colour{};
+    std::array<std::vector<double>, 3> harmonics; ///< by channel: of degrees 1 to the file's
+};
+
+/// Where the numbers of a splat stand in its row, in bytes.
+struct SplatLayout {
+    std::size_t row_bytes = 0;
+    std::array<std::size_t, 3> place{}, colour{}, scales{};
+    std::array<std::size_t, 4> rotation{};
+    std::size_t opacity = 0;
+    std::vector<std::size_t> rest;   ///< 0, 9, 24 or 45: the first channel first
+    std::vector<std::size_t> normal; ///< 3, or none
+
+    std::size_t degree() const; ///< of the harmonics, 0 to 3
+};
+
+/// A scene: its header, and the rows of all splats as they stand in the file.
+struct SplatFile {
+    std::string name;                // for messages
+    std::vector<std::string> header; // lines between "format" and "end_header" but for that of the element
+    std::size_t element_at = 0;      // before which of these lines the element's stands
+    SplatLayout layout;
+    std::string rows;
+
+    std::size_t size() const { return rows.size() / layout.row_bytes; }
+
+    double number(std::size_t splat, std::size_t offset) const;
+    void set(std::size_t splat, std::size_t offset, double value); ///< rounds to single precision
+    Point3 vector(std::size_t splat, std::span<const std::size_t> offsets) const;
+    void set(std::size_t splat, std::span<const std::size_t> offsets, const Point3& value);
+
+    Point3 place(std::size_t splat) const { return vector(splat, layout.place); }
+    SplatShape shape(std::size_t splat) const;
+    void set(std::size_t splat, const SplatShape& shape);
+
+    std::string header_text(std::size_t splats) const; ///< of a file with so many
+};
+
+/// A scene from the bytes of a file.
+///
+///   name    stands before every message
+///   fails   where it is no binary PLY file as splat_format says, is cut off, or a number of a splat is not
+///           finite: the message names the property, or the splat, counted from 0
+SvgResult<SplatFile> parse_splats(std::string bytes, std::string name);
+
+/// Works as parse_splats(), from a file; fails also where it cannot be read.
+SvgResult<SplatFile> load_splats(const std::filesystem::path& path);
+
+/// An empty scene with all standard properties.
+///
+///   degree   of the harmonics, 0 to 3
+SplatFile empty_scene(std::size_t degree);
+
+/// Appends a splat to a scene, whose other properties become 0.
+void append(SplatFile& scene, const Splat& splat);
+
+/// The share of light that a splat takes in its middle, 0 to 1, from a logit, and back.
+double opacity_of(double logit);
+double logit_of(double opacity);
+
+} // namespace cageform_examples

@@ -1,0 +1,61 @@
+// Draws a scene of 3D Gaussian splatting, without any graphics library.
+//
+//     draw_splats scene.ply -o scene.png --view 60,20
+//     draw_splats posed.ply --beside posed.obj -o both.png
+
+#include "cli/command_line.hpp"
+#include "cli/guard.hpp"
+#include "cli/view_choice.hpp"
+#include "files/atomic_file.hpp"
+#include "files/obj_parts.hpp"
+#include "files/splat_file.hpp"
+#include "pictures/splat_picture.hpp"
+
+#include <cageform/core/threads.hpp>
+
+#include <optional>
+
+namespace {
+
+using namespace cageform_examples;
+
+int run_program(int argc, char** argv) {
+    CommandLine line(
+        "Draws a scene of 3D Gaussian splatting to a PNG file, from in front of all its splats.");
+    line.set_examples({"scene.ply -o scene.png --view 60,20", "posed.ply --beside posed.obj -o both.png"});
+    std::string path, beside, out;
+    int width = 1600, height = 1000;
+    ViewChoice view;
+    line.add("scene", path, "the PLY file of splats to draw").required();
+    line.add("-o,--output", out, "the PNG file to write").required().ends_with({".png"});
+    line.add("--beside", beside, "draw this OBJ file too, left of the splats, from the same place");
+    view.add_options(line);
+    line.add("--width", width, "the picture's width in pixels").range(16, 16384).show_default();
+    line.add("--height", height, "its height").range(16, 16384).show_default();
+    line.set_footer(splat_format + std::string("\n") + obj_format);
+    if (const auto code = line.parse(argc, argv)) return *code;
+
+    const auto scene = load_splats(path);
+    if (!scene) return fail(to_string(scene.error()));
+    std::optional<ObjFile> mesh;
+    if (!beside.empty()) {
+        auto read = load_obj(beside);
+        if (!read) return fail(to_string(read.error()));
+        mesh = std::move(*read);
+    }
+    if (const auto why = fault_of_outputs({out})) return fail(*why);
+    const MeshView left = mesh ? MeshView{mesh->vertices, mesh->triangles} : MeshView{};
+    const Picture picture =
+        draw_splats(*scene, mesh ? &left : nullptr, std::size_t(width), std::size_t(height), view.sight,
+                    {.parallel = cageform::ThreadedFor{}, .progress = {}});
+    OutputFiles outputs;
+    picture.write_png(outputs.add(out));
+    if (const auto error = outputs.commit()) return fail(*error);
+    return 0;
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    return guarded("draw_splats", [&] { return run_program(argc, argv); });
+}

@@ -1,0 +1,58 @@
+// Makes a scene of 3D Gaussian splatting from a mesh, to try deform_splats without any photographs.
+//
+//     make_splats character.obj -o scene.ply
+//     make_splats character.obj -o scene.ply --count 1000000 --degree 1 --seed 7
+
+#include "cli/command_line.hpp"
+#include "cli/guard.hpp"
+#include "files/atomic_file.hpp"
+#include "splats/surface_splats.hpp"
+
+#include <cmath>
+#include <iostream>
+
+namespace {
+
+using namespace cageform_examples;
+
+int run_program(int argc, char** argv) {
+    CommandLine line("Makes a scene of 3D Gaussian splatting from a mesh: splats lie flat on its faces, with "
+                     "bands of colour and a gloss that changes with the view.");
+    line.set_examples(
+        {"model.obj -o scene.ply", "model.obj -o scene.ply --count 1000000 --degree 1 --seed 7"});
+    std::string path, out;
+    SurfaceSplatOptions options;
+    std::size_t seed = options.seed;
+    line.add("mesh", path, "the OBJ file to cover").required();
+    line.add("-o,--output", out, "the PLY file to write").required().ends_with({".ply"});
+    line.add("--count", options.count, "the number of splats").range(1, 20000000).show_default();
+    line.add("--degree", options.degree, "of the spherical harmonics: 0 has one colour from all sides")
+        .range(0, 3)
+        .show_default();
+    line.add("--seed", seed, "of the random places").show_default();
+    line.set_footer(splat_format + std::string("\n") + obj_format);
+    if (const auto code = line.parse(argc, argv)) return *code;
+    options.seed = seed;
+
+    const auto mesh = load_obj(path);
+    if (!mesh) return fail(to_string(mesh.error()));
+    if (const double area = area_of(*mesh); !(area > 0) || !std::isfinite(area))
+        return fail(path + ": its faces have no area to lie on");
+    if (const auto why = single_precision_fault(*mesh)) return fail(to_string(*why));
+    if (const auto why = fault_of_outputs({out})) return fail(*why);
+    const SplatFile scene = splats_on(*mesh, options);
+    OutputFiles outputs;
+    AtomicFile& file = outputs.add(out);
+    file.write(scene.header_text(scene.size()));
+    file.write(scene.rows);
+    if (const auto error = outputs.commit()) return fail(*error);
+    std::cout << printable(out) << ": " << scene.size() << " splats of degree " << scene.layout.degree()
+              << '\n';
+    return 0;
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    return guarded("make_splats", [&] { return run_program(argc, argv); });
+}
