@@ -129,15 +129,15 @@ public:
     std::complex<double> hamiltonian(std::size_t n) const {
         const std::size_t columns = lattice_.columns, i = n % columns, j = n / columns;
         const auto axis = [&](std::size_t place, std::size_t count, std::size_t stride, bool turned) {
+            const auto side = [&](std::size_t other, std::size_t upper, std::size_t reach, double sign) {
+                const double weight = reach == 1 ? -4.0 / 3 : 1.0 / 12;
+                return weight * value(other) * (turned ? std::polar(1.0, sign * bond(upper, reach)) : 1.0);
+            };
             std::complex<double> sum = 2.5 * value(n);
             for (std::size_t reach = 1; reach <= 2; ++reach) {
-                const double weight = reach == 1 ? -4.0 / 3 : 1.0 / 12;
-                if (place >= reach)
-                    sum += weight * value(n - reach * stride) *
-                           std::polar(1.0, turned ? bond(n - reach * stride, reach) : 0.0);
-                if (place + reach < count)
-                    sum += weight * value(n + reach * stride) *
-                           std::polar(1.0, turned ? -bond(n, reach) : 0.0);
+                const std::size_t away = reach * stride;
+                if (place >= reach) sum += side(n - away, n - away, reach, 1);
+                if (place + reach < count) sum += side(n + away, n, reach, -1);
             }
             return sum;
         };
