@@ -170,40 +170,38 @@ struct Row {
     const std::vector<double>* potential = nullptr;
 };
 
-/// Densities as greys: the largest at the start is white; beyond a wall or tip, the largest of all frames.
+/// Densities as greys: the largest beyond a place is white. Before it, where `wall` is its name, the largest
+/// at the start is white, and the caption tells how much brighter all beyond is drawn.
 Row grey_row(const WaveScene& scene, const std::string& caption, std::vector<std::vector<float>> frames,
-             const WaveTerms& terms, double beyond, const std::string& what) {
+             const WaveTerms& terms, double beyond, const std::string& wall = "") {
     const std::size_t width = scene.lattice.columns / 2;
     const auto right = [&](std::size_t n, double by) { return scene.lattice.x(n % width * 2) > beyond + by; };
-    float left_most = 1e-30f, right_most = 1e-30f;
+    float left_most = 0, right_most = 1e-30f;
+    for (const float value : frames.front()) left_most = std::max(left_most, value);
     for (const auto& frame : frames) {
-        for (std::size_t n = 0; n < frame.size(); ++n) {
-            if (!right(n, 0) && &frame == &frames.front()) left_most = std::max(left_most, frame[n]);
+        for (std::size_t n = 0; n < frame.size(); ++n)
             if (right(n, 4)) right_most = std::max(right_most, frame[n]);
-        }
     }
+    if (wall.empty()) left_most = right_most;
     for (auto& frame : frames) {
         for (std::size_t n = 0; n < frame.size(); ++n) frame[n] /= right(n, 0) ? right_most : left_most;
     }
-    std::string factor;
-    if (right_most > 1e-20f)
-        factor = ", beyond the " + what + text_of(" x %.3g", double(left_most) / double(right_most));
-    return {caption + factor, std::move(frames), &terms.potential};
+    const double factor = double(left_most) / double(right_most);
+    const std::string words = ", beyond the " + wall + text_of(" x %.3g", factor);
+    return {caption + (wall.empty() ? "" : words), std::move(frames), &terms.potential};
 }
 
 std::vector<Row> rows_of(const WaveScene& scene, const std::vector<Recorded>& runs) {
     std::vector<Row> rows;
-    const double everywhere = scene.lattice.width();
     for (std::size_t k = 0; k < runs.size(); ++k) {
-        const bool is_tip = runs[k].name == "tip", is_packet = scene.half > 0 && !is_tip;
-        const double from = is_packet ? everywhere : is_tip ? scene.source : scene.exit;
-        rows.push_back(grey_row(scene, runs[k].name, runs[k].frames, scene.runs[k].terms, from,
-                                is_tip ? "tip" : "wall"));
+        const bool is_tip = runs[k].name == "tip";
+        const std::string wall = scene.half == 0 ? "wall" : is_tip ? "tip" : "square";
+        rows.push_back(grey_row(scene, runs[k].name, runs[k].frames, scene.runs[k].terms,
+                                is_tip ? scene.source : scene.exit, wall));
     }
-    for (std::size_t k = 0; k < runs.size() && scene.half > 0;
-         ++k) // all greys to the largest beyond the square
+    for (std::size_t k = 0; k < runs.size() && scene.half > 0; ++k)
         rows.push_back(grey_row(scene, runs[k].name + ": all that came by", runs[k].passed,
-                                scene.runs[k].terms, scene.source, ""));
+                                scene.runs[k].terms, scene.exit));
     if (scene.name != "spin") return rows;
     auto sum = runs[0].frames;
     for (std::size_t k = 0; k < sum.size(); ++k) {
@@ -312,7 +310,7 @@ int tables() {
                  "step   S4        ratio   energy    S2        ratio\n";
     double before = 0, before_second = 0;
     for (const double step : {0.16, 0.08, 0.04, 0.02, 0.01}) {
-        const WaveLine line{20, 0.1, 8, 1.5, 1, 12, 14, step};
+        const WaveLine line{20, 0.1, 8, 1.5, 0.2, 12, 14, step};
         auto wave = wave_on_line(line), second = wave;
         const auto exact = exact_wave(wave, 8, 20);
         const auto steps = std::size_t(std::lround(8 / step));
@@ -327,7 +325,7 @@ int tables() {
         before = error;
         before_second = error_second;
     }
-    auto wild = wave_on_line({20, 0.1, 8, 1.5, 1, 12, 14, 5});
+    auto wild = wave_on_line({20, 0.1, 8, 1.5, 0.2, 12, 14, 5});
     wild.advance(1000);
     std::cout << "norm after 1,000 steps of 5: 1 " << text_of("%+.1e", wild.norm() - 1) << '\n';
 
@@ -344,16 +342,16 @@ int tables() {
         std::cout << text_of("mesh %-6g ", mesh) << text_of("%.4f", found.mean)
                   << text_of("  %.4f\n", found.width);
     }
-    const WaveLine barrier{100, 0.1, 25, 3, 1.25, 45, 45.2};
+    const WaveLine barrier{120, 0.1, 30, 3, 1.25, 55, 55.2};
     std::cout << "through a barrier of 1.25, 0.2 wide\nplane waves "
               << text_of("%.5f", transmitted_of_plane_waves(barrier)) << '\n';
     for (const double mesh : {0.1, 0.05, 0.025}) {
         WaveLine line = barrier;
         line.mesh = mesh;
         auto wave = wave_on_line(line);
-        wave.advance(std::size_t(std::lround(120 / (4 * mesh * mesh))));
+        wave.advance(std::size_t(std::lround(160 / (4 * mesh * mesh))));
         std::cout << text_of("mesh %-6g ", mesh) << text_of("%.4f\n", wave.sum_of([&](std::size_t n) {
-            return wave.lattice().x(n) > 45.1 ? 1.0 : 0.0;
+            return wave.lattice().x(n) > 55.1 ? 1.0 : 0.0;
         }));
     }
     return 0;

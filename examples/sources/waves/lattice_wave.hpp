@@ -89,13 +89,12 @@ public:
     /// Chooses the step τ for advance(); a negative one goes back in time.
     void set_step(double step) {
         step_ = step;
-        const double mid = 1 - 4 * p;
-        factors_[inner] = factor_of(p * step, 0);
-        factors_[middle] = factor_of((p + mid) / 2 * step, 0);
-        factors_[first] = factor_of(p / 2 * step, 0);
+        factors_[inner] = factor_between(p, p);
+        factors_[middle] = factor_between(p, 1 - 4 * p);
+        factors_[first] = factor_between(0, p);
         if (terms_.losses.empty()) return;
-        factors_[last] = factor_of(p / 2 * step, step);
-        factors_[between] = factor_of(p * step, step);
+        factors_[last] = factor_between(p, 0, step);
+        factors_[between] = factor_between(p, p, step);
     }
 
     /// Goes on by some steps.
@@ -119,7 +118,7 @@ public:
 
     /// One step of S₂, to compare with.
     void advance_second_order() {
-        factors_[first] = factor_of(step_ / 2, 0);
+        factors_[first] = factor_between(0, 1);
         along_rows(0, first, 1);
         down_columns(1);
         along_rows(1, first, 0);
@@ -190,16 +189,29 @@ private:
     double bond(std::size_t n, std::size_t reach) const {
         return terms_.bonds[n] + (reach == 2 ? terms_.bonds[n + lattice_.columns] : 0.0);
     }
-    /// The angle by which pairs at a distance of one or two points turn in a time.
-    double turn(std::size_t reach, double share) const {
-        return step_ * share * coupling() * (reach == 1 ? -4.0 / 3 : 1.0 / 12);
+    /// The cosine and sine of the turn of pairs one or two points apart, in a share of the step.
+    std::array<T, 2> turn(std::size_t reach, double share) const {
+        const double angle = step_ * share * coupling() * (reach == 1 ? -4.0 / 3 : 1.0 / 12);
+        return {T(std::cos(angle)), T(std::sin(angle))};
     }
-    Factor factor_of(double time, double loss_time) const {
+    /// How much the turns of an S₂ make Φ grow, since cosine and sine are rounded; without those at the walls.
+    double growth(double share) const {
+        const auto of = [&](std::size_t reach, double part) {
+            const auto [c, s] = turn(reach, part);
+            return double((long double)(c)*c + (long double)(s)*s - 1) / 2;
+        };
+        const double near = 4 * of(1, share / 2), far = of(2, share / 2);
+        return near + 4 * far + (lattice_.rows > 1 ? near + 2 * far + of(2, share) : 0.0);
+    }
+    /// The diagonals between two S₂, half of each: e^{−iτD}, which also takes back what the turns grow.
+    Factor factor_between(double before, double after, double loss_time = 0) const {
         Factor factor{std::vector<T>(re_.size()), std::vector<T>(re_.size())};
+        const double time = (before + after) / 2 * step_;
         const double kinetic = 2.5 * coupling() * (lattice_.rows > 1 ? 2 : 1);
+        const double grown = (growth(before) + growth(after)) / 2;
         for (std::size_t n = 0; n < lattice_.size(); ++n) {
-            const double size = loss_time == 0 ? 1 : std::exp(-std::fabs(loss_time) * terms_.losses[n]);
-            factor.set(at(n), -time * (kinetic + terms_.potential[n]), size);
+            const double lost = loss_time == 0 ? 0 : std::fabs(loss_time) * terms_.losses[n];
+            factor.set(at(n), -time * (kinetic + terms_.potential[n]), std::exp(-grown - lost));
         }
         return factor;
     }
@@ -246,10 +258,7 @@ private:
             if (group == 3) turn_pairs<2>(re, im, 2, n, c, s);
         };
         std::array<std::array<T, 2>, 4> turns{}; // cos, sin: near and far pairs, before and after
-        for (std::size_t k = 0; k < 4; ++k) {
-            const double angle = turn(1 + k % 2, (k < 2 ? before : after) / 2);
-            turns[k] = {T(std::cos(angle)), T(std::sin(angle))};
-        }
+        for (std::size_t k = 0; k < 4; ++k) turns[k] = turn(1 + k % 2, (k < 2 ? before : after) / 2);
         const Factor& factor = factors_[diagonal];
         parallel_(lattice_.rows, grain(n), [&](std::size_t begin, std::size_t end) {
             for (std::size_t j = begin; j < end; ++j) {
@@ -310,11 +319,7 @@ private:
     void down_columns_by(double share) {
         constexpr std::size_t block = 512 / sizeof(T);
         const std::size_t blocks = (stride_ + block - 1) / block;
-        std::array<std::array<T, 2>, 3> turns{}; // near, far, far twice
-        for (std::size_t k = 0; k < 3; ++k) {
-            const double angle = turn(k == 0 ? 1 : 2, k == 2 ? share : share / 2);
-            turns[k] = {T(std::cos(angle)), T(std::sin(angle))};
-        }
+        const std::array turns{turn(1, share / 2), turn(2, share / 2), turn(2, share)};
         parallel_(blocks, grain(lattice_.rows * block), [&](std::size_t begin, std::size_t end) {
             for (std::size_t k = begin; k < end; ++k) {
                 const std::size_t left = k * block, right = std::min(left + block, stride_);
