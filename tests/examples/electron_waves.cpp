@@ -112,7 +112,7 @@ TEST_CASE("steps do the same in one call or in several, and on several threads",
     whole.set_step(0.1);
     parts.set_step(0.1);
     whole.advance(7);
-    for (const std::size_t steps : {0, 3, 4}) parts.advance(steps);
+    for (const std::size_t steps : {0u, 3u, 4u}) parts.advance(steps);
     CHECK(wave_distance(whole, values_of(parts)) < 1e-13);
 }
 

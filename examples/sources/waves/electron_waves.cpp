@@ -4,8 +4,8 @@
 //
 // Follows "Computer animation of electron motion in nanometre-scale devices": Schrödinger's equation on a
 // lattice, by a product formula of fourth order. A picture has a row for each run of a scene and a column for
-// each of four times. The density |Φ|² is grey, potentials are orange, a magnetic field is blue. Behind walls,
-// where little arrives, densities are drawn brighter; the picture tells how much.
+// each of four times. The density |Φ|² is grey, potentials are orange, a magnetic field is blue. Beyond walls,
+// where little arrives, densities are drawn brighter; the caption tells how much.
 
 #include "waves/wave_tables.hpp"
 
@@ -55,7 +55,7 @@ std::string parse_size(const std::string& text, WaveLattice& lattice) {
     return "";
 }
 
-/// What a run has left.
+/// A run's pictures and what its screen saw.
 struct Recorded {
     std::string name;
     std::vector<std::vector<float>> frames; ///< densities at half the resolution
@@ -75,7 +75,8 @@ std::vector<float> half_resolution(const LatticeWave<T>& wave) {
     return halves;
 }
 
-/// Bright fringes beside the shadow of the square, both sides together: where, and how bright to the brightest.
+/// Bright fringes beside the shadow of the square, both sides together: where, and how bright by the
+/// brightest.
 std::string fringes(const WaveScene& scene, const std::vector<double>& screen) {
     const std::size_t half = screen.size() / 2;
     const double mesh = scene.lattice.mesh;
@@ -170,52 +171,48 @@ struct Row {
     const std::vector<double>* potential = nullptr;
 };
 
-/// Densities as greys: the largest beyond a place is white. Before it, where `wall` is its name, the largest
-/// at the start is white, and the caption tells how much brighter all beyond is drawn.
+/// Densities as greys: the largest beyond a place is white. Before it, if that has a scale of its own, the
+/// largest at the start is white, and the caption tells how much brighter all beyond is drawn.
 Row grey_row(const WaveScene& scene, const std::string& caption, std::vector<std::vector<float>> frames,
-             const WaveTerms& terms, double beyond, const std::string& wall = "") {
+             const WaveTerms& terms, double beyond, bool two_scales) {
     const std::size_t width = scene.lattice.columns / 2;
     const auto right = [&](std::size_t n, double by) { return scene.lattice.x(n % width * 2) > beyond + by; };
-    float left_most = 0, right_most = 1e-30f;
-    for (const float value : frames.front()) left_most = std::max(left_most, value);
+    const float at_start = *std::max_element(frames.front().begin(), frames.front().end());
+    float right_most = std::max(1e-30f, 1e-9f * at_start); // else rounding would be drawn
     for (const auto& frame : frames) {
         for (std::size_t n = 0; n < frame.size(); ++n)
             if (right(n, 4)) right_most = std::max(right_most, frame[n]);
     }
-    if (wall.empty()) left_most = right_most;
+    const float left_most = two_scales ? at_start : right_most;
     for (auto& frame : frames) {
         for (std::size_t n = 0; n < frame.size(); ++n) frame[n] /= right(n, 0) ? right_most : left_most;
     }
-    const double factor = double(left_most) / double(right_most);
-    const std::string words = ", beyond the " + wall + text_of(" x %.3g", factor);
-    return {caption + (wall.empty() ? "" : words), std::move(frames), &terms.potential};
+    const std::string words = text_of(", beyond x %.3g", double(left_most) / double(right_most));
+    return {caption + (two_scales ? words : ""), std::move(frames), &terms.potential};
 }
 
 std::vector<Row> rows_of(const WaveScene& scene, const std::vector<Recorded>& runs) {
     std::vector<Row> rows;
     for (std::size_t k = 0; k < runs.size(); ++k) {
-        const bool is_tip = runs[k].name == "tip";
-        const std::string wall = scene.half == 0 ? "wall" : is_tip ? "tip" : "square";
-        rows.push_back(grey_row(scene, runs[k].name, runs[k].frames, scene.runs[k].terms,
-                                is_tip ? scene.source : scene.exit, wall));
+        const double from = runs[k].name == "tip" ? scene.source : scene.exit;
+        rows.push_back(grey_row(scene, runs[k].name, runs[k].frames, scene.runs[k].terms, from, true));
     }
     for (std::size_t k = 0; k < runs.size() && scene.half > 0; ++k)
         rows.push_back(grey_row(scene, runs[k].name + ": all that came by", runs[k].passed,
-                                scene.runs[k].terms, scene.exit));
+                                scene.runs[k].terms, scene.exit, false));
     if (scene.name != "spin") return rows;
+    const std::size_t width = scene.lattice.columns / 2;
     auto sum = runs[0].frames;
     for (std::size_t k = 0; k < sum.size(); ++k) {
         for (std::size_t n = 0; n < sum[k].size(); ++n) {
             sum[k][n] += runs[1].frames[k][n];
-            const bool is_up =
-                (n % (scene.lattice.columns / 2) / 4 + n / (scene.lattice.columns / 2) / 4) % 2 == 0;
-            const float up = std::min(rows[0].frames[k][n], 1.0f),
-                        down = std::min(rows[1].frames[k][n], 1.0f);
-            rows[0].frames[k][n] = 0.5f + (is_up ? 0.5f * up : -0.5f * down);
+            const bool is_up = (n % width / 4 + n / width / 4) % 2 == 0; // squares of four pixels
+            float& up = rows[0].frames[k][n];
+            up = 0.5f + 0.5f * (is_up ? std::min(up, 1.0f) : -std::min(rows[1].frames[k][n], 1.0f));
         }
     }
-    rows[0].caption = "squares of spin up (bright) and down (dark)";
-    rows[1] = grey_row(scene, "sum of both spins", std::move(sum), scene.runs[0].terms, scene.exit, "wall");
+    rows[0].caption = "spin up bright, down dark";
+    rows[1] = grey_row(scene, "sum", std::move(sum), scene.runs[0].terms, scene.exit, true);
     return rows;
 }
 
@@ -394,7 +391,7 @@ int run_program(int argc, char** argv) {
              "what the sides of the lattice do; they absorb in the scene shadow alone")
         .one_of({"reflecting", "absorbing"});
     line.add("--threads", settings.threads, "the number of threads").range(1, 64).show_default();
-    line.add_flag("--float", settings.single, "compute in float: half the time, the norm to 0.001");
+    line.add_flag("--float", settings.single, "compute in float: half the time, the norm to 0.0003");
     line.add_flag("--benchmark", settings.benchmark, "print steps a second, and write nothing");
     line.add_flag("--tables", settings.tables, "print how exact the method is on a line, and write nothing");
     if (const auto code = line.parse(argc, argv)) return *code;
@@ -418,6 +415,9 @@ int run_program(int argc, char** argv) {
         settings.walls.empty() ? settings.scene == "shadow" : settings.walls == "absorbing";
     const WaveScene scene = make_wave_scene(settings.scene, settings.lattice, absorbing);
     const double step = settings.step > 0 ? settings.step : 4 * scene.lattice.mesh * scene.lattice.mesh;
+    if (settings.steps == 0 && scene.distance * std::numbers::pi / step > 1e8)
+        return fail("--step " + text_of("%g", step) +
+                    " needs more than 100000000 steps: give a longer step, or --steps");
     const std::size_t steps = settings.steps > 0 ? std::size_t(settings.steps) : scene.steps(step);
     std::vector<Recorded> runs;
     std::string csv;

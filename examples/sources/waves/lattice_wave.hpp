@@ -194,7 +194,7 @@ private:
         const double angle = step_ * share * coupling() * (reach == 1 ? -4.0 / 3 : 1.0 / 12);
         return {T(std::cos(angle)), T(std::sin(angle))};
     }
-    /// How much the turns of an S₂ make Φ grow, since cosine and sine are rounded; without those at the walls.
+    /// How much the turns of an S₂ make Φ grow away from the walls, since cosine and sine are rounded.
     double growth(double share) const {
         const auto of = [&](std::size_t reach, double part) {
             const auto [c, s] = turn(reach, part);

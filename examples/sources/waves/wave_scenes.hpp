@@ -1,6 +1,6 @@
 #pragma once
 
-// Scenes of electrons: walls with slits, a magnetised tip, the shadow of a square; and how beams are measured.
+// Scenes of electrons: walls with slits, a magnetised tip, the shadow of a square; how beams are measured.
 
 #include "waves/lattice_wave.hpp"
 
@@ -199,8 +199,8 @@ inline double half_width(const std::vector<double>& beam) {
     return beam[peak] > 0 ? (edge(1) + edge(-1)) / 2 : 0;
 }
 
-/// Where the values have local maxima, higher than all within a reach and than a part of the highest; to parts
-/// of an index.
+/// Where values have local maxima that are the highest within a reach, and higher than a part of the highest
+/// of all; to parts of an index.
 inline std::vector<double> maxima(const std::vector<double>& values, std::size_t reach, double least) {
     std::vector<double> places;
     if (values.size() <= 2 * reach) return places;
