@@ -4,7 +4,7 @@
 //
 // Follows "Computer animation of electron motion in nanometre-scale devices": Schrödinger's equation on a
 // lattice, by a product formula of fourth order. A picture has a row for each run of a scene and a column for
-// each of four times. The density |Φ|² is grey, potentials are orange, a magnetic field is blue. Beyond walls,
+// each of four times. Densities |Φ|² are grey, potentials are orange, a magnetic field is blue. Beyond walls,
 // where little arrives, densities are drawn brighter; the caption tells how much.
 
 #include "waves/wave_tables.hpp"
