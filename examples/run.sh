@@ -392,6 +392,12 @@ awk 'BEGIN { for (y = 50; y < 700; y += 10) for (x = 50; x < 450; x += 10) print
 "$programs/cage_weights" --cage "$data/biped_cage.svg" --points out/biped_points.csv --coordinates mean-value \
   --outside keep --report -o out/biped_weights.csv >out/biped_report.txt
 
+step "electrons as waves"
+for scene in slit two-slits spin shadow; do
+  echo "$scene:"
+  "$programs/electron_waves" --scene $scene --size 320x240 --mesh 0.12 --float -o out/waves_$scene.png --csv out/waves_$scene.csv
+done >out/waves.txt
+
 step "a key-frame curve"
 # A key-frame curve by as few cubic pieces as a screen of 1920 pixels asks for.
 "$programs/fit_curve" --css 0.8,-0.3,0.2,1.3 --tolerance 0.00052 --plot out/fit_curve.svg --png \
@@ -436,6 +442,7 @@ Open, in out/:
   relaxation.png             sweeps on a line; relaxation_plays.svg: the same in a browser
   adaptive_grid.png          cells of the grid by accuracy: of the cat, at a corner, through a hand
   convergence.png            errors of the solver, convergence.txt: as a table; fit_curve.png: a key-frame curve and its pieces
+  waves_shadow.png           the shadow of a square in electrons; waves_slit.png, waves_two-slits.png, waves_spin.png; waves.txt: angles
   figures.txt, curves.txt    tables of figures and of fits; report.txt, lessons.txt: what else was printed
 
 sh examples/page/run.sh makes out/cageform.html, in which a browser plays with all this.

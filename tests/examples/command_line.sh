@@ -1050,6 +1050,34 @@ works "a face pulled out of a board" "$programs/lattice_board" -o board.png
 grep -q '^35 x 35 x 2 points: the board misses the relief by 0.00' log && ok=yes || ok=no
 report $ok "which follows the relief"
 refuses 'output is required' "$programs/lattice_board"
+
+# ---- electron_waves ----
+waves="$programs/electron_waves"
+small="--size 64x48 --mesh 0.2 --frames 3"
+for scene in slit two-slits spin shadow; do
+  # shellcheck disable=SC2086 # words
+  works "waves: $scene" "$waves" --scene $scene $small --threads 2 -o waves.png --csv waves.csv --stills waves_
+  head -1 waves.csv | grep -qx 'run,time,norm,energy,mean_x,mean_y,transmitted' && [ -s waves_00.png ] && [ -s waves_03.png ] &&
+    ! cmp -s waves_00.png waves_03.png && ok=yes || ok=no
+  report $ok "which move"
+  rm waves_*
+done
+works "waves in float" "$waves" --float --size 64x48 --mesh 0.2 --walls absorbing -o waves.png --csv waves.csv
+[ "$(wc -l <waves.csv)" = 51 ] && ok=yes || ok=no
+report $ok "which have a line for each frame of two runs"
+works "how exact waves are" "$waves" --tables
+grep -q '^0.01   1.7.e-07   16.0 ' log && grep -qx 'mesh 0.05   34.0921  1.8092' log && grep -qx 'plane waves 0.58720' log && ok=yes || ok=no
+report $ok "to the fourth order"
+refuses 'nothing is to be written' "$waves"
+refuses 'orbit not in {slit,two-slits,spin,shadow}' "$waves" --scene orbit -o out.png
+refuses 'missing/out.png: No such file' "$waves" -o missing/out.png
+refuses 'missing/out.00.png: No such file' "$waves" --stills missing/out.
+refuses '12: give columns and rows, such as 384x288' "$waves" --size 12 -o out.png
+refuses '64x47: rows have to be a multiple of 4' "$waves" --size 64x47 -o out.png
+refuses '16x16: a lattice has from 32 to 65536 columns' "$waves" --size 16x16 -o out.png
+refuses 'is 6.3 x 4.7 wavelengths' "$waves" --size 64x48 -o out.png
+refuses 'GB, and the machine has' "$waves" --size 65536x65536 -o out.png
+refuses 'needs more than 100000000 steps' "$waves" --step 1e-12 -o out.png
 refuses 'lattice:0x4: an axis has 2 points or more' "$deform" "$cat" --cage lattice:0x4 -o out.svg
 refuses 'cat.svg: a lattice about a drawing has two axes: lattice:4x4' "$deform" "$cat" --cage lattice:4x4x4 -o out.svg
 refuses 'cube.obj: a lattice about a mesh has three axes: lattice:4x4x4' "$mesh" cube.obj --cage lattice:4x4 -o out.obj
@@ -2116,7 +2144,7 @@ done
 mkdir -p no_files
 version=$(sed -n 's/.*VERSION_STRING "\(.*\)"/\1/p' "$(dirname "$data")/../include/cageform/version.hpp")
 for program in deform_svg coordinate_field cage_weights figure_table contact_sheet convergence adaptive_grid pose_cage make_cage make_box deform_mesh make_splats deform_splats draw_splats make_character bind_mesh clone_figure \
-  export_gltf skin_mesh animate_svg fit_curve bezier_tables make_hand pose_hand hand_sheet height_map grid_field diffuse_colours puzzle paths boundary_formula relaxation lattice_board leaf_cages lattice_fit pin_poses; do
+  export_gltf skin_mesh animate_svg fit_curve bezier_tables make_hand pose_hand hand_sheet height_map grid_field diffuse_colours puzzle paths boundary_formula relaxation lattice_board leaf_cages lattice_fit pin_poses electron_waves; do
   works "version of $program" "$programs/$program" --version
   [ "$(cat log)" = "$program (cageform) $version" ] && ok=yes || ok=no
   report $ok "$program tells its version"
@@ -2127,7 +2155,7 @@ for program in deform_svg coordinate_field cage_weights figure_table contact_she
   # In a folder without files every example fails for want of its file, not for its words.
   grep "^  $program " log | sed 's/^ *[a-z_]* //' >shown_words
   while read -r words; do
-    case $program in fit_curve | make_box | make_character | make_hand | hand_sheet | pose_hand | lattice_board) continue ;; esac # which need none
+    case $program in fit_curve | make_box | make_character | make_hand | hand_sheet | pose_hand | lattice_board | electron_waves) continue ;; esac # which need none
     (cd no_files && eval "'$programs/$program' $words") >log 2>&1 </dev/null && ok=no || ok=yes
     grep -q 'no such file' log || ok=no
     report $ok "the help of $program shows $words"
@@ -2210,7 +2238,11 @@ refuses 'ffmpeg (ffmpeg) is not installed' env PATH="$work/none" "$animate" "$ca
 rm none/rsvg-convert
 ln -s "$work/stand_in/ffmpeg" none/ffmpeg
 refuses 'rsvg-convert (librsvg2-bin) is not installed' env PATH="$work/none" "$animate" "$cat" --cage "$cage" --clip "$data/cat_walk.csv" --rate 2 -o out.svg --gif out.gif
+works "a film of waves" env PATH="$work/stand_in:$PATH" "$programs/electron_waves" --size 64x48 --mesh 0.2 --steps 6 --frames 3 --gif waves.gif
+[ "$(tr -d '\0' <waves.gif | grep -ac 'IHDR')" = 4 ] && ok=yes || ok=no
+report $ok "has four frames"
 printf '#!/bin/sh\nexit 1\n' >stand_in/ffmpeg
+refuses 'cannot write out.gif: ' env PATH="$work/stand_in:$PATH" "$programs/electron_waves" --size 64x48 --mesh 0.2 --steps 6 --gif out.gif --csv out.csv
 refuses 'cannot write out.mp4: ' env PATH="$work/stand_in:$PATH" "$animate" "$cat" --cage "$cage" --clip "$data/cat_walk.csv" --rate 2 -o out.svg --mp4 out.mp4
 refuses '"out.avi" does not end with .mp4' "$animate" "$cat" --cage "$cage" --clip "$data/cat_walk.csv" -o out.svg --mp4 out.avi
 clip() { # LENGTH TIMES…   a control whose keys have these times

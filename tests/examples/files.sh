@@ -216,6 +216,8 @@ form export_gltf inner.obj --cage box.obj --pose bent_box.obj --morph -o out.glt
 form grid_field table.csv -o out.png --surface surface.png --size 40
 form paths --cage hexagon_cage.svg --point 250,250 -o out.svg --png --paths 10 --rays 10 --drawn 1
 form leaf_cages leaf.svg --cage leaf_cage.svg --pose leaf_pose.svg -o out.svg --png
+form electron_waves --size 64x48 --mesh 0.2 --steps 8 --frames 3 -o out.png --csv out.csv --stills still_
+form electron_waves --size 64x48 --mesh 0.2 --steps 8 --frames 3 --gif out.gif
 form boundary_formula --cage hexagon_cage.svg --vertex 0
 form relaxation line.csv -o out.svg --png --play plays.svg
 form height_map hills.svg -o out.png -o out.pgm -o out.csv --lines lines.svg --size 48

@@ -8,6 +8,7 @@
 #include <array>
 #include <cctype>
 #include <cerrno>
+#include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <utility>
@@ -129,6 +130,17 @@ void Film::add_frame(const std::string& svg) {
                                       : "a frame cannot be written to a temporary file";
     std::fclose(text);
     if (!fault.empty()) file_.refuse(fault);
+}
+
+void Film::add_frame(const Picture& picture) {
+    const std::string png = picture.png();
+    const auto before = std::signal(SIGPIPE, SIG_IGN); // an ffmpeg that has ended is an error, not our end
+    for (std::size_t done = 0; done < png.size() && !file_.error();) {
+        const ssize_t count = write(pipe_, png.data() + done, png.size() - done);
+        if (count < 0 && errno != EINTR) file_.refuse("ffmpeg could not make it");
+        if (count > 0) done += std::size_t(count);
+    }
+    std::signal(SIGPIPE, before);
 }
 
 void Film::finish() {

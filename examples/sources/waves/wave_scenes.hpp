@@ -1,0 +1,238 @@
+#pragma once
+
+// Scenes of electrons: walls with slits, a magnetised tip, the shadow of a square; how beams are measured.
+
+#include "waves/lattice_wave.hpp"
+
+#include <string>
+
+namespace cageform_examples {
+
+using Complex = std::complex<double>;
+
+/// One run of a scene.
+struct WaveRun {
+    std::string name;
+    WaveTerms terms;
+    std::function<Complex(double, double)> start;
+};
+
+/// Lengths are in wavelengths. Beams go right, from `exit` on, about the middle height.
+struct WaveScene {
+    std::string name;
+    WaveLattice lattice;
+    std::vector<WaveRun> runs;
+    std::vector<double> field;              ///< the magnetic field, as a part of the largest; empty: none
+    double exit = 0;                        ///< where the wall ends
+    double beyond = 0;                      ///< "transmitted" is what is right of it
+    double distance = 0;                    ///< how far the middle of the packet goes
+    double source = 0, front = 0, half = 0; ///< shadow: the tip's end, the square's left side, half its side
+    double zeeman = 0;                      ///< spin: the difference of energy of the two spins
+
+    std::size_t steps(double step) const {
+        return std::size_t(std::ceil(distance * std::numbers::pi / std::fabs(step)));
+    }
+    double middle() const { return lattice.height() / 2; }
+};
+
+inline const std::vector<std::string>& wave_scene_names() {
+    static const std::vector<std::string> names{"slit", "two-slits", "spin", "shadow"};
+    return names;
+}
+
+namespace detail {
+
+/// 1 between two places, 0 outside, ½ at both: a line one mesh wide between.
+inline double inside(double at, double from, double to, double mesh) {
+    return std::clamp(std::min(at - from, to - at) / mesh + 0.5, 0.0, 1.0);
+}
+
+/// A minimum-uncertainty packet of energy 1 that goes right; `wide` and `high` are the deviations of |Φ|².
+inline auto packet(double x, double y, double wide, double high) {
+    return [=](double at_x, double at_y) {
+        const double u = (at_x - x) / (2 * wide), v = (at_y - y) / (2 * high);
+        return std::polar(std::exp(-u * u - v * v), 2 * std::numbers::pi * at_x);
+    };
+}
+
+} // namespace detail
+
+/// Makes one of the four scenes.
+///
+///   rows       a multiple of 4: pairs of rows are then symmetric about the middle
+///   absorbing  a layer at the sides of the lattice takes up what comes to it; else they reflect it
+/// Follows "Computer animation of electron motion in nanometre-scale devices", fig. 1–5; the measures are
+/// ours.
+inline WaveScene make_wave_scene(const std::string& name, const WaveLattice& lattice, bool absorbing) {
+    constexpr double metal = 6, pi = std::numbers::pi; // the height of walls, in E_F
+    WaveScene scene{name, lattice, {}, {}, 0.35 * lattice.width(), 0, 0.58 * lattice.width()};
+    const double width = lattice.width(), height = lattice.height(), mesh = lattice.mesh;
+    const double middle = height / 2;
+    const auto fill = [&](const auto& function) {
+        std::vector<double> values(lattice.size());
+        for (std::size_t n = 0; n < values.size(); ++n)
+            values[n] = function(lattice.x(n % lattice.columns), lattice.y(n / lattice.columns) - middle);
+        return values;
+    };
+    WaveTerms walls;
+    if (absorbing) {
+        const double layer = 0.1 * std::min(width, height);
+        walls.losses = fill([&](double x, double y) {
+            const double near = std::min({x, width - x, middle - std::fabs(y)});
+            const double depth = std::max(0.0, 1 - near / layer);
+            return 3 * depth * depth;
+        });
+    }
+    const auto add = [&](const std::string& run, const auto& potential, const auto& start) -> WaveRun& {
+        scene.runs.push_back({run, walls, start});
+        scene.runs.back().terms.potential = fill(potential);
+        return scene.runs.back();
+    };
+    // A wall one wavelength thick; `open` is how much of a hole there is at a height.
+    const auto wall = [&](double x, double open) {
+        return metal * (1 - open) * detail::inside(x, scene.exit - 1, scene.exit, mesh);
+    };
+    const auto wide = detail::packet(0.16 * width, middle, 0.04 * width, 0.12 * height);
+    scene.beyond = scene.exit + 2;
+    if (name == "slit") {
+        const auto slit = [=](double x, double y) { return wall(x, detail::inside(y, -0.5, 0.5, mesh)); };
+        add("open", slit, wide);
+        add(
+            "barrier",
+            [=, exit = scene.exit](double x, double y) { // the potential between metal and vacuum: a triangle
+                const double fall = 1.5 * std::max(0.0, 1 - (x - exit) / 2);
+                return slit(x, y) + fall * detail::inside(x, exit, exit + 4, mesh);
+            },
+            wide);
+    } else if (name == "two-slits") {
+        add(
+            "two slits",
+            [=](double x, double y) { return wall(x, detail::inside(std::fabs(y), 1.5, 2.5, mesh)); }, wide);
+    } else if (name == "spin") {
+        // B is even as far as two wavelengths beyond the wall, then falls to 0 within two. A is along y, and
+        // its integral over x; it is 0 where the packet starts.
+        constexpr double strength = 0.18;
+        const double edge = scene.exit + 2;
+        const auto at = [=](double x) {
+            const double t = std::clamp((x - edge) / 2, 0.0, 1.0);
+            return strength * (0.5 + 0.5 * std::cos(pi * t));
+        };
+        const auto potential_of_field = [=](double x) {
+            const double t = std::clamp((x - edge) / 2, 0.0, 1.0);
+            return strength * (std::min(x, edge) - 0.16 * width + t + std::sin(pi * t) / pi);
+        };
+        scene.field = fill([&](double x, double) { return at(x) / strength; });
+        scene.beyond = scene.exit + 5;
+        scene.zeeman = 2 * strength / (4 * pi * pi);
+        for (const double spin : {1.0, -1.0}) {
+            add(
+                spin > 0 ? "spin up" : "spin down",
+                [=](double x, double y) {
+                    return wall(x, detail::inside(y, -0.75, 0.75, mesh)) + spin * at(x) / (4 * pi * pi);
+                },
+                wide)
+                .terms.bonds = fill([&](double x, double) { return mesh * potential_of_field(x); });
+        }
+    } else { // shadow
+        scene.source = 0.25 * width;
+        scene.front = 0.5 * width;
+        scene.half = 1;
+        scene.exit = scene.front;
+        scene.beyond = 0.85 * width;
+        scene.distance = 0.95 * width;
+        const auto square = [=, front = scene.front, half = scene.half](double x, double y) {
+            return metal * detail::inside(x, front, front + 2 * half, mesh) *
+                   detail::inside(y, -half, half, mesh);
+        };
+        // A channel that ends at the tip, with the wave of its lowest mode in it.
+        constexpr double channel = 0.75;
+        const auto tip = [=, end = scene.source](double x, double y) {
+            return x > end + mesh / 2 ? 0.0
+                                      : metal * detail::inside(x, -1, end, mesh) *
+                                            (1 - detail::inside(y, -channel / 2, channel / 2, mesh));
+        };
+        const double mode =
+            pi / (channel + 1 / (pi * std::sqrt(metal))); // it reaches into the walls a little
+        const auto in_channel = [=](double x, double y) {
+            const double u = (x - 0.13 * width) / (0.06 * width);
+            const double across = std::max(0.0, std::cos(mode * (y - middle)));
+            const double form = std::fabs(y - middle) < pi / mode ? across : 0.0;
+            return std::polar(std::exp(-u * u) * form, x * std::sqrt(4 * pi * pi - mode * mode));
+        };
+        add("Gaussian", square, detail::packet(0.16 * width, middle, 0.04 * width, 2));
+        add(
+            "tip", [=](double x, double y) { return tip(x, y) + square(x, y); }, in_channel);
+    }
+    return scene;
+}
+
+/// |Φ|² by the angle at which it is seen from the middle of the exit, in degrees: at −90, −89, …, 90.
+template <class T>
+std::vector<double> beam_by_angle(const LatticeWave<T>& wave, const WaveScene& scene) {
+    const double least = 0.35 * (wave.lattice().width() - scene.exit);
+    std::vector<double> beam(182);
+    for (std::size_t n = 0; n < wave.lattice().size(); ++n) {
+        const double x = wave.lattice().x(n % wave.lattice().columns) - scene.exit;
+        const double y = wave.lattice().y(n / wave.lattice().columns) - scene.middle();
+        if (x <= 0 || std::hypot(x, y) < least) continue;
+        const double degrees = std::atan2(y, x) * 180 / std::numbers::pi + 90,
+                     part = degrees - std::floor(degrees);
+        const auto k = std::size_t(degrees);
+        beam[k] += (1 - part) * wave.density(n);
+        beam[k + 1] += part * wave.density(n);
+    }
+    beam.pop_back();
+    return beam;
+}
+
+/// Half the width of the beam where it has fallen to half its height, in degrees.
+inline double half_width(const std::vector<double>& beam) {
+    const auto peak = std::size_t(std::max_element(beam.begin(), beam.end()) - beam.begin());
+    const auto edge = [&](std::ptrdiff_t way) {
+        auto k = std::ptrdiff_t(peak);
+        const auto at = [&](std::ptrdiff_t place) {
+            return place < 0 || place >= std::ptrdiff_t(beam.size()) ? 0.0 : beam[std::size_t(place)];
+        };
+        while (at(k + way) > beam[peak] / 2) k += way;
+        return std::fabs(double(k - std::ptrdiff_t(peak))) + (at(k) - beam[peak] / 2) / (at(k) - at(k + way));
+    };
+    return beam[peak] > 0 ? (edge(1) + edge(-1)) / 2 : 0;
+}
+
+/// Where values have local maxima that are the highest within a reach, and higher than a part of the highest
+/// of all; to parts of an index.
+inline std::vector<double> maxima(const std::vector<double>& values, std::size_t reach, double least) {
+    std::vector<double> places;
+    if (values.size() <= 2 * reach) return places;
+    const double most = *std::max_element(values.begin(), values.end());
+    for (std::size_t k = reach; k + reach < values.size(); ++k) {
+        const auto around = values.begin() + std::ptrdiff_t(k);
+        const auto low = around - std::ptrdiff_t(reach), high = around + std::ptrdiff_t(reach) + 1;
+        if (values[k] <= least * most || std::max_element(low, high) != around) continue;
+        const double a = values[k - 1], b = values[k], c = values[k + 1], bend = a - 2 * b + c;
+        places.push_back(double(k) + (bend < 0 ? (a - c) / (2 * bend) : 0));
+    }
+    return places;
+}
+
+/// The angle at which the middle of what is beyond goes on, in degrees.
+template <class T>
+double beam_angle(const LatticeWave<T>& wave, const WaveScene& scene) {
+    double x = 0, y = 0;
+    for (std::size_t n = 0; n < wave.lattice().size(); ++n) {
+        const double right = wave.lattice().x(n % wave.lattice().columns);
+        if (right < scene.beyond) continue;
+        x += (right - scene.exit) * wave.density(n);
+        y += (wave.lattice().y(n / wave.lattice().columns) - scene.middle()) * wave.density(n);
+    }
+    return std::atan2(y, x) * 180 / std::numbers::pi;
+}
+
+/// Where the k-th bright fringe beside the shadow is, from the middle: Fresnel's integral at a straight edge.
+inline double fresnel_fringe(const WaveScene& scene, int k) {
+    const double a = scene.front - scene.source, b = scene.beyond - scene.front;
+    const double place = std::sqrt(2 * (k - 1) + 0.75) * std::sqrt(2.0); // 1.22, 2.35, …
+    return scene.half * (a + b) / a + place * std::sqrt(b * (a + b) / (2 * a));
+}
+
+} // namespace cageform_examples
