@@ -75,6 +75,11 @@ public:
                 parallel ? scale_ * d[2] : nearness};
     }
 
+    /// How much nearer a place is, as project() counts, that lies some pixels before another.
+    double nearer(double pixels, double nearness) const {
+        return rays_ == Rays::parallel ? pixels : pixels * nearness * nearness / (scale_ * distance_);
+    }
+
     /// A direction as the camera sees it: to the right, up, towards it.
     Point3 seen(const Point3& v) const {
         return {dot(v, view_.right), dot(v, view_.up), dot(v, view_.towards)};
@@ -113,10 +118,11 @@ public:
             places[i] = on_canvas(camera, figure.vertices[i]);
         }
         static const Point3 clay{0.78, 0.36, 0.17};
-        const auto own = [&](std::uint32_t i) {
-            return figure.colours.empty() ? clay : linear(figure.colours[i]);
-        };
         for (const auto& [a, b, c] : figure.triangles) {
+            const bool behind = !figure.backs.empty() && turn(places[a], places[b], places[c]) > 0;
+            const auto own = [&](std::uint32_t i) {
+                return figure.colours.empty() ? clay : linear((behind ? figure.backs : figure.colours)[i]);
+            };
             fill({places[a], places[b], places[c]}, {normals[a], normals[b], normals[c]},
                  {own(a), own(b), own(c)}, shade);
         }
@@ -149,7 +155,8 @@ public:
             for_each_sample(on_canvas(camera, line.points[k - 1]), on_canvas(camera, line.points[k]),
                             line.thickness * samples,
                             [&](std::size_t i, std::size_t middle, double nearness) {
-                                if (nearness + 0.5 + line.thickness >= double(nearness_[middle]))
+                                const double by = camera.nearer(0.5 + line.thickness, nearness);
+                                if (nearness + by >= double(nearness_[middle]))
                                     colour_[i] = line.colour;
                             });
         }
@@ -344,6 +351,7 @@ Picture draw_meshes(std::span<const MeshScene> scenes, std::size_t width, std::s
     for (std::size_t n = 0; n < scenes.size(); ++n) {
         detail::MeshCanvas canvas(part, height);
         canvas.draw_figure(scenes[n].figure, camera);
+        for (const SpaceLine& line : scenes[n].lines) canvas.draw_line(line, camera);
         canvas.draw_cage(scenes[n].cage, camera);
         canvas.copy_to(picture, n * part);
     }

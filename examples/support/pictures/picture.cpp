@@ -122,27 +122,40 @@ void draw_colour_bar(Picture& picture, const Axis& axis, const std::vector<AxisM
     }
 }
 
-void Picture::write_png(AtomicFile& file) const {
-    std::string bytes;
-    bytes.reserve(pixels_.size() * 3);
-    for (const Colour& pixel : pixels_) {
-        for (const float channel : {pixel.r, pixel.g, pixel.b})
-            bytes += char(std::lround(255 * std::clamp(channel, 0.0f, 1.0f)));
-    }
-    cageform_examples::write_png(file, width_, height_, 3, bytes);
-}
-
-void write_png(AtomicFile& file, std::size_t width, std::size_t height, int channels,
-               const std::string& bytes) {
+static std::string encode_png(std::size_t width, std::size_t height, int channels, const std::string& bytes) {
     std::string png;
     const auto append = [](void* target, void* data, int size) {
         static_cast<std::string*>(target)->append(static_cast<const char*>(data), std::size_t(size));
     };
     if (stbi_write_png_to_func(append, &png, int(width), int(height), channels, bytes.data(),
                                channels * int(width)) == 0) {
-        return file.refuse("it cannot be encoded");
+        png.clear();
     }
+    return png;
+}
+
+static void write_encoded(AtomicFile& file, const std::string& png) {
+    if (png.empty()) return file.refuse("it cannot be encoded");
     file.write(png);
+}
+
+std::string Picture::png() const {
+    std::string bytes;
+    bytes.reserve(pixels_.size() * 3);
+    for (const Colour& pixel : pixels_) {
+        for (const float channel : {pixel.r, pixel.g, pixel.b})
+            bytes += char(std::lround(255 * std::clamp(channel, 0.0f, 1.0f)));
+    }
+    return encode_png(width_, height_, 3, bytes);
+}
+
+void Picture::write_png(AtomicFile& file) const {
+    write_encoded(file, png());
+}
+
+void write_png(AtomicFile& file, std::size_t width, std::size_t height, int channels,
+               const std::string& bytes) {
+    write_encoded(file, encode_png(width, height, channels, bytes));
 }
 
 void write_png_16(AtomicFile& file, std::size_t width, std::span<const std::uint16_t> greys) {

@@ -57,6 +57,9 @@ public:
     /// Writes a PNG file; a failure is the file's.
     void write_png(AtomicFile& file) const;
 
+    /// The bytes of a PNG file; empty where it cannot be encoded.
+    std::string png() const;
+
 private:
     std::size_t width_;
     std::size_t height_;

@@ -8,6 +8,7 @@
 #include <array>
 #include <cctype>
 #include <cerrno>
+#include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <utility>
@@ -129,6 +130,20 @@ void Film::add_frame(const std::string& svg) {
                                       : "a frame cannot be written to a temporary file";
     std::fclose(text);
     if (!fault.empty()) file_.refuse(fault);
+}
+
+void Film::add_picture(const std::string& png) {
+    if (file_.error()) return;
+    void (*const handler)(int) = std::signal(SIGPIPE, SIG_IGN); // ffmpeg may be gone: then write() fails
+    std::size_t done = 0;
+    while (done < png.size()) {
+        const ssize_t count = write(pipe_, png.data() + done, png.size() - done);
+        if (count < 0 && errno == EINTR) continue;
+        if (count <= 0) break;
+        done += std::size_t(count);
+    }
+    std::signal(SIGPIPE, handler);
+    if (done < png.size()) file_.refuse("ffmpeg took no more frames");
 }
 
 void Film::finish() {

@@ -46,6 +46,7 @@ public:
     ~Film() { finish(); }
 
     void add_frame(const std::string& svg);
+    void add_picture(const std::string& png); ///< a frame that is drawn already, of the same size as all
     void finish(); ///< after the last frame
 
 private:
