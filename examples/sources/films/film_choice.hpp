@@ -7,7 +7,6 @@
 #include "pictures/render.hpp"
 
 #include <filesystem>
-#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -43,6 +42,26 @@ struct FilmChoice {
         others.emplace_back(film);
         if (!frames.empty()) others.push_back(frame(0, ending));
         return fault_of_outputs(others);
+    }
+
+    /// Writes frames that are SVG documents, and the film of them.
+    ///
+    ///   png     whether single frames are rendered too
+    ///   width   of a frame, in pixels
+    ///   end     whether the last frame is the first one again, which the film leaves out
+    enum class End { is_another, is_start };
+    void write(OutputFiles& outputs, const std::vector<std::string>& documents, bool png, int width,
+               End end = End::is_another) const {
+        for (int n = 0; !frames.empty() && n < int(documents.size()) && !outputs.error(); ++n) {
+            AtomicFile& file = outputs.add(frame(n, ".svg"));
+            file.write(documents[std::size_t(n)]);
+            if (png) add_png(outputs, file, width);
+            (void)file.finish(); // commit() has the fault
+        }
+        if (film.empty()) return;
+        Film reel(outputs, film, rate, width);
+        const std::size_t played = documents.size() - (end == End::is_start ? 1 : 0);
+        for (std::size_t n = 0; n < played && !outputs.error(); ++n) reel.add_frame(documents[n]);
     }
 };
 
