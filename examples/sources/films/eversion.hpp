@@ -133,7 +133,8 @@ inline double least_area_factor(const EversionStage& stage, std::size_t rows, st
             const Point3 around =
                 eversion_point(stage, theta, phi + step) - eversion_point(stage, theta, phi - step);
             const Point3 area = cross(along, around);
-            least = std::fmin(least, std::hypot(area[0], area[1], area[2]) / (4 * step * step * std::cos(theta)));
+            least =
+                std::fmin(least, std::hypot(area[0], area[1], area[2]) / (4 * step * step * std::cos(theta)));
         }
     }
     return least;
@@ -147,7 +148,8 @@ public:
         constexpr std::size_t rows = 24, columns = 48;
         EversionMesh before = eversion_mesh(detail::stage_on_legs(0), rows, columns);
         for (std::size_t n = 1; n <= steps; ++n) {
-            EversionMesh after = eversion_mesh(detail::stage_on_legs(half * double(n) / steps), rows, columns);
+            EversionMesh after =
+                eversion_mesh(detail::stage_on_legs(half * double(n) / steps), rows, columns);
             double most = 0;
             for (std::size_t i = 0; i < after.vertices.size(); ++i) {
                 const Point3 d = after.vertices[i] - before.vertices[i];

@@ -20,7 +20,8 @@ struct FilmChoice {
 
     void add_options(CommandLine& line, int usual_count, const std::string& kind) {
         count = usual_count;
-        line.add("--frames", frames, "also write single frames, " + kind + ", this name with 000 and so on behind it");
+        line.add("--frames", frames,
+                 "also write single frames, " + kind + ", this name with 000 and so on behind it");
         line.add("--count", count, "the number of frames").range(2, 999).show_default();
         line.add("--film", film, "also write a film that repeats without end, if ffmpeg is installed")
             .ends_with({".gif", ".mp4", ".apng"});
@@ -38,7 +39,8 @@ struct FilmChoice {
     /// Why the files cannot be written, for a question before a long computation; nothing where they can.
     ///
     ///   others   that the program writes beside them; empty ones are left out
-    std::optional<std::string> fault(std::vector<std::filesystem::path> others, const std::string& ending) const {
+    std::optional<std::string> fault(std::vector<std::filesystem::path> others,
+                                     const std::string& ending) const {
         others.emplace_back(film);
         if (!frames.empty()) others.push_back(frame(0, ending));
         return fault_of_outputs(others);

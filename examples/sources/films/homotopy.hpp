@@ -170,7 +170,8 @@ public:
     std::vector<Stop> stops(const TurningCurve& from, const TurningCurve& to) const {
         const Complex mean_from = mean_of_angles(from_), mean_to = mean_of_angles(to_);
         const auto pair = [&](double t) {
-            return std::pair{std::polar(1.0, from.angle(t)) - mean_from, std::polar(1.0, to.angle(t)) - mean_to};
+            return std::pair{std::polar(1.0, from.angle(t)) - mean_from,
+                             std::polar(1.0, to.angle(t)) - mean_to};
         };
         const auto against = [&](double t) { // how far, in sine, they are from pointing against each other
             const auto [u, v] = pair(t);

@@ -37,15 +37,18 @@ std::string parse_turns(std::string_view text, int& turns) {
 SvgResult<TurningCurve> parse_curve(const std::string& word) {
     if (word == "circle") return TurningCurve{1};
     if (word == "loops") return TurningCurve{1, {0, 2.5}};
-    if (word == "eight") return TurningCurve{0, {2.404825557695773}}; // the first zero of the Bessel function J0
+    if (word == "eight")
+        return TurningCurve{0, {2.404825557695773}}; // the first zero of the Bessel function J0
     const std::string start = word + ": ";
     const bool is_random = word.starts_with("random:");
     const std::string_view rest = std::string_view(word).substr(is_random ? 7 : 0);
     const std::size_t colon = rest.find(':');
     if (colon == rest.npos)
-        return SvgError{start + "a curve is circle, loops, eight, random:TURNS:SEED, or TURNS:A1,A2, such as 1:0,2.5"};
+        return SvgError{
+            start + "a curve is circle, loops, eight, random:TURNS:SEED, or TURNS:A1,A2, such as 1:0,2.5"};
     int turns = 0;
-    if (const std::string why = parse_turns(rest.substr(0, colon), turns); !why.empty()) return SvgError{start + why};
+    if (const std::string why = parse_turns(rest.substr(0, colon), turns); !why.empty())
+        return SvgError{start + why};
     TurningCurve curve{turns};
     std::string_view numbers = rest.substr(colon + 1);
     while (!numbers.empty()) {
@@ -109,8 +112,8 @@ public:
 
     static std::string document(double wide, const std::string& content) {
         return "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " + text_of("%g", wide) + ' ' +
-               text_of("%g", height) + "\" font-family=\"DejaVu Sans, sans-serif\" font-size=\"13\">\n" + content +
-               "</svg>\n";
+               text_of("%g", height) + "\" font-family=\"DejaVu Sans, sans-serif\" font-size=\"13\">\n" +
+               content + "</svg>\n";
     }
 
 private:
@@ -121,8 +124,10 @@ private:
     std::string caption(double s) const {
         const bool stands = std::any_of(stops_.begin(), stops_.end(),
                                         [&](const auto& stop) { return std::fabs(stop.s - s) <= 1e-9; });
-        const std::string what = stands ? "speed 0" : "turns " + text_of("%.0f", std::round(homotopy_.turns(s)) + 0.0);
-        return "<text x=\"100\" y=\"18\" text-anchor=\"middle\">s = " + text_of("%.3g", s) + ", " + what + "</text>\n";
+        const std::string what =
+            stands ? "speed 0" : "turns " + text_of("%.0f", std::round(homotopy_.turns(s)) + 0.0);
+        return "<text x=\"100\" y=\"18\" text-anchor=\"middle\">s = " + text_of("%.3g", s) + ", " + what +
+               "</text>\n";
     }
     static std::string path(const std::vector<Point2>& line, const char* colour, double thickness) {
         std::string d;
@@ -132,8 +137,8 @@ private:
                text_of("%g", thickness) + "\" stroke-linejoin=\"round\"/>\n";
     }
     static std::string dot(const Point2& at, const char* colour) {
-        return "<circle cx=\"" + text_of("%.2f", at.x) + "\" cy=\"" + text_of("%.2f", at.y) + "\" r=\"3.4\" fill=\"" +
-               colour + "\"/>\n";
+        return "<circle cx=\"" + text_of("%.2f", at.x) + "\" cy=\"" + text_of("%.2f", at.y) +
+               "\" r=\"3.4\" fill=\"" + colour + "\"/>\n";
     }
 
     const Homotopy& homotopy_;
@@ -182,8 +187,8 @@ int run_program(int argc, char** argv) {
     if (homotopy.is_regular()) {
         const auto bound = homotopy.least_speed();
         std::cout << "both tangents turn " << curves[0].turns << " times: the speed is at least "
-                  << text_of("%.4g", bound.least) << " (" << bound.intervals << " intervals; met: "
-                  << text_of("%.4g", bound.reached) << ")\n";
+                  << text_of("%.4g", bound.least) << " (" << bound.intervals
+                  << " intervals; met: " << text_of("%.4g", bound.reached) << ")\n";
         if (homotopy.start() > 0)
             std::cout << "the second curve starts at t = " << text_of("%.4g", homotopy.start())
                       << ", since on the way from its start both would cancel each other\n";
@@ -192,22 +197,24 @@ int run_program(int argc, char** argv) {
         std::cout << "the tangents turn " << curves[0].turns << " and " << curves[1].turns
                   << " times, so no homotopy is regular; this one stands still\n";
         for (const auto& stop : stops)
-            std::cout << "  at s = " << text_of("%.6f", stop.s) << ", t = " << text_of("%.6f", stop.tau) << ": speed "
-                      << text_of("%.2g", stop.speed) << '\n';
+            std::cout << "  at s = " << text_of("%.6f", stop.s) << ", t = " << text_of("%.6f", stop.tau)
+                      << ": speed " << text_of("%.2g", stop.speed) << '\n';
     }
 
     const Tiles tiles(homotopy, stops);
     std::string strip;
     int column = 0;
     for (const double s : times_of(columns, stops))
-        strip += "<g transform=\"translate(" + text_of("%g", Tiles::width * column++) + ",0)\">\n" + tiles.tile(s) + "</g>\n";
+        strip += "<g transform=\"translate(" + text_of("%g", Tiles::width * column++) + ",0)\">\n" +
+                 tiles.tile(s) + "</g>\n";
     OutputFiles outputs;
     AtomicFile& file = outputs.add(out);
     file.write(Tiles::document(Tiles::width * columns, strip));
     if (png) add_png(outputs, file, int(Tiles::width) * columns);
     std::vector<std::string> frames;
     if (film.is_given()) {
-        for (const double s : times_of(film.count, stops)) frames.push_back(Tiles::document(Tiles::width, tiles.tile(s)));
+        for (const double s : times_of(film.count, stops))
+            frames.push_back(Tiles::document(Tiles::width, tiles.tile(s)));
     }
     film.write(outputs, frames, png, int(Tiles::width));
     if (const auto error = outputs.commit()) return fail(*error);

@@ -51,7 +51,8 @@ public:
         if (kind_ == Kind::koch) return corners(level, grown);
         const auto all = corners(level);
         if (kind_ == Kind::peano) {
-            const double cut = 0.13 * std::pow(ratio(), -level - grown); // of one length in the magnified view
+            const double cut =
+                0.13 * std::pow(ratio(), -level - grown); // of one length in the magnified view
             return cut_corners(grown > 0 ? divided(all, grown) : all, cut);
         }
         std::vector<Complex> middles;
@@ -100,7 +101,8 @@ private:
         if (kind_ == Kind::koch) return {0, third, {0.5, grown * std::sqrt(3.0) / 6}, 2 * third, 1};
         if (kind_ == Kind::sierpinski) return {0, 0.5, {0.5, grown / 2}, 0.5, 1};
         const double up = grown * third;
-        return {0, third, {third, up}, {2 * third, up}, 2 * third, third, {third, -up}, {2 * third, -up}, 2 * third, 1};
+        return {0,     third,        {third, up},      {2 * third, up}, 2 * third,
+                third, {third, -up}, {2 * third, -up}, 2 * third,       1};
     }
 
     std::vector<Complex> divided(const std::vector<Complex>& all, double grown) const {
@@ -119,7 +121,8 @@ private:
         std::vector<Complex> cut{all.front()};
         for (std::size_t k = 1; k + 1 < all.size(); ++k) {
             const Complex before = all[k - 1] - all[k], after = all[k + 1] - all[k];
-            const double from = std::abs(before), to = std::abs(after), off = std::min({length, from / 2, to / 2});
+            const double from = std::abs(before), to = std::abs(after),
+                         off = std::min({length, from / 2, to / 2});
             cut.push_back(all[k] + (from > 0 ? off / from : 0) * before);
             cut.push_back(all[k] + (to > 0 ? off / to : 0) * after);
         }

@@ -32,9 +32,10 @@ using namespace cageform_examples;
 
 struct Arguments {
     std::string out, volume, cage;
-    int stages = 12, columns = 4, tile = 320, bands = 8, rows = 96;
+    int stages = 12, columns = 4, tile = 320, bands = 8, rows = 72;
     FilmChoice film;
     CoordinatesChoice choice;
+    OutsideChoice outside;
     PoseChoice operations;
     ViewChoice view;
 
@@ -67,7 +68,8 @@ ObjFile all_stages() {
 SvgResult<std::optional<Control>> read_control(const Arguments& given, const ObjFile& all_stages) {
     const bool is_posed = !given.operations.operations.empty();
     if (given.cage.empty()) {
-        if (is_posed) return SvgError{"operations such as --twist pose a cage: give --cage, such as lattice:6x6x6"};
+        if (is_posed)
+            return SvgError{"operations such as --twist pose a cage: give --cage, such as lattice:6x6x6"};
         return std::optional<Control>();
     }
     auto cage = load_or_make_cage(given.cage, all_stages);
@@ -79,6 +81,13 @@ SvgResult<std::optional<Control>> read_control(const Arguments& given, const Obj
         pose = std::move(*posed);
     }
     auto coordinates = make_coordinates<double>(given.choice, *cage);
+    if (!coordinates.note.empty()) note(coordinates.note);
+    const auto bound = coordinates.bind(all_stages.vertices, given.outside.bind_options(coordinates));
+    if (!bound) return SvgError{describe_mesh_faults(cage->name, bound.report)};
+    const auto outside =
+        given.outside.judge(coordinates, bound.report, all_stages.vertices, all_stages.name, cage->name);
+    if (!outside.fault.empty()) return SvgError{outside.fault};
+    if (!outside.warning.empty()) warn(outside.warning);
     return std::optional<Control>(Control{std::move(coordinates), std::move(*cage), std::move(pose)});
 }
 
@@ -118,8 +127,7 @@ public:
                 if (const std::string why = move_by_cage(mesh.vertices); !why.empty()) return SvgError{why};
                 stage_.insert(stage_.end(), mesh.vertices.begin(), mesh.vertices.end());
             }
-            cage_triangles_ = control_ ? control_->cage.triangles : cage_triangles_;
-            if (control_) stage_.insert(stage_.begin(), control_->pose.begin(), control_->pose.end());
+            if (control_) add_cage();
         }
         std::vector<MeshScene> scenes;
         for (const Tile& tile : tiles)
@@ -131,7 +139,8 @@ public:
     /// The least ratio of volumes, moved to rest, around points of a stage; fails where it is not known.
     SvgResult<double> least_determinant(double time) const {
         const auto rest = eversion_mesh(eversion_.stage(time), 48, 96).vertices;
-        const auto columns = control_->coordinates.bind_jacobians(rest, {});
+        const auto columns =
+            control_->coordinates.bind_jacobians(rest, given_.outside.bind_options(control_->coordinates));
         if (!columns) return SvgError{cageform::to_string(columns.report.status)};
         std::string warning;
         const auto handles = pose_of_handles(columns.value[0], control_->pose, control_->cage.name, warning);
@@ -143,6 +152,17 @@ public:
     EversionStage stage(double time) const { return eversion_.stage(time); }
 
 private:
+    /// Adds the edges of the cage's faces to what is drawn, as triangles without area.
+    void add_cage() {
+        for (const ObjFace& face : control_->cage.faces) {
+            for (std::size_t k = 0; k < face.corners.size(); ++k) {
+                const std::uint32_t next = face.corners[(k + 1) % face.corners.size()].vertex;
+                cage_triangles_.push_back({face.corners[k].vertex, next, next});
+            }
+        }
+        stage_.insert(stage_.begin(), control_->pose.begin(), control_->pose.end());
+    }
+
     /// Whether a column of quads is within a band.
     bool is_shown(std::size_t column) const {
         const double place = given_.bands * (double(column) + 0.5) / double(given_.net_columns());
@@ -152,7 +172,8 @@ private:
     /// Binds points and moves them; empty, or why not.
     std::string move_by_cage(std::vector<Point3>& points) const {
         if (!control_) return {};
-        const auto bound = control_->coordinates.bind(points, {});
+        const auto bound =
+            control_->coordinates.bind(points, given_.outside.bind_options(control_->coordinates));
         if (!bound) return describe_mesh_faults(control_->cage.name, bound.report);
         std::string warning;
         const auto handles = pose_of_handles(bound.value, control_->pose, control_->cage.name, warning);
@@ -178,18 +199,22 @@ std::string volume_curve(const Theatre& theatre) {
     const auto at = [](double a, double b) { return text_of("%.2f", a) + "," + text_of("%.2f", b); };
     for (const auto& [value, number] : marks_of(y, 6)) {
         svg += "<path d=\"M" + at(x.begin, y.at(value)) + " H" + text_of("%.2f", x.end) + "\"/>\n";
-        numbers += "<text x=\"52\" y=\"" + text_of("%.2f", y.at(value) + 4) + "\" text-anchor=\"end\">" + number + "</text>\n";
+        numbers += "<text x=\"52\" y=\"" + text_of("%.2f", y.at(value) + 4) + "\" text-anchor=\"end\">" +
+                   number + "</text>\n";
     }
     for (const auto& [value, number] : marks_of(x, 5))
-        numbers += "<text x=\"" + text_of("%.2f", x.at(value)) + "\" y=\"346\" text-anchor=\"middle\">" + number + "</text>\n";
+        numbers += "<text x=\"" + text_of("%.2f", x.at(value)) + "\" y=\"346\" text-anchor=\"middle\">" +
+                   number + "</text>\n";
     svg += "</g>\n<path fill=\"none\" stroke=\"#b03020\" stroke-width=\"2\" d=\"";
     constexpr int steps = 240;
     for (int n = 0; n <= steps; ++n) {
         const double time = double(n) / steps;
-        svg += (n == 0 ? "M" : " L") + at(x.at(time), y.at(volume_of(eversion_mesh(theatre.stage(time), 48, 96))));
+        svg += (n == 0 ? "M" : " L") +
+               at(x.at(time), y.at(volume_of(eversion_mesh(theatre.stage(time), 48, 96))));
     }
     return svg + "\"/>\n" + numbers +
-           "<text x=\"340\" y=\"364\" text-anchor=\"middle\">time; the signed volume is 0 halfway</text>\n</svg>\n";
+           "<text x=\"340\" y=\"364\" text-anchor=\"middle\">time; the signed volume is 0 "
+           "halfway</text>\n</svg>\n";
 }
 
 /// Prints what holds of a stage, and of the cage's deformation there.
@@ -231,14 +256,15 @@ int play(const Arguments& given, Theatre theatre) {
         auto tile = theatre.tile(time);
         if (!tile) return fail(to_string(tile.error()));
         tiles.push_back(std::move(*tile));
-        if (const auto printed = print_stage(theatre, time); !printed) return fail(to_string(printed.error()));
+        if (const auto printed = print_stage(theatre, time); !printed)
+            return fail(to_string(printed.error()));
     }
     auto strip = theatre.draw(tiles);
     if (!strip) return fail(to_string(strip.error()));
     const auto side = std::size_t(given.tile);
     for (std::size_t n = 0; n < tiles.size(); ++n)
-        strip->text({double(n * side) + 10, double(side) - 14}, text_of("%.2f", double(n) / (given.stages - 1)), 2,
-                    {0.35f, 0.35f, 0.35f});
+        strip->text({double(n * side) + 10, double(side) - 14},
+                    text_of("%.2f", double(n) / (given.stages - 1)), 2, {0.35f, 0.35f, 0.35f});
 
     OutputFiles outputs;
     in_rows(*strip, side, std::size_t(given.columns)).write_png(outputs.add(given.out));
@@ -262,8 +288,9 @@ int play(const Arguments& given, Theatre theatre) {
 }
 
 int run_program(int argc, char** argv) {
-    CommandLine line("Turns a sphere inside out, without a tear or a crease, and draws it cut into bands: red "
-                     "outside, blue inside, yellow where the surface passes through itself.");
+    CommandLine line(
+        "Turns a sphere inside out, without a tear or a crease, and draws it cut into bands: red "
+        "outside, blue inside, yellow where the surface passes through itself.");
     line.set_examples({"-o eversion.png --volume volume.svg", "-o eversion.png --film eversion.gif",
                        "-o strip.png --columns 12 --tile 160 --frames frame_ --count 60",
                        "-o twisted.png --cage lattice:6x6x6 --twist all:z,-1,1,120",
@@ -274,17 +301,24 @@ int run_program(int argc, char** argv) {
     line.add("-o,--output", given.out, "the sheet of stages, a PNG file").required().ends_with({".png"});
     line.add("--stages", given.stages, "stages on the sheet").range(2, 60).show_default();
     line.add("--columns", given.columns, "stages in a row").range(1, 60).show_default();
-    line.add("--tile", given.tile, "pixels of a stage, and of a frame, each way").range(32, 1000).show_default();
-    line.add("--bands", given.bands, "bands into which meridians cut the surface; 0: it is whole").range(0, 24).show_default();
+    line.add("--tile", given.tile, "pixels of a stage, and of a frame, each way")
+        .range(32, 1000)
+        .show_default();
+    line.add("--bands", given.bands, "bands into which meridians cut the surface; 0: it is whole")
+        .range(0, 24)
+        .show_default();
     line.add("--rows", given.rows, "quads from pole to pole").range(16, 400).show_default();
     line.add("--volume", given.volume, "also write the curve of the signed volume").ends_with({".svg"});
     given.film.add_options(line, 120, "PNG files");
-    line.add("--cage", given.cage, "a cage that moves every stage: an OBJ file" + std::string(auto_cage_help));
+    line.add("--cage", given.cage,
+             "a cage that moves every stage: an OBJ file" + std::string(auto_cage_help));
     given.operations.add_options(line);
+    given.outside.add_options(line);
     given.choice.add_options(line);
     given.view.add_options(line);
     line.set_footer(lattice_format + std::string("\n") + pose_operations_format);
     if (const auto code = line.parse(argc, argv)) return *code;
+    if (const std::string why = given.outside.fault(); !why.empty()) return fail(why);
 
     auto control = read_control(given, all_stages());
     if (!control) return fail(to_string(control.error()));

@@ -27,14 +27,15 @@ std::string frame_of(const SelfSimilarCurve& curve, int level, double time, int 
     }
     const std::string side = std::to_string(size);
     return "<svg width=\"" + side + "\" height=\"" + side + "\" viewBox=\"0 0 " + side + ' ' + side +
-           "\"><rect width=\"100%\" height=\"100%\" fill=\"#f7f5ee\"/>\n<path d=\"" + d + (curve.is_closed() ? "Z" : "") +
-           "\" fill=\"" + (curve.is_closed() ? "#cfe0ee" : "none") +
+           "\"><rect width=\"100%\" height=\"100%\" fill=\"#f7f5ee\"/>\n<path d=\"" + d +
+           (curve.is_closed() ? "Z" : "") + "\" fill=\"" + (curve.is_closed() ? "#cfe0ee" : "none") +
            "\" stroke=\"#1f3f7a\" stroke-width=\"1.6\" stroke-linejoin=\"round\"/></svg>\n";
 }
 
 std::string document(double width, double height, const std::string& content) {
     return "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " + text_of("%g", width) + ' ' +
-           text_of("%g", height) + "\" font-family=\"DejaVu Sans, sans-serif\" font-size=\"14\">\n" + content + "</svg>\n";
+           text_of("%g", height) + "\" font-family=\"DejaVu Sans, sans-serif\" font-size=\"14\">\n" +
+           content + "</svg>\n";
 }
 
 /// Prints the lengths of levels in that of level 0, and the areas inside closed ones in that of their triangle
@@ -62,7 +63,9 @@ int run_program(int argc, char** argv) {
     FilmChoice film;
     line.add("curve", name, "koch, peano or sierpinski").required().one_of({"koch", "peano", "sierpinski"});
     line.add("-o,--output", out, "the strip of frames, an SVG file").required().ends_with({".svg"});
-    line.add("--columns", columns, "frames on the strip, the last one equal to the first").range(2, 60).show_default();
+    line.add("--columns", columns, "frames on the strip, the last one equal to the first")
+        .range(2, 60)
+        .show_default();
     const CommandOption levels =
         line.add("--level", level, "the level of the first frame").range(0, 6).show_default("4, of peano 3");
     line.add("--size", size, "of a frame, in pixels each way").range(32, 2000).show_default();
@@ -72,7 +75,8 @@ int run_program(int argc, char** argv) {
     using Kind = SelfSimilarCurve::Kind;
     const Kind kind = name == "koch" ? Kind::koch : name == "peano" ? Kind::peano : Kind::sierpinski;
     if (!levels.is_given()) level = kind == Kind::peano ? 3 : 4;
-    if (kind == Kind::peano && level > 4) return fail("--level: 4 is the most for peano, whose sides are 9 times as many each");
+    if (kind == Kind::peano && level > 4)
+        return fail("--level: 4 is the most for peano, whose sides are 9 times as many each");
     if (const auto why = film.fault({out}, ".svg")) return fail(*why);
 
     const SelfSimilarCurve curve(kind);
@@ -81,9 +85,10 @@ int run_program(int argc, char** argv) {
     std::string strip;
     for (int n = 0; n < columns; ++n) {
         const double time = double(n) / (columns - 1), left = gap + n * (size + gap);
-        strip += "<text x=\"" + text_of("%g", left + size / 2.0) + "\" y=\"17\" text-anchor=\"middle\">t = " +
-                 text_of("%.2g", time) + ", magnified " + text_of("%.2f", std::pow(curve.ratio(), time)) +
-                 " times</text>\n<g transform=\"translate(" + text_of("%g", left) + ',' + text_of("%g", caption) + ")\">" +
+        strip += "<text x=\"" + text_of("%g", left + size / 2.0) +
+                 "\" y=\"17\" text-anchor=\"middle\">t = " + text_of("%.2g", time) + ", magnified " +
+                 text_of("%.2f", std::pow(curve.ratio(), time)) + " times</text>\n<g transform=\"translate(" +
+                 text_of("%g", left) + ',' + text_of("%g", caption) + ")\">" +
                  frame_of(curve, level, time, size) + "</g>\n";
     }
     OutputFiles outputs;

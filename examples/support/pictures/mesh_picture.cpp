@@ -118,11 +118,16 @@ public:
             places[i] = on_canvas(camera, figure.vertices[i]);
         }
         static const Point3 clay{0.78, 0.36, 0.17};
+        const auto linear_list = [](std::span<const Colour> colours) {
+            std::vector<Point3> list;
+            for (const Colour& colour : colours) list.push_back(linear(colour));
+            return list;
+        };
+        const std::vector<Point3> fronts = linear_list(figure.colours), backs = linear_list(figure.backs);
         for (const auto& [a, b, c] : figure.triangles) {
-            const bool behind = !figure.backs.empty() && turn(places[a], places[b], places[c]) > 0;
-            const auto own = [&](std::uint32_t i) {
-                return figure.colours.empty() ? clay : linear((behind ? figure.backs : figure.colours)[i]);
-            };
+            const bool behind = !backs.empty() && turn(places[a], places[b], places[c]) > 0;
+            const auto& colours = behind ? backs : fronts;
+            const auto own = [&](std::uint32_t i) { return colours.empty() ? clay : colours[i]; };
             fill({places[a], places[b], places[c]}, {normals[a], normals[b], normals[c]},
                  {own(a), own(b), own(c)}, shade);
         }
@@ -156,8 +161,7 @@ public:
                             line.thickness * samples,
                             [&](std::size_t i, std::size_t middle, double nearness) {
                                 const double by = camera.nearer(0.5 + line.thickness, nearness);
-                                if (nearness + by >= double(nearness_[middle]))
-                                    colour_[i] = line.colour;
+                                if (nearness + by >= double(nearness_[middle])) colour_[i] = line.colour;
                             });
         }
     }

@@ -47,7 +47,7 @@ public:
 
     void add_frame(const std::string& svg);
     void add_picture(const std::string& png); ///< a frame that is drawn already, of the same size as all
-    void finish(); ///< after the last frame
+    void finish();                            ///< after the last frame
 
 private:
     AtomicFile& file_;
