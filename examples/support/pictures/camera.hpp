@@ -77,6 +77,11 @@ public:
                 parallel ? scale_ * d[2] : nearness};
     }
 
+    /// How much nearer a place is, as project() counts, that lies some pixels before another.
+    double nearer(double pixels, double nearness) const {
+        return rays_ == Rays::parallel ? pixels : pixels * nearness * nearness / (scale_ * distance_);
+    }
+
     /// How the place in the picture changes with `v`: the gradients of its two coordinates.
     std::array<Point3, 2> gradients(const Point3& v) const {
         const Point3 d = seen(v - middle_);

@@ -37,10 +37,16 @@ public:
             places[i] = on_canvas(camera, figure.vertices[i]);
         }
         static const Point3 clay{0.78, 0.36, 0.17};
-        const auto own = [&](std::uint32_t i) {
-            return figure.colours.empty() ? clay : linear(figure.colours[i]);
+        const auto linear_list = [](std::span<const Colour> colours) {
+            std::vector<Point3> list;
+            for (const Colour& colour : colours) list.push_back(linear(colour));
+            return list;
         };
+        const std::vector<Point3> fronts = linear_list(figure.colours), backs = linear_list(figure.backs);
         for (const auto& [a, b, c] : figure.triangles) {
+            const bool behind = !backs.empty() && turn(places[a], places[b], places[c]) > 0;
+            const auto& colours = behind ? backs : fronts;
+            const auto own = [&](std::uint32_t i) { return colours.empty() ? clay : colours[i]; };
             fill({places[a], places[b], places[c]}, {normals[a], normals[b], normals[c]},
                  {own(a), own(b), own(c)}, shade);
         }
@@ -73,8 +79,8 @@ public:
             for_each_sample(on_canvas(camera, line.points[k - 1]), on_canvas(camera, line.points[k]),
                             line.thickness * samples,
                             [&](std::size_t i, std::size_t middle, double nearness) {
-                                if (nearness + 0.5 + line.thickness >= double(nearness_[middle]))
-                                    colour_[i] = line.colour;
+                                const double by = camera.nearer(0.5 + line.thickness, nearness);
+                                if (nearness + by >= double(nearness_[middle])) colour_[i] = line.colour;
                             });
         }
     }
@@ -269,6 +275,7 @@ Picture draw_meshes(std::span<const MeshScene> scenes, std::size_t width, std::s
     for (std::size_t n = 0; n < scenes.size(); ++n) {
         detail::MeshCanvas canvas(part, height);
         canvas.draw_figure(scenes[n].figure, camera);
+        for (const SpaceLine& line : scenes[n].lines) canvas.draw_line(line, camera);
         canvas.draw_cage(scenes[n].cage, camera);
         canvas.copy_to(picture, n * part);
     }

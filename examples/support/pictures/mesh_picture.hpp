@@ -18,12 +18,20 @@ struct MeshView {
     std::span<const Point3> vertices;
     std::span<const std::array<std::uint32_t, 3>> triangles;
     std::span<const Colour> colours{}; ///< one a vertex; empty: of clay
+    std::span<const Colour> backs{};   ///< where the triangles are seen from behind; empty: as from the front
+};
+
+struct SpaceLine {
+    std::vector<Point3> points;
+    double thickness = 1; ///< in pixels
+    Colour colour{};
 };
 
 /// The contents of one tile of the picture.
 struct MeshScene {
     MeshView figure;
     MeshView cage;
+    std::span<const SpaceLine> lines{}; ///< as far as the figure does not hide them
 };
 
 /// The view direction of meshes: turned from the front towards the figure's left, then upwards, in degrees.
@@ -52,12 +60,6 @@ ViewDirections directions_of(const MeshSight& sight);
 ///
 ///   turn, rise   in degrees; 0, 0 looks along y
 ViewDirections view_from(double turn, double rise);
-
-struct SpaceLine {
-    std::vector<Point3> points;
-    double thickness = 1; ///< in pixels
-    Colour colour{};
-};
 
 /// A word whose middle is at a place.
 struct SpaceText {

@@ -123,15 +123,21 @@ void draw_colour_bar(Picture& picture, const Axis& axis, const std::vector<AxisM
     }
 }
 
-/// The bytes of a PNG file; none where it cannot be encoded.
-static std::string encoded(std::size_t width, std::size_t height, int channels, const std::string& bytes) {
+static std::string encode_png(std::size_t width, std::size_t height, int channels, const std::string& bytes) {
     std::string png;
     const auto append = [](void* target, void* data, int size) {
         static_cast<std::string*>(target)->append(static_cast<const char*>(data), std::size_t(size));
     };
-    const int done = stbi_write_png_to_func(append, &png, int(width), int(height), channels, bytes.data(),
-                                            channels * int(width));
-    return done == 0 ? "" : png;
+    if (stbi_write_png_to_func(append, &png, int(width), int(height), channels, bytes.data(),
+                               channels * int(width)) == 0) {
+        png.clear();
+    }
+    return png;
+}
+
+static void write_encoded(AtomicFile& file, const std::string& png) {
+    if (png.empty()) return file.refuse("it cannot be encoded");
+    file.write(png);
 }
 
 std::string Picture::png() const {
@@ -141,11 +147,7 @@ std::string Picture::png() const {
         for (const float channel : {pixel.r, pixel.g, pixel.b})
             bytes += char(std::lround(255 * std::clamp(channel, 0.0f, 1.0f)));
     }
-    return encoded(width_, height_, 3, bytes);
-}
-
-static void write_encoded(AtomicFile& file, const std::string& png) {
-    png.empty() ? file.refuse("it cannot be encoded") : file.write(png);
+    return encode_png(width_, height_, 3, bytes);
 }
 
 void Picture::write_png(AtomicFile& file) const {
@@ -154,7 +156,7 @@ void Picture::write_png(AtomicFile& file) const {
 
 void write_png(AtomicFile& file, std::size_t width, std::size_t height, int channels,
                const std::string& bytes) {
-    write_encoded(file, encoded(width, height, channels, bytes));
+    write_encoded(file, encode_png(width, height, channels, bytes));
 }
 
 void write_png_16(AtomicFile& file, std::size_t width, std::span<const std::uint16_t> greys) {

@@ -1,0 +1,108 @@
+#pragma once
+
+// Where a surface of triangles passes through itself.
+
+#include "files/obj_file.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+namespace cageform_examples {
+
+namespace detail {
+
+/// Where the line from p to q passes through the inside of a triangle, if it does.
+inline std::optional<Point3> pierced(const Point3& p, const Point3& q,
+                                     const std::array<Point3, 3>& triangle) {
+    const Point3 normal = cross(triangle[1] - triangle[0], triangle[2] - triangle[0]);
+    const double from = dot(normal, p - triangle[0]), to = dot(normal, q - triangle[0]);
+    if (!(from * to < 0)) return std::nullopt;
+    const double t = from / (from - to);
+    const Point3 at = (1 - t) * p + t * q;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const Point3& a = triangle[k];
+        if (dot(cross(triangle[(k + 1) % 3] - a, at - a), normal) < 0) return std::nullopt;
+    }
+    return at;
+}
+
+} // namespace detail
+
+/// The double curve of a surface: pieces of lines, one for each two triangles that pass through each other.
+/// Triangles with a common corner are left out.
+///
+///   cost   as the number of triangles, where they are of like size
+inline std::vector<std::array<Point3, 2>>
+double_curve(std::span<const Point3> vertices, std::span<const std::array<std::uint32_t, 3>> triangles) {
+    struct Box {
+        std::array<double, 3> low, high;
+    };
+    using Cell = std::array<std::int32_t, 3>;
+    std::vector<Box> boxes;
+    double side = 0; // of a cell: twice the mean extent
+    for (const auto& triangle : triangles) {
+        Box box{{1e300, 1e300, 1e300}, {-1e300, -1e300, -1e300}};
+        for (const std::uint32_t i : triangle) {
+            for (std::size_t k = 0; k < 3; ++k) {
+                box.low[k] = std::min(box.low[k], vertices[i][k]);
+                box.high[k] = std::max(box.high[k], vertices[i][k]);
+            }
+        }
+        for (std::size_t k = 0; k < 3; ++k)
+            side += (box.high[k] - box.low[k]) * 2 / (3 * double(triangles.size()));
+        boxes.push_back(box);
+    }
+    std::vector<std::array<Point3, 2>> pieces;
+    if (!(side > 0)) return pieces;
+    const auto cell_of = [&](const std::array<double, 3>& at) {
+        Cell cell;
+        for (std::size_t k = 0; k < 3; ++k) cell[k] = std::int32_t(std::floor(at[k] / side));
+        return cell;
+    };
+    std::vector<std::pair<Cell, std::uint32_t>> members; // of all cells, those of each together
+    for (std::uint32_t f = 0; f < triangles.size(); ++f) {
+        const Cell from = cell_of(boxes[f].low), to = cell_of(boxes[f].high);
+        for (std::int32_t x = from[0]; x <= to[0]; ++x)
+            for (std::int32_t y = from[1]; y <= to[1]; ++y)
+                for (std::int32_t z = from[2]; z <= to[2]; ++z) members.push_back({{x, y, z}, f});
+    }
+    std::sort(members.begin(), members.end());
+    const auto corners = [&](std::uint32_t f) {
+        const auto& [a, b, c] = triangles[f];
+        return std::array{vertices[a], vertices[b], vertices[c]};
+    };
+    const auto meet = [&](std::uint32_t f, std::uint32_t g) {
+        const auto a = corners(f), b = corners(g);
+        std::vector<Point3> ends;
+        for (std::size_t k = 0; k < 3; ++k) {
+            if (const auto at = detail::pierced(a[k], a[(k + 1) % 3], b)) ends.push_back(*at);
+            if (const auto at = detail::pierced(b[k], b[(k + 1) % 3], a)) ends.push_back(*at);
+        }
+        if (ends.size() == 2) pieces.push_back({ends[0], ends[1]});
+    };
+    for (std::size_t m = 0; m < members.size(); ++m) {
+        const auto& [cell, f] = members[m];
+        for (std::size_t n = m + 1; n < members.size() && members[n].first == cell; ++n) {
+            const std::uint32_t g = members[n].second;
+            std::array<double, 3> low{};
+            bool apart = false;
+            for (std::size_t k = 0; k < 3; ++k) {
+                low[k] = std::max(boxes[f].low[k], boxes[g].low[k]);
+                apart |= low[k] > std::min(boxes[f].high[k], boxes[g].high[k]);
+            }
+            if (apart || cell_of(low) != cell) continue; // else they would meet in several cells
+            const auto &a = triangles[f], &b = triangles[g];
+            if (std::find_first_of(a.begin(), a.end(), b.begin(), b.end()) == a.end()) meet(f, g);
+        }
+    }
+    return pieces;
+}
+
+} // namespace cageform_examples

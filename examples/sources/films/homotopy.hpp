@@ -1,0 +1,217 @@
+#pragma once
+
+// Regular homotopies of closed curves in the plane. Two closed regular curves are regularly homotopic if and
+// only if their tangents turn equally often: H. Whitney, "On regular closed curves in the plane", Compositio
+// Mathematica 4 (1937), 276–284, who thanks Graustein for the proof.
+
+#include "svg/path.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <cstddef>
+#include <numbers>
+#include <optional>
+#include <random>
+#include <string>
+#include <vector>
+
+namespace cageform_examples {
+
+/// A closed curve of unit speed by the angle of its tangent, `turns` τ + Σ sines[j] sin (j + 1) τ +
+/// Σ cosines[j] cos (j + 1) τ for τ from 0 to 2π.
+struct TurningCurve {
+    int turns = 1;
+    std::vector<double> sines{}, cosines{};
+
+    double angle(double tau) const {
+        double sum = turns * tau;
+        for (std::size_t j = 0; j < sines.size(); ++j) sum += sines[j] * std::sin(double(j + 1) * tau);
+        for (std::size_t j = 0; j < cosines.size(); ++j) sum += cosines[j] * std::cos(double(j + 1) * tau);
+        return sum;
+    }
+};
+
+/// A curve whose angle swings by three random waves.
+inline TurningCurve random_curve(int turns, unsigned seed) {
+    std::mt19937 generator(seed);
+    TurningCurve curve{turns};
+    for (int j = 1; j <= 3; ++j) {
+        for (auto* waves : {&curve.sines, &curve.cosines}) // by the generator's bits: alike everywhere
+            waves->push_back((double(generator()) / 2147483648.0 - 1) * 2 / j);
+    }
+    return curve;
+}
+
+/// A family of closed curves from one curve at s = 0 to another at s = 1.
+///
+/// Where both turn equally often, their angles are mixed: θ_s = (1 − s) θ_0 + s θ_1, and the curve is the
+/// integral of e^{iθ_s} − m_s, where m_s is the mean of e^{iθ_s}. It is closed, and regular since |m_s| < 1,
+/// unless θ_s is constant. Else their velocities are mixed, and somewhere the speed is 0.
+class Homotopy {
+public:
+    using Complex = std::complex<double>;
+    static constexpr std::size_t samples = 1024; // of τ: means are then good to rounding
+
+    Homotopy(const TurningCurve& from, const TurningCurve& to)
+        : turns_{from.turns, to.turns} {
+        for (std::size_t k = 0; k <= samples; ++k) {
+            from_.push_back(from.angle(tau(k)));
+            to_.push_back(to.angle(tau(k)));
+        }
+        // Curves of no turns can cancel each other: then the second one starts elsewhere.
+        constexpr double enough = 0.05;
+        if (turns_[0] != 0 || turns_[1] != 0 || least_speed().least >= enough) return;
+        const std::vector<double> unmoved = to_;
+        std::size_t best = 0;
+        double most = 0;
+        for (std::size_t places = 0; places < samples; places += samples / 16) {
+            for (std::size_t k = 0; k <= samples; ++k) to_[k] = unmoved[(k + places) % samples];
+            if (const double least = least_speed().least; least > most) {
+                most = least;
+                best = places;
+            }
+        }
+        for (std::size_t k = 0; k <= samples; ++k) to_[k] = unmoved[(k + best) % samples];
+        start_ = tau(best);
+    }
+
+    bool is_regular() const { return turns_[0] == turns_[1]; } // whether it can be
+    double start() const { return start_; }                    // of the second curve: another τ than 0
+
+    static double tau(std::size_t k) { return 2 * std::numbers::pi * double(k) / samples; }
+
+    /// The velocities of the curve at all samples; the last is the first.
+    std::vector<Complex> velocities(double s) const {
+        std::vector<Complex> all(samples + 1);
+        if (is_regular()) {
+            for (std::size_t k = 0; k <= samples; ++k) all[k] = std::polar(1.0, angle(s, k));
+            const Complex mean = mean_of(all);
+            for (Complex& v : all) v -= mean;
+        } else {
+            const Complex from = mean_of_angles(from_), to = mean_of_angles(to_);
+            for (std::size_t k = 0; k <= samples; ++k)
+                all[k] = (1 - s) * (std::polar(1.0, from_[k]) - from) + s * (std::polar(1.0, to_[k]) - to);
+        }
+        return all;
+    }
+
+    /// The points of the curve, their mean at 0; the last is the first but for rounding.
+    std::vector<Complex> points(double s) const {
+        const auto v = velocities(s);
+        std::vector<Complex> all{0};
+        const double half = tau(1) / 2;
+        for (std::size_t k = 1; k <= samples; ++k) all.push_back(all.back() + half * (v[k - 1] + v[k]));
+        const Complex middle = mean_of(all);
+        for (Complex& p : all) p -= middle;
+        return all;
+    }
+
+    /// The angle of the velocity at all samples, from sample to sample without a jump.
+    std::vector<double> angles(double s) const {
+        const auto v = velocities(s);
+        std::vector<double> all{std::arg(v[0])};
+        for (std::size_t k = 1; k <= samples; ++k) all.push_back(all.back() + std::arg(v[k] / v[k - 1]));
+        return all;
+    }
+
+    /// How often the tangent turns; of no meaning where the speed is 0.
+    double turns(double s) const {
+        const auto all = angles(s);
+        return (all.back() - all.front()) / (2 * std::numbers::pi);
+    }
+
+    struct SpeedBound {
+        double least = 0;          ///< no speed is below this, at any s and τ; 0: nothing is proved
+        double reached = 1;        ///< 1 − |m_s|, the least that was met
+        std::size_t intervals = 0; ///< of s, that were looked at
+    };
+
+    /// Bounds the speed of a regular homotopy from below by halving intervals of s. The speed is at least
+    /// 1 − |m_s|, and |m_s| changes by no more than the mean of |θ_1 − θ_0| times the change of s. An interval
+    /// is done when its bound is within a fiftieth of the least value that was met, as low as 1e-6.
+    SpeedBound least_speed() const {
+        double slope = 0;
+        for (std::size_t k = 0; k < samples; ++k) slope += std::fabs(to_[k] - from_[k]) / samples;
+        SpeedBound bound{1, 1, 0};
+        struct Interval {
+            double middle, half;
+        };
+        std::vector<Interval> open{{0.5, 0.5}};
+        while (!open.empty()) {
+            const auto [middle, half] = open.back();
+            open.pop_back();
+            ++bound.intervals;
+            std::vector<Complex> all(samples);
+            for (std::size_t k = 0; k < samples; ++k) all[k] = std::polar(1.0, angle(middle, k));
+            Complex sum = 0;
+            for (const Complex& v : all) sum += v;
+            const double here = 1 - std::abs(sum) / samples;
+            bound.reached = std::fmin(bound.reached, here);
+            if (bound.reached < 1e-6) return {0, bound.reached, bound.intervals};
+            const double least = here - slope * half;
+            if (least >= 0.98 * bound.reached) {
+                bound.least = std::fmin(bound.least, least);
+                continue;
+            }
+            open.push_back({middle - half / 2, half / 2});
+            open.push_back({middle + half / 2, half / 2});
+        }
+        return bound;
+    }
+
+    struct Stop {
+        double s, tau, speed;
+    };
+
+    /// Where a family of curves that turn unequally often stands still: the velocities u_0 and u_1 point
+    /// against each other at some τ, since the angle between them changes by 2π times the difference of the
+    /// turns, and there s = |u_0| / (|u_0| + |u_1|) makes their mix 0. By halving intervals of τ.
+    std::vector<Stop> stops(const TurningCurve& from, const TurningCurve& to) const {
+        const Complex mean_from = mean_of_angles(from_), mean_to = mean_of_angles(to_);
+        const auto pair = [&](double t) {
+            return std::pair{std::polar(1.0, from.angle(t)) - mean_from,
+                             std::polar(1.0, to.angle(t)) - mean_to};
+        };
+        const auto against = [&](double t) { // how far, in sine, they are from pointing against each other
+            const auto [u, v] = pair(t);
+            return std::imag(v * std::conj(u));
+        };
+        std::vector<Stop> all;
+        for (std::size_t k = 0; k < samples; ++k) {
+            const double shift = 0.3183; // no round number, so that no place is an end of two intervals
+            double low = tau(k) + shift, high = tau(k + 1) + shift;
+            const bool rises = against(low) < 0;
+            if (rises == (against(high) < 0)) continue;
+            for (int n = 0; n < 60; ++n) {
+                const double middle = (low + high) / 2;
+                ((against(middle) < 0) == rises ? low : high) = middle;
+            }
+            const auto [u, v] = pair(low);
+            if (std::real(v * std::conj(u)) > 0) continue; // they point the same way
+            const double s = std::abs(u) / (std::abs(u) + std::abs(v));
+            all.push_back({s, std::fmod(low, 2 * std::numbers::pi), std::abs((1 - s) * u + s * v)});
+        }
+        return all;
+    }
+
+private:
+    double angle(double s, std::size_t k) const { return (1 - s) * from_[k] + s * to_[k]; }
+
+    static Complex mean_of(const std::vector<Complex>& all) { // the last is the first
+        Complex sum = 0;
+        for (std::size_t k = 0; k < samples; ++k) sum += all[k];
+        return sum / double(samples);
+    }
+    static Complex mean_of_angles(const std::vector<double>& angles) {
+        std::vector<Complex> all;
+        for (const double angle : angles) all.push_back(std::polar(1.0, angle));
+        return mean_of(all);
+    }
+
+    int turns_[2];
+    std::vector<double> from_, to_;
+    double start_ = 0;
+};
+
+} // namespace cageform_examples

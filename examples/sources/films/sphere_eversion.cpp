@@ -1,0 +1,333 @@
+// A sphere turned inside out without a tear or a crease: a sheet of stages, a film, the curve of its volume.
+// What was outside is red, what was inside blue; the sheet is cut into bands so that one sees in.
+//
+//     sphere_eversion -o eversion.png --volume volume.svg --film eversion.gif
+//     sphere_eversion -o twisted.png --cage lattice:6x6x6 --twist all:z,-1,1,120
+//
+// With --cage, every stage is bound to the cage once, and moves as the cage does. The cage knows nothing of
+// eversions: the program prints the least determinant of its deformation, and where that is positive the
+// stage stays an immersion.
+
+#include "cli/auto_cage.hpp"
+#include "cli/command_line.hpp"
+#include "cli/coordinates.hpp"
+#include "cli/guard.hpp"
+#include "cli/mesh_cage.hpp"
+#include "cli/pose_choice.hpp"
+#include "cli/view_choice.hpp"
+#include "double_curve.hpp"
+#include "eversion.hpp"
+#include "film_choice.hpp"
+#include "pictures/mesh_picture.hpp"
+#include "pictures/plot.hpp"
+
+#include <cageform/clone/clone.hpp>
+#include <cageform/clone/folds.hpp>
+
+#include <iostream>
+
+namespace {
+
+using namespace cageform_examples;
+
+struct Arguments {
+    std::string out, volume, cage;
+    int stages = 12, columns = 4, tile = 320, bands = 8, rows = 72;
+    FilmChoice film;
+    CoordinatesChoice choice;
+    OutsideChoice outside;
+    PoseChoice operations;
+    ViewChoice view;
+
+    std::size_t net_rows() const { return std::size_t(rows); }
+    std::size_t net_columns() const { return 2 * net_rows(); }
+};
+
+/// A cage about all stages, and its pose.
+struct Control {
+    ChosenCoordinates<double, 3> coordinates;
+    ObjFile cage;
+    std::vector<Point3> pose;
+};
+
+/// The stages in one figure, about which cages are made.
+ObjFile all_stages() {
+    const Eversion eversion;
+    ObjFile figure;
+    figure.name = "the eversion";
+    for (int n = 0; n <= 24; ++n) {
+        const auto first = std::uint32_t(figure.vertices.size());
+        const auto mesh = eversion_mesh(eversion.stage(n / 24.0), 24, 48);
+        figure.vertices.insert(figure.vertices.end(), mesh.vertices.begin(), mesh.vertices.end());
+        for (const auto& [a, b, c] : mesh.triangles)
+            figure.triangles.push_back({first + a, first + b, first + c});
+    }
+    return figure;
+}
+
+SvgResult<std::optional<Control>> read_control(const Arguments& given, const ObjFile& all_stages) {
+    const bool is_posed = !given.operations.operations.empty();
+    if (given.cage.empty()) {
+        if (is_posed)
+            return SvgError{"operations such as --twist pose a cage: give --cage, such as lattice:6x6x6"};
+        return std::optional<Control>();
+    }
+    auto cage = load_or_make_cage(given.cage, all_stages);
+    if (!cage) return cage.error();
+    std::vector<Point3> pose = first_pose(cage->vertices);
+    if (is_posed) {
+        auto posed = given.operations.posed(cage->vertices, cage->lattice);
+        if (!posed) return posed.error();
+        pose = std::move(*posed);
+    }
+    auto coordinates = make_coordinates<double>(given.choice, *cage);
+    if (!coordinates.note.empty()) note(coordinates.note);
+    const auto bound = coordinates.bind(all_stages.vertices, given.outside.bind_options(coordinates));
+    if (!bound) return SvgError{describe_mesh_faults(cage->name, bound.report)};
+    const auto outside =
+        given.outside.judge(coordinates, bound.report, all_stages.vertices, all_stages.name, cage->name);
+    if (!outside.fault.empty()) return SvgError{outside.fault};
+    if (!outside.warning.empty()) warn(outside.warning);
+    return std::optional<Control>(Control{std::move(coordinates), std::move(*cage), std::move(pose)});
+}
+
+/// A stage as it is drawn.
+struct Tile {
+    std::vector<Point3> vertices;
+    std::vector<SpaceLine> lines;
+};
+
+class Theatre {
+public:
+    Theatre(const Arguments& given, std::optional<Control> control)
+        : given_(given)
+        , control_(std::move(control))
+        , front_((given.net_rows() + 1) * given.net_columns(), {0.86f, 0.24f, 0.17f})
+        , back_(front_.size(), {0.22f, 0.42f, 0.82f}) {
+        for (const auto& triangle : eversion_triangles(given.net_rows(), given.net_columns())) {
+            if (is_shown(triangle[0] % given.net_columns())) shown_.push_back(triangle);
+        }
+    }
+
+    /// The stage at a time, as the cage moves it, if there is one.
+    SvgResult<Tile> tile(double time) const {
+        EversionMesh mesh = eversion_mesh(eversion_.stage(time), given_.net_rows(), given_.net_columns());
+        if (const std::string why = move_by_cage(mesh.vertices); !why.empty()) return SvgError{why};
+        Tile tile{std::move(mesh.vertices), {}};
+        for (const auto& [a, b] : double_curve(tile.vertices, shown_))
+            tile.lines.push_back({{a, b}, 1.5, {1.0f, 0.88f, 0.45f}});
+        return tile;
+    }
+
+    /// The tiles, all at one scale, which is that of a whole eversion.
+    SvgResult<Picture> draw(const std::vector<Tile>& tiles) {
+        if (stage_.empty()) {
+            for (int n = 0; n <= 24; ++n) {
+                auto mesh = eversion_mesh(eversion_.stage(n / 24.0), 16, 32);
+                if (const std::string why = move_by_cage(mesh.vertices); !why.empty()) return SvgError{why};
+                stage_.insert(stage_.end(), mesh.vertices.begin(), mesh.vertices.end());
+            }
+            if (control_) add_cage();
+        }
+        std::vector<MeshScene> scenes;
+        for (const Tile& tile : tiles)
+            scenes.push_back({{tile.vertices, shown_, front_, back_}, {stage_, cage_triangles_}, tile.lines});
+        const auto side = std::size_t(given_.tile);
+        return draw_meshes(scenes, side * tiles.size(), side, given_.view.sight);
+    }
+
+    /// The least ratio of volumes, moved to rest, around points of a stage; fails where it is not known.
+    SvgResult<double> least_determinant(double time) const {
+        const auto rest = eversion_mesh(eversion_.stage(time), 48, 96).vertices;
+        const auto columns =
+            control_->coordinates.bind_jacobians(rest, given_.outside.bind_options(control_->coordinates));
+        if (!columns) return SvgError{cageform::to_string(columns.report.status)};
+        std::string warning;
+        const auto handles = pose_of_handles(columns.value[0], control_->pose, control_->cage.name, warning);
+        if (!handles) return handles.error();
+        return cageform::report_folds(columns.value, *handles).least_determinant;
+    }
+
+    bool has_cage() const { return control_.has_value(); }
+    EversionStage stage(double time) const { return eversion_.stage(time); }
+
+private:
+    /// Adds the edges of the cage's faces to what is drawn, as triangles without area.
+    void add_cage() {
+        for (const ObjFace& face : control_->cage.faces) {
+            for (std::size_t k = 0; k < face.corners.size(); ++k) {
+                const std::uint32_t next = face.corners[(k + 1) % face.corners.size()].vertex;
+                cage_triangles_.push_back({face.corners[k].vertex, next, next});
+            }
+        }
+        stage_.insert(stage_.begin(), control_->pose.begin(), control_->pose.end());
+    }
+
+    /// Whether a column of quads is within a band.
+    bool is_shown(std::size_t column) const {
+        const double place = given_.bands * (double(column) + 0.5) / double(given_.net_columns());
+        return given_.bands == 0 || std::fabs(place - std::round(place)) < 0.3; // six tenths of the surface
+    }
+
+    /// Binds points and moves them; empty, or why not.
+    std::string move_by_cage(std::vector<Point3>& points) const {
+        if (!control_) return {};
+        const auto bound =
+            control_->coordinates.bind(points, given_.outside.bind_options(control_->coordinates));
+        if (!bound) return describe_mesh_faults(control_->cage.name, bound.report);
+        std::string warning;
+        const auto handles = pose_of_handles(bound.value, control_->pose, control_->cage.name, warning);
+        if (!handles) return to_string(handles.error());
+        const auto status = cageform::clone(bound.value, *handles, points);
+        return status == cageform::Status::ok ? "" : cageform::to_string(status);
+    }
+
+    const Arguments& given_;
+    std::optional<Control> control_;
+    Eversion eversion_;
+    std::vector<std::array<std::uint32_t, 3>> shown_, cage_triangles_;
+    std::vector<Colour> front_, back_;
+    std::vector<Point3> stage_; // the cage's pose, and points of all stages: what the camera looks at
+};
+
+/// The curve of the signed volume, as an SVG.
+std::string volume_curve(const Theatre& theatre) {
+    const Axis x{0, 1, 60, 620}, y{-2.6, 2.6, 330, 20};
+    std::string svg = "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 640 370\" font-size=\"13\" "
+                      "font-family=\"DejaVu Sans, sans-serif\">\n<g stroke=\"#ddd\">\n",
+                numbers;
+    const auto at = [](double a, double b) { return text_of("%.2f", a) + "," + text_of("%.2f", b); };
+    for (const auto& [value, number] : marks_of(y, 6)) {
+        svg += "<path d=\"M" + at(x.begin, y.at(value)) + " H" + text_of("%.2f", x.end) + "\"/>\n";
+        numbers += "<text x=\"52\" y=\"" + text_of("%.2f", y.at(value) + 4) + "\" text-anchor=\"end\">" +
+                   number + "</text>\n";
+    }
+    for (const auto& [value, number] : marks_of(x, 5))
+        numbers += "<text x=\"" + text_of("%.2f", x.at(value)) + "\" y=\"346\" text-anchor=\"middle\">" +
+                   number + "</text>\n";
+    svg += "</g>\n<path fill=\"none\" stroke=\"#b03020\" stroke-width=\"2\" d=\"";
+    constexpr int steps = 240;
+    for (int n = 0; n <= steps; ++n) {
+        const double time = double(n) / steps;
+        svg += (n == 0 ? "M" : " L") +
+               at(x.at(time), y.at(volume_of(eversion_mesh(theatre.stage(time), 48, 96))));
+    }
+    return svg + "\"/>\n" + numbers +
+           "<text x=\"340\" y=\"364\" text-anchor=\"middle\">time; the signed volume is 0 "
+           "halfway</text>\n</svg>\n";
+}
+
+/// Prints what holds of a stage, and of the cage's deformation there.
+SvgResult<bool> print_stage(const Theatre& theatre, double time) {
+    constexpr std::size_t rows = 100, columns = 180;
+    const EversionStage stage = theatre.stage(time);
+    const EversionMesh mesh = eversion_mesh(stage, rows, columns);
+    const double size = size_of(mesh);
+    std::cout << "time " << text_of("%.3f", time) << ": size " << text_of("%.4f", size) << ", volume "
+              << text_of("%+.4f", volume_of(mesh)) << ", least area factor "
+              << text_of("%.4f", least_area_factor(stage, rows, columns) / (size * size));
+    if (theatre.has_cage()) {
+        const auto least = theatre.least_determinant(time);
+        if (!least) return least.error();
+        std::cout << ", least determinant " << text_of("%.3f", *least);
+    }
+    std::cout << '\n';
+    return true;
+}
+
+/// Rows of tiles, from all in one row.
+Picture in_rows(const Picture& strip, std::size_t side, std::size_t columns) {
+    const std::size_t count = strip.width() / side;
+    columns = std::min(columns, count);
+    Picture sheet(columns * side, (count + columns - 1) / columns * side, strip.at(0, 0));
+    for (std::size_t y = 0; y < side; ++y) {
+        for (std::size_t x = 0; x < strip.width(); ++x) {
+            const std::size_t tile = x / side;
+            sheet.at(tile % columns * side + x % side, tile / columns * side + y) = strip.at(x, y);
+        }
+    }
+    return sheet;
+}
+
+int play(const Arguments& given, Theatre theatre) {
+    std::vector<Tile> tiles;
+    for (int n = 0; n < given.stages; ++n) {
+        const double time = double(n) / (given.stages - 1);
+        auto tile = theatre.tile(time);
+        if (!tile) return fail(to_string(tile.error()));
+        tiles.push_back(std::move(*tile));
+        if (const auto printed = print_stage(theatre, time); !printed)
+            return fail(to_string(printed.error()));
+    }
+    auto strip = theatre.draw(tiles);
+    if (!strip) return fail(to_string(strip.error()));
+    const auto side = std::size_t(given.tile);
+    for (std::size_t n = 0; n < tiles.size(); ++n)
+        strip->text({double(n * side) + 10, double(side) - 14},
+                    text_of("%.2f", double(n) / (given.stages - 1)), 2, {0.35f, 0.35f, 0.35f});
+
+    OutputFiles outputs;
+    in_rows(*strip, side, std::size_t(given.columns)).write_png(outputs.add(given.out));
+    if (!given.volume.empty()) outputs.add(given.volume).write(volume_curve(theatre));
+    std::optional<Film> film;
+    if (!given.film.film.empty()) film.emplace(outputs, given.film.film, given.film.rate, given.tile);
+    for (int n = 0; given.film.is_given() && n < given.film.count && !outputs.error(); ++n) {
+        auto tile = theatre.tile(double(n) / (given.film.count - 1));
+        if (!tile) return fail(to_string(tile.error()));
+        const auto picture = theatre.draw({std::move(*tile)});
+        if (!picture) return fail(to_string(picture.error()));
+        if (film) film->add_picture(picture->png());
+        if (given.film.frames.empty()) continue;
+        AtomicFile& file = outputs.add(given.film.frame(n, ".png"));
+        picture->write_png(file);
+        (void)file.finish(); // commit() has the fault
+    }
+    if (film) film->finish();
+    if (const auto error = outputs.commit()) return fail(*error);
+    return 0;
+}
+
+int run_program(int argc, char** argv) {
+    CommandLine line(
+        "Turns a sphere inside out, without a tear or a crease, and draws it cut into bands: red "
+        "outside, blue inside, yellow where the surface passes through itself.");
+    line.set_examples({"-o eversion.png --volume volume.svg", "-o eversion.png --film eversion.gif",
+                       "-o strip.png --columns 12 --tile 160 --frames frame_ --count 60",
+                       "-o twisted.png --cage lattice:6x6x6 --twist all:z,-1,1,120",
+                       "-o bent.png --cage box --coordinates harmonic --bend all:zx,-1,1,60"});
+    Arguments given;
+    given.view.sight = {.turn = 25, .rise = 30, .z_is_up = true};
+    given.choice.in_space = true;
+    line.add("-o,--output", given.out, "the sheet of stages, a PNG file").required().ends_with({".png"});
+    line.add("--stages", given.stages, "stages on the sheet").range(2, 60).show_default();
+    line.add("--columns", given.columns, "stages in a row").range(1, 60).show_default();
+    line.add("--tile", given.tile, "pixels of a stage, and of a frame, each way")
+        .range(32, 1000)
+        .show_default();
+    line.add("--bands", given.bands, "bands into which meridians cut the surface; 0: it is whole")
+        .range(0, 24)
+        .show_default();
+    line.add("--rows", given.rows, "quads from pole to pole").range(16, 400).show_default();
+    line.add("--volume", given.volume, "also write the curve of the signed volume").ends_with({".svg"});
+    given.film.add_options(line, 120, "PNG files");
+    line.add("--cage", given.cage,
+             "a cage that moves every stage: an OBJ file" + std::string(auto_cage_help));
+    given.operations.add_options(line);
+    given.outside.add_options(line);
+    given.choice.add_options(line);
+    given.view.add_options(line);
+    line.set_footer(lattice_format + std::string("\n") + pose_operations_format);
+    if (const auto code = line.parse(argc, argv)) return *code;
+    if (const std::string why = given.outside.fault(); !why.empty()) return fail(why);
+
+    auto control = read_control(given, all_stages());
+    if (!control) return fail(to_string(control.error()));
+    if (const auto why = given.film.fault({given.out, given.volume}, ".png")) return fail(*why);
+    return play(given, Theatre(given, std::move(*control)));
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    return guarded("sphere_eversion", [&] { return run_program(argc, argv); });
+}
