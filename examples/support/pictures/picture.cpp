@@ -132,16 +132,22 @@ void Picture::write_png(AtomicFile& file) const {
     cageform_examples::write_png(file, width_, height_, 3, bytes);
 }
 
-void write_png(AtomicFile& file, std::size_t width, std::size_t height, int channels,
-               const std::string& bytes) {
+std::string encoded_png(std::size_t width, std::size_t height, int channels, const std::string& bytes) {
     std::string png;
     const auto append = [](void* target, void* data, int size) {
         static_cast<std::string*>(target)->append(static_cast<const char*>(data), std::size_t(size));
     };
     if (stbi_write_png_to_func(append, &png, int(width), int(height), channels, bytes.data(),
                                channels * int(width)) == 0) {
-        return file.refuse("it cannot be encoded");
+        png.clear();
     }
+    return png;
+}
+
+void write_png(AtomicFile& file, std::size_t width, std::size_t height, int channels,
+               const std::string& bytes) {
+    const std::string png = encoded_png(width, height, channels, bytes);
+    if (png.empty()) return file.refuse("it cannot be encoded");
     file.write(png);
 }
 
