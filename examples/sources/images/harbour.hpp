@@ -115,7 +115,7 @@ private:
         static const std::vector<std::pair<double, double>> mast{
             {0.497, 0.15}, {0.505, 0.15}, {0.505, 0.5}, {0.497, 0.5}};
         const double belly = 0.035 * std::sin(std::clamp((y - 0.17) / 0.3, 0.0, 1.0) * 3.14159);
-        if (is_within(hull, x, y)) return mix({190, 60, 48}, {88, 24, 30}, (y - 0.5) / 0.06);
+        if (is_within(hull, x, y)) return mix({150, 74, 62}, {70, 40, 44}, (y - 0.5) / 0.06);
         if (y > 0.46 && y < 0.5 && x > 0.42 && x < 0.56) return {232, 214, 170}; // the cabin
         if (is_within(mast, x, y)) return {110, 78, 48};
         if (y > 0.17 && y < 0.455 && x > 0.51 && x < 0.51 + (y - 0.17) * 0.55 + belly)
@@ -128,8 +128,8 @@ private:
         }
         const Light sea = mix({96, 160, 190}, {24, 92, 132}, (y - horizon) / 0.3);
         const double wave = waves(x, y);
-        const double shade =
-            smooth(0.565, 0.6, y) < 1 && x > 0.34 && x < 0.67 ? -24 * (1 - smooth(0.565, 0.61, y)) : 0;
+        const double shade = -34 * smooth(0.29, 0.4, x) * (1 - smooth(0.6, 0.71, x)) * smooth(0.47, 0.56, y) *
+                             (1 - smooth(0.565, 0.62, y));
         return {sea[0] + 34 * wave + shade, sea[1] + 34 * wave + shade, sea[2] + 30 * wave + shade};
     }
 

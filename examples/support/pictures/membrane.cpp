@@ -13,50 +13,6 @@
 
 namespace cageform_examples {
 
-namespace {
-
-using Place = std::array<float, 2>;
-
-/// A box of places, empty at first.
-struct Extent {
-    Place low{std::numeric_limits<float>::infinity(), std::numeric_limits<float>::infinity()},
-        high{-low[0], -low[1]};
-
-    void add(const Place& p) {
-        for (std::size_t k = 0; k < 2; ++k) {
-            low[k] = std::min(low[k], p[k]);
-            high[k] = std::max(high[k], p[k]);
-        }
-    }
-    void add(const Extent& other) {
-        add(other.low);
-        add(other.high);
-    }
-    float size() const { return std::hypot(high[0] - low[0], high[1] - low[1]); }
-    float distance(const Extent& other) const {
-        Place gap{};
-        for (std::size_t k = 0; k < 2; ++k)
-            gap[k] = std::max({low[k] - other.high[k], other.low[k] - high[k], 0.0f});
-        return std::hypot(gap[0], gap[1]);
-    }
-};
-
-/// A closed line along the outline's pixels, about the pixels inside or about a hole in them.
-struct Loop {
-    std::size_t pixel = 0;           // one inside that it passes
-    std::uint32_t root = 0, end = 0; // of its stretches
-};
-
-/// A node of the tree of a part's loops, which are in a row.
-struct LoopRange {
-    std::size_t begin = 0, end = 0;
-    std::uint32_t right = 0; // half; 0 of a leaf. The left half follows
-    Extent extent;
-    float largest = 0; // size of a loop
-};
-
-} // namespace
-
 class MembraneBuilder {
 public:
     MembraneBuilder(const PixelRegion& region, const MembraneOptions& options,
@@ -86,6 +42,46 @@ public:
     }
 
 private:
+    using Place = std::array<float, 2>;
+
+    /// A box of places, empty at first.
+    struct Extent {
+        Place low{std::numeric_limits<float>::infinity(), std::numeric_limits<float>::infinity()},
+            high{-low[0], -low[1]};
+
+        void add(const Place& p) {
+            for (std::size_t k = 0; k < 2; ++k) {
+                low[k] = std::min(low[k], p[k]);
+                high[k] = std::max(high[k], p[k]);
+            }
+        }
+        void add(const Extent& other) {
+            add(other.low);
+            add(other.high);
+        }
+        float size() const { return std::hypot(high[0] - low[0], high[1] - low[1]); }
+        float distance(const Extent& other) const {
+            Place gap{};
+            for (std::size_t k = 0; k < 2; ++k)
+                gap[k] = std::max({low[k] - other.high[k], other.low[k] - high[k], 0.0f});
+            return std::hypot(gap[0], gap[1]);
+        }
+    };
+
+    /// A closed line along the outline's pixels, about the pixels inside or about a hole in them.
+    struct Loop {
+        std::size_t pixel = 0;           // one inside that it passes
+        std::uint32_t root = 0, end = 0; // of its stretches
+    };
+
+    /// A node of the tree of a part's loops, which are in a row.
+    struct LoopRange {
+        std::size_t begin = 0, end = 0;
+        std::uint32_t right = 0; // half; 0 of a leaf. The left half follows
+        Extent extent;
+        float largest = 0; // size of a loop
+    };
+
     bool is_inside(std::size_t pixel) const { return region_.kinds[pixel] == PixelKind::inside; }
 
     // ---- parts: pixels that touch over a side ----
