@@ -123,7 +123,7 @@ void draw_colour_bar(Picture& picture, const Axis& axis, const std::vector<AxisM
     }
 }
 
-static std::string encode_png(std::size_t width, std::size_t height, int channels, const std::string& bytes) {
+std::string encoded_png(std::size_t width, std::size_t height, int channels, const std::string& bytes) {
     std::string png;
     const auto append = [](void* target, void* data, int size) {
         static_cast<std::string*>(target)->append(static_cast<const char*>(data), std::size_t(size));
@@ -147,7 +147,7 @@ std::string Picture::png() const {
         for (const float channel : {pixel.r, pixel.g, pixel.b})
             bytes += char(std::lround(255 * std::clamp(channel, 0.0f, 1.0f)));
     }
-    return encode_png(width_, height_, 3, bytes);
+    return encoded_png(width_, height_, 3, bytes);
 }
 
 void Picture::write_png(AtomicFile& file) const {
@@ -156,7 +156,7 @@ void Picture::write_png(AtomicFile& file) const {
 
 void write_png(AtomicFile& file, std::size_t width, std::size_t height, int channels,
                const std::string& bytes) {
-    write_encoded(file, encode_png(width, height, channels, bytes));
+    write_encoded(file, encoded_png(width, height, channels, bytes));
 }
 
 void write_png_16(AtomicFile& file, std::size_t width, std::span<const std::uint16_t> greys) {

@@ -66,10 +66,12 @@ private:
     std::vector<Colour> pixels_;
 };
 
-/// Writes a PNG file of any bytes.
+/// A PNG file of any bytes, empty where it cannot be encoded.
 ///
 ///   channels   1 grey, 2 grey and alpha, 3 colour, 4 colour and alpha; the first row first
-///   fails      as Picture::write_png()
+std::string encoded_png(std::size_t width, std::size_t height, int channels, const std::string& bytes);
+
+/// Writes a PNG file as encoded_png() makes it; fails as Picture::write_png().
 void write_png(AtomicFile& file, std::size_t width, std::size_t height, int channels,
                const std::string& bytes);
 
