@@ -9,8 +9,8 @@
 // tile and on the options alone: neither on other tiles, nor on threads, memory or rows. A figure that is there,
 // whole and made of the same bytes by the same options, is left as it is, so a farm starts a task again as it was.
 //
-// Exit status: 0 all tiles are done; 1 a tile cannot be bound, and is named; 2 the options are wrong; 75 a failure
-// may pass, such as a full disk: try again. Tiles beside one that fails are done.
+// Exit status: 0 all tiles are done; 1 the options are wrong, or a tile cannot be bound, and is named; 75 a failure may
+// pass, such as a full disk: try again. Tiles beside one that fails are done.
 
 #include "cli/bind_report.hpp"
 #include "cli/command_line.hpp"
@@ -45,8 +45,6 @@ namespace {
 using namespace cageform_examples;
 using cageform::Status;
 using Point = cageform::Vec<float, 3>;
-
-constexpr int wrong_usage = 2;
 
 struct Arguments {
     std::string cage, solution, saved_solution;
@@ -403,28 +401,24 @@ int run_program(int argc, char** argv) {
         "point, and the largest distance");
     line.set_footer(point_file_format + std::string("\n") + ply_format + "\n" + obj_format + "\n" +
                     lattice_format + "\n" + pose_clip_format + "\n" + pose_operations_format);
-    if (const auto code = line.parse(argc, argv)) return *code == 0 ? 0 : wrong_usage;
-    const auto misused = [](const std::string& why) {
-        (void)fail(why);
-        return wrong_usage;
-    };
-    if (const std::string why = given.outside.fault(); !why.empty()) return misused(why);
+    if (const auto code = line.parse(argc, argv)) return *code;
+    if (const std::string why = given.outside.fault(); !why.empty()) return fail(why);
     if (const auto why = given.weights.fault(given.choice, given.moves.is_given()); !why.empty())
-        return misused(why);
+        return fail(why);
     const bool has_solution = !given.solution.empty() || !given.saved_solution.empty();
     if (has_solution &&
         (given.choice.name != "harmonic" || given.choice.resolution != 0 || given.choice.is_uniform))
-        return misused("--solution and --save-solution are for --coordinates harmonic with --accuracy: other "
-                       "coordinates solve nothing that could be kept");
+        return fail("--solution and --save-solution are for --coordinates harmonic with --accuracy: other "
+                    "coordinates solve nothing that could be kept");
     const auto tiles = given.tiles.tiles();
-    if (!tiles) return misused(to_string(tiles.error()));
+    if (!tiles) return fail(to_string(tiles.error()));
     std::vector<std::string> inputs = given.moves.poses;
     inputs.push_back(given.cage);
     if (!given.moves.clip.empty()) inputs.push_back(given.moves.clip);
     if (!given.solution.empty()) inputs.push_back(given.solution);
     std::vector<std::string> outputs;
     if (!given.saved_solution.empty()) outputs.push_back(given.saved_solution);
-    if (const auto why = fault_of_tiles(*tiles, inputs, outputs)) return misused(*why);
+    if (const auto why = fault_of_tiles(*tiles, inputs, outputs)) return fail(*why);
 
     const auto cage = load_mesh_cage(given.cage);
     if (!cage) return fail(to_string(cage.error()));
@@ -447,7 +441,7 @@ int run_program(int argc, char** argv) {
     job.pack.tolerance = given.weights.distance * job.size;
     std::size_t of_solver = 0;
     const std::size_t threads = plan_memory(given, job, tiles->size(), of_solver);
-    if (threads == 0) return wrong_usage;
+    if (threads == 0) return 1;
     if (of_solver > 0) {
         given.choice.memory_limit = of_solver;
         job.coordinates = make_coordinates<float>(given.choice, *cage);

@@ -21,8 +21,6 @@ namespace {
 
 using namespace cageform_examples;
 
-constexpr int wrong_usage = 2;
-
 struct Arguments {
     std::string mesh, output, rows;
     std::size_t points = 100000, tiles = 1, seed = 1;
@@ -108,13 +106,11 @@ int run_program(int argc, char** argv) {
         .ends_with({".ply"})
         .check(RowPath::fault);
     line.set_footer(obj_format);
-    if (const auto code = line.parse(argc, argv)) return *code == 0 ? 0 : wrong_usage;
+    if (const auto code = line.parse(argc, argv)) return *code;
     const RowRange rows = RowRange::of(given.rows.empty() ? ":" : given.rows).value_or(RowRange{});
     const RowPath path(given.output);
-    if (!path.has_place() && given.tiles > 1) {
-        (void)fail("--output " + given.output + ": write %d in place of the number of a tile");
-        return wrong_usage;
-    }
+    if (!path.has_place() && given.tiles > 1)
+        return fail("--output " + given.output + ": write %d in place of the number of a tile");
     const auto mesh = load_obj(given.mesh);
     if (!mesh) return fail(to_string(mesh.error()));
     const FacePoints points(*mesh, given.points, given.seed);
