@@ -267,6 +267,13 @@ step "a character for a game"
 # A game takes these: a packed binding with the dance, and glTF files as a skin and as morph targets.
 "$programs/bind_mesh" out/character.obj --cage out/character_cage.obj --clip out/character_clip.csv \
   --coordinates harmonic --max-distance 0.001 -o out/character.figure --report >>$report
+# Points in tiles, half of them by each of two processes.
+mkdir -p out/tiles
+"$programs/make_tiles" out/character.obj --points 40000 --tiles 4 -o out/tiles/%d.ply
+for rows in 0:2 2:4; do
+  "$programs/bind_tiles" out/character_cage.obj --points 'out/tiles/*.ply' --rows $rows -o 'out/tiles/*.figure' \
+    --largest 16 --format half >>$report
+done
 "$programs/export_gltf" out/character.obj --cage out/character_cage.obj --clip out/character_clip.csv --max-distance 0.01 \
   --coordinates harmonic -o out/character_skin.glb --report >>$report
 "$programs/export_gltf" out/character.obj --cage out/character_cage.obj --clip out/character_clip.csv --morph \

@@ -1,16 +1,17 @@
-// Binds files of points, tiles, to one cage and packs each into a figure, as bind_mesh does with a mesh. Every tile
-// is read and written in pieces, so a tile can have any size; memory is bounded, and said beforehand.
+// Binds files of points, tiles, to one cage and packs each into a figure, as bind_mesh does with a mesh. Every
+// tile is read and written in pieces, so a tile can have any size; memory is bounded, and said beforehand.
 //
 //     bind_tiles cage.obj --points 'tiles/*.ply' -o 'out/*.figure' --largest 16 --format half
 //     bind_tiles cage.obj --points 'tiles/*.ply' -o 'out/*.figure' --rows 0:100 --threads 4
-//     bind_tiles cage.obj --points 'tiles/*.ply' -o 'out/*.figure' --coordinates harmonic --solution cage.solution
+//     bind_tiles cage.obj --points scan.ply -o scan.figure --coordinates harmonic --solution cage.solution
 //
-// The tiles are sorted by their names, and --rows says which of them this process binds. A figure depends on its
-// tile and on the options alone: neither on other tiles, nor on threads, memory or rows. A figure that is there,
-// whole and made of the same bytes by the same options, is left as it is, so a farm starts a task again as it was.
+// The tiles are sorted by their names, and --rows says which of them this process binds. A figure depends on
+// its tile and on the options alone: neither on other tiles, nor on threads, memory or rows. A figure that is
+// there, whole and made of the same bytes by the same options, is left as it is, so a farm starts a task again
+// as it was.
 //
-// Exit status: 0 all tiles are done; 1 the options are wrong, or a tile cannot be bound, and is named; 75 a failure may
-// pass, such as a full disk: try again. Tiles beside one that fails are done.
+// Exit status: 0 all tiles are done; 1 the options are wrong, or a tile cannot be bound, and is named; 75 a
+// failure may pass, such as a full disk: try again. Tiles beside one that fails are done.
 
 #include "cli/bind_report.hpp"
 #include "cli/command_line.hpp"
@@ -57,7 +58,7 @@ struct Arguments {
     bool json = false;
 };
 
-/// What all tiles share. Nothing in it changes while they are bound.
+/// All that tiles share. Nothing in it changes while they are bound.
 struct Job {
     ChosenCoordinates<float, 3> coordinates;
     std::string cage, outside;
@@ -76,8 +77,8 @@ std::size_t points_of_piece(std::size_t handles) {
     return std::clamp(points / whole * whole, whole, most);
 }
 
-/// The memory that one tile takes while it is bound, in bytes: a piece's weights as they are bound and as they
-/// are packed, its points in all forms, and the table of all handles' products.
+/// The memory that one tile takes while it is bound, in bytes: a piece's weights as they are bound and as
+/// they are packed, its points in all forms, and the table of all handles' products.
 std::size_t bytes_of_tile(std::size_t piece, std::size_t handles) {
     constexpr std::size_t of_point = 400, of_files = std::size_t{4} << 20;
     return piece * (2 * sizeof(float) * handles + of_point) + handles * handles * sizeof(double) + of_files;

@@ -1,9 +1,10 @@
-// Makes tiles of points for bind_tiles: points at random on the faces of a mesh, evenly by area, in binary PLY files.
+// Makes tiles of points for bind_tiles: points at random on the faces of a mesh, evenly by area, as binary
+// PLY files.
 //
 //     make_tiles character.obj --points 100000000 --tiles 64 -o 'tiles/%02d.ply'
 //
-// A tile holds neighbouring faces, in the order of the mesh. The points depend on the mesh, their number and --seed,
-// not on the number of tiles: point n is the same, in whichever tile it comes.
+// A tile holds neighbouring faces, in the order of the mesh. The points depend on the mesh, their number and
+// --seed, not on the number of tiles: point n is the same, in whichever tile it comes.
 
 #include "cli/command_line.hpp"
 #include "cli/guard.hpp"
@@ -26,8 +27,8 @@ struct Arguments {
     std::size_t points = 100000, tiles = 1, seed = 1;
 };
 
-/// A number in [0, 1) that depends on `n` alone (Steele, Lea, Flood, Fast Splittable Pseudorandom Number Generators,
-/// OOPSLA 2014, fig. 16).
+/// A number in [0, 1) that depends on `n` alone (Steele, Lea, Flood, Fast Splittable Pseudorandom Number
+/// Generators, OOPSLA 2014, fig. 16).
 double random_at(std::uint64_t n) {
     n = (n + 1) * 0x9E3779B97F4A7C15U;
     n = (n ^ (n >> 30)) * 0xBF58476D1CE4E5B9U;

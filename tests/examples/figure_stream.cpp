@@ -1,5 +1,5 @@
-// Figures that are written piece by piece: they open as those of `pack` do and clone as their pieces do; only whole
-// ones have a record.
+// Figures that are written piece by piece: they open as those of `pack` do and clone as their pieces do; only
+// whole ones have a record.
 #include "../catch.hpp"
 #include "../support/aligned.hpp"
 #include "../support/cages.hpp"

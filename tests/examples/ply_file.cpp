@@ -1,5 +1,5 @@
-// PLY files and other files of points: what is written is read, in any encoding and blocks of any size; broken files
-// are named.
+// PLY files and other files of points: what is written is read, in any encoding and blocks of any size; broken
+// files are named.
 #include "../catch.hpp"
 #include "../support/cages.hpp"
 
