@@ -1,5 +1,5 @@
-// Binds files of points, tiles, to one cage and packs each into a figure, as bind_mesh does with a mesh. Every
-// tile is read and written in pieces, so a tile can have any size; memory is bounded, and said beforehand.
+// Binds files of points, tiles, to one cage and packs each into a figure, as bind_mesh does with a mesh.
+// Every tile is read and written in pieces, so a tile can have any size; memory is bounded, and said beforehand.
 //
 //     bind_tiles cage.obj --points 'tiles/*.ply' -o 'out/*.figure' --largest 16 --format half
 //     bind_tiles cage.obj --points 'tiles/*.ply' -o 'out/*.figure' --rows 0:100 --threads 4
@@ -7,8 +7,7 @@
 //
 // The tiles are sorted by their names, and --rows says which of them this process binds. A figure depends on
 // its tile and on the options alone: neither on other tiles, nor on threads, memory or rows. A figure that is
-// there, whole and made of the same bytes by the same options, is left as it is, so a farm starts a task again
-// as it was.
+// there, whole and made of equal bytes by equal options, is left as it is: a farm may start any task again.
 //
 // Exit status: 0 all tiles are done; 1 the options are wrong, or a tile cannot be bound, and is named; 75 a
 // failure may pass, such as a full disk: try again. Tiles beside one that fails are done.
