@@ -1,16 +1,16 @@
-// Binds files of points, tiles, to one cage and packs each into a figure, as bind_mesh does with a mesh. Every tile
-// is read and written in pieces, so a tile can have any size; memory is bounded, and said beforehand.
+// Binds files of points, tiles, to one cage and packs each into a figure, as bind_mesh does with a mesh.
+// Every tile is read and written in pieces, so a tile can have any size; memory is bounded, and said beforehand.
 //
 //     bind_tiles cage.obj --points 'tiles/*.ply' -o 'out/*.figure' --largest 16 --format half
 //     bind_tiles cage.obj --points 'tiles/*.ply' -o 'out/*.figure' --rows 0:100 --threads 4
-//     bind_tiles cage.obj --points 'tiles/*.ply' -o 'out/*.figure' --coordinates harmonic --solution cage.solution
+//     bind_tiles cage.obj --points scan.ply -o scan.figure --coordinates harmonic --solution cage.solution
 //
-// The tiles are sorted by their names, and --rows says which of them this process binds. A figure depends on its
-// tile and on the options alone: neither on other tiles, nor on threads, memory or rows. A figure that is there,
-// whole and made of the same bytes by the same options, is left as it is, so a farm starts a task again as it was.
+// The tiles are sorted by their names, and --rows says which of them this process binds. A figure depends on
+// its tile and on the options alone: neither on other tiles, nor on threads, memory or rows. A figure that is
+// there, whole and made of equal bytes by equal options, is left as it is: a farm may start any task again.
 //
-// Exit status: 0 all tiles are done; 1 a tile cannot be bound, and is named; 2 the options are wrong; 75 a failure
-// may pass, such as a full disk: try again. Tiles beside one that fails are done.
+// Exit status: 0 all tiles are done; 1 the options are wrong, or a tile cannot be bound, and is named; 75 a
+// failure may pass, such as a full disk: try again. Tiles beside one that fails are done.
 
 #include "cli/bind_report.hpp"
 #include "cli/command_line.hpp"
@@ -46,8 +46,6 @@ using namespace cageform_examples;
 using cageform::Status;
 using Point = cageform::Vec<float, 3>;
 
-constexpr int wrong_usage = 2;
-
 struct Arguments {
     std::string cage, solution, saved_solution;
     TileChoice tiles;
@@ -59,7 +57,7 @@ struct Arguments {
     bool json = false;
 };
 
-/// What all tiles share. Nothing in it changes while they are bound.
+/// All that tiles share. Nothing in it changes while they are bound.
 struct Job {
     ChosenCoordinates<float, 3> coordinates;
     std::string cage, outside;
@@ -78,8 +76,8 @@ std::size_t points_of_piece(std::size_t handles) {
     return std::clamp(points / whole * whole, whole, most);
 }
 
-/// The memory that one tile takes while it is bound, in bytes: a piece's weights as they are bound and as they
-/// are packed, its points in all forms, and the table of all handles' products.
+/// The memory that one tile takes while it is bound, in bytes: a piece's weights as they are bound and as
+/// they are packed, its points in all forms, and the table of all handles' products.
 std::size_t bytes_of_tile(std::size_t piece, std::size_t handles) {
     constexpr std::size_t of_point = 400, of_files = std::size_t{4} << 20;
     return piece * (2 * sizeof(float) * handles + of_point) + handles * handles * sizeof(double) + of_files;
@@ -403,28 +401,24 @@ int run_program(int argc, char** argv) {
         "point, and the largest distance");
     line.set_footer(point_file_format + std::string("\n") + ply_format + "\n" + obj_format + "\n" +
                     lattice_format + "\n" + pose_clip_format + "\n" + pose_operations_format);
-    if (const auto code = line.parse(argc, argv)) return *code == 0 ? 0 : wrong_usage;
-    const auto misused = [](const std::string& why) {
-        (void)fail(why);
-        return wrong_usage;
-    };
-    if (const std::string why = given.outside.fault(); !why.empty()) return misused(why);
+    if (const auto code = line.parse(argc, argv)) return *code;
+    if (const std::string why = given.outside.fault(); !why.empty()) return fail(why);
     if (const auto why = given.weights.fault(given.choice, given.moves.is_given()); !why.empty())
-        return misused(why);
+        return fail(why);
     const bool has_solution = !given.solution.empty() || !given.saved_solution.empty();
     if (has_solution &&
         (given.choice.name != "harmonic" || given.choice.resolution != 0 || given.choice.is_uniform))
-        return misused("--solution and --save-solution are for --coordinates harmonic with --accuracy: other "
-                       "coordinates solve nothing that could be kept");
+        return fail("--solution and --save-solution are for --coordinates harmonic with --accuracy: other "
+                    "coordinates solve nothing that could be kept");
     const auto tiles = given.tiles.tiles();
-    if (!tiles) return misused(to_string(tiles.error()));
+    if (!tiles) return fail(to_string(tiles.error()));
     std::vector<std::string> inputs = given.moves.poses;
     inputs.push_back(given.cage);
     if (!given.moves.clip.empty()) inputs.push_back(given.moves.clip);
     if (!given.solution.empty()) inputs.push_back(given.solution);
     std::vector<std::string> outputs;
     if (!given.saved_solution.empty()) outputs.push_back(given.saved_solution);
-    if (const auto why = fault_of_tiles(*tiles, inputs, outputs)) return misused(*why);
+    if (const auto why = fault_of_tiles(*tiles, inputs, outputs)) return fail(*why);
 
     const auto cage = load_mesh_cage(given.cage);
     if (!cage) return fail(to_string(cage.error()));
@@ -447,7 +441,7 @@ int run_program(int argc, char** argv) {
     job.pack.tolerance = given.weights.distance * job.size;
     std::size_t of_solver = 0;
     const std::size_t threads = plan_memory(given, job, tiles->size(), of_solver);
-    if (threads == 0) return wrong_usage;
+    if (threads == 0) return 1;
     if (of_solver > 0) {
         given.choice.memory_limit = of_solver;
         job.coordinates = make_coordinates<float>(given.choice, *cage);

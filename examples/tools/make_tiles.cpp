@@ -1,9 +1,10 @@
-// Makes tiles of points for bind_tiles: points at random on the faces of a mesh, evenly by area, in binary PLY files.
+// Makes tiles of points for bind_tiles: points at random on the faces of a mesh, evenly by area, as binary
+// PLY files.
 //
 //     make_tiles character.obj --points 100000000 --tiles 64 -o 'tiles/%02d.ply'
 //
-// A tile holds neighbouring faces, in the order of the mesh. The points depend on the mesh, their number and --seed,
-// not on the number of tiles: point n is the same, in whichever tile it comes.
+// A tile holds neighbouring faces, in the order of the mesh. The points depend on the mesh, their number and
+// --seed, not on the number of tiles: point n is the same, in whichever tile it comes.
 
 #include "cli/command_line.hpp"
 #include "cli/guard.hpp"
@@ -21,15 +22,13 @@ namespace {
 
 using namespace cageform_examples;
 
-constexpr int wrong_usage = 2;
-
 struct Arguments {
     std::string mesh, output, rows;
     std::size_t points = 100000, tiles = 1, seed = 1;
 };
 
-/// A number in [0, 1) that depends on `n` alone (Steele, Lea, Flood, Fast Splittable Pseudorandom Number Generators,
-/// OOPSLA 2014, fig. 16).
+/// A number in [0, 1) that depends on `n` alone (Steele, Lea, Flood, Fast Splittable Pseudorandom Number
+/// Generators, OOPSLA 2014, fig. 16).
 double random_at(std::uint64_t n) {
     n = (n + 1) * 0x9E3779B97F4A7C15U;
     n = (n ^ (n >> 30)) * 0xBF58476D1CE4E5B9U;
@@ -108,13 +107,11 @@ int run_program(int argc, char** argv) {
         .ends_with({".ply"})
         .check(RowPath::fault);
     line.set_footer(obj_format);
-    if (const auto code = line.parse(argc, argv)) return *code == 0 ? 0 : wrong_usage;
+    if (const auto code = line.parse(argc, argv)) return *code;
     const RowRange rows = RowRange::of(given.rows.empty() ? ":" : given.rows).value_or(RowRange{});
     const RowPath path(given.output);
-    if (!path.has_place() && given.tiles > 1) {
-        (void)fail("--output " + given.output + ": write %d in place of the number of a tile");
-        return wrong_usage;
-    }
+    if (!path.has_place() && given.tiles > 1)
+        return fail("--output " + given.output + ": write %d in place of the number of a tile");
     const auto mesh = load_obj(given.mesh);
     if (!mesh) return fail(to_string(mesh.error()));
     const FacePoints points(*mesh, given.points, given.seed);

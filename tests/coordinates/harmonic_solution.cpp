@@ -1,4 +1,4 @@
-// Solved functions as a file: taken in place of a solve they give its weights to the bit; every other file is refused.
+// Solved functions as a file: taken in place of a solve they give its weights to the bit; all else is refused.
 #include "catch.hpp"
 #include "support/aligned.hpp"
 #include "support/effort.hpp"

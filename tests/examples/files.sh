@@ -25,6 +25,7 @@ cp "$data/puzzle.csv" pool
   printf 'v %s %s %s\n' 0 0 0 1 0 0 0 1 0 1 1 0 0 0 1 1 0 1 0 1 1 1 1 1 >box.obj
   printf 'f %s %s %s %s\n' 1 3 4 2 5 6 8 7 1 2 6 5 2 4 8 6 4 3 7 8 3 1 5 7 >>box.obj
   seq 8 >corner_weights.txt
+  "$programs/bind_tiles" box.obj --points box.obj -o box.figure --coordinates harmonic --accuracy 0.1 --save-solution box.solution >/dev/null 2>&1; rm -f box.figure
   sed '8s/.*/v 1.3 1.2 1.1/' box.obj >bent_box.obj
   printf 'v 0.25 0.25 0.25\nv 0.75 0.25 0.5\nv 0.5 0.75 0.5\nf 1 2 3\n' >inner.obj
   "$programs/make_splats" inner.obj -o scene.ply --count 20 >/dev/null
@@ -211,6 +212,10 @@ form bind_mesh inner.obj --cage box.obj --clip box_clip.csv --labels box_labels.
 form bind_mesh inner.obj --cage box.obj --pose bent_box.obj --pose-samples -o out.figure
 form clone_figure box.figure --poses box_poses.csv --rows 0:1 --mesh inner.obj -o out.ply
 form clone_figure box.figure --poses box_clip.csv --rows 1:2 -o out.npy
+form bind_tiles box.obj --points inner.obj --clip box_clip.csv -o out.figure
+form bind_tiles box.obj --points inner.obj --pose bent_box.obj --coordinates harmonic --accuracy 0.1 --save-solution out.solution -o out.figure
+form bind_tiles box.obj --points inner.obj --coordinates harmonic --accuracy 0.1 --solution box.solution --save-solution out.solution -o out.figure
+form make_tiles inner.obj --points 10 -o out.ply
 form export_gltf inner.obj --cage box.obj --clip box_clip.csv --labels box_labels.txt --skin 4 -o out.glb
 form export_gltf inner.obj --cage box.obj --pose bent_box.obj --morph -o out.gltf
 form grid_field table.csv -o out.png --surface surface.png --size 40
@@ -250,7 +255,7 @@ told=
 without_inputs="bezier_tables make_character make_hand hand_sheet sibson_figures"
 # Options whose words are no files.
 words="--lattice --slice --zoom --margin --mirror --move --turn --scale --bend --twist --surround --point --at --values --css --bezier --curve
-  --pin --hold --track --pinned --rows --knots --conditions --norm --blue --red --from --make --size --cells --divisions"
+  --pin --hold --track --pinned --rows --knots --conditions --norm --blue --red --from --make --size --cells --divisions --rows"
 for file in "$programs"/*; do
   program=${file##*/}
   case $program in [0-9]*) continue ;; esac

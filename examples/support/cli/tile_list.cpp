@@ -41,7 +41,7 @@ SvgResult<std::vector<Tile>> TileChoice::tiles() const {
         const int code = glob(pattern.c_str(), 0, nullptr, &found);
         for (std::size_t n = 0; code == 0 && n < found.gl_pathc; ++n) files.insert(found.gl_pathv[n]);
         globfree(&found);
-        if (code != 0) return SvgError{"--points " + pattern + ": no file has such a name"};
+        if (code != 0) return SvgError{"--points " + pattern + ": no such file"};
     }
     const RowRange chosen = RowRange::of(rows.empty() ? ":" : rows).value_or(RowRange{});
     const std::size_t star = output.find('*');

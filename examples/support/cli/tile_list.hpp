@@ -24,7 +24,7 @@ struct TileChoice {
     std::string rows, output;
 
     void add_options(CommandLine& line);
-    /// The tiles that were chosen, of all that there are, sorted by name. Fails where a pattern has no files, the
+    /// The chosen tiles, sorted by name. Fails where a pattern has no files, the
     /// rows are none, or the output has no place for a tile's name and there are several.
     SvgResult<std::vector<Tile>> tiles() const;
 };

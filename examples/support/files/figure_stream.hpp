@@ -1,7 +1,7 @@
 #pragma once
 
-// Packed figures that are written piece by piece, in the memory of one piece: a figure of any number of points
-// (cageform/binding/figure.hpp). Beside its points it holds a part of our own:
+// Packed figures that are written piece by piece, in the memory of one piece: a figure of any number of
+// points (cageform/binding/figure.hpp). Beside its points it holds a part of our own:
 //
 //     TILE  TileRecord
 
@@ -19,7 +19,7 @@
 
 namespace cageform_examples {
 
-/// What a figure was made of, and how well. It holds no times, so that the same input gives the same bytes.
+/// Tells what a figure was made of, and how well. It holds no times: equal input gives equal bytes.
 struct TileRecord {
     std::uint64_t points_hash = 0;     ///< hash_memory of the bytes of the file with the points
     std::uint64_t parameters_hash = 0; ///< of all that decides about the bytes beside it
@@ -33,9 +33,9 @@ static_assert(sizeof(TileRecord) == 64);
 
 class BlockReader;
 
-/// Writes a packed figure of points, piece by piece. Its weights go into the file as they come, all else into a
-/// second temporary beside it, from which finish() appends it: a figure takes as much room on the disk
-/// meanwhile as its bytes and a half.
+/// Writes a packed figure of points, piece by piece. Its weights go into the file as they come, all else
+/// into a second temporary beside it, from which finish() appends it. Both together need up to twice the
+/// figure's bytes on the disk.
 class FigureStream {
 public:
     using Points = std::span<const cageform::Vec<float, 3>>;
@@ -81,8 +81,8 @@ private:
     bool may_pass_ = false;
 };
 
-/// The record of a figure file that is whole, with the right checksum; nothing where it is not, or where it is
-/// no figure of a tile. It reads the file once, in blocks.
+/// The record of a figure file that is whole, with the right checksum; nothing where it is not, or where it
+/// is no figure of a tile. It reads the file once, in blocks.
 std::optional<TileRecord> read_tile_record(const std::filesystem::path& path);
 
 } // namespace cageform_examples

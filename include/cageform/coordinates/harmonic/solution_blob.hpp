@@ -62,8 +62,8 @@ struct SolutionWord {
 
 using SolutionRow = Lanes<float>;
 
-/// The functions of a group, as they are kept: the values of sixteen functions at some of the nodes. They lie in
-/// memory of its own, or in packed functions, which have to outlive it.
+/// The functions of a group, as they are kept: the values of sixteen functions at some of the nodes. They
+/// lie in memory of its own, or in packed functions, which have to outlive it.
 class KeptFunctions {
 public:
     KeptFunctions() = default;
