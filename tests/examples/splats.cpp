@@ -40,7 +40,7 @@ public:
     Point3 point() { return {normal(), normal(), normal()}; }
     Point3 direction() {
         const Point3 p = point();
-        return (1 / std::sqrt(dot(p, p))) * p;
+        return (1 / length_of(p)) * p;
     }
     Matrix3 matrix() { return {point(), point(), point()}; }
     /// A rotation by a quaternion evenly on the sphere.
@@ -167,7 +167,7 @@ TEST_CASE("affine poses of splats are exact: covariance, place, opacity", "[spla
                       wanted = square(product(map, factor_of(rest.shape(i))));
         CHECK(distance(covariance, wanted) <= 1e-6 * largest(wanted));
         const Point3 place = product(map, rest.place(i)) + shift, off = scene.place(i) - place;
-        CHECK(std::sqrt(dot(off, off)) <= 1e-6 * (1 + largest(map) + std::sqrt(dot(place, place))));
+        CHECK(length_of(off) <= 1e-6 * (1 + largest(map) + length_of(place)));
         CHECK(scene.number(i, scene.layout.opacity) == rest.number(i, rest.layout.opacity));
         for (const std::size_t colour : scene.layout.colour)
             CHECK(scene.number(i, colour) == rest.number(i, colour));
@@ -278,12 +278,12 @@ TEST_CASE("the halves of a splat have its mass, mean and second moment, at rest 
             for (std::size_t k = 0; k < 3; ++k) moment[k] = moment[k] + 0.5 * (covariance[k] + off[k] * off);
         }
         const Matrix3 wanted = square(product(by, whole.factor));
-        CHECK(std::sqrt(dot(mean, mean)) <= 1e-13 * (1 + std::sqrt(dot(whole.place, whole.place))));
+        CHECK(length_of(mean) <= 1e-13 * (1 + length_of(whole.place)));
         CHECK(distance(moment, wanted) <= 1e-11 * largest(wanted));
     }
     // across the longest axis of the pose
     const Point3 off = product(map, halves[1].place - whole.place);
-    CHECK(std::sqrt(dot(off, off)) == Approx(posed.sizes[posed.largest()] / std::sqrt(2.0)).epsilon(1e-9));
+    CHECK(length_of(off) == Approx(posed.sizes[posed.largest()] / std::sqrt(2.0)).epsilon(1e-9));
     CHECK(stretch_of(halves[0], posed_shape(halves[0], map)) <=
           std::max(stretch_of(whole, posed), 1e-300) * (1 + 1e-12));
 }
@@ -338,10 +338,10 @@ TEST_CASE("normals of splats turn as those of a surface", "[splats]") {
     const Matrix3 map = random.matrix();
     pose(scene, 0, map);
     const Point3 turned = scene.vector(0, scene.layout.normal);
-    const double size = std::sqrt(dot(normal, normal));
-    CHECK(std::sqrt(dot(turned, turned)) == Approx(size).epsilon(1e-5));
+    const double size = length_of(normal);
+    CHECK(length_of(turned) == Approx(size).epsilon(1e-5));
     for (const Point3& t : {product(map, along), product(map, across)})
-        CHECK(std::fabs(dot(turned, t)) <= 1e-5 * size * std::sqrt(dot(t, t)));
+        CHECK(std::fabs(dot(turned, t)) <= 1e-5 * size * length_of(t));
     CHECK(dot(turned, product(map, normal)) > 0); // outside stays outside
 }
 
@@ -486,8 +486,8 @@ TEST_CASE("one opaque splat is a Gaussian on the picture", "[splats]") {
            {{0, 0, 0}, {{1, 0, 0, 0}, {std::log(0.2), std::log(0.1), -9}}, 0, {-9, -9, -9}, {}}); // black
     const Picture picture = draw_splats(scene, nullptr, 100, 50, {.turn = 0, .rise = 0});
     const double pixels = 45; // a unit: nine tenths of the width are two units
-    for (const std::size_t x : {20, 40, 50, 60}) {
-        for (const std::size_t y : {20, 25, 28}) {
+    for (const std::size_t x : std::array<std::size_t, 4>{20, 40, 50, 60}) {
+        for (const std::size_t y : std::array<std::size_t, 3>{20, 25, 28}) {
             const double dx = double(x) + 0.5 - 50, dy = double(y) + 0.5 - 25;
             const double share = 0.5 * std::exp(-0.5 * (dx * dx / (std::pow(0.2 * pixels, 2) + 0.3) +
                                                         dy * dy / (std::pow(0.1 * pixels, 2) + 0.3)));

@@ -268,12 +268,12 @@ SvgResult<SplatFile> load_splats(const std::filesystem::path& path) {
     return parse_splats(std::move(*bytes), path.string());
 }
 
-SplatFile empty_scene(std::size_t degree) {
+SplatFile empty_scene(std::size_t highest) {
     std::string text = "ply\nformat binary_little_endian 1.0\nelement vertex 1\n";
     const auto add = [&](const std::string& property) { text += "property float " + property + '\n'; };
     for (const char* property : {"x", "y", "z", "nx", "ny", "nz", "f_dc_0", "f_dc_1", "f_dc_2"})
         add(property);
-    for (std::size_t i = 0; i < 3 * harmonics_of(degree); ++i) add("f_rest_" + std::to_string(i));
+    for (std::size_t i = 0; i < 3 * harmonics_of(highest); ++i) add("f_rest_" + std::to_string(i));
     for (const char* property :
          {"opacity", "scale_0", "scale_1", "scale_2", "rot_0", "rot_1", "rot_2", "rot_3"})
         add(property);

@@ -79,8 +79,8 @@ SvgResult<SplatFile> load_splats(const std::filesystem::path& path);
 
 /// An empty scene with all standard properties.
 ///
-///   degree   of the harmonics, 0 to 3
-SplatFile empty_scene(std::size_t degree);
+///   highest   degree of the harmonics, 0 to 3
+SplatFile empty_scene(std::size_t highest);
 
 /// Appends a splat to a scene, whose other properties become 0.
 void append(SplatFile& scene, const Splat& splat);

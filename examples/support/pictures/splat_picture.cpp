@@ -101,7 +101,7 @@ void draw_rows(const std::vector<const DrawnSplat*>& splats, std::size_t top, st
         }
     }
     for (std::size_t i = 0; i < sums.size(); ++i) {
-        const auto behind = light[i] * 1.0f;
+        const float behind = light[i];
         const Colour& sum = sums[i];
         picture.at(left + i % width, top + i / width) = {std::min(sum.r + behind * mesh_background.r, 1.0f),
                                                          std::min(sum.g + behind * mesh_background.g, 1.0f),
@@ -135,8 +135,9 @@ Picture draw_splats(const SplatFile& scene, const MeshView* mesh, std::size_t wi
     for (const DrawnSplat& splat : splats) {
         if (splat.opacity > 0) order.push_back(&splat);
     }
-    std::stable_sort(order.begin(), order.end(),
-                     [](const DrawnSplat* a, const DrawnSplat* b) { return a->depth > b->depth; });
+    std::sort(order.begin(), order.end(), [](const DrawnSplat* a, const DrawnSplat* b) {
+        return a->depth != b->depth ? a->depth > b->depth : a < b; // then in the order of the file
+    });
     constexpr std::size_t rows = 16; // of a band
     std::vector<std::vector<const DrawnSplat*>> bands((height + rows - 1) / rows);
     for (const DrawnSplat* splat : order) {

@@ -13,7 +13,7 @@ const std::array<Point3, 7>& directions() {
     static const std::array<Point3, 7> units = [] {
         std::array<Point3, 7> all{Point3{0, 1, -1}, Point3{1, 0, -1}, Point3{1, 1, 1}, Point3{1, -2, -2},
                                   Point3{0, 1, 0},  Point3{2, 0, 1},  Point3{1, 0, 0}};
-        for (Point3& p : all) p = (1 / std::sqrt(dot(p, p))) * p;
+        for (Point3& p : all) p = (1 / length_of(p)) * p;
         return all;
     }();
     return units;

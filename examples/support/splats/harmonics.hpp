@@ -12,9 +12,9 @@ namespace cageform_examples {
 
 inline constexpr std::size_t most_harmonics = 15; // of degrees 1 to 3
 
-/// The number of coefficients of degrees 1 to `degree`.
-constexpr std::size_t harmonics_of(std::size_t degree) {
-    return degree * (degree + 2);
+/// The number of coefficients of degrees 1 to `highest`.
+constexpr std::size_t harmonics_of(std::size_t highest) {
+    return highest * (highest + 2);
 }
 
 /// The constant of degree 0.

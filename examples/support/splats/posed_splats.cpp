@@ -28,8 +28,7 @@ void turn_normal(SplatFile& scene, std::size_t row, const Matrix3& j) {
     const Point3 normal = scene.vector(row, scene.layout.normal);
     const Matrix3 cofactors{cross(j[1], j[2]), cross(j[2], j[0]), cross(j[0], j[1])};
     const Point3 turned = product(cofactors, normal);
-    const double before = std::hypot(normal[0], normal[1], normal[2]),
-                 after = std::hypot(turned[0], turned[1], turned[2]);
+    const double before = length_of(normal), after = length_of(turned);
     if (before > 0 && after > 0)
         scene.set(row, scene.layout.normal, (std::copysign(before, determinant(j)) / after) * turned);
 }

@@ -7,14 +7,10 @@ namespace cageform_examples {
 
 namespace {
 
-double length(const Point3& v) {
-    return std::hypot(v[0], v[1], v[2]);
-}
-
 /// A unit vector at a right angle to another.
 Point3 perpendicular(const Point3& v) {
     const Point3 w = std::fabs(v[0]) < 0.6 ? cross(v, {1, 0, 0}) : cross(v, {0, 1, 0});
-    return (1 / length(w)) * w;
+    return (1 / length_of(w)) * w;
 }
 
 /// Turns columns p and q of both matrices so that those of `a` are at right angles. Returns whether they
@@ -65,6 +61,10 @@ Matrix3 transposed(const Matrix3& a) {
     return {{{a[0][0], a[1][0], a[2][0]}, {a[0][1], a[1][1], a[2][1]}, {a[0][2], a[1][2], a[2][2]}}};
 }
 
+double length_of(const Point3& v) {
+    return std::sqrt(dot(v, v));
+}
+
 double determinant(const Matrix3& a) {
     return dot(a[0], cross(a[1], a[2]));
 }
@@ -92,7 +92,7 @@ SingularValues singular_values(const Matrix3& a) {
             turns |= turn_columns(turned, values.right, std::size_t(p), std::size_t(q));
     }
     std::array<std::size_t, 3> order{0, 1, 2};
-    for (std::size_t k = 0; k < 3; ++k) values.sizes[k] = length(turned[k]);
+    for (std::size_t k = 0; k < 3; ++k) values.sizes[k] = length_of(turned[k]);
     std::sort(order.begin(), order.end(),
               [&](std::size_t i, std::size_t j) { return values.sizes[i] > values.sizes[j]; });
     constexpr double flat = 1e-14;

@@ -19,6 +19,7 @@ Point3 product(const Matrix3& a, const Point3& x);
 Matrix3 product(const Matrix3& a, const Matrix3& b);
 Matrix3 transposed(const Matrix3& a);
 double determinant(const Matrix3& a);
+double length_of(const Point3& v); ///< as far as its square is a number
 
 /// A = left · diag(sizes) · rightᵀ with orthogonal matrices. The sizes are not negative and not sorted: a
 /// matrix whose columns are at right angles keeps their order, and then `right` is the identity.

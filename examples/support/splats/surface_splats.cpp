@@ -20,10 +20,6 @@ Point3 area_vector(const ObjFile& mesh, std::size_t triangle) {
     return cross(v[b] - v[a], v[c] - v[a]);
 }
 
-double length(const Point3& v) {
-    return std::hypot(v[0], v[1], v[2]);
-}
-
 /// In [0, 1): the standard's distributions differ between libraries.
 double uniform(std::mt19937_64& random) {
     return double(random() >> 11) * 0x1p-53;
@@ -53,7 +49,7 @@ std::array<double, 3> paint(const Point3& place, const cageform::Bounds<double, 
 
 double area_of(const ObjFile& mesh) {
     double area = 0;
-    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) area += length(area_vector(mesh, t)) / 2;
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) area += length_of(area_vector(mesh, t)) / 2;
     return area;
 }
 
@@ -69,7 +65,7 @@ SplatFile splats_on(const ObjFile& mesh, const SurfaceSplatOptions& options) {
     std::size_t made = 0;
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
         const Point3 across = area_vector(mesh, t);
-        const double size = length(across);
+        const double size = length_of(across);
         reached += size / 2;
         if (!(size > 0)) continue;
         const Point3 normal = (1 / size) * across;
