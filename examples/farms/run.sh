@@ -28,11 +28,11 @@ trap 'exit 1' INT TERM HUP
 cd "$work"
 report() { printf '%s\n' "$*"; }
 timed() { # WHAT COMMAND…   prints its seconds
-  what=$1
+  label=$1
   shift
   begin=$(date +%s.%N)
-  "$@" >>log 2>&1 || { cat log; echo "FAILED: $what"; exit 1; }
-  printf '%-32s %6.1f s\n' "$what" "$(echo "$begin $(date +%s.%N)" | awk '{ print $2 - $1 }')"
+  "$@" >>log 2>&1 || { cat log; echo "FAILED: $label"; exit 1; }
+  printf '%-32s %6.1f s\n' "$label" "$(echo "$begin $(date +%s.%N)" | awk '{ print $2 - $1 }')"
 }
 
 # ---- what there is to do: poses of a character, and tiles of points about it ----
@@ -93,12 +93,12 @@ daemon() { # NAME COMMAND…
   daemons="$! $daemons"
 }
 waits_for() { # WHAT COMMAND…   until it succeeds, 30 s at most
-  what=$1
+  label=$1
   shift
   tries=0
   until "$@" >>log 2>&1; do
     tries=$((tries + 1))
-    [ $tries -lt 150 ] || { tail ./*.log; echo "FAILED: $what does not start"; exit 1; }
+    [ $tries -lt 150 ] || { tail ./*.log; echo "FAILED: $label does not start"; exit 1; }
     sleep 0.2
   done
 }
