@@ -28,34 +28,23 @@ trap 'exit 1' INT TERM HUP
 cd "$work"
 report() { printf '%s\n' "$*"; }
 timed() { # WHAT COMMAND…   prints its seconds
-  what=$1
+  label=$1
   shift
   begin=$(date +%s.%N)
-  "$@" >>log 2>&1 || { cat log; echo "FAILED: $what"; exit 1; }
-  printf '%-28s %6.1f s\n' "$what" "$(echo "$begin $(date +%s.%N)" | awk '{ print $2 - $1 }')"
+  "$@" >>log 2>&1 || { cat log; echo "FAILED: $label"; exit 1; }
+  printf '%-32s %6.1f s\n' "$label" "$(echo "$begin $(date +%s.%N)" | awk '{ print $2 - $1 }')"
 }
 
-# ---- what there is to do: poses of a character ----
+# ---- what there is to do: poses of a character, and tiles of points about it ----
 "$programs/make_character" . >>log
 "$programs/bind_mesh" character.obj --cage character_cage.obj -o character.figure
-rows=600 # poses between the first of the clip and each of the others
-awk -F, -v rows=$rows '/^pose/ { ++p } /^[-0-9]/ { for (k = 1; k <= 3; ++k) x[p, ++n[p]] = $k }
+# Poses between the first of the clip and each of the others.
+awk -F, -v rows=200 '/^pose/ { ++p } /^[-0-9]/ { for (k = 1; k <= 3; ++k) x[p, ++n[p]] = $k }
   END { for (r = 0; r < rows; ++r) { q = 1 + r % p; t = r / rows
     for (k = 1; k <= n[1]; ++k) printf "%.6f%s", x[1, k] + t * (x[q, k] - x[1, k]), k < n[1] ? "," : "\n" } }' \
   character_clip.csv >poses.csv
-words="$programs/clone_figure $work/character.figure --poses $work/poses.csv --mesh $work/character.obj"
-task=50
-last=$(((rows + task - 1) / task - 1))
-same() { # FOLDER
-  diff -r one "$1" >>log || { echo "FAILED: $1 has other bytes than one process"; exit 1; }
-  rm -rf "$1"
-}
-mkdir one
-# shellcheck disable=SC2086 # the words are meant to be split
-timed "one process" $words --rows :$rows -o "$work/one/%06d.obj"
-# shellcheck disable=SC2086
-timed "one process, two threads" $words --rows :$rows --threads 2 -o "$work/one/%06d.obj"
-report "$(find one -name '*.obj' | wc -l) files, $(du -sm one | cut -f 1) MB, $((last + 1)) tasks of $task poses"
+mkdir tiles
+"$programs/make_tiles" character.obj --points 800000 --tiles 16 -o 'tiles/%02d.ply'
 
 # A program that asks for another try, the first time that a task runs.
 cat >tries_again <<'SH'
@@ -65,28 +54,8 @@ for word in "$@"; do rows=$word; done
 exec "$@"
 SH
 chmod +x tries_again
-fresh() { # FOLDER
-  mkdir "$1"
-  rm -rf tried
-  mkdir tried
-  export TRIED="$work/tried"
-}
 
-# ---- Dask ----
-dask() { # WORKERS FOLDER [BEFORE]   BEFORE: a program that runs the other
-  # shellcheck disable=SC2086
-  $python "$farms/dask_map.py" "$1" $rows $task ${3:-} $words -o "$work/$2/%06d.obj"
-}
-for workers in 1 2; do
-  fresh dask
-  timed "Dask, workers: $workers" dask $workers dask
-  same dask
-done
-fresh dask
-timed "Dask, every task tries twice" dask 2 dask "$work/tries_again"
-same dask
-
-# ---- Slurm ----
+# ---- Slurm, on this host alone ----
 host=$(hostname -s)
 port=$((20000 + $$ % 20000))
 mkdir state spool
@@ -124,12 +93,12 @@ daemon() { # NAME COMMAND…
   daemons="$! $daemons"
 }
 waits_for() { # WHAT COMMAND…   until it succeeds, 30 s at most
-  what=$1
+  label=$1
   shift
   tries=0
   until "$@" >>log 2>&1; do
     tries=$((tries + 1))
-    [ $tries -lt 150 ] || { tail ./*.log; echo "FAILED: $what does not start"; exit 1; }
+    [ $tries -lt 150 ] || { tail ./*.log; echo "FAILED: $label does not start"; exit 1; }
     sleep 0.2
   done
 }
@@ -140,21 +109,46 @@ daemon slurmctld slurmctld -D -f slurm.conf
 daemon slurmd slurmd -D -f slurm.conf
 is_up() { sinfo -h -o %T | grep -qx idle; }
 waits_for Slurm is_up
-slurm() { # WORKERS FOLDER [BEFORE]
-  # shellcheck disable=SC2086
-  job=$(sbatch --parsable --array="0-$last" --cpus-per-task=$((2 / $1)) "$farms/slurm.sbatch" $task ${3:-} $words \
-    -o "$work/$2/%06d.obj")
-  while states=$(squeue -h -r -t all -j "$job" -o %T) && echo "$states" | grep -q 'PENDING\|CONFIGURING\|RUNNING\|COMPLETING\|REQUEUE'; do sleep 0.1; done
-  [ "$(echo "$states" | sort -u)" = COMPLETED ] # sbatch --wait would ask after 2, 10 and 42 s alone
+# ---- each job by one process, by Dask, by Slurm ----
+# Both take the number of WORKERS, and perhaps a program that runs the other.
+# shellcheck disable=SC2086 # the words are meant to be split
+dask() { # WORKERS [BEFORE]
+  $python "$farms/dask_map.py" "$1" $rows $task ${2:-} $words -o "$work/new/$names"
 }
-for workers in 1 2; do
-  fresh slurm
-  timed "Slurm, workers: $workers" slurm $workers slurm
-  same slurm
-done
-fresh slurm
-timed "Slurm, every task tries twice" slurm 2 slurm "$work/tries_again"
-same slurm
+# shellcheck disable=SC2086
+slurm() { # WORKERS [BEFORE]
+  job=$(sbatch --parsable --array="0-$(((rows + task - 1) / task - 1))" --cpus-per-task=$((2 / $1)) \
+    "$farms/slurm.sbatch" $task ${2:-} $words -o "$work/new/$names")
+  # sbatch --wait would ask after 2, 10 and 42 s alone.
+  busy='PENDING\|CONFIGURING\|RUNNING\|COMPLETING\|REQUEUE'
+  while states=$(squeue -h -r -t all -j "$job" -o %T) && echo "$states" | grep -q "$busy"; do sleep 0.1; done
+  [ "$(echo "$states" | sort -u)" = COMPLETED ]
+}
+compared() { # WHAT COMMAND…   into a new folder
+  rm -rf new tried
+  mkdir new tried
+  export TRIED="$work/tried"
+  timed "$@"
+  diff -r one new >>log || { echo "FAILED: $1: other bytes than those of one process"; exit 1; }
+}
+run_all() { # WHAT ROWS ROWS_A_TASK NAMES WORD…   the program and its words come last
+  what=$1 rows=$2 task=$3 names=$4
+  shift 4
+  words=$*
+  rm -rf one
+  mkdir one
+  timed "$what, one process" "$@" -o "$work/one/$names"
+  report "  $(find one -type f | wc -l) files, $(du -sm one | cut -f 1) MB, tasks of $task"
+  compared "$what, two threads" "$@" --threads 2 -o "$work/new/$names"
+  for farm in dask slurm; do
+    for workers in 1 2; do compared "$what, $farm, workers: $workers" $farm $workers; done
+  done
+}
+run_all poses 200 25 '%06d.obj' "$programs/clone_figure" "$work/character.figure" --poses "$work/poses.csv" \
+  --mesh "$work/character.obj"
+for farm in dask slurm; do compared "poses, $farm, each task twice" $farm 2 "$work/tries_again"; done
+run_all tiles 16 2 '*.figure' "$programs/bind_tiles" "$work/character_cage.obj" --points "$work/tiles/*.ply" \
+  --largest 8 --format int16
 report "all files have the bytes of one process"
 
 # ---- parsed, and not run: no Cuebot and no cluster is at hand ----

@@ -1,4 +1,4 @@
-# shellcheck shell=sh disable=SC2154 # command_line.sh has set them
+# shellcheck shell=sh disable=SC2154,SC2086,SC2002,SC3045 # command_line.sh has set them; $ok is a word
 # Sourced by command_line.sh: poses of a packed figure in rows, the same bytes whatever the split, and files of farms.
 mkdir -p rows
 cd rows || exit 1

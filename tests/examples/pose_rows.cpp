@@ -7,15 +7,22 @@
 #include "catch.hpp"
 #include "support/effort.hpp"
 
+#include <algorithm>
+#include <array>
 #include <bit>
 #include <charconv>
+#include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <cstring>
 #include <filesystem>
 #include <limits>
 #include <random>
+#include <span>
 #include <string>
 #include <string_view>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 namespace pose_rows_tests {
@@ -234,7 +241,7 @@ TEST_CASE("rows of a clip are its poses at equal steps of time", "[examples][row
     const auto motion = make_clip<double>(*clip);
     auto cursor = motion.make_cursor();
     for (const double rate : {0.4, 1.0, 7.0, 30.0}) {
-        for (const std::size_t first : {0, 3, 100}) {
+        for (const auto first : {std::size_t{0}, std::size_t{3}, std::size_t{100}}) {
             PoseRows<3> rows(file.path(), rest, rate);
             rows.skip(first);
             PoseRow row;
