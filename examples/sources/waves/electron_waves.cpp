@@ -339,16 +339,16 @@ int tables() {
         std::cout << text_of("mesh %-6g ", mesh) << text_of("%.4f", found.mean)
                   << text_of("  %.4f\n", found.width);
     }
-    const WaveLine barrier{120, 0.1, 30, 3, 1.25, 55, 55.2};
+    const WaveLine barrier{80, 0.1, 20, 3, 1.25, 40, 40.2};
     std::cout << "through a barrier of 1.25, 0.2 wide\nplane waves "
               << text_of("%.5f", transmitted_of_plane_waves(barrier)) << '\n';
     for (const double mesh : {0.1, 0.05, 0.025}) {
         WaveLine line = barrier;
         line.mesh = mesh;
         auto wave = wave_on_line(line);
-        wave.advance(std::size_t(std::lround(160 / (4 * mesh * mesh))));
-        std::cout << text_of("mesh %-6g ", mesh) << text_of("%.4f\n", wave.sum_of([&](std::size_t n) {
-            return wave.lattice().x(n) > 55.1 ? 1.0 : 0.0;
+        wave.advance(std::size_t(std::lround(110 / (4 * mesh * mesh))));
+        std::cout << text_of("mesh %-6g ", mesh) << text_of("%.5f\n", wave.sum_of([&](std::size_t n) {
+            return wave.lattice().x(n) > 40.1 ? 1.0 : 0.0;
         }));
     }
     return 0;
