@@ -219,7 +219,7 @@ TEST_CASE("a symmetric scene stays symmetric", "[examples][waves]") {
     for (const char* const name : {"slit", "two-slits", "shadow"}) {
         CAPTURE(name);
         const WaveScene scene = make_wave_scene(name, coarser, false);
-        const auto wave = played(scene, scene.runs.size() - 1, 0.16);
+        const auto wave = played(scene, scene.runs.size() - 1, 0.08);
         double largest = 0;
         for (std::size_t n = 0; n < coarser.size(); ++n) {
             const std::size_t mirrored =

@@ -151,13 +151,17 @@ inline WaveScene make_wave_scene(const std::string& name, const WaveLattice& lat
                                       : metal * detail::inside(x, -1, end, mesh) *
                                             (1 - detail::inside(y, -channel / 2, channel / 2, mesh));
         };
-        const double mode =
-            pi / (channel + 1 / (pi * std::sqrt(metal))); // it reaches into the walls a little
+        const double most = 2 * pi * std::sqrt(metal); // mode² + decay² = most²
+        double mode = pi / channel, decay = 0;
+        for (int round = 0; round < 60; ++round) {
+            decay = std::sqrt(most * most - mode * mode);
+            mode = 2 / channel * std::atan(decay / mode);
+        }
         const auto in_channel = [=](double x, double y) {
-            const double u = (x - 0.13 * width) / (0.06 * width);
-            const double across = std::max(0.0, std::cos(mode * (y - middle)));
-            const double form = std::fabs(y - middle) < pi / mode ? across : 0.0;
-            return std::polar(std::exp(-u * u) * form, x * std::sqrt(4 * pi * pi - mode * mode));
+            const double u = (x - 0.13 * width) / (0.06 * width), side = std::fabs(y - middle) - channel / 2;
+            const double across = side < 0 ? std::cos(mode * (y - middle))
+                                           : std::cos(mode * channel / 2) * std::exp(-decay * side);
+            return std::polar(std::exp(-u * u), x * std::sqrt(4 * pi * pi - mode * mode)) * across;
         };
         add("Gaussian", square, detail::packet(0.16 * width, middle, 0.04 * width, 2));
         add(
