@@ -2296,6 +2296,8 @@ chmod 0 locked.csv
 [ -r locked.csv ] || # a superuser reads it
   refuses 'locked.csv: cannot be opened: Permission denied' "$weights" --cage square.csv --points locked.csv -o out.csv
 
+. "$here/films.sh"
+
 # ---- what holds of all files ----
 . "$here/files.sh"
 

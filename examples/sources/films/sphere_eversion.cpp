@@ -157,7 +157,8 @@ private:
         for (const ObjFace& face : control_->cage.faces) {
             for (std::size_t k = 0; k < face.corners.size(); ++k) {
                 const std::uint32_t next = face.corners[(k + 1) % face.corners.size()].vertex;
-                cage_triangles_.push_back({face.corners[k].vertex, next, next});
+                const std::uint32_t corner = face.corners[k].vertex;
+                cage_triangles_.push_back({corner, corner, next});
             }
         }
         stage_.insert(stage_.begin(), control_->pose.begin(), control_->pose.end());
