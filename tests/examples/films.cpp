@@ -13,7 +13,6 @@
 
 #include <numbers>
 #include <random>
-#include <set>
 
 namespace films_test {
 
@@ -139,21 +138,7 @@ TEST_CASE("double curves lie on both sheets", "[films]") {
     for (std::size_t f = 0; f < coarse.triangles.size(); ++f) {
         for (std::size_t g = f + 1; g < coarse.triangles.size(); ++g) {
             const std::vector<std::array<std::uint32_t, 3>> pair{coarse.triangles[f], coarse.triangles[g]};
-            std::set<std::uint32_t> corners(pair[0].begin(), pair[0].end());
-            corners.insert(pair[1].begin(), pair[1].end());
-            if (corners.size() < 6) continue;
-            std::size_t ends = 0;
-            for (std::size_t k = 0; k < 3; ++k) {
-                for (const std::size_t n : {0u, 1u}) {
-                    const auto& [a, b, c] = pair[1 - n];
-                    const std::array other{coarse.vertices[a], coarse.vertices[b], coarse.vertices[c]};
-                    ends += detail::pierced(coarse.vertices[pair[n][k]],
-                                            coarse.vertices[pair[n][(k + 1) % 3]], other)
-                                ? 1u
-                                : 0u;
-                }
-            }
-            found += ends == 2 ? 1 : 0;
+            found += double_curve(coarse.vertices, pair).size();
         }
     }
     CHECK(found > 20);

@@ -93,4 +93,13 @@ TEST_CASE("the heat fades through white at zero", "[examples][picture]") {
     CHECK(heat(0.03).b < heat(0.03).r);
 }
 
+TEST_CASE("a picture is placed where it fits", "[examples][picture]") {
+    Picture board(5, 4, {0, 0, 0});
+    board.place(Picture(3, 3, {1, 0.5f, 0}), 3, 2);
+    for (std::size_t y = 0; y < 4; ++y) {
+        for (std::size_t x = 0; x < 5; ++x) CHECK(board.at(x, y).g == (x >= 3 && y >= 2 ? 0.5f : 0.0f));
+    }
+    CHECK(board.png().starts_with("\x89PNG\r\n\x1a\n"));
+}
+
 } // namespace picture_tests

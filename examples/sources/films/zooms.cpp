@@ -1,7 +1,7 @@
 // A zoom into a self-similar curve that never ends: new sides grow at the rate at which the view is magnified,
 // so that after one level the picture is the first one again.
 //
-//     zooms koch -o koch.svg --png --film koch.gif
+//     zooms koch -o koch.svg --png --gif koch.gif
 
 #include "cli/command_line.hpp"
 #include "cli/guard.hpp"
@@ -55,8 +55,8 @@ void print_levels(const SelfSimilarCurve& curve, int most) {
 
 int run_program(int argc, char** argv) {
     CommandLine line("Zooms into a self-similar curve without end, and prints the lengths of its levels.");
-    line.set_examples({"koch -o koch.svg --png --film koch.gif", "peano -o peano.svg --level 2",
-                       "sierpinski -o sierpinski.svg --frames frame_ --count 25 --png"});
+    line.set_examples({"koch -o koch.svg --png --gif koch.gif", "peano -o peano.svg --level 2",
+                       "sierpinski -o sierpinski.svg --stills sierpinski_ --frames 25 --png"});
     std::string name, out;
     int columns = 6, level = 0, size = 300;
     bool png = false;
@@ -69,7 +69,7 @@ int run_program(int argc, char** argv) {
     const CommandOption levels =
         line.add("--level", level, "the level of the first frame").range(0, 6).show_default("4, of peano 3");
     line.add("--size", size, "of a frame, in pixels each way").range(32, 2000).show_default();
-    line.add_flag("--png", png, "also render it, and single frames, to the same names with .png");
+    line.add_flag("--png", png, "also render it, and stills, to the same names with .png");
     film.add_options(line, 49, "SVG files");
     if (const auto code = line.parse(argc, argv)) return *code;
     using Kind = SelfSimilarCurve::Kind;
@@ -97,8 +97,8 @@ int run_program(int argc, char** argv) {
     file.write(document(width, caption + size + gap, strip));
     if (png) add_png(outputs, file, int(width));
     std::vector<std::string> frames;
-    for (int n = 0; film.is_given() && n < film.count; ++n)
-        frames.push_back(document(size, size, frame_of(curve, level, double(n) / (film.count - 1), size)));
+    for (int n = 0; film.is_given() && n < film.frames; ++n)
+        frames.push_back(document(size, size, frame_of(curve, level, double(n) / (film.frames - 1), size)));
     film.write(outputs, frames, png, size, FilmChoice::End::is_start);
     if (const auto error = outputs.commit()) return fail(*error);
     return 0;

@@ -46,9 +46,10 @@ Colour boundary_hue(double value) {
     return ramp(greens, value);
 }
 
-void Picture::place(const Picture& other, std::size_t left) {
-    for (std::size_t y = 0; y < std::min(height_, other.height_); ++y) {
-        for (std::size_t x = 0; x < other.width_ && left + x < width_; ++x) at(left + x, y) = other.at(x, y);
+void Picture::place(const Picture& other, std::size_t left, std::size_t top) {
+    for (std::size_t y = 0; y < other.height_ && top + y < height_; ++y) {
+        for (std::size_t x = 0; x < other.width_ && left + x < width_; ++x)
+            at(left + x, top + y) = other.at(x, y);
     }
 }
 
@@ -122,21 +123,15 @@ void draw_colour_bar(Picture& picture, const Axis& axis, const std::vector<AxisM
     }
 }
 
-static std::string encode_png(std::size_t width, std::size_t height, int channels, const std::string& bytes) {
+/// The bytes of a PNG file; none where it cannot be encoded.
+static std::string encoded(std::size_t width, std::size_t height, int channels, const std::string& bytes) {
     std::string png;
     const auto append = [](void* target, void* data, int size) {
         static_cast<std::string*>(target)->append(static_cast<const char*>(data), std::size_t(size));
     };
-    if (stbi_write_png_to_func(append, &png, int(width), int(height), channels, bytes.data(),
-                               channels * int(width)) == 0) {
-        png.clear();
-    }
-    return png;
-}
-
-static void write_encoded(AtomicFile& file, const std::string& png) {
-    if (png.empty()) return file.refuse("it cannot be encoded");
-    file.write(png);
+    const int done = stbi_write_png_to_func(append, &png, int(width), int(height), channels, bytes.data(),
+                                            channels * int(width));
+    return done == 0 ? "" : png;
 }
 
 std::string Picture::png() const {
@@ -146,7 +141,11 @@ std::string Picture::png() const {
         for (const float channel : {pixel.r, pixel.g, pixel.b})
             bytes += char(std::lround(255 * std::clamp(channel, 0.0f, 1.0f)));
     }
-    return encode_png(width_, height_, 3, bytes);
+    return encoded(width_, height_, 3, bytes);
+}
+
+static void write_encoded(AtomicFile& file, const std::string& png) {
+    png.empty() ? file.refuse("it cannot be encoded") : file.write(png);
 }
 
 void Picture::write_png(AtomicFile& file) const {
@@ -155,7 +154,7 @@ void Picture::write_png(AtomicFile& file) const {
 
 void write_png(AtomicFile& file, std::size_t width, std::size_t height, int channels,
                const std::string& bytes) {
-    write_encoded(file, encode_png(width, height, channels, bytes));
+    write_encoded(file, encoded(width, height, channels, bytes));
 }
 
 void write_png_16(AtomicFile& file, std::size_t width, std::span<const std::uint16_t> greys) {

@@ -41,8 +41,8 @@ public:
     Colour& at(std::size_t x, std::size_t y) { return pixels_[y * width_ + x]; }
     const Colour& at(std::size_t x, std::size_t y) const { return pixels_[y * width_ + x]; }
 
-    /// Copies another picture into this one, its upper left corner at the top; what does not fit is left out.
-    void place(const Picture& other, std::size_t left);
+    /// Copies another picture into this one, its upper left corner at a place; what does not fit is left out.
+    void place(const Picture& other, std::size_t left, std::size_t top = 0);
 
     /// The picture at half its width and height: the mean of four pixels each.
     Picture halved() const;
@@ -54,11 +54,11 @@ public:
     /// Letters of ASCII, 7 · `size` pixels high, the left end of their middle line at a place.
     void text(const Point2& at, const std::string& words, double size, const Colour& colour);
 
+    /// The bytes of a PNG file; none where it cannot be encoded.
+    std::string png() const;
+
     /// Writes a PNG file; a failure is the file's.
     void write_png(AtomicFile& file) const;
-
-    /// The bytes of a PNG file; empty where it cannot be encoded.
-    std::string png() const;
 
 private:
     std::size_t width_;

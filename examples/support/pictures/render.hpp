@@ -3,6 +3,7 @@
 // SVG to PNG through librsvg's own program, and PNGs to films through ffmpeg; both started without a shell.
 
 #include "files/atomic_file.hpp"
+#include "pictures/picture.hpp"
 
 #include <filesystem>
 #include <string>
@@ -31,10 +32,10 @@ void add_png(OutputFiles& outputs, AtomicFile& svg, int width);
 std::string run_rsvg(std::vector<std::string> options, int in, int out);
 
 /// A film that repeats without end, by the ending of its name: .gif, .mp4, else an animated PNG. Frames go
-/// from rsvg-convert to ffmpeg by a pipe: nothing lies about in between.
+/// from rsvg-convert, or from memory, to ffmpeg by a pipe: nothing lies about in between.
 ///
 ///   rate    frames a second; a GIF has 25 at most
-///   width   in pixels; on white
+///   width   of frames that are SVGs, in pixels; on white
 ///   notes   as add_png() does, by the first frame
 ///   fails   where a program is not there or fails: then the outputs' commit() says so, and nothing is
 ///           written
@@ -46,8 +47,8 @@ public:
     ~Film() { finish(); }
 
     void add_frame(const std::string& svg);
-    void add_picture(const std::string& png); ///< a frame that is drawn already, of the same size as all
-    void finish();                            ///< after the last frame
+    void add_frame(const Picture& picture);
+    void finish(); ///< after the last frame
 
 private:
     AtomicFile& file_;
