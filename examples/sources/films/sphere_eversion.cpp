@@ -1,5 +1,5 @@
 // A sphere turned inside out without a tear or a crease: a sheet of stages, a film, the curve of its volume.
-// What was outside is red, what was inside blue; the sheet is cut into bands so that one sees in.
+// The outside is red and the inside blue at first; the surface is cut into bands so that one sees in.
 //
 //     sphere_eversion -o eversion.png --volume volume.svg --gif eversion.gif
 //     sphere_eversion -o twisted.png --cage lattice:6x6x6 --twist all:z,-1,1,120

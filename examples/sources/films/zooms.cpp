@@ -1,5 +1,5 @@
-// A zoom into a self-similar curve that never ends: new sides grow at the rate at which the view is magnified,
-// so that after one level the picture is the first one again.
+// A zoom into a self-similar curve that never ends: new sides grow at the rate at which the view is
+// magnified, so that after one level the picture is the first one again.
 //
 //     zooms koch -o koch.svg --png --gif koch.gif
 
@@ -21,7 +21,7 @@ using namespace cageform_examples;
 std::string frame_of(const SelfSimilarCurve& curve, int level, double time, int size) {
     std::string d;
     for (const auto& p : curve.frame(level, time)) {
-        // What lies far outside is not seen, and takes few digits.
+        // Far outside nothing is seen, so the numbers may be short there.
         const double x = std::clamp(p.real(), -9.0, 9.0), y = std::clamp(1 - p.imag(), -9.0, 9.0);
         d += (d.empty() ? "M" : " ") + text_of("%.3f", size * x) + "," + text_of("%.3f", size * y);
     }
@@ -38,8 +38,8 @@ std::string document(double width, double height, const std::string& content) {
            content + "</svg>\n";
 }
 
-/// Prints the lengths of levels in that of level 0, and the areas inside closed ones in that of their triangle
-/// or square.
+/// Prints the lengths of levels in that of level 0, and the areas inside closed ones in that of their
+/// triangle or square.
 void print_levels(const SelfSimilarCurve& curve, int most) {
     const auto first = curve.corners(0);
     for (int level = 0; level <= most; ++level) {
@@ -86,8 +86,8 @@ int run_program(int argc, char** argv) {
     for (int n = 0; n < columns; ++n) {
         const double time = double(n) / (columns - 1), left = gap + n * (size + gap);
         strip += "<text x=\"" + text_of("%g", left + size / 2.0) +
-                 "\" y=\"17\" text-anchor=\"middle\">t = " + text_of("%.2g", time) + ", magnified " +
-                 text_of("%.2f", std::pow(curve.ratio(), time)) + " times</text>\n<g transform=\"translate(" +
+                 "\" y=\"17\" text-anchor=\"middle\">t = " + text_of("%.2g", time) + ", ×" +
+                 text_of("%.2f", std::pow(curve.ratio(), time)) + "</text>\n<g transform=\"translate(" +
                  text_of("%g", left) + ',' + text_of("%g", caption) + ")\">" +
                  frame_of(curve, level, time, size) + "</g>\n";
     }
