@@ -410,6 +410,21 @@ step "a key-frame curve"
 "$programs/fit_curve" --css 0.8,-0.3,0.2,1.3 --tolerance 0.00052 --plot out/fit_curve.svg --png \
   --json out/fit_curve.json
 
+step "films of mathematics"
+# A sphere turned inside out, also in a lattice; curves that become others; zooms without end. Films where ffmpeg is.
+film() { # NAME PROGRAM WORD…   appends --gif
+  name=$1
+  shift
+  if command -v ffmpeg >/dev/null; then set -- "$@" --gif "out/$name.gif"; fi
+  "$programs/$@" >>out/films.txt
+}
+: >out/films.txt
+film eversion sphere_eversion -o out/eversion.png --volume out/eversion_volume.svg --tile 240 --frames 60
+"$programs/sphere_eversion" -o out/eversion_twisted.png --cage lattice:6x6x6 --twist all:z,-1,1,120 --tile 240 >>out/films.txt
+"$programs/plane_homotopy" circle loops -o out/homotopy.svg --png >>out/films.txt
+"$programs/plane_homotopy" circle eight -o out/homotopy_fails.svg --png >>out/films.txt
+for curve in koch peano sierpinski; do film zoom_$curve zooms $curve -o out/zoom_$curve.svg --png --frames 25; done
+
 step "tables"
 "$programs/figure_table" "$data/man.svg" "$data/man_cage.svg" "$data/man_pose.svg" barycentric \
   "$data/cat.svg" "$data/cat_cage.svg" "$data/cat_pose_step.svg" mean-value,harmonic,green \
@@ -440,6 +455,8 @@ Open, in out/:
   bones_heat.png             the character moved by bones whose weights were found; bones_heat.glb: the same, for a viewer
   hand_poses.png             a hand moved by its joints; hand_layers.png, hand_points.png: by what; hand_bend.png,
                              hand_inflation.png, hand_builds.png, hand_influence.png, hand_locality.png; hand.txt: measured
+  eversion.png               a sphere turned inside out, eversion_twisted.png: in a lattice; homotopy.png, zoom_koch.png,
+                             zoom_peano.png, zoom_sierpinski.png: other films of mathematics; films.txt: measured
   hand.glb                   it opens, closes, points and grasps, for a viewer of glTF
   convex.png                 three coordinate types that take convex cages, by a function of the distance
   classes.png                the papers' grid: which cells a cage passes

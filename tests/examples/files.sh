@@ -231,6 +231,9 @@ form diffuse_colours hills.svg -o out.png --size 48
 form fit_curve --lottie curves.json --curve layers/0/ks/r/k/0:0 --pieces 2 --json out.json --plot out.svg --png
 form fit_curve --cases cases.json --json out.json
 form puzzle puzzle.csv --csv out.csv -o out.svg
+form sphere_eversion --cage box.lattice.json --outside extend -o out.png --volume volume.svg --stills still_ --gif out.gif --frames 2 --stages 2 --rows 16 --tile 32
+form plane_homotopy circle loops -o out.svg --png --columns 2 --stills still_ --gif out.gif --frames 2
+form zooms koch -o out.svg --png --columns 2 --level 1 --size 32 --stills still_ --gif out.gif --frames 2
 # Pictures of 1600 x 1000 pixels, and much to compute.
 told="out.svg out.png"
 form convergence --cage square.csv --resolution 16 -o out.svg --png

@@ -85,7 +85,9 @@ double_curve(std::span<const Point3> vertices, std::span<const std::array<std::u
             if (const auto at = detail::pierced(a[k], a[(k + 1) % 3], b)) ends.push_back(*at);
             if (const auto at = detail::pierced(b[k], b[(k + 1) % 3], a)) ends.push_back(*at);
         }
-        if (ends.size() == 2) pieces.push_back({ends[0], ends[1]});
+        if (ends.size() != 2) return;
+        const Point3 piece = ends[1] - ends[0];
+        if (dot(piece, piece) > 1e-18 * side * side) pieces.push_back({ends[0], ends[1]}); // else they touch
     };
     for (std::size_t m = 0; m < members.size(); ++m) {
         const auto& [cell, f] = members[m];

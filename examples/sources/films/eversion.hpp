@@ -43,8 +43,8 @@ inline EversionStage stage_on_legs(double leg) {
 /// A point of the surface.
 ///
 ///   theta, phi   latitude in [−π/2, π/2], longitude; the poles are points as any other
-/// The source's formulas, each multiplied by that power of cos θ which leaves it finite at the poles. The last
-/// one is written so that nothing cancels at small α.
+/// The source's formulas, each multiplied by that power of cos θ which leaves it finite at the poles. The
+/// last one is written so that nothing cancels at small α.
 inline Point3 eversion_point(const EversionStage& at, double theta, double phi) {
     const double s = std::sin(theta), c = std::cos(theta), c2 = c * c;
     const double sin = std::sin(phi), cos = std::cos(phi), sin2 = 2 * sin * cos, cos2 = cos * cos - sin * sin;
@@ -76,8 +76,8 @@ struct EversionMesh {
     std::vector<std::array<std::uint32_t, 3>> triangles{}; ///< in pairs, one pair a quad
 };
 
-/// The triangles of a net, whose fronts are outside at the first stage and inside at the last; those at a pole
-/// have no area, one of each two.
+/// The triangles of a net. Their fronts are outside at the first stage and inside at the last; one of each
+/// two at a pole has no area.
 inline std::vector<std::array<std::uint32_t, 3>> eversion_triangles(std::size_t rows, std::size_t columns) {
     std::vector<std::array<std::uint32_t, 3>> triangles;
     for (std::size_t row = 0; row < rows; ++row) {

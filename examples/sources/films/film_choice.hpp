@@ -1,6 +1,6 @@
 #pragma once
 
-// The options --frames, --count, --film and --rate, which the programs of films have in common.
+// The options --stills, --gif, --frames and --rate, which the programs of films have in common.
 
 #include "cli/command_line.hpp"
 #include "files/atomic_file.hpp"
@@ -14,26 +14,26 @@
 namespace cageform_examples {
 
 struct FilmChoice {
-    std::string frames, film; // empty: none
-    int count = 0;
+    std::string stills, gif; // empty: none
+    int frames = 0;
     double rate = 25;
 
-    void add_options(CommandLine& line, int usual_count, const std::string& kind) {
-        count = usual_count;
-        line.add("--frames", frames,
-                 "also write single frames, " + kind + ", this name with 000 and so on behind it");
-        line.add("--count", count, "the number of frames").range(2, 999).show_default();
-        line.add("--film", film, "also write a film that repeats without end, if ffmpeg is installed")
-            .ends_with({".gif", ".mp4", ".apng"});
-        line.add("--rate", rate, "frames of the film a second").range(1.0, 60.0).show_default();
+    void add_options(CommandLine& line, int usual_frames, const std::string& kind) {
+        frames = usual_frames;
+        line.add("--stills", stills,
+                 "also write every frame, " + kind + ": this name with 000 and so on behind it");
+        line.add("--gif", gif, "also write a film that repeats without end, if ffmpeg is installed")
+            .ends_with({".gif"});
+        line.add("--frames", frames, "the number of frames").range(2, 999).show_default();
+        line.add("--rate", rate, "frames of the film a second").range(1.0, 25.0).show_default();
     }
 
-    bool is_given() const { return !frames.empty() || !film.empty(); }
+    bool is_given() const { return !stills.empty() || !gif.empty(); }
 
     /// The path of a frame with an ending such as ".png".
-    std::filesystem::path frame(int n, const std::string& ending) const {
+    std::filesystem::path still(int n, const std::string& ending) const {
         const std::string number = std::to_string(n);
-        return frames + std::string(3 - number.size(), '0') + number + ending;
+        return stills + std::string(3 - number.size(), '0') + number + ending;
     }
 
     /// Why the files cannot be written, for a question before a long computation; nothing where they can.
@@ -41,8 +41,8 @@ struct FilmChoice {
     ///   others   that the program writes beside them; empty ones are left out
     std::optional<std::string> fault(std::vector<std::filesystem::path> others,
                                      const std::string& ending) const {
-        others.emplace_back(film);
-        if (!frames.empty()) others.push_back(frame(0, ending));
+        others.emplace_back(gif);
+        if (!stills.empty()) others.push_back(still(0, ending));
         return fault_of_outputs(others);
     }
 
@@ -54,16 +54,16 @@ struct FilmChoice {
     enum class End { is_another, is_start };
     void write(OutputFiles& outputs, const std::vector<std::string>& documents, bool png, int width,
                End end = End::is_another) const {
-        for (int n = 0; !frames.empty() && n < int(documents.size()) && !outputs.error(); ++n) {
-            AtomicFile& file = outputs.add(frame(n, ".svg"));
+        for (int n = 0; !stills.empty() && n < int(documents.size()) && !outputs.error(); ++n) {
+            AtomicFile& file = outputs.add(still(n, ".svg"));
             file.write(documents[std::size_t(n)]);
             if (png) add_png(outputs, file, width);
             (void)file.finish(); // commit() has the fault
         }
-        if (film.empty()) return;
-        Film reel(outputs, film, rate, width);
+        if (gif.empty()) return;
+        Film film(outputs, gif, rate, width);
         const std::size_t played = documents.size() - (end == End::is_start ? 1 : 0);
-        for (std::size_t n = 0; n < played && !outputs.error(); ++n) reel.add_frame(documents[n]);
+        for (std::size_t n = 0; n < played && !outputs.error(); ++n) film.add_frame(documents[n]);
     }
 };
 

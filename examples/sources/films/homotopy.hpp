@@ -128,8 +128,8 @@ public:
     };
 
     /// Bounds the speed of a regular homotopy from below by halving intervals of s. The speed is at least
-    /// 1 − |m_s|, and |m_s| changes by no more than the mean of |θ_1 − θ_0| times the change of s. An interval
-    /// is done when its bound is within a fiftieth of the least value that was met, as low as 1e-6.
+    /// 1 − |m_s|, and |m_s| changes by no more than the mean of |θ_1 − θ_0| times the change of s. An
+    /// interval is done when its bound is within a fiftieth of the least value that was met, as low as 1e-6.
     SpeedBound least_speed() const {
         double slope = 0;
         for (std::size_t k = 0; k < samples; ++k) slope += std::fabs(to_[k] - from_[k]) / samples;

@@ -156,8 +156,8 @@ std::vector<double> times_of(int count, const std::vector<Homotopy::Stop>& stops
 
 int run_program(int argc, char** argv) {
     CommandLine line("Draws how a closed curve becomes another without a corner, or where that must fail.");
-    line.set_examples({"circle loops -o homotopy.svg --png", "eight 0:0,1.8 -o eights.svg --film eights.gif",
-                       "random:2:1 random:2:7 -o random.svg --frames frame_ --count 24",
+    line.set_examples({"circle loops -o homotopy.svg --png", "eight 0:0,1.8 -o eights.svg --gif eights.gif",
+                       "random:2:1 random:2:7 -o random.svg --stills random_ --frames 24",
                        "circle eight -o fails.svg"});
     std::vector<std::string> words;
     std::string out;
@@ -171,7 +171,7 @@ int run_program(int argc, char** argv) {
         .count(2, 2);
     line.add("-o,--output", out, "the strip of frames, an SVG file").required().ends_with({".svg"});
     line.add("--columns", columns, "frames on the strip").range(2, 60).show_default();
-    line.add_flag("--png", png, "also render it, and single frames, to the same names with .png");
+    line.add_flag("--png", png, "also render it, and stills, to the same names with .png");
     film.add_options(line, 48, "SVG files");
     if (const auto code = line.parse(argc, argv)) return *code;
     std::vector<TurningCurve> curves;
@@ -213,7 +213,7 @@ int run_program(int argc, char** argv) {
     if (png) add_png(outputs, file, int(Tiles::width) * columns);
     std::vector<std::string> frames;
     if (film.is_given()) {
-        for (const double s : times_of(film.count, stops))
+        for (const double s : times_of(film.frames, stops))
             frames.push_back(Tiles::document(Tiles::width, tiles.tile(s)));
     }
     film.write(outputs, frames, png, int(Tiles::width));

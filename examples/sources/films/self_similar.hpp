@@ -73,8 +73,8 @@ public:
         return middles;
     }
 
-    /// The part of the plane that is seen at the beginning of a zoom, a square; the zoom keeps 0 in its place.
-    /// All within looks the same after one level more in the magnified view.
+    /// The part of the plane that is seen at the beginning of a zoom, a square; the zoom keeps 0 in its
+    /// place. All within looks the same after one level more in the magnified view.
     struct Window {
         Complex low;
         double side;

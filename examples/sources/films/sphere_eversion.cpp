@@ -1,7 +1,7 @@
 // A sphere turned inside out without a tear or a crease: a sheet of stages, a film, the curve of its volume.
-// What was outside is red, what was inside blue; the sheet is cut into bands so that one sees in.
+// The outside is red and the inside blue at first; the surface is cut into bands so that one sees in.
 //
-//     sphere_eversion -o eversion.png --volume volume.svg --film eversion.gif
+//     sphere_eversion -o eversion.png --volume volume.svg --gif eversion.gif
 //     sphere_eversion -o twisted.png --cage lattice:6x6x6 --twist all:z,-1,1,120
 //
 // With --cage, every stage is bound to the cage once, and moves as the cage does. The cage knows nothing of
@@ -119,21 +119,19 @@ public:
         return tile;
     }
 
-    /// The tiles, all at one scale, which is that of a whole eversion.
-    SvgResult<Picture> draw(const std::vector<Tile>& tiles) {
+    /// A tile, at the scale of a whole eversion.
+    SvgResult<Picture> draw(const Tile& tile) {
         if (stage_.empty()) {
             for (int n = 0; n <= 24; ++n) {
                 auto mesh = eversion_mesh(eversion_.stage(n / 24.0), 16, 32);
                 if (const std::string why = move_by_cage(mesh.vertices); !why.empty()) return SvgError{why};
-                stage_.insert(stage_.end(), mesh.vertices.begin(), mesh.vertices.end());
+                for (const Point3& p : mesh.vertices) stage_.push_back(1.04 * p); // what lies between these
             }
             if (control_) add_cage();
         }
-        std::vector<MeshScene> scenes;
-        for (const Tile& tile : tiles)
-            scenes.push_back({{tile.vertices, shown_, front_, back_}, {stage_, cage_triangles_}, tile.lines});
+        const MeshScene scene{{tile.vertices, shown_, front_, back_}, {stage_, cage_triangles_}, tile.lines};
         const auto side = std::size_t(given_.tile);
-        return draw_meshes(scenes, side * tiles.size(), side, given_.view.sight);
+        return draw_meshes(std::span(&scene, 1), side, side, given_.view.sight);
     }
 
     /// The least ratio of volumes, moved to rest, around points of a stage; fails where it is not known.
@@ -157,7 +155,8 @@ private:
         for (const ObjFace& face : control_->cage.faces) {
             for (std::size_t k = 0; k < face.corners.size(); ++k) {
                 const std::uint32_t next = face.corners[(k + 1) % face.corners.size()].vertex;
-                cage_triangles_.push_back({face.corners[k].vertex, next, next});
+                const std::uint32_t corner = face.corners[k].vertex;
+                cage_triangles_.push_back({corner, corner, next});
             }
         }
         stage_.insert(stage_.begin(), control_->pose.begin(), control_->pose.end());
@@ -235,50 +234,35 @@ SvgResult<bool> print_stage(const Theatre& theatre, double time) {
     return true;
 }
 
-/// Rows of tiles, from all in one row.
-Picture in_rows(const Picture& strip, std::size_t side, std::size_t columns) {
-    const std::size_t count = strip.width() / side;
-    columns = std::min(columns, count);
-    Picture sheet(columns * side, (count + columns - 1) / columns * side, strip.at(0, 0));
-    for (std::size_t y = 0; y < side; ++y) {
-        for (std::size_t x = 0; x < strip.width(); ++x) {
-            const std::size_t tile = x / side;
-            sheet.at(tile % columns * side + x % side, tile / columns * side + y) = strip.at(x, y);
-        }
-    }
-    return sheet;
-}
-
 int play(const Arguments& given, Theatre theatre) {
-    std::vector<Tile> tiles;
-    for (int n = 0; n < given.stages; ++n) {
-        const double time = double(n) / (given.stages - 1);
-        auto tile = theatre.tile(time);
+    const auto side = std::size_t(given.tile), count = std::size_t(given.stages),
+               columns = std::min(std::size_t(given.columns), count);
+    Picture sheet(columns * side, (count + columns - 1) / columns * side);
+    for (std::size_t n = 0; n < count; ++n) {
+        const double time = double(n) / double(count - 1);
+        const auto tile = theatre.tile(time);
         if (!tile) return fail(to_string(tile.error()));
-        tiles.push_back(std::move(*tile));
+        auto picture = theatre.draw(*tile);
+        if (!picture) return fail(to_string(picture.error()));
+        picture->text({10, double(side) - 14}, text_of("%.2f", time), 2, {0.35f, 0.35f, 0.35f});
+        sheet.place(*picture, n % columns * side, n / columns * side);
         if (const auto printed = print_stage(theatre, time); !printed)
             return fail(to_string(printed.error()));
     }
-    auto strip = theatre.draw(tiles);
-    if (!strip) return fail(to_string(strip.error()));
-    const auto side = std::size_t(given.tile);
-    for (std::size_t n = 0; n < tiles.size(); ++n)
-        strip->text({double(n * side) + 10, double(side) - 14},
-                    text_of("%.2f", double(n) / (given.stages - 1)), 2, {0.35f, 0.35f, 0.35f});
 
     OutputFiles outputs;
-    in_rows(*strip, side, std::size_t(given.columns)).write_png(outputs.add(given.out));
+    sheet.write_png(outputs.add(given.out));
     if (!given.volume.empty()) outputs.add(given.volume).write(volume_curve(theatre));
     std::optional<Film> film;
-    if (!given.film.film.empty()) film.emplace(outputs, given.film.film, given.film.rate, given.tile);
-    for (int n = 0; given.film.is_given() && n < given.film.count && !outputs.error(); ++n) {
-        auto tile = theatre.tile(double(n) / (given.film.count - 1));
+    if (!given.film.gif.empty()) film.emplace(outputs, given.film.gif, given.film.rate, given.tile);
+    for (int n = 0; given.film.is_given() && n < given.film.frames && !outputs.error(); ++n) {
+        const auto tile = theatre.tile(double(n) / (given.film.frames - 1));
         if (!tile) return fail(to_string(tile.error()));
-        const auto picture = theatre.draw({std::move(*tile)});
+        const auto picture = theatre.draw(*tile);
         if (!picture) return fail(to_string(picture.error()));
-        if (film) film->add_picture(picture->png());
-        if (given.film.frames.empty()) continue;
-        AtomicFile& file = outputs.add(given.film.frame(n, ".png"));
+        if (film) film->add_frame(*picture);
+        if (given.film.stills.empty()) continue;
+        AtomicFile& file = outputs.add(given.film.still(n, ".png"));
         picture->write_png(file);
         (void)file.finish(); // commit() has the fault
     }
@@ -291,8 +275,8 @@ int run_program(int argc, char** argv) {
     CommandLine line(
         "Turns a sphere inside out, without a tear or a crease, and draws it cut into bands: red "
         "outside, blue inside, yellow where the surface passes through itself.");
-    line.set_examples({"-o eversion.png --volume volume.svg", "-o eversion.png --film eversion.gif",
-                       "-o strip.png --columns 12 --tile 160 --frames frame_ --count 60",
+    line.set_examples({"-o eversion.png --volume volume.svg", "-o eversion.png --gif eversion.gif",
+                       "-o strip.png --columns 12 --tile 160 --stills turn_ --frames 60",
                        "-o twisted.png --cage lattice:6x6x6 --twist all:z,-1,1,120",
                        "-o bent.png --cage box --coordinates harmonic --bend all:zx,-1,1,60"});
     Arguments given;

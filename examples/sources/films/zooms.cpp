@@ -1,7 +1,7 @@
-// A zoom into a self-similar curve that never ends: new sides grow at the rate at which the view is magnified,
-// so that after one level the picture is the first one again.
+// A zoom into a self-similar curve that never ends: new sides grow at the rate at which the view is
+// magnified, so that after one level the picture is the first one again.
 //
-//     zooms koch -o koch.svg --png --film koch.gif
+//     zooms koch -o koch.svg --png --gif koch.gif
 
 #include "cli/command_line.hpp"
 #include "cli/guard.hpp"
@@ -21,7 +21,7 @@ using namespace cageform_examples;
 std::string frame_of(const SelfSimilarCurve& curve, int level, double time, int size) {
     std::string d;
     for (const auto& p : curve.frame(level, time)) {
-        // What lies far outside is not seen, and takes few digits.
+        // Far outside nothing is seen, so the numbers may be short there.
         const double x = std::clamp(p.real(), -9.0, 9.0), y = std::clamp(1 - p.imag(), -9.0, 9.0);
         d += (d.empty() ? "M" : " ") + text_of("%.3f", size * x) + "," + text_of("%.3f", size * y);
     }
@@ -38,8 +38,8 @@ std::string document(double width, double height, const std::string& content) {
            content + "</svg>\n";
 }
 
-/// Prints the lengths of levels in that of level 0, and the areas inside closed ones in that of their triangle
-/// or square.
+/// Prints the lengths of levels in that of level 0, and the areas inside closed ones in that of their
+/// triangle or square.
 void print_levels(const SelfSimilarCurve& curve, int most) {
     const auto first = curve.corners(0);
     for (int level = 0; level <= most; ++level) {
@@ -55,8 +55,8 @@ void print_levels(const SelfSimilarCurve& curve, int most) {
 
 int run_program(int argc, char** argv) {
     CommandLine line("Zooms into a self-similar curve without end, and prints the lengths of its levels.");
-    line.set_examples({"koch -o koch.svg --png --film koch.gif", "peano -o peano.svg --level 2",
-                       "sierpinski -o sierpinski.svg --frames frame_ --count 25 --png"});
+    line.set_examples({"koch -o koch.svg --png --gif koch.gif", "peano -o peano.svg --level 2",
+                       "sierpinski -o sierpinski.svg --stills sierpinski_ --frames 25 --png"});
     std::string name, out;
     int columns = 6, level = 0, size = 300;
     bool png = false;
@@ -69,7 +69,7 @@ int run_program(int argc, char** argv) {
     const CommandOption levels =
         line.add("--level", level, "the level of the first frame").range(0, 6).show_default("4, of peano 3");
     line.add("--size", size, "of a frame, in pixels each way").range(32, 2000).show_default();
-    line.add_flag("--png", png, "also render it, and single frames, to the same names with .png");
+    line.add_flag("--png", png, "also render it, and stills, to the same names with .png");
     film.add_options(line, 49, "SVG files");
     if (const auto code = line.parse(argc, argv)) return *code;
     using Kind = SelfSimilarCurve::Kind;
@@ -86,8 +86,8 @@ int run_program(int argc, char** argv) {
     for (int n = 0; n < columns; ++n) {
         const double time = double(n) / (columns - 1), left = gap + n * (size + gap);
         strip += "<text x=\"" + text_of("%g", left + size / 2.0) +
-                 "\" y=\"17\" text-anchor=\"middle\">t = " + text_of("%.2g", time) + ", magnified " +
-                 text_of("%.2f", std::pow(curve.ratio(), time)) + " times</text>\n<g transform=\"translate(" +
+                 "\" y=\"17\" text-anchor=\"middle\">t = " + text_of("%.2g", time) + ", ×" +
+                 text_of("%.2f", std::pow(curve.ratio(), time)) + "</text>\n<g transform=\"translate(" +
                  text_of("%g", left) + ',' + text_of("%g", caption) + ")\">" +
                  frame_of(curve, level, time, size) + "</g>\n";
     }
@@ -97,8 +97,8 @@ int run_program(int argc, char** argv) {
     file.write(document(width, caption + size + gap, strip));
     if (png) add_png(outputs, file, int(width));
     std::vector<std::string> frames;
-    for (int n = 0; film.is_given() && n < film.count; ++n)
-        frames.push_back(document(size, size, frame_of(curve, level, double(n) / (film.count - 1), size)));
+    for (int n = 0; film.is_given() && n < film.frames; ++n)
+        frames.push_back(document(size, size, frame_of(curve, level, double(n) / (film.frames - 1), size)));
     film.write(outputs, frames, png, size, FilmChoice::End::is_start);
     if (const auto error = outputs.commit()) return fail(*error);
     return 0;

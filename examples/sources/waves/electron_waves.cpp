@@ -256,7 +256,7 @@ int write(const Settings& settings, const WaveScene& scene, const std::vector<Re
     if (!settings.gif.empty()) film.emplace(outputs, settings.gif, 12, 0);
     for (std::size_t k = 0; k <= last && (film || !settings.stills.empty()); ++k) {
         const Picture frame = draw(scene, rows, {k});
-        if (film) film->add_picture(frame.png());
+        if (film) film->add_frame(frame);
         if (!settings.stills.empty())
             frame.write_png(outputs.add(settings.stills + (k < 10 ? "0" : "") + std::to_string(k) + ".png"));
     }

@@ -128,16 +128,13 @@ std::string encoded_png(std::size_t width, std::size_t height, int channels, con
     const auto append = [](void* target, void* data, int size) {
         static_cast<std::string*>(target)->append(static_cast<const char*>(data), std::size_t(size));
     };
-    if (stbi_write_png_to_func(append, &png, int(width), int(height), channels, bytes.data(),
-                               channels * int(width)) == 0) {
-        png.clear();
-    }
-    return png;
+    const int done = stbi_write_png_to_func(append, &png, int(width), int(height), channels, bytes.data(),
+                                            channels * int(width));
+    return done == 0 ? "" : png;
 }
 
 static void write_encoded(AtomicFile& file, const std::string& png) {
-    if (png.empty()) return file.refuse("it cannot be encoded");
-    file.write(png);
+    png.empty() ? file.refuse("it cannot be encoded") : file.write(png);
 }
 
 std::string Picture::png() const {

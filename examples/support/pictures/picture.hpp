@@ -54,11 +54,11 @@ public:
     /// Letters of ASCII, 7 · `size` pixels high, the left end of their middle line at a place.
     void text(const Point2& at, const std::string& words, double size, const Colour& colour);
 
+    /// The bytes of a PNG file; none where it cannot be encoded.
+    std::string png() const;
+
     /// Writes a PNG file; a failure is the file's.
     void write_png(AtomicFile& file) const;
-
-    /// The bytes of a PNG file; empty where it cannot be encoded.
-    std::string png() const;
 
 private:
     std::size_t width_;

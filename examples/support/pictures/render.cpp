@@ -132,18 +132,15 @@ void Film::add_frame(const std::string& svg) {
     if (!fault.empty()) file_.refuse(fault);
 }
 
-void Film::add_picture(const std::string& png) {
-    if (file_.error()) return;
-    void (*const handler)(int) = std::signal(SIGPIPE, SIG_IGN); // ffmpeg may be gone: then write() fails
-    std::size_t done = 0;
-    while (done < png.size()) {
+void Film::add_frame(const Picture& picture) {
+    const std::string png = picture.png();
+    const auto before = std::signal(SIGPIPE, SIG_IGN); // an ffmpeg that has ended is an error, not our end
+    for (std::size_t done = 0; done < png.size() && !file_.error();) {
         const ssize_t count = write(pipe_, png.data() + done, png.size() - done);
-        if (count < 0 && errno == EINTR) continue;
-        if (count <= 0) break;
-        done += std::size_t(count);
+        if (count < 0 && errno != EINTR) file_.refuse("ffmpeg could not make it");
+        if (count > 0) done += std::size_t(count);
     }
-    std::signal(SIGPIPE, handler);
-    if (done < png.size()) file_.refuse("ffmpeg took no more frames");
+    std::signal(SIGPIPE, before);
 }
 
 void Film::finish() {

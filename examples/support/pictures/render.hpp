@@ -3,6 +3,7 @@
 // SVG to PNG through librsvg's own program, and PNGs to films through ffmpeg; both started without a shell.
 
 #include "files/atomic_file.hpp"
+#include "pictures/picture.hpp"
 
 #include <filesystem>
 #include <string>
@@ -46,8 +47,8 @@ public:
     ~Film() { finish(); }
 
     void add_frame(const std::string& svg);
-    void add_picture(const std::string& png); ///< a frame that is drawn already, of the same size as all
-    void finish();                            ///< after the last frame
+    void add_frame(const Picture& picture);
+    void finish(); ///< after the last frame
 
 private:
     AtomicFile& file_;
