@@ -8,7 +8,6 @@
 #include <bit>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <utility>
 
 namespace cageform_examples {
@@ -187,8 +186,9 @@ private:
 
     /// Brings the loops of each part together, near ones near each other.
     void sort_loops() {
-        std::stable_sort(loops_.begin(), loops_.end(),
-                         [&](const Loop& a, const Loop& b) { return part_of(a.pixel) < part_of(b.pixel); });
+        std::sort(loops_.begin(), loops_.end(), [&](const Loop& a, const Loop& b) {
+            return std::pair(part_of(a.pixel), a.root) < std::pair(part_of(b.pixel), b.root);
+        });
         roots_.resize(parts_);
         for (std::size_t begin = 0, end = 0; begin < loops_.size(); begin = end) {
             const std::uint32_t part = part_of(loops_[begin].pixel);
@@ -308,8 +308,9 @@ private:
         for (std::size_t n = squares.begin; n < squares.end; ++n) order.push_back(n);
         const auto part = [&](std::size_t n) { return part_of(made_.squares_[n].first); };
         if (parts_ > 1)
-            std::stable_sort(order.begin(), order.end(),
-                             [&](std::size_t a, std::size_t b) { return part(a) < part(b); });
+            std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+                return std::pair(part(a), a) < std::pair(part(b), b);
+            });
         for (std::size_t i = 0; i < order.size(); ++i) {
             if (i == 0 || part(order[i]) != part(order[i - 1])) made_.groups_.emplace_back();
             Membrane::Square& square = made_.squares_[order[i]];
@@ -337,8 +338,9 @@ private:
         for (const auto& square : made_.squares_) {
             if (square.side > 2) large.push_back(&square);
         }
-        std::stable_sort(large.begin(), large.end(),
-                         [](const auto* a, const auto* b) { return a->side > b->side; });
+        std::sort(large.begin(), large.end(), [](const auto* a, const auto* b) {
+            return a->side != b->side ? a->side > b->side : a->first < b->first;
+        });
         std::vector<std::uint8_t> hangs(points_.size());
         for (const auto* const square : large) {
             const std::size_t half = square->side / 2, side = square->side, first = square->first;
