@@ -118,7 +118,7 @@ private:
 
     // ---- the outline ----
 
-    /// Follows the sides between pixels inside and others. Each has a vertex near the centre of the other pixel.
+    /// Follows the sides between pixels inside and others. Each has a vertex near the other pixel's centre.
     void trace() {
         const auto w = std::ptrdiff_t(width_);
         const std::array<std::ptrdiff_t, 4> over{1, w, -1, -w}; // right, down, left, up
@@ -331,8 +331,8 @@ private:
         }
     }
 
-    /// Finds the points in the middle of larger squares' sides; largest squares first, because their sides' ends
-    /// may be such points themselves.
+    /// Finds the points in the middle of larger squares' sides. The largest squares come first, because the
+    /// ends of a side may be such points themselves.
     void find_hanging() {
         std::vector<const Membrane::Square*> large;
         for (const auto& square : made_.squares_) {
@@ -410,7 +410,7 @@ private:
             for (const std::uint32_t at : seen.stretches) vertices.push_back(about(places_[at]));
             const cageform::MeanValueCoordinates<float, 2> coordinates(
                 cageform::Polygon<float>(vertices, seen.loops));
-            // A coarse outline may cross itself. That of all vertices never does.
+            // A coarse outline may cross itself; the finest never does.
             const cageform::CageReport& cage = coordinates.cage_report();
             if (cage.status != cageform::Status::ok && refine(cage, seen)) continue;
             auto bound =
