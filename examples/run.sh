@@ -336,9 +336,11 @@ step "heights and colours from strokes"
 
 step "a boat in another picture"
 "$programs/clone_image" --make out >>$report
-boat="$programs/clone_image out/noon.png out/evening.png --region out/boat.svg"
-$boat -o out/boat.png --pasted out/boat_pasted.png --poisson out/boat_exact.png --report >>$report
-$boat --at 20,64 --at 280,64 --steps 3 -o out/clone_way.png >>$report
+boat() { # OPTION…
+  "$programs/clone_image" out/noon.png out/evening.png --region out/boat.svg "$@" >>$report
+}
+boat -o out/boat.png --pasted out/boat_pasted.png --poisson out/boat_exact.png --report
+boat --at 20,64 --at 280,64 --steps 3 -o out/clone_way.png
 "$programs/contact_sheet" -o out/clone_image.svg --columns 2 --png --png-width 860 "a boat at noon" out/noon.png \
   "pasted into the evening" out/boat_pasted.png "cloned by mean value coordinates" out/boat.png \
   "by the Poisson equation" out/boat_exact.png
