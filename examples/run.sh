@@ -357,6 +357,17 @@ step "heights and colours from strokes"
 "$programs/contact_sheet" -o out/strokes.svg --columns 3 --png --png-width 1500 "heights" out/hills.png \
   "level lines" out/hills_lines.svg "colours on both sides of lines" out/cat_colours.png
 
+step "a boat in another picture"
+"$programs/clone_image" --make out >>$report
+boat() { # OPTION…
+  "$programs/clone_image" out/noon.png out/evening.png --region out/boat.svg "$@" >>$report
+}
+boat -o out/boat.png --pasted out/boat_pasted.png --poisson out/boat_exact.png --report
+boat --at 20,64 --at 280,64 --steps 3 -o out/clone_way.png
+"$programs/contact_sheet" -o out/clone_image.svg --columns 2 --png --png-width 860 "a boat at noon" out/noon.png \
+  "pasted into the evening" out/boat_pasted.png "cloned by mean value coordinates" out/boat.png \
+  "by the Poisson equation" out/boat_exact.png
+
 step "puzzles of numbers"
 "$programs/puzzle" "$data/puzzle.csv" --exact -o out/puzzle_4.svg >out/puzzle.txt
 "$programs/puzzle" "$data/puzzle.csv" --exact --neighbours 8 --walks 10000 --from 2 2 -o out/puzzle_8.svg >>out/puzzle.txt
@@ -463,6 +474,7 @@ Open, in out/:
   biped_signs.png            what negative weights mean; paths.png: where they come from; field_*.png: more heat maps;
                              surface_cat_8.png: one as a surface
   strokes.png                heights and colours diffused from lines; hills_3d.png: as a surface; puzzle.png: a table of means, in fractions
+  clone_image.png            a region of one picture in another, without a seam; clone_way.png: at four places
   relaxation.png             sweeps on a line; relaxation_plays.svg: the same in a browser
   adaptive_grid.png          cells of the grid by accuracy: of the cat, at a corner, through a hand
   convergence.png            errors of the solver, convergence.txt: as a table; fit_curve.png: a key-frame curve and its pieces

@@ -1,13 +1,13 @@
-// Instant image cloning: a region of one picture in another, without a seam (Farbman, Hoffer, Lipman, Cohen-Or,
-// Lischinski, Coordinates for instant image cloning, ACM Trans. Graph. 28(3) (2009)).
+// Instant image cloning: a region of one picture in another, without a seam (Farbman, Hoffer, Lipman,
+// Cohen-Or, Lischinski, Coordinates for instant image cloning, ACM Trans. Graph. 28(3) (2009)).
 //
 //     clone_image --make .
 //     clone_image noon.png evening.png --region boat.svg -o boat.png --report
 //
-// The region keeps its own colours, plus a function that is smooth inside and on its outline the difference of
-// the target to the source. Mean value coordinates of the outline make that function: weights are bound once,
-// and each place in the target then costs the differences, a clone of them, and a blend. --poisson and --report
-// compare it with the harmonic function, which the Poisson equation asks for.
+// The region keeps its own colours, plus a smooth function that is on its outline the difference of the
+// target to the source. Mean value coordinates of the outline make that function. Their weights are bound
+// once; each place in the target then costs the differences, a clone of them, and a blend. --poisson and
+// --report compare it with the harmonic function, which the Poisson equation asks for.
 
 #include "cli/command_line.hpp"
 #include "cli/guard.hpp"
@@ -22,6 +22,7 @@
 #include <chrono>
 #include <filesystem>
 #include <iostream>
+#include <limits>
 #include <optional>
 
 namespace {
@@ -176,7 +177,7 @@ int clone_region(const Given& given) {
     if (!given.film.empty()) film.emplace(outputs, given.film, 20, int(widest));
     std::vector<Pixels> strip;
     Pixels picture;
-    double moves = 0, longest = 0;
+    double moves = 0, shortest = std::numeric_limits<double>::infinity();
     for (std::size_t n = 0; n < way.size(); ++n) {
         picture = *target;
         watch.lap();
@@ -184,7 +185,7 @@ int clone_region(const Given& given) {
               picture);
         const double move = watch.lap();
         moves += move;
-        longest = std::max(longest, move);
+        shortest = std::min(shortest, move);
         if (!given.frames.empty()) picture.write_png(outputs.add(frame_path(given.frames, n, way.size())));
         if (film) film->add_frame(in_svg(shrunk(picture, 1280)));
         if (way.size() > 1) strip.push_back(shrunk(picture, 480));
@@ -229,7 +230,7 @@ int clone_region(const Given& given) {
                                           double(std::max<std::size_t>(made.points, 1)))
                   << " weights each\nset-up: " << detail::short_number(set_up)
                   << " s; a move: " << detail::short_number(1e3 * moves / double(way.size()))
-                  << " ms, at most " << detail::short_number(1e3 * longest)
+                  << " ms, at least " << detail::short_number(1e3 * shortest)
                   << " ms; threads: " << given.threads << '\n';
     }
     std::cout << compared;

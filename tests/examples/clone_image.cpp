@@ -170,8 +170,8 @@ TEST_CASE("a membrane reproduces linear functions", "[examples][clone_image][pro
     const auto all = all_of(membrane, region, on_outline(region, linear));
     const double size = double(region.width + region.height) + std::fabs(c);
     for_each_pixel(region, PixelKind::inside, [&](std::size_t i, double x, double y) {
-        // The outline passes a pixel's centre at 0.02 pixels; where the region is concave, weights exceed 1 in
-        // size and enlarge that.
+        // The outline passes a pixel's centre at 0.02 pixels; where the region is concave, weights exceed 1
+        // in size and enlarge that.
         CHECK(distance(all[i], linear(x, y)) < 0.2 + 1e-5 * size);
         CHECK(std::fabs(double(all[i][1]) - c) < 1e-4 * size); // a constant needs no places
     });
@@ -323,7 +323,7 @@ TEST_CASE("a clone keeps the target about the region, and its colours move by a 
                 }
             }
         }
-        // What the outline needs is there: a difference of nothing leaves the source as it is.
+        // A difference of nothing leaves the source as it is.
         paste(source, region, at, std::vector<Values>(region.kinds.size()), pasted);
         CHECK(colour_difference(pasted, pasted, region, at).largest == 0);
         CHECK(colour_difference(bound, pasted, region, at).mean <= 255);

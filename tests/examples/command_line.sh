@@ -85,6 +85,8 @@ refuses "\"high\" is not a height from 0 to 1" "$heights" word.svg -o out.png
 refuses "does not end with" "$heights" "$data/hills.svg" -o out.txt
 refuses "--levels" "$heights" "$data/hills.svg" -o out.png --levels 0
 
+. "$here/clone_image.sh"
+
 # ---- relaxation ----
 relaxation="$programs/relaxation"
 works "sweeps on a line" "$relaxation" "$data/line.csv" -o sheet.svg --png --play film.svg
@@ -2144,7 +2146,7 @@ done
 mkdir -p no_files
 version=$(sed -n 's/.*VERSION_STRING "\(.*\)"/\1/p' "$(dirname "$data")/../include/cageform/version.hpp")
 for program in deform_svg coordinate_field cage_weights figure_table contact_sheet convergence adaptive_grid pose_cage make_cage make_box deform_mesh make_splats deform_splats draw_splats make_character make_tiles bind_mesh clone_figure bind_tiles \
-  export_gltf skin_mesh animate_svg fit_curve bezier_tables make_hand pose_hand hand_sheet height_map grid_field diffuse_colours puzzle paths boundary_formula relaxation lattice_board leaf_cages lattice_fit pin_poses electron_waves plane_homotopy sphere_eversion zooms; do
+  export_gltf skin_mesh animate_svg fit_curve bezier_tables make_hand pose_hand hand_sheet height_map grid_field diffuse_colours puzzle paths boundary_formula relaxation lattice_board leaf_cages lattice_fit pin_poses electron_waves plane_homotopy sphere_eversion zooms; clone_image; do
   works "version of $program" "$programs/$program" --version
   [ "$(cat log)" = "$program (cageform) $version" ] && ok=yes || ok=no
   report $ok "$program tells its version"
@@ -2155,7 +2157,7 @@ for program in deform_svg coordinate_field cage_weights figure_table contact_she
   # In a folder without files every example fails for want of its file, not for its words.
   grep "^  $program " log | sed 's/^ *[a-z_]* //' >shown_words
   while read -r words; do
-    case $program in fit_curve | make_box | make_character | make_hand | hand_sheet | pose_hand | lattice_board | electron_waves | plane_homotopy | sphere_eversion | zooms) continue ;; esac # which need none
+    case $program in clone_image | fit_curve | make_box | make_character | make_hand | hand_sheet | pose_hand | lattice_board | electron_waves | plane_homotopy | sphere_eversion | zooms) continue ;; esac # which need none
     (cd no_files && eval "'$programs/$program' $words") >log 2>&1 </dev/null && ok=no || ok=yes
     grep -q 'no such file' log || ok=no
     report $ok "the help of $program shows $words"

@@ -59,6 +59,9 @@ JSON
 {"format": "bezier-sobolev-cases/1", "cases": [{"id": "a", "control_points": [[0, 0], [0.4, 0], [0.6, 1], [1, 1]],
   "degree": 3, "weights": [1, 1], "conditions": ["end_value", "knot_c0"], "knots": {"mode": "uniform_x", "pieces": 2}}]}
 JSON
+  # The pictures noon.png and evening.png, and the outline boat.svg.
+  "$programs/clone_image" --make . --size 32 >log 2>&1 || cat log
+  rm log
   # A picture of one red pixel.
   echo iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAIAAACQd1PeAAAADElEQVR4nGP4z8AAAAMBAQDJ/pLvAAAAAElFTkSuQmCC | base64 -d >red.png
 )
@@ -227,6 +230,8 @@ form boundary_formula --cage hexagon_cage.svg --vertex 0
 form relaxation line.csv -o out.svg --png --play plays.svg
 form height_map hills.svg -o out.png -o out.pgm -o out.csv --lines lines.svg --size 48
 form height_map hills.svg -o out.png --3d surface.png --size 48
+form clone_image noon.png evening.png --region boat.svg -o out.png --poisson poisson.png --pasted pasted.png
+form clone_image noon.png evening.png --region boat.svg --at 0,0 --at 6,6 --frames frame_ --gif out.gif
 form diffuse_colours hills.svg -o out.png --size 48
 form fit_curve --lottie curves.json --curve layers/0/ks/r/k/0:0 --pieces 2 --json out.json --plot out.svg --png
 form fit_curve --cases cases.json --json out.json

@@ -1,9 +1,9 @@
 #pragma once
 
-// A region of one picture in another without a seam: the source's colours and a smooth function that is, on the
-// region's outline, the difference of the target to the source. That function is a membrane
-// (pictures/membrane.hpp) or solves the Poisson equation (Pérez, Gangnet, Blake, Poisson image editing, ACM
-// Trans. Graph. 22(3) (2003), sec. 2), which cageform::solve_dirichlet does.
+// A region of one picture in another without a seam: the source's colours plus a smooth function. On the
+// region's outline that function is the difference of the target to the source. It is a membrane
+// (pictures/membrane.hpp), or it solves the Poisson equation (Pérez, Gangnet, Blake, Poisson image editing,
+// ACM Trans. Graph. 22(3) (2003), sec. 2), which cageform::solve_dirichlet does.
 
 #include "pictures/membrane.hpp"
 
@@ -21,7 +21,7 @@ struct PixelPlace {
     std::int64_t x = 0, y = 0;
 };
 
-/// Why a region does not fit into a target there, with how far it reaches beyond and which places do fit; empty
+/// Why a region does not fit into a target there: how far it reaches beyond, and which places fit. Empty
 /// where it fits.
 std::string fault_of_place(const PixelRegion& region, const Pixels& target, const PixelPlace& at);
 
@@ -39,8 +39,8 @@ SvgResult<std::vector<Membrane::Values>> poisson_function(const PixelRegion& reg
                                                           std::span<const Membrane::Values> outline,
                                                           const cageform::Running& running = {});
 
-/// Puts a region into a picture: the colours of the source inside, plus `added`. Pixels of the outline stay as
-/// they are, and so does alpha; where the source is translucent, what is there shines through.
+/// Puts a region into a picture: the colours of the source inside, plus `added`. Pixels of the outline stay
+/// as they are, and so does alpha. Where the source is translucent, what is there shines through.
 ///
 ///   picture   the target, or a copy of it
 ///   added     of each pixel of the region's box, or a membrane with the outline's differences

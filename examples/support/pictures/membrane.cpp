@@ -8,7 +8,6 @@
 #include <bit>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <utility>
 
 namespace cageform_examples {
@@ -119,7 +118,7 @@ private:
 
     // ---- the outline ----
 
-    /// Follows the sides between pixels inside and others. Each has a vertex near the centre of the other pixel.
+    /// Follows the sides between pixels inside and others. Each has a vertex near the other pixel's centre.
     void trace() {
         const auto w = std::ptrdiff_t(width_);
         const std::array<std::ptrdiff_t, 4> over{1, w, -1, -w}; // right, down, left, up
@@ -187,8 +186,9 @@ private:
 
     /// Brings the loops of each part together, near ones near each other.
     void sort_loops() {
-        std::stable_sort(loops_.begin(), loops_.end(),
-                         [&](const Loop& a, const Loop& b) { return part_of(a.pixel) < part_of(b.pixel); });
+        std::sort(loops_.begin(), loops_.end(), [&](const Loop& a, const Loop& b) {
+            return std::pair(part_of(a.pixel), a.root) < std::pair(part_of(b.pixel), b.root);
+        });
         roots_.resize(parts_);
         for (std::size_t begin = 0, end = 0; begin < loops_.size(); begin = end) {
             const std::uint32_t part = part_of(loops_[begin].pixel);
@@ -308,8 +308,9 @@ private:
         for (std::size_t n = squares.begin; n < squares.end; ++n) order.push_back(n);
         const auto part = [&](std::size_t n) { return part_of(made_.squares_[n].first); };
         if (parts_ > 1)
-            std::stable_sort(order.begin(), order.end(),
-                             [&](std::size_t a, std::size_t b) { return part(a) < part(b); });
+            std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+                return std::pair(part(a), a) < std::pair(part(b), b);
+            });
         for (std::size_t i = 0; i < order.size(); ++i) {
             if (i == 0 || part(order[i]) != part(order[i - 1])) made_.groups_.emplace_back();
             Membrane::Square& square = made_.squares_[order[i]];
@@ -330,15 +331,16 @@ private:
         }
     }
 
-    /// Finds the points in the middle of larger squares' sides; largest squares first, because their sides' ends
-    /// may be such points themselves.
+    /// Finds the points in the middle of larger squares' sides. The largest squares come first, because the
+    /// ends of a side may be such points themselves.
     void find_hanging() {
         std::vector<const Membrane::Square*> large;
         for (const auto& square : made_.squares_) {
             if (square.side > 2) large.push_back(&square);
         }
-        std::stable_sort(large.begin(), large.end(),
-                         [](const auto* a, const auto* b) { return a->side > b->side; });
+        std::sort(large.begin(), large.end(), [](const auto* a, const auto* b) {
+            return a->side != b->side ? a->side > b->side : a->first < b->first;
+        });
         std::vector<std::uint8_t> hangs(points_.size());
         for (const auto* const square : large) {
             const std::size_t half = square->side / 2, side = square->side, first = square->first;
@@ -408,7 +410,7 @@ private:
             for (const std::uint32_t at : seen.stretches) vertices.push_back(about(places_[at]));
             const cageform::MeanValueCoordinates<float, 2> coordinates(
                 cageform::Polygon<float>(vertices, seen.loops));
-            // A coarse outline may cross itself. That of all vertices never does.
+            // A coarse outline may cross itself; the finest never does.
             const cageform::CageReport& cage = coordinates.cage_report();
             if (cage.status != cageform::Status::ok && refine(cage, seen)) continue;
             auto bound =

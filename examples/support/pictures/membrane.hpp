@@ -21,12 +21,12 @@ struct MembraneOptions {
     /// A stretch of the outline counts as one vertex, at its mean, where its box is at most this part of its
     /// distance; 0: each pixel counts for itself (the paper, sec. 4: hierarchical sampling of the boundary).
     double coarseness = 0.25;
-    /// A square of pixels is interpolated from its corners where its side is at most this part of its distance
-    /// from the outline; 0: each pixel has a value of its own.
+    /// A square of pixels is interpolated from its corners where its side is at most this part of its
+    /// distance from the outline; 0: each pixel has a value of its own.
     double square = 0.5;
 };
 
-/// What a membrane was made of.
+/// Counts of a membrane.
 struct MembraneReport {
     std::size_t loops = 0;    ///< of the outline
     std::size_t vertices = 0; ///< of all loops
@@ -38,13 +38,14 @@ struct MembraneReport {
 
 /// The membrane of a region: bound once, then cheap for any values.
 ///
-/// The outline runs through the centres of its pixels, to a tenth of a pixel. Squares of pixels, the larger the
-/// farther from the outline, have values at their corners; `bind` gives these points weights by mean value
-/// coordinates, and `clone` moves three numbers of the outline, colours instead of places, to them. Pixels that
-/// touch over a side are one part; parts do not see each other.
+/// The outline runs through the centres of its pixels, to a fiftieth of a pixel. Squares of pixels have
+/// values at their corners; the farther from the outline, the larger they are. `bind` gives these points
+/// weights by mean value coordinates, and `clone` moves three numbers of the outline, colours instead of
+/// places, to them. Pixels that touch over a side are one part; parts do not see each other.
 ///
-/// Linear functions are reproduced to rounding. Others differ from the exact mean value interpolant as
-/// MembraneOptions has it, by default by less than 2 % of the range on the outline.
+/// Constants are reproduced to rounding, linear functions to 0.02 pixels as a rule. Other functions differ
+/// from the exact mean value interpolant by less than 1 % of the outline's range in the mean, where they vary
+/// over tens of pixels.
 class Membrane {
 public:
     using Values = cageform::Vec<float, 3>;

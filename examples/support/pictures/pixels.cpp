@@ -3,6 +3,7 @@
 #include "files/input_file.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #if defined(__GNUC__)
@@ -39,12 +40,15 @@ SvgResult<Pixels> read_png(const std::string& path) {
     if (text->size() > std::size_t(most) * 8)
         return refuse("is larger than any picture of 100 million pixels");
     const auto* const data = reinterpret_cast<const stbi_uc*>(text->data());
-    int width = 0, height = 0, channels = 0;
-    if (stbi_info_from_memory(data, int(text->size()), &width, &height, &channels) == 0)
-        return refuse("is a damaged PNG file");
-    if (std::int64_t(width) * height > most)
+    const auto number_at = [&](std::size_t at) { // PNG specification, sec. 11.2.2: width and height
+        std::int64_t number = 0;
+        for (std::size_t k = 0; k < 4 && at + k < text->size(); ++k) number = number << 8 | data[at + k];
+        return number;
+    };
+    if (const std::int64_t width = number_at(16), height = number_at(20); height > 0 && width > most / height)
         return refuse("holds " + std::to_string(width) + " x " + std::to_string(height) +
                       " pixels; 100 million are the most: shrink it");
+    int width = 0, height = 0, channels = 0;
     stbi_uc* const decoded = stbi_load_from_memory(data, int(text->size()), &width, &height, &channels, 4);
     if (decoded == nullptr) return refuse("is a damaged PNG file");
     Pixels picture{std::size_t(width), std::size_t(height)};

@@ -26,8 +26,8 @@ struct Pixels {
 
 /// Reads a PNG file of any kind. Channels of 16 bits keep their upper eight; without alpha, 255 is set.
 ///
-///   fails   where the file cannot be read, is no PNG file, is damaged, or holds more than 100 million pixels:
-///           those are not decoded
+///   fails   where the file cannot be read, is no PNG file, is damaged, or holds more than 100 million
+///           pixels, which are not decoded
 SvgResult<Pixels> read_png(const std::string& path);
 
 /// The picture with its longer side at most `most` pixels, at least 1: each pixel is the mean of a block of
