@@ -1,4 +1,4 @@
-# shellcheck shell=sh disable=SC2154 # command_line.sh has set what is not set here
+# shellcheck shell=sh disable=SC2086,SC2154 # command_line.sh has set what is not set here
 # Sourced by command_line.sh: clone_image.
 clone="$programs/clone_image"
 mkdir -p cloned
