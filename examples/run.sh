@@ -270,6 +270,13 @@ step "a character for a game"
 mkdir -p out/character_poses # four poses of its clip; sh examples/farms/run.sh has hundreds of them done by a farm
 "$programs/clone_figure" out/character.figure --poses out/character_clip.csv --rate 10 --rows 0:4 --json \
   -o 'out/character_poses/%02d.ply' >>$report
+# Points in tiles, half of them by each of two processes.
+mkdir -p out/tiles
+"$programs/make_tiles" out/character.obj --points 40000 --tiles 4 -o out/tiles/%d.ply
+for rows in 0:2 2:4; do
+  "$programs/bind_tiles" out/character_cage.obj --points 'out/tiles/*.ply' --rows $rows -o 'out/tiles/*.figure' \
+    --largest 16 --format half >>$report
+done
 "$programs/export_gltf" out/character.obj --cage out/character_cage.obj --clip out/character_clip.csv --max-distance 0.01 \
   --coordinates harmonic -o out/character_skin.glb --report >>$report
 "$programs/export_gltf" out/character.obj --cage out/character_cage.obj --clip out/character_clip.csv --morph \

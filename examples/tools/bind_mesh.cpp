@@ -22,6 +22,7 @@
 #include "cli/mesh_cage.hpp"
 #include "cli/pose_choice.hpp"
 #include "cli/progress_bar.hpp"
+#include "cli/weight_choice.hpp"
 #include "files/atomic_file.hpp"
 #include "files/clip_file.hpp"
 #include "files/csv.hpp"
@@ -38,29 +39,16 @@ namespace {
 
 using namespace cageform_examples;
 using cageform::Status;
-using cageform::WeightFormat;
 
 struct Arguments {
     std::string figure, cage, labels, out;
     MotionChoice moves;
-    std::optional<WeightFormat> format;
-    std::size_t largest = 0;
-    double distance = 0; // share of the figure's size; 0: no promise
+    WeightChoice weights; // a distance as a share of the figure's size
     bool pose_samples = false;
     bool report = false;
     OutsideChoice outside;
     CoordinatesChoice choice;
 };
-
-const char* name_of(WeightFormat format) {
-    switch (format) {
-    case WeightFormat::scalar: return "float";
-    case WeightFormat::half: return "half";
-    case WeightFormat::int16: return "int16";
-    case WeightFormat::int8: return "int8";
-    }
-    return "";
-}
 
 /// The mean of the normals of the faces around every vertex, by area.
 std::vector<Point3> normals_of(const ObjFile& figure) {
@@ -115,26 +103,6 @@ std::string describe_loss(const ObjFile& figure, const cageform::PackReport& rep
         warn(figure.name + ": the packed figure is off by " + text + "; --max-distance bounds this" +
              (report.poses == 0 && has_faces ? " over a motion" : ""));
     return text;
-}
-
-/// The poses of all handles, one after the other, from those of the cage's vertices. Warns of faces without
-/// area.
-SvgResult<std::vector<double>> poses_of_handles(const cageform::Binding<float, 3>& binding,
-                                                const PoseClip& clip, const SampledPoses& poses) {
-    std::vector<double> numbers;
-    std::vector<std::string> warnings;
-    for (std::size_t p = 0; p < poses.times.size(); ++p) {
-        std::vector<Point3> pose(clip.keys[0].places.size());
-        for (std::size_t n = 0; n < 3 * pose.size(); ++n)
-            pose[n / 3][n % 3] = poses.numbers[3 * pose.size() * p + n];
-        std::string warning;
-        const auto handles = pose_of_handles(binding, pose, name_of_pose(clip, poses.times[p]), warning);
-        if (!handles) return handles.error();
-        if (!warning.empty()) warnings.push_back(std::move(warning));
-        cageform::append_pose(numbers, *handles);
-    }
-    print_warnings(warnings);
-    return numbers;
 }
 
 /// Samples the inside of the cage for pins, and packs the samples; tells their size.
@@ -200,13 +168,13 @@ int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& ca
         if (status != Status::ok) return fail(given.labels + ": " + cageform::to_string(status));
     }
     cageform::FigurePackOptions options;
-    options.weights.format = given.format;
-    options.weights.largest = given.largest;
+    options.weights.format = given.weights.format;
+    options.weights.largest = given.weights.largest;
     const auto posed = poses_of_handles(bound.value.points, motion, poses);
     if (!posed) return fail(to_string(posed.error()));
     options.weights.poses = *posed;
     const double size = cageform::bounds_of(std::span<const Point3>(figure.vertices)).diagonal();
-    options.weights.tolerance = given.distance * size;
+    options.weights.tolerance = given.weights.distance * size;
     const std::vector<std::byte> clip = clip_part(curves);
     cageform::PackedPoseSamples samples;
     if (given.pose_samples) {
@@ -259,7 +227,6 @@ int run_program(int argc, char** argv) {
                        "character.obj --cage character_cage.obj --clip character_clip.csv --max-distance "
                        "0.001 -o character.figure"});
     Arguments given;
-    std::string format;
     line.add("figure", given.figure, "the OBJ file to bind").required();
     line.add("--cage", given.cage,
              "its cage: an OBJ file of a closed mesh, faces counter-clockwise seen from outside" +
@@ -272,19 +239,9 @@ int run_program(int argc, char** argv) {
     given.choice.with_normals = given.choice.in_space = true;
     given.choice.add_options(line);
     given.outside.add_options(line);
-    line.add("--largest", given.largest,
-             "the number of a vertex's largest weights to keep, 4 or more; 0 keeps all")
-        .show_default();
-    line.add("--max-distance", given.distance,
-             "the largest distance of a vertex from its position with all weights, as a share of the "
-             "figure's size, in the poses of the motion, or in all poses that bend by up to a tenth of the "
-             "cage; unit vectors that carry normals may change by ten times as much; green needs a motion; 0 "
-             "means no bound")
-        .range(0.0, 1.0)
-        .show_default();
-    line.add("--format", format, "the format of weights: float, half, int16 or int8")
-        .one_of({"float", "half", "int16", "int8"})
-        .show_default("float; with --max-distance, the smallest that suffices");
+    given.weights.add_options(line, "the figure's size",
+                              " unit vectors that carry normals may change by ten times as much;",
+                              "float; with --max-distance, the smallest that suffices");
     line.add_flag("--pose-samples", given.pose_samples,
                   "also pack samples of the cage's inside, by which a game poses the figure by pins");
     line.add_flag("--report", given.report, "print sizes and errors");
@@ -297,13 +254,8 @@ int run_program(int argc, char** argv) {
     if (given.choice.name == "harmonic" &&
         given.choice.harmonic.solver == cageform::HarmonicSolver::averaging_pyramid)
         return fail("--solver averaging-pyramid: normals are bound by the multigrid alone");
-    if (given.choice.takes_normals() && given.distance > 0 && !given.moves.is_given())
-        return fail("--max-distance with --coordinates green needs a motion: give --clip, --pose, or "
-                    "operations such as --turn");
-    for (const WeightFormat known :
-         {WeightFormat::scalar, WeightFormat::half, WeightFormat::int16, WeightFormat::int8}) {
-        if (format == name_of(known)) given.format = known;
-    }
+    if (const auto why = given.weights.fault(given.choice, given.moves.is_given()); !why.empty())
+        return fail(why);
 
     const auto figure = load_obj(given.figure);
     if (!figure) return fail(to_string(figure.error()));

@@ -25,6 +25,7 @@ cp "$data/puzzle.csv" pool
   printf 'v %s %s %s\n' 0 0 0 1 0 0 0 1 0 1 1 0 0 0 1 1 0 1 0 1 1 1 1 1 >box.obj
   printf 'f %s %s %s %s\n' 1 3 4 2 5 6 8 7 1 2 6 5 2 4 8 6 4 3 7 8 3 1 5 7 >>box.obj
   seq 8 >corner_weights.txt
+  "$programs/bind_tiles" box.obj --points box.obj -o box.figure --coordinates harmonic --accuracy 0.1 --save-solution box.solution >/dev/null 2>&1; rm -f box.figure
   sed '8s/.*/v 1.3 1.2 1.1/' box.obj >bent_box.obj
   printf 'v 0.25 0.25 0.25\nv 0.75 0.25 0.5\nv 0.5 0.75 0.5\nf 1 2 3\n' >inner.obj
   printf '0,0.3,0.3,0.3\n2,0.5,0.75,0.5\n' >space_pins.csv
@@ -35,7 +36,7 @@ cp "$data/puzzle.csv" pool
     sed -n "s/^v \(.*\) \(.*\) \(.*\)/\1,\2,$time\3/p" box.obj
   done | sed '1ilength,1' >box_clip.csv
   grep '^v' box.obj | cut -d ' ' -f 2- | tr ' ' , | paste -s -d , >box_poses.csv
-  "$programs/bind_mesh" inner.obj --cage box.obj -o box.figure 2>/dev/null
+  "$programs/bind_mesh" inner.obj --cage box.obj -o bound.figure 2>/dev/null
   printf 'length,1\ncontrol,a\nvertices,0\n0,0,0,0,linear\n0.5,9,0,0,linear\n1,0,0,0,linear\n' >clip.csv
   echo 250,250,260,250 >pins.csv
   printf '0,250,250\n1,260,250\n' >markers.csv
@@ -204,8 +205,12 @@ form pose_cage hexagon_cage.svg --figure hexagon.svg --move 0:1,1 -o out.svg --p
 form adaptive_grid --cage hexagon_cage.svg --figure hexagon.svg --accuracy 0.05 -o out.svg --png --png-width 60
 form bind_mesh inner.obj --cage box.obj --clip box_clip.csv --labels box_labels.txt -o out.figure
 form bind_mesh inner.obj --cage box.obj --pose bent_box.obj --pose-samples -o out.figure
-form clone_figure box.figure --poses box_poses.csv --rows 0:1 --mesh inner.obj -o out.ply
-form clone_figure box.figure --poses box_clip.csv --rows 1:2 -o out.npy
+form clone_figure bound.figure --poses box_poses.csv --rows 0:1 --mesh inner.obj -o out.ply
+form clone_figure bound.figure --poses box_clip.csv --rows 1:2 -o out.npy
+form bind_tiles box.obj --points inner.obj --clip box_clip.csv -o out.figure
+form bind_tiles box.obj --points inner.obj --pose bent_box.obj --coordinates harmonic --accuracy 0.1 --save-solution out.solution -o out.figure
+form bind_tiles box.obj --points inner.obj --coordinates harmonic --accuracy 0.1 --solution box.solution --save-solution out.solution -o out.figure
+form make_tiles inner.obj --points 10 -o out.ply
 form export_gltf inner.obj --cage box.obj --clip box_clip.csv --labels box_labels.txt --skin 4 -o out.glb
 form export_gltf inner.obj --cage box.obj --pose bent_box.obj --morph -o out.gltf
 form grid_field table.csv -o out.png --surface surface.png --size 40

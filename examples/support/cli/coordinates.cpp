@@ -158,7 +158,7 @@ std::optional<std::size_t> available_memory() {
 
 cageform::HarmonicOptions CoordinatesChoice::harmonic_options(std::size_t dimension) const {
     cageform::HarmonicOptions options = harmonic;
-    options.memory_limit = available_memory().value_or(options.memory_limit);
+    options.memory_limit = memory_limit.value_or(available_memory().value_or(options.memory_limit));
     options.resolution = resolution;
     const bool by_pyramid = options.solver == cageform::HarmonicSolver::averaging_pyramid;
     if (resolution == 0 && (is_uniform || by_pyramid)) options.resolution = dimension == 2 ? 128 : 64;

@@ -16,6 +16,7 @@
 #include <cmath>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <type_traits>
@@ -38,6 +39,7 @@ struct CoordinatesChoice {
     std::size_t resolution = 0; // 0: the adaptive grid, of the papers' solver 128 in the plane, 64 in space
     bool is_uniform = false;    // --tolerance is given, which the adaptive grid does not look at
     cageform::HarmonicOptions harmonic;
+    std::optional<std::size_t> memory_limit; // of a solver, in bytes; none: what the machine has
     bool in_disk = false;   // curved: by the function of a disk about the cage
     double disk_radius = 0; // 0: as small as it can be
 

@@ -99,6 +99,16 @@ void AtomicFile::write(std::string_view text) {
     refuse_code(errno);
 }
 
+void AtomicFile::write_at(std::uintmax_t offset, std::string_view text) {
+    if (file_ == nullptr) return;
+    errno = 0;
+    if (fseeko(file_, off_t(offset), SEEK_SET) == 0 &&
+        std::fwrite(text.data(), 1, text.size(), file_) == text.size() && fseeko(file_, 0, SEEK_END) == 0 &&
+        std::fflush(file_) == 0)
+        return;
+    refuse_code(errno);
+}
+
 std::optional<std::string> AtomicFile::finish() {
     if (file_ == nullptr || refuse_input()) return error_;
     errno = 0;

@@ -2,6 +2,7 @@
 
 // Files that appear whole or not at all, alone or together.
 
+#include <cstdint>
 #include <cstdio>
 #include <deque>
 #include <filesystem>
@@ -37,6 +38,8 @@ public:
 
     /// Appends; a failure is remembered, later calls do nothing.
     void write(std::string_view text);
+    /// Writes over bytes that are there, and lets other readers of temporary() see all that is written.
+    void write_at(std::uintmax_t offset, std::string_view text);
     void refuse(const std::string& why); ///< remembers a failure and removes the temporary
 
     /// The first failure so far.

@@ -5,6 +5,7 @@
 #include <cerrno>
 #include <mutex>
 #include <set>
+#include <span>
 #include <system_error>
 #include <utility>
 
@@ -80,9 +81,16 @@ bool InputFile::read(std::string& text) {
     const int code = errno;
     text.resize(before + std::size_t(std::max<ssize_t>(count, 0)));
     read_so_far_ += text.size() - before;
+    hash_.add(std::as_bytes(std::span(text).subspan(before)));
     may_pass_ = may_pass_ || (count < 0 && failure_may_pass(code));
     if (count < 0) error_ = path_ + ": cannot be read: " + std::generic_category().message(code);
     return count > 0;
+}
+
+std::optional<std::uint64_t> InputFile::hash_to_end() {
+    for (std::string text; read(text);) text.clear();
+    if (!error_.empty()) return std::nullopt;
+    return hash_.value();
 }
 
 std::string input_at(const std::filesystem::path& path) {
@@ -146,6 +154,12 @@ void LineReader::read_rest(std::string& text) {
     at_ = 0;
     while (file_.read(text)) continue;
     if (error_.empty()) error_ = file_.error();
+}
+
+std::optional<std::uint64_t> LineReader::hash_to_end() {
+    const auto hash = file_.hash_to_end();
+    if (error_.empty()) error_ = file_.error();
+    return hash;
 }
 
 double LineReader::fraction() const {

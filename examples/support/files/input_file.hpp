@@ -4,9 +4,12 @@
 
 #include "svg/path.hpp"
 
+#include <cageform/core/detail/packed_memory.hpp>
+
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -30,6 +33,9 @@ public:
     /// Whether the failure may pass by itself: a disk or network that does not answer, too many open files.
     bool may_pass() const { return may_pass_; }
 
+    /// Reads what is left. Returns hash_memory of all bytes of the file; nothing where it cannot be read.
+    std::optional<std::uint64_t> hash_to_end();
+
     /// All bytes, read by the system where they are touched; none on a failure, of a pipe, and of an empty
     /// file. They live as long as this object, begin at a page, and several programs share them.
     std::span<const std::byte> map();
@@ -44,6 +50,7 @@ private:
     void* mapped_ = nullptr; // size_ bytes
     std::string error_;
     bool may_pass_ = false;
+    cageform::detail::MemoryHash hash_; // of the bytes read so far
 };
 
 /// The lines of a file, or of a pipe, one after the other; memory holds little more than one of them.
@@ -60,6 +67,7 @@ public:
 
     /// Appends all that follows the last line.
     void read_rest(std::string& text);
+    std::optional<std::uint64_t> hash_to_end(); ///< InputFile::hash_to_end; no line comes after it
 
     const std::string& error() const { return error_; }
     bool may_pass() const { return file_.may_pass(); } ///< InputFile::may_pass

@@ -12,7 +12,7 @@ namespace cageform_examples {
 
 namespace {
 
-constexpr std::size_t longest_line = std::size_t{1} << 24; // bytes
+constexpr std::size_t longest_ply_line = std::size_t{1} << 24; // bytes
 constexpr std::size_t most_properties = 4096;
 
 /// The names of the types, the old and the new ones.
@@ -128,7 +128,7 @@ std::optional<std::string_view> PlyReader::take_line() {
         end = buffer_.find('\n', at_ + searched);
         if (end != std::string::npos) break;
         searched = buffer_.size() - at_;
-        if (searched > longest_line) return std::nullopt;
+        if (searched > longest_ply_line) return std::nullopt;
         if (fill(searched + 1)) continue;
         if (searched == 0 || !file_.error().empty()) return std::nullopt;
         end = buffer_.size(); // the last line has no end
@@ -188,11 +188,11 @@ bool PlyReader::read_header() {
             has_format = true;
         } else if (words[0] == "element") {
             PlyElement element;
-            const bool has_words = words.size() == 3;
-            const char* const end = has_words ? words[2].data() + words[2].size() : nullptr;
-            if (!has_words || header_.find(words[1]) != nullptr ||
-                std::from_chars(words[2].data(), end, element.count).ptr != end ||
-                element.count > std::uint64_t{1} << 48)
+            const std::string_view count = words.size() == 3 ? words[2] : std::string_view();
+            const auto [end, code] =
+                std::from_chars(count.data(), count.data() + count.size(), element.count);
+            if (code != std::errc() || end != count.data() + count.size() ||
+                header_.find(words[1]) != nullptr || element.count > std::uint64_t{1} << 48)
                 return fail(where + "\"" + std::string(*line) +
                             "\" is no new element with a number of records");
             element.name = words[1];
@@ -235,7 +235,7 @@ bool PlyReader::begin(std::string_view name, const std::vector<std::string>& pro
     }
     chosen_.clear();
     while (element_ < number) {
-        if (!skip(header_.elements[element_].count)) return false;
+        if (!skip(header_.elements[element_].count - position_)) return false;
         ++element_;
         position_ = 0;
     }
@@ -257,6 +257,12 @@ bool PlyReader::skip(std::uint64_t records) {
         if (!read_record(nullptr)) return false;
     }
     return true;
+}
+
+std::optional<std::uint64_t> PlyReader::hash_to_end() {
+    const auto hash = file_.hash_to_end();
+    if (!hash) (void)fail({});
+    return hash;
 }
 
 std::size_t PlyReader::read(std::size_t most, std::vector<double>& numbers) {

@@ -58,7 +58,8 @@ public:
     const PlyHeader& header() const { return header_; }
     const std::string& error() const { return error_; } ///< the first failure; empty while there is none
     bool may_pass() const { return file_.may_pass(); }  ///< InputFile::may_pass
-    std::uintmax_t bytes_read() const { return file_.bytes_read(); }
+    /// InputFile::hash_to_end: nothing more is read() after it.
+    std::optional<std::uint64_t> hash_to_end();
 
     /// Goes to the records of an element and chooses what read() returns of them. Fails where there is no
     /// such element or property, where it lies before one that has been read, and where the file is too short

@@ -11,6 +11,7 @@
 #include <span>
 #include <type_traits>
 #include <utility>
+#include <vector>
 
 namespace cageform::inline CAGEFORM_ABI {
 
@@ -57,6 +58,17 @@ public:
     Evaluation solve(const Running& running = {}) const {
         if (!model_) return {Status::coordinates_empty, {}};
         return model_->solve(running);
+    }
+
+    /// Solves, and packs the functions for a file; takes packed functions in place of a solve
+    /// (HarmonicCoordinates). Return solver_not_supported if there are none.
+    Result<std::vector<std::byte>, Evaluation> save_solution(const Running& running = {}) const {
+        if (model_) return model_->save_solution(running);
+        return {{}, {Status::coordinates_empty, {}}};
+    }
+    Evaluation load_solution(std::span<const std::byte> data, const Running& running = {}) const {
+        if (!model_) return {Status::coordinates_empty, {}};
+        return model_->load_solution(data, running);
     }
 
     /// Calls f(cell) for the cells of the adaptive grid. Returns solver_not_supported if there is none.
@@ -135,6 +147,8 @@ private:
                                                        Binding<T, D>&&, const Running&) const = 0;
         virtual Status bind(detail::FigureInput<T, D>&, const BindOptions&, const Running&,
                             FigureResult&) const = 0;
+        virtual Result<std::vector<std::byte>, Evaluation> save_solution(const Running&) = 0;
+        virtual Evaluation load_solution(std::span<const std::byte>, const Running&) = 0;
 
         bool has_extension = false, closed_form = false, has_gradients = false;
     };
@@ -183,6 +197,19 @@ private:
                     FigureResult& result) const override {
             if (figure.has_normals() && !GradientCoordinates<C>) return Status::gradients_not_supported;
             return detail::bind_read_figure(own, figure, options, running, result);
+        }
+
+        Result<std::vector<std::byte>, Evaluation> save_solution(const Running& running) override {
+            if constexpr (requires { own.save_solution(running); })
+                return own.save_solution(running);
+            else
+                return {{}, {Status::solver_not_supported, {}}};
+        }
+        Evaluation load_solution(std::span<const std::byte> data, const Running& running) override {
+            if constexpr (requires { own.load_solution(data, running); })
+                return own.load_solution(data, running);
+            else
+                return {Status::solver_not_supported, {}};
         }
 
         C own;

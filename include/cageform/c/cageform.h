@@ -141,6 +141,8 @@ typedef int32_t cageform_status;
     X(708, BLOB_OF_ANOTHER_CAGE, blob_of_another_cage)                                                       \
     X(709, BLOB_OF_ANOTHER_FIGURE, blob_of_another_figure)                                                   \
     X(710, NOT_POSE_SAMPLES, not_pose_samples)                                                               \
+    X(711, NOT_A_SOLUTION, not_a_solution)                                                                   \
+    X(712, BLOB_OF_ANOTHER_GRID, blob_of_another_grid)                                                       \
     X(800, VECTORS_MISSING, vectors_missing)                                                                 \
     X(801, BINDINGS_DIFFER, bindings_differ)                                                                 \
     X(802, POSE_SIZE_DIFFERS, pose_size_differs)                                                             \

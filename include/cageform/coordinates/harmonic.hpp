@@ -5,6 +5,11 @@
 #pragma once
 
 #include <cageform/coordinates/harmonic/cage_functions.hpp>
+#include <cageform/core/result.hpp>
+
+#include <cstddef>
+#include <span>
+#include <vector>
 
 namespace cageform::inline CAGEFORM_ABI {
 
@@ -99,6 +104,36 @@ public:
             const Status status = functions->solve(report, running);
             if (status == Status::ok) kept_ = functions;
             return status;
+        });
+    }
+
+    /// Solves all functions, unless that has been done, and packs them into bytes for a file, so that other
+    /// processes sample them without a solve (`load_solution`). Only the adaptive grid's functions are packed
+    /// (else solver_not_supported). The bytes depend on cage and options alone, and take twice the memory of
+    /// the kept functions meanwhile.
+    Result<std::vector<std::byte>, Evaluation> save_solution(const Running& running = {}) {
+        Result<std::vector<std::byte>, Evaluation> result;
+        result.report = solve(running);
+        if (!result) return result;
+        result.report.status = detail::guard_memory([&] { return kept_->save(result.value); });
+        return result;
+    }
+
+    /// Takes the functions that `save_solution` has packed, in place of a solve. Weights are those after
+    /// `solve`, to the bit.
+    ///
+    ///   data   at least the packed functions, for instance a mapped file, aligned to 64 bytes; they are not
+    ///          copied: the bytes must not change while these coordinates or copies of them are used
+    ///   fails  not_a_solution, blob_version_differs, blob_kind_differs, blob_truncated, blob_corrupt,
+    ///          blob_malformed, blob_of_another_cage; blob_of_another_grid: another accuracy, other boundary
+    ///          data, or a grid of another machine; solver_not_supported; and as making the grid does
+    ///   cost   making the grid, a tenth of a solve, and reading the bytes once
+    Evaluation load_solution(std::span<const std::byte> data, const Running& running = {}) {
+        kept_.reset();
+        return with_functions(running, [&](const auto& functions, SolverReport& report) {
+            const Status status = functions->load(data, report);
+            if (status == Status::ok) kept_ = functions;
+            return running.end(status);
         });
     }
 

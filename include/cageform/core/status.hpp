@@ -112,6 +112,7 @@ namespace cageform::inline CAGEFORM_ABI {
     X(not_a_figure, "the memory holds no packed figure, or is not aligned to 64 bytes")           \
     X(not_a_clip, "the memory holds no packed clip, or is not aligned to 64 bytes")               \
     X(not_pose_samples, "the memory holds no packed samples, or is not aligned to 64 bytes")      \
+    X(not_a_solution, "the memory holds no packed functions, or is not aligned to 64 bytes")      \
     X(blob_version_differs, "the packed data is of another version or byte order")                \
     X(blob_kind_differs, "the packed data is of another scalar or dimension")                     \
     X(blob_truncated, "the packed data is cut off")                                               \
@@ -119,6 +120,7 @@ namespace cageform::inline CAGEFORM_ABI {
     X(blob_corrupt, "the checksum of the packed data differs")                                    \
     X(blob_of_another_cage, "the packed data was made for another cage")                          \
     X(blob_of_another_figure, "the packed data was made for another figure")                      \
+    X(blob_of_another_grid, "the packed functions are of another accuracy or another grid")       \
     /* clone/ */                                                                                  \
     X(vectors_missing, "the figure was bound without normals, or without tangents")               \
     X(bindings_differ, "the bindings are of different points or handles, or in different orders") \

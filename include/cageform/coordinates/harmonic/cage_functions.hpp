@@ -138,6 +138,11 @@ public:
                                     const Running& running) const = 0;
     /// Calls f(cell) for the cells of the grid; solver_not_supported if the solver does not show them.
     virtual Status for_each_cell(const std::function<void(const GridCell<T, D>&)>& f) const = 0;
+    /// Packs the functions that `solve` has kept (solution_blob.hpp); solver_not_supported if the solver's
+    /// are not packed.
+    virtual Status save(std::vector<std::byte>& bytes) const = 0;
+    /// Takes packed functions in place of a solve, without a copy: the bytes have to outlive this object.
+    virtual Status load(std::span<const std::byte> bytes, SolverReport& report) = 0;
 };
 
 namespace detail {

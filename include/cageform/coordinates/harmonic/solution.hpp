@@ -127,6 +127,24 @@ public:
         return Status::solver_not_supported;
     }
 
+    Status save([[maybe_unused]] std::vector<std::byte>& bytes) const override {
+        if constexpr (requires { solver_->solution_header(); }) {
+            bytes = pack_solution(solver().solution_header(), functions_, report_);
+            return Status::ok;
+        }
+        return Status::solver_not_supported;
+    }
+    Status load([[maybe_unused]] std::span<const std::byte> bytes,
+                [[maybe_unused]] SolverReport& report) override {
+        if constexpr (requires { solver_->solution_header(); }) {
+            SolverReport stored = report;
+            const Status status = open_solution(bytes, solver().solution_header(), functions_, stored);
+            if (status == Status::ok) report = report_ = stored;
+            return status;
+        }
+        return Status::solver_not_supported;
+    }
+
 private:
     // NOLINTNEXTLINE(bugprone-unchecked-optional-access): used only after `make`
     const S& solver() const noexcept { return *solver_; }

@@ -8,10 +8,10 @@
 #include <cageform/coordinates/harmonic/grid_errors.hpp>
 #include <cageform/coordinates/harmonic/near_rows.hpp>
 #include <cageform/coordinates/harmonic/options.hpp>
+#include <cageform/coordinates/harmonic/solution_blob.hpp>
 #include <cageform/coordinates/harmonic/tree_cage.hpp>
 #include <cageform/grid/tree/multigrid.hpp>
 
-#include <bit>
 #include <memory>
 
 namespace cageform::inline CAGEFORM_ABI {
@@ -146,6 +146,7 @@ public:
     TreeSolver(std::unique_ptr<Cage> cage, const Problem& problem, const Running& running)
         : cage_(std::move(cage))
         , data_(&problem.data)
+        , cage_hash_(detail::hash_of_cage(problem))
         , tolerance_(of_accuracy * problem.options.accuracy)
         , max_cycles_(problem.options.multigrid.max_cycles)
         , order_(cage_->cage().vertices().first(problem.handles), width)
@@ -202,61 +203,33 @@ public:
         return Status::ok;
     }
 
-    /// The values of a group at the nodes at which some function exceeds accuracy / 500. They are
-    /// stored in float, as the cycles compute them; the rounding is far below any allowed accuracy.
-    class Functions {
-    public:
-        Functions() = default;
-        Functions(const Block& block, std::uint32_t nodes, double least)
-            : words_((nodes + 63) / 64, Word{}) {
-            const auto is_kept = [&](std::uint32_t node) {
-                bool any = false;
-                for (const double x : block.value(node)) any = any || std::fabs(x) > least;
-                return any;
-            };
-            for (const std::uint32_t node : block.valued()) {
-                if (is_kept(node)) words_[node / 64].nodes |= std::uint64_t{1} << (node % 64);
-            }
-            std::uint32_t count = 0;
-            for (auto& word : words_) {
-                word.before = count;
-                count += std::uint32_t(std::popcount(word.nodes));
-            }
-            rows_.resize(count);
-            for (const std::uint32_t node : block.valued()) {
-                if (!has(node)) continue;
-                const auto values = block.value(node);
-                for (std::size_t k = 0; k < width; ++k) rows_[row(node)][k] = float(values[k]);
-            }
-        }
-
-        /// Returns whether values are stored for a node; elsewhere they are zero.
-        bool has(std::uint32_t node) const noexcept {
-            return ((words_[node / 64].nodes >> (node % 64)) & 1u) != 0;
-        }
-        typename Multigrid::Values value(std::uint32_t node) const noexcept {
-            typename Multigrid::Values values{};
-            if (!has(node)) return values;
-            for (std::size_t k = 0; k < width; ++k) values[k] = double(rows_[row(node)][k]);
-            return values;
-        }
-
-    private:
-        struct Word { ///< 64 nodes
-            std::uint64_t nodes = 0;
-            std::uint32_t before = 0; ///< rows of earlier words
-        };
-        std::size_t row(std::uint32_t node) const noexcept {
-            const Word& word = words_[node / 64];
-            return word.before +
-                   std::size_t(std::popcount(word.nodes & ((std::uint64_t{1} << (node % 64)) - 1)));
-        }
-
-        Buffer<Word> words_;
-        Buffer<typename Multigrid::Row> rows_;
-    };
+    /// The values of a group at the nodes at which some function exceeds accuracy / 500. The rounding to
+    /// float is far below any allowed accuracy.
+    using Functions = detail::KeptFunctions;
     Functions keep(const Block& block) const {
         return Functions(block, multigrid_.unknowns(), 0.002 * tolerance_ / of_accuracy);
+    }
+
+    /// Returns what a file of kept functions has to be of: cage, grid and accuracy.
+    detail::SolutionHeader solution_header() const {
+        detail::SolutionHeader header;
+        header.dimension = D;
+        header.cage_hash = cage_hash_;
+        header.accuracy = tolerance_ / of_accuracy;
+        header.group_count = groups();
+        header.nodes = multigrid_.unknowns();
+        header.grid_hash = hash_memory(multigrid_.data());
+        cage_->for_each_cell([&](const auto& cell) {
+            const std::array<double, D + 2> numbers = [&] {
+                std::array<double, D + 2> all{};
+                for (std::size_t k = 0; k < D; ++k) all[k] = cell.low[k];
+                all[D] = double(cell.size);
+                all[D + 1] = cell.is_cut ? 1 : 0;
+                return all;
+            }();
+            header.grid_hash = hash_memory(std::span<const double>(numbers), header.grid_hash);
+        });
+        return header;
     }
 
     // ---- samples -----------------------------------------------------------------------------------
@@ -407,6 +380,7 @@ private:
 
     std::unique_ptr<Cage> cage_;
     const detail::BoundaryData<D>* data_;
+    std::uint64_t cage_hash_;
     double tolerance_;
     std::size_t max_cycles_;
     detail::HandleOrder order_;

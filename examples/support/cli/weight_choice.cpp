@@ -1,0 +1,71 @@
+#include "cli/weight_choice.hpp"
+
+#include "cli/bind_report.hpp"
+
+#include <array>
+
+namespace cageform_examples {
+
+using cageform::WeightFormat;
+
+const char* name_of(WeightFormat format) {
+    switch (format) {
+    case WeightFormat::scalar: return "float";
+    case WeightFormat::half: return "half";
+    case WeightFormat::int16: return "int16";
+    case WeightFormat::int8: return "int8";
+    }
+    return "";
+}
+
+void WeightChoice::add_options(CommandLine& line, const std::string& share_of, const std::string& more,
+                               const std::string& default_format) {
+    line.add("--largest", largest, "the number of a vertex's largest weights to keep, 4 or more; 0 keeps all")
+        .show_default();
+    line.add("--max-distance", distance,
+             "the largest distance of a vertex from its position with all weights, as a share of " +
+                 share_of +
+                 ", in the poses of the motion, or in all poses that bend by up to a tenth of the cage;" +
+                 more + " green needs a motion; 0 means no bound")
+        .range(0.0, 1.0)
+        .show_default();
+    static constexpr std::array formats{WeightFormat::scalar, WeightFormat::half, WeightFormat::int16,
+                                        WeightFormat::int8};
+    line.add_text(
+            "--format",
+            [this](const std::string& given) {
+                for (const WeightFormat known : formats) {
+                    if (given == name_of(known)) format = known;
+                }
+            },
+            "the format of weights: float, half, int16 or int8")
+        .one_of({"float", "half", "int16", "int8"})
+        .show_default(default_format);
+}
+
+std::string WeightChoice::fault(const CoordinatesChoice& choice, bool has_motion) const {
+    if (choice.takes_normals() && distance > 0 && !has_motion)
+        return "--max-distance with --coordinates green needs a motion: give --clip, --pose, or operations "
+               "such as --turn";
+    return {};
+}
+
+SvgResult<std::vector<double>> poses_of_handles(const cageform::Binding<float, 3>& binding,
+                                                const PoseClip& clip, const SampledPoses& poses) {
+    std::vector<double> numbers;
+    std::vector<std::string> warnings;
+    for (std::size_t p = 0; p < poses.times.size(); ++p) {
+        std::vector<Point3> pose(clip.keys[0].places.size());
+        for (std::size_t n = 0; n < 3 * pose.size(); ++n)
+            pose[n / 3][n % 3] = poses.numbers[3 * pose.size() * p + n];
+        std::string warning;
+        const auto handles = pose_of_handles(binding, pose, name_of_pose(clip, poses.times[p]), warning);
+        if (!handles) return handles.error();
+        if (!warning.empty()) warnings.push_back(std::move(warning));
+        cageform::append_pose(numbers, *handles);
+    }
+    print_warnings(warnings);
+    return numbers;
+}
+
+} // namespace cageform_examples

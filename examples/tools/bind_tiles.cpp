@@ -1,0 +1,471 @@
+// Binds files of points, tiles, to one cage and packs each into a figure, as bind_mesh does with a mesh.
+// Every tile is read and written in pieces, so a tile can have any size; memory is bounded, and said beforehand.
+//
+//     bind_tiles cage.obj --points 'tiles/*.ply' -o 'out/*.figure' --largest 16 --format half
+//     bind_tiles cage.obj --points 'tiles/*.ply' -o 'out/*.figure' --rows 0:100 --threads 4
+//     bind_tiles cage.obj --points scan.ply -o scan.figure --coordinates harmonic --solution cage.solution
+//
+// The tiles are sorted by their names, and --rows says which of them this process binds. A figure depends on
+// its tile and on the options alone: neither on other tiles, nor on threads, memory or rows. A figure that is
+// there, whole and made of equal bytes by equal options, is left as it is: a farm may start any task again.
+//
+// Exit status: 0 all tiles are done; 1 the options are wrong, or a tile cannot be bound, and is named; 75 a
+// failure may pass, such as a full disk: try again. Tiles beside one that fails are done.
+
+#include "cli/bind_report.hpp"
+#include "cli/command_line.hpp"
+#include "cli/coordinates.hpp"
+#include "cli/guard.hpp"
+#include "cli/mesh_cage.hpp"
+#include "cli/pose_choice.hpp"
+#include "cli/progress_bar.hpp"
+#include "cli/tile_list.hpp"
+#include "cli/weight_choice.hpp"
+#include "files/atomic_file.hpp"
+#include "files/csv.hpp"
+#include "files/figure_stream.hpp"
+#include "files/input_file.hpp"
+#include "files/point_file.hpp"
+
+#include <cageform/binding/pack.hpp>
+#include <cageform/core/threads.hpp>
+
+#include <nlohmann/json.hpp>
+
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <iostream>
+#include <mutex>
+#include <sstream>
+#include <thread>
+
+namespace {
+
+using namespace cageform_examples;
+using cageform::Status;
+using Point = cageform::Vec<float, 3>;
+
+struct Arguments {
+    std::string cage, solution, saved_solution;
+    TileChoice tiles;
+    MotionChoice moves;
+    WeightChoice weights; // a distance as a share of the cage's size
+    OutsideChoice outside;
+    CoordinatesChoice choice;
+    std::size_t memory = 2048, threads = 1; // memory in MB
+    bool json = false;
+};
+
+/// All that tiles share. Nothing in it changes while they are bound.
+struct Job {
+    ChosenCoordinates<float, 3> coordinates;
+    std::string cage, outside;
+    double size = 0; // of the cage: the diagonal of its box
+    cageform::BindOptions bind;
+    cageform::PackOptions pack;
+    std::vector<double> poses;
+    std::uint64_t parameters = 0; // a hash of all that decides about the bytes beside the points
+    std::size_t piece = 0;        // points that are bound at once
+};
+
+/// The number of points that are bound at once. It depends on the cage alone, because the bytes depend on it.
+std::size_t points_of_piece(std::size_t handles) {
+    constexpr std::size_t weights = std::size_t{32} << 20, most = 65536, whole = 1024;
+    const std::size_t points = weights / (sizeof(float) * std::max<std::size_t>(handles, 1));
+    return std::clamp(points / whole * whole, whole, most);
+}
+
+/// The memory that one tile takes while it is bound, in bytes: a piece's weights as they are bound and as
+/// they are packed, its points in all forms, and the table of all handles' products.
+std::size_t bytes_of_tile(std::size_t piece, std::size_t handles) {
+    constexpr std::size_t of_point = 400, of_files = std::size_t{4} << 20;
+    return piece * (2 * sizeof(float) * handles + of_point) + handles * handles * sizeof(double) + of_files;
+}
+
+/// How a tile ended.
+struct Outcome {
+    TileRecord record;
+    std::uint64_t bytes = 0; // of the figure
+    double seconds = 0;
+    bool was_done = false;
+    std::string error; // empty: none
+    bool may_pass = false;
+};
+
+/// A number of a file's points that stand in the way, with the first of them.
+std::string points_at(const std::vector<std::size_t>& points, std::uint64_t first) {
+    return std::to_string(points.size()) + (points.size() == 1 ? " point" : " points") + ", first number " +
+           std::to_string(first + points[0]) + " counted from 0,";
+}
+
+/// Why a piece of a tile cannot be bound; empty where it can.
+///
+///   first  the number of its first point in the tile
+std::string fault_of_piece(const Job& job, const cageform::BindReport& report, std::uint64_t first) {
+    if (report.status != Status::ok) return describe_mesh_faults(job.cage, report);
+    if (!report.not_finite.empty()) return points_at(report.not_finite, first) + " are not finite in float";
+    if (!report.outside.empty() && job.outside == "refuse")
+        return points_at(report.outside, first) + " lie outside the cage " + job.cage +
+               "; use --outside to choose what they do";
+    if (!report.outside.empty() && job.outside == "extend" && !job.coordinates.has_extension())
+        return points_at(report.outside, first) + " lie outside the cage " + job.cage +
+               ", where these coordinates are not defined";
+    if (!report.unreached.empty())
+        return points_at(report.unreached, first) + " get no weights: " +
+               (job.coordinates.closed_form() ? "they are too far from the cage"
+                                              : "the grid is too coarse; raise --resolution");
+    return {};
+}
+
+/// Binds a tile into its figure.
+class TileBinder {
+public:
+    TileBinder(const Job& job, const Tile& tile)
+        : job_(job)
+        , tile_(tile) {}
+
+    Outcome run() {
+        const auto start = std::chrono::steady_clock::now();
+        try {
+            if (!is_done()) bind();
+        } catch (const std::bad_alloc&) {
+            refuse("out of memory: give less --threads", true);
+        } catch (const std::exception& error) {
+            refuse(error.what(), false);
+        }
+        outcome_.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+        return std::move(outcome_);
+    }
+
+private:
+    void refuse(const std::string& why, bool may_pass) {
+        outcome_.error = why;
+        outcome_.may_pass = may_pass;
+    }
+
+    /// Whether the figure is there, whole, of these points by these options.
+    bool is_done() {
+        std::error_code none;
+        if (!std::filesystem::is_regular_file(tile_.output, none)) return false;
+        const auto record = read_tile_record(tile_.output);
+        if (!record || record->parameters_hash != job_.parameters) return false;
+        InputFile points(tile_.points);
+        if (points.hash_to_end() != record->points_hash) return false;
+        outcome_.record = *record;
+        outcome_.bytes = std::filesystem::file_size(tile_.output, none);
+        return outcome_.was_done = true;
+    }
+
+    void bind() {
+        PointFile points(tile_.points);
+        if (!points.error().empty()) return refuse(points.error(), points.may_pass());
+        FigureStream figure(tile_.output);
+        std::vector<double> numbers;
+        std::vector<Point> piece;
+        std::uint64_t first = 0;
+        do {
+            numbers.clear();
+            const std::size_t count = points.read(job_.piece, numbers);
+            if (!points.error().empty()) return refuse(points.error(), points.may_pass());
+            if (count == 0 && first > 0) break;
+            piece.resize(count);
+            for (std::size_t n = 0; n < 3 * count; ++n) piece[n / 3][n % 3] = float(numbers[n]);
+            if (!append(piece, first, figure)) return;
+            first += count;
+        } while (piece.size() == job_.piece);
+        const auto hash = points.hash_to_end();
+        if (!hash) return refuse(points.error(), points.may_pass());
+        outcome_.record.points_hash = *hash;
+        outcome_.record.parameters_hash = job_.parameters;
+        if (!figure.finish(outcome_.record)) return refuse(figure.error(), figure.may_pass());
+        outcome_.bytes = figure.bytes();
+    }
+
+    bool append(const std::vector<Point>& piece, std::uint64_t first, FigureStream& figure) {
+        auto bound = job_.coordinates.bind(piece, job_.bind, std::move(recycled_));
+        const std::string why = fault_of_piece(job_, bound.report, first);
+        if (!why.empty()) {
+            refuse(tile_.points + ": " + why, bound.report.status == Status::out_of_memory);
+            return false;
+        }
+        outcome_.record.outside += bound.report.outside.size();
+        const auto packed = cageform::pack(bound.value, job_.pack);
+        if (packed.report.status == Status::format_too_coarse) {
+            std::ostringstream least;
+            least.precision(3);
+            least << packed.report.distance.value / job_.size;
+            refuse(tile_.points + ": " + to_string(packed.report.status) + ", " + least.str() +
+                       " can be reached: raise --max-distance or choose another --format",
+                   false);
+            return false;
+        }
+        if (packed.report.status != Status::ok) {
+            refuse(tile_.points + ": " + to_string(packed.report.status),
+                   packed.report.status == Status::out_of_memory);
+            return false;
+        }
+        const cageform::Extreme& loss = packed.report.distance;
+        if (loss.point != cageform::Extreme::none && loss.value >= outcome_.record.distance) {
+            outcome_.record.distance = loss.value;
+            outcome_.record.farthest = first + loss.point;
+        }
+        recycled_ = std::move(bound.value);
+        if (figure.append(packed.value.bytes(), piece)) return true;
+        refuse(figure.error(), figure.may_pass());
+        return false;
+    }
+
+    const Job& job_;
+    const Tile& tile_;
+    Outcome outcome_;
+    cageform::Binding<float, 3> recycled_;
+};
+
+/// One line of JSON about a tile.
+std::string json_of(const Job& job, const Tile& tile, const Outcome& outcome) {
+    nlohmann::ordered_json line;
+    line["row"] = tile.row;
+    line["tile"] = tile.points;
+    line["output"] = tile.output;
+    line["state"] = !outcome.error.empty() ? "failed" : outcome.was_done ? "was done" : "done";
+    line["seconds"] = outcome.seconds;
+    if (outcome.error.empty()) {
+        line["points"] = outcome.record.points;
+        line["bytes"] = outcome.bytes;
+        line["weights_a_point"] = outcome.record.weights_per_point;
+        line["largest_distance"] = outcome.record.distance;
+        line["largest_distance_of_cage"] = outcome.record.distance / job.size;
+        line["farthest_point"] = outcome.record.farthest;
+        line["outside"] = outcome.record.outside;
+    } else {
+        line["error"] = outcome.error;
+        line["try_again"] = outcome.may_pass;
+    }
+    return line.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+}
+
+std::string text_of(const Job& job, const Tile& tile, const Outcome& outcome) {
+    std::ostringstream line;
+    line.precision(3);
+    line << printable(tile.points) << ": " << outcome.record.points << " points, " << outcome.bytes
+         << " bytes, " << outcome.record.weights_per_point << " weights a point, off by at most "
+         << outcome.record.distance << " (" << 100 * outcome.record.distance / job.size
+         << " % of the cage), ";
+    if (outcome.record.outside > 0) line << outcome.record.outside << " outside, ";
+    if (outcome.was_done)
+        line << "was done";
+    else
+        line << outcome.seconds << " s";
+    return line.str();
+}
+
+/// Binds tiles, several at a time; returns the exit status.
+int bind_all(const Job& job, const std::vector<Tile>& tiles, std::size_t threads, bool json) {
+    std::atomic<std::size_t> next{0};
+    std::mutex lock;
+    bool failed = false, passes = false;
+    const auto work = [&] {
+        for (std::size_t n = next++; n < tiles.size(); n = next++) {
+            const Outcome outcome = TileBinder(job, tiles[n]).run();
+            const std::lock_guard guard(lock);
+            if (!outcome.error.empty()) {
+                (void)fail(outcome.error);
+                (outcome.may_pass ? passes : failed) = true;
+            }
+            if (json)
+                std::cout << json_of(job, tiles[n], outcome) << std::endl;
+            else if (outcome.error.empty())
+                std::cout << text_of(job, tiles[n], outcome) << std::endl;
+        }
+    };
+    std::vector<std::thread> others;
+    while (others.size() + 1 < std::min(threads, tiles.size())) others.emplace_back(work);
+    work();
+    for (std::thread& other : others) other.join();
+    return passes ? try_again : failed ? 1 : 0;
+}
+
+/// A hash of all that decides about the bytes of a figure beside its points.
+std::uint64_t hash_of_parameters(const Arguments& given, const ObjFile& cage, const Job& job) {
+    std::ostringstream text;
+    text.precision(17);
+    const CoordinatesChoice& c = given.choice;
+    const auto& multigrid = c.harmonic.multigrid;
+    text << "bind_tiles 1 " << job.piece << ' ' << c.name << ' ' << c.faces << ' ' << c.divisions << ' '
+         << c.resolution << ' ' << c.is_uniform << ' ' << c.harmonic.accuracy << ' ' << multigrid.tolerance
+         << ' ' << c.harmonic.averaging.tolerance << ' ' << int(c.harmonic.solver) << ' '
+         << given.outside.word << ' ' << given.outside.falloff << ' '
+         << int(job.pack.format.value_or(cageform::WeightFormat::scalar)) << ' ' << job.pack.largest << ' '
+         << job.pack.tolerance << ' ' << cage.lattice.has_value() << '\n';
+    std::uint64_t hash = cageform::hash_memory(std::span<const char>(text.str()));
+    hash = cageform::hash_memory(std::span<const char>(cage.text), hash);
+    hash = cageform::hash_memory(std::span<const Point3>(cage.vertices), hash);
+    return cageform::hash_memory(std::span<const double>(job.poses), hash);
+}
+
+/// Prints how much memory is used at most, and returns the number of threads that fit; 0 where not one does.
+std::size_t plan_memory(const Arguments& given, const Job& job, std::size_t tiles, std::size_t& of_solver) {
+    constexpr std::size_t mega = 1000000, of_program = 32 * mega;
+    const std::size_t each = bytes_of_tile(job.piece, job.coordinates.handles().count);
+    const std::size_t all = given.memory * mega;
+    const bool solves = !job.coordinates.closed_form();
+    const std::size_t least = of_program + each + (solves ? each : 0);
+    if (all < least) {
+        (void)fail("--memory " + std::to_string(given.memory) + ": a tile takes " +
+                   std::to_string(least / mega + 1) + " MB with this cage, however small it is");
+        return 0;
+    }
+    const std::size_t room = (all - of_program - (solves ? (all - of_program) / 2 : 0)) / each;
+    const std::size_t threads = std::clamp<std::size_t>(std::min({given.threads, room, tiles}), 1, 1024);
+    of_solver = solves ? all - of_program - threads * each : 0;
+    note("memory: at most " + std::to_string((of_program + threads * each + of_solver) / mega + 1) +
+         " MB: " + std::to_string(each / mega + 1) + " MB for each of " + std::to_string(threads) +
+         (threads == 1 ? " tile" : " tiles") + " at a time" +
+         (solves ? ", and the solver up to " + std::to_string(of_solver / mega) + " MB" : ""));
+    if (threads < std::min(given.threads, tiles))
+        note("--threads " + std::to_string(given.threads) + ": no more fit into --memory " +
+             std::to_string(given.memory));
+    return threads;
+}
+
+/// Solves, or takes functions from a file, and saves them; returns the exit status.
+int solve(const Arguments& given, std::size_t threads, const Job& job, std::optional<InputFile>& solution) {
+    ProgressBar bar("solving");
+    const cageform::Running running{cageform::ThreadedFor{unsigned(threads)}, bar.callback()};
+    cageform::Evaluation solved;
+    if (!given.solution.empty()) {
+        solution.emplace(given.solution);
+        const auto bytes = solution->map();
+        if (!solution->error().empty()) {
+            const int code = fail(solution->error());
+            return solution->may_pass() ? try_again : code;
+        }
+        solved = job.coordinates.load_solution(bytes, running);
+        if (solved.status != Status::ok)
+            return fail(given.solution + ": " + to_string(solved.status) + "; this cage is " + job.cage +
+                        " with --accuracy " + detail::short_number(given.choice.harmonic.accuracy) +
+                        "; --save-solution writes one that fits");
+    } else {
+        solved = job.coordinates.solve(running);
+    }
+    if (solved.status != Status::ok) {
+        cageform::BindReport refused;
+        refused.status = solved.status;
+        refused.solver = solved.solver;
+        return fail(describe_mesh_faults(job.cage, refused));
+    }
+    warn_of_coarse_grid(job.cage, solved.solver);
+    if (given.saved_solution.empty()) return 0;
+    const auto [bytes, saved] = job.coordinates.save_solution();
+    if (saved.status != Status::ok) return fail(given.saved_solution + ": " + to_string(saved.status));
+    AtomicFile file(given.saved_solution);
+    file.write({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+    if (const auto why = file.commit()) {
+        const int code = fail(*why);
+        return file.may_pass() ? try_again : code;
+    }
+    return 0;
+}
+
+int run_program(int argc, char** argv) {
+    CommandLine line(
+        "Binds files of points to a cage, each in bounded memory, and packs each into a figure.");
+    line.set_examples(
+        {"cage.obj --points 'tiles/*.ply' -o 'out/*.figure' --largest 16 --format half",
+         "cage.obj --points 'tiles/*.ply' -o 'out/*.figure' --rows 0:100 --threads 4 --json",
+         "cage.obj --points scan.ply -o scan.figure --max-distance 0.01 --clip clip.csv --format int8"});
+    Arguments given;
+    line.add("cage", given.cage, "the cage: an OBJ file of a closed mesh, or a .lattice.json file")
+        .required();
+    given.tiles.add_options(line);
+    given.moves.add_options(line);
+    given.choice.with_normals = given.choice.in_space = true;
+    given.choice.add_options(line);
+    given.outside.add_options(line);
+    given.weights.add_options(line, "the cage's size", "", "float");
+    line.add("--save-solution", given.saved_solution,
+             "harmonic: write the solved functions of the cage to this file, for other processes")
+        .ends_with({".solution"});
+    line.add("--solution", given.solution,
+             "harmonic: use the functions that --save-solution has written in place of a solve");
+    line.add("--threads", given.threads, "the number of tiles that are bound at a time")
+        .range(1, 1024)
+        .show_default();
+    line.add("--memory", given.memory, "the most memory to use, in MB; the need is printed beforehand")
+        .range(64, 1 << 30)
+        .show_default();
+    line.add_flag(
+        "--json", given.json,
+        "print a line of JSON for each tile: its row, files, state, seconds, points, bytes, weights a "
+        "point, and the largest distance");
+    line.set_footer(point_file_format + std::string("\n") + ply_format + "\n" + obj_format + "\n" +
+                    lattice_format + "\n" + pose_clip_format + "\n" + pose_operations_format);
+    if (const auto code = line.parse(argc, argv)) return *code;
+    if (const std::string why = given.outside.fault(); !why.empty()) return fail(why);
+    if (const auto why = given.weights.fault(given.choice, given.moves.is_given()); !why.empty())
+        return fail(why);
+    const bool has_solution = !given.solution.empty() || !given.saved_solution.empty();
+    if (has_solution &&
+        (given.choice.name != "harmonic" || given.choice.resolution != 0 || given.choice.is_uniform))
+        return fail("--solution and --save-solution are for --coordinates harmonic with --accuracy: other "
+                    "coordinates solve nothing that could be kept");
+    const auto tiles = given.tiles.tiles();
+    if (!tiles) return fail(to_string(tiles.error()));
+    std::vector<std::string> inputs = given.moves.poses;
+    inputs.push_back(given.cage);
+    if (!given.moves.clip.empty()) inputs.push_back(given.moves.clip);
+    if (!given.solution.empty()) inputs.push_back(given.solution);
+    std::vector<std::string> outputs;
+    if (!given.saved_solution.empty()) outputs.push_back(given.saved_solution);
+    if (const auto why = fault_of_tiles(*tiles, inputs, outputs)) return fail(*why);
+
+    const auto cage = load_mesh_cage(given.cage);
+    if (!cage) return fail(to_string(cage.error()));
+    if (const auto fault = single_precision_fault(*cage)) return fail(to_string(*fault));
+    const auto motion = given.moves.motion(*cage);
+    if (!motion) return fail(to_string(motion.error()));
+    Job job;
+    job.cage = cage->name;
+    job.coordinates = make_coordinates<float>(given.choice, *cage);
+    if (job.coordinates.cage_report().status != Status::ok) {
+        cageform::BindReport refused;
+        refused.cage = job.coordinates.cage_report();
+        refused.status = refused.cage.status;
+        return fail(describe_mesh_faults(cage->name, refused));
+    }
+    job.size = cageform::bounds_of(std::span<const Point3>(cage->vertices)).diagonal();
+    job.piece = points_of_piece(job.coordinates.handles().count);
+    job.pack.format = given.weights.format.value_or(cageform::WeightFormat::scalar);
+    job.pack.largest = given.weights.largest;
+    job.pack.tolerance = given.weights.distance * job.size;
+    std::size_t of_solver = 0;
+    const std::size_t threads = plan_memory(given, job, tiles->size(), of_solver);
+    if (threads == 0) return 1;
+    if (of_solver > 0) {
+        given.choice.memory_limit = of_solver;
+        job.coordinates = make_coordinates<float>(given.choice, *cage);
+    }
+    job.outside = given.outside.word;
+    job.bind = given.outside.bind_options(job.coordinates);
+    warn_of_closed_gaps(cage->name, job.coordinates.cage_report());
+    if (!job.coordinates.note.empty()) note(job.coordinates.note);
+    std::optional<InputFile> solution; // its bytes are used as long as the coordinates
+    if (const int code = solve(given, threads, job, solution); code != 0) return code;
+    if (!motion->keys.empty()) {
+        const auto bound = job.coordinates.bind(std::span(cage->vertices).first(1), job.bind);
+        if (!bound) return fail(describe_mesh_faults(cage->name, bound.report));
+        auto posed = poses_of_handles(bound.value, *motion, sample_poses(*motion));
+        if (!posed) return fail(to_string(posed.error()));
+        job.poses = std::move(*posed);
+        job.pack.poses = job.poses;
+    }
+    job.parameters = hash_of_parameters(given, *cage, job);
+    return bind_all(job, *tiles, threads, given.json);
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    return guarded("bind_tiles", [&] { return run_program(argc, argv); });
+}
