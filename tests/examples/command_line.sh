@@ -2145,8 +2145,15 @@ done
 # ---- what all programs have ----
 mkdir -p no_files
 version=$(sed -n 's/.*VERSION_STRING "\(.*\)"/\1/p' "$(dirname "$data")/../include/cageform/version.hpp")
-for program in deform_svg coordinate_field cage_weights figure_table contact_sheet convergence adaptive_grid pose_cage make_cage make_box deform_mesh make_splats deform_splats draw_splats make_character make_tiles bind_mesh clone_figure bind_tiles \
+for program in deform_svg coordinate_field cage_weights figure_table contact_sheet convergence adaptive_grid pose_cage make_cage make_box deform_mesh make_splats deform_splats draw_splats make_character bind_mesh clone_figure bind_tiles \
   export_gltf skin_mesh animate_svg fit_curve bezier_tables make_hand pose_hand hand_sheet height_map grid_field diffuse_colours puzzle paths boundary_formula relaxation lattice_board leaf_cages lattice_fit pin_poses electron_waves plane_homotopy sphere_eversion zooms; clone_image; do
+\
+>>
+  export_gltf skin_mesh animate_svg fit_curve bezier_tables make_hand pose_hand hand_sheet height_map grid_field diffuse_colours puzzle paths boundary_formula relaxation lattice_board leaf_cages lattice_fit pin_poses; do
+=======
+for program in deform_svg coordinate_field cage_weights figure_table contact_sheet convergence adaptive_grid pose_cage make_cage make_box deform_mesh make_character make_tiles bind_mesh bind_tiles clone_figure \
+  export_gltf skin_mesh animate_svg fit_curve bezier_tables make_hand pose_hand hand_sheet height_map grid_field diffuse_colours puzzle paths boundary_formula relaxation lattice_board leaf_cages lattice_fit pin_poses; do
+>>>>>>> theirs
   works "version of $program" "$programs/$program" --version
   [ "$(cat log)" = "$program (cageform) $version" ] && ok=yes || ok=no
   report $ok "$program tells its version"

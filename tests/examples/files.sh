@@ -37,7 +37,7 @@ cp "$data/puzzle.csv" pool
     sed -n "s/^v \(.*\) \(.*\) \(.*\)/\1,\2,$time\3/p" box.obj
   done | sed '1ilength,1' >box_clip.csv
   grep '^v' box.obj | cut -d ' ' -f 2- | tr ' ' , | paste -s -d , >box_poses.csv
-  "$programs/bind_mesh" inner.obj --cage box.obj -o box.figure 2>/dev/null
+  "$programs/bind_mesh" inner.obj --cage box.obj -o bound.figure 2>/dev/null
   printf 'length,1\ncontrol,a\nvertices,0\n0,0,0,0,linear\n0.5,9,0,0,linear\n1,0,0,0,linear\n' >clip.csv
   echo 250,250,260,250 >pins.csv
   printf '0,250,250\n1,260,250\n' >markers.csv
@@ -213,8 +213,8 @@ form pose_cage hexagon_cage.svg --figure hexagon.svg --move 0:1,1 -o out.svg --p
 form adaptive_grid --cage hexagon_cage.svg --figure hexagon.svg --accuracy 0.05 -o out.svg --png --png-width 60
 form bind_mesh inner.obj --cage box.obj --clip box_clip.csv --labels box_labels.txt -o out.figure
 form bind_mesh inner.obj --cage box.obj --pose bent_box.obj --pose-samples -o out.figure
-form clone_figure box.figure --poses box_poses.csv --rows 0:1 --mesh inner.obj -o out.ply
-form clone_figure box.figure --poses box_clip.csv --rows 1:2 -o out.npy
+form clone_figure box.figure bound.figure --poses box_poses.csv --rows 0:1 --mesh inner.obj -o out.ply
+form clone_figure box.figure bound.figure --poses box_clip.csv --rows 1:2 -o out.npy
 form bind_tiles box.obj --points inner.obj --clip box_clip.csv -o out.figure
 form bind_tiles box.obj --points inner.obj --pose bent_box.obj --coordinates harmonic --accuracy 0.1 --save-solution out.solution -o out.figure
 form bind_tiles box.obj --points inner.obj --coordinates harmonic --accuracy 0.1 --solution box.solution --save-solution out.solution -o out.figure
