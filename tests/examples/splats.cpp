@@ -423,7 +423,7 @@ TEST_CASE("headers that are cut or have bytes changed are read or refused", "[sp
     CHECK(refused == good.size());
     for (std::size_t n = 0; n < 2000; ++n) {
         std::string bad = good;
-        bad[std::size_t(random.between(0, 700))] = char(random.between(0, 256));
+        bad[std::size_t(random.between(0, 700))] = char(int(random.between(0, 256)));
         (void)fault_of(bad);
     }
 }
