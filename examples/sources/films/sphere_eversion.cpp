@@ -236,6 +236,7 @@ SvgResult<bool> print_stage(const Theatre& theatre, double time) {
 
 /// How far a vertex goes at most between two frames, for the largest distance from the origin after it.
 double largest_step(const std::vector<Point3>& before, const std::vector<Point3>& after) {
+    const auto length = [](const Point3& v) { return std::hypot(v[0], v[1], v[2]); };
     double step = 0, size = 0;
     for (std::size_t i = 0; i < after.size(); ++i) {
         step = std::max(step, length(after[i] - before[i]));
