@@ -211,7 +211,7 @@ TEST_CASE("curves that turn unequally often have a place where every mix of them
     const TurningCurve from = random_curve(from_turns, seed), to = random_curve(to_turns, seed + 100);
     const Homotopy homotopy(from, to);
     CHECK_FALSE(homotopy.is_regular());
-    const auto stops = homotopy.stops(from, to);
+    const auto stops = homotopy.stops();
     CHECK(int(stops.size()) >= to_turns - from_turns);
     for (const auto& stop : stops) {
         CHECK(stop.speed <= 1e-13);
@@ -223,8 +223,7 @@ TEST_CASE("curves that turn unequally often have a place where every mix of them
 }
 
 TEST_CASE("from the circle to its mirror image the curve stands still halfway", "[films]") {
-    const TurningCurve circle{1}, mirrored{-1};
-    const auto stops = Homotopy(circle, mirrored).stops(circle, mirrored);
+    const auto stops = Homotopy({1}, {-1}).stops();
     REQUIRE(stops.size() == 2);
     for (const auto& stop : stops) {
         CHECK(std::fabs(stop.s - 0.5) <= 1e-12);

@@ -2,11 +2,12 @@
 
 // Regular homotopies of closed curves in the plane. Two closed regular curves are regularly homotopic if and
 // only if their tangents turn equally often: H. Whitney, "On regular closed curves in the plane", Compositio
-// Mathematica 4 (1937), 276–284, who thanks Graustein for the proof.
+// Mathematica 4 (1937), 276–284, who had it from W. C. Graustein.
 
 #include "svg/path.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <complex>
 #include <cstddef>
@@ -54,14 +55,14 @@ public:
     static constexpr std::size_t samples = 1024; // of τ: means are then good to rounding
 
     Homotopy(const TurningCurve& from, const TurningCurve& to)
-        : turns_{from.turns, to.turns} {
+        : curves_{from, to} {
         for (std::size_t k = 0; k <= samples; ++k) {
             from_.push_back(from.angle(tau(k)));
             to_.push_back(to.angle(tau(k)));
         }
         // Curves of no turns can cancel each other: then the second one starts elsewhere.
         constexpr double enough = 0.05;
-        if (turns_[0] != 0 || turns_[1] != 0 || least_speed().least >= enough) return;
+        if (!is_regular() || from.turns != 0 || least_speed().least >= enough) return;
         const std::vector<double> unmoved = to_;
         std::size_t best = 0;
         double most = 0;
@@ -76,8 +77,8 @@ public:
         start_ = tau(best);
     }
 
-    bool is_regular() const { return turns_[0] == turns_[1]; } // whether it can be
-    double start() const { return start_; }                    // of the second curve: another τ than 0
+    bool is_regular() const { return curves_[0].turns == curves_[1].turns; } // whether it can be
+    double start() const { return start_; } // of the second curve: another τ than 0
 
     static double tau(std::size_t k) { return 2 * std::numbers::pi * double(k) / samples; }
 
@@ -167,7 +168,8 @@ public:
     /// Where a family of curves that turn unequally often stands still: the velocities u_0 and u_1 point
     /// against each other at some τ, since the angle between them changes by 2π times the difference of the
     /// turns, and there s = |u_0| / (|u_0| + |u_1|) makes their mix 0. By halving intervals of τ.
-    std::vector<Stop> stops(const TurningCurve& from, const TurningCurve& to) const {
+    std::vector<Stop> stops() const {
+        const TurningCurve &from = curves_[0], &to = curves_[1];
         const Complex mean_from = mean_of_angles(from_), mean_to = mean_of_angles(to_);
         const auto pair = [&](double t) {
             return std::pair{std::polar(1.0, from.angle(t)) - mean_from,
@@ -209,7 +211,7 @@ private:
         return mean_of(all);
     }
 
-    int turns_[2];
+    std::array<TurningCurve, 2> curves_;
     std::vector<double> from_, to_;
     double start_ = 0;
 };

@@ -193,7 +193,7 @@ int run_program(int argc, char** argv) {
             std::cout << "the second curve starts at t = " << text_of("%.4g", homotopy.start())
                       << ", since on the way from its start both would cancel each other\n";
     } else {
-        stops = homotopy.stops(curves[0], curves[1]);
+        stops = homotopy.stops();
         std::cout << "the tangents turn " << curves[0].turns << " and " << curves[1].turns
                   << " times, so no homotopy is regular; this one stands still\n";
         for (const auto& stop : stops)
