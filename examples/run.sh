@@ -23,7 +23,7 @@ esac
 start=$(date +%s)
 step() { # WHAT
   count=$((${count:-0} + 1))
-  printf '[%d/%d] %s\n' $count 26 "$1"
+  printf '[%d/%d] %s\n' $count 30 "$1"
 }
 mkdir -p out
 step "configure"

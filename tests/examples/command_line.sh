@@ -2145,15 +2145,11 @@ done
 # ---- what all programs have ----
 mkdir -p no_files
 version=$(sed -n 's/.*VERSION_STRING "\(.*\)"/\1/p' "$(dirname "$data")/../include/cageform/version.hpp")
-for program in deform_svg coordinate_field cage_weights figure_table contact_sheet convergence adaptive_grid pose_cage make_cage make_box deform_mesh make_splats deform_splats draw_splats make_character bind_mesh clone_figure bind_tiles \
-  export_gltf skin_mesh animate_svg fit_curve bezier_tables make_hand pose_hand hand_sheet height_map grid_field diffuse_colours puzzle paths boundary_formula relaxation lattice_board leaf_cages lattice_fit pin_poses electron_waves plane_homotopy sphere_eversion zooms; clone_image; do
-\
->>
-  export_gltf skin_mesh animate_svg fit_curve bezier_tables make_hand pose_hand hand_sheet height_map grid_field diffuse_colours puzzle paths boundary_formula relaxation lattice_board leaf_cages lattice_fit pin_poses; do
-=======
-for program in deform_svg coordinate_field cage_weights figure_table contact_sheet convergence adaptive_grid pose_cage make_cage make_box deform_mesh make_character make_tiles bind_mesh bind_tiles clone_figure \
-  export_gltf skin_mesh animate_svg fit_curve bezier_tables make_hand pose_hand hand_sheet height_map grid_field diffuse_colours puzzle paths boundary_formula relaxation lattice_board leaf_cages lattice_fit pin_poses; do
->>>>>>> theirs
+for program in adaptive_grid animate_svg bezier_tables bind_mesh bind_tiles boundary_formula cage_weights clone_figure clone_image \
+  contact_sheet convergence coordinate_field deform_mesh deform_splats deform_svg diffuse_colours draw_splats \
+  electron_waves export_gltf figure_table fit_curve grid_field hand_sheet height_map lattice_board lattice_fit \
+  leaf_cages make_box make_cage make_character make_hand make_splats make_tiles paths pin_poses plane_homotopy \
+  pose_cage pose_hand puzzle relaxation skin_mesh sphere_eversion zooms; do
   works "version of $program" "$programs/$program" --version
   [ "$(cat log)" = "$program (cageform) $version" ] && ok=yes || ok=no
   report $ok "$program tells its version"

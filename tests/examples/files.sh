@@ -213,8 +213,8 @@ form pose_cage hexagon_cage.svg --figure hexagon.svg --move 0:1,1 -o out.svg --p
 form adaptive_grid --cage hexagon_cage.svg --figure hexagon.svg --accuracy 0.05 -o out.svg --png --png-width 60
 form bind_mesh inner.obj --cage box.obj --clip box_clip.csv --labels box_labels.txt -o out.figure
 form bind_mesh inner.obj --cage box.obj --pose bent_box.obj --pose-samples -o out.figure
-form clone_figure box.figure bound.figure --poses box_poses.csv --rows 0:1 --mesh inner.obj -o out.ply
-form clone_figure box.figure bound.figure --poses box_clip.csv --rows 1:2 -o out.npy
+form clone_figure bound.figure --poses box_poses.csv --rows 0:1 --mesh inner.obj -o out.ply
+form clone_figure bound.figure --poses box_clip.csv --rows 1:2 -o out.npy
 form bind_tiles box.obj --points inner.obj --clip box_clip.csv -o out.figure
 form bind_tiles box.obj --points inner.obj --pose bent_box.obj --coordinates harmonic --accuracy 0.1 --save-solution out.solution -o out.figure
 form bind_tiles box.obj --points inner.obj --coordinates harmonic --accuracy 0.1 --solution box.solution --save-solution out.solution -o out.figure
