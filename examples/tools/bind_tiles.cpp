@@ -1,5 +1,5 @@
 // Binds files of points, tiles, to one cage and packs each into a figure, as bind_mesh does with a mesh.
-// Every tile is read and written in pieces, so a tile can have any size; memory is bounded, and said beforehand.
+// Every tile is read and written in pieces, so a tile can have any size; memory is bounded, and said before.
 //
 //     bind_tiles cage.obj --points 'tiles/*.ply' -o 'out/*.figure' --largest 16 --format half
 //     bind_tiles cage.obj --points 'tiles/*.ply' -o 'out/*.figure' --rows 0:100 --threads 4
