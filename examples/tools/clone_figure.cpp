@@ -3,9 +3,9 @@
 //     clone_figure character.figure --poses poses.csv --rows 0:1000 -o 'out/%06d.ply'
 //     clone_figure character.figure --poses walk.csv --rate 24 --mesh character.obj -o 'out/%04d.obj'
 //
-// The figure is a file that bind_mesh or bind_tiles writes, or any packed figure or binding, in the plane or in
-// space. Rows do not depend on each other: a farm runs this program with other rows in every task, and the files
-// are the same, bit for bit, whatever the rows of a task and the number of threads (examples/farms).
+// The figure is a file that bind_mesh or bind_tiles writes, or any packed figure or binding, in the plane or
+// in space. Rows do not depend on each other: a farm runs this program with other rows in every task, and
+// the files are equal, bit for bit, whatever the rows of a task and the number of threads (examples/farms).
 //
 // Exit code 75 says that a disk is full, or another failure that may pass: run the same line again, with
 // --skip-existing to keep what is done. Files appear whole or not at all.
@@ -49,7 +49,7 @@ struct Arguments {
     }
 };
 
-/// What became of a row.
+/// The fate of a row.
 struct Outcome {
     std::string path, fault, warning;
     bool skipped = false, may_pass = false;
@@ -142,6 +142,13 @@ void print_line(const PoseRow& row, const Outcome& outcome) {
     std::cout << line.dump(-1, ' ', false, replace) << '\n';
 }
 
+/// Says why a file cannot be read; the exit code.
+template <class File>
+int fail_to_read(const File& file) {
+    fail(file.error());
+    return file.may_pass() ? try_again : 1;
+}
+
 template <class T, std::size_t D>
 int write_rows(const Arguments& given, const Cloner<T, D>& cloner, PoseRows<D>& poses, const RowRange& rows) {
     poses.skip(rows.first);
@@ -177,7 +184,7 @@ int write_rows(const Arguments& given, const Cloner<T, D>& cloner, PoseRows<D>& 
     if (failed > most_messages) note("and " + std::to_string(failed - most_messages) + " more");
     if (failed > 0)
         note(std::to_string(failed) + " of " + std::to_string(done) + " rows failed; the others are done");
-    if (!poses.error().empty()) return fail(poses.error());
+    if (!poses.error().empty()) return fail_to_read(poses);
     if (done == 0 && rows.first < rows.end)
         note(given.poses + ": has " + std::to_string(poses.row()) + " rows, so there is none to do");
     return failed > 0 ? 1 : 0;
@@ -191,7 +198,7 @@ int run_figure(const Arguments& given, const cageform::PackedFigureView<T, D>& f
         if (handles.is_point(i)) rest.push_back(cageform::to_vec<double>(handles.rest[i]));
     }
     PoseRows<D> poses(given.poses, rest, given.rate);
-    if (!poses.error().empty()) return fail(poses.error());
+    if (!poses.error().empty()) return fail_to_read(poses);
     if (given.mesh.empty()) {
         const auto triangles = figure.template part_as<std::array<std::uint32_t, 3>>("TRIS");
         for (const auto& triangle : triangles) {
@@ -270,7 +277,7 @@ int run_program(int argc, char** argv) {
 
     InputFile file(given.figure);
     const auto bytes = file.map();
-    if (!file.error().empty()) return fail(file.error());
+    if (!file.error().empty()) return fail_to_read(file);
     if (bytes.empty()) return fail(given.figure + ": is empty, or no regular file");
     if (const auto code = try_figure<float, 3>(given, bytes, rows)) return *code;
     if (const auto code = try_figure<double, 3>(given, bytes, rows)) return *code;

@@ -2063,7 +2063,7 @@ done
 # ---- what all programs have ----
 mkdir -p no_files
 version=$(sed -n 's/.*VERSION_STRING "\(.*\)"/\1/p' "$(dirname "$data")/../include/cageform/version.hpp")
-for program in deform_svg coordinate_field cage_weights figure_table contact_sheet convergence adaptive_grid pose_cage make_cage make_box deform_mesh make_character make_tiles bind_mesh bind_tiles \
+for program in deform_svg coordinate_field cage_weights figure_table contact_sheet convergence adaptive_grid pose_cage make_cage make_box deform_mesh make_character make_tiles bind_mesh bind_tiles clone_figure \
   export_gltf skin_mesh animate_svg fit_curve bezier_tables make_hand pose_hand hand_sheet height_map grid_field diffuse_colours puzzle paths boundary_formula relaxation lattice_board leaf_cages lattice_fit pin_poses; do
   works "version of $program" "$programs/$program" --version
   [ "$(cat log)" = "$program (cageform) $version" ] && ok=yes || ok=no
@@ -2295,6 +2295,9 @@ printf '2,2\n' >locked.csv
 chmod 0 locked.csv
 [ -r locked.csv ] || # a superuser reads it
   refuses 'locked.csv: cannot be opened: Permission denied' "$weights" --cage square.csv --points locked.csv -o out.csv
+
+# ---- poses in rows ----
+. "$here/clone_figure.sh"
 
 # ---- what holds of all files ----
 . "$here/files.sh"

@@ -35,6 +35,8 @@ cp "$data/puzzle.csv" pool
     echo "pose,$time,smooth"
     sed -n "s/^v \(.*\) \(.*\) \(.*\)/\1,\2,$time\3/p" box.obj
   done | sed '1ilength,1' >box_clip.csv
+  grep '^v' box.obj | cut -d ' ' -f 2- | tr ' ' , | paste -s -d , >box_poses.csv
+  "$programs/bind_mesh" inner.obj --cage box.obj -o bound.figure 2>/dev/null
   printf 'length,1\ncontrol,a\nvertices,0\n0,0,0,0,linear\n0.5,9,0,0,linear\n1,0,0,0,linear\n' >clip.csv
   echo 250,250,260,250 >pins.csv
   printf '0,250,250\n1,260,250\n' >markers.csv
@@ -203,6 +205,8 @@ form pose_cage hexagon_cage.svg --figure hexagon.svg --move 0:1,1 -o out.svg --p
 form adaptive_grid --cage hexagon_cage.svg --figure hexagon.svg --accuracy 0.05 -o out.svg --png --png-width 60
 form bind_mesh inner.obj --cage box.obj --clip box_clip.csv --labels box_labels.txt -o out.figure
 form bind_mesh inner.obj --cage box.obj --pose bent_box.obj --pose-samples -o out.figure
+form clone_figure bound.figure --poses box_poses.csv --rows 0:1 --mesh inner.obj -o out.ply
+form clone_figure bound.figure --poses box_clip.csv --rows 1:2 -o out.npy
 form bind_tiles box.obj --points inner.obj --clip box_clip.csv -o out.figure
 form bind_tiles box.obj --points inner.obj --pose bent_box.obj --coordinates harmonic --accuracy 0.1 --save-solution out.solution -o out.figure
 form bind_tiles box.obj --points inner.obj --coordinates harmonic --accuracy 0.1 --solution box.solution --save-solution out.solution -o out.figure
@@ -244,7 +248,7 @@ told=
 without_inputs="bezier_tables make_character make_hand hand_sheet sibson_figures"
 # Options whose words are no files.
 words="--lattice --slice --zoom --margin --mirror --move --turn --scale --bend --twist --surround --point --at --values --css --bezier --curve
-  --pin --hold --track --pinned --knots --conditions --norm --blue --red --from --make --size --cells --divisions --rows"
+  --pin --hold --track --pinned --rows --knots --conditions --norm --blue --red --from --make --size --cells --divisions"
 for file in "$programs"/*; do
   program=${file##*/}
   case $program in [0-9]*) continue ;; esac

@@ -1,5 +1,6 @@
 #include "cli/row_range.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <string_view>
 
@@ -8,19 +9,19 @@ namespace cageform_examples {
 std::optional<RowRange> RowRange::of(const std::string& text) {
     RowRange rows;
     const auto number = [](std::string_view digits, std::size_t& value) {
-        const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-        return error == std::errc{} && end == digits.data() + digits.size();
+        const auto [behind, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+        return error == std::errc{} && behind == digits.data() + digits.size();
     };
     const std::string_view all = text;
     const std::size_t colon = all.find(':');
-    const std::string_view first = all.substr(0, colon);
+    const std::string_view from = all.substr(0, colon);
     if (colon == all.npos) {
-        if (!number(first, rows.first) || rows.first == rows.end) return std::nullopt;
+        if (!number(from, rows.first) || rows.first == rows.end) return std::nullopt;
         rows.end = rows.first + 1;
         return rows;
     }
-    const std::string_view end = all.substr(colon + 1);
-    if ((!first.empty() && !number(first, rows.first)) || (!end.empty() && !number(end, rows.end)) ||
+    const std::string_view to = all.substr(colon + 1);
+    if ((!from.empty() && !number(from, rows.first)) || (!to.empty() && !number(to, rows.end)) ||
         rows.end < rows.first)
         return std::nullopt;
     return rows;

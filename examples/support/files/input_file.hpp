@@ -36,8 +36,8 @@ public:
     /// Reads what is left. Returns hash_memory of all bytes of the file; nothing where it cannot be read.
     std::optional<std::uint64_t> hash_to_end();
 
-    /// All bytes, read by the system where they are touched; none on a failure, of a pipe, and of an empty file.
-    /// They live as long as this object, begin at a page, and several programs share them.
+    /// All bytes, read by the system where they are touched; none on a failure, of a pipe, and of an empty
+    /// file. They live as long as this object, begin at a page, and several programs share them.
     std::span<const std::byte> map();
 
     std::uintmax_t size() const { return size_; }              ///< bytes; 0 of a pipe

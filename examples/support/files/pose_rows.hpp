@@ -1,7 +1,7 @@
 #pragma once
 
-// Poses of a cage, numbered from 0: the rows of a table, or a clip at equal steps of time. A table is read a row
-// at a time, so it may have any length.
+// Poses of a cage, numbered from 0: the rows of a table, or a clip at equal steps of time. A table is read a
+// row at a time, so it may have any length.
 
 #include "files/clip_file.hpp"
 #include "files/input_file.hpp"
@@ -39,7 +39,8 @@ class PoseRows {
 public:
     using Pose = std::vector<cageform::Vec<double, D>>;
 
-    /// On failure `error()` says why. The first line of the file that is no comment tells a clip from a table.
+    /// On failure `error()` says why. The first line of the file that is no comment tells a clip from a
+    /// table.
     ///
     ///   rest   the vertices of the cage
     ///   rate   poses of a clip a second; positive
@@ -64,6 +65,7 @@ public:
 
     /// Why the file cannot be read on; empty while it can.
     const std::string& error() const { return error_; }
+    bool may_pass() const { return lines_.may_pass(); } ///< InputFile::may_pass
 
 private:
     bool next_line(std::string_view& line); // the next row of a table

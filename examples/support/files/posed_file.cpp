@@ -1,5 +1,7 @@
 #include "files/posed_file.hpp"
 
+#include "files/csv.hpp"
+
 #include <algorithm>
 #include <bit>
 #include <charconv>
@@ -27,10 +29,10 @@ void append_digits(std::string& text, X value) {
 /// is what the file says.
 template <class T>
 double as_written(T value) {
-    std::array<char, 32> digits;
-    const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), value).ptr;
+    std::string digits;
+    append_digits(digits, value);
     double number = 0;
-    std::from_chars(digits.data(), end, number);
+    (void)parse_number(digits, number);
     return number;
 }
 

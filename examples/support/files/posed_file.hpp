@@ -18,8 +18,8 @@ enum class PosedFormat { obj, ply, ply_text, npy };
 
 /// Writes pose after pose of one figure. All that does not move is made ready once.
 ///
-///   OBJ       the mesh's file with its vertices moved and its normals turned (files/obj_file.hpp), or `v` lines
-///             and `f` lines
+///   OBJ       the mesh's file with its vertices moved and its normals turned (files/obj_file.hpp), or lines
+///             `v` and `f`
 ///   PLY       x, y, z (0 in the plane) as float or double, and faces as lists of vertices
 ///   NumPy     an array of #points × D, of float32 or float64, in C's order
 ///

@@ -1,0 +1,24 @@
+"""Launches an OpenCue job, each of whose frames does ROWS of COUNT rows.
+
+Usage: python3 opencue.py COUNT ROWS PROGRAM ARGUMENT…
+
+It needs pyoutline of OpenCue, and a Cuebot that CUEBOT_HOSTS names. Cuebot tries a frame again that fails, so
+give clone_figure --skip-existing: what is done stays. This file was parsed, and never run.
+"""
+import getpass
+import sys
+
+import outline
+import outline.cuerun
+import outline.modules.shell
+
+count, rows, command = int(sys.argv[1]), int(sys.argv[2]), sys.argv[3:]
+tasks = (count + rows - 1) // rows
+script = f'first=$((#IFRAME# * {rows})); exec "$@" --rows "$first:$((first + {rows}))"'
+job = outline.Outline("cageform", shot="rows", show="testing", user=getpass.getuser())
+job.add_layer(
+    outline.modules.shell.Shell(
+        "rows", command=["sh", "-c", script, "sh", *command], chunk=1, threads=1, range=f"0-{tasks - 1}"
+    )
+)
+outline.cuerun.launch(job, use_pycuerun=False)
