@@ -1,7 +1,8 @@
 # cmake -DROOT=<project> -P check_includes.cmake
 # The table of what each room of include/cageform may include. Includes only ever point left in
 #   core -> cage -> grid -> coordinates -> binding -> clone -> pose        core -> animate -> binding/figure.hpp
-# Nothing includes the rooms pose, enclose, fields, papers and exchange, but for the C interface.
+#   binding/types/skin_weights.hpp -> skeleton
+# Nothing includes the rooms pose, enclose, fields, papers, exchange and skeleton, but for the C interface.
 set(allowed_core core config)
 set(allowed_adapt core)
 set(allowed_cage core config cage)
@@ -22,6 +23,7 @@ set(allowed_animate core config animate)
 set(allowed_enclose core cage enclose)
 set(allowed_fields core cage grid fields)
 set(allowed_papers core cage grid coordinates papers)
+set(allowed_skeleton core config cage/triangle_mesh.hpp binding/types/skin_weights.hpp pose/detail/nearest_rotation.hpp skeleton)
 set(allowed_exchange core animate exchange)
 set(allowed_c core version cage grid coordinates binding clone pose animate enclose c)
 # The waist: what a game ships may not pull in how it was made.
@@ -36,6 +38,7 @@ endforeach()
 # Third-party headers, by folder.
 set(third_party_adapt Eigen/ glm/)
 set(third_party_binding Eigen/)
+set(third_party_skeleton Eigen/)
 set(third_party_pose/detail/column_products.impl.hpp Eigen/)
 set(third_party_fields/detail/graph_factors.hpp Eigen/)
 set(third_party_fields/detail/elimination.hpp Eigen/)

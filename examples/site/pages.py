@@ -26,6 +26,7 @@ ROOMS = {
     "fields": "the same solvers for your own data",
     "exchange": "curves of other programs",
     "papers": "the historical baseline",
+    "skeleton": "bones found in any sequence of meshes",
 }
 SOLVERS = ("grid/", "papers/")  # what their public headers need of their machinery is no user's concern
 # The coordinate types in the order of the menu: the page's file and its name there.

@@ -19,8 +19,8 @@
 //                                    rotations of a RigidMotion, which take sines from the standard
 //                                    library.
 //   CAGEFORM_COMPILED                defined by the CMake target cageform::compiled: `clone`, `bind`,
-//                                    `pack`, `make_cage` and the solvers are in a library, and a file
-//                                    that calls them does not compile them.
+//                                    `pack`, `make_cage`, `fit_skeleton` and solvers are in a library, and
+//                                    a file that calls them does not compile them.
 //
 // All of these change the generated code, and so do -fno-exceptions, -ffast-math and fused
 // multiply-add (-mfma). All are therefore encoded in the inline namespace CAGEFORM_ABI (for

@@ -31,7 +31,7 @@ void check_names(Enum last, const std::string& unknown) {
 } // namespace
 
 TEST_CASE("every status has a sentence of its own", "[core][status]") {
-    check_names(Status::pose_not_determined, "unknown status");
+    check_names(Status::influences_not_supported, "unknown status");
 }
 
 TEST_CASE("every point state has a name of its own", "[core][status]") {

@@ -39,9 +39,9 @@ struct CoordinatesChoice {
     std::size_t resolution = 0; // 0: the adaptive grid, of the papers' solver 128 in the plane, 64 in space
     bool is_uniform = false;    // --tolerance is given, which the adaptive grid does not look at
     cageform::HarmonicOptions harmonic;
-    std::optional<std::size_t> memory_limit; // of a solver, in bytes; none: what the machine has
-    bool in_disk = false;                    // curved: by the function of a disk about the cage
-    double disk_radius = 0;                  // 0: as small as it can be
+    std::optional<std::size_t> memory_limit{}; // of a solver, in bytes; none: what the machine has
+    bool in_disk = false;                      // curved: by the function of a disk about the cage
+    double disk_radius = 0;                    // 0: as small as it can be
 
     static const std::vector<std::string>& names(); // of polygons
     /// Returns why `given` is none of `known`; empty if it is one.

@@ -159,7 +159,12 @@ typedef int32_t cageform_status;
     X(900, SAMPLES_MISSING, samples_missing)                                                                 \
     X(901, PINS_DO_NOT_MATCH, pins_do_not_match)                                                             \
     X(902, PIN_WITHOUT_WEIGHTS, pin_without_weights)                                                         \
-    X(903, POSE_NOT_DETERMINED, pose_not_determined)
+    X(903, POSE_NOT_DETERMINED, pose_not_determined)                                                         \
+    X(950, MOTION_EMPTY, motion_empty)                                                                       \
+    X(951, FRAMES_DO_NOT_MATCH, frames_do_not_match)                                                         \
+    X(952, FRAME_NOT_FINITE, frame_not_finite)                                                               \
+    X(953, BONES_NOT_SUPPORTED, bones_not_supported)                                                         \
+    X(954, INFLUENCES_NOT_SUPPORTED, influences_not_supported)
 /* Those of this interface: */
 #define CAGEFORM_C_STATUSES(X)                                                                               \
     X(1000, ARGUMENT_NULL, argument_null, "an argument is null that may not be")                             \

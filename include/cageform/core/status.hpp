@@ -139,7 +139,13 @@ namespace cageform::inline CAGEFORM_ABI {
     X(samples_missing, "there are no samples of the inside of the cage")                          \
     X(pins_do_not_match, "there is not one target, weight or turn for every pin")                 \
     X(pin_without_weights, "a pin lies where the coordinates have no weights")                    \
-    X(pose_not_determined, "the pins and samples do not determine a handle: give it spokes")
+    X(pose_not_determined, "the pins and samples do not determine a handle: give it spokes")  \
+    /* skeleton/ */                                                                               \
+    X(motion_empty, "there are no vertices, or fewer than two frames")                            \
+    X(frames_do_not_match, "a frame has another number of vertices than the rest")                \
+    X(frame_not_finite, "a coordinate of a frame is not a finite number, or too large")           \
+    X(bones_not_supported, "a skeleton takes a number of bones, or a distance to keep")           \
+    X(influences_not_supported, "a vertex of a skeleton has 1 to 8 weights")
 // clang-format on
 
 enum class [[nodiscard]] Status : std::uint8_t{

@@ -1,0 +1,364 @@
+// Bones and weights that follow a motion, and the steps that make them better.
+#pragma once
+
+#include <cageform/pose/detail/nearest_rotation.hpp>
+#include <cageform/skeleton/detail/vertex_fit.hpp>
+#include <cageform/skeleton/types/skeleton_options.hpp>
+
+#include <Eigen/Core>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+/// The state of a fit. The sum of squared distances falls in each step, but for what smooths the weights.
+/// All sums over frames are taken once for a step, so that the weights of a vertex cost the same for any
+/// number of frames, and all sums over vertices, so that the bones of a frame cost the same for any number
+/// of vertices.
+class BoneFit {
+public:
+    BoneFit(const Motion& motion, BoneKind kind, std::size_t influences)
+        : motion_(&motion)
+        , kind_(kind)
+        , weights_{influences, std::vector<std::uint32_t>(motion.vertices * influences, 0),
+                   std::vector<double>(motion.vertices * influences, 0)}
+        , errors_(motion.vertices, 0)
+        , emphasis_(motion.vertices, 1) {}
+
+    std::size_t bones() const noexcept { return bones_; }
+    const VertexWeights& weights() const noexcept { return weights_; }
+    /// The squared distances of each vertex, summed over the frames, and their sum, after the last step of
+    /// weights.
+    const std::vector<double>& errors() const noexcept { return errors_; }
+    double error() const noexcept { return error_; }
+    /// The entry (axis, column) of a bone's map in all frames; column 3 is the shift.
+    const double* map(std::size_t bone, std::size_t axis, std::size_t column) const noexcept {
+        return maps_.data() + ((4 * bone + column) * 3 + axis) * motion_->lanes;
+    }
+
+    /// From now on bones mind a vertex the more, the larger its error is: up to `most` times as much.
+    void emphasise(double most) {
+        const double mean = error_ / double(errors_.size());
+        for (std::size_t i = 0; i < errors_.size(); ++i)
+            emphasis_[i] = mean > 0 ? 1 + (std::fmin)(errors_[i] / mean, most - 1) : 1;
+    }
+
+    /// Adds a bone that moves given vertices best, and owns them where `owns`. Returns its number.
+    std::size_t add_bone(std::span<const std::uint32_t> vertices, bool owns, const Running& running) {
+        const std::size_t lanes = motion_->lanes, bone = bones_++;
+        maps_.resize(bones_ * 12 * lanes, 0);
+        turns_.resize(bones_ * 9 * lanes, 0);
+        std::vector<Share> shares;
+        for (const std::uint32_t i : vertices) shares.push_back({i, 1});
+        Couplings alone;
+        alone.of.resize(bones_);
+        alone.firsts.resize(bones_);
+        sum_shares(bone, shares, alone);
+        in_parallel(running, lanes / Motion::group, 1, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t g = begin; g < end; ++g) fit_bone(bone, g, alone);
+        });
+        if (owns) {
+            for (const std::uint32_t i : vertices) {
+                for (std::size_t k = 0; k < weights_.width; ++k) {
+                    weights_.joints[i * weights_.width + k] = k == 0 ? std::uint32_t(bone) : 0;
+                    weights_.weights[i * weights_.width + k] = k == 0 ? 1 : 0;
+                }
+            }
+        }
+        return bone;
+    }
+
+    /// Finds the best maps for the weights: sweeps over the bones, one at a time, in every frame.
+    void fit_bones(std::size_t sweeps, const Running& running) {
+        Couplings couplings = couple(running);
+        in_parallel(running, motion_->lanes / Motion::group, 1, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t g = begin; g < end; ++g) {
+                for (std::size_t sweep = 0; sweep < sweeps; ++sweep) {
+                    for (std::size_t j = 0; j < bones_; ++j) fit_bone(j, g, couplings);
+                }
+            }
+        });
+    }
+
+    /// Finds the best weights for the maps. With `removals` also the error that each bone's removal would
+    /// add.
+    void fit_weights(const WeightStep& step, const Running& running) {
+        const std::size_t n = motion_->vertices, b = bones_;
+        const MapPairs pairs = pair_maps(running);
+        const VertexWeights before = weights_;
+        std::vector<double> removal(step.removals ? weights_.weights.size() : 0, 0);
+        constexpr std::size_t block = 32;
+        in_parallel(running, (n + block - 1) / block, 1, [&](std::size_t begin, std::size_t end) {
+            VertexFit vertex(*motion_, pairs, before, step);
+            Eigen::MatrixXd against;
+            const auto numbers = Eigen::Index(3 * motion_->lanes);
+            const Eigen::Map<const MapRows> maps(maps_.data(), Eigen::Index(4 * b), numbers);
+            for (std::size_t piece = begin; piece < end; ++piece) {
+                const std::size_t first = piece * block, last = (std::min)(first + block, n);
+                const Eigen::Map<const Eigen::MatrixXd> paths(motion_->path(first), numbers,
+                                                              Eigen::Index(last - first));
+                against.noalias() = maps * paths;
+                for (std::size_t i = first; i < last; ++i) {
+                    errors_[i] = vertex.fit(i, against.data() + (i - first) * 4 * b, weights_);
+                    for (std::size_t k = 0; step.removals && k < vertex.used(); ++k)
+                        removal[i * weights_.width + k] = vertex.removal(k);
+                }
+            }
+        });
+        error_ = 0;
+        for (const double e : errors_) error_ += e;
+        removals_.assign(b, 0);
+        for (std::size_t k = 0; k < removal.size(); ++k) removals_[weights_.joints[k]] += removal[k];
+    }
+    /// By bone, after a step of weights that asked for it.
+    const std::vector<double>& removals() const noexcept { return removals_; }
+
+    /// Removes bones; vertices keep their other weights.
+    void remove_bones(const std::vector<bool>& removed) {
+        const std::size_t lanes = motion_->lanes;
+        std::vector<std::uint32_t> number(bones_, 0);
+        std::size_t kept = 0;
+        for (std::size_t j = 0; j < bones_; ++j) {
+            if (removed[j]) continue;
+            number[j] = std::uint32_t(kept);
+            std::copy_n(maps_.begin() + std::ptrdiff_t(12 * lanes * j), 12 * lanes,
+                        maps_.begin() + std::ptrdiff_t(12 * lanes * kept));
+            std::copy_n(turns_.begin() + std::ptrdiff_t(9 * lanes * j), 9 * lanes,
+                        turns_.begin() + std::ptrdiff_t(9 * lanes * kept));
+            ++kept;
+        }
+        maps_.resize(kept * 12 * lanes);
+        turns_.resize(kept * 9 * lanes);
+        for (std::size_t i = 0; i < motion_->vertices; ++i) {
+            double* const w = weights_.weights.data() + i * weights_.width;
+            std::uint32_t* const owner = weights_.joints.data() + i * weights_.width;
+            double sum = 0;
+            for (std::size_t k = 0; k < weights_.width; ++k) {
+                if (removed[owner[k]]) w[k] = 0;
+                owner[k] = w[k] > 0 ? number[owner[k]] : 0;
+                sum += w[k];
+            }
+            for (std::size_t k = 0; k < weights_.width; ++k) w[k] = sum > 0 ? w[k] / sum : k == 0 ? 1 : 0;
+        }
+        bones_ = kept;
+    }
+
+private:
+    using MapRows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+    struct Share {
+        std::uint32_t vertex;
+        double weight;
+    };
+    /// Σ_i w_ij w_ik (x, y, z, 1)(x, y, z, 1)ᵀ of two bones, and Σ_i w_ij (x, y, z, 1) x_iᵀ of each, where
+    /// every vertex has its emphasis.
+    struct Couplings {
+        struct Other {
+            std::uint32_t bone;
+            Products sum;
+        };
+        std::vector<Products> of;                ///< of a bone with itself
+        std::vector<std::vector<Other>> others;  ///< of a bone
+        std::vector<std::vector<double>> firsts; ///< of a bone, as its map lies in memory; empty: it is idle
+    };
+    void sum_shares(std::size_t bone, std::span<const Share> shares, Couplings& to) const {
+        const std::size_t numbers = 3 * motion_->lanes;
+        Products& own = to.of[bone];
+        own = {};
+        auto& first = to.firsts[bone];
+        first.assign(shares.empty() ? 0 : 4 * numbers, 0);
+        for (const auto& [i, w] : shares) {
+            const auto v = products_of(motion_->rest[i]);
+            for (std::size_t n = 0; n < v.size(); ++n) own[n] += emphasis_[i] * w * w * v[n];
+            const double* const path = motion_->path(i);
+            for (std::size_t c = 0; c < 4; ++c) {
+                const double factor = emphasis_[i] * w * v[product_of[c][3]];
+                double* const row = first.data() + c * numbers;
+                for (std::size_t n = 0; n < numbers; ++n) row[n] += factor * path[n];
+            }
+        }
+    }
+
+    Couplings couple(const Running& running) const {
+        Couplings result;
+        result.of.resize(bones_);
+        result.firsts.resize(bones_);
+        result.others.resize(bones_);
+        std::vector<std::vector<Share>> shares(bones_);
+        for (std::size_t i = 0; i < motion_->vertices; ++i) {
+            for (std::size_t k = i * weights_.width; k < (i + 1) * weights_.width; ++k) {
+                const double w = weights_.weights[k];
+                if (w > 0) shares[weights_.joints[k]].push_back({std::uint32_t(i), w});
+            }
+        }
+        in_parallel(running, bones_, 1, [&](std::size_t begin, std::size_t end) {
+            std::vector<std::uint32_t> place(bones_);
+            for (std::size_t j = begin; j < end; ++j) {
+                sum_shares(j, shares[j], result);
+                auto& others = result.others[j];
+                std::fill(place.begin(), place.end(), std::uint32_t(bones_));
+                for (const auto& [i, w] : shares[j]) {
+                    const auto v = products_of(motion_->rest[i]);
+                    for (std::size_t n = i * weights_.width; n < (i + 1) * weights_.width; ++n) {
+                        const std::uint32_t other = weights_.joints[n];
+                        const double with = weights_.weights[n];
+                        if (!(with > 0) || other == j) continue;
+                        if (place[other] == bones_) {
+                            place[other] = std::uint32_t(others.size());
+                            others.push_back({other, {}});
+                        }
+                        Products& sum = others[place[other]].sum;
+                        for (std::size_t m = 0; m < v.size(); ++m) sum[m] += emphasis_[i] * w * with * v[m];
+                    }
+                }
+            }
+        });
+        return result;
+    }
+
+    /// Fits the map of a bone to what the others leave, in the frames of a group.
+    void fit_bone(std::size_t bone, std::size_t group, const Couplings& couplings) noexcept {
+        if (couplings.firsts[bone].empty()) return;
+        const std::size_t lanes = motion_->lanes, at = group * Motion::group;
+        const auto row = [&](std::size_t j, std::size_t c, std::size_t r) {
+            return ((4 * j + c) * 3 + r) * lanes + at;
+        };
+        const auto load = [](const double* from) {
+            Lanes<double> numbers;
+            for (std::size_t n = 0; n < Motion::group; ++n) numbers[n] = from[n];
+            return Lanes8::load(numbers);
+        };
+        Lanes8 left[4][3];
+        for (std::size_t c = 0; c < 4; ++c) {
+            for (std::size_t r = 0; r < 3; ++r)
+                left[c][r] = load(couplings.firsts[bone].data() + row(0, c, r));
+        }
+        if (!couplings.others.empty()) {
+            for (const auto& [other, sum] : couplings.others[bone]) {
+                for (std::size_t r = 0; r < 3; ++r) {
+                    Lanes8 map[4];
+                    for (std::size_t c = 0; c < 4; ++c) map[c] = load(maps_.data() + row(other, c, r));
+                    for (std::size_t c = 0; c < 4; ++c) {
+                        for (std::size_t d = 0; d < 4; ++d)
+                            left[c][r] = multiply_add(Lanes8(-sum[product_of[c][d]]), map[d], left[c][r]);
+                    }
+                }
+            }
+        }
+        const Products& own = couplings.of[bone];
+        const double mass = own[9];
+        if (!(mass > 1e-12)) return;
+        const Vec<double, 3> centre{own[3] / mass, own[6] / mass, own[8] / mass};
+        // The spread of the vertices about their mean, and J, of which the rotation is found.
+        double spread[3][3];
+        for (std::size_t r = 0; r < 3; ++r) {
+            for (std::size_t c = 0; c < 3; ++c)
+                spread[r][c] = own[product_of[r][c]] - mass * centre[r] * centre[c];
+        }
+        const double size = (std::fmax)(spread[0][0] + spread[1][1] + spread[2][2], 0.0);
+        LinearMap<Lanes8, 3> j, turn, drawn;
+        const auto turn_row = [&](std::size_t r, std::size_t c) {
+            return ((3 * bone + r) * 3 + c) * lanes + at;
+        };
+        const double draw = 1e-4 * size + 1e-9 * mass; // to the last rotation, which decides where J does not
+        for (std::size_t r = 0; r < 3; ++r) {
+            for (std::size_t c = 0; c < 3; ++c) {
+                j.at[r][c] = left[c][r] - Lanes8(centre[c]) * left[3][r];
+                turn.at[r][c] = load(turns_.data() + turn_row(r, c));
+                drawn.at[r][c] =
+                    j.at[r][c] + Lanes8(draw) * (r == c ? turn.at[r][c] + Lanes8(1) : turn.at[r][c]);
+            }
+        }
+        nearest_rotation(drawn, turn);
+        LinearMap<Lanes8, 3> linear = turn;
+        for (std::size_t r = 0; r < 3; ++r) linear.at[r][r] += Lanes8(1);
+        if (kind_ == BoneKind::similar) scale(linear, j, size, draw);
+        if (kind_ == BoneKind::stretched) stretch(linear, j, spread, size + 1e-9 * mass);
+        const auto store = [&](const Lanes8& x, double* to) {
+            Lanes<double> numbers;
+            x.store(numbers);
+            for (std::size_t n = 0; n < Motion::group; ++n) to[n] = at + n < motion_->frames ? numbers[n] : 0;
+        };
+        for (std::size_t r = 0; r < 3; ++r) {
+            Lanes8 shift = Lanes8(1 / mass) * left[3][r];
+            for (std::size_t c = 0; c < 3; ++c) {
+                shift -= linear.at[r][c] * Lanes8(centre[c]);
+                store(linear.at[r][c], maps_.data() + row(bone, c, r));
+                store(turn.at[r][c], turns_.data() + turn_row(r, c));
+            }
+            store(shift, maps_.data() + row(bone, 3, r));
+        }
+    }
+    /// Multiplies a rotation by the scale that fits J best.
+    static void scale(LinearMap<Lanes8, 3>& turn, const LinearMap<Lanes8, 3>& j, double size, double draw) {
+        Lanes8 along(draw);
+        for (std::size_t r = 0; r < 3; ++r) {
+            for (std::size_t c = 0; c < 3; ++c) along = multiply_add(turn.at[r][c], j.at[r][c], along);
+        }
+        const Lanes8 factor = (max)(along / Lanes8(size + draw), Lanes8(1e-3));
+        for (auto& line : turn.at) {
+            for (Lanes8& x : line) x *= factor;
+        }
+    }
+    /// Replaces a rotation by the affine map that fits J best; where the vertices are flat, the rotation
+    /// stays.
+    static void stretch(LinearMap<Lanes8, 3>& turn, const LinearMap<Lanes8, 3>& j,
+                        const double (&spread)[3][3], double size) {
+        const double hold = 1e-3 * size / 3;
+        double a[3][3];
+        for (std::size_t r = 0; r < 3; ++r) {
+            for (std::size_t c = 0; c < 3; ++c) a[r][c] = spread[r][c] + (r == c ? hold : 0);
+        }
+        double inverse[3][3];
+        const auto minor = [&a](std::size_t r, std::size_t c) {
+            const std::size_t r1 = (r + 1) % 3, r2 = (r + 2) % 3, c1 = (c + 1) % 3, c2 = (c + 2) % 3;
+            return a[r1][c1] * a[r2][c2] - a[r1][c2] * a[r2][c1];
+        };
+        const double determinant = a[0][0] * minor(0, 0) + a[0][1] * minor(0, 1) + a[0][2] * minor(0, 2);
+        for (std::size_t r = 0; r < 3; ++r) {
+            for (std::size_t c = 0; c < 3; ++c) inverse[r][c] = minor(c, r) / determinant;
+        }
+        LinearMap<Lanes8, 3> result;
+        for (std::size_t r = 0; r < 3; ++r) {
+            for (std::size_t c = 0; c < 3; ++c) {
+                result.at[r][c] = Lanes8(0);
+                for (std::size_t k = 0; k < 3; ++k) {
+                    const Lanes8 right = multiply_add(Lanes8(hold), turn.at[r][k], j.at[r][k]);
+                    result.at[r][c] = multiply_add(right, Lanes8(inverse[k][c]), result.at[r][c]);
+                }
+            }
+        }
+        turn = result;
+    }
+
+    MapPairs pair_maps(const Running& running) const {
+        MapPairs pairs{bones_, std::vector<Products>(bones_ * bones_)};
+        const auto numbers = Eigen::Index(3 * motion_->lanes);
+        const Eigen::Map<const MapRows> maps(maps_.data(), Eigen::Index(4 * bones_), numbers);
+        in_parallel(running, bones_, 1, [&](std::size_t begin, std::size_t end) {
+            Eigen::MatrixXd dots;
+            for (std::size_t j = begin; j < end; ++j) {
+                dots.noalias() = maps.topRows(Eigen::Index(4 * j + 4)) *
+                                 maps.middleRows(Eigen::Index(4 * j), 4).transpose();
+                for (std::size_t k = 0; k <= j; ++k) {
+                    Products p{};
+                    for (std::size_t c = 0; c < 4; ++c) {
+                        for (std::size_t d = 0; d < 4; ++d)
+                            p[product_of[c][d]] += dots(Eigen::Index(4 * k + c), Eigen::Index(d));
+                    }
+                    pairs.of[j * bones_ + k] = pairs.of[k * bones_ + j] = p;
+                }
+            }
+        });
+        return pairs;
+    }
+
+    const Motion* motion_;
+    BoneKind kind_;
+    VertexWeights weights_;
+    std::size_t bones_ = 0;
+    std::vector<double> maps_;  ///< #bones · 4 columns · 3 axes · lanes
+    std::vector<double> turns_; ///< #bones · 9 · lanes: the rotations less the identity
+    std::vector<double> errors_, removals_;
+    std::vector<double> emphasis_; ///< of each vertex in the fit of bones
+    double error_ = 0;
+};
+
+} // namespace cageform::inline CAGEFORM_ABI::detail

@@ -1,0 +1,183 @@
+// Fits a skeleton to a Motion: as many bones as asked for, or as few as the distance needs.
+#pragma once
+
+#include <cageform/core/result.hpp>
+#include <cageform/skeleton/detail/joint_tree.hpp>
+#include <cageform/skeleton/detail/skeleton_fitter.hpp>
+#include <cageform/skeleton/types/fitted_skeleton.hpp>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+/// Turns a fit into what users have: bones in the order of their tree, weights in single precision, places in
+/// the figure's units.
+template <class T>
+FittedSkeleton<T> skeleton_of(const Motion& motion, const BoneFit& fit) {
+    const JointTree tree(motion, fit);
+    FittedSkeleton<T> result;
+    result.bones = fit.bones();
+    result.frames = motion.frames;
+    std::vector<std::uint32_t> number(result.bones);
+    for (std::uint32_t n = 0; n < result.bones; ++n) number[tree.order[n]] = n;
+    for (const std::uint32_t j : tree.order) {
+        const std::uint32_t parent = tree.parents[j];
+        result.parents.push_back(parent == JointTree::none ? FittedSkeleton<T>::no_parent : number[parent]);
+        result.joints.push_back(vec_cast<T>(motion.size * tree.places[j] + motion.centre));
+    }
+    for (std::size_t t = 0; t < motion.frames; ++t) {
+        for (const std::uint32_t j : tree.order) {
+            typename FittedSkeleton<T>::Map map;
+            for (std::size_t r = 0; r < 3; ++r) {
+                double shift = motion.size * fit.map(j, r, 3)[t] + motion.centres[t][r];
+                for (std::size_t c = 0; c < 3; ++c) {
+                    const double x = fit.map(j, r, c)[t];
+                    map.axes[c][r] = T(x);
+                    shift -= x * motion.centre[c];
+                }
+                map.shift[r] = T(shift);
+            }
+            result.maps.push_back(map);
+        }
+    }
+    const VertexWeights& of = fit.weights();
+    const std::size_t width = result.skin.influences = of.width;
+    result.skin.joints.assign(motion.welded.size() * width, 0);
+    result.skin.weights.assign(motion.welded.size() * width, 0);
+    for (std::size_t i = 0; i < motion.welded.size(); ++i) {
+        std::uint16_t* const joints = result.skin.joints.data() + i * width;
+        float* const weights = result.skin.weights.data() + i * width;
+        const std::size_t first = motion.welded[i] * width;
+        double left = 1;
+        for (std::size_t k = width; k-- > 0;) {
+            const double w = k == 0 ? left : of.weights[first + k];
+            if (!(w > 0)) continue;
+            joints[k] = std::uint16_t(number[of.joints[first + k]]);
+            weights[k] = float(w);
+            left -= double(weights[k]);
+        }
+        if (width > 1 && weights[0] < weights[1]) { // by the rounding of the others
+            std::swap(weights[0], weights[1]);
+            std::swap(joints[0], joints[1]);
+        }
+    }
+    return result;
+}
+
+/// Measures a skeleton as it is stored, over all vertices and frames.
+template <class T>
+void measure(const Motion& motion, const FittedSkeleton<T>& skeleton, double most, SkeletonReport& report,
+             const Running& running) {
+    const std::size_t n = motion.vertices;
+    std::vector<std::uint32_t> copies(n, 0), given(n, 0);
+    for (std::size_t i = motion.welded.size(); i-- > 0;) {
+        ++copies[motion.welded[i]];
+        given[motion.welded[i]] = std::uint32_t(i);
+    }
+    struct Frame {
+        double sum = 0, largest = -1;
+        std::size_t vertex = 0;
+        std::vector<float> turns;
+        std::vector<bool> beyond;
+    };
+    std::vector<Frame> frames(motion.frames);
+    in_parallel(running, motion.frames, 1, [&](std::size_t begin, std::size_t end) {
+        std::vector<Vec<double, 3>> right(n), played(n);
+        for (std::size_t t = begin; t < end; ++t) {
+            Frame& frame = frames[t];
+            frame.beyond.assign(n, false);
+            for (std::size_t i = 0; i < n; ++i) {
+                for (std::size_t k = 0; k < 3; ++k) right[i][k] = motion.path(i)[k * motion.lanes + t];
+                const auto rest = vec_cast<T>(motion.size * motion.rest[i] + motion.centre);
+                const auto place = vec_cast<double>(skeleton.place(t, given[i], rest));
+                for (std::size_t k = 0; k < 3; ++k)
+                    played[i][k] = (place[k] - motion.centres[t][k]) / motion.size;
+                const auto d = played[i] - right[i];
+                const double square = dot(d, d);
+                frame.sum += copies[i] * square;
+                frame.beyond[i] = most > 0 && square > most * most;
+                if (square <= frame.largest) continue;
+                frame.largest = square;
+                frame.vertex = given[i];
+            }
+            for (const auto& face : motion.faces) {
+                const auto a = cross(right[face[1]] - right[face[0]], right[face[2]] - right[face[0]]);
+                const auto b = cross(played[face[1]] - played[face[0]], played[face[2]] - played[face[0]]);
+                const auto across = cross(a, b);
+                if (!(dot(a, a) > 0) || !(dot(b, b) > 0)) continue;
+                constexpr double degrees = 180 / 3.14159265358979323846;
+                frame.turns.push_back(float(degrees * std::atan2(std::sqrt(dot(across, across)), dot(a, b))));
+            }
+        }
+    });
+    double sum = 0, largest = -1;
+    std::vector<float> turns;
+    std::vector<bool> beyond(n, false);
+    for (std::size_t t = 0; t < frames.size(); ++t) {
+        const Frame& frame = frames[t];
+        sum += frame.sum;
+        turns.insert(turns.end(), frame.turns.begin(), frame.turns.end());
+        for (std::size_t i = 0; i < n; ++i) beyond[i] = beyond[i] || frame.beyond[i];
+        if (frame.largest <= largest) continue;
+        largest = frame.largest;
+        report.frame = t;
+        report.vertex = frame.vertex;
+    }
+    report.bones = skeleton.bones;
+    report.rms = std::sqrt(sum / (double(motion.welded.size()) * double(motion.frames)));
+    report.max_distance = std::sqrt(largest);
+    report.turn = 0;
+    if (!turns.empty()) {
+        const auto at = turns.begin() + std::ptrdiff_t(0.99 * double(turns.size() - 1));
+        std::nth_element(turns.begin(), at, turns.end());
+        report.turn = double(*at);
+    }
+    report.beyond = 0;
+    for (std::size_t i = 0; i < n; ++i) report.beyond += beyond[i] ? copies[i] : 0;
+    std::size_t used = 0;
+    for (const float w : skeleton.skin.weights) used += w > 0 ? 1 : 0;
+    report.mean_influences = double(used) / double(motion.welded.size());
+}
+
+template <class T>
+Status fit_motion(Motion& motion, const SkeletonOptions& options, const Running& running,
+                  Result<FittedSkeleton<T>, SkeletonReport>& result) {
+    motion.prepare();
+    const std::size_t most =
+        (std::min)((std::max)(motion.vertices / 6, std::size_t{1}), SkeletonOptions::largest_bones);
+    const auto fit = [&](std::size_t bones, Result<FittedSkeleton<T>, SkeletonReport>& to,
+                         const Running& how) {
+        SkeletonFitter fitter(motion, options, how);
+        if (const Status status = fitter.run(bones); status != Status::ok) return status;
+        to.value = skeleton_of<T>(motion, fitter.fit());
+        measure(motion, to.value, options.max_distance, to.report, how);
+        return Status::ok;
+    };
+    if (options.bones != 0) return running.end(fit((std::min)(options.bones, most), result, running));
+    // One bone, then from 4 on twice as many each time; then between what is enough and what is not.
+    std::size_t enough = 0, short_of = 0;
+    double done = 0;
+    for (std::size_t bones = 1;;) {
+        Result<FittedSkeleton<T>, SkeletonReport> next;
+        const double end = done + 0.25 * (1 - done);
+        const Running part = running.subtask(done, end);
+        if (const Status status = fit(bones, next, part); status != Status::ok) return status;
+        done = end;
+        const bool is_enough = next.report.max_distance <= options.max_distance;
+        const bool is_better =
+            enough == 0 && (is_enough || bones == 1 || next.report.max_distance < result.report.max_distance);
+        if (is_enough)
+            enough = bones;
+        else
+            short_of = bones;
+        if (is_enough || is_better) std::swap(result, next);
+        if (enough == 0) {
+            if (bones == most) break;
+            bones = (std::min)(bones == 1 ? 4 : 2 * bones, most);
+        } else {
+            if (enough - short_of <= 1) break;
+            bones = (enough + short_of) / 2;
+        }
+    }
+    return running.end(Status::ok);
+}
+
+} // namespace cageform::inline CAGEFORM_ABI::detail

@@ -1,0 +1,192 @@
+// Fits a skeleton to a motion: clusters, rounds of weights and bones, moves of idle bones.
+#pragma once
+
+#include <cageform/skeleton/detail/bone_fit.hpp>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+class SkeletonFitter {
+public:
+    SkeletonFitter(const Motion& motion, const SkeletonOptions& options, const Running& running)
+        : motion_(motion)
+        , options_(options)
+        , running_(running)
+        , smoothing_(7.5e-7 * double(motion.frames))
+        , fit_(motion, options.kind, options.influences) {}
+
+    const BoneFit& fit() const noexcept { return fit_; }
+
+    /// Fits so many bones, or fewer: bones that no vertex needs are left out.
+    Status run(std::size_t bones) {
+        steps_ = 1 + first_rounds + 4 * options_.moves + options_.rounds;
+        if (!begin(bones)) return Status::cancelled;
+        weights(false, 0);
+        fit_.fit_bones(sweeps, running_);
+        if (!rounds(first_rounds)) return Status::cancelled;
+        more_ = (std::max)(std::size_t{1}, fit_.bones() / 6);
+        tried_.assign(motion_.vertices, false);
+        for (std::size_t move = 0; move < options_.moves; ++move) {
+            if (!relocate()) return Status::cancelled;
+        }
+        for (std::size_t n = 0; n < options_.rounds; ++n) {
+            weights(false, smoothing_);
+            fit_.emphasise(emphasis);
+            if (!move_bones()) return Status::cancelled;
+        }
+        weights(false, smoothing_);
+        remove_idle();
+        return Status::ok;
+    }
+
+private:
+    static constexpr std::size_t sweeps = 6, first_rounds = 3, least = 6, about = 24;
+    static constexpr double emphasis =
+        10; // of the worst vertices in the last rounds: a quarter off the largest
+            // distance for 1 % of the mean
+
+    void weights(bool removals, double smoothing) {
+        fit_.fit_weights({options_.influences, smoothing, removals}, running_);
+    }
+    bool rounds(std::size_t count) {
+        for (std::size_t n = 0; n < count; ++n) {
+            weights(false, smoothing_);
+            if (!move_bones()) return false;
+        }
+        return true;
+    }
+    bool move_bones() {
+        fit_.fit_bones(sweeps, running_);
+        return running_.keep_going(double(++step_) / double(steps_));
+    }
+    void remove_idle() {
+        std::vector<bool> idle(fit_.bones(), true);
+        const VertexWeights& of = fit_.weights();
+        for (std::size_t k = 0; k < of.weights.size(); ++k) {
+            if (of.weights[k] > 0) idle[of.joints[k]] = false;
+        }
+        fit_.remove_bones(idle);
+    }
+    /// Clusters of vertices that move together: those with the largest errors are halved as long as needed.
+    bool begin(std::size_t bones) {
+        std::vector<std::uint32_t> all(motion_.vertices);
+        std::iota(all.begin(), all.end(), std::uint32_t{0});
+        fit_.add_bone(all, true, running_);
+        fit_.fit_weights({1, 0, false}, running_);
+        while (fit_.bones() < bones) {
+            if (!split(bones)) break;
+            for (std::size_t n = 0; n < 5; ++n) {
+                fit_.fit_weights({1, 0, false}, running_);
+                fit_.fit_bones(1, running_);
+            }
+            if (!running_.keep_going(0)) return false;
+        }
+        return running_.keep_going(double(++step_) / double(steps_));
+    }
+    bool split(std::size_t bones) {
+        const std::size_t had = fit_.bones();
+        std::vector<std::vector<std::uint32_t>> clusters(had);
+        std::vector<double> errors(had, 0);
+        for (std::uint32_t i = 0; i < motion_.vertices; ++i) {
+            const std::uint32_t j = fit_.weights().joints[i * options_.influences];
+            clusters[j].push_back(i);
+            errors[j] += fit_.errors()[i];
+        }
+        std::vector<std::size_t> order(had);
+        std::iota(order.begin(), order.end(), std::size_t{0});
+        std::stable_sort(order.begin(), order.end(),
+                         [&](std::size_t a, std::size_t b) { return errors[a] > errors[b]; });
+        for (const std::size_t j : order) {
+            if (fit_.bones() == bones) break;
+            const auto& cluster = clusters[j];
+            if (cluster.size() < 2 * least) continue;
+            std::uint32_t a = cluster[0];
+            for (const std::uint32_t i : cluster) {
+                if (fit_.errors()[i] > fit_.errors()[a]) a = i;
+            }
+            std::uint32_t b = a;
+            double farthest = 0;
+            for (const std::uint32_t i : cluster) {
+                const double d = path_distance(i, a);
+                if (d > farthest) {
+                    farthest = d;
+                    b = i;
+                }
+            }
+            std::vector<std::uint32_t> near;
+            for (const std::uint32_t i : cluster) {
+                if (path_distance(i, a) < path_distance(i, b)) near.push_back(i);
+            }
+            if (near.size() < least || cluster.size() - near.size() < least) continue;
+            fit_.add_bone(near, true, running_);
+        }
+        return fit_.bones() > had;
+    }
+    double path_distance(std::size_t i, std::size_t j) const {
+        const double *a = motion_.path(i), *b = motion_.path(j);
+        double sum = 0;
+        for (std::size_t n = 0; n < 3 * motion_.lanes; ++n) sum += (a[n] - b[n]) * (a[n] - b[n]);
+        return sum;
+    }
+
+    /// Adds bones where the errors are largest and removes as many that matter least. If that does not help,
+    /// all is as before, and the next time there are fewer, elsewhere.
+    bool relocate() {
+        BoneFit before = fit_;
+        const std::size_t had = fit_.bones();
+        std::vector<double> errors = fit_.errors();
+        for (std::size_t n = 0; n < more_; ++n) {
+            std::size_t worst = errors.size();
+            for (std::size_t i = 0; i < errors.size(); ++i) {
+                if (errors[i] > 0 && !tried_[i] && (worst == errors.size() || errors[i] > errors[worst]))
+                    worst = i;
+            }
+            if (worst == errors.size()) break;
+            const auto near = around(worst);
+            fit_.add_bone(near, false, running_);
+            for (const std::uint32_t i : near) errors[i] = 0;
+            tried_[worst] = true;
+        }
+        if (!rounds(2)) return false;
+        weights(true, smoothing_);
+        std::vector<std::size_t> order(fit_.bones());
+        std::iota(order.begin(), order.end(), std::size_t{0});
+        std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+            return fit_.removals()[a] < fit_.removals()[b];
+        });
+        std::vector<bool> removed(fit_.bones(), false);
+        for (std::size_t n = had; n < order.size(); ++n) removed[order[n - had]] = true;
+        fit_.remove_bones(removed);
+        if (!rounds(2)) return false;
+        if (fit_.error() < before.error()) {
+            tried_.assign(motion_.vertices, false);
+        } else {
+            fit_ = std::move(before);
+            more_ = (more_ + 1) / 2;
+        }
+        return true;
+    }
+    /// The vertices next to one at rest.
+    std::vector<std::uint32_t> around(std::size_t i) const {
+        std::vector<std::pair<double, std::uint32_t>> order(motion_.vertices);
+        for (std::uint32_t k = 0; k < motion_.vertices; ++k) {
+            const auto d = motion_.rest[k] - motion_.rest[i];
+            order[k] = {dot(d, d), k};
+        }
+        const std::size_t count = (std::min)(about, order.size());
+        std::partial_sort(order.begin(), order.begin() + std::ptrdiff_t(count), order.end());
+        std::vector<std::uint32_t> result;
+        for (std::size_t n = 0; n < count; ++n) result.push_back(order[n].second);
+        return result;
+    }
+
+    const Motion& motion_;
+    const SkeletonOptions& options_;
+    const Running& running_;
+    double smoothing_;
+    BoneFit fit_;
+    std::size_t step_ = 0, steps_ = 1;
+    std::size_t more_ = 1;    ///< bones that a move adds
+    std::vector<bool> tried_; ///< vertices where a bone did not help
+};
+
+} // namespace cageform::inline CAGEFORM_ABI::detail

@@ -1,0 +1,83 @@
+// A skeleton with its skin and its motion.
+#pragma once
+
+#include <cageform/binding/types/skin_weights.hpp>
+#include <cageform/core/vec.hpp>
+
+#include <array>
+
+namespace cageform::inline CAGEFORM_ABI {
+
+/// A skin of bones, and where each bone goes in each frame. A vertex v is in frame t at
+///
+///     Σ_k weight_k · map(t, joint_k)(v)
+///
+/// At rest every map is the identity. Parents come before their children.
+template <class T>
+struct FittedSkeleton {
+    static constexpr std::uint32_t no_parent = 0xffffffff;
+
+    /// x ↦ Σ_c axes[c] x_c + shift.
+    struct Map {
+        std::array<Vec<T, 3>, 3> axes{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+        Vec<T, 3> shift{};
+
+        Vec<T, 3> operator()(const Vec<T, 3>& x) const noexcept {
+            return x[0] * axes[0] + (x[1] * axes[1] + (x[2] * axes[2] + shift));
+        }
+        /// Returns the map x ↦ this(inner(x)).
+        Map after(const Map& inner) const noexcept {
+            Map result;
+            for (std::size_t c = 0; c < 3; ++c) result.axes[c] = (*this)(inner.axes[c]) - shift;
+            result.shift = (*this)(inner.shift);
+            return result;
+        }
+        /// Returns the inverse of a map whose axes are not in a plane.
+        Map inverse() const noexcept {
+            const std::array<Vec<T, 3>, 3> rows{cross(axes[1], axes[2]), cross(axes[2], axes[0]),
+                                                cross(axes[0], axes[1])};
+            const T share = 1 / dot(axes[0], rows[0]);
+            Map result;
+            for (std::size_t c = 0; c < 3; ++c) {
+                for (std::size_t r = 0; r < 3; ++r) result.axes[c][r] = share * rows[r][c];
+            }
+            result.shift = T(-1) * (result(shift) - result.shift);
+            return result;
+        }
+        friend bool operator==(const Map&, const Map&) = default;
+    };
+
+    std::size_t bones = 0;
+    std::size_t frames = 0;
+    SkinWeights skin;                   ///< its joints are bones, which also turn
+    std::vector<Map> maps;              ///< #frames · #bones: those of a frame side by side
+    std::vector<std::uint32_t> parents; ///< #bones; bone 0 is the root and has no_parent
+    std::vector<Vec<T, 3>> joints;      ///< #bones: where each meets its parent, at rest
+
+    const Map& map(std::size_t frame, std::size_t bone) const noexcept { return maps[frame * bones + bone]; }
+
+    /// Returns where a vertex that is at `rest` at rest is in a frame.
+    Vec<T, 3> place(std::size_t frame, std::size_t vertex, const Vec<T, 3>& rest) const noexcept {
+        Vec<T, 3> sum{};
+        for (std::size_t k = vertex * skin.influences; k < (vertex + 1) * skin.influences; ++k) {
+            if (skin.weights[k] > 0) sum = sum + T(skin.weights[k]) * map(frame, skin.joints[k])(rest);
+        }
+        return sum;
+    }
+    /// Returns the transform of a bone's node in a frame: from its own axes, whose origin is its joint, to
+    /// those of its parent, or of the world for the root. The product of these along the way from the root
+    /// is map(frame, bone), after a shift by the joint.
+    Map local(std::size_t frame, std::size_t bone) const noexcept {
+        const Map own = node(frame, bone);
+        return parents[bone] == no_parent ? own : node(frame, parents[bone]).inverse().after(own);
+    }
+
+private:
+    Map node(std::size_t frame, std::size_t bone) const noexcept {
+        Map result = map(frame, bone);
+        result.shift = result(joints[bone]);
+        return result;
+    }
+};
+
+} // namespace cageform::inline CAGEFORM_ABI
