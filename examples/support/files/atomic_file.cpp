@@ -93,7 +93,7 @@ void AtomicFile::open() {
 }
 
 void AtomicFile::write(std::string_view text) {
-    if (file_ == nullptr) return;
+    if (file_ == nullptr || text.empty()) return;
     errno = 0;
     if (std::fwrite(text.data(), 1, text.size(), file_) == text.size()) return;
     refuse_code(errno);
