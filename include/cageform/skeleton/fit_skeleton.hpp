@@ -30,11 +30,10 @@ namespace cageform::inline CAGEFORM_ABI {
 ///            (the distance, or a negative one); motion_empty; frames_do_not_match; frame_not_finite (also
 ///            above 1e100; the report has frame and vertex, at rest frame #frames); face_without_vertex;
 ///            cancelled; out_of_memory
-template <PointRangeIn<3> R, class Frames, FaceRange F>
-    requires PointRangeIn < std::remove_cvref_t<decltype(std::declval<const Frames&>()[0])>,
-3 > Result<FittedSkeleton<range_scalar_t<R>>, SkeletonReport>
-    fit_skeleton(const R& rest, const Frames& frames, const F& faces, const SkeletonOptions& options = {},
-                 const Running& running = {}) {
+template <PointRangeIn<3> R, detail::FramesIn<3> Frames, FaceRange F>
+Result<FittedSkeleton<range_scalar_t<R>>, SkeletonReport>
+fit_skeleton(const R& rest, const Frames& frames, const F& faces, const SkeletonOptions& options = {},
+             const Running& running = {}) {
     Result<FittedSkeleton<range_scalar_t<R>>, SkeletonReport> result;
     SkeletonReport timed;
     detail::run_into(timed, [&] {

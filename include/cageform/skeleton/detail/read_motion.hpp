@@ -6,6 +6,10 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
+/// A sequence whose element t is a range of points.
+template <class Frames, std::size_t D>
+concept FramesIn = PointRangeIn<std::remove_cvref_t<decltype(std::declval<const Frames&>()[0])>, D>;
+
 inline Status check(const SkeletonOptions& options) noexcept {
     if (options.influences < 1 || options.influences > 8) return Status::influences_not_supported;
     if (!(options.max_distance >= 0) || !std::isfinite(options.max_distance)) return Status::value_not_finite;
