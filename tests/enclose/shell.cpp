@@ -180,4 +180,54 @@ TEST_CASE("vertices of a shell look both ways along three axes, to the middle an
     }
 }
 
+TEST_CASE("a triangle is clear if no point of it is near the figure", "[enclose][property]") {
+    detail::DistanceLattice<3> lattice({-2, -2, -2}, 0.1, {41, 41, 41}, 4);
+    for (std::size_t node = 0; node < lattice.size(); ++node)
+        lattice[node] = float(detail::length(lattice.position(node)) - 0.5);
+    Random random(7);
+    int clear = 0, met = 0;
+    for (int n = 0; n < 2000; ++n) {
+        CAPTURE(n);
+        const detail::Corners<3> corner{1.5 * random_place(random), 1.5 * random_place(random),
+                                        1.5 * random_place(random)};
+        const double distance = detail::distance_to_facet(Point{}, corner);
+        const bool is_clear = detail::is_clear(lattice, corner);
+        // Every point of a triangle lies within 0.8 spacings of a sample.
+        if (distance > 0.51) CHECK(is_clear);
+        if (distance < 0.38) CHECK_FALSE(is_clear);
+        clear += is_clear ? 1 : 0;
+        met += is_clear ? 0 : 1;
+    }
+    CHECK(clear > 100);
+    CHECK(met > 100);
+}
+
+TEST_CASE("lattice distances in space are exact beside the faces, and never too small",
+          "[enclose][property]") {
+    for (std::uint64_t seed = 0; seed < 4; ++seed) {
+        CAPTURE(seed);
+        Random random(seed);
+        std::vector<detail::Corners<3>> faces;
+        for (int f = 0; f < 12; ++f) {
+            const Point middle = random_place(random);
+            const double size = f % 3 == 0 ? 1 : 0.05; // large ones and ones smaller than a cell
+            detail::Corners<3> corner{middle, middle + size * random_place(random),
+                                      middle + size * random_place(random)};
+            if (f % 4 == 1) corner[2] = 0.3 * corner[0] + 0.7 * corner[1]; // a segment
+            if (f == 11) corner = {middle, middle, middle};
+            faces.push_back(corner);
+        }
+        detail::DistanceLattice<3> lattice({-2.5, -2.5, -2.5}, 0.25, {21, 21, 21}, 3);
+        detail::SpaceDistance(lattice, faces).fill(0.5, 3);
+        for (std::size_t node = 0; node < lattice.size(); ++node) {
+            double least = std::numeric_limits<double>::infinity();
+            for (const auto& corner : faces)
+                least = (std::min)(least, detail::distance_to_facet(lattice.position(node), corner));
+            const double found = double(lattice[node]) + 0.5;
+            if (!(found >= (std::min)(least, 3.5) - 1e-6)) FAIL_CHECK("too small at node " << node);
+            if (least < 0.25 && !(found <= least + 1e-6)) FAIL_CHECK("not exact at node " << node);
+        }
+    }
+}
+
 } // namespace shell_tests

@@ -44,10 +44,13 @@ public:
     /// The indices of a node along each axis.
     Count numbers(std::size_t node) const noexcept {
         Count n{};
-        for (std::size_t k = D; k-- > 0;) {
-            n[k] = node / stride_[k];
-            node -= n[k] * stride_[k];
+        auto rest = static_cast<std::uint32_t>(node); // below most_lattice_nodes; divides much faster
+        for (std::size_t k = D - 1; k > 0; --k) {
+            const auto stride = static_cast<std::uint32_t>(stride_[k]);
+            n[k] = rest / stride;
+            rest %= stride;
         }
+        n[0] = rest;
         return n;
     }
     Point position(std::size_t node) const noexcept {

@@ -60,6 +60,8 @@ public:
         , hash_(hash_of(shell))
         , quadric_(shell.points.size())
         , version_(shell.points.size(), 0)
+        , changes_(shell.points.size(), 0)
+        , mark_(shell.points.size(), 0)
         , count_(shell.whole_size()) {
         for (std::uint32_t f = 0; f < shell_.faces.size(); ++f) {
             const auto corner = shell_.corners(shell_.faces[f]);
@@ -96,21 +98,30 @@ public:
             Collapse next = queue_.top();
             queue_.pop();
             if (!is_current(next)) continue;
-            if (next.exact && links(next.u, next.v) &&
-                may_lie(faces_about(next.u, next.v), next, next.position)) {
+            if (next.exact && is_still_free(next)) {
                 take(next);
                 continue;
             }
-            if (!find_position(next)) {
+            if (!find_position(next, false)) {
                 next.exact = false;
                 waiting_.push_back(next);
                 continue;
             }
             next.exact = true;
+            next.changes = changes_[next.u] + changes_[next.v];
             if (!queue_.empty() && next.cost > queue_.top().cost) {
                 queue_.push(next);
-            } else {
+                continue;
+            }
+            // Crossings are rare, and the dearest test: only the position chosen is tested.
+            if (!crosses(next, next.position)) {
                 take(next);
+            } else if (find_position(next, true)) {
+                next.changes = changes_[next.u] + changes_[next.v];
+                queue_.push(next);
+            } else {
+                next.exact = false;
+                waiting_.push_back(next);
             }
         }
         return true;
@@ -122,6 +133,7 @@ private:
         std::uint32_t u, v;
         std::uint32_t versions; ///< the sum of both ends; if it has changed, the collapse is out of date
         bool exact;             ///< the cost is exact, and the position is known
+        std::uint32_t changes;  ///< of the faces about both ends, up to when the position was found
         Point position;
 
         bool operator<(const Collapse& other) const noexcept { // the queue has its largest on top
@@ -149,6 +161,7 @@ private:
                      (std::max)(u, v),
                      version_[u] + version_[v],
                      false,
+                     0,
                      {}});
     }
     /// Puts refused collapses back into the queue, since the mesh has changed around them.
@@ -164,36 +177,62 @@ private:
 
     /// The link condition: the edge has two faces (one on the rim), and its ends have no other common
     /// neighbours than the third vertices of these faces. The collapse then keeps the topology.
-    bool links(std::uint32_t u, std::uint32_t v) const {
+    bool links(std::uint32_t u, std::uint32_t v) {
         std::size_t at_edge = 0;
         for (const auto f : shell_.star[u]) at_edge += shell_.has(f, v) ? 1 : 0;
         const bool along_rim = shell_.on_rim[u] && shell_.on_rim[v];
         if (at_edge != (along_rim ? 1 : 2)) return false;
-        const auto a = shell_.neighbours(u), b = shell_.neighbours(v);
-        std::vector<std::uint32_t> common;
-        std::set_intersection(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(common));
-        return common.size() == at_edge;
+        const std::uint32_t near_u = ++last_mark_, near_both = ++last_mark_;
+        mark_neighbours(u, near_u);
+        std::size_t common = 0;
+        for (const auto f : shell_.star[v]) {
+            for (const auto w : shell_.faces[f]) {
+                if (w == v || mark_[w] != near_u) continue;
+                mark_[w] = near_both;
+                ++common;
+            }
+        }
+        return common == at_edge;
+    }
+    void mark_neighbours(std::uint32_t u, std::uint32_t mark) {
+        for (const auto f : shell_.star[u]) {
+            for (const auto w : shell_.faces[f]) {
+                if (w != u) mark_[w] = mark;
+            }
+        }
     }
 
-    /// The faces that remain after a collapse of the edge into vertex u.
-    std::vector<std::uint32_t> faces_about(std::uint32_t u, std::uint32_t v) const {
-        std::vector<std::uint32_t> faces;
-        for (const auto f : shell_.star[u]) {
-            if (!shell_.has(f, v)) faces.push_back(f);
-        }
-        for (const auto f : shell_.star[v]) {
-            if (!shell_.has(f, u)) faces.push_back(f);
-        }
-        return faces;
+    /// Collects the faces that remain after a collapse of the edge into vertex u, and their normals.
+    void collect_faces(std::uint32_t u, std::uint32_t v) {
+        about_.clear();
+        const auto collect = [&](std::uint32_t from, std::uint32_t other) {
+            for (const auto f : shell_.star[from]) {
+                if (shell_.has(f, other)) continue;
+                const Point normal = area_normal(shell_.corners(shell_.faces[f]));
+                about_.push_back({f, normal, 0.1 * length(normal)});
+            }
+        };
+        collect(u, v);
+        collect(v, u);
+    }
+
+    /// Whether a collapse whose position is known may be made now. The faces are only tested against the
+    /// figure again if one about the edge has changed.
+    bool is_still_free(const Collapse& c) {
+        if (!links(c.u, c.v)) return false;
+        collect_faces(c.u, c.v);
+        const bool unchanged = c.changes == changes_[c.u] + changes_[c.v];
+        return (unchanged || may_lie(c, c.position)) && !crosses(c, c.position);
     }
 
     /// Finds the cheapest position for the merged vertex. The candidates are the minimum of the quadric,
-    /// the midpoint and both ends; each moves outwards along the normal until the new faces are free.
-    bool find_position(Collapse& c) {
+    /// the midpoint and both ends; each moves outwards along the normal until the new faces are clear of
+    /// the figure, and with `apart` also cross no other faces. Leaves the faces about the edge collected.
+    bool find_position(Collapse& c, bool apart) {
         if (!links(c.u, c.v)) return false;
         Quadric q = quadric_[c.u];
         q += quadric_[c.v];
-        const auto faces = faces_about(c.u, c.v);
+        collect_faces(c.u, c.v);
         Point normal{};
         for (const auto v : {c.u, c.v}) {
             for (const auto f : shell_.star[v])
@@ -210,9 +249,11 @@ private:
         for (std::size_t k = first; k < 4; ++k) {
             for (const double out : {0.0, 0.3, 0.8, 1.6, 3.0, 5.0}) {
                 const Point p = constrained(c.u, c.v, starts[k] + (out * h) * normal);
-                const double cost = (q.at(p) + extra) * shape_factor(faces, c, p);
+                const double least = q.at(p) + extra; // the factor of the shape is at least 1
+                if (!(least < best)) break;
+                const double cost = least * shape_factor(c, p);
                 if (!(cost < best)) break;
-                if (!may_lie(faces, c, p)) continue;
+                if (!may_lie(c, p) || (apart && crosses(c, p))) continue;
                 best = cost;
                 c.position = p;
                 c.cost = cost;
@@ -241,44 +282,41 @@ private:
         return corner;
     }
     /// The factor on the cost for badly shaped faces: 1 for good ones, more for needles.
-    double shape_factor(std::span<const std::uint32_t> faces, const Collapse& c,
-                        const Point& p) const noexcept {
+    CAGEFORM_DETAIL_FLATTEN double shape_factor(const Collapse& c, const Point& p) const noexcept {
         double worst = 1;
-        for (const auto f : faces) worst = (std::min)(worst, triangle_quality(moved(f, c, p)));
+        for (const About& at : about_) worst = (std::min)(worst, triangle_quality(moved(at.face, c, p)));
         return 1 + 12 * (std::max)(0.5 - worst, 0.0) + 40 * (std::max)(0.15 - worst, 0.0);
     }
-    bool may_lie(std::span<const std::uint32_t> faces, const Collapse& c, const Point& p) {
+    /// Whether the new faces, those collected, are clear of the figure and none turns over.
+    CAGEFORM_DETAIL_FLATTEN bool may_lie(const Collapse& c, const Point& p) const noexcept {
         const auto& lattice = *obstacles_.lattice;
         if (lattice.value(p) < -0.05 * lattice.spacing()) return false;
-        for (const auto f : faces) {
-            const Point was = area_normal(shell_.corners(shell_.faces[f])), is = area_normal(moved(f, c, p));
-            if (!(dot(was, is) > 0.1 * length(was) * length(is))) return false;
+        for (const About& at : about_) {
+            const Point is = area_normal(moved(at.face, c, p));
+            if (!(dot(at.normal, is) > at.tenth * length(is))) return false;
         }
-        for (const auto f : faces) {
-            if (!is_clear(lattice, moved(f, c, p))) return false;
-        }
-        return !crosses(faces, c, p);
+        return std::all_of(about_.begin(), about_.end(),
+                           [&](const About& at) { return is_clear(lattice, moved(at.face, c, p)); });
     }
-    /// Whether the new faces cross other faces or each other.
-    bool crosses(std::span<const std::uint32_t> faces, const Collapse& c, const Point& p) {
-        std::vector<std::uint32_t> gone = shell_.star[c.u];
-        gone.insert(gone.end(), shell_.star[c.v].begin(), shell_.star[c.v].end());
+    /// Whether the new faces, those collected, cross other faces or each other.
+    bool crosses(const Collapse& c, const Point& p) {
         const Point old = shell_.points[c.u];
         shell_.points[c.u] = p;
-        std::vector<Shell::Face> fresh;
-        for (const auto f : faces) {
-            auto face = shell_.faces[f];
+        fresh_.clear();
+        for (const About& at : about_) {
+            auto face = shell_.faces[at.face];
             std::replace(face.begin(), face.end(), c.v, c.u);
-            fresh.push_back(face);
+            fresh_.push_back(face);
         }
         bool found = false;
-        for (std::size_t i = 0; i < fresh.size() && !found; ++i) {
-            found = obstacles_.crosses(shell_, hash_, fresh[i], [&](std::uint32_t g) {
-                return std::find(gone.begin(), gone.end(), g) != gone.end();
+        for (std::size_t i = 0; i < fresh_.size() && !found; ++i) {
+            found = obstacles_.crosses(shell_, hash_, fresh_[i], [&](std::uint32_t g) {
+                return shell_.has(g, c.u) || shell_.has(g, c.v);
             });
             const std::span<const Point> points(shell_.points);
             for (std::size_t j = 0; j < i && !found; ++j)
-                found = faces_touch(Facet<3>(fresh[i], points), Facet<3>(fresh[j], points), obstacles_.gap());
+                found =
+                    faces_touch(Facet<3>(fresh_[i], points), Facet<3>(fresh_[j], points), obstacles_.gap());
         }
         shell_.points[c.u] = old;
         return found;
@@ -308,15 +346,31 @@ private:
         for (const auto f : shell_.star[c.u]) hash_.add(f, shell_.corners(shell_.faces[f]));
         count_ -= shell_.half && !(rim_u && rim_v) ? 2 : 1;
         ++version_[c.u];
+        ++changes_[c.u];
         changed_ = true;
-        for (const auto w : shell_.neighbours(c.u)) propose(c.u, w);
+        for (const auto w : shell_.neighbours(c.u)) {
+            ++changes_[w];
+            propose(c.u, w);
+        }
     }
+
+    /// A face about the edge that a collapse would change.
+    struct About {
+        std::uint32_t face;
+        Point normal; ///< before the collapse
+        double tenth; ///< of the normal's length
+    };
 
     Shell& shell_;
     const ShellObstacles& obstacles_;
     FaceHash hash_;
     std::vector<Quadric> quadric_;
     std::vector<std::uint32_t> version_;
+    std::vector<std::uint32_t> changes_; ///< how often a face about a vertex has changed
+    std::vector<std::uint32_t> mark_;    ///< scratch of `links`
+    std::uint32_t last_mark_ = 0;
+    std::vector<About> about_;       ///< the faces collected
+    std::vector<Shell::Face> fresh_; ///< scratch of `crosses`
     std::size_t count_;
     std::size_t hashed_ = count_; ///< the number of vertices when the hash was made
     std::priority_queue<Collapse> queue_;

@@ -21,7 +21,8 @@ public:
 
     /// The energy of some faces and their edges. With the faces around a vertex, or at an edge, it
     /// has all terms that change when the vertex moves or the edge flips.
-    double of(const Shell& shell, std::span<const std::uint32_t> faces) const noexcept {
+    CAGEFORM_DETAIL_FLATTEN double of(const Shell& shell,
+                                      std::span<const std::uint32_t> faces) const noexcept {
         double volume = 0, shape = 0;
         for (const auto f : faces) {
             const auto& face = shell.faces[f];
@@ -160,23 +161,32 @@ private:
     bool try_move(std::uint32_t v, const Point& p) {
         const auto& star = shell_.star[v];
         const Point x = shell_.points[v];
-        for (const auto f : star) hash_.remove(f);
-        std::vector<Point> were;
-        for (const auto f : star) were.push_back(area_normal(shell_.corners(shell_.faces[f])));
-        shell_.points[v] = p;
         bool good = true;
-        for (std::size_t k = 0; k < star.size() && good; ++k) // no face may turn over
-            good = dot(were[k], area_normal(shell_.corners(shell_.faces[star[k]]))) > 0;
-        good = good && are_free(star);
+        for (std::size_t k = 0; k < star.size() && good; ++k) { // no face may turn over
+            auto corner = shell_.corners(shell_.faces[star[k]]);
+            const Point was = area_normal(corner);
+            for (std::size_t i = 0; i < 3; ++i) corner[i] = shell_.faces[star[k]][i] == v ? p : corner[i];
+            good = dot(was, area_normal(corner)) > 0;
+        }
+        if (!good) return false;
+        shell_.points[v] = p;
+        good = are_clear(star);
+        if (good) { // the dearest test comes last
+            for (const auto f : star) hash_.remove(f);
+            good = are_apart_from_all(star);
+            if (!good) shell_.points[v] = x;
+            for (const auto f : star) hash_.add(f, shell_.corners(shell_.faces[f]));
+        }
         if (!good) shell_.points[v] = x;
-        for (const auto f : star) hash_.add(f, shell_.corners(shell_.faces[f]));
         return good;
     }
-    /// Whether some faces, not in the hash, are clear of the figure, of all other faces and of each other.
-    bool are_free(std::span<const std::uint32_t> faces) const {
-        for (const auto f : faces) {
-            if (!is_clear(*obstacles_.lattice, shell_.corners(shell_.faces[f]))) return false;
-        }
+    bool are_clear(std::span<const std::uint32_t> faces) const noexcept {
+        return std::all_of(faces.begin(), faces.end(), [&](std::uint32_t f) {
+            return is_clear(*obstacles_.lattice, shell_.corners(shell_.faces[f]));
+        });
+    }
+    /// Whether some faces, not in the hash, touch no other face and not each other.
+    bool are_apart_from_all(std::span<const std::uint32_t> faces) const {
         const std::span<const Point> points(shell_.points);
         for (std::size_t i = 0; i < faces.size(); ++i) {
             const auto& face = shell_.faces[faces[i]];
@@ -206,10 +216,7 @@ private:
         const double before = energy_.of(shell_, pair);
         const std::array<Shell::Face, 2> old{shell_.faces[pair[0]], shell_.faces[pair[1]]};
         std::array<Point, 2> normals{};
-        for (std::size_t k = 0; k < 2; ++k) {
-            normals[k] = area_normal(shell_.corners(old[k]));
-            hash_.remove(pair[k]);
-        }
+        for (std::size_t k = 0; k < 2; ++k) normals[k] = area_normal(shell_.corners(old[k]));
         // The first face exchanges w for b, the second v for a; both keep their orientation.
         auto fresh = old;
         std::replace(fresh[0].begin(), fresh[0].end(), w, b);
@@ -220,9 +227,14 @@ private:
             const Point n = area_normal(shell_.corners(face));
             good = good && dot(n, normals[0]) > 0 && dot(n, normals[1]) > 0;
         }
-        good = good && are_free(pair);
-        if (!good) set_faces(pair, fresh, old);
-        for (const auto f : pair) hash_.add(f, shell_.corners(shell_.faces[f]));
+        if (good && are_clear(pair)) { // the dearest test comes last
+            for (const auto f : pair) hash_.remove(f);
+            good = are_apart_from_all(pair);
+            if (!good) set_faces(pair, fresh, old);
+            for (const auto f : pair) hash_.add(f, shell_.corners(shell_.faces[f]));
+        } else {
+            set_faces(pair, fresh, old);
+        }
     }
     void set_faces(const std::array<std::uint32_t, 2>& pair, const std::array<Shell::Face, 2>& from,
                    const std::array<Shell::Face, 2>& to) {

@@ -222,7 +222,7 @@ inline FaceHash hash_of(const Shell& shell) {
 /// Looks for a separating plane: the plane of triangle `a`, or a plane perpendicular to it through
 /// one of its edges. It separates if the corners of `b` that are not shared lie beyond it by more
 /// than `gap`; the triangles then meet at most in shared corners. Decides most pairs cheaply.
-inline bool are_apart(const Facet<3>& a, const Facet<3>& b, double gap) noexcept {
+CAGEFORM_DETAIL_FLATTEN inline bool are_apart(const Facet<3>& a, const Facet<3>& b, double gap) noexcept {
     const auto n = area_normal(a.corner);
     const double reach = gap * length(n);
     int above = 0, below = 0, shared = 0;
