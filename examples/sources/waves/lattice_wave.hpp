@@ -197,8 +197,9 @@ private:
     /// How much the turns of an S₂ make Φ grow away from the walls, since cosine and sine are rounded.
     double growth(double share) const {
         const auto of = [&](std::size_t reach, double part) {
-            const auto [c, s] = turn(reach, part);
-            return double((long double)(c)*c + (long double)(s)*s - 1) / 2;
+            const std::array<T, 2> rounded = turn(reach, part);
+            const auto c = static_cast<long double>(rounded[0]), s = static_cast<long double>(rounded[1]);
+            return double(c * c + s * s - 1) / 2;
         };
         const double near = 4 * of(1, share / 2), far = of(2, share / 2);
         return near + 4 * far + (lattice_.rows > 1 ? near + 2 * far + of(2, share) : 0.0);

@@ -15,33 +15,6 @@ namespace {
 constexpr std::size_t longest_ply_line = std::size_t{1} << 24; // bytes
 constexpr std::size_t most_properties = 4096;
 
-/// The names of the types, the old and the new ones.
-std::optional<PlyType> type_of(std::string_view word) {
-    constexpr std::array<std::array<std::string_view, 2>, 8> names{{{"char", "int8"},
-                                                                    {"uchar", "uint8"},
-                                                                    {"short", "int16"},
-                                                                    {"ushort", "uint16"},
-                                                                    {"int", "int32"},
-                                                                    {"uint", "uint32"},
-                                                                    {"float", "float32"},
-                                                                    {"double", "float64"}}};
-    for (std::size_t n = 0; n < names.size(); ++n) {
-        if (word == names[n][0] || word == names[n][1]) return PlyType(n);
-    }
-    return std::nullopt;
-}
-
-std::vector<std::string_view> words_of(std::string_view line) {
-    constexpr std::string_view blanks = " \t\r\f\v";
-    std::vector<std::string_view> words;
-    for (std::size_t from = line.find_first_not_of(blanks); from != std::string_view::npos;) {
-        const std::size_t to = std::min(line.find_first_of(blanks, from), line.size());
-        words.push_back(line.substr(from, to - from));
-        from = line.find_first_not_of(blanks, to);
-    }
-    return words;
-}
-
 template <class X>
 double number_at(const char* bytes, bool swapped) {
     std::array<char, sizeof(X)> of_number;
@@ -69,6 +42,32 @@ bool is_swapped(PlyEncoding encoding) {
 }
 
 } // namespace
+
+std::vector<std::string_view> ply_words(std::string_view line) {
+    constexpr std::string_view blanks = " \t\r\f\v";
+    std::vector<std::string_view> words;
+    for (std::size_t from = line.find_first_not_of(blanks); from != std::string_view::npos;) {
+        const std::size_t to = std::min(line.find_first_of(blanks, from), line.size());
+        words.push_back(line.substr(from, to - from));
+        from = line.find_first_not_of(blanks, to);
+    }
+    return words;
+}
+
+std::optional<PlyType> ply_type(std::string_view word) {
+    constexpr std::array<std::array<std::string_view, 2>, 8> names{{{"char", "int8"},
+                                                                    {"uchar", "uint8"},
+                                                                    {"short", "int16"},
+                                                                    {"ushort", "uint16"},
+                                                                    {"int", "int32"},
+                                                                    {"uint", "uint32"},
+                                                                    {"float", "float32"},
+                                                                    {"double", "float64"}}};
+    for (std::size_t n = 0; n < names.size(); ++n) {
+        if (word == names[n][0] || word == names[n][1]) return PlyType(n);
+    }
+    return std::nullopt;
+}
 
 std::size_t bytes_of(PlyType type) {
     constexpr std::array<std::size_t, 8> bytes{1, 1, 2, 2, 4, 4, 4, 8};
@@ -141,15 +140,15 @@ std::optional<std::string_view> PlyReader::take_line() {
 }
 
 bool PlyReader::read_property(std::string_view line) {
-    const auto words = words_of(line);
+    const auto words = ply_words(line);
     const bool is_list = words.size() == 5 && words[1] == "list";
     if (header_.elements.empty() || (!is_list && words.size() != 3))
         return fail("line " + std::to_string(line_) + ": \"" + std::string(line) +
                     "\" is no property of an element");
     PlyProperty property;
     property.name = words.back();
-    const auto type = type_of(words[words.size() - 2]);
-    if (is_list) property.count = type_of(words[2]);
+    const auto type = ply_type(words[words.size() - 2]);
+    if (is_list) property.count = ply_type(words[2]);
     if (!type || (is_list && (!property.count || *property.count >= PlyType::float32)))
         return fail("line " + std::to_string(line_) + ": \"" + std::string(line) +
                     "\" has a type that PLY files do not have");
@@ -168,7 +167,7 @@ bool PlyReader::read_header() {
     (void)take_line();
     bool has_format = false;
     while (const auto line = take_line()) {
-        const auto words = words_of(*line);
+        const auto words = ply_words(*line);
         const auto where = "line " + std::to_string(line_) + ": ";
         if (words.empty()) continue;
         if (words[0] == "end_header") {
@@ -328,7 +327,7 @@ bool PlyReader::read_line(std::vector<double>* numbers) {
     while (words.empty()) {
         const auto line = take_line();
         if (!line) return fail("is cut off in " + place());
-        words = words_of(*line);
+        words = ply_words(*line);
     }
     const auto& properties = header_.elements[element_].properties;
     std::size_t next = 0;

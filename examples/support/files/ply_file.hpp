@@ -23,8 +23,14 @@ inline constexpr const char* ply_format =
 enum class PlyEncoding : std::uint8_t { ascii, little_endian, big_endian };
 enum class PlyType : std::uint8_t { int8, uint8, int16, uint16, int32, uint32, float32, float64 };
 
+/// Returns the type of an old or new name, such as uchar and uint8; none for other words.
+std::optional<PlyType> ply_type(std::string_view name);
+
 /// Returns the size of a number in bytes.
 std::size_t bytes_of(PlyType type);
+
+/// Returns the words of a line of the header.
+std::vector<std::string_view> ply_words(std::string_view line);
 
 struct PlyProperty {
     std::string name;

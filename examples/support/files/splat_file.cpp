@@ -2,6 +2,7 @@
 
 #include "files/csv.hpp"
 #include "files/input_file.hpp"
+#include "files/ply_file.hpp"
 #include "splats/harmonics.hpp"
 
 #include <algorithm>
@@ -20,28 +21,6 @@ static_assert(std::endian::native == std::endian::little, "rows are read as they
 namespace {
 
 constexpr std::size_t number_bytes = sizeof(float);
-
-/// The bytes of a PLY type by its old or new name; 0 for none.
-std::size_t bytes_of_type(std::string_view type) {
-    static const std::map<std::string_view, std::size_t> bytes{
-        {"char", 1},  {"uchar", 1},  {"short", 2},   {"ushort", 2}, {"int", 4},   {"uint", 4},
-        {"float", 4}, {"double", 8}, {"int8", 1},    {"uint8", 1},  {"int16", 2}, {"uint16", 2},
-        {"int32", 4}, {"uint32", 4}, {"float32", 4}, {"float64", 8}};
-    const auto found = bytes.find(type);
-    return found == bytes.end() ? 0 : found->second;
-}
-
-std::vector<std::string_view> words_of(std::string_view line) {
-    std::vector<std::string_view> words;
-    while (true) {
-        const std::size_t begin = line.find_first_not_of(" \t\r");
-        if (begin == line.npos) return words;
-        line.remove_prefix(begin);
-        const std::size_t end = std::min(line.find_first_of(" \t\r"), line.size());
-        words.push_back(line.substr(0, end));
-        line.remove_prefix(end);
-    }
-}
 
 struct Property {
     std::size_t offset = 0;
@@ -74,12 +53,12 @@ std::string read_line(std::string_view line, const std::vector<std::string_view>
     if (words[0] == "property") {
         if (!has_element) return "a property before the element";
         if (words.size() == 5 && words[1] == "list") return "a list: a splat has single numbers";
-        const std::size_t bytes = words.size() == 3 ? bytes_of_type(words[1]) : 0;
-        if (bytes == 0) return "a property has a type and a name";
-        const Property property{scene.layout.row_bytes, words[1] == "float" || words[1] == "float32"};
+        const auto type = words.size() == 3 ? ply_type(words[1]) : std::nullopt;
+        if (!type) return "a property has a type and a name";
+        const Property property{scene.layout.row_bytes, *type == PlyType::float32};
         if (!header.properties.emplace(words[2], property).second)
             return "the property " + detail::quoted(words[2]) + " is there twice";
-        scene.layout.row_bytes += bytes;
+        scene.layout.row_bytes += bytes_of(*type);
     } else if (words[0] != "comment" && words[0] != "obj_info") {
         return detail::quoted(words[0]) + " is no word of a PLY header";
     }
@@ -100,7 +79,7 @@ SvgResult<Header> read_header(std::string_view& bytes, const std::string& name) 
     Header header;
     bool has_element = false, has_format = false;
     for (std::size_t number = 2; next(); ++number) {
-        const auto words = words_of(line);
+        const auto words = ply_words(line);
         if (words.size() == 1 && words[0] == "end_header") {
             if (!has_format || !has_element)
                 return fails(std::string("the header has no line ") + (has_format ? "element" : "format"));
