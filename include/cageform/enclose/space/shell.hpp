@@ -127,13 +127,16 @@ inline Vec<double, 3> area_normal(const Corners<3>& corner) noexcept {
 }
 
 /// 1 for an equilateral triangle, near 0 for needles: the altitude over the longest side, times 2/sqrt(3).
+inline double triangle_quality(double twice_area, double longest2) noexcept {
+    return longest2 > 0 ? twice_area / longest2 * (2 / std::numbers::sqrt3) : 0;
+}
 inline double triangle_quality(const Corners<3>& corner) noexcept {
     double longest2 = 0;
     for (std::size_t k = 0; k < 3; ++k) {
         const auto e = corner[(k + 1) % 3] - corner[k];
         longest2 = (std::max)(longest2, dot(e, e));
     }
-    return longest2 > 0 ? length(area_normal(corner)) / longest2 * (2 / std::numbers::sqrt3) : 0;
+    return triangle_quality(length(area_normal(corner)), longest2);
 }
 
 /// The bounding box of a triangle with finite corners.
