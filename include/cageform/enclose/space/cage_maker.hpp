@@ -9,6 +9,7 @@
 #include <cageform/enclose/detail/make_cage_into.hpp>
 #include <cageform/enclose/space/reduce_shell.hpp>
 #include <cageform/enclose/space/relax_shell.hpp>
+#include <cageform/enclose/space/space_distance.hpp>
 #include <cageform/enclose/space/surface_nets.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {

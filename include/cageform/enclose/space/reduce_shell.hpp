@@ -57,6 +57,7 @@ public:
     ShellReduction(Shell& shell, const ShellObstacles& obstacles)
         : shell_(shell)
         , obstacles_(obstacles)
+        , clear_(*obstacles.lattice, obstacles.margin)
         , hash_(hash_of(shell))
         , quadric_(shell.points.size())
         , version_(shell.points.size(), 0)
@@ -208,6 +209,7 @@ private:
     /// outwards along the normal. Returns false if the faces have no normal.
     bool collect(std::uint32_t u, std::uint32_t v) {
         about_.clear();
+        clear_.forget();
         Point normal{};
         for (const auto& [from, other] : {std::pair(u, v), std::pair(v, u)}) {
             for (const auto f : shell_.star[from]) {
@@ -266,7 +268,6 @@ private:
     /// The factor on the cost for badly shaped faces: 1 for good ones, more for needles. It is infinite where
     /// a face would turn over, and at places too near to the figure.
     CAGEFORM_DETAIL_FLATTEN double shape_factor(const Point& p) const noexcept {
-        const auto& lattice = *obstacles_.lattice;
         double worst = 1;
         for (const About& at : about_) {
             const Point to_a = at.a - p, to_b = at.b - p, is = cross(to_a, to_b);
@@ -275,18 +276,14 @@ private:
             const double longest2 = (std::max)({at.across2, dot(to_a, to_a), dot(to_b, to_b)});
             worst = (std::min)(worst, triangle_quality(size, longest2));
         }
-        if (lattice.value(p) < -0.05 * lattice.spacing()) return beyond;
+        if (!clear_.is_clear(p)) return beyond;
         return 1 + 12 * (std::max)(0.5 - worst, 0.0) + 40 * (std::max)(0.15 - worst, 0.0);
     }
-    /// Whether the new faces, those collected, are clear of the figure. A face that is not comes first in the
-    /// next test, because it is likely to be refused again.
-    bool is_clear_at(const Point& p) noexcept {
-        for (std::size_t k = 0; k < about_.size(); ++k) {
-            if (is_clear(*obstacles_.lattice, {p, about_[k].a, about_[k].b})) continue;
-            std::swap(about_[0], about_[k]);
-            return false;
-        }
-        return true;
+    /// Whether the new faces, those collected, are clear of the figure.
+    bool is_clear_at(const Point& p) {
+        return clear_.are_clear(about_.size(), [&](std::size_t k) {
+            return Corners<3>{p, about_[k].a, about_[k].b};
+        });
     }
     /// Whether the new faces, those collected, cross other faces or each other.
     bool crosses(const Collapse& c, const Point& p) {
@@ -363,6 +360,7 @@ private:
 
     Shell& shell_;
     const ShellObstacles& obstacles_;
+    ClearTest clear_;
     FaceHash hash_;
     std::vector<Quadric> quadric_;
     std::vector<std::uint32_t> version_;

@@ -2,7 +2,7 @@
 // near a point.
 #pragma once
 
-#include <cageform/enclose/space/space_distance.hpp>
+#include <cageform/enclose/space/clear_test.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 

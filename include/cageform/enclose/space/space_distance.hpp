@@ -197,40 +197,4 @@ private:
     std::vector<std::uint32_t> nearest_; ///< the triangle at the distance stored, for each node
 };
 
-/// Whether f >= 0 on a triangle, up to a twentieth of the spacing. f has slope at most 1, so a triangle is
-/// free if it lies in the sphere of radius f around its middle. Larger ones are halved, down to 0.8 spacings.
-CAGEFORM_DETAIL_FLATTEN inline bool is_clear(const DistanceLattice<3>& lattice, Corners<3> corner) noexcept {
-    // One half waits for each halving above the current triangle. Some 30 halvings take a side of thousands
-    // of spacings down to one; a triangle that needs more than 64 does not count as clear.
-    std::array<Corners<3>, 64> waiting;
-    std::size_t count = 0;
-    const double least = -0.05 * lattice.spacing(), small = 0.8 * lattice.spacing();
-    for (;;) {
-        const auto middle = (1.0 / 3) * (corner[0] + corner[1] + corner[2]);
-        const double f = lattice.value(middle);
-        if (f < least) return false;
-        double reach2 = 0;
-        std::array<double, 3> side2{}; // opposite to each corner
-        for (std::size_t k = 0; k < 3; ++k) {
-            const auto to = corner[k] - middle, side = corner[(k + 2) % 3] - corner[(k + 1) % 3];
-            reach2 = (std::max)(reach2, dot(to, to));
-            side2[k] = dot(side, side);
-        }
-        const double free = (std::max)(f, small);
-        if (free * free >= reach2) {
-            if (count == 0) return true;
-            corner = waiting[--count];
-            continue;
-        }
-        if (count == waiting.size()) return false;
-        const std::size_t k = side2[0] < side2[1]   ? (side2[1] < side2[2] ? 2 : 1)
-                              : side2[0] < side2[2] ? 2
-                                                    : 0;
-        const Vec<double, 3> a = corner[k], b = corner[(k + 1) % 3], c = corner[(k + 2) % 3];
-        const auto half = 0.5 * (b + c);
-        waiting[count++] = {a, half, c};
-        corner = {a, b, half};
-    }
-}
-
 } // namespace cageform::inline CAGEFORM_ABI::detail
