@@ -56,7 +56,7 @@ TEST_CASE("relaxed shells are tighter, and clear of the figure", "[enclose][prop
     detail::DistanceLattice<3> lattice({-2, -2, -2}, 0.1, {41, 41, 41}, 4);
     for (std::size_t node = 0; node < lattice.size(); ++node)
         lattice[node] = float(detail::length(lattice.position(node)) - 0.5);
-    const detail::ShellObstacles obstacles(lattice, 0.1);
+    const detail::ShellObstacles obstacles{&lattice, 0.1};
     for (std::uint64_t seed = 0; seed < 3; ++seed) {
         CAPTURE(seed);
         Random random(seed);
@@ -101,7 +101,8 @@ TEST_CASE("a quick look at two faces gives the verdict of a full one", "[enclose
             b(second, std::span<const Point>(points));
         CAPTURE(n, shared);
         const bool touch = detail::facets_touch(a, b, gap);
-        const bool found = detail::faces_touch(a, b, gap);
+        const Point normal = detail::area_normal(a.corner);
+        const bool found = detail::faces_touch(a, normal, gap * detail::length(normal), b, gap);
         // Beside a vertex that they have in common, faces may be nearer than the gap.
         CHECK((found == touch || (shared > 0 && !found && !detail::facets_touch(a, b, 0))));
         ++verdicts[shared][touch ? 1 : 0];

@@ -58,7 +58,7 @@ public:
         : shell_(shell)
         , obstacles_(obstacles)
         , clear_(*obstacles.lattice, obstacles.margin)
-        , hash_(hash_of(shell))
+        , crossings_(shell, obstacles.gap())
         , quadric_(shell.points.size())
         , version_(shell.points.size(), 0)
         , changes_(shell.points.size(), 0)
@@ -93,7 +93,7 @@ public:
                 return false;
             if (queue_.empty() && !retry()) break;
             if (3 * count_ < hashed_) { // the faces have become larger than the cells of the hash
-                hash_ = hash_of(shell_);
+                crossings_.add_all_again();
                 hashed_ = count_;
             }
             Collapse next = queue_.top();
@@ -295,16 +295,8 @@ private:
             std::replace(face.begin(), face.end(), c.v, c.u);
             fresh_.push_back(face);
         }
-        bool found = false;
-        for (std::size_t i = 0; i < fresh_.size() && !found; ++i) {
-            found = obstacles_.crosses(shell_, hash_, fresh_[i], [&](std::uint32_t g) {
-                return shell_.has(g, c.u) || shell_.has(g, c.v);
-            });
-            const std::span<const Point> points(shell_.points);
-            for (std::size_t j = 0; j < i && !found; ++j)
-                found =
-                    faces_touch(Facet<3>(fresh_[i], points), Facet<3>(fresh_[j], points), obstacles_.gap());
-        }
+        const bool found =
+            crossings_.any(fresh_, [&](std::uint32_t f) { return shell_.has(f, c.u) || shell_.has(f, c.v); });
         shell_.points[c.u] = old;
         return found;
     }
@@ -314,7 +306,7 @@ private:
             const auto star = shell_.star[w];
             for (const auto f : star) {
                 if (w == c.v && shell_.has(f, c.u)) continue; // a face at both ends is removed once
-                hash_.remove(f);
+                crossings_.remove(f);
             }
         }
         const bool rim_u = shell_.on_rim[c.u], rim_v = shell_.on_rim[c.v];
@@ -330,14 +322,19 @@ private:
         shell_.points[c.u] = p;
         shell_.on_rim[c.u] = rim_u || rim_v;
         quadric_[c.u] += quadric_[c.v];
-        for (const auto f : shell_.star[c.u]) hash_.add(f, shell_.corners(shell_.faces[f]));
+        for (const auto f : shell_.star[c.u]) crossings_.add(f);
         count_ -= shell_.half && !(rim_u && rim_v) ? 2 : 1;
         ++version_[c.u];
         ++changes_[c.u];
         changed_ = true;
-        for (const auto w : shell_.neighbours(c.u)) {
-            ++changes_[w];
-            propose(c.u, w);
+        const std::uint32_t near = ++last_mark_;
+        for (const auto f : shell_.star[c.u]) {
+            for (const auto w : shell_.faces[f]) {
+                if (w == c.u || mark_[w] == near) continue;
+                mark_[w] = near;
+                ++changes_[w];
+                propose(c.u, w);
+            }
         }
     }
 
@@ -361,11 +358,11 @@ private:
     Shell& shell_;
     const ShellObstacles& obstacles_;
     ClearTest clear_;
-    FaceHash hash_;
+    ShellCrossings crossings_;
     std::vector<Quadric> quadric_;
     std::vector<std::uint32_t> version_;
     std::vector<std::uint32_t> changes_; ///< how often a face about a vertex has changed
-    std::vector<std::uint32_t> mark_;    ///< scratch of `links`
+    std::vector<std::uint32_t> mark_;    ///< scratch of `links` and `take`
     std::uint32_t last_mark_ = 0;
     std::vector<About> about_; ///< the faces collected
     std::array<Candidate, 4 * steps_out.size()> candidates_;

@@ -96,7 +96,7 @@ public:
         , obstacles_(obstacles)
         , clear_(*obstacles.lattice, obstacles.margin)
         , energy_(energy)
-        , hash_(hash_of(shell)) {}
+        , crossings_(shell, obstacles.gap()) {}
 
     /// Sweeps over the mesh: flips edges, then moves vertices, by steps that become shorter.
     /// Returns false if cancelled.
@@ -177,16 +177,13 @@ private:
         if (!good) return false;
         shell_.points[v] = p;
         good = are_clear(star);
-        if (good) { // the dearest test comes last
-            for (const auto f : star) hash_.remove(f);
-            good = are_apart_from_all(star);
-            if (!good) shell_.points[v] = x;
-            for (const auto f : star) hash_.add(f, shell_.corners(shell_.faces[f]));
-        }
-        if (good)
+        good = good && are_apart_from_all(star); // the dearest test comes last
+        if (good) {
+            add_again(star);
             wake_about(v);
-        else
+        } else {
             shell_.points[v] = x;
+        }
         return good;
     }
     /// Has vertices tried again whose energy depends on vertex v.
@@ -199,19 +196,18 @@ private:
         return clear_.are_clear(faces.size(),
                                 [&](std::size_t k) { return shell_.corners(shell_.faces[faces[k]]); });
     }
-    /// Whether some faces, not in the hash, touch no other face and not each other.
-    bool are_apart_from_all(std::span<const std::uint32_t> faces) const {
-        const std::span<const Point> points(shell_.points);
-        for (std::size_t i = 0; i < faces.size(); ++i) {
-            const auto& face = shell_.faces[faces[i]];
-            if (obstacles_.crosses(shell_, hash_, face, [](std::uint32_t) { return false; })) return false;
-            for (std::size_t j = 0; j < i; ++j) {
-                if (faces_touch(Facet<3>(face, points), Facet<3>(shell_.faces[faces[j]], points),
-                                obstacles_.gap()))
-                    return false;
-            }
+    /// Whether some faces, which have changed, touch no other face and not each other.
+    bool are_apart_from_all(std::span<const std::uint32_t> faces) {
+        fresh_.clear();
+        for (const auto f : faces) fresh_.push_back(shell_.faces[f]);
+        return !crossings_.any(
+            fresh_, [&](std::uint32_t f) { return std::find(faces.begin(), faces.end(), f) != faces.end(); });
+    }
+    void add_again(std::span<const std::uint32_t> faces) {
+        for (const auto f : faces) {
+            crossings_.remove(f);
+            crossings_.add(f);
         }
-        return true;
     }
 
     /// Flips the edge v w: replaces the two faces at it by those along their other diagonal, if the
@@ -242,13 +238,10 @@ private:
             good = good && dot(n, normals[0]) > 0 && dot(n, normals[1]) > 0;
         }
         clear_.forget();
-        if (good && are_clear(pair)) { // the dearest test comes last
-            for (const auto f : pair) hash_.remove(f);
-            good = are_apart_from_all(pair);
-            if (!good) set_faces(pair, fresh, old);
-            for (const auto f : pair) hash_.add(f, shell_.corners(shell_.faces[f]));
-            if (good) wake_about(a);
-            if (good) wake_about(b);
+        if (good && are_clear(pair) && are_apart_from_all(pair)) { // the dearest test comes last
+            add_again(pair);
+            wake_about(a);
+            wake_about(b);
         } else {
             set_faces(pair, fresh, old);
         }
@@ -266,7 +259,8 @@ private:
     const ShellObstacles& obstacles_;
     ClearTest clear_;
     const ShellEnergy& energy_;
-    FaceHash hash_;
+    ShellCrossings crossings_;
+    std::vector<Shell::Face> fresh_; ///< scratch of `are_apart_from_all`
     std::vector<bool> idle_; ///< for each vertex: whether it found no move, and nothing about it has changed
 };
 
