@@ -1,0 +1,1 @@
+#include <cageform/animate/clip.hpp>

@@ -1,0 +1,1 @@
+#include <cageform/binding/types/blob.hpp>

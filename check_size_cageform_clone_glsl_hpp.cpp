@@ -1,0 +1,1 @@
+#include <cageform/clone/glsl.hpp>

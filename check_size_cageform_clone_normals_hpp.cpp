@@ -1,0 +1,1 @@
+#include <cageform/clone/normals.hpp>

@@ -1,0 +1,1 @@
+#include <cageform/clone/pose_handles.hpp>

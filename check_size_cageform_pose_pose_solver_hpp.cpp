@@ -1,0 +1,1 @@
+#include <cageform/pose/pose_solver.hpp>

@@ -1,0 +1,1 @@
+#include <cageform/runtime.hpp>
