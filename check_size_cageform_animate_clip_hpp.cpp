@@ -1,1 +1,0 @@
-#include <cageform/animate/clip.hpp>

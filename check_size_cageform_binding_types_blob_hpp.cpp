@@ -1,1 +1,0 @@
-#include <cageform/binding/types/blob.hpp>

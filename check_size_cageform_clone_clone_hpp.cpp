@@ -1,1 +1,0 @@
-#include <cageform/clone/clone.hpp>

@@ -1,1 +1,0 @@
-#include <cageform/clone/pose_handles.hpp>

@@ -1,1 +1,0 @@
-#include <cageform/pose/pose_solver.hpp>

@@ -1,1 +1,0 @@
-#include <cageform/runtime.hpp>
