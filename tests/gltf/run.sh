@@ -228,7 +228,7 @@ corner_lines() { sed 's/^v //; s/ /,/g' corners; }
   refuses 'nowhere.obj' "$export" $figure --pose nowhere.obj --skin 4 -o out.glb
   refuses 'nowhere.csv: no such file' "$export" $figure --clip nowhere.csv --skin 4 -o out.glb
   refuses 'point.obj: holds no faces' "$export" point.obj --cage box.obj --skin 4 -o out.glb
-  refuses 'give --skin, --max-distance or --morph to choose what to write' "$export" $figure -o out.glb
+  refuses 'give --bones, --skin, --max-distance or --morph to choose what to write' "$export" $figure -o out.glb
   refuses 'morph targets need poses' "$export" $figure --morph -o out.glb
   refuses '--skin' "$export" $figure --skin 0 -o out.glb
   refuses '--skin' "$export" $figure --skin 17 -o out.glb

@@ -218,12 +218,16 @@ private:
     }
     /// The mean of all frames, in place of a range of values.
     bool is_constant(const Range& range, double share, NodeTransform& mean) const {
-        mean = {};
+        mean = exact_[0];
+        bool are_alike = true;
         for (std::size_t c = range.begin; c < range.end; ++c) {
-            mean.values[c] = 0;
+            double change = 0;
+            for (const NodeTransform& local : exact_) change += local.values[c] - exact_[0].values[c];
+            mean.values[c] += change / double(exact_.size());
             for (const NodeTransform& local : exact_)
-                mean.values[c] += local.values[c] / double(exact_.size());
+                are_alike = are_alike && local.values[c] == exact_[0].values[c];
         }
+        if (are_alike) return true;
         normalise(mean, range);
         for (std::size_t t = 0; t < exact_.size(); ++t) {
             if (!will_do(t, replaced(played_[t], mean, range), share)) return false;

@@ -84,12 +84,12 @@ Status make_keys(const FittedSkeleton<T>& given, const std::vector<Vec<double, 3
     const auto copy = [&](auto& to, const auto& from) {
         using V = std::decay_t<decltype(to.values[0])>;
         const auto cast = [](const auto& list) {
-            std::vector<V> result;
+            std::vector<V> copies;
             for (const auto& value : list) {
-                V& copied = result.emplace_back();
+                V& copied = copies.emplace_back();
                 for (std::size_t k = 0; k < sizeof(V) / sizeof(T); ++k) copied[k] = T(value[k]);
             }
-            return result;
+            return copies;
         };
         to.times.assign(from.times.begin(), from.times.end());
         to.values = cast(from.values);
