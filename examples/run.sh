@@ -292,6 +292,8 @@ for rows in 0:2 2:4; do
 done
 "$programs/export_gltf" out/character.obj --cage out/character_cage.obj --clip out/character_clip.csv --max-distance 0.01 \
   --coordinates harmonic -o out/character_skin.glb --report >>$report
+"$programs/export_gltf" out/character.obj --cage out/character_cage.obj --clip out/character_clip.csv --bones 24 \
+  --coordinates harmonic -o out/character_bones.glb --picture out/character_bones.png --report >>$report
 "$programs/export_gltf" out/character.obj --cage out/character_cage.obj --clip out/character_clip.csv --morph \
   --coordinates harmonic -o out/character_morph.glb >>$report
 

@@ -221,6 +221,8 @@ form bind_tiles box.obj --points inner.obj --coordinates harmonic --accuracy 0.1
 form make_tiles inner.obj --points 10 -o out.ply
 form export_gltf inner.obj --cage box.obj --clip box_clip.csv --labels box_labels.txt --skin 4 -o out.glb
 form export_gltf inner.obj --cage box.obj --pose bent_box.obj --morph -o out.gltf
+form export_gltf inner.obj --cage box.obj --pose bent_box.obj --bones 2 -o out.glb --picture picture.png
+form fit_skeleton inner.obj inner.obj bent_inner.obj -o out.glb --bones 2 --picture picture.png
 form grid_field table.csv -o out.png --surface surface.png --size 40
 form paths --cage hexagon_cage.svg --point 250,250 -o out.svg --png --paths 10 --rays 10 --drawn 1
 form leaf_cages leaf.svg --cage leaf_cage.svg --pose leaf_pose.svg -o out.svg --png

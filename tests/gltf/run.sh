@@ -1,6 +1,6 @@
 #!/bin/sh
 # Usage: run.sh PROGRAMS PLAYBACK FOLDER
-# Every kind of file that export_gltf and make_hand write is played by a second reader (PLAYBACK) and compared with the clone, and
+# Every kind of file that export_gltf, fit_skeleton and make_hand write is played by a second reader (PLAYBACK) and compared with the clone, and
 # has neither errors nor warnings of Khronos' validator, which is installed from npm into FOLDER. Wrong arguments
 # and broken files exit with 1, name the culprit and leave nothing behind. Exit code 77: no npm here, all else passed.
 set -u
@@ -68,6 +68,33 @@ works "vertices with several normals" "$export" creases.obj $cage $clip --morph 
 works "the order of the vertices" "$playback" creases.obj character_cage.obj character_clip.csv creases.glb
 sed 's|^pose,0.7,|pose,0.76,|' character_clip.csv >other.csv
 "$playback" character.obj character_cage.obj other.csv skin_4.glb >log 2>&1 && report no "the second reader sees another clip" || report yes other
+
+# ---- a skeleton fitted to a motion ----
+# shellcheck disable=SC2086
+{
+  works "the first vertices of the character" awk -v n=800 '$1 == "v" && ++v > n { next } $1 == "vn" && ++m > n { next }
+    $1 == "f" { for (k = 2; k <= 4; k++) { split($k, a, "/"); if (a[1] > n || a[3] > n) next } } { print }' character.obj
+  cp log part.obj
+  works "bones by a distance" "$export" part.obj $cage $clip --coordinates mean-value --bones auto --max-distance 1% -o bones_auto.glb --report --picture bones_auto.png
+  says 'keys: '
+  says 'turned wrongly by '
+  works "poses of the clip" "$programs/bind_mesh" part.obj $cage $clip --coordinates mean-value -o part.figure
+  mkdir -p frames && works "frames" "$programs/clone_figure" part.figure --poses character_clip.csv --rate 30 --mesh part.obj -o 'frames/%03d.obj'
+  works "bones, played by the second reader" "$playback" --near 0.0101 part.obj bones_auto.glb 0.1 frames/003.obj 0.3 frames/009.obj 0.6 frames/018.obj
+  "$playback" --near 0.0101 part.obj bones_auto.glb 0.1 frames/018.obj >log 2>&1 && report no "the second reader sees another frame" || report yes other
+  for kind in rigid similar stretched; do
+    works "a skeleton of $kind bones" "$programs/fit_skeleton" part.obj frames/00?.obj frames/01?.obj -o fitted_$kind.glb --bones 6 --kind $kind --report
+    works "$kind bones, played by the second reader" "$playback" --near 0.03 part.obj fitted_$kind.glb 0.3 frames/009.obj 0.6 frames/018.obj
+    cat log
+  done
+  works "a flat skeleton as text" "$programs/fit_skeleton" part.obj frames/00?.obj frames/01?.obj -o fitted_flat.gltf --bones 6 --flat --influences 6
+  works "that, played by the second reader" "$playback" --near 0.03 part.obj fitted_flat.gltf 0.3 frames/009.obj 0.6 frames/018.obj
+  refuses 'bones are found in a motion' "$export" part.obj $cage --bones 4 -o out.glb
+  refuses '"many" is neither "auto" nor a number of bones' "$export" part.obj $cage $clip --bones many -o out.glb
+  refuses 'give --bones too' "$export" part.obj $cage $clip --skin 4 --flat -o out.glb
+  refuses '--bones auto takes as many as are needed' "$export" part.obj $cage $clip --coordinates mean-value --bones 1 --max-distance 0.1% -o out.glb
+  refuses 'is no share such as 0.002 or 0.2%' "$export" part.obj $cage $clip --bones auto --max-distance 200% -o out.glb
+}
 
 # ---- bones: weights found on the surface ----
 skin="$programs/skin_mesh"
