@@ -1,11 +1,13 @@
-// How near is a fitted skeleton to a motion, and in what time? Prints a row for each number and kind of bones.
+// How near is a fitted skeleton to a motion, and in what time? Prints a row for each number and kind of
+// bones.
 //
-//     bench_skeleton MOTION [--bones 8,12,20,30] [--kind rigid|similar|stretched] [--influences K] [--threads N]
-//                           [--keys DISTANCE]
+//     bench_skeleton MOTION [--bones 8,12,20,30] [--kind rigid|similar|stretched] [--influences K]
+//                           [--threads N] [--keys DISTANCE]
 //
 // MOTION is frames.npy of float32, #frames · #vertices · 3, whose first frame is the rest, with the faces in
-// frames_faces.npy of int32, #faces · 3; or the model of a game, .md3, whose first frame is the rest. Distances
-// are shares of the figure's size; --keys states how far off the keys may be besides, in a tenth of a thousandth.
+// frames_faces.npy of int32, #faces · 3; or the model of a game, .md3, whose first frame is the rest.
+// Distances are shares of the figure's size; --keys makes keys
+// that are so far off besides, and counts them.
 #include <cageform/core/threads.hpp>
 #include <cageform/skeleton/fit_skeleton.hpp>
 

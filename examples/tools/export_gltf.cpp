@@ -1,11 +1,12 @@
 // Writes an OBJ figure that moves with its cage as glTF 2.0, for engines and viewers that know no cages.
 //
-//     export_gltf character.obj --cage character_cage.obj --clip character_clip.csv --bones auto -o character.glb
-//     export_gltf character.obj --cage character_cage.obj --clip character_clip.csv --skin 16 -o character.glb
-//     export_gltf character.obj --cage character_cage.obj --clip character_clip.csv --morph -o character.gltf
+//     export_gltf head.obj --cage head_cage.obj --clip head_clip.csv --bones auto -o head.glb
+//     export_gltf head.obj --cage head_cage.obj --clip head_clip.csv --skin 16 -o head.glb
+//     export_gltf head.obj --cage head_cage.obj --clip head_clip.csv --morph -o head.gltf
 //
-// --bones N or auto: a skeleton that is fitted to the motion. Its bones turn, and normals with them; four of them
-// move a vertex. --max-distance 0.2% takes as many as keep every vertex that near to its clone in all frames.
+// --bones N or auto: a skeleton that is fitted to the motion. Its bones turn, and normals with them; four of
+// them move a vertex. --max-distance 0.2% takes as many as keep every vertex that near to its clone in all
+// frames.
 //
 // --skin K: every vertex of the cage is a joint that is only moved, every vertex of the figure follows K of
 // them at most, chosen so that neighbours lose alike and the surface stays smooth. Affine poses stay exact,

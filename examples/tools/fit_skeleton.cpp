@@ -3,9 +3,9 @@
 //     fit_skeleton rest.obj frames/*.obj -o skin.glb --bones auto --max-distance 0.2%
 //     fit_skeleton rest.obj motion.mdd -o skin.glb --bones 20 --rate 24 --picture skin.png
 //
-// Bones are found in the motion itself: they turn, have joints and parents, and move a vertex four at most. So
-// engines play whatever moves vertices: cages, lattices, cloth, vertex animations. The method is that of Le and
-// Deng, Smooth skinning decomposition with rigid bones, ACM TOG 31(6), 2012, with changes.
+// Bones are found in the motion itself: they turn, have joints and parents, and move a vertex four at most.
+// So engines play whatever moves vertices: cages, lattices, cloth, vertex animations. The method is that of
+// Le and Deng, Smooth skinning decomposition with rigid bones, ACM TOG 31(6), 2012, with changes.
 
 #include "cli/command_line.hpp"
 #include "cli/guard.hpp"

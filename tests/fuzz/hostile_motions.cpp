@@ -1,6 +1,6 @@
-// Fits skeletons to sequences of every kind that no one should give: flat, on a line, in a point, repeated, torn,
-// huge, tiny, with numbers that are not finite, of one frame and of none; and makes their keys. Nothing may crash;
-// what is refused is named, and what is made keeps its laws. A program of its own, for sanitizers:
+// Fits skeletons to sequences of every kind that no one should give: flat, on a line, in a point, repeated,
+// torn, huge, tiny, with numbers that are not finite, of one frame and of none; and makes their keys. Nothing
+// may crash; what is refused is named, and what is made keeps its laws. A program of its own, for sanitizers:
 //
 //     clang++ -std=c++20 -O1 -g1 -fsanitize=address,undefined -fno-sanitize-recover=all -Iinclude
 //             -isystem /usr/include/eigen3 -Itests tests/fuzz/hostile_motions.cpp -o hostile_motions

@@ -1,6 +1,6 @@
-// A second reader of what export_gltf, fit_skeleton and make_hand write: loads files by tinygltf, plays them by the words
-// of the specification and compares with the library's own clone at many times, or with poses given as OBJ
-// files.
+// A second reader of what export_gltf, fit_skeleton and make_hand write: loads files by tinygltf, plays them
+// by the words of the specification and compares with the library's own clone at many times, or with poses
+// given as OBJ files.
 //
 //     gltf_playback FIGURE.obj CAGE.obj CLIP.csv FILE…
 //     gltf_playback --at FIGURE.obj FILE SECONDS POSE.obj…

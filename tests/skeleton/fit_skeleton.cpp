@@ -1,5 +1,5 @@
-// Laws of fitted skeletons: rest, rigid motions, planted skeletons, weights, threads, hierarchy, keys, refusals,
-// and figures that are flat, torn or at rest.
+// Laws of fitted skeletons: rest, rigid motions, planted skeletons, weights, threads, hierarchy, keys,
+// refusals, and figures that are flat, torn or at rest.
 #include "../support/effort.hpp"
 #include "../support/progress.hpp"
 #include "../support/weights.hpp"

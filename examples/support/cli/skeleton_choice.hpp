@@ -31,7 +31,8 @@ struct SkeletonChoice {
     std::size_t influences = 4;
     bool flat = false;
 
-    /// Adds and returns --kind, --influences and --flat; programs add --bones and --max-distance in their words.
+    /// Adds and returns --kind, --influences and --flat; programs add --bones and --max-distance in their
+    /// words.
     std::vector<CommandOption> add_options(CommandLine& line);
     /// Why `bones` is neither; empty where it is one.
     static std::string fault_of_bones(const std::string& word);

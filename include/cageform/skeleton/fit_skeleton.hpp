@@ -50,12 +50,13 @@ fit_skeleton(const R& rest, const Frames& frames, const F& faces, const Skeleton
 
 /// Makes keys of a skeleton's motion, as few as keep the figure near to what the maps make of it.
 ///
-///   skeleton      as `fit_skeleton` returns it. With `parents` set to no_parent, bones are free of each other
+///   skeleton      as `fit_skeleton` returns it. With `parents` set to no_parent, bones are free of each
+///                 other
 ///   rest          #vertices, as it was fitted
 ///   times         #frames, in seconds, ascending
 ///   max_distance  the distance, a share of the figure's diagonal at rest, from where a vertex is by the maps
-///                 to where it is by the keys, in every frame: measured at the skin, not at the bones, and for
-///                 all bones together. 0: a key in each frame, where more than one is needed
+///                 to where it is by the keys, in every frame: measured at the skin, not at the bones, and
+///                 for all bones together. 0: a key in each frame, where more than one is needed
 ///   returns       keys at some of the frames, with the values there. A channel that may stand still has one
 ///   cost          some O(#vertices · #influences · #frames · log #frames); 1,114 vertices in 33 frames take
 ///                 0.1 s for 20 bones. Memory: 12 bytes · #vertices · #frames
