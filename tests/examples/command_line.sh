@@ -798,7 +798,8 @@ done
 refuses 'give --pose or operations such as --turn, but not both' "$splats" scene.ply --cage character_cage.obj --pose character_pose.obj --turn all:1,y -o out.ply
 refuses '--pose is required' "$splats" scene.ply --cage character_cage.obj -o out.ply
 refuses '"1" is neither 0 nor a number from 1.01 to 1e9' "$splats" scene.ply --cage box --split 1 -o out.ply
-refuses '3000 of 3000 vertices of scene.ply lie outside' "$splats" scene.ply --cage square.obj --pose square.obj -o out.ply
+printf 'v 9 9 9\nv 10 9 9\nv 9 10 9\nv 9 9 10\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n' >far.obj
+refuses '3000 of 3000 vertices of scene.ply lie outside' "$splats" scene.ply --cage far.obj --pose far.obj -o out.ply
 refuses 'missing/out.ply' "$splats" scene.ply --cage box --move all:1,0,0 -o missing/out.ply
 refuses 'scene.ply: splat 0 (counted from 0) leaves the range of single precision in the pose' "$splats" scene.ply --cage box --scale all:1e60 -o out.ply
 refuses 'out.obj' "$splats" scene.ply --cage box --move all:1,0,0 -o out.obj

@@ -15,6 +15,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <random>
 
 namespace figure_stream_tests {
 
@@ -26,7 +27,10 @@ using cageform::WeightFormat;
 
 namespace {
 
-const std::string path = "figure_stream_test.figure";
+/// Tests run beside each other: each has a folder of its own.
+const std::filesystem::path folder =
+    std::filesystem::temp_directory_path() / ("cageform-stream-" + std::to_string(std::random_device()()));
+const std::string path = (folder / "a.figure").string();
 
 std::string bytes_of_file() {
     std::ifstream file(path, std::ios::binary);
@@ -43,6 +47,7 @@ struct Streamed {
 Streamed stream(const cageform::TriangleMesh<float>& cage, const Points3<float>& points, std::size_t piece,
                 const PackOptions& options, const Points3<float>& pose) {
     const cageform::MeanValueCoordinates<float, 3> coordinates(cage);
+    std::filesystem::create_directories(folder);
     FigureStream figure(path);
     Streamed streamed;
     std::size_t first = 0;
@@ -118,8 +123,8 @@ TEST_CASE("a figure in pieces clones as its pieces do", "[examples][tiles]") {
             CHECK(clone(packed.value.view(), pose, cloned) == Status::ok);
             CHECK(cloned == streamed.cloned);
         }
-        std::remove(path.c_str());
     }
+    std::filesystem::remove_all(folder);
 }
 
 TEST_CASE("only a whole figure has a record, and none is left of a broken one", "[examples][tiles]") {
@@ -157,10 +162,8 @@ TEST_CASE("only a whole figure has a record, and none is left of a broken one", 
     CHECK(nowhere.error().starts_with("cannot write no_such_folder/a.figure: "));
     TileRecord record;
     CHECK(!nowhere.finish(record));
-    std::size_t left = 0;
-    for (const auto& entry : std::filesystem::directory_iterator("."))
-        left += entry.path().filename().string().starts_with(path) ? 1 : 0;
-    CHECK(left == 0);
+    CHECK(std::filesystem::is_empty(folder));
+    std::filesystem::remove_all(folder);
 }
 
 TEST_CASE("a hash of pieces is that of the whole", "[examples][tiles]") {

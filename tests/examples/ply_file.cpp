@@ -9,7 +9,9 @@
 #include <algorithm>
 #include <bit>
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
+#include <random>
 
 namespace ply_file_tests {
 
@@ -18,10 +20,12 @@ using cageform_tests::Random;
 
 namespace {
 
-/// A file that is gone with this object.
+/// A file that is gone with this object. Tests run beside each other: its name begins with a random number.
 struct Written {
-    explicit Written(const std::string& text, std::string its_path = "ply_file_test.ply")
-        : path(std::move(its_path)) {
+    explicit Written(const std::string& text, const std::string& name = "test.ply")
+        : path((std::filesystem::temp_directory_path() /
+                ("cageform-ply-" + std::to_string(std::random_device()()) + '-' + name))
+                   .string()) {
         std::ofstream(path, std::ios::binary) << text;
     }
     Written(const Written&) = delete;
@@ -127,8 +131,8 @@ struct RandomFile {
 };
 
 /// Why a text is no PLY file with points, less the file's name; empty if it is one.
-std::string fault_of(const std::string& text, const std::string& path = "ply_file_test.ply") {
-    const Written file(text, path);
+std::string fault_of(const std::string& text, const std::string& name = "test.ply") {
+    const Written file(text, name);
     PointFile points(file.path);
     std::vector<double> numbers;
     while (points.read(7, numbers) > 0) continue;

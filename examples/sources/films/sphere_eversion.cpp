@@ -17,6 +17,7 @@
 #include "cli/view_choice.hpp"
 #include "double_curve.hpp"
 #include "eversion.hpp"
+#include "files/obj_file.hpp"
 #include "film_choice.hpp"
 #include "pictures/mesh_picture.hpp"
 #include "pictures/plot.hpp"
@@ -318,7 +319,7 @@ int run_program(int argc, char** argv) {
     given.outside.add_options(line);
     given.choice.add_options(line);
     given.view.add_options(line);
-    line.set_footer(lattice_format + std::string("\n") + pose_operations_format);
+    line.set_footer(obj_format + std::string("\n") + lattice_format + "\n" + pose_operations_format);
     if (const auto code = line.parse(argc, argv)) return *code;
     if (const std::string why = given.outside.fault(); !why.empty()) return fail(why);
 

@@ -133,7 +133,7 @@ CAGEFORM_DETAIL_FLATTEN inline bool is_clear(const DistanceLattice<3>& lattice, 
     // of spacings down to one; a triangle that needs more than 64 does not count as clear.
     std::array<Corners<3>, 64> waiting;
     std::size_t count = 0;
-    const double least = -0.05 * lattice.spacing(), small = 0.8 * lattice.spacing();
+    const double least = -0.05 * lattice.spacing(), shortest = 0.8 * lattice.spacing();
     for (;;) {
         const auto middle = (1.0 / 3) * (corner[0] + corner[1] + corner[2]);
         const double f = lattice.value(middle);
@@ -145,7 +145,7 @@ CAGEFORM_DETAIL_FLATTEN inline bool is_clear(const DistanceLattice<3>& lattice, 
             reach2 = (std::max)(reach2, dot(to, to));
             side2[k] = dot(side, side);
         }
-        const double free = (std::max)(f, small);
+        const double free = (std::max)(f, shortest);
         if (free * free >= reach2) {
             if (count == 0) return true;
             corner = waiting[--count];

@@ -54,9 +54,10 @@ FittedSkeleton<T> skeleton_of(const Motion& motion, const BoneFit& fit) {
             weights[k] = float(w);
             left -= double(weights[k]);
         }
-        if (width > 1 && weights[0] < weights[1]) { // by the rounding of the others
-            std::swap(weights[0], weights[1]);
-            std::swap(joints[0], joints[1]);
+        // The rounding of the others can make the first one smaller than some.
+        for (std::size_t k = 1; k < width && weights[k - 1] < weights[k]; ++k) {
+            std::swap(weights[k - 1], weights[k]);
+            std::swap(joints[k - 1], joints[k]);
         }
     }
     return result;

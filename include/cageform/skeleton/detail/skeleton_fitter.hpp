@@ -112,12 +112,12 @@ private:
                     b = i;
                 }
             }
-            std::vector<std::uint32_t> near;
+            std::vector<std::uint32_t> nearer;
             for (const std::uint32_t i : cluster) {
-                if (path_distance(i, a) < path_distance(i, b)) near.push_back(i);
+                if (path_distance(i, a) < path_distance(i, b)) nearer.push_back(i);
             }
-            if (near.size() < least || cluster.size() - near.size() < least) continue;
-            fit_.add_bone(near, true, running_);
+            if (nearer.size() < least || cluster.size() - nearer.size() < least) continue;
+            fit_.add_bone(nearer, true, running_);
         }
         return fit_.bones() > had;
     }
@@ -141,9 +141,9 @@ private:
                     worst = i;
             }
             if (worst == errors.size()) break;
-            const auto near = around(worst);
-            fit_.add_bone(near, false, running_);
-            for (const std::uint32_t i : near) errors[i] = 0;
+            const auto around_it = around(worst);
+            fit_.add_bone(around_it, false, running_);
+            for (const std::uint32_t i : around_it) errors[i] = 0;
             tried_[worst] = true;
         }
         if (!rounds(2)) return false;
