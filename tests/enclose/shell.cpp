@@ -6,6 +6,7 @@
 
 #include <cageform/enclose/space/reduce_shell.hpp>
 #include <cageform/enclose/space/relax_shell.hpp>
+#include <cageform/enclose/space/space_distance.hpp>
 
 namespace shell_tests {
 
@@ -55,7 +56,7 @@ TEST_CASE("relaxed shells are tighter, and clear of the figure", "[enclose][prop
     detail::DistanceLattice<3> lattice({-2, -2, -2}, 0.1, {41, 41, 41}, 4);
     for (std::size_t node = 0; node < lattice.size(); ++node)
         lattice[node] = float(detail::length(lattice.position(node)) - 0.5);
-    const detail::ShellObstacles obstacles(lattice, 0.1);
+    const detail::ShellObstacles obstacles{&lattice, 0.1};
     for (std::uint64_t seed = 0; seed < 3; ++seed) {
         CAPTURE(seed);
         Random random(seed);
@@ -72,7 +73,8 @@ TEST_CASE("relaxed shells are tighter, and clear of the figure", "[enclose][prop
         std::size_t edges = 0;
         for (std::uint32_t v = 0; v < shell.points.size(); ++v) edges += shell.neighbours(v).size();
         CHECK(edges == 3 * shell.faces.size());
-        for (const auto& face : shell.faces) CHECK(is_clear(lattice, shell.corners(face)));
+        const detail::ClearTest clear(lattice, 0.5);
+        for (const auto& face : shell.faces) CHECK(clear.is_clear(shell.corners(face)));
     }
 }
 
@@ -99,7 +101,8 @@ TEST_CASE("a quick look at two faces gives the verdict of a full one", "[enclose
             b(second, std::span<const Point>(points));
         CAPTURE(n, shared);
         const bool touch = detail::facets_touch(a, b, gap);
-        const bool found = detail::faces_touch(a, b, gap);
+        const Point normal = detail::area_normal(a.corner);
+        const bool found = detail::faces_touch(a, normal, gap * detail::length(normal), b, gap);
         // Beside a vertex that they have in common, faces may be nearer than the gap.
         CHECK((found == touch || (shared > 0 && !found && !detail::facets_touch(a, b, 0))));
         ++verdicts[shared][touch ? 1 : 0];
@@ -184,22 +187,57 @@ TEST_CASE("a triangle is clear if no point of it is near the figure", "[enclose]
     detail::DistanceLattice<3> lattice({-2, -2, -2}, 0.1, {41, 41, 41}, 4);
     for (std::size_t node = 0; node < lattice.size(); ++node)
         lattice[node] = float(detail::length(lattice.position(node)) - 0.5);
+    const detail::ClearTest clear(lattice, 0.5);
     Random random(7);
-    int clear = 0, met = 0;
+    int free = 0, met = 0;
     for (int n = 0; n < 2000; ++n) {
         CAPTURE(n);
         const detail::Corners<3> corner{1.5 * random_place(random), 1.5 * random_place(random),
                                         1.5 * random_place(random)};
         const double distance = detail::distance_to_facet(Point{}, corner);
-        const bool is_clear = detail::is_clear(lattice, corner);
-        // Every point of a triangle lies within 0.8 spacings of a sample.
+        const bool is_clear = clear.is_clear(corner);
+        // Where f = 0, every point of a triangle lies within 0.8 spacings of a sample.
         if (distance > 0.51) CHECK(is_clear);
         if (distance < 0.38) CHECK_FALSE(is_clear);
-        clear += is_clear ? 1 : 0;
+        free += is_clear ? 1 : 0;
         met += is_clear ? 0 : 1;
     }
-    CHECK(clear > 100);
+    CHECK(free > 100);
     CHECK(met > 100);
+}
+
+TEST_CASE("triangles tested one after another are clear as each alone is", "[enclose][property]") {
+    detail::DistanceLattice<3> lattice({-2, -2, -2}, 0.1, {41, 41, 41}, 4);
+    for (std::size_t node = 0; node < lattice.size(); ++node)
+        lattice[node] = float(detail::length(lattice.position(node)) - 0.5);
+    const detail::ClearTest alone(lattice, 0.5);
+    detail::ClearTest together(lattice, 0.5);
+    int refused = 0;
+    for (std::uint64_t seed = 0; seed < 40; ++seed) {
+        CAPTURE(seed);
+        Random random(seed);
+        // A fan about a vertex that takes many places.
+        std::vector<Point> ring;
+        for (int k = 0; k < 6; ++k)
+            ring.push_back({1.2 * std::cos(k), 1.2 * std::sin(k), random.uniform(-0.5, 0.8)});
+        together.forget();
+        for (int n = 0; n < 30; ++n) {
+            const Point p = 0.4 * random_place(random) + Point{0, 0, 0.8};
+            const auto triangle = [&](std::size_t k) {
+                return detail::Corners<3>{p, ring[k], ring[(k + 1) % ring.size()]};
+            };
+            bool all = true;
+            for (std::size_t k = 0; k < ring.size(); ++k) all = all && alone.is_clear(triangle(k));
+            const bool found = together.are_clear(ring.size(), triangle);
+            // One place more is sampled: it may refuse a triangle that is near.
+            double nearest = std::numeric_limits<double>::infinity();
+            for (std::size_t k = 0; k < ring.size(); ++k)
+                nearest = std::min(nearest, detail::distance_to_facet(Point{}, triangle(k)));
+            CHECK((found == all || (all && nearest < 0.5)));
+            refused += found ? 0 : 1;
+        }
+    }
+    CHECK((refused > 100 && refused < 1100));
 }
 
 TEST_CASE("lattice distances in space are exact beside the faces, and never too small",

@@ -36,11 +36,13 @@ public:
     }
 
     double spacing() const noexcept { return h_; }
+    /// f beyond the lattice.
+    double farthest() const noexcept { return far_; }
     const Count& count() const noexcept { return count_; }
     const Count& stride() const noexcept { return stride_; }
     std::size_t size() const noexcept { return f_.size(); }
     float& operator[](std::size_t node) noexcept { return f_[node]; }
-    float operator[](std::size_t node) const noexcept { return f_[node]; }
+    const float& operator[](std::size_t node) const noexcept { return f_[node]; }
     /// The indices of a node along each axis.
     Count numbers(std::size_t node) const noexcept {
         Count n{};

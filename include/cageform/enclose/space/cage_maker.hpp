@@ -9,6 +9,7 @@
 #include <cageform/enclose/detail/make_cage_into.hpp>
 #include <cageform/enclose/space/reduce_shell.hpp>
 #include <cageform/enclose/space/relax_shell.hpp>
+#include <cageform/enclose/space/space_distance.hpp>
 #include <cageform/enclose/space/surface_nets.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
@@ -64,7 +65,7 @@ public:
         const double six = shell.six_volumes();
         if (report.tightest_area == 0) report.tightest_area = six / 6 * (shell.half ? 2 : 1);
         if (!running.keep_going(0.3)) return Status::cancelled;
-        const ShellObstacles obstacles(lattice_, lifted);
+        const ShellObstacles obstacles{&lattice_, lifted};
         double area = 0;
         for (const auto& face : shell.faces) area += 0.5 * length(area_normal(shell.corners(face)));
         if (!ShellReduction(shell, obstacles).reduce_to(options_.vertices, running.subtask(0.3, 0.8)))

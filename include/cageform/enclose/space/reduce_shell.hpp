@@ -57,7 +57,8 @@ public:
     ShellReduction(Shell& shell, const ShellObstacles& obstacles)
         : shell_(shell)
         , obstacles_(obstacles)
-        , hash_(hash_of(shell))
+        , clear_(*obstacles.lattice, obstacles.margin)
+        , crossings_(shell, obstacles.gap())
         , quadric_(shell.points.size())
         , version_(shell.points.size(), 0)
         , changes_(shell.points.size(), 0)
@@ -92,54 +93,30 @@ public:
                 return false;
             if (queue_.empty() && !retry()) break;
             if (3 * count_ < hashed_) { // the faces have become larger than the cells of the hash
-                hash_ = hash_of(shell_);
+                crossings_.add_all_again();
                 hashed_ = count_;
             }
             Collapse next = queue_.top();
             queue_.pop();
-            if (!is_current(next)) continue;
-            if (next.exact && is_still_free(next)) {
-                take(next);
-                continue;
-            }
-            if (!find_position(next, false)) {
-                next.exact = false;
-                waiting_.push_back(next);
-                continue;
-            }
-            next.exact = true;
-            next.changes = changes_[next.u] + changes_[next.v];
-            if (!queue_.empty() && next.cost > queue_.top().cost) {
-                queue_.push(next);
-                continue;
-            }
-            // Crossings are rare, and the dearest test: only the position chosen is tested.
-            if (!crosses(next, next.position)) {
-                take(next);
-            } else if (find_position(next, true)) {
-                next.changes = changes_[next.u] + changes_[next.v];
-                queue_.push(next);
-            } else {
-                next.exact = false;
-                waiting_.push_back(next);
-            }
+            if (is_current(next)) attempt(next);
         }
         return true;
     }
 
 private:
     struct Collapse {
-        double cost; ///< a lower bound unless `exact`
+        double cost; ///< a lower bound
         std::uint32_t u, v;
         std::uint32_t versions; ///< the sum of both ends; if it has changed, the collapse is out of date
-        bool exact;             ///< the cost is exact, and the position is known
-        std::uint32_t changes;  ///< of the faces about both ends, up to when the position was found
-        Point position;
+        std::uint32_t changes;  ///< of the faces about both ends, up to when the position was chosen
+        std::uint32_t refused;  ///< a bit for each candidate that was refused
+        std::uint32_t chosen;   ///< the cheapest candidate that is left, if the cost is that of a candidate
 
         bool operator<(const Collapse& other) const noexcept { // the queue has its largest on top
             return std::tie(other.cost, other.u, other.v) < std::tie(cost, u, v);
         }
     };
+    static constexpr std::uint32_t unknown = ~std::uint32_t{0};
 
     bool is_current(const Collapse& c) const noexcept {
         return !shell_.star[c.u].empty() && !shell_.star[c.v].empty() &&
@@ -156,13 +133,38 @@ private:
         q += quadric_[v];
         Point x{};
         const double least = q.least(x) ? q.at(x) : 0;
-        queue_.push({least + stretch(u, v),
-                     (std::min)(u, v),
-                     (std::max)(u, v),
-                     version_[u] + version_[v],
-                     false,
-                     0,
-                     {}});
+        queue_.push({least + stretch(u, v), (std::min)(u, v), (std::max)(u, v), version_[u] + version_[v], 0,
+                     0, unknown});
+    }
+    /// Chooses a position for the merged vertex, tests it and makes the collapse. If the collapse becomes
+    /// dearer than another one, it goes back into the queue. Costs need few operations and tests many, so
+    /// only the cheapest collapse of all is tested.
+    void attempt(Collapse c) {
+        if (!links(c.u, c.v) || !collect(c.u, c.v)) {
+            waiting_.push_back(c);
+            return;
+        }
+        const std::uint32_t changes = changes_[c.u] + changes_[c.v];
+        const bool is_known = c.chosen != unknown && c.changes == changes;
+        if (!is_known) c.refused = 0;
+        c.changes = changes;
+        for (bool has_choice = is_known;; c.refused |= 1U << c.chosen, has_choice = false) {
+            if (!has_choice) {
+                if (!choose(c)) {
+                    waiting_.push_back(c);
+                    return;
+                }
+                if (!queue_.empty() && c.cost > queue_.top().cost) {
+                    queue_.push(c);
+                    return;
+                }
+            }
+            const Point p = candidates_[c.chosen].position;
+            if (is_clear_at(p) && !crosses(c, p)) {
+                take(c, p);
+                return;
+            }
+        }
     }
     /// Puts refused collapses back into the queue, since the mesh has changed around them.
     bool retry() {
@@ -202,65 +204,54 @@ private:
         }
     }
 
-    /// Collects the faces that remain after a collapse of the edge into vertex u, and their normals.
-    void collect_faces(std::uint32_t u, std::uint32_t v) {
+    /// Collects the faces that remain after a collapse of the edge, and the candidates for the position of
+    /// the merged vertex: the minimum of the quadric, the midpoint and both ends, each at several places
+    /// outwards along the normal. Returns false if the faces have no normal.
+    bool collect(std::uint32_t u, std::uint32_t v) {
         about_.clear();
-        const auto collect = [&](std::uint32_t from, std::uint32_t other) {
-            for (const auto f : shell_.star[from]) {
-                if (shell_.has(f, other)) continue;
-                const Point normal = area_normal(shell_.corners(shell_.faces[f]));
-                about_.push_back({f, normal, 0.1 * length(normal)});
-            }
-        };
-        collect(u, v);
-        collect(v, u);
-    }
-
-    /// Whether a collapse whose position is known may be made now. The faces are only tested against the
-    /// figure again if one about the edge has changed.
-    bool is_still_free(const Collapse& c) {
-        if (!links(c.u, c.v)) return false;
-        collect_faces(c.u, c.v);
-        const bool unchanged = c.changes == changes_[c.u] + changes_[c.v];
-        return (unchanged || may_lie(c, c.position)) && !crosses(c, c.position);
-    }
-
-    /// Finds the cheapest position for the merged vertex. The candidates are the minimum of the quadric,
-    /// the midpoint and both ends; each moves outwards along the normal until the new faces are clear of
-    /// the figure, and with `apart` also cross no other faces. Leaves the faces about the edge collected.
-    bool find_position(Collapse& c, bool apart) {
-        if (!links(c.u, c.v)) return false;
-        Quadric q = quadric_[c.u];
-        q += quadric_[c.v];
-        collect_faces(c.u, c.v);
+        clear_.forget();
         Point normal{};
-        for (const auto v : {c.u, c.v}) {
-            for (const auto f : shell_.star[v])
-                normal = normal + area_normal(shell_.corners(shell_.faces[f]));
+        for (const auto& [from, other] : {std::pair(u, v), std::pair(v, u)}) {
+            for (const auto f : shell_.star[from]) {
+                auto face = shell_.faces[f];
+                const Point n = area_normal(shell_.corners(face));
+                normal = normal + n;
+                if (shell_.has(f, other)) continue;
+                while (face[0] != from) std::rotate(face.begin(), face.begin() + 1, face.end());
+                const Point &a = shell_.points[face[1]], &b = shell_.points[face[2]];
+                about_.push_back({f, a, b, dot(b - a, b - a), n, 0.1 * length(n)});
+            }
         }
         const double size = length(normal);
         if (!(size > 0)) return false;
         normal = (1 / size) * normal;
-        const Point &a = shell_.points[c.u], &b = shell_.points[c.v];
-        const double h = obstacles_.lattice->spacing(), extra = stretch(c.u, c.v);
+        Quadric q = quadric_[u];
+        q += quadric_[v];
+        const Point &a = shell_.points[u], &b = shell_.points[v];
+        const double h = obstacles_.lattice->spacing(), extra = stretch(u, v);
         std::array<Point, 4> starts{a, 0.5 * (a + b), a, b};
-        const std::size_t first = q.least(starts[0]) && is_near(starts[0], a, b) ? 0 : 1;
-        double best = std::numeric_limits<double>::infinity();
-        for (std::size_t k = first; k < 4; ++k) {
-            for (const double out : {0.0, 0.3, 0.8, 1.6, 3.0, 5.0}) {
-                const Point p = constrained(c.u, c.v, starts[k] + (out * h) * normal);
-                const double least = q.at(p) + extra; // the factor of the shape is at least 1
-                if (!(least < best)) break;
-                const double cost = least * shape_factor(c, p);
-                if (!(cost < best)) break;
-                if (!may_lie(c, p) || (apart && crosses(c, p))) continue;
-                best = cost;
-                c.position = p;
-                c.cost = cost;
-                break;
-            }
+        const bool has_least = q.least(starts[0]) && is_near(starts[0], a, b);
+        for (std::size_t n = 0; n < candidates_.size(); ++n) {
+            auto& candidate = candidates_[n];
+            candidate.position = constrained(
+                u, v, starts[n / steps_out.size()] + (h * steps_out[n % steps_out.size()]) * normal);
+            candidate.least = q.at(candidate.position) + extra;
+            candidate.cost = n < steps_out.size() && !has_least ? beyond : 0;
         }
-        return is_finite(best);
+        return true;
+    }
+    /// Chooses the cheapest candidate that was not refused. Returns false if there is none.
+    bool choose(Collapse& c) {
+        c.cost = beyond;
+        for (std::uint32_t n = 0; n < candidates_.size(); ++n) {
+            auto& candidate = candidates_[n];
+            if ((c.refused >> n & 1U) != 0 || !(candidate.least < c.cost)) continue;
+            if (candidate.cost == 0) candidate.cost = candidate.least * shape_factor(candidate.position);
+            if (!(candidate.cost < c.cost)) continue;
+            c.cost = candidate.cost;
+            c.chosen = n;
+        }
+        return c.cost < beyond;
     }
     static bool is_near(const Point& p, const Point& a, const Point& b) noexcept {
         const auto e = b - a, d = p - 0.5 * (a + b);
@@ -274,29 +265,25 @@ private:
         return p;
     }
 
-    Corners<3> moved(std::uint32_t f, const Collapse& c, const Point& p) const noexcept {
-        auto corner = shell_.corners(shell_.faces[f]);
-        for (std::size_t k = 0; k < 3; ++k) {
-            if (shell_.faces[f][k] == c.u || shell_.faces[f][k] == c.v) corner[k] = p;
-        }
-        return corner;
-    }
-    /// The factor on the cost for badly shaped faces: 1 for good ones, more for needles.
-    CAGEFORM_DETAIL_FLATTEN double shape_factor(const Collapse& c, const Point& p) const noexcept {
+    /// The factor on the cost for badly shaped faces: 1 for good ones, more for needles. It is infinite where
+    /// a face would turn over, and at places too near to the figure.
+    CAGEFORM_DETAIL_FLATTEN double shape_factor(const Point& p) const noexcept {
         double worst = 1;
-        for (const About& at : about_) worst = (std::min)(worst, triangle_quality(moved(at.face, c, p)));
+        for (const About& at : about_) {
+            const Point to_a = at.a - p, to_b = at.b - p, is = cross(to_a, to_b);
+            const double size = length(is);
+            if (!(dot(at.normal, is) > at.tenth * size)) return beyond;
+            const double longest2 = (std::max)({at.across2, dot(to_a, to_a), dot(to_b, to_b)});
+            worst = (std::min)(worst, triangle_quality(size, longest2));
+        }
+        if (!clear_.is_clear(p)) return beyond;
         return 1 + 12 * (std::max)(0.5 - worst, 0.0) + 40 * (std::max)(0.15 - worst, 0.0);
     }
-    /// Whether the new faces, those collected, are clear of the figure and none turns over.
-    CAGEFORM_DETAIL_FLATTEN bool may_lie(const Collapse& c, const Point& p) const noexcept {
-        const auto& lattice = *obstacles_.lattice;
-        if (lattice.value(p) < -0.05 * lattice.spacing()) return false;
-        for (const About& at : about_) {
-            const Point is = area_normal(moved(at.face, c, p));
-            if (!(dot(at.normal, is) > at.tenth * length(is))) return false;
-        }
-        return std::all_of(about_.begin(), about_.end(),
-                           [&](const About& at) { return is_clear(lattice, moved(at.face, c, p)); });
+    /// Whether the new faces, those collected, are clear of the figure.
+    bool is_clear_at(const Point& p) {
+        return clear_.are_clear(about_.size(), [&](std::size_t k) {
+            return Corners<3>{p, about_[k].a, about_[k].b};
+        });
     }
     /// Whether the new faces, those collected, cross other faces or each other.
     bool crosses(const Collapse& c, const Point& p) {
@@ -308,26 +295,18 @@ private:
             std::replace(face.begin(), face.end(), c.v, c.u);
             fresh_.push_back(face);
         }
-        bool found = false;
-        for (std::size_t i = 0; i < fresh_.size() && !found; ++i) {
-            found = obstacles_.crosses(shell_, hash_, fresh_[i], [&](std::uint32_t g) {
-                return shell_.has(g, c.u) || shell_.has(g, c.v);
-            });
-            const std::span<const Point> points(shell_.points);
-            for (std::size_t j = 0; j < i && !found; ++j)
-                found =
-                    faces_touch(Facet<3>(fresh_[i], points), Facet<3>(fresh_[j], points), obstacles_.gap());
-        }
+        const bool found =
+            crossings_.any(fresh_, [&](std::uint32_t f) { return shell_.has(f, c.u) || shell_.has(f, c.v); });
         shell_.points[c.u] = old;
         return found;
     }
 
-    void take(const Collapse& c) {
+    void take(const Collapse& c, const Point& p) {
         for (const auto w : {c.u, c.v}) {
             const auto star = shell_.star[w];
             for (const auto f : star) {
                 if (w == c.v && shell_.has(f, c.u)) continue; // a face at both ends is removed once
-                hash_.remove(f);
+                crossings_.remove(f);
             }
         }
         const bool rim_u = shell_.on_rim[c.u], rim_v = shell_.on_rim[c.v];
@@ -340,36 +319,53 @@ private:
             shell_.star[c.u].push_back(f);
         }
         shell_.star[c.v].clear();
-        shell_.points[c.u] = c.position;
+        shell_.points[c.u] = p;
         shell_.on_rim[c.u] = rim_u || rim_v;
         quadric_[c.u] += quadric_[c.v];
-        for (const auto f : shell_.star[c.u]) hash_.add(f, shell_.corners(shell_.faces[f]));
+        for (const auto f : shell_.star[c.u]) crossings_.add(f);
         count_ -= shell_.half && !(rim_u && rim_v) ? 2 : 1;
         ++version_[c.u];
         ++changes_[c.u];
         changed_ = true;
-        for (const auto w : shell_.neighbours(c.u)) {
-            ++changes_[w];
-            propose(c.u, w);
+        const std::uint32_t near = ++last_mark_;
+        for (const auto f : shell_.star[c.u]) {
+            for (const auto w : shell_.faces[f]) {
+                if (w == c.u || mark_[w] == near) continue;
+                mark_[w] = near;
+                ++changes_[w];
+                propose(c.u, w);
+            }
         }
     }
 
-    /// A face about the edge that a collapse would change.
+    /// A face about the edge that a collapse would change: its first corner moves.
     struct About {
         std::uint32_t face;
-        Point normal; ///< before the collapse
-        double tenth; ///< of the normal's length
+        Point a, b;     ///< the other corners
+        double across2; ///< the squared distance of these
+        Point normal;   ///< before the collapse
+        double tenth;   ///< of the normal's length
     };
+    /// A place for the merged vertex.
+    struct Candidate {
+        Point position;
+        double least; ///< a lower bound of the cost
+        double cost;  ///< 0 until it is computed
+    };
+    static constexpr double beyond = std::numeric_limits<double>::infinity();
+    static constexpr std::array<double, 6> steps_out{0.0, 0.3, 0.8, 1.6, 3.0, 5.0}; ///< in spacings
 
     Shell& shell_;
     const ShellObstacles& obstacles_;
-    FaceHash hash_;
+    ClearTest clear_;
+    ShellCrossings crossings_;
     std::vector<Quadric> quadric_;
     std::vector<std::uint32_t> version_;
     std::vector<std::uint32_t> changes_; ///< how often a face about a vertex has changed
-    std::vector<std::uint32_t> mark_;    ///< scratch of `links`
+    std::vector<std::uint32_t> mark_;    ///< scratch of `links` and `take`
     std::uint32_t last_mark_ = 0;
-    std::vector<About> about_;       ///< the faces collected
+    std::vector<About> about_; ///< the faces collected
+    std::array<Candidate, 4 * steps_out.size()> candidates_;
     std::vector<Shell::Face> fresh_; ///< scratch of `crosses`
     std::size_t count_;
     std::size_t hashed_ = count_; ///< the number of vertices when the hash was made

@@ -94,13 +94,15 @@ public:
     ShellRelaxation(Shell& shell, const ShellObstacles& obstacles, const ShellEnergy& energy)
         : shell_(shell)
         , obstacles_(obstacles)
+        , clear_(*obstacles.lattice, obstacles.margin)
         , energy_(energy)
-        , hash_(hash_of(shell)) {}
+        , crossings_(shell, obstacles.gap()) {}
 
     /// Sweeps over the mesh: flips edges, then moves vertices, by steps that become shorter.
     /// Returns false if cancelled.
     bool relax(int sweeps, const Running& running) {
         double step = 2 * obstacles_.margin;
+        idle_.assign(shell_.points.size(), false);
         for (int sweep = 0; sweep < sweeps; ++sweep) {
             if (!running.keep_going(double(sweep) / sweeps)) return false;
             for (std::uint32_t v = 0; v < shell_.points.size(); ++v) {
@@ -109,9 +111,11 @@ public:
                 }
             }
             for (std::uint32_t v = 0; v < shell_.points.size(); ++v) {
-                if (!shell_.star[v].empty()) improve(v, step);
+                if (!shell_.star[v].empty() && !idle_[v]) improve(v, step);
             }
-            if (sweep % 3 == 2) step *= 0.85;
+            if (sweep % 3 != 2) continue;
+            step *= 0.85;
+            idle_.assign(shell_.points.size(), false);
         }
         return true;
     }
@@ -148,9 +152,11 @@ private:
             return std::tuple(a.energy, a.x[0], a.x[1], a.x[2]) <
                    std::tuple(b.energy, b.x[0], b.x[1], b.x[2]);
         });
+        clear_.forget();
         for (std::size_t m = 0; m < count; ++m) {
             if (try_move(v, moves[m].x)) return;
         }
+        idle_[v] = true;
     }
     Point constrained(std::uint32_t v, Point p) const noexcept {
         if (!shell_.half) return p;
@@ -171,33 +177,37 @@ private:
         if (!good) return false;
         shell_.points[v] = p;
         good = are_clear(star);
-        if (good) { // the dearest test comes last
-            for (const auto f : star) hash_.remove(f);
-            good = are_apart_from_all(star);
-            if (!good) shell_.points[v] = x;
-            for (const auto f : star) hash_.add(f, shell_.corners(shell_.faces[f]));
+        good = good && are_apart_from_all(star); // the dearest test comes last
+        if (good) {
+            add_again(star);
+            wake_about(v);
+        } else {
+            shell_.points[v] = x;
         }
-        if (!good) shell_.points[v] = x;
         return good;
     }
-    bool are_clear(std::span<const std::uint32_t> faces) const noexcept {
-        return std::all_of(faces.begin(), faces.end(), [&](std::uint32_t f) {
-            return is_clear(*obstacles_.lattice, shell_.corners(shell_.faces[f]));
-        });
-    }
-    /// Whether some faces, not in the hash, touch no other face and not each other.
-    bool are_apart_from_all(std::span<const std::uint32_t> faces) const {
-        const std::span<const Point> points(shell_.points);
-        for (std::size_t i = 0; i < faces.size(); ++i) {
-            const auto& face = shell_.faces[faces[i]];
-            if (obstacles_.crosses(shell_, hash_, face, [](std::uint32_t) { return false; })) return false;
-            for (std::size_t j = 0; j < i; ++j) {
-                if (faces_touch(Facet<3>(face, points), Facet<3>(shell_.faces[faces[j]], points),
-                                obstacles_.gap()))
-                    return false;
-            }
+    /// Has vertices tried again whose energy depends on vertex v.
+    void wake_about(std::uint32_t v) {
+        for (const auto w : shell_.neighbours(v)) {
+            for (const auto x : shell_.neighbours(w)) idle_[x] = false;
         }
-        return true;
+    }
+    bool are_clear(std::span<const std::uint32_t> faces) {
+        return clear_.are_clear(faces.size(),
+                                [&](std::size_t k) { return shell_.corners(shell_.faces[faces[k]]); });
+    }
+    /// Whether some faces, which have changed, touch no other face and not each other.
+    bool are_apart_from_all(std::span<const std::uint32_t> faces) {
+        fresh_.clear();
+        for (const auto f : faces) fresh_.push_back(shell_.faces[f]);
+        return !crossings_.any(
+            fresh_, [&](std::uint32_t f) { return std::find(faces.begin(), faces.end(), f) != faces.end(); });
+    }
+    void add_again(std::span<const std::uint32_t> faces) {
+        for (const auto f : faces) {
+            crossings_.remove(f);
+            crossings_.add(f);
+        }
     }
 
     /// Flips the edge v w: replaces the two faces at it by those along their other diagonal, if the
@@ -227,11 +237,11 @@ private:
             const Point n = area_normal(shell_.corners(face));
             good = good && dot(n, normals[0]) > 0 && dot(n, normals[1]) > 0;
         }
-        if (good && are_clear(pair)) { // the dearest test comes last
-            for (const auto f : pair) hash_.remove(f);
-            good = are_apart_from_all(pair);
-            if (!good) set_faces(pair, fresh, old);
-            for (const auto f : pair) hash_.add(f, shell_.corners(shell_.faces[f]));
+        clear_.forget();
+        if (good && are_clear(pair) && are_apart_from_all(pair)) { // the dearest test comes last
+            add_again(pair);
+            wake_about(a);
+            wake_about(b);
         } else {
             set_faces(pair, fresh, old);
         }
@@ -247,8 +257,11 @@ private:
 
     Shell& shell_;
     const ShellObstacles& obstacles_;
+    ClearTest clear_;
     const ShellEnergy& energy_;
-    FaceHash hash_;
+    ShellCrossings crossings_;
+    std::vector<Shell::Face> fresh_; ///< scratch of `are_apart_from_all`
+    std::vector<bool> idle_; ///< for each vertex: whether it found no move, and nothing about it has changed
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

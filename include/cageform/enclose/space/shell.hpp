@@ -2,7 +2,7 @@
 // near a point.
 #pragma once
 
-#include <cageform/enclose/space/space_distance.hpp>
+#include <cageform/enclose/space/clear_test.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
@@ -127,13 +127,16 @@ inline Vec<double, 3> area_normal(const Corners<3>& corner) noexcept {
 }
 
 /// 1 for an equilateral triangle, near 0 for needles: the altitude over the longest side, times 2/sqrt(3).
+inline double triangle_quality(double twice_area, double longest2) noexcept {
+    return longest2 > 0 ? twice_area / longest2 * (2 / std::numbers::sqrt3) : 0;
+}
 inline double triangle_quality(const Corners<3>& corner) noexcept {
     double longest2 = 0;
     for (std::size_t k = 0; k < 3; ++k) {
         const auto e = corner[(k + 1) % 3] - corner[k];
         longest2 = (std::max)(longest2, dot(e, e));
     }
-    return longest2 > 0 ? length(area_normal(corner)) / longest2 * (2 / std::numbers::sqrt3) : 0;
+    return triangle_quality(length(area_normal(corner)), longest2);
 }
 
 /// The bounding box of a triangle with finite corners.
@@ -175,6 +178,9 @@ public:
                                [&](std::uint32_t face) { return boxes_[face].overlaps(box) && test(face); });
         });
     }
+
+    /// The bounding box of a face that was added.
+    const Bounds<double, 3>& box(std::uint32_t face) const noexcept { return boxes_[face]; }
 
 private:
     template <class Visit>
@@ -222,9 +228,10 @@ inline FaceHash hash_of(const Shell& shell) {
 /// Looks for a separating plane: the plane of triangle `a`, or a plane perpendicular to it through
 /// one of its edges. It separates if the corners of `b` that are not shared lie beyond it by more
 /// than `gap`; the triangles then meet at most in shared corners. Decides most pairs cheaply.
-CAGEFORM_DETAIL_FLATTEN inline bool are_apart(const Facet<3>& a, const Facet<3>& b, double gap) noexcept {
-    const auto n = area_normal(a.corner);
-    const double reach = gap * length(n);
+///
+///   n, reach   the normal of `a`, and its length times `gap`
+CAGEFORM_DETAIL_FLATTEN inline bool are_apart(const Facet<3>& a, const Vec<double, 3>& n, double reach,
+                                              const Facet<3>& b, double gap) noexcept {
     int above = 0, below = 0, shared = 0;
     for (std::size_t k = 0; k < 3; ++k) {
         if (a.has(b.vertex[k])) {
@@ -249,32 +256,93 @@ CAGEFORM_DETAIL_FLATTEN inline bool are_apart(const Facet<3>& a, const Facet<3>&
     return false;
 }
 
-/// Whether two faces touch outside their shared vertices and edges, or come nearer than `gap`.
-inline bool faces_touch(const Facet<3>& a, const Facet<3>& b, double gap) noexcept {
-    return !are_apart(a, b, gap) && !are_apart(b, a, gap) && facets_touch(a, b, gap);
+/// Whether two faces touch outside their shared vertices and edges, or come nearer than `gap`. The first one
+/// comes with its normal, and the length of that times `gap`.
+inline bool faces_touch(const Facet<3>& a, const Vec<double, 3>& n, double reach, const Facet<3>& b,
+                        double gap) noexcept {
+    if (are_apart(a, n, reach, b, gap)) return false;
+    const auto m = area_normal(b.corner);
+    return !are_apart(b, m, gap * length(m), a, gap) && facets_touch(a, b, gap);
 }
 
-/// The obstacles that the faces of a shell must not meet: the figure, and each other.
-class ShellObstacles {
-public:
-    ShellObstacles(const DistanceLattice<3>& of_figure, double keeps)
-        : lattice(&of_figure)
-        , margin(keeps) {}
-
-    /// Whether a new face touches a face of the shell, except those with replaced(f), which it replaces.
-    template <class Replaced>
-    bool crosses(const Shell& shell, const FaceHash& hash, const Shell::Face& face,
-                 const Replaced& replaced) const {
-        const Facet<3> facet(face, std::span<const Vec<double, 3>>(shell.points));
-        return hash.any(box_of(facet.corner).widened(gap()), [&](std::uint32_t g) {
-            if (replaced(g)) return false;
-            return faces_touch(facet, {shell.faces[g], std::span<const Vec<double, 3>>(shell.points)}, gap());
-        });
-    }
-    double gap() const noexcept { return 1e-5 * margin; }
-
+/// The figure, which the faces of a shell must not meet: f, and the margin in it.
+struct ShellObstacles {
     const DistanceLattice<3>* lattice;
     double margin;
+    /// The least distance of faces from each other.
+    double gap() const noexcept { return 1e-5 * margin; }
+};
+
+/// Tests whether new faces would cross other faces of a shell, or each other.
+class ShellCrossings {
+public:
+    using Point = Vec<double, 3>;
+
+    ShellCrossings(const Shell& shell, double gap)
+        : shell_(shell)
+        , gap_(gap)
+        , hash_(hash_of(shell))
+        , seen_(shell.faces.size(), 0) {}
+
+    void add(std::uint32_t f) { hash_.add(f, shell_.corners(shell_.faces[f])); }
+    void remove(std::uint32_t f) { hash_.remove(f); }
+    /// Adds all faces again, to cells of the size that faces have now.
+    void add_all_again() { hash_ = hash_of(shell_); }
+
+    /// Whether a new face touches another one, or one of those added, except those with replaced(f).
+    template <class Replaced>
+    bool any(std::span<const Shell::Face> fresh, const Replaced& replaced) {
+        const std::span<const Point> points(shell_.points);
+        fresh_.clear();
+        Bounds<double, 3> all = bounds_of(std::span<const Point>());
+        for (const auto& face : fresh) {
+            const Facet<3> facet(face, points);
+            const Point normal = area_normal(facet.corner);
+            fresh_.push_back({facet, box_of(facet.corner).widened(gap_), normal, gap_ * length(normal)});
+            for (std::size_t k = 0; k < 3; ++k) {
+                all.lower[k] = (std::min)(all.lower[k], fresh_.back().box.lower[k]);
+                all.upper[k] = (std::max)(all.upper[k], fresh_.back().box.upper[k]);
+            }
+        }
+        ++search_;
+        near_.clear();
+        (void)hash_.any(all, [&](std::uint32_t f) {
+            if (seen_[f] != search_ && !replaced(f)) near_.push_back({f, {shell_.faces[f], points}});
+            seen_[f] = search_;
+            return false;
+        });
+        for (std::size_t i = 0; i < fresh_.size(); ++i) {
+            const NewFace& a = fresh_[i];
+            for (const auto& [f, facet] : near_) {
+                if (hash_.box(f).overlaps(a.box) && faces_touch(a.facet, a.normal, a.reach, facet, gap_))
+                    return true;
+            }
+            for (std::size_t j = 0; j < i; ++j) {
+                if (faces_touch(a.facet, a.normal, a.reach, fresh_[j].facet, gap_)) return true;
+            }
+        }
+        return false;
+    }
+
+private:
+    struct NewFace {
+        Facet<3> facet;
+        Bounds<double, 3> box;
+        Point normal;
+        double reach; ///< the length of the normal times the gap
+    };
+    struct NearFace {
+        std::uint32_t face;
+        Facet<3> facet;
+    };
+
+    const Shell& shell_;
+    double gap_;
+    FaceHash hash_;
+    std::vector<std::uint64_t> seen_; ///< for each face: the last search that met it
+    std::uint64_t search_ = 0;
+    std::vector<NewFace> fresh_;
+    std::vector<NearFace> near_;
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

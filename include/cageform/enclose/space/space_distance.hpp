@@ -9,8 +9,9 @@ namespace cageform::inline CAGEFORM_ABI::detail {
 
 /// Fills a lattice with the distance from triangles minus `margin`, at most `farthest`. It is exact
 /// next to the faces. Sweeps then carry the nearest triangle from node to node (Bridson, Fluid
-/// simulation for computer graphics, 2015, sec. 14.1). Far off, the triangle found need not be the
-/// nearest, so the distance may be too large; containment does not depend on it.
+/// simulation for computer graphics, 2015, sec. 14.1), over every second node along each axis. The nodes
+/// between try the triangles of these. Far off, the triangle found need not be the nearest, so the distance
+/// may be too large; containment does not depend on it.
 class SpaceDistance {
 public:
     using Point = Vec<double, 3>;
@@ -38,6 +39,8 @@ public:
         for (int round = 0; round < 2; ++round) {
             for (unsigned directions = 0; directions < 8; ++directions) sweep(directions, farthest + margin);
         }
+        fill_between();
+        for (const bool down : {false, true, false, true}) exchange(down, static_cast<float>(2 * margin));
         for (std::size_t node = 0; node < lattice_.size(); ++node)
             lattice_[node] = static_cast<float>((std::min)(double(lattice_[node]) - margin, farthest));
     }
@@ -83,37 +86,105 @@ private:
         });
     }
 
-    /// One pass over all nodes, in which each tries the triangles of its predecessors. Bit k of
-    /// `directions` means downwards along axis k. A predecessor's triangle can be nearer only if the
+    /// One pass over the nodes with even numbers, in which each tries the triangles of its predecessors. Bit
+    /// k of `directions` means downwards along axis k. A predecessor's triangle can be nearer only if the
     /// predecessor's distance, minus the step between the two nodes, is smaller than the node's.
     void sweep(unsigned directions, double farthest) {
-        const auto& count = lattice_.count();
         const auto& stride = lattice_.stride();
         const auto h = static_cast<float>(lattice_.spacing());
         std::array<std::ptrdiff_t, 3> step{};
+        std::array<std::size_t, 3> last{}; // of the even numbers, halved
         for (std::size_t k = 0; k < 3; ++k) {
             const bool down = (directions >> k & 1U) != 0;
-            step[k] = down ? std::ptrdiff_t(stride[k]) : -std::ptrdiff_t(stride[k]);
+            step[k] = 2 * (down ? std::ptrdiff_t(stride[k]) : -std::ptrdiff_t(stride[k]));
+            last[k] = (lattice_.count()[k] - 1) / 2;
+        }
+        std::array<std::ptrdiff_t, 7> to_other{};
+        for (unsigned about = 1; about < 8; ++about) {
+            for (std::size_t k = 0; k < 3; ++k) to_other[about - 1] += (about >> k & 1U) != 0 ? step[k] : 0;
         }
         const auto number = [&](std::size_t k, std::size_t i) {
-            return (directions >> k & 1U) != 0 ? count[k] - 2 - i : i + 1;
+            return 2 * ((directions >> k & 1U) != 0 ? last[k] - 1 - i : i + 1);
         };
-        for (std::size_t a = 0; a + 1 < count[2]; ++a) {
-            for (std::size_t b = 0; b + 1 < count[1]; ++b) {
+        for (std::size_t a = 0; a < last[2]; ++a) {
+            for (std::size_t b = 0; b < last[1]; ++b) {
                 const std::size_t row = number(2, a) * stride[2] + number(1, b) * stride[1];
                 Point p = lattice_.position(row);
                 const double low = p[0];
-                for (std::size_t c = 0; c + 1 < count[0]; ++c) {
+                for (std::size_t c = 0; c < last[0]; ++c) {
                     const std::size_t node = row + number(0, c);
                     p[0] = low + lattice_.spacing() * double(number(0, c));
-                    for (unsigned about = 1; about < 8; ++about) {
-                        std::ptrdiff_t off = 0;
-                        for (std::size_t k = 0; k < 3; ++k) off += (about >> k & 1U) != 0 ? step[k] : 0;
+                    for (const auto off : to_other) {
                         const auto other = static_cast<std::size_t>(std::ptrdiff_t(node) + off);
                         if (nearest_[other] == nearest_[node] || nearest_[other] == none) continue;
-                        const float least = lattice_[other] - 1.75F * h; // the step is at most sqrt(3) h
+                        const float least = lattice_[other] - 3.5F * h; // the step is at most 2 sqrt(3) h
                         if (least < lattice_[node] && double(lattice_[other]) < farthest)
                             offer(node, p, nearest_[other]);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Offers to each node with an odd number the triangles of the two, four or eight even nodes about it.
+    void fill_between() {
+        const auto& count = lattice_.count();
+        const auto& stride = lattice_.stride();
+        std::array<std::size_t, 3> n{};
+        for (n[2] = 0; n[2] < count[2]; ++n[2]) {
+            for (n[1] = 0; n[1] < count[1]; ++n[1]) {
+                const std::size_t row = n[2] * stride[2] + n[1] * stride[1];
+                Point p = lattice_.position(row);
+                const double low = p[0];
+                for (n[0] = 0; n[0] < count[0]; ++n[0]) {
+                    if (((n[0] | n[1] | n[2]) & 1U) == 0) continue;
+                    const std::size_t node = row + n[0];
+                    p[0] = low + lattice_.spacing() * double(n[0]);
+                    std::array<std::size_t, 8> others{node};
+                    std::size_t others_count = 1;
+                    for (std::size_t k = 0; k < 3; ++k) {
+                        if ((n[k] & 1U) == 0) continue;
+                        const bool has_next = n[k] + 1 < count[k];
+                        for (std::size_t i = 0; i < others_count; ++i) {
+                            if (has_next) others[others_count + i] = others[i] + stride[k];
+                            others[i] -= stride[k];
+                        }
+                        others_count *= has_next ? 2 : 1;
+                    }
+                    std::uint32_t last = nearest_[node];
+                    for (std::size_t i = 0; i < others_count; ++i) {
+                        const std::uint32_t triangle = nearest_[others[i]];
+                        if (triangle == last || triangle == none) continue;
+                        offer(node, p, triangle);
+                        last = triangle;
+                    }
+                }
+            }
+        }
+    }
+
+    /// One pass over all nodes nearer than `band`, in which each tries the triangles of its neighbours.
+    void exchange(bool down, float band) {
+        const auto& count = lattice_.count();
+        const auto& stride = lattice_.stride();
+        for (std::size_t a = 1; a + 1 < count[2]; ++a) {
+            for (std::size_t b = 1; b + 1 < count[1]; ++b) {
+                const std::size_t row =
+                    (down ? count[2] - 1 - a : a) * stride[2] + (down ? count[1] - 1 - b : b) * stride[1];
+                Point p = lattice_.position(row);
+                const double low = p[0];
+                for (std::size_t c = 1; c + 1 < count[0]; ++c) {
+                    const std::size_t i = down ? count[0] - 1 - c : c, node = row + i;
+                    if (!(lattice_[node] < band)) continue;
+                    p[0] = low + lattice_.spacing() * double(i);
+                    std::uint32_t last = nearest_[node];
+                    for (std::size_t k = 0; k < 3; ++k) {
+                        for (const auto other : {node - stride[k], node + stride[k]}) {
+                            const std::uint32_t triangle = nearest_[other];
+                            if (triangle == last || triangle == none) continue;
+                            offer(node, p, triangle);
+                            last = triangle;
+                        }
                     }
                 }
             }
@@ -125,41 +196,5 @@ private:
     std::vector<Guard> guards_;          ///< of each triangle
     std::vector<std::uint32_t> nearest_; ///< the triangle at the distance stored, for each node
 };
-
-/// Whether f >= 0 on a triangle, up to a twentieth of the spacing. f has slope at most 1, so a triangle is
-/// free if it lies in the sphere of radius f around its middle. Larger ones are halved, down to 0.8 spacings.
-CAGEFORM_DETAIL_FLATTEN inline bool is_clear(const DistanceLattice<3>& lattice, Corners<3> corner) noexcept {
-    // One half waits for each halving above the current triangle. Some 30 halvings take a side of thousands
-    // of spacings down to one; a triangle that needs more than 64 does not count as clear.
-    std::array<Corners<3>, 64> waiting;
-    std::size_t count = 0;
-    const double least = -0.05 * lattice.spacing(), shortest = 0.8 * lattice.spacing();
-    for (;;) {
-        const auto middle = (1.0 / 3) * (corner[0] + corner[1] + corner[2]);
-        const double f = lattice.value(middle);
-        if (f < least) return false;
-        double reach2 = 0;
-        std::array<double, 3> side2{}; // opposite to each corner
-        for (std::size_t k = 0; k < 3; ++k) {
-            const auto to = corner[k] - middle, side = corner[(k + 2) % 3] - corner[(k + 1) % 3];
-            reach2 = (std::max)(reach2, dot(to, to));
-            side2[k] = dot(side, side);
-        }
-        const double free = (std::max)(f, shortest);
-        if (free * free >= reach2) {
-            if (count == 0) return true;
-            corner = waiting[--count];
-            continue;
-        }
-        if (count == waiting.size()) return false;
-        const std::size_t k = side2[0] < side2[1]   ? (side2[1] < side2[2] ? 2 : 1)
-                              : side2[0] < side2[2] ? 2
-                                                    : 0;
-        const Vec<double, 3> a = corner[k], b = corner[(k + 1) % 3], c = corner[(k + 2) % 3];
-        const auto half = 0.5 * (b + c);
-        waiting[count++] = {a, half, c};
-        corner = {a, b, half};
-    }
-}
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

@@ -1,0 +1,154 @@
+// make_cage in space: tests whether triangles keep off the figure.
+#pragma once
+
+#include <cageform/core/detail/simd.hpp>
+#include <cageform/enclose/detail/distance_lattice.hpp>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+/// Tests whether f >= 0 on triangles, up to a twentieth of the spacing at the places sampled. f has slope at
+/// most 1, so a triangle is free if it lies in the sphere of radius f around its middle. It also counts as
+/// free if it lies in a sphere of radius r, where r^2 = (0.8 spacings)^2 + 2 margin f: the border of f < 0 is
+/// at most as curved as a ball whose radius is the margin, so between samples r apart that lie f off, it does
+/// not rise by more than r^2 / (2 margin) - f, an eighth of the spacing. Larger triangles are halved.
+class ClearTest {
+public:
+    /// A place in a triangle: the weights of its corners.
+    using Weights = Vec<double, 3>;
+
+    ClearTest(const DistanceLattice<3>& lattice, double margin)
+        : f_(&lattice[0])
+        , stride_(lattice.stride())
+        , low_(lattice.position(0))
+        , per_spacing_(1 / lattice.spacing())
+        , scale_(static_cast<float>(1 / lattice.spacing()))
+        , twice_margin_(static_cast<float>(2 * margin / lattice.spacing()))
+        , farthest_(static_cast<float>(lattice.farthest() / lattice.spacing())) {
+        for (std::size_t k = 0; k < 3; ++k) last_[k] = static_cast<float>(lattice.count()[k] - 1);
+    }
+
+    bool is_clear(const Vec<double, 3>& p) const noexcept { return !(value(to_spacings(p)) < least); }
+    bool is_clear(const Corners<3>& corner) const noexcept {
+        Weights where;
+        return is_clear(corner, where);
+    }
+
+    /// Whether some triangles are clear. Many similar ones are tested one after another, and most are refused
+    /// at the places where those before were refused, so these are sampled first.
+    ///
+    ///   triangle   triangle(k): the corners of triangle k, where k < count
+    template <class Triangle>
+    bool are_clear(std::size_t count, const Triangle& triangle) {
+        for (std::size_t k = refused_.size(); k < count; ++k) refused_.push_back({1.0 / 3, 1.0 / 3, 1.0 / 3});
+        for (std::size_t k = 0; k < count; ++k) {
+            const Corners<3> corner = triangle(k);
+            const Weights& w = refused_[k];
+            if (!is_clear(w[0] * corner[0] + w[1] * corner[1] + w[2] * corner[2])) return false;
+        }
+        for (std::size_t n = 0; n < count; ++n) {
+            const std::size_t k = n == 0 ? first_ : n == first_ ? 0 : n;
+            if (is_clear(triangle(k), refused_[k])) continue;
+            first_ = k;
+            return false;
+        }
+        return true;
+    }
+    /// Forgets where triangles were refused: the next ones are others.
+    void forget() noexcept {
+        refused_.clear();
+        first_ = 0;
+    }
+
+private:
+    using Place = Vec<float, 3>; ///< in spacings from the lattice's lowest node
+    static constexpr float least = -0.05F;
+
+    Place to_spacings(const Vec<double, 3>& p) const noexcept {
+        return vec_cast<float>(per_spacing_ * (p - low_));
+    }
+    /// f at a place, in spacings.
+    float value(const Place& x) const noexcept {
+        std::size_t node = 0;
+        std::array<float, 3> t{};
+        for (std::size_t k = 0; k < 3; ++k) {
+            if (!(x[k] >= 0 && x[k] < last_[k])) return farthest_;
+            const auto i = static_cast<std::int32_t>(x[k]);
+            t[k] = x[k] - static_cast<float>(i);
+            node += static_cast<std::size_t>(i) * stride_[k];
+        }
+        const float* f = f_ + node;
+        const auto along_x = [&](std::size_t at) { return f[at] + t[0] * (f[at + 1] - f[at]); };
+        const auto along_y = [&](std::size_t at) {
+            const float low = along_x(at);
+            return low + t[1] * (along_x(at + stride_[1]) - low);
+        };
+        const float low = along_y(0);
+        return scale_ * (low + t[2] * (along_y(stride_[2]) - low));
+    }
+
+    /// Whether a triangle is clear; if not, sets where it was refused.
+    CAGEFORM_DETAIL_FLATTEN bool is_clear(const Corners<3>& whole, Weights& where) const noexcept {
+        // One half waits for each halving above the current triangle. Some 30 halvings take a side of
+        // thousands of spacings down to one; a triangle that needs more than 64 does not count as clear.
+        std::array<std::array<Place, 3>, 64> waiting;
+        std::size_t count = 0;
+        std::array<Place, 3> corner{to_spacings(whole[0]), to_spacings(whole[1]), to_spacings(whole[2])};
+        for (std::size_t k = 0; k < 3; ++k) {
+            if (!(value(corner[k]) < least)) continue;
+            where = {};
+            where[k] = 1;
+            return false;
+        }
+        for (;;) {
+            const Place middle = (1.0F / 3) * (corner[0] + corner[1] + corner[2]);
+            const float f = value(middle);
+            if (f < least) {
+                where = weights_of(whole, low_ + (1 / per_spacing_) * vec_cast<double>(middle));
+                return false;
+            }
+            float reach2 = 0;
+            std::array<float, 3> side2{}; // opposite to each corner
+            for (std::size_t k = 0; k < 3; ++k) {
+                const Place to = corner[k] - middle, side = corner[(k + 2) % 3] - corner[(k + 1) % 3];
+                reach2 = (std::max)(reach2, dot(to, to));
+                side2[k] = dot(side, side);
+            }
+            const float off = (std::max)(f, 0.0F);
+            if (reach2 <= (std::max)(off * off, 0.64F + twice_margin_ * off)) {
+                if (count == 0) return true;
+                corner = waiting[--count];
+                continue;
+            }
+            if (count == waiting.size()) return false;
+            const std::size_t k = side2[0] < side2[1]   ? (side2[1] < side2[2] ? 2 : 1)
+                                  : side2[0] < side2[2] ? 2
+                                                        : 0;
+            const Place a = corner[k], b = corner[(k + 1) % 3], c = corner[(k + 2) % 3];
+            const Place half = 0.5F * (b + c);
+            waiting[count++] = {a, half, c};
+            corner = {a, b, half};
+        }
+    }
+    /// The weights of a place in a triangle; those of the middle if the triangle has no area.
+    static Weights weights_of(const Corners<3>& corner, const Vec<double, 3>& p) noexcept {
+        const auto u = corner[1] - corner[0], v = corner[2] - corner[0], to = p - corner[0];
+        const auto n = cross(u, v);
+        const double size2 = dot(n, n);
+        if (!(size2 > 0)) return {1.0 / 3, 1.0 / 3, 1.0 / 3};
+        const double s = dot(n, cross(to, v)) / size2, t = dot(n, cross(u, to)) / size2;
+        return {1 - s - t, s, t};
+    }
+
+    const float* f_;
+    std::array<std::size_t, 3> stride_;
+    Vec<double, 3> low_;
+    double per_spacing_;
+    float scale_;        ///< the same in single precision
+    float twice_margin_; ///< in spacings, as the distances below
+    float farthest_;
+    std::array<float, 3> last_{};  ///< the number of the last node along each axis
+    std::vector<Weights> refused_; ///< where each triangle was refused, or its middle
+    std::size_t first_ = 0;        ///< the triangle refused last
+};
+
+} // namespace cageform::inline CAGEFORM_ABI::detail
