@@ -131,10 +131,11 @@ void run(unsigned long long seed) {
         return;
     }
     // Whatever the size of the figure, numbers far from 0 round.
-    double far = 0, size = bounds_of(std::span<const V>(given.rest)).diagonal();
+    double reach = 0, size = bounds_of(std::span<const V>(given.rest)).diagonal();
     if (!(size > 0)) size = 1;
-    for (const auto& map : skeleton.maps) far = std::fmax(far, std::sqrt(dot(map.shift, map.shift)) / size);
-    if (far < 1e6) REQUIRE(made.max_distance <= allowed + 1e-6);
+    for (const auto& map : skeleton.maps)
+        reach = std::fmax(reach, std::sqrt(dot(map.shift, map.shift)) / size);
+    if (reach < 1e6) REQUIRE(made.max_distance <= allowed + 1e-6);
 }
 
 } // namespace

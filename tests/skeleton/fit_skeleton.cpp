@@ -233,14 +233,14 @@ TEST_CASE("the report says what the skeleton does", "[skeleton]") {
 
 TEST_CASE("by distance as many bones are taken as keep it", "[skeleton]") {
     const Sequence given = planted(5, 10, 3);
-    const SkeletonOptions near{.max_distance = 0.01, .rounds = 6, .moves = 4};
-    const auto [skeleton, report] = given.fit(near);
+    const SkeletonOptions strict{.max_distance = 0.01, .rounds = 6, .moves = 4};
+    const auto [skeleton, report] = given.fit(strict);
     REQUIRE(report.status == Status::ok);
     CHECK(report.max_distance <= 0.01);
     CHECK(report.beyond == 0);
     CHECK(report.bones > 2);
-    const auto far = given.fit({.max_distance = 0.08, .rounds = 6, .moves = 4});
-    CHECK(far.report.bones < report.bones);
+    const auto loose = given.fit({.max_distance = 0.08, .rounds = 6, .moves = 4});
+    CHECK(loose.report.bones < report.bones);
     // A distance that no number of bones keeps: the nearest is returned, and the report counts.
     Sequence torn = tube(4, 6);
     Random random(5);

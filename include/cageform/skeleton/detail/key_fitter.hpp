@@ -229,10 +229,17 @@ private:
         }
         if (are_alike) return true;
         normalise(mean, range);
+        return stands(range, share, mean);
+    }
+    /// Whether a range of values may be those of one transform in all frames.
+    bool stands(const Range& range, double share, const NodeTransform& one) const {
         for (std::size_t t = 0; t < exact_.size(); ++t) {
-            if (!will_do(t, replaced(played_[t], mean, range), share)) return false;
+            if (!will_do(t, replaced(played_[t], one, range), share)) return false;
         }
         return true;
+    }
+    void hold(const Range& range, const NodeTransform& one) {
+        for (NodeTransform& local : played_) local = replaced(local, one, range);
     }
     static NodeTransform replaced(NodeTransform local, const NodeTransform& by, const Range& range) {
         for (std::size_t c = range.begin; c < range.end; ++c) local.values[c] = by.values[c];
@@ -242,7 +249,7 @@ private:
     template <class Store>
     void fit(const Range& range, double share, const Store& store) {
         if (NodeTransform mean; is_constant(range, share, mean)) {
-            for (NodeTransform& local : played_) local = replaced(local, mean, range);
+            hold(range, mean);
             return store(0, mean, nullptr, nullptr);
         }
         Pieces best = pieces(true, range, share);
@@ -286,7 +293,7 @@ private:
         to.out_tangents.push_back(part(out));
     }
     void fit_bone(Keys::Bone& to) {
-        constexpr double of_translation = 0.4, of_scale = 0.7; // and what is before it
+        constexpr double of_translation = 0.4, of_axes = 0.5, of_scale = 0.7; // and what is before it
         using Node = NodeTransform;
         fit({0, Node::rotation}, of_translation, [&](std::size_t t, const Node& v, auto... tangents) {
             append(to.translation, 0, t, v, tangents...);
@@ -297,17 +304,23 @@ private:
         const auto take_rotation = [&](std::size_t t, const Node& v, auto... tangents) {
             append(to.rotation, Node::rotation, t, v, tangents...);
         };
-        if (std::any_of(exact_.begin(), exact_.end(), [](const Node& local) { return local.has_axes(); })) {
+        const auto take_axes = [&](std::size_t t, const Node& v, auto... tangents) {
+            append(to.axes, Node::axes, t, v, tangents...);
+        };
+        const Range axes{Node::axes, Node::size};
+        NodeTransform standing;
+        if (!stands(axes, of_axes, standing) && !is_constant(axes, of_axes, standing)) {
             fit({Node::rotation, Node::size}, 1, [&](std::size_t t, const Node& v, auto... tangents) {
                 take_rotation(t, v, tangents...);
                 take_scale(t, v, tangents...);
-                append(to.axes, Node::axes, t, v, tangents...);
+                take_axes(t, v, tangents...);
             });
             return;
         }
+        hold(axes, standing);
+        take_axes(0, standing, nullptr, nullptr);
         fit({Node::scale, Node::axes}, of_scale, take_scale);
         fit({Node::rotation, Node::scale}, 1, take_rotation);
-        append(to.axes, Node::axes, 0, Node{}, nullptr, nullptr);
     }
     /// Adds the errors that the bone's channels leave, and keeps where it is.
     void end() {

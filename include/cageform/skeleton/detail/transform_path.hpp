@@ -25,7 +25,6 @@ struct NodeTransform {
     void set_turn(std::size_t at, const Quaternion<double>& q) noexcept {
         for (std::size_t k = 0; k < 4; ++k) values[at + k] = q[k];
     }
-    bool has_axes() const noexcept { return std::fabs(values[size - 1]) < 1; }
     SkeletonKeys<double>::Map map() const noexcept {
         return SkeletonKeys<double>::composed(vector(0), turn(rotation), vector(scale), turn(axes));
     }
