@@ -508,7 +508,7 @@ int export_figure(const Arguments& given, const Scene& scene) {
         add_skinned_meshes(document, scene.meshes, figure, motion->skeleton.skin, given.weights,
                            motion->skeleton.bones, 0);
         add_skeleton(document, scene.meshes, motion->skeleton, motion->keys, stem(scene.clip.name));
-        moved = std::to_string(motion->skeleton.bones) + (motion->skeleton.bones == 1 ? " bone" : " bones");
+        moved = count_bones(*motion);
         if (given.report) printed = describe(*motion);
         if (!given.picture.empty()) picture = draw_skeleton(*frames, *motion, given.view.sight);
     } else {

@@ -108,8 +108,8 @@ int fit_figure(const Arguments& given, const ObjFile& figure) {
     if (!given.picture.empty())
         draw_skeleton(frames, *motion, given.view.sight).write_png(outputs.add(given.picture));
     if (const auto error = outputs.commit()) return fail(*error);
-    std::cout << printable(describe_gltf(given.out, *meshes, parts, figure,
-                                         std::to_string(motion->skeleton.bones) + " bones", bytes->size()))
+    std::cout << printable(
+                     describe_gltf(given.out, *meshes, parts, figure, count_bones(*motion), bytes->size()))
               << '\n';
     if (given.report) std::cout << describe(*motion);
     return 0;

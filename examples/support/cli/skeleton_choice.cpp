@@ -163,14 +163,17 @@ SvgResult<FittedMotion> fit_motion(const SkeletonChoice& choice, const FigureFra
     }
     measure(frames, motion);
     if (asked > 0 && motion.loss.share() > asked) {
-        const std::string count =
-            std::to_string(motion.skeleton.bones) + (motion.skeleton.bones == 1 ? " bone" : " bones");
-        return SvgError{frames.name + ": " + (searches ? "not even " : "") + count + " keep it within " +
-                        percent(asked) + ": it is off by " + describe(motion.loss) + "; " +
+        return SvgError{frames.name + ": " + (searches ? "not even " : "") + count_bones(motion) +
+                        (searches ? " keep" : " do not keep") + " it within " + percent(asked) +
+                        ": it is off by " + describe(motion.loss) + "; " +
                         (searches ? "use a larger --max-distance, or more --influences"
                                   : "--bones auto takes as many as are needed")};
     }
     return motion;
+}
+
+std::string count_bones(const FittedMotion& motion) {
+    return std::to_string(motion.skeleton.bones) + (motion.skeleton.bones == 1 ? " bone" : " bones");
 }
 
 std::string describe_loss(const FittedMotion& motion) {

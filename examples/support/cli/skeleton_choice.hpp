@@ -73,6 +73,9 @@ SvgResult<FittedMotion> fit_motion(const SkeletonChoice& choice, const FigureFra
 /// Bones, keys, distances and times, a line each.
 std::string describe(const FittedMotion& motion);
 
+/// "20 bones".
+std::string count_bones(const FittedMotion& motion);
+
 /// "off by at most …; faces turned by 4 degrees".
 std::string describe_loss(const FittedMotion& motion);
 

@@ -129,7 +129,8 @@ inline void add_skeleton(GltfDocument& document, std::span<const GltfMesh> meshe
         joints.push_back(nodes.back());
         document.json["nodes"][parent == no_parent ? roots.back() : joints[parent]]["children"].push_back(
             nodes.back());
-        if (keys.bones[b].axes.times.size() > 1) {
+        const auto& axes = keys.bones[b].axes;
+        if (axes.times.size() > 1 || axes.values[0] != cageform::Quaternion<double>{0, 0, 0, 1}) {
             joints.back() = document.append("nodes", {{"name", own + ", axes"}});
             document.json["nodes"][nodes.back()]["children"].push_back(joints.back());
         }
