@@ -69,12 +69,14 @@ Sequence any_sequence(Random& random) {
             if (kind == 3) frame[i] = any_vector(random, 1); // torn
         }
     }
-    const double scale = random.below(3) == 0 ? std::pow(10, random.uniform(-300, 99)) : 1;
+    double scale = random.below(3) == 0 ? std::pow(10, random.uniform(-300, 99)) : 1;
     const double shift = random.below(5) == 0 ? 1e8 : 0;
     const auto change = [&](std::vector<V>& list) {
         for (V& v : list) v = scale * v + V{shift, 0, 0};
     };
     change(result.rest);
+    if (random.below(30) == 0)
+        scale *= std::pow(10, random.uniform(-200, 200)); // of another size than at rest
     for (auto& frame : result.frames) change(frame);
     for (std::size_t f = vertices == 0 ? 0 : random.below(60); f > 0; --f) {
         const auto corner = [&] { return std::int64_t(random.below(vertices)); };

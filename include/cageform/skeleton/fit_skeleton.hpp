@@ -29,8 +29,8 @@ namespace cageform::inline CAGEFORM_ABI {
 ///            #frames
 ///   fails    influences_not_supported; bones_not_supported (neither bones nor a distance); value_not_finite
 ///            (the distance, or a negative one); motion_empty; frames_do_not_match; frame_not_finite (also
-///            above 1e100; the report has frame and vertex, at rest frame #frames); face_without_vertex;
-///            cancelled; out_of_memory
+///            above 1e100, or 1e30 sizes away; the report has frame and vertex, at rest frame #frames);
+///            face_without_vertex; cancelled; out_of_memory
 template <PointRangeIn<3> R, detail::FramesIn<3> Frames, FaceRange F>
 Result<FittedSkeleton<range_scalar_t<R>>, SkeletonReport>
 fit_skeleton(const R& rest, const Frames& frames, const F& faces, const SkeletonOptions& options = {},

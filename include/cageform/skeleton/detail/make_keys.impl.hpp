@@ -1,9 +1,9 @@
 // Checks a skeleton, makes its keys and measures them.
 #pragma once
 
-#include <cageform/core/detail/bounds.hpp>
 #include <cageform/core/result.hpp>
 #include <cageform/skeleton/detail/key_fitter.hpp>
+#include <cageform/skeleton/detail/motion.hpp>
 
 #include <span>
 
@@ -76,7 +76,7 @@ Status make_keys(const FittedSkeleton<T>& given, const std::vector<Vec<double, 3
     skeleton.parents = given.parents;
     for (const auto& map : given.maps) skeleton.maps.push_back(map_cast<double, T>(map));
     for (const auto& joint : given.joints) skeleton.joints.push_back(vec_cast<double>(joint));
-    double size = bounds_of(std::span<const Vec<double, 3>>(rest)).diagonal();
+    double size = figure_size(rest);
     if (!(size > 0)) size = 1;
     const std::vector<double> seconds(times.begin(), times.end());
     KeyFitter fitter(skeleton, rest, seconds, max_distance, size);
