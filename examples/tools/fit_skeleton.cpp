@@ -15,6 +15,8 @@
 #include "files/mdd_file.hpp"
 #include "pictures/skeleton_picture.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <iostream>
 
 namespace {
@@ -41,6 +43,27 @@ void turn_axes(const std::string& axes, std::vector<std::vector<Point3>>& frames
     for (auto& frame : frames) {
         for (Point3& p : frame) p = axes == "x,y,-z" ? Point3{p[0], p[1], -p[2]} : Point3{p[0], p[2], -p[1]};
     }
+}
+
+/// Whether the affine map that is nearest to the figure in a frame mirrors it, in every frame.
+bool is_mirrored(std::span<const Point3> rest, std::span<const std::vector<Point3>> frames) {
+    const auto mean_of = [](std::span<const Point3> places) {
+        Point3 sum{};
+        for (const Point3& p : places) sum = sum + (1 / double(places.size())) * p;
+        return sum;
+    };
+    const Point3 middle = mean_of(rest);
+    return std::all_of(frames.begin(), frames.end(), [&](const std::vector<Point3>& frame) {
+        const Point3 mean = mean_of(frame);
+        std::array<Point3, 3> columns{};
+        for (std::size_t i = 0; i < rest.size(); ++i) {
+            for (std::size_t k = 0; k < 3; ++k)
+                columns[k] = columns[k] + (rest[i] - middle)[k] * (frame[i] - mean);
+        }
+        const auto& [a, b, c] = columns;
+        const double volume = dot(a, cross(b, c)), most = std::sqrt(dot(a, a) * dot(b, b) * dot(c, c));
+        return volume < -1e-9 * most; // and not flat
+    });
 }
 
 SvgResult<std::vector<std::vector<Point3>>> read_frames(const Arguments& given, const ObjFile& figure) {
@@ -84,13 +107,16 @@ int fit_figure(const Arguments& given, const ObjFile& figure) {
     if (!std::isfinite(frames.times.back()) || !(frames.times[frames.times.size() - 2] < frames.times.back()))
         return fail("--rate: so many frames a second are beyond glTF's numbers");
 
+    if (is_mirrored(frames.rest, frames.places)) {
+        warn(given.frames[0] + ": every frame is a mirror image of " + figure.name +
+             (ending_of(given.frames[0]) == ".mdd" ? ": of Blender's MDD files, give --axes x,y,-z"
+                                                   : ", and no bone mirrors"));
+    }
     const auto motion = fit_motion(given.choice, frames);
     if (!motion) return fail(to_string(motion.error()));
     if (motion->loss.share() > StoredLoss::worth_a_warning) {
         warn(figure.name + ": " + describe_loss(*motion) +
-             (motion->loss.share() > 0.1 && given.axes == "x,y,z" && ending_of(given.frames[0]) == ".mdd"
-                  ? "; is the MDD file of Blender? Then give --axes x,y,-z"
-                  : "; more --bones lose less, and --bones auto takes as many as --max-distance needs"));
+             "; more --bones lose less, and --bones auto takes as many as --max-distance needs");
     }
     GltfDocument document;
     document.json["asset"]["generator"] = "cageform fit_skeleton";

@@ -2391,6 +2391,9 @@ chmod 0 locked.csv
 
 . "$here/films.sh"
 
+# ---- skeletons ----
+. "$here/skeletons.sh"
+
 # ---- what holds of all files ----
 . "$here/files.sh"
 # ---- tiles of points ----

@@ -164,8 +164,10 @@ SvgResult<FittedMotion> fit_motion(const SkeletonChoice& choice, const FigureFra
     measure(frames, motion);
     if (asked > 0 && motion.loss.share() > asked) {
         return SvgError{frames.name + ": " + (searches ? "not even " : "") + count_bones(motion) +
-                        (searches ? " keep" : " do not keep") + " it within " + percent(asked) +
-                        ": it is off by " + describe(motion.loss) + "; " +
+                        (searches                     ? " keep"
+                         : motion.skeleton.bones == 1 ? " does not keep"
+                                                      : " do not keep") +
+                        " it within " + percent(asked) + ": it is off by " + describe(motion.loss) + "; " +
                         (searches ? "use a larger --max-distance, or more --influences"
                                   : "--bones auto takes as many as are needed")};
     }
