@@ -2148,7 +2148,7 @@ mkdir -p no_files
 version=$(sed -n 's/.*VERSION_STRING "\(.*\)"/\1/p' "$(dirname "$data")/../include/cageform/version.hpp")
 for program in adaptive_grid animate_svg bezier_tables bind_mesh bind_tiles boundary_formula cage_weights clone_figure clone_image \
   contact_sheet convergence coordinate_field deform_mesh deform_splats deform_svg diffuse_colours draw_splats \
-  electron_waves export_gltf figure_table fit_curve grid_field hand_sheet height_map lattice_board lattice_fit \
+  electron_waves export_gltf figure_table fit_curve fit_skeleton grid_field hand_sheet height_map lattice_board lattice_fit \
   leaf_cages make_box make_cage make_character make_hand make_splats make_tiles paths pin_poses plane_homotopy \
   pose_cage pose_hand puzzle relaxation skin_mesh sphere_eversion zooms; do
   works "version of $program" "$programs/$program" --version
@@ -2390,6 +2390,9 @@ chmod 0 locked.csv
 . "$here/clone_figure.sh"
 
 . "$here/films.sh"
+
+# ---- skeletons ----
+. "$here/skeletons.sh"
 
 # ---- what holds of all files ----
 . "$here/files.sh"
