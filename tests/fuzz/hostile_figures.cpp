@@ -199,7 +199,7 @@ int winding(const std::vector<Facet>& cage, const Exact& p, Random& random, cons
     }
 }
 
-/// What is wrong with a cage; empty if it is proved.
+/// Names a fault of a cage; empty if it is proved.
 std::string fault_of(const TriangleMesh<double>& cage, const Figure& figure, Random& random) {
     std::vector<Triangle> faces;
     std::set<std::pair<std::uint32_t, std::uint32_t>> edges;
