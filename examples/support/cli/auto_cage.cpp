@@ -236,29 +236,34 @@ std::string parse_looseness(const std::string& word, double& looseness) {
 
 namespace {
 
-/// "12: 61.2 %, 24: …": what each doubling brings, below and above the cage that was made.
-std::string doublings_of(const cageform::MakeCageReport& report) {
+/// A table of what each doubling brings, below and above the cage that was made.
+std::string doublings_of(const cageform::MakeCageReport& report, bool in_plane) {
     const auto& all = report.attempts;
     const auto made = std::find_if(all.begin(), all.end(),
                                    [&](const auto& attempt) { return attempt.vertices == report.vertices; });
     std::vector<cageform::MakeCageReport::Attempt> kept;
     std::size_t last = report.vertices;
     for (auto below = std::make_reverse_iterator(made); below != all.rend(); ++below) {
-        if (5 * below->vertices > 3 * last) continue;
+        if (5 * below->vertices > 4 * last) continue;
         kept.insert(kept.begin(), *below);
         last = below->vertices;
     }
     last = 0;
     for (auto above = made; above != all.end(); ++above) {
-        if (5 * last > 3 * above->vertices) continue;
+        if (5 * last > 4 * above->vertices) continue;
         kept.push_back(*above);
         last = above->vertices;
     }
-    std::string line;
-    for (const auto& attempt : kept)
-        line +=
-            (line.empty() ? "" : ", ") + std::to_string(attempt.vertices) + ": " + percent(attempt.excess);
-    return line;
+    std::string table = in_plane ? "vertices  area over the tightest  deepest hollow spanned\n"
+                                 : "vertices  volume over the tightest  deepest hollow spanned\n";
+    for (const auto& attempt : kept) {
+        std::array<char, 96> line{};
+        std::snprintf(line.data(), line.size(), "%8zu  %*s  %22.3g%s\n", attempt.vertices, in_plane ? 22 : 24,
+                      percent(attempt.excess).c_str(), attempt.hollow,
+                      attempt.vertices == report.vertices ? "  <- made" : "");
+        table += line.data();
+    }
+    return table;
 }
 
 } // namespace
@@ -279,9 +284,7 @@ std::string describe(const cageform::MakeCageReport& report, std::size_t dimensi
                 : "") +
            detail::short_number(report.clearance) + " from the cage (" +
            percent(report.clearance / report.margin) + " of the margin)\n" +
-           (report.attempts.empty() ? std::string()
-                                    : std::string("vertices: ") + (in_plane ? "area" : "volume") +
-                                          " over the tightest\n" + doublings_of(report) + '\n');
+           (report.attempts.empty() ? "" : doublings_of(report, in_plane));
 }
 
 std::vector<std::string> warnings_of(const cageform::MakeCageReport& report,
@@ -291,8 +294,8 @@ std::vector<std::string> warnings_of(const cageform::MakeCageReport& report,
     const double excess = report.area / report.tightest_area - 1;
     if (options.looseness > 0 && !report.attempts.empty() && excess > options.looseness * (1 + 1e-9))
         warnings.push_back("no cage of up to " + std::to_string(report.attempts.back().vertices) +
-                           " vertices is within " + percent(options.looseness) +
-                           " of the tightest: this one, of " + std::to_string(report.vertices) + ", has " +
+                           " vertices is within " + detail::short_number(100 * options.looseness) + " %" +
+                           " of the tightest; this one of " + std::to_string(report.vertices) + " has " +
                            percent(excess) + " more");
     else if (wanted != 0 && report.vertices > wanted + (options.mirror ? wanted % 2 : 0))
         warnings.push_back("the cage has " + std::to_string(report.vertices) +

@@ -2,6 +2,7 @@
 // made once; only the last steps are repeated for each number of vertices that is tried.
 #pragma once
 
+#include <cageform/cage/detail/primitives.hpp>
 #include <cageform/enclose/types/make_cage_options.hpp>
 
 #include <algorithm>
@@ -24,14 +25,31 @@ inline std::vector<std::size_t> vertex_counts(std::size_t least, std::size_t bas
     return counts;
 }
 
+/// The distance from the farthest of some points to the nearest facet of a cage. Neighbours on the list had
+/// better be neighbours in space.
+template <std::size_t D>
+double deepest_hollow(std::span<const Vec<double, D>> points, std::span<const Corners<D>> facets) noexcept {
+    double most = 0;
+    std::size_t nearest = 0;
+    for (const auto& p : points) {
+        double least = distance_to_facet(p, facets[nearest]);
+        for (std::size_t k = 0; k < facets.size() && least > most; ++k) {
+            const double distance = distance_to_facet(p, facets[k]);
+            if (distance < least) nearest = k;
+            least = (std::min)(least, distance);
+        }
+        most = (std::max)(most, least);
+    }
+    return most;
+}
+
 /// Chooses which number of vertices to try next: doubles or halves the first one until the limit lies
-/// between two of them, bisects, and then tries two and four times the answer.
+/// between two of them, bisects, and then tries two and four times the answer: what would more vertices bring?
 template <class Cage>
 class FewestVertices {
 public:
     struct Attempt {
-        std::size_t vertices;
-        double excess; ///< area over the tightest, less 1
+        MakeCageReport::Attempt brought;
         Cage cage;
     };
 
@@ -61,7 +79,9 @@ public:
             return below + (at - below) / 2;
         }
         for (const std::size_t times : {2U, 4U}) {
-            const std::size_t more = index_of(times * counts_[at]);
+            const std::size_t wanted = times * counts_[at], last = counts_.back();
+            if (times == 4 && wanted > 500) break; // they take seconds
+            const std::size_t more = index_of((std::min)(wanted + counts_[at] / 20, last));
             if (tried_.count(more) == 0) return more;
         }
         return try_next;
@@ -74,13 +94,13 @@ public:
         auto found = answer();
         if (found == tried_.end())
             found = std::min_element(tried_.begin(), tried_.end(), [](const auto& a, const auto& b) {
-                return a.second.excess < b.second.excess;
+                return a.second.brought.excess < b.second.brought.excess;
             });
         return std::move(found->second.cage);
     }
     std::vector<MakeCageReport::Attempt> attempts() const {
         std::vector<MakeCageReport::Attempt> all;
-        for (const auto& [index, attempt] : tried_) all.push_back({attempt.vertices, attempt.excess});
+        for (const auto& [index, attempt] : tried_) all.push_back(attempt.brought);
         return all;
     }
 
@@ -95,7 +115,7 @@ private:
     template <class Self>
     static auto answer_in(Self& tried, double looseness) {
         return std::find_if(tried.begin(), tried.end(),
-                            [&](const auto& entry) { return entry.second.excess <= looseness; });
+                            [&](const auto& entry) { return entry.second.brought.excess <= looseness; });
     }
     auto answer() const { return answer_in(tried_, looseness_); }
     auto answer() { return answer_in(tried_, looseness_); }

@@ -73,17 +73,23 @@ private:
         FewestVertices<std::vector<Loop>> search(vertex_counts(3, first, options_.vertices), first,
                                                  options_.looseness);
         const auto contours = contours_;
+        std::vector<Point> places;
+        for (const auto& loop : contours) places.insert(places.end(), loop.points.begin(), loop.points.end());
         for (double left = 0.6; const auto index = search.next(); left *= 0.8) {
             const Running subtask = running.subtask(1 - left, 1 - 0.8 * left);
             contours_ = contours;
             if (!reduce_all(search.count(*index), level, subtask, cage)) return Status::cancelled;
             std::size_t vertices = 0;
             double area = 0;
+            std::vector<Corners<2>> edges;
             for (const auto& loop : cage) {
                 vertices += loop.size();
                 area += signed_area(loop);
+                for (std::size_t i = 0; i < loop.size(); ++i)
+                    edges.push_back({loop[i], loop[(i + 1) % loop.size()]});
             }
-            search.add(*index, {vertices, area / report.tightest_area - 1, std::move(cage)});
+            const double hollow = deepest_hollow<2>(places, edges);
+            search.add(*index, {{vertices, area / report.tightest_area - 1, hollow}, std::move(cage)});
         }
         report.attempts = search.attempts();
         cage = search.best();
@@ -427,6 +433,7 @@ Status make_cage_into(std::span<const DrawnSegment<T>> figure, std::span<const P
     report.area = 0;
     for (const auto& loop : made.value.loops()) report.area += signed_area(made.value, loop);
     report.tightest_area /= framed.frame.scale * framed.frame.scale;
+    for (auto& attempt : report.attempts) attempt.hollow /= framed.frame.scale;
     return holds_figure(report) ? Status::ok : Status::cage_not_found;
 }
 

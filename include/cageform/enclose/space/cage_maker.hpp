@@ -99,6 +99,7 @@ private:
         const auto wanted = vertex_counts(4, first_tried, options_.vertices);
         std::vector<Shell> reduced;
         std::vector<std::size_t> counts;
+        const auto contour = shell.points;
         ShellReduction reduction(shell, step.obstacles);
         double done = 0.3;
         for (std::size_t k = wanted.size(); k-- > 0;) { // to the first count it is the farthest
@@ -118,7 +119,11 @@ private:
             Shell trial = std::move(reduced[*index]);
             if (!relax(trial, counts[*index], step, subtask)) return Status::cancelled;
             const double volume = trial.six_volumes() / 6 * (trial.half ? 2 : 1);
-            search.add(*index, {counts[*index], volume / report.tightest_area - 1, std::move(trial)});
+            std::vector<Corners<3>> facets;
+            for (const auto& face : trial.faces) facets.push_back(trial.corners(face));
+            const double hollow = deepest_hollow<3>(contour, facets);
+            search.add(*index,
+                       {{counts[*index], volume / report.tightest_area - 1, hollow}, std::move(trial)});
         }
         report.attempts = search.attempts();
         shell = search.best();
@@ -427,6 +432,7 @@ Status make_cage_into(std::span<const Vec<T, 3>> vertices, std::span<const MeshF
     report.area = 0;
     for (const double six : shells.volume) report.area += std::fabs(six) / 6;
     report.tightest_area /= frame.scale * frame.scale * frame.scale;
+    for (auto& attempt : report.attempts) attempt.hollow /= frame.scale;
     // Euler's formula: V - E + F = 2 (shells - tunnels), and 2 E = 3 F.
     report.tunnels = (2 * shells.first_face.size() + made.value.faces().size() / 2 - made.value.size()) / 2;
     return holds_figure(report) ? Status::ok : Status::cage_not_found;

@@ -95,10 +95,13 @@ struct MakeCageReport {
     /// bring the cage too near), slits closed: the limit for very many vertices.
     double tightest_area = 0;
     /// With options.looseness: all numbers of vertices that were tried, increasing, down to one that is too
-    /// loose and up to four times the answer.
+    /// loose and up to twice the answer or more.
     struct Attempt {
         std::size_t vertices;
         double excess; ///< area / tightest_area - 1
+        /// How far the tightest lies below the cage where that spans a hollow, such as the gap between two
+        /// fingers: a distance.
+        double hollow;
     };
     std::vector<Attempt> attempts;
     double least_angle = 0;     ///< between edges of the cage, in degrees
