@@ -148,7 +148,7 @@ int run(int argc, char** argv) {
                         report.rms, report.max_distance, report.turn, report.seconds);
             if (key_distance >= 0) {
                 const auto [keys, made] =
-                    cageform::fit_skeleton_keys(skeleton, motion.frames[0], times, key_distance);
+                    cageform::fit_skeleton_keys(skeleton, motion.frames[0], times, {key_distance});
                 if (made.status != cageform::Status::ok) throw std::runtime_error(to_string(made.status));
                 std::printf("  %zu keys, %zu numbers for %zu, off by %.1e, %.2f s", made.keys, made.numbers,
                             9 * skeleton.bones * skeleton.frames, made.max_distance, made.seconds);

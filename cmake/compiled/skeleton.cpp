@@ -12,7 +12,7 @@ namespace cageform::inline CAGEFORM_ABI::detail {
     CAGEFORM_COMPILE Status fit_motion(Motion&, const SkeletonOptions&, const Running&,                      \
                                        Result<FittedSkeleton<T>, SkeletonReport>&);                          \
     CAGEFORM_COMPILE Status make_keys(const FittedSkeleton<T>&, const std::vector<Vec<double, 3>>&,          \
-                                      std::span<const T>, double, const Running&,                            \
+                                      std::span<const T>, const SkeletonKeyOptions&, const Running&,         \
                                       Result<SkeletonKeys<T>, SkeletonKeysReport>&);
 CAGEFORM_FOR_SCALARS(CAGEFORM_SKELETON)
 

@@ -641,8 +641,8 @@ int run_program(int argc, char** argv) {
         return fail("give --bones, --skin, --max-distance or --morph to choose what to write");
     for (const CommandOption& option : of_bones) {
         if (!has_bones && option.is_given())
-            return fail(
-                "--kind, --influences, --flat, --rate and --picture are about bones: give --bones too");
+            return fail("--kind, --influences, --flat, --tangents, --rate and --picture are about bones: "
+                        "give --bones too");
     }
     if (has_bones && !given.moves.is_given())
         return fail("bones are found in a motion: give --clip, --pose, or operations such as --twist");

@@ -126,7 +126,7 @@ void run(unsigned long long seed) {
     std::vector<double> times;
     for (std::size_t t = 0; t < skeleton.frames; ++t) times.push_back(double(t));
     const double allowed = random.below(3) == 0 ? 0 : random.uniform(0, 0.1);
-    const auto [keys, made] = fit_skeleton_keys(skeleton, given.rest, times, allowed);
+    const auto [keys, made] = fit_skeleton_keys(skeleton, given.rest, times, {allowed, random.below(2) == 0});
     count("keys", made.status);
     if (made.status != Status::ok) {
         REQUIRE(keys.bones.empty());

@@ -520,7 +520,7 @@ TEST_CASE("random sequences, of any size and with any number out of place, are f
     CHECK(report.max_distance >= 0);
     const auto times = times_of(skeleton.frames);
     const double allowed = random.uniform(0, 0.05);
-    const auto [keys, made] = cageform::fit_skeleton_keys(skeleton, given.rest, times, allowed);
+    const auto [keys, made] = cageform::fit_skeleton_keys(skeleton, given.rest, times, {allowed});
     if (made.status == Status::value_not_finite) return; // bones that have shrunk to nothing
     REQUIRE(made.status == Status::ok);
     CHECK(made.max_distance <= allowed + 1e-6);
@@ -608,10 +608,11 @@ TEST_CASE("keys keep the figure within the distance, for any tree and kind of bo
     auto skeleton = random_skeleton(random, rest, 1 + std::size_t(random.uniform(0, 5)), 30, kind);
     if (seed % 4 == 3) skeleton.parents.assign(skeleton.bones, FittedSkeleton<double>::no_parent);
     const auto times = times_of(skeleton.frames);
+    const bool tangents = random.below(2) == 0;
     std::size_t most = 0;
     for (const double allowed : {0.0, 1e-5, 1e-3, 0.02}) {
         CAPTURE(allowed);
-        const auto [keys, report] = cageform::fit_skeleton_keys(skeleton, rest, times, allowed);
+        const auto [keys, report] = cageform::fit_skeleton_keys(skeleton, rest, times, {allowed, tangents});
         REQUIRE(report.status == Status::ok);
         const double off = lost(skeleton, rest, times, keys);
         CHECK(off <= allowed + 1e-9);
@@ -625,6 +626,7 @@ TEST_CASE("keys keep the figure within the distance, for any tree and kind of bo
             REQUIRE(!channel.times.empty());
             REQUIRE(channel.values.size() == channel.times.size());
             REQUIRE(channel.in_tangents.size() == channel.out_tangents.size());
+            CHECK((tangents || channel.in_tangents.empty()));
             CHECK((channel.in_tangents.empty() || channel.in_tangents.size() == channel.times.size()));
             for (std::size_t k = 0; k < channel.times.size(); ++k) {
                 CHECK(std::binary_search(times.begin(), times.end(), channel.times[k]));
@@ -669,7 +671,8 @@ TEST_CASE("what stands has one key, what moves evenly two", "[skeleton]") {
         }
     }
     skeleton.parents = {FittedSkeleton<double>::no_parent, 0, 1};
-    const auto [keys, report] = cageform::fit_skeleton_keys(skeleton, rest, times_of(skeleton.frames), 1e-4);
+    const auto [keys, report] =
+        cageform::fit_skeleton_keys(skeleton, rest, times_of(skeleton.frames), {1e-4});
     REQUIRE(report.status == Status::ok);
     const auto& [root, turned, child] = std::tie(keys.bones[0], keys.bones[1], keys.bones[2]);
     CHECK(root.translation.times.size() + root.rotation.times.size() == 2);
@@ -686,7 +689,7 @@ TEST_CASE("keys of floats, of figures of any size, progress, and what is refused
     const auto skeleton = random_skeleton(random, rest, 4, 12, BoneKind::similar);
     const auto times = times_of(skeleton.frames);
     const auto made = [&](const FittedSkeleton<double>& of, const std::vector<double>& at, double allowed) {
-        const auto result = cageform::fit_skeleton_keys(of, rest, at, allowed);
+        const auto result = cageform::fit_skeleton_keys(of, rest, at, {allowed});
         if (!result) CHECK(result.value.bones.empty());
         return result.report;
     };
@@ -696,7 +699,7 @@ TEST_CASE("keys of floats, of figures of any size, progress, and what is refused
     for (V& v : large_rest) v = 1024.0 * v;
     for (V& v : large.joints) v = 1024.0 * v;
     for (Map& map : large.maps) map.shift = 1024.0 * map.shift;
-    const auto scaled = cageform::fit_skeleton_keys(large, large_rest, times, 1e-3);
+    const auto scaled = cageform::fit_skeleton_keys(large, large_rest, times, {1e-3});
     CHECK(scaled.report.keys == report.keys);
     CHECK(scaled.report.max_distance == report.max_distance);
 
@@ -712,12 +715,12 @@ TEST_CASE("keys of floats, of figures of any size, progress, and what is refused
         to.shift = cageform::vec_cast<float>(map.shift);
     }
     const auto of_floats =
-        cageform::fit_skeleton_keys(single, rest, std::vector<float>(times.begin(), times.end()), 1e-3);
+        cageform::fit_skeleton_keys(single, rest, std::vector<float>(times.begin(), times.end()), {1e-3});
     REQUIRE(of_floats.report.status == Status::ok);
     CHECK(of_floats.report.max_distance <= 1e-3 + 1e-5);
 
     check_progress("keys", [&](const Running& running) {
-        return cageform::fit_skeleton_keys(skeleton, rest, times, 1e-3, running);
+        return cageform::fit_skeleton_keys(skeleton, rest, times, {1e-3}, running);
     });
     CHECK(made(skeleton, times, -1).status == Status::value_not_finite);
     CHECK(made(skeleton, times, std::nan("")).status == Status::value_not_finite);

@@ -94,7 +94,10 @@ std::vector<CommandOption> SkeletonChoice::add_options(CommandLine& line) {
         line.add("--influences", influences, "the largest number of bones per vertex; engines play 4, some 8")
             .range(1, 8)
             .show_default();
-    return {moves, most, line.add_flag("--flat", flat, "no hierarchy: every bone moves for itself")};
+    return {moves, most, line.add_flag("--flat", flat, "no hierarchy: every bone moves for itself"),
+            line.add_flag("--tangents", tangents,
+                          "keys of cubics where these are fewer numbers; Blender reads them without their "
+                          "tangents and shows another motion")};
 }
 
 std::string SkeletonChoice::fault_of_bones(const std::string& word) {
@@ -152,8 +155,8 @@ SvgResult<FittedMotion> fit_motion(const SkeletonChoice& choice, const FigureFra
         constexpr double least = 1e-4; // where no distance is asked for
         const double distance =
             of_keys * (asked > 0 ? asked : std::max(motion.report.max_distance, 5 * least));
-        auto made = cageform::fit_skeleton_keys(motion.skeleton, frames.rest, frames.times, distance,
-                                                {.progress = bar.callback()});
+        auto made = cageform::fit_skeleton_keys(motion.skeleton, frames.rest, frames.times,
+                                                {distance, choice.tangents}, {.progress = bar.callback()});
         motion.keys_report = made.report;
         if (!made) {
             return SvgError{frames.name + ": a bone has no size in some frame (" +

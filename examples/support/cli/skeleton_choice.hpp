@@ -30,9 +30,10 @@ struct SkeletonChoice {
     std::string kind = "rigid";
     std::size_t influences = 4;
     bool flat = false;
+    bool tangents = false; ///< of keys
 
-    /// Adds and returns --kind, --influences and --flat; programs add --bones and --max-distance in their
-    /// words.
+    /// Adds and returns --kind, --influences, --flat and --tangents; programs add --bones and --max-distance
+    /// in their words.
     std::vector<CommandOption> add_options(CommandLine& line);
     /// Why `bones` is neither; empty where it is one.
     static std::string fault_of_bones(const std::string& word);

@@ -54,9 +54,8 @@ fit_skeleton(const R& rest, const Frames& frames, const F& faces, const Skeleton
 ///                 other
 ///   rest          #vertices, as it was fitted
 ///   times         #frames, in seconds, ascending
-///   max_distance  the distance, a share of the figure's diagonal at rest, from where a vertex is by the maps
-///                 to where it is by the keys, in every frame: measured at the skin, not at the bones, and
-///                 for all bones together. 0: a key in each frame, where more than one is needed
+///   options       the distance is from where a vertex is by the maps to where it is by the keys, in every
+///                 frame: measured at the skin, not at the bones, and for all bones together
 ///   returns       keys at some of the frames, with the values there. A channel that may stand still has one
 ///   cost          some O(#vertices · #influences · #frames · log #frames); 1,114 vertices in 33 frames take
 ///                 0.1 s for 20 bones. Memory: 12 bytes · #vertices · #frames
@@ -66,14 +65,14 @@ fit_skeleton(const R& rest, const Frames& frames, const F& faces, const Skeleton
 template <class T, PointRangeIn<3> R>
 Result<SkeletonKeys<T>, SkeletonKeysReport>
 fit_skeleton_keys(const FittedSkeleton<T>& skeleton, const R& rest,
-                  std::type_identity_t<std::span<const T>> times, double max_distance,
+                  std::type_identity_t<std::span<const T>> times, const SkeletonKeyOptions& options = {},
                   const Running& running = {}) {
     Result<SkeletonKeys<T>, SkeletonKeysReport> result;
     SkeletonKeysReport timed;
     detail::run_into(timed, [&] {
         std::vector<Vec<double, 3>> places;
         for (std::size_t i = 0; i < std::size(rest); ++i) places.push_back(to_vec<double>(rest[i]));
-        return detail::make_keys(skeleton, places, times, max_distance, running, result);
+        return detail::make_keys(skeleton, places, times, options, running, result);
     });
     result.report.status = timed.status;
     result.report.seconds = timed.seconds;

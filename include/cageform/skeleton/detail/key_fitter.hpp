@@ -19,14 +19,14 @@ public:
     using Keys = SkeletonKeys<double>;
     static constexpr std::uint32_t no_parent = FittedSkeleton<double>::no_parent;
 
-    /// distance   in units of `size`, that of the figure
     KeyFitter(const FittedSkeleton<double>& skeleton, const std::vector<Vec<double, 3>>& rest,
-              const std::vector<double>& times, double distance, double size)
+              const std::vector<double>& times, const SkeletonKeyOptions& options, double size)
         : skeleton_(skeleton)
         , rest_(rest)
         , times_(times)
-        , distance_(distance * (1 - 1e-6))
+        , distance_(options.max_distance * (1 - 1e-6))
         , share_(1 / size)
+        , tangents_(options.tangents)
         , errors_(rest.size() * skeleton.frames)
         , used_(rest.size(), 0)
         , parts_(skeleton.bones)
@@ -252,9 +252,11 @@ private:
             hold(range, mean);
             return store(0, mean, nullptr, nullptr);
         }
-        Pieces best = pieces(true, range, share);
-        if (Pieces other = pieces(false, range, share); other.numbers(range) < best.numbers(range))
-            best = std::move(other);
+        Pieces best = pieces(false, range, share);
+        if (tangents_) {
+            if (Pieces other = pieces(true, range, share); other.numbers(range) <= best.numbers(range))
+                best = std::move(other);
+        }
         constexpr std::array<double, NodeTransform::size> none{};
         NodeTransform last;
         for (std::size_t k = 0; k <= best.list.size(); ++k) {
@@ -337,6 +339,7 @@ private:
     const std::vector<Vec<double, 3>>& rest_;
     const std::vector<double>& times_;
     double distance_, share_;
+    bool tangents_;
     std::vector<Vec<float, 3>> errors_; ///< #frames · #vertices, in sizes, of the bones that are done
     std::vector<double> used_;          ///< #vertices: the sum of their weights
     std::vector<std::vector<Part>> parts_;

@@ -12,7 +12,7 @@ namespace cageform::inline CAGEFORM_ABI::detail {
 /// Checks a skeleton, makes its keys and measures them.
 template <class T>
 Status make_keys(const FittedSkeleton<T>& skeleton, const std::vector<Vec<double, 3>>& rest,
-                 std::span<const T> times, double max_distance, const Running& running,
+                 std::span<const T> times, const SkeletonKeyOptions& options, const Running& running,
                  Result<SkeletonKeys<T>, SkeletonKeysReport>& result);
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

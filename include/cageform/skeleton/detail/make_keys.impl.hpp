@@ -65,9 +65,10 @@ void measure_keys(const FittedSkeleton<T>& skeleton, const std::vector<Vec<doubl
 
 template <class T>
 Status make_keys(const FittedSkeleton<T>& given, const std::vector<Vec<double, 3>>& rest,
-                 std::span<const T> times, double max_distance, const Running& running,
+                 std::span<const T> times, const SkeletonKeyOptions& options, const Running& running,
                  Result<SkeletonKeys<T>, SkeletonKeysReport>& result) {
-    if (const Status status = check_skeleton(given, rest.size(), times, max_distance); status != Status::ok)
+    if (const Status status = check_skeleton(given, rest.size(), times, options.max_distance);
+        status != Status::ok)
         return status;
     FittedSkeleton<double> skeleton;
     skeleton.bones = given.bones;
@@ -79,7 +80,7 @@ Status make_keys(const FittedSkeleton<T>& given, const std::vector<Vec<double, 3
     double size = figure_size(rest);
     if (!(size > 0)) size = 1;
     const std::vector<double> seconds(times.begin(), times.end());
-    KeyFitter fitter(skeleton, rest, seconds, max_distance, size);
+    KeyFitter fitter(skeleton, rest, seconds, options, size);
     if (const Status status = fitter.run(running); status != Status::ok) return status;
     const auto copy = [&](auto& to, const auto& from) {
         using V = std::decay_t<decltype(to.values[0])>;

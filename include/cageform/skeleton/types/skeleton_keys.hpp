@@ -108,6 +108,16 @@ private:
     }
 };
 
+/// Controls how keys are made; see skeleton/fit_skeleton.hpp.
+struct SkeletonKeyOptions {
+    /// How far the keys may bring a vertex from where the maps bring it, a share of the figure's diagonal at
+    /// rest. 0: a key in each frame, where more than one is needed.
+    double max_distance = 0;
+    /// Whether a channel may have tangents where it then stores fewer numbers. Players of glTF read them;
+    /// Blender 3.4 does not: it makes tangents of its own.
+    bool tangents = false;
+};
+
 struct SkeletonKeysReport {
     Status status = Status::ok;
     std::size_t keys = 0;    ///< of all channels
