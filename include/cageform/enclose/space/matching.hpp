@@ -47,8 +47,7 @@ public:
         for (const auto& edge : edges) {
             ++first_[edge.a + 1];
             ++first_[edge.b + 1];
-            for (const auto v : {edge.a, edge.b})
-                nodes_[v].dual = (std::max)(nodes_[v].dual, edge.weight);
+            for (const auto v : {edge.a, edge.b}) nodes_[v].dual = (std::max)(nodes_[v].dual, edge.weight);
         }
         for (std::size_t v = 0; v < vertices; ++v) first_[v + 1] += first_[v];
         links_.resize(2 * edges.size());
@@ -256,8 +255,7 @@ private:
         }
         nodes_[blossom] = std::move(made);
         add_to_tree(blossom, Label::even);
-        for (const Node child : odd)
-            for_each_vertex(child, [&](std::uint32_t v) { watch_even(v); });
+        for (const Node child : odd) for_each_vertex(child, [&](std::uint32_t v) { watch_even(v); });
     }
 
     Node new_node() {

@@ -92,6 +92,8 @@ struct MakeCageReport {
     std::size_t components = 0; ///< connected components of the figure, grown by the margin; 0 for a box
     std::size_t bridges = 0;    ///< that join the components
     std::size_t tunnels = 0;    ///< of a cage in space: its genus
+    std::size_t quads = 0;      ///< faces of four corners that pair_faces made, two triangles each
+    double worst_warp = 0;      ///< of these: the distance between the diagonals, over the mean edge
     CageReport cage;            ///< the report of `check` on the cage
     double seconds = 0;
 };
