@@ -63,7 +63,7 @@ Result<TriangleMesh<range_scalar_t<R>>, MakeCageReport> make_cage(const R& verti
 ///
 ///   made      by make_cage, for the same figure and options; its vertices may have been rounded since
 ///   returns   the same vertices; every triangle is a face, or half of one. Its report is that of `made` with
-///             `quads`, `worst_warp` and the least clearance of all cuts
+///             `quads`, `triangles`, `worst_warp` and the least clearance of all cuts
 ///   a pair    is convex, seen along its normal, with angles of 20 to 160 degrees, and its warp is at most
 ///             0.4. However each face is cut along a diagonal, or bound as a fan, the cage keeps a quarter
 ///             of the margin from the figure, holds it, and does not cross itself

@@ -325,6 +325,7 @@ Status pair_faces_into(const TriangleMesh<T>& cage, std::span<const Vec<T, 3>> v
     std::vector<std::uint32_t> pair_of(cage.faces().size(), Matching::none);
     const auto chosen = pairing.choose();
     report.quads = chosen.size();
+    report.triangles = cage.faces().size() - 2 * chosen.size();
     report.worst_warp = 0;
     for (const std::uint32_t n : chosen) {
         report.worst_warp = (std::max)(report.worst_warp, pairing[n].warp);
