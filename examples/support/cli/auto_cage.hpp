@@ -51,7 +51,7 @@ SvgResult<AutoCage<CageFile>> make_cage_for(const SvgDocument& figure,
 SvgResult<AutoCage<ObjFile>> make_cage_for(const ObjFile& figure, const cageform::MakeCageOptions& options,
                                            const cageform::Running& running = {});
 
-/// The same cage with triangles paired to quads, as many as possible.
+/// Pairs triangles of a cage to quads, as many as possible; its vertices stay.
 SvgResult<AutoCage<ObjFile>> with_quads(const AutoCage<ObjFile>& made, const ObjFile& figure,
                                         const cageform::MakeCageOptions& options);
 

@@ -41,7 +41,7 @@ struct FacePair {
             edges += length(to);
         }
         warp = 4 * std::fabs(dot(corner[1] - corner[0], normal)) / (size * edges);
-        // The part of the angles is that of Remacle and others, Blossom-Quad, Int. J. Numer. Meth. Eng. 89, 2012.
+        // The angles count as in Remacle and others, Blossom-Quad, Int. J. Numer. Meth. Eng. 89, 2012.
         quality = 0.5 * (1 - off / right) + 0.5 * (1 - warp / most_warp);
         return warp <= most_warp;
     }
@@ -181,8 +181,9 @@ public:
         }
     }
 
-    /// Chooses as many pairs as possible and, among these choices, one with the greatest sum of qualities. Where
-    /// the tetrahedra of two of them meet, the one of less quality is forbidden, and all are chosen again.
+    /// Chooses as many pairs as possible and, among these choices, one with the greatest sum of qualities.
+    /// Where the tetrahedra of two of them meet, the one of less quality is forbidden, and all are chosen
+    /// again.
     std::vector<std::uint32_t> choose() {
         for (FacePair& pair : pairs_) pair.allowed = pair.allowed && pairs_[pair.image].allowed;
         for (;;) {
