@@ -137,7 +137,8 @@ TEST_CASE("each triangle is a face of the paired cage, or half of one", "[enclos
         const RoughBall ball(seed);
         const auto paired = ball.pair();
         REQUIRE(to_string(paired.report.status) == std::string("ok"));
-        CHECK(paired.report.cage.faults.empty());
+        for (const auto& fault : paired.report.cage.faults)
+            CHECK(fault.kind == CageFaultKind::face_fanned); // a warning
         CHECK(std::ranges::equal(paired.value.vertices(), ball.made.value.vertices()));
         std::multiset<Three> triangles, left;
         for (const auto& face : ball.made.value.faces()) left.insert(from_least(face));

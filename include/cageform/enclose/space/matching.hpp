@@ -1,7 +1,7 @@
 // Maximum weight matching in any graph, by Edmonds' algorithm.
 #pragma once
 
-#include <cageform/config.hpp>
+#include <cageform/core/status.hpp>
 
 #include <algorithm>
 #include <array>
