@@ -271,6 +271,7 @@ done
 "$programs/deform_mesh" out/character.obj --cage lattice:6x6x6 --pose out/lattice_pose.obj -o out/character_lattice.obj
 # Cages made around what has one already, and the character by its made cage.
 "$programs/make_cage" out/character.obj --picture out/character_made.png -o out/character_made_cage.obj >>$report
+"$programs/make_cage" out/character.obj --quads --mirror x --picture out/character_quads.png -o out/character_quads.obj >>$report
 "$programs/deform_mesh" out/character.obj --cage auto:60 -o out/character_look.obj --picture out/character_look.png
 for name in aleph fish; do "$programs/make_cage" "$data/$name.svg" --picture out/${name}_made.svg >>$report; done
 "$programs/contact_sheet" -o out/made_cages.svg --columns 4 --png --png-width 1600 cat.svg out/cat_made_numbers.svg \
@@ -456,6 +457,7 @@ Open, in out/:
   cat_walk.svg               the cat walks (in a browser); cat_walk.png: frames of a stride
   make_cage.png              a cage made around the cat, and a first pose; cat_wag.svg: a motion to it (in a browser)
   made_cages.png, character_look.png   cages made in the plane and in space; a first look in space
+  character_quads.png        a cage of quads about the character
   pose_cage.png              a cage with its vertices' numbers, and a pose by them
   cat_lattice.png            the cat by a lattice of control points; lattice_board.png: a face pulled out of a board
   leaf_cages.png             a leaf in a cage of four cubics, and in the polygon that does the same; leaf.png: posed by numbers

@@ -6,7 +6,7 @@
 #include <cageform/cage/detail/check_mesh.impl.hpp>
 #include <cageform/cage/detail/check_polygon.impl.hpp>
 #include <cageform/enclose/plane/cage_maker.hpp>
-#include <cageform/enclose/space/cage_maker.hpp>
+#include <cageform/enclose/space/pair_faces.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 
@@ -23,7 +23,10 @@ namespace cageform::inline CAGEFORM_ABI {
                                                    const Running&, Result<Polygon<T>, MakeCageReport>&);     \
     CAGEFORM_COMPILE Status detail::make_cage_into(                                                          \
         std::span<const Vec<T, 3>>, std::span<const detail::MeshFace>, const MakeCageOptions&,               \
-        const Running&, Result<TriangleMesh<T>, MakeCageReport>&);
+        const Running&, Result<TriangleMesh<T>, MakeCageReport>&);                                           \
+    CAGEFORM_COMPILE Status detail::pair_faces_into(                                                         \
+        const TriangleMesh<T>&, std::span<const Vec<T, 3>>, std::span<const detail::MeshFace>,               \
+        const MakeCageOptions&, Result<PolyhedralMesh<T>, MakeCageReport>&);
 CAGEFORM_FOR_SCALARS(CAGEFORM_CAGES)
 
 } // namespace cageform::inline CAGEFORM_ABI

@@ -220,8 +220,8 @@ int deform_figure(const Arguments& given, const ObjFile& figure, MeshControl con
             drawn_pose = &moved_dots;
         }
         const std::array<MeshScene, 2> scenes{
-            {{{figure.vertices, figure.triangles, paint}, {drawn->vertices, drawn->triangles}},
-             {{moved, figure.triangles, paint}, {drawn_pose->vertices, drawn->triangles}}}};
+            {{{figure.vertices, figure.triangles, paint}, cage_view(*drawn, drawn->vertices)},
+             {{moved, figure.triangles, paint}, cage_view(*drawn, drawn_pose->vertices)}}};
         draw_meshes(scenes, 1600, 1000, given.view.sight).write_png(outputs.add(given.picture));
     }
     if (const auto error = outputs.commit()) return fail(*error);

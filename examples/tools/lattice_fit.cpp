@@ -139,9 +139,9 @@ int fit_in_space(const Arguments& given) {
     outputs.add(given.out).write(to_text(*cage, fit->pose));
     if (!given.picture.empty()) {
         const std::array<MeshScene, 3> scenes{
-            {{{rest->vertices, rest->triangles}, {cage->vertices, cage->triangles}},
+            {{{rest->vertices, rest->triangles}, cage_view(*cage, cage->vertices)},
              {{posed->vertices, rest->triangles}, {}},
-             {{fit->moved, rest->triangles}, {fit->pose, cage->triangles}}}};
+             {{fit->moved, rest->triangles}, cage_view(*cage, fit->pose)}}};
         draw_meshes(scenes, 1500, 620, given.view.sight).write_png(outputs.add(given.picture));
     }
     if (const auto error = outputs.commit()) return fail(*error);

@@ -4,6 +4,7 @@
 //     make_cage icon.svg --mirror x --margin 4% -o icon_cage.csv
 //     make_cage character.obj --vertices 112 -o character_cage.obj --picture cage.png
 //     make_cage character.obj --vertices auto --volume 15% -o character_cage.obj
+//     make_cage character.obj --quads --mirror x -o character_cage.obj
 //     make_cage cat.svg --lattice 4x4 -o cat.lattice.json --picture cat_numbers.svg
 //
 // The cage holds all that the figure paints, at the margin's distance, and passes every check of the
@@ -32,6 +33,7 @@ struct Arguments {
     std::string figure, out, picture;
     ViewChoice view;
     bool png = false;
+    bool quads = false;
     cageform::MakeCageOptions options;
     std::optional<LatticeWord> lattice;
 
@@ -115,6 +117,7 @@ int write_in_plane(const Arguments& given, const SvgDocument& figure, const Cage
 
 int cage_in_plane(const Arguments& given) {
     if (given.options.fill_tunnels) return fail("--fill-tunnels is for figures in space");
+    if (given.quads) return fail("--quads is for figures in space: a cage in the plane has no faces");
     const auto figure = load_figure(given.figure);
     if (!figure) return fail(to_string(figure.error()));
     const auto view = view_box(*figure);
@@ -137,7 +140,7 @@ int write_in_space(const Arguments& given, const ObjFile& figure, const ObjFile&
         outputs.add(given.out).write(is_lattice_path(given.out) ? to_json(*cage.lattice) : cage.text);
     if (!given.picture.empty()) {
         const std::array<MeshScene, 2> scenes{
-            {{{figure.vertices, figure.triangles}, {cage.vertices, cage.triangles}},
+            {{{figure.vertices, figure.triangles}, cage_view(cage, cage.vertices)},
              {{cage.vertices, cage.triangles}, {}}}};
         draw_meshes(scenes, 1600, 1000, given.view.sight).write_png(outputs.add(given.picture));
     }
@@ -162,7 +165,11 @@ int cage_in_space(const Arguments& given) {
     const auto made = make_cage_for(*figure, given.options, {.progress = bar.callback()});
     if (!made) return fail(to_string(made.error()));
     print_warnings(warnings_of(made->report, given.options));
-    return write_in_space(given, *figure, made->cage, describe(made->report, 3));
+    if (!given.quads) return write_in_space(given, *figure, made->cage, describe(made->report, 3));
+    const auto paired = with_quads(*made, *figure, given.options);
+    if (!paired) return fail(to_string(paired.error()));
+    return write_in_space(given, *figure, paired->cage,
+                          describe(paired->report, 3) + describe_quads(paired->report));
 }
 
 int run_program(int argc, char** argv) {
@@ -244,6 +251,10 @@ int run_program(int argc, char** argv) {
     line.add_flag("--holes", options.holes, "keep empty regions that the figure encloses as holes")
         .excludes(lattice);
     line.add_flag("--fill-tunnels", options.fill_tunnels, "in space: make no tunnels through the cage")
+        .excludes(lattice);
+    line.add_flag("--quads", given.quads,
+                  "in space: pair triangles to quads, to be edited by loops; however programs cut these, the "
+                  "cage keeps a quarter of the margin from the figure")
         .excludes(lattice);
     line.add("--regular", options.regular, "the weight of even angles and lengths against a tight fit")
         .range(0.0, 1000.0)

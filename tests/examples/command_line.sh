@@ -1016,6 +1016,19 @@ printf '%s\n' 'v 0 0 0' 'v 1 0 0' 'v 0 1 0' 'v 0 0 1' 'f 1 2 3' 'f 1 2 4' >few.o
 works "the fewest vertices in space" "$make_cage" few.obj --vertices auto --volume 40% --margin 10% -o few_cage.obj
 grep -q '^vertices  volume over the tightest  deepest hollow spanned$' log && ok=yes || ok=no
 report $ok "says what each doubling brings in space"
+works "quads" "$make_cage" few.obj --vertices 40 --margin 10% --mirror z --quads -o quads.obj --picture quads.png
+grep -qE '^faces: [0-9]+ quads and [0-9]+ triangles; .* % of the triangles were paired, the diagonals of the most warped' log &&
+  awk '/^v/ { v++ } /^f/ { cut += NF - 3; if (NF == 5) quads++ } END { exit !(cut == 2 * v - 4 && quads > 19) }' quads.obj && ok=yes || ok=no
+report $ok "says how many; cut, they are the triangles of a closed cage"
+works "quads again" "$make_cage" few.obj --vertices 40 --margin 10% --mirror z --quads -o again.obj
+cmp -s quads.obj again.obj && ok=yes || ok=no
+report $ok "gives the same cage each time"
+for words in mean-value harmonic green 'mean-value --faces fan' 'mean-value --faces triangles' 'mean-value --divisions 3'; do
+  # shellcheck disable=SC2086  # the words are meant to be split
+  works "quads, $words" "$mesh" few.obj --cage quads.obj --pose quads.obj --coordinates $words --outside refuse -o posed.obj
+done
+refuses '--quads is for figures in space: a cage in the plane has no faces' "$make_cage" "$cat" --quads -o out.svg
+refuses '--lattice' "$make_cage" few.obj --lattice 3x3x3 --quads -o out.obj
 refuses '--mirror' "$make_cage" "$cat" --mirror w -o out.svg
 refuses 'it spans the figure and its image across the mirror at 1e+09' "$make_cage" "$cat" --mirror x=1e9 -o out.svg
 refuses 'nothing to write: give -o, --picture or both' "$make_cage" "$cat"

@@ -132,6 +132,41 @@ SvgResult<AutoCage<ObjFile>> make_cage_for(const ObjFile& figure, const cageform
     return AutoCage<ObjFile>{std::move(*cage), report};
 }
 
+SvgResult<AutoCage<ObjFile>> with_quads(const AutoCage<ObjFile>& made, const ObjFile& figure,
+                                        const cageform::MakeCageOptions& options) {
+    const ObjFile& cage = made.cage;
+    const cageform::Result<cageform::TriangleMesh<double>, cageform::MakeCageReport> triangles{
+        {cage.vertices, cage.triangles}, made.report};
+    const auto paired = cageform::pair_faces(triangles, figure.vertices, figure.triangles, options);
+    if (!paired) return SvgError{figure.name + ": " + cageform::to_string(paired.report.status)};
+    // A quad stands in the line of its first triangle, and the line of its second one goes.
+    std::string text;
+    std::size_t begin = 0, line = 1, triangle = 0, face = 0;
+    for (; begin < cage.text.size(); ++line) {
+        const std::size_t end = cage.text.find('\n', begin) + 1;
+        if (triangle == cage.faces.size() || cage.faces[triangle].line != line) {
+            text.append(cage.text, begin, end - begin);
+        } else {
+            const auto corners =
+                face < paired.value.face_count() ? paired.value.face(face) : std::span<const std::uint32_t>{};
+            const auto is_corner = [&](std::uint32_t v) {
+                return std::find(corners.begin(), corners.end(), v) != corners.end();
+            };
+            const auto& three = cage.triangles[triangle++];
+            if (std::all_of(three.begin(), three.end(), is_corner)) {
+                text += 'f';
+                for (const auto v : corners) text += ' ' + std::to_string(v + 1);
+                text += '\n';
+                ++face;
+            }
+        }
+        begin = end;
+    }
+    auto file = parse_obj(std::move(text), cage.name);
+    if (!file) return file.error();
+    return AutoCage<ObjFile>{std::move(*file), paired.report};
+}
+
 namespace {
 
 /// Made with as many vertices as the word says; warnings go to stderr.
@@ -285,6 +320,13 @@ std::string describe(const cageform::MakeCageReport& report, std::size_t dimensi
            detail::short_number(report.clearance) + " from the cage (" +
            percent(report.clearance / report.margin) + " of the margin)\n" +
            (report.attempts.empty() ? "" : doublings_of(report, in_plane));
+}
+
+std::string describe_quads(const cageform::MakeCageReport& report) {
+    const double paired = 2 * double(report.quads), share = paired / (paired + double(report.triangles));
+    return "faces: " + std::to_string(report.quads) + " quads and " + std::to_string(report.triangles) +
+           " triangles; " + percent(share) + " of the triangles were paired, the diagonals of the most " +
+           "warped quad pass at " + percent(report.worst_warp) + " of its mean edge\n";
 }
 
 std::vector<std::string> warnings_of(const cageform::MakeCageReport& report,

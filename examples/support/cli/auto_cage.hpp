@@ -51,6 +51,10 @@ SvgResult<AutoCage<CageFile>> make_cage_for(const SvgDocument& figure,
 SvgResult<AutoCage<ObjFile>> make_cage_for(const ObjFile& figure, const cageform::MakeCageOptions& options,
                                            const cageform::Running& running = {});
 
+/// Pairs triangles of a cage to quads, as many as possible; its vertices stay.
+SvgResult<AutoCage<ObjFile>> with_quads(const AutoCage<ObjFile>& made, const ObjFile& figure,
+                                        const cageform::MakeCageOptions& options);
+
 /// Makes a lattice about everything that a document paints, or about the vertices of a mesh.
 ///
 ///   margin   of the box, as a part of their diagonal
@@ -71,6 +75,9 @@ std::string parse_looseness(const std::string& word, double& looseness);
 ///
 ///   dimension   2 or 3
 std::string describe(const cageform::MakeCageReport& report, std::size_t dimension);
+
+/// "110 quads and 16 triangles, …": what became of the triangles of a cage in space, a line.
+std::string describe_quads(const cageform::MakeCageReport& report);
 
 /// Returns warnings for the user; empty if there are none.
 std::vector<std::string> warnings_of(const cageform::MakeCageReport& report,

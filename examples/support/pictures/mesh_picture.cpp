@@ -88,17 +88,26 @@ public:
 
     /// Lines where the cage turns to the camera, paler ones at its far side, the palest behind the figure.
     void draw_cage(const MeshView& cage, const Camera& camera) {
-        std::map<std::pair<std::uint32_t, std::uint32_t>, bool>
-            edges; // to whether a face at it is turned here
+        struct CageEdge {
+            bool here = false;                  // whether a face at it is turned here
+            std::size_t face = ~std::size_t{0}; // the last one seen
+            bool is_inside = false;             // of a face
+        };
+        std::map<std::pair<std::uint32_t, std::uint32_t>, CageEdge> edges;
         std::vector<Point3> places;
         for (const Point3& v : cage.vertices) places.push_back(on_canvas(camera, v));
-        for (const auto& triangle : cage.triangles) {
+        for (std::size_t t = 0; t < cage.triangles.size(); ++t) {
+            const auto& triangle = cage.triangles[t];
+            const std::size_t face = cage.triangle_faces.empty() ? t : cage.triangle_faces[t];
             const bool here = turn(places[triangle[0]], places[triangle[1]], places[triangle[2]]) < 0;
-            for (std::size_t k = 0; k < 3; ++k)
-                edges[std::minmax(triangle[k], triangle[(k + 1) % 3])] |= here;
+            for (std::size_t k = 0; k < 3; ++k) {
+                CageEdge& edge = edges[std::minmax(triangle[k], triangle[(k + 1) % 3])];
+                edge = {edge.here || here, face, edge.is_inside || edge.face == face};
+            }
         }
-        for (const auto& [ends, here] : edges)
-            line(places[ends.first], places[ends.second], here ? 0.8f : 0.3f);
+        for (const auto& [ends, edge] : edges) {
+            if (!edge.is_inside) line(places[ends.first], places[ends.second], edge.here ? 0.8f : 0.3f);
+        }
     }
 
     /// The pixels, each the mean of its samples.

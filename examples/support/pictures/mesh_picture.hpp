@@ -19,7 +19,15 @@ struct MeshView {
     std::span<const std::array<std::uint32_t, 3>> triangles;
     std::span<const Colour> colours{}; ///< one a vertex; empty: of clay
     std::span<const Colour> backs{};   ///< where the triangles are seen from behind; empty: as from the front
+    /// #triangles: the face that each is a part of; the lines of a cage pass over edges inside a face. Empty:
+    /// each is a face.
+    std::span<const std::uint32_t> triangle_faces{};
 };
+
+/// A cage of a file with its vertices at other places.
+inline MeshView cage_view(const ObjFile& cage, std::span<const Point3> vertices) {
+    return {vertices, cage.triangles, {}, {}, cage.triangle_faces};
+}
 
 struct SpaceLine {
     std::vector<Point3> points;

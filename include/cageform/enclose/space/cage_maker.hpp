@@ -428,6 +428,7 @@ Status make_cage_into(std::span<const Vec<T, 3>> vertices, std::span<const MeshF
     if (!running.keep_going(1)) return Status::cancelled;
     const auto shells = detail::shells_of(made.value);
     report.vertices = made.value.size();
+    report.triangles = made.value.faces().size();
     report.least_angle = least_angle(made.value);
     report.area = 0;
     for (const double six : shells.volume) report.area += std::fabs(six) / 6;

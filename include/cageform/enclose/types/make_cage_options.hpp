@@ -108,6 +108,9 @@ struct MakeCageReport {
     std::size_t components = 0; ///< connected components of the figure, grown by the margin; 0 for a box
     std::size_t bridges = 0;    ///< that join the components
     std::size_t tunnels = 0;    ///< of a cage in space: its genus
+    std::size_t triangles = 0;  ///< faces of a cage in space with three corners
+    std::size_t quads = 0;      ///< those with four, by pair_faces
+    double worst_warp = 0;      ///< of a quad: the distance between its diagonals, over its mean edge
     CageReport cage;            ///< the report of `check` on the cage
     double seconds = 0;
 };

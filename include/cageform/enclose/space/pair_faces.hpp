@@ -1,0 +1,349 @@
+// Pairs the triangles of a cage in space to faces of four corners.
+#pragma once
+
+#include <cageform/enclose/space/cage_maker.hpp>
+#include <cageform/enclose/space/matching.hpp>
+
+#include <map>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+/// Two triangles with a common edge, as one face of four corners. Its old diagonal is that edge. The new
+/// diagonal cuts it into two new triangles. Both cuts, the fan about the mean of the corners and the bilinear
+/// patch lie in the tetrahedron of the corners.
+struct FacePair {
+    using Point = Vec<double, 3>;
+
+    std::array<std::uint32_t, 2> faces{};
+    std::array<std::uint32_t, 4> loop{}; ///< counter-clockwise; the old diagonal joins corners 0 and 2
+    std::array<Point, 4> corner{};
+    double warp = 0;         ///< the distance between the diagonals, over the mean length of the edges
+    double quality = 0;      ///< 1 for a square, 0 for the worst
+    double clearance = 0;    ///< of the tetrahedron, as far as it is below the cage's
+    std::uint32_t image = 0; ///< the number of the pair's image in the mirror
+    bool allowed = true;
+
+    /// Sets the warp and the quality. Returns whether the face will do: seen along its normal it is convex,
+    /// no corner is sharper or flatter than 20 degrees, and the warp is at most 0.4. A square folded by
+    /// 59 degrees along a diagonal has that warp.
+    bool measure() noexcept {
+        constexpr double sharpest = std::numbers::pi / 9, right = std::numbers::pi / 2, most_warp = 0.4;
+        const Point normal = cross(corner[2] - corner[0], corner[3] - corner[1]);
+        const double size = length(normal);
+        if (!(size > 0)) return false;
+        double edges = 0, off = 0; // off: how far an angle is from a right one
+        for (std::size_t k = 0; k < 4; ++k) {
+            const Point to = corner[(k + 1) % 4] - corner[k], back = corner[(k + 3) % 4] - corner[k];
+            const Point turn = cross(to, back);
+            const double seen = std::atan2(dot(turn, normal) / size, dot(to, back));
+            if (!(seen > sharpest && seen < std::numbers::pi - sharpest)) return false;
+            off = (std::max)(off, std::fabs(std::atan2(length(turn), dot(to, back)) - right));
+            edges += length(to);
+        }
+        warp = 4 * std::fabs(dot(corner[1] - corner[0], normal)) / (size * edges);
+        // The angles count as in Remacle and others, Blossom-Quad, Int. J. Numer. Meth. Eng. 89, 2012.
+        quality = 0.5 * (1 - off / right) + 0.5 * (1 - warp / most_warp);
+        return warp <= most_warp;
+    }
+
+    /// A triangle of three corners. Those without corner 0 and without corner 2 are new, the others old.
+    Facet<3> without(std::size_t left_out) const noexcept {
+        std::array<std::uint32_t, 3> three{};
+        for (std::size_t k = 0; k < 3; ++k) three[k] = std::uint32_t((left_out + 1 + k) % 4);
+        Facet<3> facet(three, std::span<const Point>(corner));
+        for (auto& v : facet.vertex) v = loop[v];
+        return facet;
+    }
+    bool has(std::uint32_t v) const noexcept { return std::find(loop.begin(), loop.end(), v) != loop.end(); }
+    /// Whether the tetrahedron of the corners holds a point; a flat one holds none.
+    bool holds(const Point& p) const noexcept {
+        const auto six = [](const Point& a, const Point& b, const Point& c, const Point& d) {
+            return dot(b - a, cross(c - a, d - a));
+        };
+        const double all = six(corner[0], corner[1], corner[2], corner[3]);
+        const auto e = corner[2] - corner[0];
+        if (!(std::fabs(all) > 1e-9 * dot(e, e) * length(e))) return false;
+        for (std::size_t k = 0; k < 4; ++k) {
+            auto with = corner;
+            with[k] = p;
+            if (!(six(with[0], with[1], with[2], with[3]) / all >= 0)) return false;
+        }
+        return true;
+    }
+    Bounds<double, 3> bounds() const noexcept { return bounds_of(std::span<const Point>(corner)); }
+};
+
+/// Finds the pairs of a cage that can be faces of four corners, and chooses most of them.
+class FacePairing {
+public:
+    using Point = Vec<double, 3>;
+    using Face = std::array<std::uint32_t, 3>;
+
+    FacePairing(std::vector<Point> points, std::vector<Face> faces)
+        : points_(std::move(points))
+        , faces_(std::move(faces))
+        , image_(faces_.size()) {
+        for (std::uint32_t f = 0; f < faces_.size(); ++f) {
+            for (std::size_t k = 0; k < 3; ++k) beside_[{faces_[f][k], faces_[f][(k + 1) % 3]}] = f;
+            image_[f] = f;
+        }
+        for (const auto& [edge, f] : beside_) {
+            if (edge.first < edge.second) add_pair(edge, f);
+        }
+        for (std::uint32_t n = 0; n < pairs_.size(); ++n) pairs_[n].image = n;
+    }
+
+    /// From here on pairs are chosen or left out together with their images, if the mirror takes the cage to
+    /// itself.
+    ///
+    ///   tolerance   how far a vertex may be from the image of another
+    void mirror(std::size_t axis, double position, double tolerance) {
+        std::vector<std::uint32_t> of(points_.size());
+        for (std::size_t v = 0; v < points_.size(); ++v) {
+            Point p = points_[v];
+            p[axis] = 2 * position - p[axis];
+            const auto found = std::find_if(points_.begin(), points_.end(),
+                                            [&](const Point& q) { return length(q - p) <= tolerance; });
+            if (found == points_.end()) return;
+            of[v] = static_cast<std::uint32_t>(found - points_.begin());
+        }
+        auto image = image_;
+        for (std::size_t f = 0; f < faces_.size(); ++f) {
+            const auto& [a, b, c] = faces_[f];
+            const auto found = beside_.find({of[b], of[a]});
+            if (found == beside_.end() || third(found->second, of[a], of[b]) != of[c]) return;
+            image[f] = found->second;
+        }
+        image_ = std::move(image);
+        std::map<std::array<std::uint32_t, 2>, std::uint32_t> number;
+        for (std::uint32_t n = 0; n < pairs_.size(); ++n) number[pairs_[n].faces] = n;
+        for (std::uint32_t n = 0; n < pairs_.size(); ++n) {
+            std::array<std::uint32_t, 2> faces{image_[pairs_[n].faces[0]], image_[pairs_[n].faces[1]]};
+            std::sort(faces.begin(), faces.end());
+            const auto found = number.find(faces);
+            if (found == number.end())
+                pairs_[n].allowed = false; // its image, equal up to rounding, was just refused
+            else
+                pairs_[n].image = found->second;
+        }
+        for (std::uint32_t n = 0; n < pairs_.size(); ++n) {
+            const auto &faces = pairs_[n].faces, &images = pairs_[pairs_[n].image].faces;
+            const bool share =
+                std::find_first_of(faces.begin(), faces.end(), images.begin(), images.end()) != faces.end();
+            if (share && pairs_[n].image != n)
+                pairs_[n].allowed = false; // only one of the two could be chosen
+        }
+    }
+
+    /// Forbids pairs whose tetrahedron comes nearer to a figure than `least`.
+    ///
+    ///   clearance   of the cage
+    void keep_off(std::span<const Corners<3>> figure, double clearance, double least) {
+        FaceHash hash = make_hash();
+        std::vector<std::size_t> seen(pairs_.size(), figure.size()); // the hash may give a pair twice
+        for (std::uint32_t n = 0; n < pairs_.size(); ++n) {
+            pairs_[n].clearance = clearance;
+            hash.add(n, box_corners(pairs_[n]));
+        }
+        for (std::size_t f = 0; f < figure.size(); ++f) {
+            const Corners<3>& triangle = figure[f];
+            const auto middle = (1.0 / 3) * (triangle[0] + triangle[1] + triangle[2]);
+            double radius = 0;
+            for (const auto& p : triangle) radius = (std::max)(radius, length(p - middle));
+            const auto box = box_of(triangle);
+            (void)hash.any(box.widened(clearance), [&](std::uint32_t n) {
+                FacePair& pair = pairs_[n];
+                if (!pair.allowed || seen[n] == f) return false;
+                seen[n] = f;
+                if (!hash.box(n).overlaps(box.widened(pair.clearance))) return false;
+                for (const std::size_t k : {0U, 2U}) {
+                    const auto& corner = pair.without(k).corner;
+                    if (distance_to_facet(middle, corner) - radius < pair.clearance)
+                        pair.clearance = (std::min)(pair.clearance, facet_distance(triangle, corner));
+                }
+                if (pair.holds(triangle[0])) pair.clearance = 0;
+                pair.allowed = pair.clearance >= least;
+                return false;
+            });
+        }
+    }
+
+    /// Forbids pairs whose tetrahedron meets another triangle of the cage.
+    void keep_apart() {
+        FaceHash hash = make_hash();
+        for (std::uint32_t f = 0; f < faces_.size(); ++f)
+            hash.add(f, Facet<3>(faces_[f], std::span<const Point>(points_)).corner);
+        for (FacePair& pair : pairs_) {
+            pair.allowed = pair.allowed && !hash.any(pair.bounds(), [&](std::uint32_t f) {
+                return f != pair.faces[0] && f != pair.faces[1] &&
+                       meets(pair, Facet<3>(faces_[f], std::span<const Point>(points_)));
+            });
+        }
+    }
+
+    /// Chooses as many pairs as possible and, among these choices, one with the greatest sum of qualities.
+    /// Where the tetrahedra of two of them meet, the one of less quality is forbidden, and all are chosen
+    /// again.
+    std::vector<std::uint32_t> choose() {
+        for (FacePair& pair : pairs_) pair.allowed = pair.allowed && pairs_[pair.image].allowed;
+        for (;;) {
+            const auto chosen = best_choice();
+            if (!forbid_meeting(chosen)) return chosen;
+        }
+    }
+    const FacePair& operator[](std::size_t n) const noexcept { return pairs_[n]; }
+
+private:
+    using Edge = std::pair<std::uint32_t, std::uint32_t>;
+
+    std::uint32_t third(std::uint32_t f, std::uint32_t a, std::uint32_t b) const noexcept {
+        return faces_[f][0] + faces_[f][1] + faces_[f][2] - a - b;
+    }
+    void add_pair(const Edge& edge, std::uint32_t f) {
+        const auto [a, b] = edge;
+        const auto other = beside_.find({b, a});
+        if (other == beside_.end()) return;
+        const std::uint32_t g = other->second, c = third(f, a, b), d = third(g, a, b);
+        // Where the cage has the new diagonal already, a cut along it would give that edge four faces.
+        if (beside_.contains({c, d}) || beside_.contains({d, c})) return;
+        FacePair pair;
+        pair.faces = {(std::min)(f, g), (std::max)(f, g)};
+        pair.loop = {a, d, b, c};
+        for (std::size_t k = 0; k < 4; ++k) pair.corner[k] = points_[pair.loop[k]];
+        if (pair.measure()) pairs_.push_back(pair);
+    }
+
+    /// Corners with the bounds of a pair, for a hash.
+    static Corners<3> box_corners(const FacePair& pair) noexcept {
+        const auto box = pair.bounds();
+        return {box.lower, box.upper, box.upper};
+    }
+    FaceHash make_hash() const {
+        double edges = 0;
+        for (const auto& face : faces_) edges += length(points_[face[1]] - points_[face[0]]);
+        return {2.5 * edges / double(faces_.size()), faces_.size()};
+    }
+    static bool touch(const Facet<3>& a, const Facet<3>& b) noexcept {
+        const auto n = area_normal(a.corner);
+        const double gap = 1e-7 * std::sqrt(length(n)), reach = gap * length(n);
+        return faces_touch(a, n, reach, b, gap);
+    }
+    /// Whether the tetrahedron of a pair meets a triangle except in common corners. The old triangles of the
+    /// pair are not asked for: they are faces of the cage.
+    static bool meets(const FacePair& pair, const Facet<3>& facet) noexcept {
+        for (std::size_t k = 0; k < 3; ++k) {
+            if (!pair.has(facet.vertex[k]) && pair.holds(facet.corner[k])) return true;
+        }
+        return touch(pair.without(0), facet) || touch(pair.without(2), facet);
+    }
+
+    std::vector<std::uint32_t> best_choice() const {
+        // A face and its image are one vertex of the graph. A pair of a face with its own image goes to
+        // a vertex that nothing else goes to. All other pairs count twice, for themselves and their images.
+        constexpr double steps = 1e6; // of quality
+        const auto more = static_cast<std::int64_t>(steps) * std::int64_t(faces_.size());
+        std::vector<WeightedEdge> edges;
+        std::vector<std::uint32_t> pair_of;
+        auto vertices = static_cast<std::uint32_t>(faces_.size());
+        for (std::uint32_t n = 0; n < pairs_.size(); ++n) {
+            const FacePair& pair = pairs_[n];
+            if (!pair.allowed || pair.image < n) continue;
+            const auto& [f, g] = pair.faces;
+            const auto weight = more + static_cast<std::int64_t>(steps * pair.quality);
+            const std::uint32_t a = (std::min)(f, image_[f]), b = (std::min)(g, image_[g]);
+            const bool counts_twice = pair.image != n;
+            edges.push_back({a, a == b ? vertices++ : b, counts_twice ? 2 * weight : weight});
+            pair_of.push_back(n);
+        }
+        const Matching matching(vertices, edges);
+        std::vector<std::uint32_t> chosen;
+        for (std::uint32_t e = 0; e < edges.size(); ++e) {
+            if (matching.edge_at(edges[e].a) != e) continue;
+            const FacePair& pair = pairs_[pair_of[e]];
+            chosen.push_back(pair_of[e]);
+            if (pair.image != pair_of[e]) chosen.push_back(pair.image);
+        }
+        return chosen;
+    }
+
+    /// Returns whether any of the chosen pairs meet, or have one new diagonal.
+    bool forbid_meeting(std::span<const std::uint32_t> chosen) {
+        FaceHash hash = make_hash();
+        bool any = false;
+        for (const std::uint32_t n : chosen) {
+            FacePair& pair = pairs_[n];
+            (void)hash.any(pair.bounds(), [&](std::uint32_t other) {
+                if (!meet(pair, pairs_[other])) return false;
+                any = true;
+                forbid(pair.quality < pairs_[other].quality ? n : other);
+                return false;
+            });
+            hash.add(n, box_corners(pair));
+        }
+        return any;
+    }
+    static bool meet(const FacePair& a, const FacePair& b) noexcept {
+        if (std::minmax(a.loop[1], a.loop[3]) == std::minmax(b.loop[1], b.loop[3])) return true;
+        return meets(a, b.without(0)) || meets(a, b.without(2)) || meets(b, a.without(0));
+    }
+    void forbid(std::uint32_t n) noexcept {
+        pairs_[n].allowed = false;
+        pairs_[pairs_[n].image].allowed = false;
+    }
+
+    std::vector<Point> points_;
+    std::vector<Face> faces_;
+    std::vector<std::uint32_t> image_;     ///< of each face: its image in the mirror; itself without one
+    std::map<Edge, std::uint32_t> beside_; ///< the face at the left of an edge
+    std::vector<FacePair> pairs_;
+};
+
+/// Pairs the faces of a cage that has been made, and completes the report.
+template <class T>
+Status pair_faces_into(const TriangleMesh<T>& cage, std::span<const Vec<T, 3>> vertices,
+                       std::span<const MeshFace> faces, const MakeCageOptions& options,
+                       Result<PolyhedralMesh<T>, MakeCageReport>& made) {
+    auto& report = made.report;
+    std::vector<Corners<3>> figure;
+    if (const Status status = read_figure(vertices, faces, figure, report); status != Status::ok)
+        return status;
+    if (const Status status = check_options<3>(options); status != Status::ok) return status;
+    std::vector<Vec<double, 3>> points;
+    for (const auto& p : cage.vertices()) points.push_back(vec_cast<double>(p));
+    FacePairing pairing(points, {cage.faces().begin(), cage.faces().end()});
+    if (options.mirror) {
+        const std::size_t axis = options.mirror->axis;
+        Bounds<double, 3> box = bounds_of(std::span<const Vec<double, 3>>());
+        for (const auto& corner : figure) {
+            box.lower[axis] = (std::min)(box.lower[axis], box_of(corner).lower[axis]);
+            box.upper[axis] = (std::max)(box.upper[axis], box_of(corner).upper[axis]);
+        }
+        const double middle = 0.5 * (box.lower[axis] + box.upper[axis]);
+        pairing.mirror(axis, options.mirror->position.value_or(middle), 0.01 * report.margin);
+    }
+    pairing.keep_off(figure, report.clearance, 0.25 * report.margin);
+    pairing.keep_apart();
+    std::vector<std::uint32_t> pair_of(cage.faces().size(), Matching::none);
+    const auto chosen = pairing.choose();
+    report.quads = chosen.size();
+    report.triangles = cage.faces().size() - 2 * chosen.size();
+    report.worst_warp = 0;
+    for (const std::uint32_t n : chosen) {
+        report.worst_warp = (std::max)(report.worst_warp, pairing[n].warp);
+        report.clearance = (std::min)(report.clearance, pairing[n].clearance);
+        for (const std::uint32_t f : pairing[n].faces) pair_of[f] = n;
+    }
+    std::vector<std::vector<std::uint32_t>> loops;
+    for (std::size_t f = 0; f < cage.faces().size(); ++f) {
+        if (pair_of[f] == Matching::none)
+            loops.emplace_back(cage.faces()[f].begin(), cage.faces()[f].end());
+        else if (pairing[pair_of[f]].faces[0] == f)
+            loops.emplace_back(pairing[pair_of[f]].loop.begin(), pairing[pair_of[f]].loop.end());
+    }
+    made.value = PolyhedralMesh<T>(cage.vertices(), loops,
+                                   PolyhedralOptions{.non_planar = PolyhedralOptions::NonPlanar::fan});
+    report.cage = check(made.value);
+    return report.cage.status;
+}
+
+} // namespace cageform::inline CAGEFORM_ABI::detail
