@@ -25,7 +25,8 @@ public:
         , mark_(shell.points.size(), 0)
         , count_(shell.whole_size()) {}
 
-    /// Reduces the whole cage to this many vertices, or as few as possible. Returns false if cancelled.
+    /// Reduces the whole cage to this many vertices, or as few as possible. Returns false if cancelled. It may
+    /// be called again for fewer.
     bool reduce_to(std::size_t vertices, const Running& running) {
         const double first = double(count_);
         const auto keep_going = [&] {
@@ -33,21 +34,19 @@ public:
                 std::clamp((first - double(count_)) / (first - double(vertices)), 0.0, 1.0));
         };
         if (count_ <= vertices) return true;
-        if (!merge_pairs(vertices, keep_going)) return false;
-        collapse_.watch_crossings();
-        std::size_t hashed = count_;
-        for (std::uint32_t v = 0; v < shell_.points.size(); ++v) {
-            for (const auto w : shell_.neighbours(v)) {
-                if (v < w) propose(v, w);
+        if (hashed_ == 0) { // the queue has not begun
+            if (!merge_pairs(vertices, keep_going)) return false;
+            watch_crossings();
+            for (std::uint32_t v = 0; v < shell_.points.size(); ++v) {
+                for (const auto w : shell_.neighbours(v)) {
+                    if (v < w) propose(v, w);
+                }
             }
         }
         for (std::size_t step = 0; count_ > vertices; ++step) {
             if (step % 256 == 0 && !keep_going()) return false;
             if (queue_.empty() && !retry()) break;
-            if (3 * count_ < hashed) { // the faces have become larger than the cells of the hash
-                collapse_.watch_crossings();
-                hashed = count_;
-            }
+            if (3 * count_ < hashed_) watch_crossings(); // the faces outgrow the cells of the hash
             Collapse next = queue_.top();
             queue_.pop();
             if (is_current(next)) attempt(next);
@@ -114,6 +113,10 @@ private:
             }
             refused |= EdgeCollapse::Places{1} << n;
         }
+    }
+    void watch_crossings() {
+        collapse_.watch_crossings();
+        hashed_ = count_;
     }
     void take(std::uint32_t n) {
         count_ -= shell_.half && !collapse_.is_along_rim() ? 2 : 1;
@@ -186,8 +189,7 @@ private:
     }
 
     static constexpr double first_limit = 0.004, last_limit = 0.05; ///< of costs, in spacings to the fourth
-    static constexpr std::size_t most_by_queue =
-        8; ///< times the vertices wanted: these are left to the queue
+    static constexpr std::size_t most_by_queue = 8; ///< times the vertices wanted: the queue reduces these
 
     Shell& shell_;
     double spacing_;
@@ -197,6 +199,7 @@ private:
     std::vector<std::uint32_t> mark_;    ///< the vertices met by a loop over neighbours
     std::uint32_t last_mark_ = 0;
     std::size_t count_;
+    std::size_t hashed_ = 0; ///< the vertices when faces were last hashed; 0 until the queue begins
     std::priority_queue<Collapse> queue_;
     std::vector<Collapse> waiting_;
     bool changed_ = false;
