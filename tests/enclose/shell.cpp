@@ -275,7 +275,10 @@ TEST_CASE("a triangle's own coordinates give its distance", "[enclose][property]
         if (n % 5 == 1) corner[2] = 0.3 * corner[0] + 0.7 * corner[1]; // a segment
         if (n % 5 == 2) corner[2] = corner[0];
         if (n % 20 == 3) corner[1] = corner[2] = corner[0];
-        if (n % 5 == 4) corner[n % 3] = corner[(n + 1) % 3] + 1e-3 * random_place(random); // a needle
+        if (n % 5 == 4) { // a needle
+            const auto k = std::size_t(n % 3);
+            corner[k] = corner[(k + 1) % 3] + 1e-3 * random_place(random);
+        }
         const Point p = random_place(random);
         const double expected = detail::distance_to_facet(p, corner);
         const detail::TriangleFrame frame(corner);
