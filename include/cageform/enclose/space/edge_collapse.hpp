@@ -160,23 +160,30 @@ public:
         return !crossings_ || !crosses(p);
     }
     /// The link condition: the edge has two faces (one on the rim), and its ends have no other common
-    /// neighbours than the third vertices of these faces. The collapse then keeps the topology.
+    /// neighbours than the third vertices of these faces. The collapse then keeps the topology. In a half, it
+    /// must not join two rim vertices by an edge inside: the image would have the same edge.
     bool keeps_topology() {
         std::size_t at_edge = 0;
         for (const auto f : shell_.star[u_]) at_edge += shell_.has(f, v_) ? 1 : 0;
         if (at_edge != (is_along_rim() ? 1 : 2)) return false;
-        const std::uint32_t about_u = ++last_mark_, about_both = ++last_mark_;
-        for (const auto f : shell_.star[u_]) {
-            for (const auto w : shell_.faces[f]) {
-                if (w != u_) mark_[w] = about_u;
-            }
+        const bool swapped = shell_.on_rim[v_] && !shell_.on_rim[u_];
+        const std::uint32_t first = swapped ? v_ : u_, second = swapped ? u_ : v_;
+        const bool onto_rim = shell_.on_rim[first] && !shell_.on_rim[second];
+        const std::uint32_t about_first = ++last_mark_, about_both = ++last_mark_;
+        for (const auto f : shell_.star[first]) {
+            for (const auto w : shell_.faces[f]) mark_[w] = about_first;
         }
+        mark_[first] = about_both;
         std::size_t common = 0;
-        for (const auto f : shell_.star[v_]) {
+        for (const auto f : shell_.star[second]) {
             for (const auto w : shell_.faces[f]) {
-                if (w == v_ || mark_[w] != about_u) continue;
-                mark_[w] = about_both;
-                ++common;
+                if (w == second || mark_[w] == about_both) continue;
+                if (mark_[w] == about_first) {
+                    mark_[w] = about_both;
+                    ++common;
+                } else if (onto_rim && shell_.on_rim[w]) {
+                    return false;
+                }
             }
         }
         return common == at_edge;

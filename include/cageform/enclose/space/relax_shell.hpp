@@ -316,6 +316,7 @@ private:
         const auto a = shell_.third(pair[0], v, w), b = shell_.third(pair[1], v, w);
         const auto ring = shell_.neighbours(a);
         if (a == b || std::binary_search(ring.begin(), ring.end(), b)) return;
+        if (shell_.on_rim[a] && shell_.on_rim[b]) return; // the image would have the same edge
         if (shell_.star[v].size() <= 3 || shell_.star[w].size() <= 3) return;
         const double before = energy_.of(shell_, pair);
         const std::array<Shell::Face, 2> old{shell_.faces[pair[0]], shell_.faces[pair[1]]};
