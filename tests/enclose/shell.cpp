@@ -213,6 +213,38 @@ TEST_CASE("vertices of a shell look both ways along three axes, to the middle an
     }
 }
 
+TEST_CASE("a half has no edge inside between two vertices of its rim", "[enclose][property]") {
+    for (std::uint64_t seed = 0; seed < 6; ++seed) {
+        CAPTURE(seed);
+        Random random(seed);
+        detail::DistanceLattice<3> lattice({-1.95, -2, -2}, 0.1, {40, 41, 41}, 4);
+        std::vector<std::uint8_t> outside(lattice.size());
+        const std::array<Point, 3> middles{random_place(random), random_place(random), random_place(random)};
+        for (std::size_t node = 0; node < lattice.size(); ++node) {
+            Point p = lattice.position(node);
+            p[0] = std::fabs(p[0]);
+            for (const Point& middle : middles)
+                lattice[node] = (std::min)(lattice[node], float(detail::length(p - middle) - 0.4));
+            outside[node] = lattice[node] > 0 ? 1 : 0;
+        }
+        detail::make_well_composed(lattice, outside);
+        auto shell = detail::SurfaceNets(lattice, outside, true).shell();
+        const double six = shell.six_volumes();
+        const detail::ShellObstacles obstacles{&lattice, 0.2};
+        REQUIRE(detail::ShellReduction(shell, obstacles).reduce_to(8, {}));
+        const detail::ShellEnergy energy(six, 8, 6, 1);
+        REQUIRE(detail::ShellRelaxation(shell, obstacles, energy).relax(6, {}));
+        for (const auto f : all_faces(shell)) {
+            const auto& face = shell.faces[f];
+            for (std::size_t k = 0; k < 3; ++k) {
+                const auto v = face[k], w = face[(k + 1) % 3];
+                const bool is_inside = shell.face_across(f, v, w) != detail::Shell::none;
+                CHECK((!is_inside || !shell.on_rim[v] || !shell.on_rim[w]));
+            }
+        }
+    }
+}
+
 TEST_CASE("a triangle is clear if no point of it is near the figure", "[enclose][property]") {
     const auto lattice = ball_lattice();
     const detail::ClearTest clear(lattice, 0.5);

@@ -69,8 +69,9 @@ private:
     };
 
     /// Collapses cheap edges in rounds. In each, a vertex merges with the neighbour that costs least, at most
-    /// once. Faces remain smaller than two spacings or so and move by a tenth of one. The sheets of the mesh
-    /// are farther apart than one margin, so faces are not tested for crossing each other.
+    /// once. Edges remain shorter than six spacings, and large faces move by less than one. The sheets of the
+    /// mesh are farther apart than one margin, so faces are not tested for crossing each other here; the cage
+    /// is tested as a whole at the end.
     template <class KeepGoing>
     bool merge_pairs(std::size_t vertices, const KeepGoing& keep_going) {
         const double unit = spacing_ * spacing_ * spacing_ * spacing_;
@@ -188,7 +189,7 @@ private:
         return !queue_.empty();
     }
 
-    static constexpr double first_limit = 0.004, last_limit = 0.05; ///< of costs, in spacings to the fourth
+    static constexpr double first_limit = 0.004, last_limit = 1.1; ///< of costs, in spacings to the fourth
     static constexpr std::size_t most_by_queue = 8; ///< times the vertices wanted: the queue reduces these
 
     Shell& shell_;
