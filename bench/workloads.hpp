@@ -73,8 +73,8 @@ struct ObjMesh {
     std::vector<cageform::Vec<double, 3>> vertices;
     std::vector<std::array<std::uint32_t, 3>> faces;
 };
-/// Reads lines "v x y z" and "f a b c …" of a file, corners as "a/b/c" or numbers; larger faces are cut from
-/// their first corner. Empty without a file.
+/// Reads lines "v x y z" and "f a b c …" of a file, corners as "a/b/c" or numbers; larger faces are cut
+/// from their first corner. Empty without a file.
 inline ObjMesh read_obj(const char* name) {
     ObjMesh mesh;
     std::ifstream file(name != nullptr ? name : "");

@@ -1,6 +1,6 @@
-// make_cage in space: the collapse of an edge of the mesh, and the places that the merged vertex may take, with
-// their costs by quadric error metrics (Garland & Heckbert, Surface simplification using quadric error metrics,
-// SIGGRAPH 1997).
+// make_cage in space: the collapse of an edge of the mesh, and the places that the merged vertex may take,
+// with their costs by quadric error metrics (Garland & Heckbert, Surface simplification using quadric error
+// metrics, SIGGRAPH 1997).
 #pragma once
 
 #include <cageform/enclose/space/shell.hpp>

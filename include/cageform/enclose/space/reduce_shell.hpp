@@ -25,8 +25,8 @@ public:
         , mark_(shell.points.size(), 0)
         , count_(shell.whole_size()) {}
 
-    /// Reduces the whole cage to this many vertices, or as few as possible. Returns false if cancelled. It may
-    /// be called again for fewer.
+    /// Reduces the whole cage to this many vertices, or as few as possible. Returns false if cancelled. It
+    /// may be called again for fewer.
     bool reduce_to(std::size_t vertices, const Running& running) {
         const double first = double(count_);
         const auto keep_going = [&] {

@@ -8,8 +8,8 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Calls visit(node, numbers) for the nodes of a lattice row by row, except for those whose cell, whose lowest
-/// corner they are, lies on one side.
+/// Calls visit(node, numbers) for the nodes of a lattice row by row, except for those whose cell, whose
+/// lowest corner they are, lies on one side.
 template <class Visit>
 void for_each_mixed(const DistanceLattice<3>& lattice, const std::vector<std::uint8_t>& outside,
                     const Visit& visit) {
