@@ -5,7 +5,7 @@
 // figure); `angle` is the smallest angle of the cage, in degrees. For comparison in space, if CGAL is
 // installed, its alpha wrap is measured with the margin as offset, simplified to as many vertices
 // (Portaneri et al., Alpha wrapping with an offset, 2022; Garland & Heckbert 1997). The environment
-// variable CAGEFORM_BENCH_OBJ names an own mesh of triangles to measure as well.
+// variable CAGEFORM_BENCH_OBJ names own meshes to measure as well, OBJ files with ':' between them.
 
 #include "workloads.hpp"
 
@@ -23,8 +23,11 @@
 #endif
 
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <numbers>
+#include <sstream>
 #include <string>
 
 namespace {
@@ -91,22 +94,35 @@ Mesh plates() {
     return mesh;
 }
 
-const Mesh& figure(std::int64_t number) {
-    static const std::array<Mesh, 6> figures{torus(60, 24, 0),
-                                             soup(),
-                                             plates(),
-                                             torus(300, 166, 0.1),
-                                             torus(600, 416, 0.1),
-                                             cageform_bench::read_obj(std::getenv("CAGEFORM_BENCH_OBJ"))};
-    return figures[std::size_t(number)];
+struct Figure {
+    std::string name;
+    Mesh mesh;
+};
+const std::vector<Figure>& figures() {
+    static const std::vector<Figure> all = [] {
+        std::vector<Figure> made{{"torus", torus(60, 24, 0)},
+                                 {"soup", soup()},
+                                 {"plates", plates()},
+                                 {"wavy_100k", torus(300, 166, 0.1)},
+                                 {"wavy_500k", torus(600, 416, 0.1)}};
+        const char* own = std::getenv("CAGEFORM_BENCH_OBJ");
+        std::istringstream files(own != nullptr ? own : "");
+        for (std::string file; std::getline(files, file, ':');) {
+            made.push_back(
+                {std::filesystem::path(file).stem().string(), cageform_bench::read_obj(file.c_str())});
+            if (!made.back().mesh.faces.empty()) continue;
+            std::fprintf(stderr, "%s: CAGEFORM_BENCH_OBJ names it, but it has no faces\n", file.c_str());
+            std::exit(2);
+        }
+        return made;
+    }();
+    return all;
 }
-constexpr std::array<const char*, 6> names{"torus", "soup", "plates", "wavy_100k", "wavy_500k", "file"};
 
 /// Figures and numbers of vertices.
 void cases(benchmark::internal::Benchmark* b) {
-    const int files = std::getenv("CAGEFORM_BENCH_OBJ") != nullptr ? 1 : 0;
-    for (int n = 0; n < 5 + files; ++n) {
-        for (const int vertices : {60, 120, 300}) b->Args({n, vertices});
+    for (std::size_t n = 0; n < figures().size(); ++n) {
+        for (const int vertices : {60, 120, 300}) b->Args({std::int64_t(n), vertices});
     }
 }
 
@@ -140,8 +156,8 @@ void cage_plane(benchmark::State& state) {
 BENCHMARK(cage_plane)->Arg(16)->Arg(24)->Arg(40)->Unit(benchmark::kMillisecond);
 
 void cage_space(benchmark::State& state) {
-    const Mesh& mesh = figure(state.range(0));
-    state.SetLabel(names[std::size_t(state.range(0))]);
+    const auto& [name, mesh] = figures()[std::size_t(state.range(0))];
+    state.SetLabel(name);
     cageform::MakeCageOptions options;
     options.vertices = std::size_t(state.range(1));
     cageform::MakeCageReport made;
@@ -159,8 +175,8 @@ void cage_space_cgal(benchmark::State& state) {
     namespace simplification = CGAL::Surface_mesh_simplification;
     using Point = CGAL::Exact_predicates_inexact_constructions_kernel::Point_3;
     using Wrap = CGAL::Surface_mesh<Point>;
-    const Mesh& mesh = figure(state.range(0));
-    state.SetLabel(names[std::size_t(state.range(0))]);
+    const auto& [name, mesh] = figures()[std::size_t(state.range(0))];
+    state.SetLabel(name);
     const double margin =
         0.02 * cageform::bounds_of(std::span<const Vec<double, 3>>(mesh.vertices)).diagonal();
     std::vector<Point> points;

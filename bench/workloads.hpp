@@ -73,7 +73,8 @@ struct ObjMesh {
     std::vector<cageform::Vec<double, 3>> vertices;
     std::vector<std::array<std::uint32_t, 3>> faces;
 };
-/// Reads lines "v x y z" and "f a b c" of a file, corners as "a/b/c" or numbers. Empty without a file.
+/// Reads lines "v x y z" and "f a b c …" of a file, corners as "a/b/c" or numbers; larger faces are cut
+/// from their first corner. Empty without a file.
 inline ObjMesh read_obj(const char* name) {
     ObjMesh mesh;
     std::ifstream file(name != nullptr ? name : "");
@@ -85,8 +86,10 @@ inline ObjMesh read_obj(const char* name) {
             auto& p = mesh.vertices.emplace_back();
             words >> p[0] >> p[1] >> p[2];
         } else if (word == "f") {
-            auto& face = mesh.faces.emplace_back();
-            for (auto& corner : face) corner = words >> word ? std::uint32_t(std::stoul(word)) - 1 : 0;
+            std::vector<std::uint32_t> corners;
+            while (words >> word) corners.push_back(std::uint32_t(std::stoul(word)) - 1);
+            for (std::size_t k = 2; k < corners.size(); ++k)
+                mesh.faces.push_back({corners[0], corners[k - 1], corners[k]});
         }
     }
     return mesh;

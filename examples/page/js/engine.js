@@ -98,7 +98,7 @@ class Engine {
     return { error: this.taken(1)[0], pieces: this.taken(5 * count, 1).slice() };
   }
 
-  /** Makes a cage for a mesh, which takes some seconds. */
+  /** Makes a cage for a mesh, which takes a second or two. */
   makeShell(mesh, vertices) {
     this.give(mesh.vertices, mesh.faces);
     this.check(this.calls.page_make_shell(mesh.vertices.length / 3, mesh.faces.length / 3, vertices));

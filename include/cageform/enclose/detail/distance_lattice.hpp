@@ -137,26 +137,44 @@ public:
         }
     }
 
-    /// Marks the nodes with open(node) that are connected to the lattice's rim, along lattice lines.
+    /// Marks the nodes with open(node) that are connected to the lattice's rim, along lattice lines. Fills
+    /// whole runs of nodes along the first axis at a time.
     template <class Open>
     std::vector<std::uint8_t> flood(const Open& open) const {
         std::vector<std::uint8_t> reached(f_.size(), 0);
-        std::vector<std::size_t> front;
-        const auto enter = [&](std::size_t node) {
-            if (reached[node] != 0 || !open(node)) return;
-            reached[node] = 1;
-            front.push_back(node);
+        struct Run {
+            std::size_t begin, end;
         };
-        for (std::size_t node = 0; node < f_.size(); ++node) {
-            const Count n = numbers(node);
+        std::vector<Run> front;
+        const auto is_new = [&](std::size_t node) { return reached[node] == 0 && open(node); };
+        const auto enter = [&](std::size_t begin, std::size_t end) {
+            for (std::size_t node = begin; node < end; ++node) {
+                if (!is_new(node)) continue;
+                const std::size_t row = node - node % count_[0];
+                Run run{node, node + 1};
+                while (run.begin > row && is_new(run.begin - 1)) --run.begin;
+                while (run.end < row + count_[0] && is_new(run.end)) ++run.end;
+                for (std::size_t i = run.begin; i < run.end; ++i) reached[i] = 1;
+                front.push_back(run);
+                node = run.end;
+            }
+        };
+        for (std::size_t row = 0; row < f_.size(); row += count_[0]) {
+            const Count n = numbers(row);
             bool on_rim = false;
-            for (std::size_t k = 0; k < D; ++k) on_rim = on_rim || n[k] == 0 || n[k] + 1 == count_[k];
-            if (on_rim) enter(node);
+            for (std::size_t k = 1; k < D; ++k) on_rim = on_rim || n[k] == 0 || n[k] + 1 == count_[k];
+            const std::size_t end = row + count_[0];
+            enter(row, on_rim ? end : row + 1);
+            enter(end - 1, end);
         }
         while (!front.empty()) {
-            const std::size_t node = front.back();
+            const Run run = front.back();
             front.pop_back();
-            for_each_neighbour(node, enter);
+            const Count n = numbers(run.begin);
+            for (std::size_t k = 1; k < D; ++k) {
+                if (n[k] > 0) enter(run.begin - stride_[k], run.end - stride_[k]);
+                if (n[k] + 1 < count_[k]) enter(run.begin + stride_[k], run.end + stride_[k]);
+            }
         }
         return reached;
     }

@@ -105,12 +105,13 @@ std::vector<Bridge> shortest_bridges(const DistanceLattice<D>& lattice, const La
 
 /// Adds bridges (capsules) to the figure until it has one component, in at most eight rounds; with
 /// `mirrored`, also their images. Returns the number of bridges, not counting images.
+///
+///   components   those of the lattice as it is
 template <std::size_t D>
-std::size_t join_components(DistanceLattice<D>& lattice, double margin, bool mirrored) {
+std::size_t join_components(DistanceLattice<D>& lattice, LatticeComponents components, double margin,
+                            bool mirrored) {
     std::size_t count = 0;
-    for (int round = 0; round < 8; ++round) {
-        const LatticeComponents components(lattice, lattice.outside(0));
-        if (components.count < 2) break;
+    for (int round = 0; round < 8 && components.count > 1; ++round) {
         for (const auto& bridge : shortest_bridges(lattice, components)) {
             auto a = lattice.position(bridge.from), b = lattice.position(bridge.to);
             const auto u = (margin / length(b - a)) * (b - a);
@@ -120,6 +121,7 @@ std::size_t join_components(DistanceLattice<D>& lattice, double margin, bool mir
             ++count;
         }
         if (mirrored) lattice.mirror();
+        components = {lattice, lattice.outside(0)};
     }
     return count;
 }
@@ -134,9 +136,10 @@ void close_slits(DistanceLattice<D>& lattice, double radius, bool holes) {
         for (std::size_t node = 0; node < lattice.size(); ++node)
             outside[node] = double(lattice[node]) > radius;
     }
-    const double reach = radius + 2 * lattice.spacing();
-    DistanceLattice<D> free(lattice); // the distance from the positions that a disc's centre can reach
-    for (std::size_t node = 0; node < free.size(); ++node) free[node] = static_cast<float>(reach);
+    // The squared distance from the positions that a disc's centre can reach.
+    const double reach = radius + lattice.spacing();
+    std::vector<float> free2(lattice.size(), static_cast<float>(reach * reach));
+    const auto h = static_cast<float>(lattice.spacing());
     for (std::size_t node = 0; node < lattice.size(); ++node) {
         if (outside[node] == 0) continue;
         lattice.for_each_neighbour(node, [&](std::size_t other) {
@@ -144,12 +147,22 @@ void close_slits(DistanceLattice<D>& lattice, double radius, bool holes) {
             const double f = double(lattice[node]), g = double(lattice[other]);
             const double t = std::clamp((f - radius) / (f - g), 0.0, 1.0);
             const auto p = (1 - t) * lattice.position(node) + t * lattice.position(other);
-            free.stamp(p, p, 0, reach);
+            const auto box = bounds_of(std::span(&p, 1)).widened(reach);
+            lattice.for_each_row(box, [&](std::size_t row, std::size_t first, std::size_t last) {
+                auto d = vec_cast<float>(lattice.position(row) - p);
+                const float from = d[0];
+                d[0] = 0;
+                const float across2 = dot(d, d);
+                for (std::size_t i = first; i < last; ++i) {
+                    const float along = from + h * static_cast<float>(i);
+                    free2[row + i] = (std::min)(free2[row + i], across2 + along * along);
+                }
+            });
         });
     }
     for (std::size_t node = 0; node < lattice.size(); ++node) {
         if (outside[node] == 0)
-            lattice[node] = (std::min)(lattice[node], static_cast<float>(radius) - free[node]);
+            lattice[node] = (std::min)(lattice[node], static_cast<float>(radius) - std::sqrt(free2[node]));
     }
 }
 

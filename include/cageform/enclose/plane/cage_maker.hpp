@@ -36,8 +36,10 @@ public:
         }
         if (const Status status = fill_lattice(level); status != Status::ok) return status;
         if (!running.keep_going(0.2)) return Status::cancelled;
-        report.components = LatticeComponents(lattice_, lattice_.outside(0)).count;
-        report.bridges = options_.one_cage ? join_components(lattice_, level, is_mirrored()) : 0;
+        LatticeComponents components(lattice_, lattice_.outside(0));
+        report.components = components.count;
+        report.bridges =
+            options_.one_cage ? join_components(lattice_, std::move(components), level, is_mirrored()) : 0;
         close_slits(lattice_, 0.6 * level, options_.holes);
         if (is_mirrored()) lattice_.mirror();
         find_contours(level);

@@ -56,8 +56,10 @@ public:
             fill_hull(lattice_, [&](const Point& direction) { return reach(direction) + lifted; });
         if (is_mirrored()) lattice_.mirror();
         if (!running.keep_going(0.15)) return Status::cancelled;
-        report.components = LatticeComponents(lattice_, lattice_.outside(0)).count;
-        report.bridges = options_.one_cage ? join_components(lattice_, lifted, is_mirrored()) : 0;
+        LatticeComponents components(lattice_, lattice_.outside(0));
+        report.components = components.count;
+        report.bridges =
+            options_.one_cage ? join_components(lattice_, std::move(components), lifted, is_mirrored()) : 0;
         close_slits(lattice_, 0.6 * lifted, false);
         if (is_mirrored()) lattice_.mirror();
         shell = contour();

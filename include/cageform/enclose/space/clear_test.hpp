@@ -30,36 +30,41 @@ public:
     bool is_clear(const Vec<double, 3>& p) const noexcept { return !(value(to_spacings(p)) < least); }
     bool is_clear(const Corners<3>& corner) const noexcept {
         Weights where;
-        return is_clear(corner, where);
+        return is_clear(corner[0]) && is_clear(corner[1]) && is_clear(corner[2]) &&
+               is_clear_between(corner, where);
     }
 
-    /// Whether some triangles are clear. Many similar ones are tested one after another, and most are refused
-    /// at the places where those before were refused, so these are sampled first.
+    /// Whether some triangles, whose corners are clear, are clear. Many similar ones are tested one after
+    /// another, and most are refused at the places where those before were refused, so these are sampled
+    /// first.
     ///
     ///   triangle   triangle(k): the corners of triangle k, where k < count
     template <class Triangle>
     bool are_clear(std::size_t count, const Triangle& triangle) {
-        for (std::size_t k = refused_.size(); k < count; ++k) refused_.push_back({1.0 / 3, 1.0 / 3, 1.0 / 3});
-        for (std::size_t k = 0; k < count; ++k) {
+        for (const auto& [k, w] : refused_) {
             const Corners<3> corner = triangle(k);
-            const Weights& w = refused_[k];
             if (!is_clear(w[0] * corner[0] + w[1] * corner[1] + w[2] * corner[2])) return false;
         }
-        for (std::size_t n = 0; n < count; ++n) {
-            const std::size_t k = n == 0 ? first_ : n == first_ ? 0 : n;
-            if (is_clear(triangle(k), refused_[k])) continue;
-            first_ = k;
-            return false;
+        large_.clear();
+        for (std::size_t k = 0; k < count; ++k) {
+            const Sample middle = sample(places_of(triangle(k)));
+            if (middle.f < least) return refuse(k, {1.0 / 3, 1.0 / 3, 1.0 / 3});
+            if (!middle.is_free) large_.push_back(k);
+        }
+        Weights where;
+        for (const std::size_t k : large_) {
+            if (!is_clear_between(triangle(k), where)) return refuse(k, where);
         }
         return true;
     }
     /// Forgets where triangles were refused: the next ones are others.
-    void forget() noexcept {
-        refused_.clear();
-        first_ = 0;
-    }
+    void forget() noexcept { refused_.clear(); }
 
 private:
+    struct Refusal {
+        std::size_t triangle;
+        Weights at;
+    };
     using Place = Vec<float, 3>; ///< in spacings from the lattice's lowest node
     static constexpr float least = -0.05F;
 
@@ -86,40 +91,48 @@ private:
         return scale_ * (low + t[2] * (along_y(stride_[2]) - low));
     }
 
-    /// Whether a triangle is clear; if not, sets where it was refused.
-    CAGEFORM_DETAIL_FLATTEN bool is_clear(const Corners<3>& whole, Weights& where) const noexcept {
+    using Triangle = std::array<Place, 3>;
+    Triangle places_of(const Corners<3>& corner) const noexcept {
+        return {to_spacings(corner[0]), to_spacings(corner[1]), to_spacings(corner[2])};
+    }
+    /// A sample in the middle of a triangle.
+    struct Sample {
+        Place middle;
+        float f;
+        bool is_free; ///< whether it shows that the triangle is clear
+    };
+    Sample sample(const Triangle& corner) const noexcept {
+        const Place middle = (1.0F / 3) * (corner[0] + corner[1] + corner[2]);
+        const float f = value(middle), off = (std::max)(f, 0.0F);
+        float reach2 = 0;
+        for (const Place& p : corner) reach2 = (std::max)(reach2, dot(p - middle, p - middle));
+        return {middle, f, reach2 <= (std::max)(off * off, 0.64F + twice_margin_ * off)};
+    }
+
+    /// Whether a triangle is clear, apart from its corners; if not, sets where it was refused.
+    CAGEFORM_DETAIL_FLATTEN bool is_clear_between(const Corners<3>& whole, Weights& where) const noexcept {
         // One half waits for each halving above the current triangle. Some 30 halvings take a side of
         // thousands of spacings down to one; a triangle that needs more than 64 does not count as clear.
-        std::array<std::array<Place, 3>, 64> waiting;
+        std::array<Triangle, 64> waiting;
         std::size_t count = 0;
-        std::array<Place, 3> corner{to_spacings(whole[0]), to_spacings(whole[1]), to_spacings(whole[2])};
-        for (std::size_t k = 0; k < 3; ++k) {
-            if (!(value(corner[k]) < least)) continue;
-            where = {};
-            where[k] = 1;
-            return false;
-        }
+        Triangle corner = places_of(whole);
         for (;;) {
-            const Place middle = (1.0F / 3) * (corner[0] + corner[1] + corner[2]);
-            const float f = value(middle);
-            if (f < least) {
-                where = weights_of(whole, low_ + (1 / per_spacing_) * vec_cast<double>(middle));
+            const Sample at = sample(corner);
+            if (at.f < least) {
+                where = weights_of(whole, low_ + (1 / per_spacing_) * vec_cast<double>(at.middle));
                 return false;
             }
-            float reach2 = 0;
-            std::array<float, 3> side2{}; // opposite to each corner
-            for (std::size_t k = 0; k < 3; ++k) {
-                const Place to = corner[k] - middle, side = corner[(k + 2) % 3] - corner[(k + 1) % 3];
-                reach2 = (std::max)(reach2, dot(to, to));
-                side2[k] = dot(side, side);
-            }
-            const float off = (std::max)(f, 0.0F);
-            if (reach2 <= (std::max)(off * off, 0.64F + twice_margin_ * off)) {
+            if (at.is_free) {
                 if (count == 0) return true;
                 corner = waiting[--count];
                 continue;
             }
             if (count == waiting.size()) return false;
+            std::array<float, 3> side2{}; // opposite to each corner
+            for (std::size_t k = 0; k < 3; ++k) {
+                const Place side = corner[(k + 2) % 3] - corner[(k + 1) % 3];
+                side2[k] = dot(side, side);
+            }
             const std::size_t k = side2[0] < side2[1]   ? (side2[1] < side2[2] ? 2 : 1)
                                   : side2[0] < side2[2] ? 2
                                                         : 0;
@@ -128,6 +141,15 @@ private:
             waiting[count++] = {a, half, c};
             corner = {a, b, half};
         }
+    }
+    /// Notes where a triangle was refused.
+    bool refuse(std::size_t triangle, const Weights& at) {
+        auto found = std::find_if(refused_.begin(), refused_.end(),
+                                  [&](const Refusal& r) { return r.triangle == triangle; });
+        if (found == refused_.end()) found = refused_.insert(found, Refusal{});
+        *found = {triangle, at};
+        std::iter_swap(found, refused_.begin());
+        return false;
     }
     /// The weights of a place in a triangle; those of the middle if the triangle has no area.
     static Weights weights_of(const Corners<3>& corner, const Vec<double, 3>& p) noexcept {
@@ -146,9 +168,9 @@ private:
     float scale_;        ///< the same in single precision
     float twice_margin_; ///< in spacings, as the distances below
     float farthest_;
-    std::array<float, 3> last_{};  ///< the number of the last node along each axis
-    std::vector<Weights> refused_; ///< where each triangle was refused, or its middle
-    std::size_t first_ = 0;        ///< the triangle refused last
+    std::array<float, 3> last_{};    ///< the number of the last node along each axis
+    std::vector<Refusal> refused_;   ///< the latest one comes first
+    std::vector<std::size_t> large_; ///< the triangles of `are_clear` that need more samples
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

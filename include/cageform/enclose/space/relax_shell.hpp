@@ -27,11 +27,25 @@ public:
         for (const auto f : faces) {
             const auto& face = shell.faces[f];
             volume += shell.six_volumes(face);
-            const double q = triangle_quality(shell.corners(face)), poor = (std::max)(0.6 - q, 0.0);
-            shape += poor * poor * (1 + 8 * (std::max)(0.2 - q, 0.0));
+            shape += of_face(triangle_quality(shell.corners(face)));
             for (std::size_t k = 0; k < 3; ++k) shape += edge(shell, faces, f, face[k], face[(k + 1) % 3]);
         }
-        return volume / six_volumes_ + regular_ * shape;
+        return of_volume(volume) + shape;
+    }
+
+    double of_volume(double six_volumes) const noexcept { return six_volumes / six_volumes_; }
+    double of_face(double quality) const noexcept {
+        const double poor = (std::max)(0.6 - quality, 0.0);
+        return regular_ * poor * poor * (1 + 8 * (std::max)(0.2 - quality, 0.0));
+    }
+    double of_length(double length) const noexcept {
+        const double is_short = (std::max)(0.4 - length / length_, 0.0);
+        return 8 * regular_ * is_short * is_short;
+    }
+    /// The term of the edge between two faces, by the cosine between their normals.
+    double of_fold(double cosine) const noexcept {
+        const double fold = (std::max)(-0.5 - cosine, 0.0);
+        return 4 * regular_ * fold * fold;
     }
 
 private:
@@ -43,14 +57,12 @@ private:
         const double share =
             g != Shell::none && std::find(faces.begin(), faces.end(), g) != faces.end() ? 0.5 : 1;
         const auto e = shell.points[w] - shell.points[v];
-        const double is_short = (std::max)(0.4 - length(e) / length_, 0.0);
-        double sum = 8 * is_short * is_short;
+        double sum = of_length(length(e));
         if (g != Shell::none) {
             const Point n = area_normal(shell.corners(shell.faces[f])),
                         m = area_normal(shell.corners(shell.faces[g]));
             const double sizes = length(n) * length(m);
-            const double fold = sizes > 0 ? (std::max)(-0.5 - dot(n, m) / sizes, 0.0) : 0;
-            sum += 4 * fold * fold;
+            if (sizes > 0) sum += of_fold(dot(n, m) / sizes);
         }
         return share * sum;
     }
@@ -58,6 +70,88 @@ private:
     double six_volumes_;
     double length_;
     double regular_;
+};
+
+/// The energy of the faces about a vertex as a function of its place, less the terms that do not change.
+class StarEnergy {
+public:
+    using Point = Vec<double, 3>;
+
+    explicit StarEnergy(const ShellEnergy& energy)
+        : energy_(energy) {}
+
+    /// Turns to a vertex.
+    void look_at(const Shell& shell, std::uint32_t v) {
+        sides_.clear();
+        volume_ = {};
+        const auto& star = shell.star[v];
+        for (const auto f : star) {
+            const auto& face = shell.faces[f];
+            const std::size_t k = face[0] == v ? 0 : face[1] == v ? 1 : 2;
+            Side side;
+            side.from = face[(k + 1) % 3];
+            side.to = face[(k + 2) % 3];
+            side.a = shell.points[side.from];
+            side.b = shell.points[side.to];
+            const auto e = side.b - side.a;
+            side.length2 = dot(e, e);
+            volume_ = volume_ + cross(side.a, side.b);
+            const auto across = shell.face_across(f, side.from, side.to);
+            if (across != Shell::none) {
+                const Point n = area_normal(shell.corners(shell.faces[across]));
+                const double size = length(n);
+                if (size > 0) side.across = (1 / size) * n;
+            }
+            sides_.push_back(side);
+        }
+        normals_.resize(sides_.size());
+        ends_at_rim_.clear();
+        for (auto& side : sides_) {
+            side.next = sides_.size();
+            bool is_first = true;
+            for (std::size_t j = 0; j < sides_.size(); ++j) {
+                if (sides_[j].from == side.to) side.next = j;
+                is_first = is_first && sides_[j].to != side.from;
+            }
+            if (is_first) ends_at_rim_.push_back(side.a);
+        }
+    }
+    /// The energy with the vertex at a place.
+    CAGEFORM_DETAIL_FLATTEN double at(const Point& p) noexcept {
+        double sum = energy_.of_volume(dot(p, volume_));
+        for (std::size_t k = 0; k < sides_.size(); ++k) {
+            const Side& side = sides_[k];
+            const Point to_a = side.a - p, to_b = side.b - p, n = cross(to_a, to_b);
+            const double size = length(n), to_b2 = dot(to_b, to_b);
+            sum +=
+                energy_.of_face(triangle_quality(size, (std::max)({side.length2, dot(to_a, to_a), to_b2})));
+            sum += energy_.of_length(std::sqrt(to_b2));
+            normals_[k] = size > 0 ? (1 / size) * n : Point{};
+            sum += energy_.of_fold(dot(normals_[k], side.across));
+        }
+        for (std::size_t k = 0; k < sides_.size(); ++k) {
+            if (sides_[k].next < sides_.size())
+                sum += energy_.of_fold(dot(normals_[k], normals_[sides_[k].next]));
+        }
+        for (const Point& a : ends_at_rim_) sum += energy_.of_length(length(a - p));
+        return sum;
+    }
+
+private:
+    /// A face of the star, and the edge of it that is opposite to the vertex.
+    struct Side {
+        std::uint32_t from, to;
+        Point a, b; ///< where these are
+        double length2;
+        Point across{};   ///< the unit normal of the face on the edge's other side, or 0
+        std::size_t next; ///< the side that begins where this one ends; their number at a rim
+    };
+
+    const ShellEnergy& energy_;
+    std::vector<Side> sides_;
+    Point volume_{};                 ///< six volumes are its product with the place
+    std::vector<Point> ends_at_rim_; ///< the ends of edges that `Side::b` does not cover
+    std::vector<Point> normals_;     ///< scratch of `at`
 };
 
 /// The directions that a vertex may move in: along the normal both ways, sideways, towards the middle
@@ -96,6 +190,7 @@ public:
         , obstacles_(obstacles)
         , clear_(*obstacles.lattice, obstacles.margin)
         , energy_(energy)
+        , star_energy_(energy)
         , crossings_(shell, obstacles.gap()) {}
 
     /// Sweeps over the mesh: flips edges, then moves vertices, by steps that become shorter.
@@ -136,18 +231,17 @@ private:
         for (const auto w : ring) middle = middle + (1.0 / double(ring.size())) * (shell_.points[w] - x);
         if (!(length(normal) > 0)) return;
         const auto directions = step_directions((1 / length(normal)) * normal, middle);
-        const double now = energy_.of(shell_, star);
+        star_energy_.look_at(shell_, v);
+        const double now = star_energy_.at(x);
         std::array<Move, 40> moves;
         std::size_t count = 0;
         for (const auto& u : directions) {
             for (const double fraction : {1.0, 0.5, 0.25, 0.125}) {
                 const Point p = constrained(v, x + (fraction * step) * u);
-                shell_.points[v] = p;
-                const double energy = energy_.of(shell_, star);
+                const double energy = star_energy_.at(p);
                 if (energy < now - 1e-9) moves[count++] = {energy, p};
             }
         }
-        shell_.points[v] = x;
         std::sort(moves.begin(), moves.begin() + std::ptrdiff_t(count), [](const Move& a, const Move& b) {
             return std::tuple(a.energy, a.x[0], a.x[1], a.x[2]) <
                    std::tuple(b.energy, b.x[0], b.x[1], b.x[2]);
@@ -167,7 +261,7 @@ private:
     bool try_move(std::uint32_t v, const Point& p) {
         const auto& star = shell_.star[v];
         const Point x = shell_.points[v];
-        bool good = true;
+        bool good = clear_.is_clear(p);
         for (std::size_t k = 0; k < star.size() && good; ++k) { // no face may turn over
             auto corner = shell_.corners(shell_.faces[star[k]]);
             const Point was = area_normal(corner);
@@ -222,6 +316,7 @@ private:
         const auto a = shell_.third(pair[0], v, w), b = shell_.third(pair[1], v, w);
         const auto ring = shell_.neighbours(a);
         if (a == b || std::binary_search(ring.begin(), ring.end(), b)) return;
+        if (shell_.on_rim[a] && shell_.on_rim[b]) return; // the image would have the same edge
         if (shell_.star[v].size() <= 3 || shell_.star[w].size() <= 3) return;
         const double before = energy_.of(shell_, pair);
         const std::array<Shell::Face, 2> old{shell_.faces[pair[0]], shell_.faces[pair[1]]};
@@ -259,6 +354,7 @@ private:
     const ShellObstacles& obstacles_;
     ClearTest clear_;
     const ShellEnergy& energy_;
+    StarEnergy star_energy_;
     ShellCrossings crossings_;
     std::vector<Shell::Face> fresh_; ///< scratch of `are_apart_from_all`
     std::vector<bool> idle_; ///< for each vertex: whether it found no move, and nothing about it has changed

@@ -309,8 +309,6 @@ public:
 
     void add(std::uint32_t f) { hash_.add(f, shell_.corners(shell_.faces[f])); }
     void remove(std::uint32_t f) { hash_.remove(f); }
-    /// Adds all faces again, to cells of the size that faces have now.
-    void add_all_again() { hash_ = hash_of(shell_); }
 
     /// Whether a new face touches another one, or one of those added, except those with replaced(f).
     template <class Replaced>

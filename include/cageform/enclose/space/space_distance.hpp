@@ -7,11 +7,93 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
+/// Measures distances from a triangle in coordinates of its own, in single precision: x along its longest
+/// side, y in its plane, z across.
+class TriangleFrame {
+public:
+    explicit TriangleFrame(const Corners<3>& corner) noexcept {
+        std::size_t first = 0; // of the longest side
+        double longest2 = -1;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const auto e = corner[(k + 1) % 3] - corner[k];
+            if (dot(e, e) <= longest2) continue;
+            longest2 = dot(e, e);
+            first = k;
+        }
+        const Vec<double, 3>&a = corner[first], &b = corner[(first + 1) % 3], &c = corner[(first + 2) % 3];
+        const double along = std::sqrt(longest2);
+        const auto x = along > 0 ? (1 / along) * (b - a) : Vec<double, 3>{1, 0, 0};
+        const double foot = dot(c - a, x);
+        auto y = (c - a) - foot * x;
+        double height = length(y);
+        if (height > 1e-9 * along) {
+            y = (1 / height) * y;
+        } else { // a segment or a point: any direction across
+            Vec<double, 3> axis{};
+            axis[std::fabs(x[0]) < 0.6 ? 0 : 1] = 1;
+            y = cross(x, axis);
+            y = (1 / length(y)) * y;
+            height = 0;
+        }
+        origin_ = vec_cast<float>(a);
+        x_ = vec_cast<float>(x);
+        y_ = vec_cast<float>(y);
+        z_ = vec_cast<float>(cross(x, y));
+        along_ = static_cast<float>(along);
+        foot_ = static_cast<float>(foot);
+        height_ = static_cast<float>(height);
+        const float left2 = foot_ * foot_ + height_ * height_;
+        const float rest = along_ - foot_, right2 = rest * rest + height_ * height_;
+        per_left2_ = left2 > 0 ? 1 / left2 : 0;
+        per_right2_ = right2 > 0 ? 1 / right2 : 0;
+    }
+
+    /// The squared distance of a point, or any number above `limit2` if it is larger than that.
+    float distance2(const Vec<float, 3>& p, float limit2) const noexcept {
+        const auto off = p - origin_;
+        const float z = dot(off, z_);
+        if (z * z > limit2) return beyond;
+        const float x = dot(off, x_), y = dot(off, y_);
+        // The angles at both ends of the longest side are at most right angles: below it, it is the nearest.
+        float least = 0;
+        if (y <= 0 || height_ == 0) {
+            const float to_x = x - clamped(x, along_);
+            least = to_x * to_x + y * y;
+        } else {
+            const float rest = along_ - foot_, from_end = along_ - x;
+            const bool left = x * height_ < y * foot_, right = from_end * height_ < y * rest;
+            if (left || right) least = beyond;
+            if (left) least = (std::min)(least, to_side2(x, y, foot_, per_left2_));
+            if (right) least = (std::min)(least, to_side2(from_end, y, rest, per_right2_));
+        }
+        return least + z * z;
+    }
+
+private:
+    static constexpr float beyond = (std::numeric_limits<float>::max)();
+
+    static float clamped(float x, float most) noexcept { return (std::min)((std::max)(x, 0.0F), most); }
+    /// The squared distance from the side between 0 and (foot, height).
+    float to_side2(float x, float y, float foot, float per_length2) const noexcept {
+        const float s = clamped((x * foot + y * height_) * per_length2, 1.0F);
+        const float to_x = x - s * foot, to_y = y - s * height_;
+        return to_x * to_x + to_y * to_y;
+    }
+
+    Vec<float, 3> origin_, x_, y_, z_;
+    float along_;      ///< the length of the longest side
+    float foot_;       ///< where its altitude stands
+    float height_;     ///< of the opposite corner
+    float per_left2_;  ///< one over the squared length of the side to the corner from 0
+    float per_right2_; ///< and from the other end
+};
+
 /// Fills a lattice with the distance from triangles minus `margin`, at most `farthest`. It is exact
 /// next to the faces. Sweeps then carry the nearest triangle from node to node (Bridson, Fluid
 /// simulation for computer graphics, 2015, sec. 14.1), over every second node along each axis. The nodes
-/// between try the triangles of these. Far off, the triangle found need not be the nearest, so the distance
-/// may be too large; containment does not depend on it.
+/// between try the triangles of these, or take the mean of their distances where these are larger than two
+/// margins. Far off, the triangle found need not be the nearest, so the distance may be too large;
+/// containment does not depend on it.
 class SpaceDistance {
 public:
     using Point = Vec<double, 3>;
@@ -20,27 +102,18 @@ public:
         : lattice_(lattice)
         , triangles_(triangles)
         , nearest_(lattice.size(), none) {
-        guards_.reserve(triangles.size());
-        for (const auto& corner : triangles) {
-            const Point middle = (1.0 / 3) * (corner[0] + corner[1] + corner[2]);
-            double radius = 0;
-            for (const auto& p : corner) radius = (std::max)(radius, length(p - middle));
-            Point n = cross(corner[1] - corner[0], corner[2] - corner[0]);
-            const double size = length(n);
-            n = size > 1e-6 * radius * radius ? (1 / size) * n : Point{};
-            guards_.push_back({vec_cast<float>(middle), static_cast<float>(radius), vec_cast<float>(n)});
-        }
+        frames_.reserve(triangles.size());
+        for (const auto& corner : triangles) frames_.emplace_back(corner);
     }
 
     void fill(double margin, double farthest) {
+        const auto band = static_cast<float>(2 * margin);
         for (std::size_t node = 0; node < lattice_.size(); ++node)
             lattice_[node] = static_cast<float>(farthest + margin);
         for (std::size_t t = 0; t < triangles_.size(); ++t) measure_beside(t);
-        for (int round = 0; round < 2; ++round) {
-            for (unsigned directions = 0; directions < 8; ++directions) sweep(directions, farthest + margin);
-        }
-        fill_between();
-        for (const bool down : {false, true, false, true}) exchange(down, static_cast<float>(2 * margin));
+        for (unsigned directions = 0; directions < 8; ++directions) sweep(directions, farthest + margin);
+        fill_between(band);
+        for (const bool down : {false, true}) exchange(down, band);
         for (std::size_t node = 0; node < lattice_.size(); ++node)
             lattice_[node] = static_cast<float>((std::min)(double(lattice_[node]) - margin, farthest));
     }
@@ -48,22 +121,11 @@ public:
 private:
     static constexpr std::uint32_t none = ~std::uint32_t{0};
 
-    /// A ball around a triangle and its plane, for lower bounds of the distance.
-    struct Guard {
-        Vec<float, 3> middle;
-        float radius;
-        Vec<float, 3> normal; ///< of length 1; 0 for a triangle that is nearly a segment
-    };
-
     CAGEFORM_DETAIL_FLATTEN void offer(std::size_t node, const Point& position, std::uint32_t triangle) {
-        const Guard& guard = guards_[triangle];
-        const auto off = vec_cast<float>(position) - guard.middle;
-        const float now = 1.00001F * lattice_[node] + 3e-6F; // above the rounding, where lengths are about 1
-        const float beyond = now + guard.radius;
-        if (dot(off, off) > beyond * beyond || std::fabs(dot(off, guard.normal)) > now) return;
-        const auto d = static_cast<float>(distance_to_facet(position, triangles_[triangle]));
-        if (!(d < lattice_[node])) return;
-        lattice_[node] = d;
+        const float now2 = lattice_[node] * lattice_[node];
+        const float d2 = frames_[triangle].distance2(vec_cast<float>(position), now2);
+        if (!(d2 < now2)) return;
+        lattice_[node] = std::sqrt(d2);
         nearest_[node] = triangle;
     }
 
@@ -127,9 +189,10 @@ private:
     }
 
     /// Offers to each node with an odd number the triangles of the two, four or eight even nodes about it.
-    void fill_between() {
+    void fill_between(float band) {
         const auto& count = lattice_.count();
         const auto& stride = lattice_.stride();
+        const float wide = band + 2 * static_cast<float>(lattice_.spacing()); // reaches all nodes in the band
         std::array<std::size_t, 3> n{};
         for (n[2] = 0; n[2] < count[2]; ++n[2]) {
             for (n[1] = 0; n[1] < count[1]; ++n[1]) {
@@ -150,6 +213,15 @@ private:
                             others[i] -= stride[k];
                         }
                         others_count *= has_next ? 2 : 1;
+                    }
+                    float sum = 0, least = lattice_[node];
+                    for (std::size_t i = 0; i < others_count; ++i) {
+                        sum += lattice_[others[i]];
+                        least = (std::min)(least, lattice_[others[i]]);
+                    }
+                    if (least > wide) {
+                        lattice_[node] = sum / static_cast<float>(others_count);
+                        continue;
                     }
                     std::uint32_t last = nearest_[node];
                     for (std::size_t i = 0; i < others_count; ++i) {
@@ -193,7 +265,7 @@ private:
 
     DistanceLattice<3>& lattice_;
     std::span<const Corners<3>> triangles_;
-    std::vector<Guard> guards_;          ///< of each triangle
+    std::vector<TriangleFrame> frames_;  ///< of each triangle
     std::vector<std::uint32_t> nearest_; ///< the triangle at the distance stored, for each node
 };
 

@@ -4,7 +4,44 @@
 
 #include <cageform/enclose/space/shell.hpp>
 
+#include <cstring>
+
 namespace cageform::inline CAGEFORM_ABI::detail {
+
+/// Calls visit(node, numbers) for the nodes of a lattice row by row, except for those whose cell, whose
+/// lowest corner they are, lies on one side.
+template <class Visit>
+void for_each_mixed(const DistanceLattice<3>& lattice, const std::vector<std::uint8_t>& outside,
+                    const Visit& visit) {
+    const std::size_t u = lattice.stride()[1], v = lattice.stride()[2];
+    const auto& count = lattice.count();
+    // Whether eight nodes of a row, and those of three rows beside it, are on one side.
+    const auto are_alike = [&](std::size_t node) {
+        std::uint64_t all = ~std::uint64_t{0}, some = 0;
+        for (const std::size_t beside : {std::size_t{0}, u, v, u + v}) {
+            std::uint64_t eight = 0;
+            std::memcpy(&eight, &outside[node + beside], 8);
+            all &= eight;
+            some |= eight;
+        }
+        return some == 0 || all == 0x0101010101010101U;
+    };
+    DistanceLattice<3>::Count n{};
+    for (n[2] = 0; n[2] < count[2]; ++n[2]) {
+        for (n[1] = 0; n[1] < count[1]; ++n[1]) {
+            const std::size_t row = n[1] * u + n[2] * v;
+            const bool has_beside = n[1] + 1 < count[1] && n[2] + 1 < count[2];
+            for (n[0] = 0; n[0] < count[0];) {
+                if (has_beside && n[0] + 8 <= count[0] && are_alike(row + n[0])) {
+                    n[0] += 7;
+                } else {
+                    visit(row + n[0], n);
+                    ++n[0];
+                }
+            }
+        }
+    }
+}
 
 /// Changes outside nodes to inside until the border is a manifold: in no square of four nodes and
 /// no cube of eight are two opposite corners on one side and all others on the other (Latecki, 3D
@@ -39,8 +76,7 @@ inline void make_well_composed(const DistanceLattice<3>& lattice, std::vector<st
     };
     for (bool changed = true; changed;) {
         changed = false;
-        for (std::size_t node = 0; node < lattice.size(); ++node) {
-            const auto n = lattice.numbers(node);
+        for_each_mixed(lattice, outside, [&](std::size_t node, const DistanceLattice<3>::Count& n) {
             std::array<bool, 3> has{};
             for (std::size_t k = 0; k < 3; ++k) has[k] = n[k] + 1 < count[k];
             for (std::size_t k = 0; k < 3; ++k) {
@@ -48,7 +84,7 @@ inline void make_well_composed(const DistanceLattice<3>& lattice, std::vector<st
                 if (has[k] && has[l] && fix_square(node, stride[k], stride[l])) changed = true;
             }
             if (has[0] && has[1] && has[2] && fix_cube(node)) changed = true;
-        }
+        });
     }
 }
 
@@ -72,16 +108,15 @@ public:
         shell.half = half_;
         const auto& stride = lattice_.stride();
         const auto& count = lattice_.count();
-        for (std::size_t node = 0; node < lattice_.size(); ++node) {
-            const auto n = lattice_.numbers(node);
-            if (half_ && n[0] < count[0] / 2) continue;
+        for_each_mixed(lattice_, outside_, [&](std::size_t node, const DistanceLattice<3>::Count& n) {
+            if (half_ && n[0] < count[0] / 2) return;
             for (std::size_t axis = 0; axis < 3; ++axis) {
                 if (n[axis] + 1 >= count[axis]) continue;
                 const bool from = outside_[node] != 0, to = outside_[node + stride[axis]] != 0;
                 if (from == to) continue;
                 add_faces(node, axis, from, shell);
             }
-        }
+        });
         shell.link();
         return shell;
     }
