@@ -13,11 +13,12 @@
 #include "cli/bind_report.hpp"
 #include "cli/command_line.hpp"
 #include "cli/guard.hpp"
+#include "cli/mesh_cage.hpp"
 #include "cli/progress_bar.hpp"
 #include "cli/view_choice.hpp"
 #include "files/csv.hpp"
 #include "pictures/cage_picture.hpp"
-#include "pictures/mesh_picture.hpp"
+#include "pictures/parts_picture.hpp"
 #include "pictures/render.hpp"
 #include "svg/text.hpp"
 
@@ -136,10 +137,7 @@ int write_in_space(const Arguments& given, const ObjFile& figure, const ObjFile&
     if (!given.out.empty())
         outputs.add(given.out).write(is_lattice_path(given.out) ? to_json(*cage.lattice) : cage.text);
     if (!given.picture.empty()) {
-        const std::array<MeshScene, 2> scenes{
-            {{{figure.vertices, figure.triangles}, {cage.vertices, cage.triangles}},
-             {{cage.vertices, cage.triangles}, {}}}};
-        draw_meshes(scenes, 1600, 1000, given.view.sight).write_png(outputs.add(given.picture));
+        draw_cage_parts(figure, cage, 1600, 1000, given.view.sight).write_png(outputs.add(given.picture));
     }
     if (const auto error = outputs.commit()) return fail(*error);
     std::cout << description;
@@ -162,7 +160,8 @@ int cage_in_space(const Arguments& given) {
     const auto made = make_cage_for(*figure, given.options, {.progress = bar.callback()});
     if (!made) return fail(to_string(made.error()));
     print_warnings(warnings_of(made->report, given.options));
-    return write_in_space(given, *figure, made->cage, describe(made->report, 3));
+    return write_in_space(given, *figure, made->cage,
+                          describe(made->report, 3) + describe_parts(cage_parts(made->cage)));
 }
 
 int run_program(int argc, char** argv) {
@@ -254,8 +253,7 @@ int run_program(int argc, char** argv) {
         .ends_with({".svg", ".csv", ".obj", ".json"});
     line.add("--picture", given.picture,
              "draw the figure in its cage, in the plane with the numbers of the vertices, to an .svg file; "
-             "in space to "
-             "a .png file")
+             "in space with the parts of the cage in colours and their numbers, to a .png file")
         .ends_with({".svg", ".png"});
     given.view.add_options(line);
     line.add_flag("--png", given.png, "also render the picture, to the same name with .png");

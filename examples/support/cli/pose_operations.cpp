@@ -282,8 +282,8 @@ std::string parse_centre(std::string_view text, std::span<const Vec<double, D>> 
         centre = mean_of(pose, *selected);
         return {};
     }
-    const auto parts = detail::parts_of(text, ',');
-    if (parts.size() == D) return parse_all(parts, centre.v);
+    const auto numbers = detail::parts_of(text, ',');
+    if (numbers.size() == D) return parse_all(numbers, centre.v);
     return refusal(text, std::string("is not a point: write ") + (D == 2 ? "x,y" : "x,y,z") +
                              ", or v and vertices such as v2,7");
 }
