@@ -64,8 +64,8 @@ SvgResult<CageFile> load_or_make_cage(const std::string& word, const SvgDocument
                                       CageEdges edges = CageEdges::lines);
 SvgResult<ObjFile> load_or_make_cage(const std::string& word, const ObjFile& figure);
 
-/// Reads "15%" or "0.15", the share by which a cage may exceed the tightest. Returns the fault; empty if there
-/// is none.
+/// Reads "15%" or "0.15", the share by which a cage may exceed the tightest. Returns the fault; empty if
+/// there is none.
 std::string parse_looseness(const std::string& word, double& looseness);
 
 /// "24 vertices, …": the report for people, two lines; a third one where numbers of vertices were tried.

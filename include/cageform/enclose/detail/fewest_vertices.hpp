@@ -44,7 +44,7 @@ double deepest_hollow(std::span<const Vec<double, D>> points, std::span<const Co
 }
 
 /// Chooses which number of vertices to try next: doubles or halves the first one until the limit lies
-/// between two of them, bisects, and then tries two and four times the answer: what would more vertices bring?
+/// between two of them, bisects, and then tries two and four times the answer, to tell what these bring.
 template <class Cage>
 class FewestVertices {
 public:
