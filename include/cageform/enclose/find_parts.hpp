@@ -13,24 +13,17 @@
 
 #include <cageform/cage/triangle_mesh.hpp>
 #include <cageform/core/result.hpp>
+#include <cageform/enclose/detail/parts_of_cage.hpp>
 #include <cageform/enclose/types/cage_parts.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
-
-namespace detail {
-
-/// Finds the parts of a sound cage; defined in enclose/space/part_finder.hpp.
-template <class T>
-CageParts parts_of_cage(std::span<const Vec<T, 3>> vertices, std::span<const MeshFace> faces);
-
-} // namespace detail
 
 /// Divides the faces and vertices of a cage among parts.
 ///
 ///   cage     a sound cage, such as make_cage returns; of any number of shells and tunnels
 ///   returns  a part for each of cage.faces() and each vertex. The faces of a part are connected. Part 1 is
-///            what remains of the largest shell without its limbs; the others are numbered by decreasing area.
-///            A shape without limbs, such as a sphere, is one part. Every part has a vertex
+///            the largest shell without its limbs; the others are numbered by decreasing area. A shape that
+///            has no limbs, such as a sphere, is one part. Every part has a vertex
 ///   mirror   where the cage is its own image by a mirror across an axis, the parts are too. The parts of a
 ///            pair have numbers n and -n; n lies where the coordinate is larger
 ///   limits   a limb counts from 4π·area/border² = 2.6: mittens, whose fingers are not longer than wide, have

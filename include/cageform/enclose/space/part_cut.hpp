@@ -5,7 +5,7 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Edges of a closed mesh, each with what it costs to cut there: its length, less where the surface is hollow.
+/// Edges of a closed mesh, each with the cost of a cut there: its length, less where the surface is hollow.
 class EdgeCosts {
 public:
     struct Edge {

@@ -227,7 +227,7 @@ private:
         area.compactness = border > 0 ? 4 * std::numbers::pi * area.size / (border * border) : 0;
     }
 
-    /// The faces on the side of the extremity of the cheapest cut between the fronts before and behind a joint.
+    /// The cheapest cut between the fronts before and behind a joint: its faces on the extremity's side.
     Faces cut(const SweptJoint& joint, const PartSurface& surface, const std::vector<double>& distance,
               std::span<const std::uint32_t> whole) const {
         std::vector<char> swept(faces_.size(), 1), passed(faces_.size(), 1), has_tip(faces_.size());
@@ -288,8 +288,8 @@ private:
         if (is_pair) kept_.push_back(std::move(image));
     }
 
-    /// A limb with branches, such as an arm with fingers or a neck with a head and antlers, is long itself and
-    /// not most of its shell: a body below the arms, which has two legs, is no limb.
+    /// A limb with branches, such as an arm with fingers or a neck with a head and antlers, is long itself
+    /// and not most of its shell: a body below the arms, which has two legs, is no limb.
     void keep_long_areas() {
         std::vector<std::size_t> order;
         for (std::size_t n = 0; n < kept_.size(); ++n) {
@@ -350,8 +350,7 @@ private:
 
     // ---- numbers ----------------------------------------------------------------------------------
 
-    /// The number of each face's part: the least area that has it. Pieces of a part that limbs have cut off go
-    /// to a part beside them.
+    /// The number of each face's part, which is the least area that has the face.
     std::vector<int> numbers() {
         std::vector<std::size_t> of(faces_.size(), none);
         for (std::size_t n = 0; n < kept_.size(); ++n) {

@@ -12,8 +12,8 @@ struct MeshMirror {
     MirrorImages vertices, faces;
 };
 
-/// The first of the axes x, y, z across whose middle the mesh is its own image, to 1e-5 of its diagonal, which
-/// is below what a written cage is rounded to. O(n log n), more where many vertices have one coordinate.
+/// The first of the axes x, y, z across whose middle the mesh is its own image, to 1e-5 of its diagonal, less
+/// than a written cage is rounded to. O(n log n), more where many vertices have one coordinate.
 inline std::optional<MeshMirror> mirror_of(std::span<const Vec<double, 3>> points,
                                            std::span<const std::array<std::uint32_t, 3>> faces) {
     Vec<double, 3> low = points[0], high = low;

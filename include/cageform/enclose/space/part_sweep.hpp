@@ -7,7 +7,7 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Of each vertex, the mean distance of the whole surface from it (Hilaga et al., Topology matching,
+/// For each vertex, the mean distance of the whole surface from it (Hilaga et al., Topology matching,
 /// SIGGRAPH 2001, sec. 4.1), from some dozen places that are spread evenly.
 inline std::vector<double> mean_distances(const PartSurface& surface) {
     constexpr std::size_t places = 48;

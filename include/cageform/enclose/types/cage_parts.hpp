@@ -33,8 +33,8 @@ struct CageParts {
         }
         return nullptr;
     }
-    /// Returns the vertices that move with a part, ascending: its own, and those of parts that hang on it. The
-    /// first part of a tree, which hangs on none, moves alone.
+    /// Returns the vertices that move with a part, ascending: its own, and those of parts that hang on it.
+    /// The first part of a tree, which hangs on none, moves alone.
     std::vector<std::uint32_t> moved_with(int number) const {
         const auto hangs = [&](int other) {
             for (const CagePart* part = find(other); part != nullptr; part = find(part->parent)) {
