@@ -79,7 +79,7 @@ const Boxes character{{{{-3, 0, -2}, {2, 9, 1}}},   {{{-1, 10, -1}, {0, 10, 0}}}
                       {{{-2, 11, -2}, {1, 14, 1}}}, {{{-11, 8, -1}, {-4, 9, 0}}},
                       {{{3, 8, -1}, {10, 9, 0}}},   {{{-3, -9, -1}, {-2, -1, 0}}},
                       {{{1, -9, -1}, {2, -1, 0}}}};
-/// The same without its right arm, and with a leg that is shorter.
+/// Without its right arm, and with a leg that is shorter.
 const Boxes lopsided{character[0], character[1], character[2],
                      character[3], character[5], {{{1, -8, -1}, {2, -1, 0}}}};
 

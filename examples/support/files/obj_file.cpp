@@ -41,7 +41,9 @@ int part_of(std::span<const std::string_view> names) {
         if (!name.starts_with(prefix)) continue;
         const auto [end, error] =
             std::from_chars(name.data() + prefix.size(), name.data() + name.size(), number);
-        if (error == std::errc{} && end == name.data() + name.size()) return number;
+        constexpr int most = 1'000'000;
+        if (error == std::errc{} && end == name.data() + name.size() && number > -most && number < most)
+            return number;
     }
     return 0;
 }
