@@ -66,10 +66,10 @@ struct ObjFile {
     std::vector<ObjFace> faces;
     std::vector<std::array<std::uint32_t, 3>> triangles; // of all faces, in their order
     std::vector<std::uint32_t> triangle_faces;           // #triangles: of which face each is a part
-    std::vector<int> face_parts; // #faces: N of a group part_N, 0 of none; empty where there is no such group
     std::vector<std::size_t> folded; // faces whose triangles do not all look one way: not to be had without
     std::optional<LatticeBox<3>> lattice; // its control points are the vertices, then the still handles
     std::vector<std::array<std::uint32_t, 4>> tetrahedra; // of a .mesh file (files/medit_file.hpp)
+    std::vector<int> face_parts; // #faces: N of a group part_N, 0 of none; empty where there is no such group
 };
 
 namespace detail {

@@ -54,7 +54,8 @@ inline std::vector<std::uint32_t> extremities(const PartSurface& surface, const 
         return v;
     };
     std::vector<bool> above(f.size());
-    std::vector<std::uint32_t> top(f.size()); // of each root
+    std::vector<std::uint32_t> top(f.size()), rank(f.size()); // of each root; in the order, which has no ties
+    for (std::uint32_t n = 0; n < f.size(); ++n) rank[order[n]] = n;
     std::vector<std::pair<double, std::uint32_t>> found;
     for (const auto v : order) {
         above[v] = true;
@@ -63,7 +64,7 @@ inline std::vector<std::uint32_t> extremities(const PartSurface& surface, const 
             if (!above[w]) continue;
             auto high = root_of(w), low = root_of(v);
             if (high == low) continue;
-            if (f[top[low]] > f[top[high]]) std::swap(high, low);
+            if (rank[top[low]] < rank[top[high]]) std::swap(high, low);
             if (f[top[low]] - f[v] > least) found.push_back({f[top[low]] - f[v], top[low]});
             root[low] = high;
         }
