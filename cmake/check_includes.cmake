@@ -20,7 +20,7 @@ foreach(header IN LISTS pose_bind_time)
                          pose/types/pose_blob.hpp)
 endforeach()
 set(allowed_animate core config animate)
-set(allowed_enclose core cage enclose)
+set(allowed_enclose core config cage enclose)
 set(allowed_fields core cage grid fields)
 set(allowed_papers core cage grid coordinates papers)
 set(allowed_skeleton core config cage/triangle_mesh.hpp binding/types/skin_weights.hpp pose/detail/nearest_rotation.hpp

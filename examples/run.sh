@@ -274,6 +274,13 @@ done
 "$programs/make_cage" out/character.obj --quads --mirror x --picture out/character_quads.png -o out/character_quads.obj >>$report
 "$programs/deform_mesh" out/character.obj --cage auto:60 -o out/character_look.obj --picture out/character_look.png
 for name in aleph fish; do "$programs/make_cage" "$data/$name.svg" --picture out/${name}_made.svg >>$report; done
+# The parts of a cage, and a pose by their numbers.
+"$programs/make_cage" out/character.obj --mirror x --vertices 120 --picture out/character_parts.png \
+  -o out/character_parts.obj >>$report
+"$programs/deform_mesh" out/character.obj --cage out/character_parts.obj --turn 'part 2:-50,y' --turn 'part -2:20,y' \
+  --turn 'part 3:25,z' -o out/character_by_parts.obj --picture out/character_by_parts.png
+"$programs/contact_sheet" -o out/cage_parts.svg --columns 2 --png --png-width 1600 "the parts of a cage" \
+  out/character_parts.png "a pose by their numbers" out/character_by_parts.png
 "$programs/contact_sheet" -o out/made_cages.svg --columns 4 --png --png-width 1600 cat.svg out/cat_made_numbers.svg \
   aleph.svg out/aleph_made.svg fish.svg out/fish_made.svg character.obj out/character_made.png
 
@@ -458,6 +465,7 @@ Open, in out/:
   make_cage.png              a cage made around the cat, and a first pose; cat_wag.svg: a motion to it (in a browser)
   made_cages.png, character_look.png   cages made in the plane and in space; a first look in space
   character_quads.png        a cage of quads about the character
+  cage_parts.png             the parts of a cage in space, and a pose by their numbers
   pose_cage.png              a cage with its vertices' numbers, and a pose by them
   cat_lattice.png            the cat by a lattice of control points; lattice_board.png: a face pulled out of a board
   leaf_cages.png             a leaf in a cage of four cubics, and in the polygon that does the same; leaf.png: posed by numbers

@@ -1,4 +1,4 @@
-// Compiles the checks of cages, and `make_cage`.
+// Compiles the checks of cages, `make_cage` and `find_parts`.
 #include "instantiate.hpp"
 
 #include <cageform/cage/detail/check_cells.impl.hpp>
@@ -7,6 +7,7 @@
 #include <cageform/cage/detail/check_polygon.impl.hpp>
 #include <cageform/enclose/plane/cage_maker.hpp>
 #include <cageform/enclose/space/pair_faces.hpp>
+#include <cageform/enclose/space/part_finder.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 
@@ -26,7 +27,9 @@ namespace cageform::inline CAGEFORM_ABI {
         const Running&, Result<TriangleMesh<T>, MakeCageReport>&);                                           \
     CAGEFORM_COMPILE Status detail::pair_faces_into(                                                         \
         const TriangleMesh<T>&, std::span<const Vec<T, 3>>, std::span<const detail::MeshFace>,               \
-        const MakeCageOptions&, Result<PolyhedralMesh<T>, MakeCageReport>&);
+        const MakeCageOptions&, Result<PolyhedralMesh<T>, MakeCageReport>&);                                 \
+    CAGEFORM_COMPILE CageParts detail::parts_of_cage(std::span<const Vec<T, 3>>,                             \
+                                                     std::span<const detail::MeshFace>);
 CAGEFORM_FOR_SCALARS(CAGEFORM_CAGES)
 
 } // namespace cageform::inline CAGEFORM_ABI

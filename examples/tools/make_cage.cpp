@@ -14,11 +14,12 @@
 #include "cli/bind_report.hpp"
 #include "cli/command_line.hpp"
 #include "cli/guard.hpp"
+#include "cli/mesh_cage.hpp"
 #include "cli/progress_bar.hpp"
 #include "cli/view_choice.hpp"
 #include "files/csv.hpp"
 #include "pictures/cage_picture.hpp"
-#include "pictures/mesh_picture.hpp"
+#include "pictures/parts_picture.hpp"
 #include "pictures/render.hpp"
 #include "svg/text.hpp"
 
@@ -139,10 +140,7 @@ int write_in_space(const Arguments& given, const ObjFile& figure, const ObjFile&
     if (!given.out.empty())
         outputs.add(given.out).write(is_lattice_path(given.out) ? to_json(*cage.lattice) : cage.text);
     if (!given.picture.empty()) {
-        const std::array<MeshScene, 2> scenes{
-            {{{figure.vertices, figure.triangles}, cage_view(cage, cage.vertices)},
-             {{cage.vertices, cage.triangles}, {}}}};
-        draw_meshes(scenes, 1600, 1000, given.view.sight).write_png(outputs.add(given.picture));
+        draw_cage_parts(figure, cage, 1600, 1000, given.view.sight).write_png(outputs.add(given.picture));
     }
     if (const auto error = outputs.commit()) return fail(*error);
     std::cout << description;
@@ -165,11 +163,15 @@ int cage_in_space(const Arguments& given) {
     const auto made = make_cage_for(*figure, given.options, {.progress = bar.callback()});
     if (!made) return fail(to_string(made.error()));
     print_warnings(warnings_of(made->report, given.options));
-    if (!given.quads) return write_in_space(given, *figure, made->cage, describe(made->report, 3));
+    if (!given.quads) {
+        return write_in_space(given, *figure, made->cage,
+                              describe(made->report, 3) + describe_parts(cage_parts(made->cage)));
+    }
     const auto paired = with_quads(*made, *figure, given.options);
     if (!paired) return fail(to_string(paired.error()));
     return write_in_space(given, *figure, paired->cage,
-                          describe(paired->report, 3) + describe_quads(paired->report));
+                          describe(paired->report, 3) + describe_quads(paired->report) +
+                              describe_parts(cage_parts(paired->cage)));
 }
 
 int run_program(int argc, char** argv) {
@@ -265,8 +267,7 @@ int run_program(int argc, char** argv) {
         .ends_with({".svg", ".csv", ".obj", ".json"});
     line.add("--picture", given.picture,
              "draw the figure in its cage, in the plane with the numbers of the vertices, to an .svg file; "
-             "in space to "
-             "a .png file")
+             "in space with the parts of the cage in colours and their numbers, to a .png file")
         .ends_with({".svg", ".png"});
     given.view.add_options(line);
     line.add_flag("--png", given.png, "also render the picture, to the same name with .png");

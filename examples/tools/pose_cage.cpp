@@ -30,8 +30,9 @@ struct Arguments {
 template <std::size_t D>
 SvgResult<std::vector<cageform::Vec<double, D>>>
 posed(const Arguments& given, const std::vector<cageform::Vec<double, D>>& rest,
-      const std::optional<LatticeBox<D>>& lattice, const CageFile* curves = nullptr) {
-    auto pose = given.choice.posed(rest, lattice, curves);
+      const std::optional<LatticeBox<D>>& lattice, const CageFile* curves = nullptr,
+      const cageform::CageParts* parts = nullptr) {
+    auto pose = given.choice.posed(rest, lattice, curves, parts);
     if (!pose) return pose;
     std::size_t moved = 0;
     for (std::size_t i = 0; i < rest.size(); ++i) moved += (*pose)[i] == rest[i] ? 0 : 1;
@@ -105,7 +106,8 @@ int pose_in_space(const Arguments& given) {
     if (given.coordinates == "curved")
         return fail("--coordinates curved: " + given.cage + " lies in space, and curves in the plane");
     if (const auto why = fault_of_outputs({given.out, given.picture})) return fail(*why);
-    const auto pose = posed<3>(given, cage->vertices, cage->lattice);
+    const auto parts = cage_parts(*cage);
+    const auto pose = posed<3>(given, cage->vertices, cage->lattice, nullptr, &parts);
     if (!pose) return fail(to_string(pose.error()));
     OutputFiles outputs;
     if (!given.out.empty()) outputs.add(given.out).write(to_text(*cage, *pose));

@@ -1029,6 +1029,20 @@ for words in mean-value harmonic green 'mean-value --faces fan' 'mean-value --fa
 done
 refuses '--quads is for figures in space: a cage in the plane has no faces' "$make_cage" "$cat" --quads -o out.svg
 refuses '--lattice' "$make_cage" few.obj --lattice 3x3x3 --quads -o out.obj
+# A ball with a long arm along x: parts 1 and 2. A posed part takes what hangs on it along, and nothing else.
+awk 'function cube(x, y, z, i, j) { for (i = 0; i < 8; i++) print "v", x + i % 2, y + int(i / 2) % 2, z + int(i / 4)
+    for (i = 1; i <= 8; i++) for (j = i + 1; j < 8; j++) print "f", i - 9, j - 9, -1 }
+  BEGIN { for (n = 0; n < 64; n++) cube(n % 4, int(n / 4) % 4, int(n / 16)); for (n = 4; n < 16; n++) cube(n, 1.5, 1.5) }' >arm.obj
+works "a cage with parts" "$make_cage" arm.obj --vertices 60 -o arm_cage.obj --picture arm.png --view 30,20
+grep -q '^parts: 1 ([0-9]* vertices), 2 ([0-9]*)$' log && [ "$(grep '^g ' arm_cage.obj | tr '\n' ' ')" = 'g part_1 g part_2 ' ] && ok=yes || ok=no
+report $ok "which the message and the file name"
+works "a part about its joint" "$programs/pose_cage" arm_cage.obj --turn 'part 2:90,z' -o arm_pose.obj
+paste -d ' ' arm_cage.obj arm_pose.obj | awk '$1 == "v" && $2 < 3.9 && ($2 != $6 || $3 != $7 || $4 != $8) || $1 == "v" && $2 > 15 && $7 < 9 || $1 == "g" && $2 != $4 { bad++ } END { exit bad }' && ok=yes || ok=no
+report $ok "turns alone, and the pose has the groups"
+works "a part of a cage in passing" "$mesh" arm.obj --cage auto:60 --turn 'part 2:20,z' -o arm_look.obj
+refuses '--turn "part 3:30,z": "part 3" is no part of the cage, which has part 1, part 2' "$mesh" arm.obj --cage arm_cage.obj --turn 'part 3:30,z' -o out.obj
+refuses '"part two" is no part of the cage' "$programs/pose_cage" arm_cage.obj --turn 'part two:30,z' -o out.obj
+refuses '"part 1" selects nothing: the cage has no parts' "$programs/pose_cage" "$cage" --turn 'part 1:30' -o out.svg
 refuses '--mirror' "$make_cage" "$cat" --mirror w -o out.svg
 refuses 'it spans the figure and its image across the mirror at 1e+09' "$make_cage" "$cat" --mirror x=1e9 -o out.svg
 refuses 'nothing to write: give -o, --picture or both' "$make_cage" "$cat"

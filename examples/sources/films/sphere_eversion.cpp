@@ -77,7 +77,8 @@ SvgResult<std::optional<Control>> read_control(const Arguments& given, const Obj
     if (!cage) return cage.error();
     std::vector<Point3> pose = first_pose(cage->vertices);
     if (is_posed) {
-        auto posed = given.operations.posed(cage->vertices, cage->lattice);
+        const auto parts = cage_parts(*cage);
+        auto posed = given.operations.posed(cage->vertices, cage->lattice, nullptr, &parts);
         if (!posed) return posed.error();
         pose = std::move(*posed);
     }

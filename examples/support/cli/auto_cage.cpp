@@ -6,6 +6,7 @@
 #include "files/csv.hpp"
 #include "pictures/drawn_figure.hpp"
 
+#include <cageform/enclose/find_parts.hpp>
 #include <cageform/enclose/make_cage.hpp>
 #include <cageform/enclose/make_cage_3d.hpp>
 
@@ -122,10 +123,15 @@ SvgResult<AutoCage<ObjFile>> make_cage_for(const ObjFile& figure, const cageform
         for (const double x : p.v) text += ' ' + detail::digits_of(rounded(x, report.clearance));
         text += '\n';
     }
-    for (const auto& face : made.value.faces()) {
-        text += 'f';
-        for (const auto v : face) text += ' ' + std::to_string(v + 1);
-        text += '\n';
+    const auto found = cageform::find_parts(made.value);
+    for (const auto& part : found.value.parts) {
+        text += "g " + part_group(part.number) + '\n';
+        for (std::size_t f = 0; f < made.value.faces().size(); ++f) {
+            if (found.value.of_face[f] != part.number) continue;
+            text += 'f';
+            for (const auto v : made.value.faces()[f]) text += ' ' + std::to_string(v + 1);
+            text += '\n';
+        }
     }
     auto cage = parse_obj(std::move(text), "the cage of " + figure.name);
     if (!cage) return cage.error();

@@ -47,7 +47,8 @@ struct AutoCage {
 SvgResult<AutoCage<CageFile>> make_cage_for(const SvgDocument& figure,
                                             const cageform::MakeCageOptions& options);
 
-/// Makes a cage around all faces of a mesh.
+/// Makes a cage around all faces of a mesh. Its faces are in groups part_1, part_2, part_-2 and so on, see
+/// find_parts().
 SvgResult<AutoCage<ObjFile>> make_cage_for(const ObjFile& figure, const cageform::MakeCageOptions& options,
                                            const cageform::Running& running = {});
 

@@ -3,6 +3,7 @@
 #include "cli/guard.hpp"
 
 #include <cageform/cage/detail/check_faces.impl.hpp>
+#include <cageform/enclose/space/part_labels.hpp>
 
 #include <algorithm>
 #include <sstream>
@@ -67,6 +68,27 @@ ObjFile lattice_mesh(std::string name, LatticeBox<3> lattice) {
     auto file = parse_obj(std::move(text), std::move(name));
     file->lattice = std::move(lattice);
     return std::move(*file);
+}
+
+cageform::CageParts cage_parts(const ObjFile& cage) {
+    if (cage.face_parts.empty()) return {};
+    std::vector<std::vector<std::uint32_t>> loops(cage.faces.size());
+    for (std::size_t f = 0; f < loops.size(); ++f) {
+        for (const ObjCorner& corner : cage.faces[f].corners) loops[f].push_back(corner.vertex);
+    }
+    std::vector<int> numbers = cage.face_parts;
+    std::replace(numbers.begin(), numbers.end(), 0, 1);
+    return cageform::detail::parts_of_faces(loops, cage.vertices.size(), numbers);
+}
+
+std::string describe_parts(const cageform::CageParts& parts) {
+    std::string text;
+    for (const auto& part : parts.parts) {
+        const std::string count = std::to_string(part.vertices.size());
+        text += (text.empty() ? "parts: " : ", ") + std::to_string(part.number) + " (" + count +
+                (text.empty() ? part.vertices.size() == 1 ? " vertex)" : " vertices)" : ")");
+    }
+    return text + '\n';
 }
 
 CageFaces faces_of(const ObjFile& cage, bool keep_planar, FacesAsFans fans, std::uint32_t divisions) {

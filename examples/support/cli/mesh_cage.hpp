@@ -6,6 +6,8 @@
 #include "files/clip_file.hpp"
 #include "files/obj_file.hpp"
 
+#include <cageform/enclose/types/cage_parts.hpp>
+
 #include <cstddef>
 #include <span>
 #include <string>
@@ -21,6 +23,13 @@ SvgResult<ObjFile> load_mesh_cage(const std::string& path);
 
 /// A lattice as an OBJ file: its handles, the faces between the outer ones, and the rows inside as lines.
 ObjFile lattice_mesh(std::string name, LatticeBox<3> lattice);
+
+/// The parts that the file's groups of faces part_1, part_2, part_-2 and so on name; faces of no such group
+/// are of part 1. None where there is no such group.
+cageform::CageParts cage_parts(const ObjFile& cage);
+
+/// "parts: 1 (39 vertices), 2 (15), -2 (15)": a line for people.
+std::string describe_parts(const cageform::CageParts& parts);
 
 /// The faces of a cage as coordinates get them.
 struct CageFaces {

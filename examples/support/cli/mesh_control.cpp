@@ -21,7 +21,8 @@ SvgResult<bool> pin_pose(MeshControl& to, const MeshControlChoice& given, std::s
     auto pins = given.pins.pins<3>(places);
     if (!pins) return pins.error();
     const std::span<const Point3> rest(to.cage.vertices);
-    auto held = given.pins.held_handles(rest.first(to.saved), still);
+    const auto parts = cage_parts(to.cage);
+    auto held = given.pins.held_handles(rest.first(to.saved), still, &parts);
     if (!held) return held.error();
     const std::string kind = to.cage.lattice ? "lattice" : given.choice.name;
     auto pinned = PinnedCage<double, 3>::make(to.coordinates, {to.cage.name, kind, to.describe_faults},
@@ -92,7 +93,8 @@ SvgResult<ObjFile> read_pose(const MeshControlChoice& given, const ObjFile& cage
         return SvgError{"--pose is required, or operations such as --turn, or --pin"};
     ObjFile pose = cage;
     if (operated) {
-        auto moved = given.operations.posed(cage.vertices, cage.lattice);
+        const auto parts = cage_parts(cage);
+        auto moved = given.operations.posed(cage.vertices, cage.lattice, nullptr, &parts);
         if (!moved) return moved.error();
         pose.vertices = std::move(*moved);
     } else {

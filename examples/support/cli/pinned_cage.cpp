@@ -145,10 +145,11 @@ SvgResult<std::vector<Pin<D>>> PinChoice::pins(std::span<const cageform::Vec<dou
 
 template <std::size_t D>
 SvgResult<std::vector<std::uint32_t>> PinChoice::held_handles(std::span<const cageform::Vec<double, D>> rest,
-                                                              const std::vector<std::size_t>& still) const {
+                                                              const std::vector<std::size_t>& still,
+                                                              const cageform::CageParts* parts) const {
     std::vector<std::size_t> all = still;
     if (!held.empty()) {
-        auto selected = parse_selection(held, rest);
+        auto selected = parse_selection(held, rest, parts);
         if (!selected) return SvgError{"--hold " + detail::quoted(held) + ": " + to_string(selected.error())};
         all.insert(all.end(), selected->begin(), selected->end());
     }
@@ -285,9 +286,11 @@ std::string PinnedCage<T, D>::warning() const {
 template SvgResult<std::vector<Pin<2>>> PinChoice::pins(std::span<const cageform::Vec<double, 2>>) const;
 template SvgResult<std::vector<Pin<3>>> PinChoice::pins(std::span<const cageform::Vec<double, 3>>) const;
 template SvgResult<std::vector<std::uint32_t>>
-PinChoice::held_handles(std::span<const cageform::Vec<double, 2>>, const std::vector<std::size_t>&) const;
+PinChoice::held_handles(std::span<const cageform::Vec<double, 2>>, const std::vector<std::size_t>&,
+                        const cageform::CageParts*) const;
 template SvgResult<std::vector<std::uint32_t>>
-PinChoice::held_handles(std::span<const cageform::Vec<double, 3>>, const std::vector<std::size_t>&) const;
+PinChoice::held_handles(std::span<const cageform::Vec<double, 3>>, const std::vector<std::size_t>&,
+                        const cageform::CageParts*) const;
 template class PinnedCage<double, 2>;
 template class PinnedCage<double, 3>;
 

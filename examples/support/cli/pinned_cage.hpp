@@ -5,6 +5,7 @@
 #include "cli/coordinates.hpp"
 #include "cli/pins.hpp"
 
+#include <cageform/enclose/types/cage_parts.hpp>
 #include <cageform/pose/pose_solver.hpp>
 #include <cageform/pose/types/pose_sample_options.hpp>
 
@@ -42,10 +43,12 @@ struct PinChoice {
     ///
     ///   rest     the cage's vertices
     ///   still    as PoseChoice::still() has them
+    ///   parts    of a cage in space, or null
     ///   fails    where --hold is no selection of them, or nothing is left to move
     template <std::size_t D>
     SvgResult<std::vector<std::uint32_t>> held_handles(std::span<const cageform::Vec<double, D>> rest,
-                                                       const std::vector<std::size_t>& still) const;
+                                                       const std::vector<std::size_t>& still,
+                                                       const cageform::CageParts* parts = nullptr) const;
 };
 
 /// Names for the messages of a PinnedCage.

@@ -34,7 +34,8 @@ void PoseChoice::add_options(CommandLine& line) {
 template <std::size_t D>
 SvgResult<std::vector<cageform::Vec<double, D>>>
 PoseChoice::posed(const std::vector<cageform::Vec<double, D>>& rest,
-                  const std::optional<LatticeBox<D>>& lattice, const CageFile* curves) const {
+                  const std::optional<LatticeBox<D>>& lattice, const CageFile* curves,
+                  const cageform::CageParts* parts) const {
     static constexpr std::array names{"move", "turn", "scale", "bend", "twist", "curve"};
     const auto held = still(lattice);
     if (!held) return held.error();
@@ -45,7 +46,7 @@ PoseChoice::posed(const std::vector<cageform::Vec<double, D>>& rest,
         std::string why = "the cage has no curves; --coordinates curved makes its edges curves";
         if (operation != PoseOperation::curve)
             why = apply_operation<D>(operation, word, std::span(rest).first(count),
-                                     std::span(pose).first(count), followers);
+                                     std::span(pose).first(count), followers, parts);
         else if constexpr (D == 2)
             why = curves != nullptr ? move_control_point(word, curves->handles, pose) : why;
         if (!why.empty()) {
@@ -72,10 +73,10 @@ SvgResult<std::vector<std::size_t>> PoseChoice::still(const std::optional<Lattic
 
 template SvgResult<std::vector<cageform::Vec<double, 2>>>
 PoseChoice::posed(const std::vector<cageform::Vec<double, 2>>&, const std::optional<LatticeBox<2>>&,
-                  const CageFile*) const;
+                  const CageFile*, const cageform::CageParts*) const;
 template SvgResult<std::vector<cageform::Vec<double, 3>>>
 PoseChoice::posed(const std::vector<cageform::Vec<double, 3>>&, const std::optional<LatticeBox<3>>&,
-                  const CageFile*) const;
+                  const CageFile*, const cageform::CageParts*) const;
 template SvgResult<std::vector<std::size_t>> PoseChoice::still(const std::optional<LatticeBox<2>>&) const;
 template SvgResult<std::vector<std::size_t>> PoseChoice::still(const std::optional<LatticeBox<3>>&) const;
 
@@ -103,7 +104,8 @@ SvgResult<PoseClip> MotionChoice::motion(const ObjFile& cage) const {
     }
     if (!clip.empty() || !poses.empty())
         return SvgError{"give only one of --clip, --pose, and operations such as --turn"};
-    auto posed = operations.posed(cage.vertices, cage.lattice);
+    const auto parts = cage_parts(cage);
+    auto posed = operations.posed(cage.vertices, cage.lattice, nullptr, &parts);
     if (!posed) return posed.error();
     for (std::size_t i = 0; i < posed->size(); ++i) {
         for (const double x : (*posed)[i].v) {

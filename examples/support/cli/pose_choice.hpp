@@ -26,10 +26,11 @@ struct PoseChoice {
     /// A cage's vertices after all operations; fails with the word that cannot be done, and as `still`.
     ///
     ///   curves   the cage, if its edges are curves; else null
+    ///   parts    of a cage in space, or null
     template <std::size_t D>
-    SvgResult<std::vector<cageform::Vec<double, D>>> posed(const std::vector<cageform::Vec<double, D>>& rest,
-                                                           const std::optional<LatticeBox<D>>& lattice,
-                                                           const CageFile* curves = nullptr) const;
+    SvgResult<std::vector<cageform::Vec<double, D>>>
+    posed(const std::vector<cageform::Vec<double, D>>& rest, const std::optional<LatticeBox<D>>& lattice,
+          const CageFile* curves = nullptr, const cageform::CageParts* parts = nullptr) const;
 
     /// The vertices that no pose moves: frozen and still handles of a lattice. Fails where --freeze is given
     /// for a cage that is none, or leaves nothing to move.

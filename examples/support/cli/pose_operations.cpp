@@ -66,10 +66,39 @@ std::string parse_number_of(const std::string& thing, std::string_view text, std
            std::to_string(count - 1);
 }
 
+/// The part of a cage that "part -2" names; null where the word is no such one, or there is none.
+const cageform::CagePart* part_named(std::string_view word, const cageform::CageParts* parts) {
+    if (parts == nullptr || !word.starts_with("part ")) return nullptr;
+    const std::string_view text = detail::trim(word.substr(5));
+    int number = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+    return error == std::errc{} && end == text.data() + text.size() ? parts->find(number) : nullptr;
+}
+
+/// Selects "part 3", and what hangs on it.
+std::string select_part(std::string_view word, const cageform::CageParts* parts,
+                        std::vector<std::size_t>& selected) {
+    if (parts == nullptr || parts->parts.empty())
+        return refusal(word,
+                       "selects nothing: the cage has no parts; a cage in space that make_cage writes has "
+                       "them, as groups of faces part_1, part_2 and so on");
+    const cageform::CagePart* const part = part_named(word, parts);
+    if (part == nullptr) {
+        std::string names;
+        for (const auto& one : parts->parts)
+            names += (names.empty() ? "part " : ", part ") + std::to_string(one.number);
+        return refusal(word, "is no part of the cage, which has " + names);
+    }
+    const auto moved = parts->moved_with(part->number);
+    selected.assign(moved.begin(), moved.end());
+    return selected.empty() ? refusal(word, "has no vertex that is not on its joint") : "";
+}
+
 /// One part of a list.
 template <std::size_t D>
 std::string select(std::string_view part, std::span<const Vec<double, D>> rest,
-                   std::vector<std::size_t>& selected) {
+                   const cageform::CageParts* parts, std::vector<std::size_t>& selected) {
+    if (part.starts_with("part")) return select_part(part, parts, selected);
     selected.resize(rest.size());
     std::iota(selected.begin(), selected.end(), std::size_t{0});
     if (part == "all") return {};
@@ -235,25 +264,26 @@ private:
     std::size_t along_ = 0, towards_ = 1;
 };
 
-template <std::size_t D>
-Vec<double, D> mean_of(std::span<const Vec<double, D>> pose, const std::vector<std::size_t>& selected) {
+template <std::size_t D, class Index>
+Vec<double, D> mean_of(std::span<const Vec<double, D>> pose, const std::vector<Index>& selected) {
     Vec<double, D> mean{};
-    for (const std::size_t i : selected) mean = mean + (1.0 / double(selected.size())) * pose[i];
+    for (const Index i : selected) mean = mean + (1.0 / double(selected.size())) * pose[i];
     return mean;
 }
 
 /// "3,4", or "v2,7": the mean of these vertices.
 template <std::size_t D>
 std::string parse_centre(std::string_view text, std::span<const Vec<double, D>> rest,
-                         std::span<const Vec<double, D>> pose, Vec<double, D>& centre) {
+                         std::span<const Vec<double, D>> pose, const cageform::CageParts* parts,
+                         Vec<double, D>& centre) {
     if (text.starts_with('v')) {
-        const auto selected = parse_selection(text.substr(1), rest);
+        const auto selected = parse_selection(text.substr(1), rest, parts);
         if (!selected) return to_string(selected.error());
         centre = mean_of(pose, *selected);
         return {};
     }
-    const auto parts = detail::parts_of(text, ',');
-    if (parts.size() == D) return parse_all(parts, centre.v);
+    const auto numbers = detail::parts_of(text, ',');
+    if (numbers.size() == D) return parse_all(numbers, centre.v);
     return refusal(text, std::string("is not a point: write ") + (D == 2 ? "x,y" : "x,y,z") +
                              ", or v and vertices such as v2,7");
 }
@@ -262,10 +292,11 @@ std::string parse_centre(std::string_view text, std::span<const Vec<double, D>> 
 
 template <std::size_t D>
 SvgResult<std::vector<std::size_t>> parse_selection(std::string_view word,
-                                                    std::span<const Vec<double, D>> rest) {
+                                                    std::span<const Vec<double, D>> rest,
+                                                    const cageform::CageParts* parts) {
     std::vector<std::size_t> selected, more;
     for (const std::string_view part : detail::parts_of(word, ',')) {
-        if (const std::string why = select(part, rest, more); !why.empty()) return SvgError{why};
+        if (const std::string why = select(part, rest, parts, more); !why.empty()) return SvgError{why};
         selected.insert(selected.end(), more.begin(), more.end());
     }
     std::sort(selected.begin(), selected.end());
@@ -300,19 +331,23 @@ std::string parse_turn(std::string_view text, double& degrees, Vec<double, D>& a
 template <std::size_t D>
 std::string apply_operation(PoseOperation operation, std::string_view word,
                             std::span<const Vec<double, D>> rest, std::span<Vec<double, D>> pose,
-                            std::span<const std::vector<std::size_t>> followers) {
+                            std::span<const std::vector<std::size_t>> followers,
+                            const cageform::CageParts* parts) {
     const std::size_t colon = word.find(':');
     if (colon == word.npos)
         return refusal(word, "has no colon between the vertices and the numbers, such as 5-9:30");
-    auto selected = parse_selection(word.substr(0, colon), rest);
+    const std::string_view which = word.substr(0, colon);
+    auto selected = parse_selection(which, rest, parts);
     if (!selected) return to_string(selected.error());
     const std::string_view numbers = word.substr(colon + 1);
     const std::size_t at = std::min(numbers.find('@'), numbers.size());
     const std::span<const Vec<double, D>> before(pose);
-    auto centre = mean_of(before, *selected);
+    const cageform::CagePart* const part = part_named(detail::trim(which), parts);
+    const bool has_joint = part != nullptr && !part->joint.empty();
+    auto centre = has_joint ? mean_of(before, part->joint) : mean_of(before, *selected);
     if (at < numbers.size()) {
         if (operation == PoseOperation::move) return refusal(word, "has a point, which a move does not use");
-        if (std::string why = parse_centre(detail::trim(numbers.substr(at + 1)), rest, before, centre);
+        if (std::string why = parse_centre(detail::trim(numbers.substr(at + 1)), rest, before, parts, centre);
             !why.empty())
             return why;
     }
@@ -352,15 +387,17 @@ std::string move_control_point(std::string_view word, std::span<const std::vecto
     return {};
 }
 
-template SvgResult<std::vector<std::size_t>> parse_selection(std::string_view,
-                                                             std::span<const Vec<double, 2>>);
-template SvgResult<std::vector<std::size_t>> parse_selection(std::string_view,
-                                                             std::span<const Vec<double, 3>>);
+template SvgResult<std::vector<std::size_t>>
+parse_selection(std::string_view, std::span<const Vec<double, 2>>, const cageform::CageParts*);
+template SvgResult<std::vector<std::size_t>>
+parse_selection(std::string_view, std::span<const Vec<double, 3>>, const cageform::CageParts*);
 template std::string parse_turn(std::string_view, double&, Vec<double, 2>&);
 template std::string parse_turn(std::string_view, double&, Vec<double, 3>&);
 template std::string apply_operation(PoseOperation, std::string_view, std::span<const Vec<double, 2>>,
-                                     std::span<Vec<double, 2>>, std::span<const std::vector<std::size_t>>);
+                                     std::span<Vec<double, 2>>, std::span<const std::vector<std::size_t>>,
+                                     const cageform::CageParts*);
 template std::string apply_operation(PoseOperation, std::string_view, std::span<const Vec<double, 3>>,
-                                     std::span<Vec<double, 3>>, std::span<const std::vector<std::size_t>>);
+                                     std::span<Vec<double, 3>>, std::span<const std::vector<std::size_t>>,
+                                     const cageform::CageParts*);
 
 } // namespace cageform_examples

@@ -5,6 +5,7 @@
 #include "svg/path.hpp"
 
 #include <cageform/core/vec.hpp>
+#include <cageform/enclose/types/cage_parts.hpp>
 
 #include <cstddef>
 #include <span>
@@ -26,6 +27,8 @@ inline constexpr const char* pose_operations_format =
     "    5-9        the vertices 5 to 9\n"
     "    all        all vertices\n"
     "    x>10&y<5   vertices whose position in CAGE meets all these conditions\n"
+    "    part 3     in space: a part of a cage that make_cage made, and all that hangs\n"
+    "               on it. By itself it is acted on about the middle of its joint\n"
     "\n"
     "such as 0,5-9. Angles are in degrees, from x towards y (clockwise on the screen\n"
     "in an SVG file); in space counter-clockwise if the axis points at the viewer.\n"
@@ -33,6 +36,7 @@ inline constexpr const char* pose_operations_format =
     "    --move 3:10,0            by x,y or x,y,z\n"
     "    --turn 5-9:30@v4,10      in the plane, about the middle of vertices 4 and 10\n"
     "    --turn 5-9:30,y          in space: about x, y, z or a vector, 30,1,1,0\n"
+    "    --turn 'part -2:30,z'    an arm about its shoulder\n"
     "    --scale all:1.5          or one factor per axis: 2,1; -1,1 mirrors\n"
     "    --bend all:xy,10,30,90   the part from x = 10 to 30 becomes an arc towards\n"
     "                             y, the part beyond turns by 90; with 30,10 the\n"
@@ -47,10 +51,12 @@ inline constexpr const char* pose_operations_format =
 /// The vertices that a word selects, in rising order.
 ///
 ///   rest    the cage's vertices, for conditions on their places
+///   parts   of the cage, or null
 ///   fails   where a part of the word is no selection, a number is too large, or conditions select nothing
 template <std::size_t D>
 SvgResult<std::vector<std::size_t>> parse_selection(std::string_view word,
-                                                    std::span<const cageform::Vec<double, D>> rest);
+                                                    std::span<const cageform::Vec<double, D>> rest,
+                                                    const cageform::CageParts* parts = nullptr);
 
 /// Reads a turn: DEGREES, in space DEGREES,AXIS, such as 30,y or 30,1,1,0.
 ///
@@ -65,12 +71,14 @@ std::string parse_turn(std::string_view text, double& degrees, cageform::Vec<dou
 ///   rest        the cage, as long as `pose`
 ///   pose        the cage after the operations before; vertices that are not selected keep every bit
 ///   followers   of every vertex, those that come along, see CageFile::followers(); empty: none
+///   parts       of the cage, or null
 ///   returns     empty, or why not, and `pose` is as it was
 template <std::size_t D>
 std::string apply_operation(PoseOperation operation, std::string_view word,
                             std::span<const cageform::Vec<double, D>> rest,
                             std::span<cageform::Vec<double, D>> pose,
-                            std::span<const std::vector<std::size_t>> followers = {});
+                            std::span<const std::vector<std::size_t>> followers = {},
+                            const cageform::CageParts* parts = nullptr);
 
 /// Applies the operation `curve`, LOOP:K:DX,DY, to a pose.
 ///
@@ -80,18 +88,20 @@ std::string move_control_point(std::string_view word, std::span<const std::vecto
                                std::span<cageform::Vec<double, 2>> pose);
 
 extern template SvgResult<std::vector<std::size_t>>
-    parse_selection(std::string_view, std::span<const cageform::Vec<double, 2>>);
+parse_selection(std::string_view, std::span<const cageform::Vec<double, 2>>, const cageform::CageParts*);
 extern template SvgResult<std::vector<std::size_t>>
-    parse_selection(std::string_view, std::span<const cageform::Vec<double, 3>>);
+parse_selection(std::string_view, std::span<const cageform::Vec<double, 3>>, const cageform::CageParts*);
 extern template std::string parse_turn(std::string_view, double&, cageform::Vec<double, 2>&);
 extern template std::string parse_turn(std::string_view, double&, cageform::Vec<double, 3>&);
 extern template std::string apply_operation(PoseOperation, std::string_view,
                                             std::span<const cageform::Vec<double, 2>>,
                                             std::span<cageform::Vec<double, 2>>,
-                                            std::span<const std::vector<std::size_t>>);
+                                            std::span<const std::vector<std::size_t>>,
+                                            const cageform::CageParts*);
 extern template std::string apply_operation(PoseOperation, std::string_view,
                                             std::span<const cageform::Vec<double, 3>>,
                                             std::span<cageform::Vec<double, 3>>,
-                                            std::span<const std::vector<std::size_t>>);
+                                            std::span<const std::vector<std::size_t>>,
+                                            const cageform::CageParts*);
 
 } // namespace cageform_examples

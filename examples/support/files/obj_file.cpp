@@ -5,6 +5,7 @@
 
 #include <tiny_obj_loader.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 
@@ -30,6 +31,21 @@ std::string parse_index(std::string_view word, std::size_t so_far, std::size_t c
     }
     index = static_cast<std::uint32_t>(value > 0 ? value - 1 : static_cast<long long>(so_far) + value);
     return {};
+}
+
+/// The number N of the first name part_N of a group; 0 where there is none.
+int part_of(std::span<const std::string_view> names) {
+    constexpr std::string_view prefix = "part_";
+    for (const std::string_view name : names) {
+        int number = 0;
+        if (!name.starts_with(prefix)) continue;
+        const auto [end, error] =
+            std::from_chars(name.data() + prefix.size(), name.data() + name.size(), number);
+        constexpr int most = 1'000'000;
+        if (error == std::errc{} && end == name.data() + name.size() && number > -most && number < most)
+            return number;
+    }
+    return 0;
 }
 
 /// "v", "v/vt", "v//vn" or "v/vt/vn". Texture coordinates are not looked at.
@@ -182,7 +198,9 @@ SvgResult<ObjFile> parse_obj(std::string text, std::string name) {
     // Now that all are counted: an index may point forwards.
     const std::array<std::size_t, 2> count{file.vertices.size(), file.normals.size()};
     std::array<std::size_t, 2> so_far{};
+    int part = 0;
     for (detail::ObjScanner scanner(file.text); scanner.next(words, line);) {
+        if (words[0] == "g") part = detail::part_of(std::span(words).subspan(1));
         if (words[0] == "v") ++so_far[0];
         if (words[0] == "vn") ++so_far[1];
         if (words[0] != "f") continue;
@@ -193,7 +211,10 @@ SvgResult<ObjFile> parse_obj(std::string text, std::string name) {
             if (!why.empty()) return refuse(why);
         }
         file.faces.push_back(std::move(face));
+        file.face_parts.push_back(part);
     }
+    if (std::all_of(file.face_parts.begin(), file.face_parts.end(), [](int of) { return of == 0; }))
+        file.face_parts.clear();
     const std::string why = detail::triangulate(file);
     if (!why.empty()) return SvgError{file.name + ": " + why};
     return file;

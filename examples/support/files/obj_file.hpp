@@ -69,6 +69,7 @@ struct ObjFile {
     std::vector<std::size_t> folded; // faces whose triangles do not all look one way: not to be had without
     std::optional<LatticeBox<3>> lattice; // its control points are the vertices, then the still handles
     std::vector<std::array<std::uint32_t, 4>> tetrahedra; // of a .mesh file (files/medit_file.hpp)
+    std::vector<int> face_parts; // #faces: N of a group part_N, 0 of none; empty where there is no such group
 };
 
 namespace detail {
@@ -153,6 +154,11 @@ void append_number(std::string& text, double x);
 using Triangles = std::vector<std::array<std::uint32_t, 3>>;
 
 } // namespace detail
+
+/// The name of the group of faces of a part of a cage.
+inline std::string part_group(int number) {
+    return "part_" + std::to_string(number);
+}
 
 /// A file from its text.
 ///

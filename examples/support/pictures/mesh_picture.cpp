@@ -288,6 +288,14 @@ Picture draw_meshes(std::span<const MeshScene> scenes, std::size_t width, std::s
         for (const SpaceLine& line : scenes[n].lines) canvas.draw_line(line, camera);
         canvas.draw_cage(scenes[n].cage, camera);
         canvas.copy_to(picture, n * part);
+        for (const SpaceText& text : scenes[n].texts) {
+            constexpr double letter = 2.5; // a seventh of its height
+            const Point3 at = camera.project(text.at);
+            const double half = 3 * letter * double(text.words.size());
+            const Point2 left{double(n * part) + at[0] - half, at[1]};
+            picture.line(left, {left.x + 2 * half, left.y}, 9 * letter, mesh_background);
+            picture.text({left.x + letter / 2, left.y}, text.words, letter, {0.1f, 0.1f, 0.1f});
+        }
     }
     return picture;
 }

@@ -36,11 +36,18 @@ struct SpaceLine {
     bool on_top = false; ///< seen through the surfaces
 };
 
+/// A word whose middle is at a place.
+struct SpaceText {
+    Point3 at;
+    std::string words;
+};
+
 /// The contents of one tile of the picture.
 struct MeshScene {
     MeshView figure;
     MeshView cage;
     std::span<const SpaceLine> lines{}; ///< as far as the figure does not hide them, or on top of it
+    std::span<const SpaceText> texts{}; ///< on top, on patches of paper
 };
 
 /// The view direction of meshes: turned from the front towards the figure's left, then upwards, in degrees.
@@ -69,12 +76,6 @@ ViewDirections directions_of(const MeshSight& sight);
 ///
 ///   turn, rise   in degrees; 0, 0 looks along y
 ViewDirections view_from(double turn, double rise);
-
-/// A word whose middle is at a place.
-struct SpaceText {
-    Point3 at;
-    std::string words;
-};
 
 /// A surface with its own colours, and lines where no surface hides them.
 struct SpacePlot {
