@@ -1,4 +1,4 @@
-"""Fits a skeleton to a sequence of meshes: an arm that bends at its elbow while its hand turns becomes bones, as engines play them."""
+"""Fits a skeleton to a sequence of meshes: an arm that bends at its elbow and turns its hand becomes bones for an engine."""
 
 import numpy as np
 

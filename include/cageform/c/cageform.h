@@ -736,8 +736,7 @@ typedef struct cageform_skeleton_info {
     const double* joints;         /* bones * 3: where each meets its parent, at rest */
     const uint16_t* vertex_bones; /* vertices * influences; 0 where a weight is 0 */
     const float* weights;         /* vertices * influences: those of a vertex fall, and their sum is 1 */
-    const double*
-        maps; /* frames * bones * 12: where the axes x, y, z and the origin go, axes as directions */
+    const double* maps;           /* frames * bones * 12: where x, y, z go, as directions, and the origin */
 } cageform_skeleton_info;
 CAGEFORM_API cageform_status cageform_skeleton_describe(const cageform_skeleton* skeleton,
                                                         cageform_skeleton_info* info);

@@ -126,6 +126,6 @@ class Report:
     def _of(cls, its: Any) -> Report:
         members = {own.name: getattr(its, own.name) for own in fields(cls)}
         members.update(status=_c.STATUSES.get(its.status, 'failed'), message=its.message.decode(),
-                       culprit=index_of(its.culprit), frame=index_of(its.frame), fault=Fault._of(its.fault) if its.fault.text else None,
-                       settled=bool(its.settled))
+                       culprit=index_of(its.culprit), frame=index_of(its.frame),
+                       fault=Fault._of(its.fault) if its.fault.text else None, settled=bool(its.settled))
         return cls(**members)
