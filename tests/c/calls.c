@@ -574,7 +574,7 @@ static void test_skeletons(void) {
     memset(&options, 0, sizeof options);
     options.size = sizeof options;
     options.bones = STRIP_BONES;
-    options.influences = 1;
+    options.influences = 2;
     for (kind = CAGEFORM_RIGID; kind <= CAGEFORM_STRETCHED; ++kind) {
         counts told = {0, 0, 0, 0};
         cageform_running running = running_of(&told);
@@ -595,37 +595,47 @@ static void test_skeletons(void) {
                                     &running, &skeleton, &report) == CAGEFORM_OK);
         CHECK(told.loops > 0 && told.done == 1 && report.message[0] == 0);
         CHECK(report.bones == STRIP_BONES && report.frame < STRIP_FRAMES && report.culprit < STRIP);
-        CHECK(report.max_distance < 1e-6 && report.rms <= report.max_distance && report.beyond == 0);
-        CHECK(report.mean_influences == 1 && report.turn < 1e-3 && report.seconds >= 0);
+        CHECK(report.max_distance < 1e-4 && report.rms <= report.max_distance && report.beyond == 0);
+        CHECK(report.mean_influences >= 1 && report.mean_influences <= 2 && report.turn < 0.1);
+        CHECK(report.seconds >= 0);
         CHECK(cageform_skeleton_describe(skeleton, &info) == CAGEFORM_OK);
         CHECK(info.bones == STRIP_BONES && info.frames == STRIP_FRAMES && info.vertices == STRIP &&
-              info.influences == 1);
+              info.influences == 2);
         CHECK(info.parents[0] == UINT32_MAX && info.parents[1] == 0);
-        CHECK(fabs(info.joints[3] - 5) < 1e-3); /* the hinge */
+        CHECK(fabs(info.joints[3] - 5) < 1e-2); /* the hinge */
         CHECK(cageform_skeleton_transforms(skeleton, output_of(translations, STRIP_NODES, CAGEFORM_DOUBLE, 3),
                                            output_of(rotations, STRIP_NODES, CAGEFORM_DOUBLE, 4),
                                            kind == CAGEFORM_RIGID ? NULL : &to_scales,
                                            kind == CAGEFORM_STRETCHED ? &to_axes : NULL) == CAGEFORM_OK);
         for (t = 0; t < STRIP_FRAMES; ++t) {
             for (i = 0; i < STRIP; ++i) {
-                const size_t own = info.vertex_bones[i];
-                const double* map = info.maps + 12 * (t * STRIP_BONES + own);
-                double place[3], turned[3];
-                uint32_t bone;
+                double mapped[3] = {0, 0, 0}, played[3] = {0, 0, 0}, square = 0;
+                size_t w;
+                for (w = 2 * i; w < 2 * i + 2; ++w) {
+                    const size_t own = info.vertex_bones[w];
+                    const double* map = info.maps + 12 * (t * STRIP_BONES + own);
+                    double place[3], turned[3];
+                    uint32_t bone;
+                    for (k = 0; k < 3; ++k) {
+                        mapped[k] += info.weights[w] *
+                                     (its.rest[i][0] * map[k] + its.rest[i][1] * map[3 + k] + map[9 + k]);
+                        place[k] = its.rest[i][k] - info.joints[3 * own + k];
+                    }
+                    for (bone = (uint32_t)own; bone != UINT32_MAX; bone = info.parents[bone]) {
+                        const size_t n = t * STRIP_BONES + bone;
+                        turn(axes[n], place, turned);
+                        for (k = 0; k < 3; ++k) turned[k] *= scales[n][k];
+                        turn(rotations[n], turned, place);
+                        for (k = 0; k < 3; ++k) place[k] += translations[n][k];
+                    }
+                    for (k = 0; k < 3; ++k) played[k] += info.weights[w] * place[k];
+                }
                 for (k = 0; k < 3; ++k) {
-                    CHECK(fabs(its.rest[i][0] * map[k] + its.rest[i][1] * map[3 + k] + map[9 + k] -
-                               its.frames[t][i][k]) < 1e-5);
-                    place[k] = its.rest[i][k] - info.joints[3 * own + k];
+                    CHECK(fabs(played[k] - mapped[k]) < 1e-5); /* scales are floats */
+                    square += (mapped[k] - its.frames[t][i][k]) * (mapped[k] - its.frames[t][i][k]);
                 }
-                for (bone = (uint32_t)own; bone != UINT32_MAX; bone = info.parents[bone]) {
-                    const size_t n = t * STRIP_BONES + bone;
-                    turn(axes[n], place, turned);
-                    for (k = 0; k < 3; ++k) turned[k] *= scales[n][k];
-                    turn(rotations[n], turned, place);
-                    for (k = 0; k < 3; ++k) place[k] += translations[n][k];
-                }
-                for (k = 0; k < 3; ++k) CHECK(fabs(place[k] - its.frames[t][i][k]) < 1e-5);
-                CHECK(info.weights[i] == 1);
+                CHECK(sqrt(square) < report.max_distance * sqrt(101) + 1e-9); /* the strip's diagonal */
+                CHECK(fabs(info.weights[2 * i] + info.weights[2 * i + 1] - 1) < 1e-6);
             }
         }
         if (kind > CAGEFORM_RIGID) /* it has scales */
