@@ -60,7 +60,8 @@ class Skeleton(Owner):
         check(library.cageform_skeleton_describe(handle, info))
 
         def copy(pointer: Any, *shape: int) -> Array:
-            return np.ctypeslib.as_array(pointer, shape).copy()
+            array: Array = np.ctypeslib.as_array(pointer, shape)
+            return array.copy()
         its.bones, its.frames, its.influences = info.bones, info.frames, info.influences
         parents = copy(info.parents, info.bones)
         its.parents = np.where(parents == 0xFFFFFFFF, -1, parents.astype(np.int64))
