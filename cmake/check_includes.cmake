@@ -26,7 +26,7 @@ set(allowed_papers core cage grid coordinates papers)
 set(allowed_skeleton core config cage/triangle_mesh.hpp binding/types/skin_weights.hpp pose/detail/nearest_rotation.hpp
                      animate/curves/rigid_motion.hpp skeleton)
 set(allowed_exchange core animate exchange)
-set(allowed_c core version cage grid coordinates binding clone pose animate enclose c)
+set(allowed_c core version cage grid coordinates binding clone pose animate enclose skeleton c)
 # The waist: what a game ships may not pull in how it was made.
 set(waist binding/binding.hpp binding/detail/packed_binding.hpp binding/types/blob.hpp binding/detail/figure_parts.hpp
           binding/detail/figure_opener.hpp binding/types/no_vectors.hpp binding/figure.hpp)

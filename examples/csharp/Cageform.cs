@@ -423,6 +423,8 @@ namespace Cageform
             internal UIntPtr iterations, folded;
             internal int settled;
             internal double curve_error;
+            internal UIntPtr bones, frame, beyond;
+            internal double rms, max_distance, turn, mean_influences;
         }
 
         internal static UIntPtr SizeOf<T>() { return (UIntPtr)Marshal.SizeOf(typeof(T)); }

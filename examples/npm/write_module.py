@@ -3,8 +3,8 @@
     python3 write_module.py include/cageform/c/cageform.h include/cageform/version.hpp FOLDER
 
 FOLDER/layout.js and layout.d.ts, for the package; layout_check.hpp, which cageform.cpp compiles: the compiler proves the
-offsets; exports.txt and exports_runtime.txt, options of the linker. The package's run time leaves
-pins out: they are a third of its bytes.
+offsets; exports.txt and exports_runtime.txt, options of the linker. The package has no skeletons yet, and its run time
+leaves pins out: they are a third of its bytes.
 """
 
 import pathlib
@@ -72,7 +72,7 @@ def write_types(header, layouts):
     lines += ['', '/** Numbers of a report, as the header of C describes them; a call sets those that it knows, others are 0. */',
               'export interface ReportNumbers {']
     for name, (kind, _, count, _) in layouts['cageform_report']['fields'].items():
-        if name not in ('size', 'status', 'reserved', 'culprit', 'fault', 'message', 'settled'):
+        if name not in ('size', 'status', 'reserved', 'culprit', 'frame', 'fault', 'message', 'settled'):
             lines.append('  readonly %s: number;' % camel(name))
     return '\n'.join(lines + ['}', ''])
 
@@ -104,7 +104,7 @@ def main():
     layouts = layouts_of(header)
     number = re.search(r'VERSION_STRING "(.*)"', version).group(1)
     for name, written in (('layout.js', write_script(header, layouts, number)), ('layout.d.ts', write_types(header, layouts)),
-                          ('layout_check.hpp', write_check(layouts, runtime)), ('exports.txt', exports_of(header)),
+                          ('layout_check.hpp', write_check(layouts, runtime)), ('exports.txt', exports_of(header, ('skeleton',))),
                           ('exports_runtime.txt', exports_of(runtime, ('pins', 'samples')))):
         path = folder / name
         if not path.exists() or path.read_text() != written:

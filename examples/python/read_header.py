@@ -7,8 +7,8 @@
 import re
 import sys
 
-NUMBERS = {'size_t': 'c_size_t', 'uint32_t': 'c_uint32', 'int32_t': 'c_int32', 'uint64_t': 'c_uint64', 'double': 'c_double',
-           'int': 'c_int', 'char': 'c_char', 'cageform_status': 'c_int32'}
+NUMBERS = {'size_t': 'c_size_t', 'uint16_t': 'c_uint16', 'uint32_t': 'c_uint32', 'uint64_t': 'c_uint64',
+           'int32_t': 'c_int32', 'float': 'c_float', 'double': 'c_double', 'int': 'c_int', 'char': 'c_char', 'cageform_status': 'c_int32'}
 
 
 class Header:

@@ -58,6 +58,7 @@ rsvg-convert -o $out/cat.png $out/cat.svg
 $python $scripts/mesh.py tests/data/fingers/cage.obj $out 60
 $python $scripts/clip.py
 $python $scripts/gradients.py
+$python $scripts/skeleton.py
 $python $scripts/plot_weights.py $out/weights.png
 
 if [ "$(id -u)" -eq 0 ]; then

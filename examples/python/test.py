@@ -39,6 +39,26 @@ def inside(count, dimension=2, dtype=np.float64):
     return (rng.uniform(0.5, 3.5, (count, 2)) if dimension == 2 else rng.uniform(-0.9, 0.9, (count, 3))).astype(dtype)
 
 
+def hinge():
+    """Returns a strip at rest (22, 3), its places (8, 22, 3) as it bends about its middle and moves, and its faces."""
+    rest = np.array([(x, y, 0) for x in range(11) for y in (0, 1)], float)
+    frames = np.repeat(rest[None], 8, axis=0)
+    beyond = np.maximum(rest[:, 0] - 5, 0)
+    for t, frame in enumerate(frames):
+        frame[:, 0] += (np.cos(0.2 * t) - 1) * beyond + 3 * t
+        frame[:, 2] += np.sin(0.2 * t) * beyond
+    return rest, frames, np.array([(i, i + 1, i + 2) for i in range(20)])
+
+
+def rotation(quaternions):
+    """Returns the matrices (…, 3, 3) of quaternions x, y, z, w (…, 4)."""
+    x, y, z, w = np.moveaxis(quaternions, -1, 0)
+    rows = ((1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)),
+            (2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)),
+            (2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)))
+    return np.moveaxis(np.array(rows), (0, 1), (-2, -1))
+
+
 class Arrays(unittest.TestCase):
     def test_layouts(self):
         """Every layout of the same numbers gives the same bits, and outputs are the caller's memory."""
@@ -563,6 +583,85 @@ class Made(unittest.TestCase):
         self.assertEqual(len(cage.vertices), 8)
         with self.assertRaises(errors.FigureEmpty):
             cageform.make_cage(np.empty((0, 2)), np.empty((0, 2), int))
+
+    def test_skeletons(self):
+        """Arrays, transforms and the report of a skeleton agree, of every kind; threads leave the bits alone."""
+        rest, frames, faces = hinge()
+        for kind in ('rigid', 'similar', 'stretched'):
+            skeleton, report = cageform.fit_skeleton(rest, frames, faces, bones=2, kind=kind, threads=1)
+            again, _ = cageform.fit_skeleton(rest.tolist(), list(frames), bones=2, faces=faces, kind=kind, threads=3)
+            for name in ('parents', 'joints', 'vertex_bones', 'weights', 'maps'):
+                np.testing.assert_array_equal(getattr(skeleton, name), getattr(again, name))
+            self.assertEqual((skeleton.bones, skeleton.frames, skeleton.influences), (2, 8, 4))
+            self.assertEqual((report.bones, report.beyond), (2, 0))
+            self.assertEqual((skeleton.maps.shape, skeleton.weights.shape), ((8, 2, 3, 4), (len(rest), 4)))
+            self.assertEqual(list(skeleton.parents), [-1, 0])
+            self.assertAlmostEqual(skeleton.joints[1, 0], 5, places=2)  # the hinge
+            np.testing.assert_allclose(skeleton.weights.sum(axis=1), 1, atol=1e-6)
+            self.assertTrue((np.diff(skeleton.weights, axis=1) <= 0).all())
+            self.assertLess(report.max_distance, 5e-3)
+            size = np.linalg.norm(np.ptp(rest, axis=0))
+            distances = np.linalg.norm(skeleton.places(rest) - frames, axis=2) / size
+            self.assertAlmostEqual(distances.max(), report.max_distance, places=6)
+            self.assertAlmostEqual(distances[report.frame, report.culprit], report.max_distance, places=6)
+            self.assertAlmostEqual(np.sqrt((distances ** 2).mean()), report.rms, places=6)
+            self.check_transforms(skeleton, kind)
+
+    def check_transforms(self, skeleton, kind):
+        """The product of the nodes' transforms from the root on is the map, after a shift by the joint."""
+        moves, turns, scales, axes = skeleton.transforms()
+        if kind == 'rigid':
+            self.assertTrue((scales == 1).all())
+        if kind != 'stretched':
+            self.assertTrue((axes == (0, 0, 0, 1)).all())
+        for turned in (turns, axes):
+            np.testing.assert_allclose(np.linalg.norm(turned, axis=2), 1)
+            self.assertTrue(((turned[1:] * turned[:-1]).sum(axis=2) >= 0).all())
+        local = np.zeros((skeleton.frames, skeleton.bones, 4, 4))
+        local[..., :3, :3] = rotation(turns) @ (scales[..., None] * rotation(axes))
+        local[..., :3, 3], local[..., 3, 3] = moves, 1
+        for bone, parent in enumerate(skeleton.parents):
+            if parent >= 0:
+                local[:, bone] = local[:, parent] @ local[:, bone]
+        places = local[..., :3, 3] - np.einsum('tbij,bj->tbi', local[..., :3, :3], skeleton.joints)
+        # A scale within 1e-6 of 1 is 1: of the bone and of its parent, over distances below 10.
+        np.testing.assert_allclose(local[..., :3, :3], skeleton.maps[..., :3], atol=2e-6)
+        np.testing.assert_allclose(places, skeleton.maps[..., 3], atol=2e-5)
+
+    def test_bones_by_distance(self):
+        rest, frames, faces = hinge()
+        skeleton, report = cageform.fit_skeleton(rest.astype(np.float32), frames, max_distance=0.002)
+        self.assertLessEqual(report.max_distance, 0.002)
+        self.assertEqual((skeleton.bones, report.beyond), (report.bones, 0))
+        self.assertRegex(str(report), 'bones: %d\nrms: ' % report.bones)
+
+    def test_skeletons_refused(self):
+        rest, frames, faces = hinge()
+        torn, wrong = frames.copy(), faces.copy()
+        torn[5, 7, 1], wrong[3, 1] = np.nan, len(rest)
+        for kind, words, call in (
+                (errors.BonesNotSupported, '', lambda: cageform.fit_skeleton(rest, frames)),
+                (errors.MotionEmpty, '', lambda: cageform.fit_skeleton(rest, frames[:1], bones=2)),
+                (errors.MotionEmpty, '', lambda: cageform.fit_skeleton(rest[:0], frames[:, :0], bones=2)),
+                (errors.FrameNotFinite, 'frame 5, vertex 7', lambda: cageform.fit_skeleton(rest, torn, bones=2)),
+                (errors.FrameNotFinite, 'vertex 7', lambda: cageform.fit_skeleton(torn[5], frames, bones=2)),
+                (errors.FaceWithoutVertex, 'face 3', lambda: cageform.fit_skeleton(rest, frames, wrong, bones=2)),
+                (errors.InfluencesNotSupported, '', lambda: cageform.fit_skeleton(rest, frames, bones=2, influences=9)),
+                (errors.ValueNotFinite, '', lambda: cageform.fit_skeleton(rest, frames, max_distance=np.nan)),
+                (errors.Cancelled, '', lambda: cageform.fit_skeleton(rest, frames, bones=2, progress=lambda done: False)),
+                (ValueError, 'influences.*0', lambda: cageform.fit_skeleton(rest, frames, bones=2, influences=0)),
+                (ValueError, 'bones: -1', lambda: cageform.fit_skeleton(rest, frames, bones=-1)),
+                (ValueError, "kind: .*'soft'", lambda: cageform.fit_skeleton(rest, frames, bones=2, kind='soft')),
+                (ValueError, r'frames.*\(#frames, 22, 3\), not \(8, 11, 3\)',
+                 lambda: cageform.fit_skeleton(rest, frames[:, ::2], bones=2)),
+                (ValueError, r'rest.*\(22, 2\)', lambda: cageform.fit_skeleton(rest[:, :2], frames, bones=2)),
+                (ValueError, r'faces.*\(#faces, 3\)', lambda: cageform.fit_skeleton(rest, frames, [0, 1, 2], bones=2)),
+                (TypeError, 'fit_skeleton', cageform.Skeleton)):
+            with self.assertRaisesRegex(kind, words):
+                call()
+        with self.assertRaises(errors.FrameNotFinite) as caught:
+            cageform.fit_skeleton(rest, torn, bones=2)
+        self.assertEqual((caught.exception.culprit, caught.exception.report.frame), (7, 5))
 
     def test_pins(self):
         bar = np.array([(0, 0), (2, 0), (4, 0), (6, 0), (6, 1), (4, 1), (2, 1), (0, 1)], float)

@@ -12,6 +12,7 @@
 #include <cageform/clone/clone_transposed.hpp>
 #include <cageform/coordinates/harmonic.hpp>
 #include <cageform/coordinates/mean_value.hpp>
+#include <cageform/skeleton/fit_skeleton.hpp>
 
 #include <cstring>
 #include <set>
@@ -99,6 +100,70 @@ struct Bar {
     }
 };
 
+/// A bar that bends and twists by turns that differ in every frame.
+template <class T>
+struct Motion {
+    MeshData figure = divided_box({1, 1, 3}, 2);
+    std::vector<Vec<double, 3>> rest = figure.vertices;
+    std::vector<std::uint32_t> indices;
+    std::vector<std::vector<Vec<T, 3>>> frames;
+    std::vector<Vec<T, 3>> in_a_row;
+
+    explicit Motion(Random random) {
+        for (const auto& face : figure.faces) {
+            for (const int vertex : face) indices.push_back(std::uint32_t(vertex));
+        }
+        for (std::size_t t = 0; t < 7; ++t) {
+            const double twist = random.uniform(-0.5, 0.5), bend = random.uniform(-0.3, 0.3);
+            auto& frame = frames.emplace_back();
+            for (const auto& v : rest) {
+                const auto [x, y, z] = std::array{v[0], v[1], v[2]};
+                const double c = std::cos(twist * z), s = std::sin(twist * z);
+                frame.push_back({T(c * x - s * y + bend * z * z), T(s * x + c * y), T(z)});
+            }
+            in_a_row.insert(in_a_row.end(), frame.begin(), frame.end());
+        }
+    }
+};
+
+template <class T>
+void check_skeleton_bits(std::uint64_t seed) {
+    CAPTURE(seed);
+    const Motion<T> motion{Random(seed)};
+    for (const auto kind :
+         {cageform::BoneKind::rigid, cageform::BoneKind::similar, cageform::BoneKind::stretched}) {
+        const auto expected = cageform::fit_skeleton(motion.rest, motion.frames, motion.figure.faces,
+                                                     {.bones = 3, .influences = 2, .kind = kind});
+        REQUIRE(expected);
+        auto options = sized<cageform_skeleton_options>();
+        options.bones = 3;
+        options.influences = 2;
+        options.kind = std::uint32_t(kind);
+        auto running = sized<cageform_running>();
+        running.threads = 2;
+        auto report = sized<cageform_report>();
+        Owned<cageform_skeleton> skeleton;
+        REQUIRE(cageform_fit_skeleton(points_of(motion.rest), points_of(motion.in_a_row),
+                                      motion.indices.data(), motion.indices.size(), &options, &running,
+                                      &skeleton.object, &report) == CAGEFORM_OK);
+        CHECK(report.rms == expected.report.rms);
+        CHECK(report.max_distance == expected.report.max_distance);
+        CHECK(report.frame == expected.report.frame);
+        CHECK(report.culprit == expected.report.vertex);
+        auto info = sized<cageform_skeleton_info>();
+        REQUIRE(cageform_skeleton_describe(skeleton.object, &info) == CAGEFORM_OK);
+        const auto& its = expected.value;
+        REQUIRE(info.bones == its.bones);
+        REQUIRE(info.frames == its.frames);
+        REQUIRE(info.vertices == motion.rest.size());
+        CHECK(std::equal(its.parents.begin(), its.parents.end(), info.parents));
+        CHECK(std::equal(its.skin.joints.begin(), its.skin.joints.end(), info.vertex_bones));
+        CHECK(std::equal(its.skin.weights.begin(), its.skin.weights.end(), info.weights));
+        CHECK(std::memcmp(info.joints, its.joints.data(), its.bones * 3 * sizeof(double)) == 0);
+        CHECK(std::memcmp(info.maps, its.maps.data(), its.frames * its.bones * 12 * sizeof(double)) == 0);
+    }
+}
+
 template <class T>
 void check_bits(std::uint32_t type, const auto& coordinates) {
     const Bar<T> bar(type);
@@ -177,6 +242,11 @@ TEST_CASE("bindings, packed bytes and clones have the bits of C++", "[c]") {
     check_bits<double>(CAGEFORM_HARMONIC, cageform::HarmonicCoordinates<double, 3>(box.mesh<double>()));
 }
 
+TEST_CASE("skeletons have the bits of C++", "[c]") {
+    check_skeleton_bits<float>(20261127);
+    check_skeleton_bits<double>(20261128);
+}
+
 TEST_CASE("memory that runs out is a status, and nothing leaks", "[c]") {
     Bar<double> bar(CAGEFORM_MEAN_VALUE, 20);
     const auto fails = [&](auto call) {
@@ -203,6 +273,20 @@ TEST_CASE("memory that runs out is a status, and nothing leaks", "[c]") {
               Owned<cageform_figure> figure;
               return cageform_binding_figure(bar.binding.object, &figure.object);
           }) == 1);
+    const Motion<float> motion{Random(20261127)};
+    auto options = sized<cageform_skeleton_options>();
+    options.bones = 2;
+    Owned<cageform_skeleton> skeleton;
+    CHECK(fails([&] {
+              return cageform_fit_skeleton(points_of(motion.rest), points_of(motion.in_a_row), nullptr, 0,
+                                           &options, nullptr, &skeleton.object, nullptr);
+          }) > 3);
+    std::vector<Vec<double, 3>> translations(14);
+    std::vector<Vec<double, 4>> rotations(14);
+    CHECK(fails([&] {
+              return cageform_skeleton_transforms(skeleton.object, output_of(translations),
+                                                  output_of(rotations), nullptr, nullptr);
+          }) == 1);
 }
 
 TEST_CASE("hostile calls end with a status", "[c]") {
@@ -212,6 +296,7 @@ TEST_CASE("hostile calls end with a status", "[c]") {
     Owned<cageform_pins> pins;
     Owned<cageform_bytes> packed, clip;
     Owned<cageform_player> player;
+    Owned<cageform_skeleton> skeleton;
     REQUIRE(cageform_binding_figure(space.binding.object, &figure.object) == CAGEFORM_OK);
     auto sampling = sized<cageform_samples_options>();
     sampling.samples = 200;
@@ -228,6 +313,10 @@ TEST_CASE("hostile calls end with a status", "[c]") {
     std::size_t clip_bytes = 0;
     REQUIRE(cageform_bytes_view(clip.object, &clip_data, &clip_bytes) == CAGEFORM_OK);
     REQUIRE(cageform_play_bytes(clip_data, clip_bytes, nullptr, &player.object) == CAGEFORM_OK);
+    auto fitting = sized<cageform_skeleton_options>();
+    fitting.bones = 1;
+    REQUIRE(cageform_fit_skeleton(points_of(space.pose), points_of(poses), nullptr, 0, &fitting, nullptr,
+                                  &skeleton.object, nullptr) == CAGEFORM_OK);
 
     const std::uint64_t seed = 20261126;
     CAPTURE(seed);
@@ -242,14 +331,15 @@ TEST_CASE("hostile calls end with a status", "[c]") {
         return odd[pick(odd.size())];
     };
     // Objects of every kind, or none, behind a pointer of any type.
-    const std::array<void*, 8> objects{nullptr,
+    const std::array<void*, 9> objects{nullptr,
                                        space.coordinates.object,
                                        space.binding.object,
                                        figure.object,
                                        samples.object,
                                        pins.object,
                                        packed.object,
-                                       player.object};
+                                       player.object,
+                                       skeleton.object};
     const auto any = [&](auto* own) {
         using X = std::remove_pointer_t<decltype(own)>;
         return pick(3) != 0 ? own : static_cast<X*>(objects[pick(objects.size())]);
@@ -284,7 +374,7 @@ TEST_CASE("hostile calls end with a status", "[c]") {
         auto info = spoil(sized<cageform_figure_info>());
         auto report = spoil(sized<cageform_report>());
         const auto points = view();
-        switch (pick(16)) {
+        switch (pick(18)) {
         case 0: status = cageform_figure_describe(any(figure.object), &info); break;
         case 1: status = cageform_figure_rest(any(figure.object), points); break;
         case 2: status = cageform_figure_label(any(figure.object), number(), &text, &out); break;
@@ -369,6 +459,27 @@ TEST_CASE("hostile calls end with a status", "[c]") {
             options.outside = std::uint32_t(pick(4));
             status = cageform_bind(any(space.coordinates.object), reading(), nullptr, nullptr, &options,
                                    nullptr, &binding.object, &report);
+            break;
+        }
+        case 15: {
+            const auto scales = view(), axes = view();
+            status = cageform_skeleton_transforms(any(skeleton.object), points, view(),
+                                                  pick(2) ? &scales : nullptr, pick(2) ? &axes : nullptr);
+            break;
+        }
+        case 16: {
+            auto described = spoil(sized<cageform_skeleton_info>());
+            status = cageform_skeleton_describe(any(skeleton.object), &described);
+            if (pick(20) != 0) break; // takes longer
+            Owned<cageform_skeleton> fitted;
+            auto options = spoil(sized<cageform_skeleton_options>());
+            options.bones = number();
+            options.influences = number();
+            options.kind = std::uint32_t(pick(4));
+            const std::array<std::uint32_t, 4> indices{0, std::uint32_t(number()), 2, 1};
+            status = cageform_fit_skeleton(pick(2) ? points_of(space.pose) : reading(),
+                                           pick(2) ? points_of(poses) : reading(), indices.data(), pick(5),
+                                           &options, nullptr, &fitted.object, &report);
             break;
         }
         default: {

@@ -513,6 +513,234 @@ static void test_made_cages(void) {
     }
 }
 
+/* A strip that bends at a hinge: 22 vertices, 20 faces, 6 frames. */
+enum { STRIP = 22, STRIP_FRAMES = 6, STRIP_BONES = 2, STRIP_NODES = STRIP_FRAMES * STRIP_BONES };
+typedef struct strip {
+    float rest[STRIP][4]; /* the fourth number is none of the place */
+    double frames[STRIP_FRAMES][STRIP][3];
+    uint32_t faces[20][3];
+} strip;
+static strip bent_strip(void) {
+    strip its;
+    size_t i, t;
+    memset(&its, 0, sizeof its);
+    for (i = 0; i < STRIP; ++i) {
+        const double x = (double)(i / 2), y = (double)(i % 2);
+        its.rest[i][0] = (float)x;
+        its.rest[i][1] = (float)y;
+        for (t = 0; t < STRIP_FRAMES; ++t) {
+            const double angle = 0.2 * (double)t, beyond = x > 5 ? x - 5 : 0;
+            its.frames[t][i][0] = x - beyond + cos(angle) * beyond;
+            its.frames[t][i][1] = y;
+            its.frames[t][i][2] = sin(angle) * beyond;
+        }
+        if (i >= 2) {
+            its.faces[i - 2][0] = (uint32_t)(i - 2);
+            its.faces[i - 2][1] = (uint32_t)(i - 1);
+            its.faces[i - 2][2] = (uint32_t)i;
+        }
+    }
+    return its;
+}
+static cageform_points strip_rest(const strip* its) {
+    cageform_points points = points_of(its->rest, STRIP, CAGEFORM_FLOAT, 3);
+    points.stride = sizeof its->rest[0];
+    points.bytes = sizeof its->rest;
+    return points;
+}
+static cageform_points strip_frames(const strip* its) {
+    return points_of(its->frames, (size_t)STRIP * STRIP_FRAMES, CAGEFORM_DOUBLE, 3);
+}
+
+/* out = rotation(scale * axes(v)) + translation, with quaternions x y z w. */
+static void turn(const double* q, const double* v, double* out) {
+    double u[3];
+    size_t k;
+    for (k = 0; k < 3; ++k) {
+        const size_t a = (k + 1) % 3, b = (k + 2) % 3;
+        u[k] = 2 * (q[a] * v[b] - q[b] * v[a]);
+    }
+    for (k = 0; k < 3; ++k) {
+        const size_t a = (k + 1) % 3, b = (k + 2) % 3;
+        out[k] = v[k] + q[3] * u[k] + q[a] * u[b] - q[b] * u[a];
+    }
+}
+
+/* Skeletons of every kind: their arrays and their transforms put vertices where the frames have them. */
+static void test_skeletons(void) {
+    strip its = bent_strip();
+    cageform_skeleton_options options;
+    uint32_t kind;
+    memset(&options, 0, sizeof options);
+    options.size = sizeof options;
+    options.bones = STRIP_BONES;
+    options.influences = 2;
+    for (kind = CAGEFORM_RIGID; kind <= CAGEFORM_STRETCHED; ++kind) {
+        counts told = {0, 0, 0, 0};
+        cageform_running running = running_of(&told);
+        cageform_skeleton* skeleton = NULL;
+        cageform_skeleton_info info;
+        cageform_report report;
+        double translations[STRIP_NODES][3], rotations[STRIP_NODES][4], axes[STRIP_NODES][4];
+        float scales[STRIP_NODES][3];
+        const cageform_output to_scales = output_of(scales, STRIP_NODES, CAGEFORM_FLOAT, 3),
+                              to_axes = output_of(axes, STRIP_NODES, CAGEFORM_DOUBLE, 4);
+        size_t t, i, k;
+        memset(axes, 0, sizeof axes);
+        for (i = 0; i < STRIP_NODES; ++i) axes[i][3] = scales[i][0] = scales[i][1] = scales[i][2] = 1;
+        options.kind = kind;
+        report.size = sizeof report;
+        info.size = sizeof info;
+        CHECK(cageform_fit_skeleton(strip_rest(&its), strip_frames(&its), its.faces[0], 60, &options,
+                                    &running, &skeleton, &report) == CAGEFORM_OK);
+        CHECK(told.loops > 0 && told.done == 1 && report.message[0] == 0);
+        CHECK(report.bones == STRIP_BONES && report.frame < STRIP_FRAMES && report.culprit < STRIP);
+        CHECK(report.max_distance < 1e-4 && report.rms <= report.max_distance && report.beyond == 0);
+        CHECK(report.mean_influences >= 1 && report.mean_influences <= 2 && report.turn < 0.1);
+        CHECK(report.seconds >= 0);
+        CHECK(cageform_skeleton_describe(skeleton, &info) == CAGEFORM_OK);
+        CHECK(info.bones == STRIP_BONES && info.frames == STRIP_FRAMES && info.vertices == STRIP &&
+              info.influences == 2);
+        CHECK(info.parents[0] == UINT32_MAX && info.parents[1] == 0);
+        CHECK(fabs(info.joints[3] - 5) < 1e-2); /* the hinge */
+        CHECK(cageform_skeleton_transforms(skeleton, output_of(translations, STRIP_NODES, CAGEFORM_DOUBLE, 3),
+                                           output_of(rotations, STRIP_NODES, CAGEFORM_DOUBLE, 4),
+                                           kind == CAGEFORM_RIGID ? NULL : &to_scales,
+                                           kind == CAGEFORM_STRETCHED ? &to_axes : NULL) == CAGEFORM_OK);
+        for (t = 0; t < STRIP_FRAMES; ++t) {
+            for (i = 0; i < STRIP; ++i) {
+                double mapped[3] = {0, 0, 0}, played[3] = {0, 0, 0}, square = 0;
+                size_t w;
+                for (w = 2 * i; w < 2 * i + 2; ++w) {
+                    const size_t own = info.vertex_bones[w];
+                    const double* map = info.maps + 12 * (t * STRIP_BONES + own);
+                    double place[3], turned[3];
+                    uint32_t bone;
+                    for (k = 0; k < 3; ++k) {
+                        mapped[k] += info.weights[w] *
+                                     (its.rest[i][0] * map[k] + its.rest[i][1] * map[3 + k] + map[9 + k]);
+                        place[k] = its.rest[i][k] - info.joints[3 * own + k];
+                    }
+                    for (bone = (uint32_t)own; bone != UINT32_MAX; bone = info.parents[bone]) {
+                        const size_t n = t * STRIP_BONES + bone;
+                        turn(axes[n], place, turned);
+                        for (k = 0; k < 3; ++k) turned[k] *= scales[n][k];
+                        turn(rotations[n], turned, place);
+                        for (k = 0; k < 3; ++k) place[k] += translations[n][k];
+                    }
+                    for (k = 0; k < 3; ++k) played[k] += info.weights[w] * place[k];
+                }
+                for (k = 0; k < 3; ++k) {
+                    CHECK(fabs(played[k] - mapped[k]) < 1e-5); /* scales are floats */
+                    square += (mapped[k] - its.frames[t][i][k]) * (mapped[k] - its.frames[t][i][k]);
+                }
+                CHECK(sqrt(square) < report.max_distance * sqrt(101) + 1e-9); /* the strip's diagonal */
+                CHECK(fabs(info.weights[2 * i] + info.weights[2 * i + 1] - 1) < 1e-6);
+            }
+        }
+        if (kind > CAGEFORM_RIGID) /* it has scales */
+            CHECK(cageform_skeleton_transforms(skeleton,
+                                               output_of(translations, STRIP_NODES, CAGEFORM_DOUBLE, 3),
+                                               output_of(rotations, STRIP_NODES, CAGEFORM_DOUBLE, 4), NULL,
+                                               NULL) == CAGEFORM_ARGUMENT_NULL);
+        CHECK(cageform_skeleton_transforms(skeleton,
+                                           output_of(translations, STRIP_NODES - 1, CAGEFORM_DOUBLE, 3),
+                                           output_of(rotations, STRIP_NODES, CAGEFORM_DOUBLE, 4), &to_scales,
+                                           &to_axes) == CAGEFORM_OUTPUT_TOO_SMALL);
+        CHECK(cageform_skeleton_transforms(skeleton, output_of(translations, STRIP_NODES, CAGEFORM_DOUBLE, 3),
+                                           output_of(rotations, STRIP_NODES, CAGEFORM_DOUBLE, 3), &to_scales,
+                                           &to_axes) == CAGEFORM_DIMENSION_DIFFERS);
+        cageform_free(skeleton);
+    }
+}
+
+/* Motions that cannot be fitted are refused, with the place. */
+static void test_skeleton_refusals(void) {
+    strip its = bent_strip();
+    const cageform_points rest = strip_rest(&its), frames = strip_frames(&its);
+    cageform_points bad;
+    cageform_skeleton_options options;
+    cageform_skeleton* none = NULL;
+    cageform_skeleton_info info;
+    cageform_report report;
+    counts told = {0, 0, 1, 0};
+    cageform_running running = running_of(&told);
+    const uint32_t* const faces = its.faces[0];
+    memset(&options, 0, sizeof options);
+    report.size = sizeof report;
+    info.size = sizeof info;
+    CHECK(cageform_fit_skeleton(rest, frames, faces, 60, &options, NULL, &none, &report) ==
+          CAGEFORM_SIZE_NOT_SET);
+    options.size = sizeof options;
+    CHECK(cageform_fit_skeleton(rest, frames, faces, 60, NULL, NULL, &none, &report) ==
+          CAGEFORM_BONES_NOT_SUPPORTED);
+    CHECK(cageform_fit_skeleton(rest, frames, faces, 60, &options, NULL, &none, &report) ==
+          CAGEFORM_BONES_NOT_SUPPORTED);
+    options.bones = 2;
+    CHECK(cageform_fit_skeleton(rest, frames, faces, 60, &options, NULL, NULL, &report) ==
+          CAGEFORM_ARGUMENT_NULL);
+    CHECK(cageform_fit_skeleton(rest, frames, NULL, 60, &options, NULL, &none, &report) ==
+          CAGEFORM_ARGUMENT_NULL);
+    CHECK(cageform_fit_skeleton(rest, frames, faces, 59, &options, NULL, &none, &report) ==
+          CAGEFORM_COUNTS_DO_NOT_MATCH);
+    options.kind = 3;
+    CHECK(cageform_fit_skeleton(rest, frames, faces, 60, &options, NULL, &none, &report) ==
+          CAGEFORM_CHOICE_UNKNOWN);
+    options.kind = CAGEFORM_RIGID;
+    options.influences = 9;
+    CHECK(cageform_fit_skeleton(rest, frames, faces, 60, &options, NULL, &none, &report) ==
+          CAGEFORM_INFLUENCES_NOT_SUPPORTED);
+    options.influences = 0;
+    options.max_distance = -1;
+    CHECK(cageform_fit_skeleton(rest, frames, faces, 60, &options, NULL, &none, &report) ==
+          CAGEFORM_VALUE_NOT_FINITE);
+    options.max_distance = 0;
+    bad = frames;
+    bad.count -= 1;
+    CHECK(cageform_fit_skeleton(rest, bad, faces, 60, &options, NULL, &none, &report) ==
+          CAGEFORM_FRAMES_DO_NOT_MATCH);
+    bad.count = STRIP;
+    CHECK(cageform_fit_skeleton(rest, bad, faces, 60, &options, NULL, &none, &report) ==
+          CAGEFORM_MOTION_EMPTY);
+    bad = rest;
+    bad.count = 0;
+    CHECK(cageform_fit_skeleton(bad, frames, faces, 60, &options, NULL, &none, &report) ==
+          CAGEFORM_MOTION_EMPTY);
+    bad = frames;
+    bad.count += STRIP;
+    CHECK(cageform_fit_skeleton(rest, bad, faces, 60, &options, NULL, &none, &report) ==
+          CAGEFORM_POINTS_LEAVE_MEMORY);
+    bad = rest;
+    bad.dimension = 2;
+    CHECK(cageform_fit_skeleton(bad, frames, faces, 60, &options, NULL, &none, &report) ==
+          CAGEFORM_DIMENSION_DIFFERS);
+    its.faces[7][2] = STRIP;
+    CHECK(cageform_fit_skeleton(rest, frames, faces, 60, &options, NULL, &none, &report) ==
+          CAGEFORM_FACE_WITHOUT_VERTEX);
+    CHECK(strstr(report.message, "(face 7)") != NULL);
+    its.faces[7][2] = 0;
+    its.frames[3][4][1] = NAN;
+    CHECK(cageform_fit_skeleton(rest, frames, faces, 60, &options, NULL, &none, &report) ==
+          CAGEFORM_FRAME_NOT_FINITE);
+    CHECK(report.frame == 3 && report.culprit == 4 && strstr(report.message, "(frame 3, vertex 4)") != NULL);
+    its.frames[3][4][1] = 0;
+    its.rest[5][0] = INFINITY;
+    CHECK(cageform_fit_skeleton(rest, frames, faces, 60, &options, NULL, &none, &report) ==
+          CAGEFORM_FRAME_NOT_FINITE);
+    CHECK(report.frame == CAGEFORM_NONE && report.culprit == 5 &&
+          strstr(report.message, "(vertex 5)") != NULL);
+    its.rest[5][0] = 2;
+    CHECK(cageform_fit_skeleton(rest, frames, faces, 60, &options, &running, &none, &report) ==
+          CAGEFORM_CANCELLED);
+    CHECK(none == NULL && told.steps == 1);
+    CHECK(cageform_skeleton_describe(NULL, &info) == CAGEFORM_ARGUMENT_NULL);
+    CHECK(cageform_fit_skeleton(rest, frames, NULL, 0, &options, NULL, &none, NULL) == CAGEFORM_OK);
+    CHECK(cageform_skeleton_describe(none, NULL) == CAGEFORM_ARGUMENT_NULL);
+    CHECK(cageform_skeleton_describe((const cageform_skeleton*)(const void*)&running, &info) ==
+          CAGEFORM_OBJECT_OF_ANOTHER_KIND);
+    cageform_free(none);
+}
+
 /* Pins: one end of a square stays, the other goes up. */
 static void test_pins(void) {
     const uint32_t chosen[2] = {0, 2}, held[1] = {0}, far[1] = {9};
@@ -651,6 +879,8 @@ int main(void) {
     test_cells_and_blends();
     test_normals();
     test_made_cages();
+    test_skeletons();
+    test_skeleton_refusals();
     test_pins();
     test_refusals();
     if (failures == 0) puts("all is well");

@@ -320,7 +320,7 @@ export class Fault {
 
 /** How a call went. */
 export class Report {
-  constructor({ size, reserved, status, culprit, fault, settled, ...numbers }, engine) {
+  constructor({ size, reserved, status, culprit, frame, fault, settled, ...numbers }, engine) {
     this.status = STATUSES[status] ?? 'failed';
     this.culprit = culprit === NONE ? null : culprit;
     Object.assign(this, numbers);

@@ -246,6 +246,7 @@ typedef struct cageform_bytes cageform_bytes;             /* a file's bytes, ali
 typedef struct cageform_coordinates cageform_coordinates; /* of a cage */
 typedef struct cageform_binding cageform_binding;         /* a figure with all its weights */
 typedef struct cageform_made_cage cageform_made_cage;     /* by cageform_make_cage */
+typedef struct cageform_skeleton cageform_skeleton;       /* by cageform_fit_skeleton */
 typedef struct cageform_samples cageform_samples;         /* of a cage's inside, for pins */
 typedef struct cageform_pins cageform_pins;               /* poses a cage by pins */
 
@@ -311,6 +312,14 @@ typedef struct cageform_report {
 
     /* cageform_compile_clip */
     double curve_error; /* the largest distance of a coordinate from its keys' curve */
+
+    /* cageform_fit_skeleton; distances are shares of the figure's diagonal at rest. The culprit is the vertex
+     * of the largest, or the one that is refused; CAGEFORM_NONE for its frame is the rest */
+    size_t bones, frame;
+    size_t beyond; /* vertices farther away than max_distance */
+    double rms, max_distance;
+    double turn; /* degrees by which 99 % of the faces are turned wrongly at most */
+    double mean_influences;
 } cageform_report;
 
 /* ==== Every frame ======================================================================================= */
@@ -683,6 +692,72 @@ CAGEFORM_API cageform_status cageform_compile_clip(const double* times, size_t c
                                                    const cageform_running* running, cageform_bytes** clip,
                                                    cageform_report* report);
 
+/* ---- Skeletons ----------------------------------------------------------------------------------------- */
+
+enum {
+    CAGEFORM_RIGID = 0,    /* bones turn and move: every engine plays these */
+    CAGEFORM_SIMILAR = 1,  /* one scale besides; the children of a bone scale with it */
+    CAGEFORM_STRETCHED = 2 /* any affine map: only players that multiply matrices show these */
+};
+
+typedef struct cageform_skeleton_options {
+    size_t size;
+    size_t bones;      /* 0: as few as keep max_distance */
+    size_t influences; /* weights a vertex, 1 to 8; 0: 4 */
+    /* The distance, a share of the figure's diagonal at rest, within which every vertex is to stay in every
+     * frame; 0: none. With `bones` the report counts the vertices that are farther away. */
+    double max_distance;
+    uint32_t kind; /* CAGEFORM_RIGID, … */
+    uint32_t reserved;
+} cageform_skeleton_options;
+
+/* Fits a skeleton to any sequence of meshes: bones that turn, joints, a hierarchy, and a few weights a vertex.
+ *
+ *   rest     the vertices at rest, in space, where no bone has moved
+ *   frames   frame after frame, two or more, all vertices each; the rest need not be one
+ *   indices  three a triangle, or null: weights are smooth along edges
+ *   options  bones or max_distance has to be set
+ *   running  threads, progress, cancel; or null. The result does not depend on threads */
+CAGEFORM_API cageform_status cageform_fit_skeleton(cageform_points rest, cageform_points frames,
+                                                   const uint32_t* indices, size_t index_count,
+                                                   const cageform_skeleton_options* options,
+                                                   const cageform_running* running,
+                                                   cageform_skeleton** skeleton, cageform_report* report);
+
+/* A skeleton. A vertex that is at v at rest is in frame t at
+ *
+ *     sum over k < influences of weights[k] * maps[t][vertex_bones[k]](v)
+ *
+ * The arrays live as long as the object. */
+typedef struct cageform_skeleton_info {
+    size_t size;
+    size_t bones, frames, vertices, influences;
+    const uint32_t* parents;      /* bones: those before their children; UINT32_MAX of the root, bone 0 */
+    const double* joints;         /* bones * 3: where each meets its parent, at rest */
+    const uint16_t* vertex_bones; /* vertices * influences; 0 where a weight is 0 */
+    const float* weights;         /* vertices * influences: those of a vertex fall, and their sum is 1 */
+    const double* maps;           /* frames * bones * 12: where x, y, z go, as directions, and the origin */
+} cageform_skeleton_info;
+CAGEFORM_API cageform_status cageform_skeleton_describe(const cageform_skeleton* skeleton,
+                                                        cageform_skeleton_info* info);
+/* Writes the transforms of the bones' nodes, as engines play them: frame after frame, all bones each.
+ *
+ *     x -> rotation(scale * axes(x)) + translation
+ *
+ * goes from a node's own axes, whose origin is its joint, to those of its parent: at rest without a turn. The
+ * product of these along the way from the root, after a shift by -joint, is the bone's map.
+ *
+ *   translations  out, frames * bones of 3 numbers, any scalar
+ *   rotations     out, of 4 numbers: quaternions x y z w, of one sign from frame to frame
+ *   scales        out, of 3 numbers; null only if bones are RIGID, whose scales are 1
+ *   axes          out, quaternions; null unless bones are STRETCHED
+ *   fails         CAGEFORM_VALUE_NOT_FINITE: a parent is flat in some frame; use the maps */
+CAGEFORM_API cageform_status cageform_skeleton_transforms(const cageform_skeleton* skeleton,
+                                                          cageform_output translations,
+                                                          cageform_output rotations,
+                                                          const cageform_output* scales,
+                                                          const cageform_output* axes);
+
 /* ---- Samples for pins ---------------------------------------------------------------------------------- */
 
 typedef struct cageform_samples_options {
@@ -713,5 +788,6 @@ CAGEFORM_API cageform_status cageform_samples_pack(const cageform_samples* sampl
 #include <cageform/c/detail/pins.impl.hpp>
 #if !defined(CAGEFORM_C_RUNTIME_ONLY)
 #include <cageform/c/detail/pack.impl.hpp>
+#include <cageform/c/detail/skeleton.impl.hpp>
 #endif
 #endif

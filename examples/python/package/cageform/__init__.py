@@ -27,10 +27,11 @@ from ._figures import Clip, Figure, compile_clip, open
 from ._library import version as _version
 from ._pins import Pins, Samples, open_samples
 from ._reports import Fault, Report
+from ._skeletons import Skeleton, fit_skeleton
 from .errors import CageformError
 
 __all__ = ['Binding', 'Cage', 'CageformError', 'Clip', 'Coordinates', 'Fault', 'Figure', 'Pins', 'Report', 'Samples',
-           'check', 'compile_clip', 'errors', 'make_cage', 'open', 'open_samples']
+           'Skeleton', 'check', 'compile_clip', 'errors', 'fit_skeleton', 'make_cage', 'open', 'open_samples']
 __version__ = _version()
 
 for _name in __all__:  # messages, help() and pickles know them by the names that users do

@@ -96,12 +96,21 @@ class Report:
     # compile_clip
     curve_error: float = 0         #: the largest distance of a coordinate from its keys' curve
 
+    # fit_skeleton; distances are shares of the figure's diagonal at rest. The culprit is the vertex of the largest
+    bones: int = 0
+    frame: Optional[int] = None    #: that of the culprit; None, if a vertex is refused: at rest
+    beyond: int = 0                #: vertices farther away than max_distance
+    rms: float = 0
+    max_distance: float = 0
+    turn: float = 0                #: degrees by which 99 % of the faces are turned wrongly at most
+    mean_influences: float = 0
+
     def __str__(self) -> str:
         lines = [self.message] if self.message else []
         if self.fault and self.fault.is_warning:
             lines.append(str(self.fault))
         for name, value in self._known():
-            if name not in ('status', 'message', 'culprit', 'fault'):
+            if name not in ('status', 'message', 'culprit', 'frame', 'fault'):
                 value = '%.3g' % value if isinstance(value, float) else 'yes' if value is True else value
                 lines.append('%s: %s' % (name.replace('_', ' '), value))
         return '\n'.join(lines) or 'ok'
@@ -117,6 +126,6 @@ class Report:
     def _of(cls, its: Any) -> Report:
         members = {own.name: getattr(its, own.name) for own in fields(cls)}
         members.update(status=_c.STATUSES.get(its.status, 'failed'), message=its.message.decode(),
-                       culprit=index_of(its.culprit), fault=Fault._of(its.fault) if its.fault.text else None,
-                       settled=bool(its.settled))
+                       culprit=index_of(its.culprit), frame=index_of(its.frame),
+                       fault=Fault._of(its.fault) if its.fault.text else None, settled=bool(its.settled))
         return cls(**members)

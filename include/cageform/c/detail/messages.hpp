@@ -19,13 +19,13 @@ constexpr const char* word_of(std::uint32_t element) noexcept {
 /// A report that says nothing yet.
 inline cageform_report empty_report() noexcept {
     cageform_report report{};
-    report.culprit = CAGEFORM_NONE;
+    report.culprit = report.frame = CAGEFORM_NONE;
     report.fault.a = report.fault.b = CAGEFORM_NONE;
     report.fault.text = "";
     return report;
 }
 
-/// Writes the sentence of a report: the status, and the culprit by its word.
+/// Writes the sentence of a report: the status, and the culprit by its word, with its frame.
 inline void add_message(cageform_report& report, const char* word) noexcept {
     char* const at = report.message;
     constexpr std::size_t room = sizeof(report.message);
@@ -39,6 +39,8 @@ inline void add_message(cageform_report& report, const char* word) noexcept {
                           word_of(fault.b_is), fault.b);
         else
             std::snprintf(at, room, "%s (%s %zu)", text, word_of(fault.a_is), fault.a);
+    } else if (report.culprit != CAGEFORM_NONE && report.frame != CAGEFORM_NONE) {
+        std::snprintf(at, room, "%s (frame %zu, %s %zu)", text, report.frame, word, report.culprit);
     } else if (report.culprit != CAGEFORM_NONE) {
         std::snprintf(at, room, "%s (%s %zu)", text, word, report.culprit);
     } else {

@@ -41,6 +41,7 @@ struct Object {
         made_cage,
         samples,
         pins,
+        skeleton,
         none
     };
 

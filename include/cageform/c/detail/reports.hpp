@@ -8,6 +8,7 @@
 #include <cageform/core/running.hpp>
 #include <cageform/enclose/types/make_cage_options.hpp>
 #include <cageform/pose/types/pose_sample_options.hpp>
+#include <cageform/skeleton/types/skeleton_options.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail::c {
 
@@ -112,6 +113,20 @@ inline void fill(cageform_report& report, const MakeCageReport& made) noexcept {
     report.volume = made.area;
     report.tightest_volume = made.tightest_area;
     report.least_angle = made.least_angle;
+}
+/// Frames are counted, so that one that is not below says the rest.
+inline void fill(cageform_report& report, const SkeletonReport& fitted, std::size_t frames) noexcept {
+    if (fitted.status == Status::ok || fitted.status == Status::frame_not_finite) {
+        report.culprit = fitted.vertex;
+        report.frame = fitted.frame < frames ? fitted.frame : CAGEFORM_NONE;
+    }
+    report.bones = fitted.bones;
+    report.beyond = fitted.beyond;
+    report.rms = fitted.rms;
+    report.max_distance = fitted.max_distance;
+    report.turn = fitted.turn;
+    report.mean_influences = fitted.mean_influences;
+    report.seconds = fitted.seconds;
 }
 
 } // namespace cageform::inline CAGEFORM_ABI::detail::c
