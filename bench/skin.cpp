@@ -4,14 +4,18 @@
 //
 //     bench_skin [--cage NAME] [--obj FILE] [--points COUNT] [--walks COUNT] [--keep FOLDER] [ACCURACY…]
 //     bench_skin --obj CAGE --figure FILE --pose CAGE [ACCURACY…]
+//     bench_skin --obj CAGE --figure FILE --joints COUNT
 //
-// The second form prints how far the points of a posed figure move from those of the last accuracy.
+// The second form prints how far the points of a posed figure move from those of the last accuracy. The third
+// twists the cage by 80 degrees about each axis, and prints what skins of so many joints a vertex lose: the
+// angle by which 99 % of the faces are turned wrongly at most, and the largest distance.
 // With -I of another version's headers it measures that version, at the same points.
 #include "../tests/support/fingers.hpp"
 #include "../tests/support/walk_on_spheres.hpp"
 #include "workloads.hpp"
 
 #include <cageform/binding/bind.hpp>
+#include <cageform/binding/smooth_skin_weights.hpp>
 #include <cageform/clone/clone.hpp>
 #include <cageform/coordinates/harmonic.hpp>
 #include <cageform/core/threads.hpp>
@@ -162,6 +166,65 @@ int print_poses(const NamedCage& cage, const cageform_bench::ObjMesh& figure,
     return 0;
 }
 
+/// A cage twisted about an axis, by 80 degrees from end to end.
+std::vector<Point> twisted(std::span<const Point> rest, std::size_t axis) {
+    const auto bounds = cageform::bounds_of(rest);
+    const double length = bounds.upper[axis] - bounds.lower[axis];
+    std::vector<Point> pose;
+    for (Point p : rest) {
+        const double angle = 80 / 57.295779513 * (p[axis] - bounds.lower[axis]) / length;
+        double &x = p[(axis + 1) % 3], &y = p[(axis + 2) % 3];
+        const double before = x;
+        x = std::cos(angle) * before - std::sin(angle) * y;
+        y = std::sin(angle) * before + std::cos(angle) * y;
+        pose.push_back(p);
+    }
+    return pose;
+}
+
+/// Prints what skins lose in twists: of each vertex alone, and of all together.
+int print_skins(const NamedCage& cage, const cageform_bench::ObjMesh& figure, std::size_t joints) {
+    const auto bound = cageform::bind(cageform::HarmonicCoordinates<double, 3>(cage.mesh), figure.vertices);
+    const cageform::SkinWeightsOptions options{.influences = joints};
+    for (const bool together : {false, true}) {
+        const auto start = std::clock();
+        const auto skin = together ? cageform::smooth_skin_weights(bound.value, figure.faces, options)
+                                   : cageform::skin_weights(bound.value, options);
+        const double seconds = double(std::clock() - start) / CLOCKS_PER_SEC;
+        const auto status = bound ? skin.status() : bound.status();
+        if (status != cageform::Status::ok) {
+            std::fprintf(stderr, "bench_skin: a skin of %zu joints: %s\n", joints, to_string(status));
+            return 1;
+        }
+        const auto played = cageform::skin_to_binding(bound.value, skin.value);
+        std::printf("%2zu joints, %s, %.2f s:", joints, together ? "together" : "alone", seconds);
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const auto pose = twisted(cage.mesh.vertices(), axis);
+            std::vector<Point> right(figure.vertices.size()), moved(right);
+            if (clone(bound.value, pose, right) != cageform::Status::ok ||
+                clone(played.value, pose, moved) != cageform::Status::ok)
+                return 1;
+            double farthest = 0;
+            for (std::size_t i = 0; i < right.size(); ++i)
+                farthest = std::fmax(farthest, cageform::detail::length(moved[i] - right[i]));
+            std::vector<double> turns;
+            for (const auto& face : figure.faces) {
+                const auto normal = [&](const std::vector<Point>& places) {
+                    const auto corner = [&](std::size_t k) { return places[std::size_t(face[k])]; };
+                    return cross(corner(1) - corner(0), corner(2) - corner(0));
+                };
+                const Point a = normal(right), b = normal(moved);
+                turns.push_back(57.295779513 * std::atan2(cageform::detail::length(cross(a, b)), dot(a, b)));
+            }
+            std::sort(turns.begin(), turns.end());
+            const double turn = turns.empty() ? 0 : turns[std::size_t(0.99 * double(turns.size()))];
+            std::printf("  %c %.1f degrees, %.3f", "xyz"[axis], turn, farthest);
+        }
+        std::printf("\n");
+    }
+    return 0;
+}
+
 /// Reads a positive number, for counts a whole one, or ends the program with a message.
 template <class T = double>
 T number_of(const char* what, const std::string& word) {
@@ -177,7 +240,7 @@ T number_of(const char* what, const std::string& word) {
 
 int main(int argc, char** argv) {
     std::string only, folder;
-    std::size_t count = 200;
+    std::size_t count = 200, joints = 0;
     std::uint64_t walks = 100000;
     std::vector<double> accuracies;
     std::vector<NamedCage> files;
@@ -198,6 +261,8 @@ int main(int argc, char** argv) {
             figure = cageform_bench::read_obj(argv[++n]);
         } else if (word == "--pose" && has_value) {
             pose = cageform_bench::read_obj(argv[++n]);
+        } else if (word == "--joints" && has_value) {
+            joints = number_of<std::size_t>("--joints", argv[++n]);
         } else if (word == "--points" && has_value) {
             count = number_of<std::size_t>("--points", argv[++n]);
         } else if (word == "--walks" && has_value) {
@@ -209,6 +274,11 @@ int main(int argc, char** argv) {
         }
     }
     if (accuracies.empty()) accuracies = {1e-2, 5e-3, 2e-3, 1e-3};
+    if (joints > 0) {
+        if (files.size() == 1 && !figure.vertices.empty()) return print_skins(files[0], figure, joints);
+        std::fprintf(stderr, "bench_skin: --joints needs one cage and --figure\n");
+        return 2;
+    }
     if (!figure.vertices.empty() || !pose.vertices.empty()) {
         if (files.size() == 1 && !figure.vertices.empty() && pose.vertices.size() == files[0].mesh.size())
             return print_poses(files[0], figure, pose, accuracies);
