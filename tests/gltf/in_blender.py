@@ -88,7 +88,7 @@ class Glb:
         return result
 
     def places(self, time):
-        """Of all vertices of the first mesh, in glTF's axes."""
+        """Returns where all vertices of the first mesh are, in glTF's axes."""
         local, nodes = self.locals_at(time), self.json["nodes"]
         world = [None] * len(nodes)
 
