@@ -4,7 +4,6 @@
 #include "../support/effort.hpp"
 #include "../support/meshes.hpp"
 
-#define CAGEFORM_C_IMPLEMENTATION
 #include <cageform/binding/pack.hpp>
 #include <cageform/c/cageform.h>
 #include <cageform/c/detail/objects.hpp>

@@ -68,7 +68,7 @@ std::vector<double> errors(const Fingers& fingers, double accuracy) {
 
 TEST_CASE("the corrections of a row keep constants and positions, whatever is near",
           "[coordinates][harmonic][space][property]") {
-    const int seed = GENERATE(seeds(24));
+    const int seed = GENERATE(seeds(effort(24, 6)));
     CAPTURE(seed);
     std::size_t scaled = 0;
     for (const bool is_prism : {false, true}) {
@@ -201,7 +201,7 @@ TEST_CASE("next to a reflex edge errors are as small as was asked for", "[coordi
         REQUIRE(weights.status() == cageform::Status::ok);
         return weights.rows;
     };
-    const auto rows = weights_of(accuracy), known = weights_of(5e-4);
+    const auto rows = weights_of(accuracy), known = weights_of(effort(5e-4, 2e-3));
     double worst = 0;
     for (std::size_t n = 0; n < points.size(); ++n) {
         for (std::size_t i = 0; i < mesh.size(); ++i)
@@ -211,6 +211,7 @@ TEST_CASE("next to a reflex edge errors are as small as was asked for", "[coordi
     CHECK(worst <= accuracy); // without the singular function 2.5e-2
 }
 
+#if !defined(CAGEFORM_SANITIZED) // minutes there, and the same code as in the test of fingers without a skin
 TEST_CASE("next to the skin of thin fingers errors are as small as was asked for",
           "[coordinates][harmonic][space][oracle]") {
     const Fingers fingers(CAGEFORM_TEST_DATA "/fingers", 1, "skin.txt");
@@ -223,10 +224,15 @@ TEST_CASE("next to the skin of thin fingers errors are as small as was asked for
     CHECK(found[36] <= accuracy);
     CHECK(found.back() <= 3 * accuracy);
 }
+#endif
 
 TEST_CASE("weights next to the skin depend neither on other points nor on threads",
           "[coordinates][harmonic][space][property]") {
+#if defined(CAGEFORM_SANITIZED) // seven solves
+    const auto mesh = u_prism();
+#else
     const auto mesh = Fingers(CAGEFORM_TEST_DATA "/fingers").cage();
+#endif
     cageform::HarmonicCoordinates<double, 3> coordinates(mesh, {.accuracy = 5e-2});
     // Some in one leaf: each is followed by one nearby.
     auto points = points_below_faces(mesh, 12, 11);
@@ -245,7 +251,7 @@ TEST_CASE("weights next to the skin depend neither on other points nor on thread
 }
 
 TEST_CASE("faces may be oriented inwards, about a cavity too", "[coordinates][harmonic][space]") {
-    constexpr double accuracy = 1e-2;
+    constexpr double accuracy = effort(1e-2, 3e-2);
     auto inner = divided_box({2, 2, 2}, 0.3), data = divided_box({3, 3, 3}, 0.5);
     for (auto& face : inner.faces) {
         for (int& v : face) v += int(data.vertices.size());
