@@ -1,7 +1,7 @@
 # cmake -DROOT=<project> -P check_includes.cmake
 # The table of what each room of include/cageform may include. Includes only ever point left in
 #   core -> cage -> grid -> coordinates -> binding -> clone -> pose        core -> animate -> binding/figure.hpp
-#   binding/types/skin_weights.hpp -> skeleton
+#   binding/types/skin_weights.hpp, animate/curves/rigid_motion.hpp -> skeleton
 # Nothing includes the rooms pose, enclose, fields, papers, exchange and skeleton, but for the C interface.
 set(allowed_core core config)
 set(allowed_adapt core)
@@ -23,7 +23,8 @@ set(allowed_animate core config animate)
 set(allowed_enclose core cage enclose)
 set(allowed_fields core cage grid fields)
 set(allowed_papers core cage grid coordinates papers)
-set(allowed_skeleton core config cage/triangle_mesh.hpp binding/types/skin_weights.hpp pose/detail/nearest_rotation.hpp skeleton)
+set(allowed_skeleton core config cage/triangle_mesh.hpp binding/types/skin_weights.hpp pose/detail/nearest_rotation.hpp
+                     animate/curves/rigid_motion.hpp skeleton)
 set(allowed_exchange core animate exchange)
 set(allowed_c core version cage grid coordinates binding clone pose animate enclose c)
 # The waist: what a game ships may not pull in how it was made.

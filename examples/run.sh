@@ -292,6 +292,12 @@ for rows in 0:2 2:4; do
 done
 "$programs/export_gltf" out/character.obj --cage out/character_cage.obj --clip out/character_clip.csv --max-distance 0.01 \
   --coordinates harmonic -o out/character_skin.glb --report >>$report
+"$programs/export_gltf" out/character.obj --cage out/character_cage.obj --clip out/character_clip.csv --bones 24 \
+  --coordinates harmonic -o out/character_bones.glb --picture out/character_bones.png --report >>$report
+mkdir -p out/character_frames # as any program writes a sequence of meshes
+"$programs/clone_figure" out/character.figure --poses out/character_clip.csv --rate 10 --mesh out/character.obj \
+  -o 'out/character_frames/%02d.obj' >>$report
+"$programs/fit_skeleton" out/character.obj out/character_frames/*.obj --rate 10 --bones 24 -o out/character_fitted.glb --report >>$report
 "$programs/export_gltf" out/character.obj --cage out/character_cage.obj --clip out/character_clip.csv --morph \
   --coordinates harmonic -o out/character_morph.glb >>$report
 
@@ -463,6 +469,7 @@ Open, in out/:
   character_pins.png         a character by pins, and by least squares; box_folds.png: tetrahedra bent until they fold
   splats.png                 Gaussian splats, bent beside the mesh that they were made from; splats_bent.ply: for a viewer of splats
   character_harmonic.png     a character in space, in its cage; character_skin.glb: its dance, for a viewer of glTF
+  character_bones.png        bones found in that dance; character_bones.glb, character_fitted.glb: the same, for an engine
   bones_heat.png             the character moved by bones whose weights were found; bones_heat.glb: the same, for a viewer
   hand_poses.png             a hand moved by its joints; hand_layers.png, hand_points.png: by what; hand_bend.png,
                              hand_inflation.png, hand_builds.png, hand_influence.png, hand_locality.png; hand.txt: measured

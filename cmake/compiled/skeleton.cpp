@@ -1,14 +1,19 @@
-// Compiles `fit_skeleton`.
+// Compiles `fit_skeleton` and `fit_skeleton_keys`.
 #include "instantiate.hpp"
 
 #include <cageform/skeleton/detail/fit_motion.hpp>
 #include <cageform/skeleton/detail/fit_motion.impl.hpp>
+#include <cageform/skeleton/detail/make_keys.hpp>
+#include <cageform/skeleton/detail/make_keys.impl.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
 #define CAGEFORM_SKELETON(T)                                                                                 \
     CAGEFORM_COMPILE Status fit_motion(Motion&, const SkeletonOptions&, const Running&,                      \
-                                       Result<FittedSkeleton<T>, SkeletonReport>&);
+                                       Result<FittedSkeleton<T>, SkeletonReport>&);                          \
+    CAGEFORM_COMPILE Status make_keys(const FittedSkeleton<T>&, const std::vector<Vec<double, 3>>&,          \
+                                      std::span<const T>, double, const Running&,                            \
+                                      Result<SkeletonKeys<T>, SkeletonKeysReport>&);
 CAGEFORM_FOR_SCALARS(CAGEFORM_SKELETON)
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

@@ -623,6 +623,14 @@ def test_stopping(page):
     page.wait("document.getElementById('work').hidden")
     check(page.run('page.mesh.cage.vertices.length') == cage, 'make_cage is stopped; a frame each %.0f ms meanwhile' % rate)
     check('stopped' in page.run("document.getElementById('status').textContent"), 'and says so')
+    apart = page.run('''(async () => {
+      const { mesh } = page.mesh, told = [], made = await page.cageMaker.make('makeShell', mesh, 60, done => told.push(done));
+      const here = page.engine.makeShell(mesh, 60), same = name => made[name].length === here[name].length && made[name].every((x, i) => x === here[name][i]);
+      return { same: same('vertices') && same('faces') && made.clearance === here.clearance, seconds: made.milliseconds / 1000,
+               rising: told.length > 5 && told.every((x, i) => i === 0 || x > told[i - 1]), count: made.vertices.length / 3 };
+    })()''')
+    check(apart['same'] and apart['count'] == 60, 'a cage of 60 vertices made beside the page is that made in it, to the last bit; %.1f s' % apart['seconds'])
+    check(apart['rising'], 'the bar only rises')
 
 
 def test_keyboard(path, folder):

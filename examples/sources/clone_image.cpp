@@ -13,6 +13,7 @@
 #include "cli/guard.hpp"
 #include "cli/progress_bar.hpp"
 #include "files/base64.hpp"
+#include "files/cage_file.hpp"
 #include "images/harbour.hpp"
 #include "pictures/image_clone.hpp"
 #include "pictures/render.hpp"
@@ -83,7 +84,7 @@ SvgResult<PixelRegion> load_region(const std::string& path, const Pixels& source
         ending == ".svg" || ending == ".svgz" || ending == ".csv") {
         const auto outline = load_cage(path, CageEdges::as_drawn);
         if (!outline) return outline.error();
-        const auto loops = loops_of(*outline);
+        const auto loops = outline->loops(0.1);
         constexpr double slack = 1e-6; // of a pixel
         for (const auto& loop : loops) {
             for (const Point2& p : loop) {

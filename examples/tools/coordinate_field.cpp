@@ -120,26 +120,9 @@ private:
 
 /// The loops of a cage as polygons; curves are cut into pieces too short to be seen.
 std::vector<std::vector<Point2>> loops_of(const CageFile& cage) {
-    std::vector<std::vector<Point2>> loops;
-    if (!cage.curves) {
-        for (const CageBlock& block : cage.blocks) {
-            if (block.kind == CageBlock::Kind::loop) loops.push_back(block.points);
-        }
-        return loops;
-    }
     PlaneBox box;
     for (const Point2& p : cage.vertices) box.add(p);
-    for (const Subpath& outline : cage.outline()) {
-        auto& loop = loops.emplace_back();
-        Point2 from = outline.start;
-        for (const Segment& s : outline.segments) {
-            const std::size_t pieces = std::max<std::size_t>(8, pieces_of(from, s, 1e-4 * box.extent()));
-            for (std::size_t n = 0; n < pieces; ++n)
-                loop.push_back(place_on(from, s, double(n) / double(pieces)));
-            from = s.p3;
-        }
-    }
-    return loops;
+    return cage.loops(1e-4 * box.extent(), 8);
 }
 
 /// The boundary's edges within a box, with the values on them: linear, or of coordinates that do not

@@ -1,24 +1,25 @@
 // Writes an OBJ figure that moves with its cage as glTF 2.0, for engines and viewers that know no cages.
 //
-//     export_gltf character.obj --cage character_cage.obj --clip character_clip.csv --skin 8 -o character.glb
-//     export_gltf character.obj --cage character_cage.obj --clip character_clip.csv --morph -o character.gltf
+//     export_gltf head.obj --cage head_cage.obj --clip head_clip.csv --bones auto -o head.glb
+//     export_gltf head.obj --cage head_cage.obj --clip head_clip.csv --skin 16 -o head.glb
+//     export_gltf head.obj --cage head_cage.obj --clip head_clip.csv --morph -o head.gltf
+//
+// --bones N or auto: a skeleton that is fitted to the motion. Its bones turn, and normals with them; four of
+// them move a vertex. --max-distance 0.2% takes as many as keep every vertex that near to its clone in all
+// frames.
 //
 // --skin K: every vertex of the cage is a joint that is only moved, every vertex of the figure follows K of
-// them at most,
-// chosen so that neighbours lose alike and the surface stays smooth. Affine poses stay exact, bends lose
-// what the left out
-// weights did; the file's normals do not turn, as no joint does. The loss of places, edges and normals of
-// the surface
-// is measured over the motion; --max-distance 0.001 takes as many joints as keep every vertex that near, as
-// a share of
-// the figure's size.
+// them at most, chosen so that neighbours lose alike and the surface stays smooth. Affine poses stay exact,
+// bends lose what the left out weights did; the file's normals do not turn, as no joint does. The loss of
+// places, edges and normals of the surface is measured over the motion; --max-distance 0.1% takes as many
+// joints as keep every vertex that near. A game that poses the cage itself takes this.
 //
 // --morph: every pose of the motion is a morph target, made by the real clone, normals included. Clones
-// depend linearly on
-// the pose, and so do the curves between poses, so positions are those of the clone at all times.
+// depend linearly on the pose, and so do the curves between poses, so positions are those of the clone at all
+// times.
 //
 // The motion is a clip (support/files/clip_file.hpp), or goes from the rest pose through those given, as
-// files or by operations such as --twist, and back. Either way it is written with CUBICSPLINE
+// files or by operations such as --twist, and back. With --skin and --morph it is written with CUBICSPLINE
 // interpolation, without loss. Every object of the OBJ file is a node, every material of it a primitive
 // with the colours and the texture that its MTL file gives.
 
@@ -30,9 +31,12 @@
 #include "cli/mesh_cage.hpp"
 #include "cli/pose_choice.hpp"
 #include "cli/progress_bar.hpp"
+#include "cli/skeleton_choice.hpp"
+#include "cli/view_choice.hpp"
 #include "files/atomic_file.hpp"
 #include "files/csv.hpp"
-#include "files/gltf_file.hpp"
+#include "files/gltf_skeleton.hpp"
+#include "pictures/skeleton_picture.hpp"
 
 #include <cageform/binding/smooth_skin_weights.hpp>
 #include <cageform/clone/clone.hpp>
@@ -48,13 +52,15 @@ using cageform::Status;
 using Use = GltfDocument::Use;
 
 struct Arguments {
-    std::string figure, cage, labels, out;
+    std::string figure, cage, labels, out, picture;
     MotionChoice moves;
     std::string weights = "float";
     OutsideChoice outside{.can_extend = false, .can_fade = false};
-    std::size_t influences = 0; // 0: morph targets
+    SkeletonChoice skeleton; // with the distance of a skin, too
+    double rate = 30;
+    ViewChoice view;
+    std::size_t influences = 0; // of a skin whose joints are the cage's vertices; 0: to be found
     double threshold = 0;
-    double distance = 0; // share of the figure's size; 0: no promise
     bool morph = false, report = false;
     CoordinatesChoice choice;
 };
@@ -67,19 +73,6 @@ struct Scene {
     PoseClip clip;                   // without keys: no motion
     std::vector<std::string> labels; // of the cage's vertices, empty where one has none; or none at all
 };
-
-/// A skin as the file stores it.
-SkinWeights stored(const SkinWeights& skin, const std::string& weights) {
-    SkinWeights result = skin;
-    const auto take = [&](const auto& integers) {
-        using Integer = typename std::decay_t<decltype(integers)>::value_type;
-        for (std::size_t n = 0; n < integers.size(); ++n)
-            result.weights[n] = float(integers[n]) / float(std::numeric_limits<Integer>::max());
-    };
-    if (weights == "unorm8") take(cageform::to_normalised<std::uint8_t>(skin));
-    if (weights == "unorm16") take(cageform::to_normalised<std::uint16_t>(skin));
-    return result;
-}
 
 /// The largest distances between the vertices of a figure as it ought to be and as it is.
 class LossMeter {
@@ -265,28 +258,10 @@ std::string add_animation(GltfDocument& document, const PoseClip& clip, std::spa
             for (const float value : track.values) values.push_back({value});
             output = document.add(values, Use::other);
         }
-        animation["samplers"].push_back(
-            {{"input", input}, {"interpolation", "CUBICSPLINE"}, {"output", output}});
-        animation["channels"].push_back({{"sampler", animation["samplers"].size() - 1},
-                                         {"target", {{"node", channel.node}, {"path", channel.path}}}});
+        add_channel(animation, channel.node, channel.path, input, "CUBICSPLINE", output);
     }
     document.append("animations", std::move(animation));
     return {};
-}
-
-std::array<double, 3> rounded(const Point3& p) { // as the buffers have it
-    return {double(float(p[0])), double(float(p[1])), double(float(p[2]))};
-}
-
-/// A node for every mesh, the first of the document. Returns their numbers.
-std::vector<std::size_t> add_mesh_nodes(GltfDocument& document, const Scene& scene, bool has_skin) {
-    std::vector<std::size_t> nodes;
-    for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
-        GltfJson node = {{"name", scene.meshes[m].name}, {"mesh", m}};
-        if (has_skin) node["skin"] = 0;
-        nodes.push_back(document.append("nodes", std::move(node)));
-    }
-    return nodes;
 }
 
 /// A skin: nodes are the meshes, the cage and its vertices.
@@ -294,26 +269,8 @@ std::string add_skin(GltfDocument& document, const Scene& scene, const Arguments
                      const SkinWeights& skin, bool with_still) {
     const std::size_t handles = scene.cage.vertices.size(), joints = handles + (with_still ? 1 : 0);
     if (joints > 65536) return scene.cage.name + ": more vertices than glTF has joints";
-    const auto add_meshes = [&]<class Weight>(const std::vector<Weight>& weights) {
-        for (const GltfMesh& mesh : scene.meshes) {
-            GltfJson attributes = gltf_attributes(document, mesh, scene.figure);
-            const std::span<const Weight> all(weights);
-            if (joints <= 256)
-                add_skin_attributes<std::uint8_t>(document, attributes, mesh, skin, all, handles);
-            else
-                add_skin_attributes<std::uint16_t>(document, attributes, mesh, skin, all, handles);
-            document.append(
-                "meshes", {{"name", mesh.name}, {"primitives", gltf_primitives(document, mesh, attributes)}});
-        }
-    };
-    if (given.weights == "unorm8")
-        add_meshes(cageform::to_normalised<std::uint8_t>(skin));
-    else if (given.weights == "unorm16")
-        add_meshes(cageform::to_normalised<std::uint16_t>(skin));
-    else
-        add_meshes(skin.weights);
-
-    std::vector<std::size_t> roots = add_mesh_nodes(document, scene, true);
+    add_skinned_meshes(document, scene.meshes, scene.figure, skin, given.weights, joints, handles);
+    std::vector<std::size_t> roots = add_mesh_nodes(document, scene.meshes, true);
     const std::size_t root_node = roots.size(), first_joint = root_node + 1;
     roots.push_back(root_node);
     GltfJson root = {{"name", stem(scene.cage.name)}};
@@ -327,8 +284,7 @@ std::string add_skin(GltfDocument& document, const Scene& scene, const Arguments
         std::string name = j < handles ? "handle " + std::to_string(j) : "still";
         if (j < scene.labels.size() && !scene.labels[j].empty()) name = scene.labels[j];
         document.append("nodes", {{"name", name}, {"translation", at}});
-        inverse.push_back(
-            {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, -float(at[0]), -float(at[1]), -float(at[2]), 1});
+        inverse.push_back(inverse_bind(at));
     }
     document.append("skins", {{"inverseBindMatrices", document.add(inverse, Use::other)},
                               {"skeleton", root_node},
@@ -423,7 +379,7 @@ std::string add_targets(GltfDocument& document, const Scene& scene, const Argume
                                    {"weights", zeros},
                                    {"extras", {{"targetNames", names}}}});
     }
-    const auto nodes = add_mesh_nodes(document, scene, false);
+    const auto nodes = add_mesh_nodes(document, scene.meshes, false);
     document.append("scenes", {{"nodes", nodes}});
     std::vector<Channel> channels;
     for (const std::size_t node : nodes) {
@@ -435,7 +391,39 @@ std::string add_targets(GltfDocument& document, const Scene& scene, const Argume
     return add_animation(document, scene.clip, channels);
 }
 
+/// The figure's clones in the frames of the motion, from its beginning to the return of the first pose.
+SvgResult<FigureFrames> frames_of(const Arguments& given, const Scene& scene,
+                                  const Binding<double, 3>& bound) {
+    constexpr double most = 100000;
+    if (given.rate * scene.clip.length > most) {
+        return SvgError{scene.clip.name + ": " + detail::short_number(given.rate) +
+                        " frames a second are more than 100000 in all: give a smaller --rate"};
+    }
+    FigureFrames frames{scene.figure.name, scene.figure.vertices, scene.figure.triangles, {}, {}};
+    const SampledPoses poses = sample_poses(scene.clip, given.rate);
+    std::vector<Point3> handles(bound.handle_count());
+    for (std::size_t p = 0; p <= poses.times.size(); ++p) {
+        const bool is_last = p == poses.times.size();
+        const double time = double(float(is_last ? scene.clip.length : poses.times[p]));
+        if (p > 0 && !(frames.times.back() < time)) continue; // glTF's numbers tell them not apart
+        const auto pose = pose_of(poses, is_last ? 0 : p);
+        auto& places = frames.places.emplace_back(scene.figure.vertices.size());
+        Status status = Status::ok;
+        if (bound.handle_view().vector_count() == 0) {
+            status = clone(bound, pose, places);
+        } else {
+            status = pose_handles(bound, pose, handles).status;
+            if (status == Status::ok) status = clone(bound, handles, places);
+        }
+        if (status != Status::ok)
+            return SvgError{name_of_pose(scene.clip, time) + ": " + cageform::to_string(status)};
+        frames.times.push_back(time);
+    }
+    return frames;
+}
+
 constexpr std::size_t joint_set = 4, most_joints = 16;
+constexpr std::size_t enough_joints = 12; // with fewer, joints that do not turn lose the surface
 
 /// A skin of so many joints a vertex, and what it loses.
 cageform::Result<cageform::SkinWeights, cageform::SkinWeightsReport>
@@ -447,7 +435,7 @@ make_skin(const Arguments& given, const Scene& scene, const Binding<double, 3>& 
                                               {.progress = bar.callback()});
     cageform::Result<Binding<double, 3>> played;
     if (made) {
-        played = skin_to_binding(bound, stored(made.value, given.weights));
+        played = skin_to_binding(bound, stored_skin(made.value, given.weights));
         made.report.status = played.status();
     }
     if (made) loss = loss_of(scene, bound, played.value);
@@ -461,7 +449,7 @@ make_near_skin(const Arguments& given, const Scene& scene, const Binding<double,
                std::size_t influences, SkinLoss& loss) {
     for (;; influences += joint_set) {
         auto made = make_skin(given, scene, bound, influences, loss);
-        if (!made || influences + joint_set > most_joints || loss.places.share() <= given.distance)
+        if (!made || influences + joint_set > most_joints || loss.places.share() <= given.skeleton.distance)
             return made;
     }
 }
@@ -469,20 +457,20 @@ make_near_skin(const Arguments& given, const Scene& scene, const Binding<double,
 /// Names the skin that keeps the distance, since one with `influences` joints does not.
 std::string what_would_do(const Arguments& given, const Scene& scene, const Binding<double, 3>& bound,
                           std::size_t influences) {
-    if (influences >= most_joints) return "use a larger --max-distance or --morph";
+    if (influences >= most_joints) return "use a larger --max-distance, --bones or --morph";
     SkinLoss loss;
     const std::size_t next = influences / joint_set * joint_set + joint_set;
     const auto made = make_near_skin(given, scene, bound, next, loss);
-    if (made && loss.places.share() <= given.distance)
+    if (made && loss.places.share() <= given.skeleton.distance)
         return "--skin " + std::to_string(made.value.influences) + " is enough";
     return "not even --skin " + std::to_string(most_joints) +
-           " is enough; use a larger --max-distance or --morph";
+           " is enough; use a larger --max-distance, --bones or --morph";
 }
 
 /// Binds the figure and writes the requested files.
 int export_figure(const Arguments& given, const Scene& scene) {
     const ObjFile &figure = scene.figure, &cage = scene.cage;
-    if (const auto why = fault_of_outputs({given.out})) return fail(*why);
+    if (const auto why = fault_of_outputs({given.out, given.picture})) return fail(*why);
     const auto coordinates = make_coordinates<double>(given.choice, cage);
     warn_of_closed_gaps(cage.name, coordinates.cage_report());
     if (!coordinates.note.empty()) note(coordinates.note);
@@ -504,9 +492,25 @@ int export_figure(const Arguments& given, const Scene& scene) {
     document.json["scene"] = 0;
     print_warnings(scene.parts.warnings);
     print_warnings(add_materials(document, scene.parts, !scene.meshes[0].texture.empty()));
-    std::string why;
+    std::string why, printed, moved;
+    std::optional<Picture> picture;
     if (given.morph) {
         why = add_targets(document, scene, given, bound.value);
+        if (why.empty()) moved = std::to_string(document.json["meshes"][0]["weights"].size()) + " targets";
+    } else if (!given.skeleton.bones.empty()) {
+        const auto frames = frames_of(given, scene, bound.value);
+        if (!frames) return fail(to_string(frames.error()));
+        const auto motion = fit_motion(given.skeleton, *frames, given.weights);
+        if (!motion) return fail(to_string(motion.error()));
+        if (motion->loss.share() > StoredLoss::worth_a_warning ||
+            motion->report.turn > worth_a_warning_of_turns)
+            warn(figure.name + ": " + describe_loss(*motion) + "; more --bones lose less");
+        add_skinned_meshes(document, scene.meshes, figure, motion->skeleton.skin, given.weights,
+                           motion->skeleton.bones, 0);
+        add_skeleton(document, scene.meshes, motion->skeleton, motion->keys, stem(scene.clip.name));
+        moved = count_bones(*motion);
+        if (given.report) printed = describe(*motion);
+        if (!given.picture.empty()) picture = draw_skeleton(*frames, *motion, given.view.sight);
     } else {
         SkinLoss loss;
         const bool searches = given.influences == 0;
@@ -515,14 +519,18 @@ int export_figure(const Arguments& given, const Scene& scene) {
         if (made.status != Status::ok) return fail(cage.name + ": " + cageform::to_string(made.status));
         const std::string is_off = "a skin of " + std::to_string(skin.influences) +
                                    " joints per vertex is off by " + describe(loss.places);
-        if (given.distance > 0 && loss.places.share() > given.distance) {
+        if (given.skeleton.distance > 0 && loss.places.share() > given.skeleton.distance) {
             return fail(figure.name + ": " + is_off + ": " +
                         what_would_do(given, scene, bound.value, skin.influences));
         }
         if (loss.places.share() > StoredLoss::worth_a_warning || loss.turn > worth_a_warning_of_turns) {
             warn(figure.name + ": " + is_off + "; " + describe_surface(loss) +
-                 (skin.influences < most_joints ? "; more joints lose less, and --max-distance bounds this"
-                                                : "; --morph loses nothing"));
+                 (skin.influences < enough_joints
+                      ? "; --bones auto finds bones that turn, and loses less with "
+                        "four of them a vertex"
+                  : skin.influences < most_joints
+                      ? "; more joints lose less, and --max-distance bounds this"
+                      : "; --bones auto finds bones that turn; --morph loses nothing"));
         }
         if (!made.not_reproduced.empty()) {
             warn(std::to_string(skin.influences) + " weights are too few for " +
@@ -542,32 +550,27 @@ int export_figure(const Arguments& given, const Scene& scene) {
                       << describe_surface(loss) << "\ntime: " << made.seconds << " s\n";
         }
         why = add_skin(document, scene, given, skin, !made.without_weights.empty());
+        if (why.empty()) moved = std::to_string(document.json["skins"][0]["joints"].size()) + " joints";
     }
     if (!why.empty()) return fail(why);
 
-    const bool binary = std::filesystem::path(given.out).extension() != ".gltf";
-    if (document.bytes() > 0x7fffffff) return fail(given.out + ": would be larger than the format allows");
-    const std::string text = document.text(binary);
-    if (const auto error = write_file_atomically(given.out, text)) return fail(*error);
-    const auto count = [](std::size_t n, const char* thing) {
-        return std::to_string(n) + ' ' + thing + (n == 1 ? ", " : "s, ");
-    };
-    std::size_t vertices = 0;
-    for (const GltfMesh& mesh : scene.meshes) vertices += mesh.corners.size();
-    std::cout << printable(given.out) << ": " << count(scene.meshes.size(), "object")
-              << count(scene.parts.materials.size(), "material") << vertices << " vertices, "
-              << figure.triangles.size() << " triangles, "
-              << (given.morph ? std::to_string(document.json["meshes"][0]["weights"].size()) + " targets"
-                              : std::to_string(document.json["skins"][0]["joints"].size()) + " joints")
-              << ", " << text.size() << " bytes\n";
+    const auto text = gltf_bytes(document, given.out);
+    if (!text) return fail(to_string(text.error()));
+    OutputFiles outputs;
+    outputs.add(given.out).write(*text);
+    if (picture) picture->write_png(outputs.add(given.picture));
+    if (const auto error = outputs.commit()) return fail(*error);
+    std::cout << printable(describe_gltf(given.out, scene.meshes, scene.parts, figure, moved, text->size()))
+              << '\n'
+              << printed;
     return 0;
 }
 
 int run_program(int argc, char** argv) {
     CommandLine line(
-        "Writes an OBJ figure that moves with its cage as glTF 2.0, with a skin or with morph targets.");
+        "Writes an OBJ figure that moves with its cage as glTF 2.0, with bones, a skin or morph targets.");
     line.set_examples(
-        {"character.obj --cage auto --turn 5-9:30,z --skin 16 -o character.glb",
+        {"character.obj --cage auto --turn 5-9:30,z --bones auto --max-distance 0.2% -o character.glb",
          "character.obj --cage character_cage.obj --clip character_clip.csv --skin 16 -o character.glb"});
     Arguments given;
     line.add("figure", given.figure, "the OBJ file").required();
@@ -582,20 +585,38 @@ int run_program(int argc, char** argv) {
     const CommandOption skin =
         line.add("--skin", given.influences, "write a skin with at most this many joints per vertex")
             .range(1, 16);
+    const CommandOption bones = line.add("--bones", given.skeleton.bones,
+                                         "fit a skeleton to the motion: so many bones that turn, or auto: as "
+                                         "few as --max-distance needs")
+                                    .check(SkeletonChoice::fault_of_bones)
+                                    .excludes(skin)
+                                    .excludes(labels);
     const CommandOption distance =
-        line.add("--max-distance", given.distance,
-                 "skin: the largest distance of a vertex from its position with all weights, as a share of "
-                 "the figure's size, in the poses of the motion, or in all poses that bend by up to a tenth "
-                 "of the cage; without --skin the fewest of 4, 8, 12 or 16 joints that suffice; 0 means no "
-                 "bound")
-            .range(0.0, 1.0)
-            .show_default();
+        add_share(
+            line, "--max-distance", given.skeleton.distance,
+            "the largest distance of a vertex from its clone, a share of the figure's size such as 0.002 or "
+            "0.2%; 0 means no bound, with --bones auto 0.2%. Of a skin: in the poses of the motion, or in "
+            "all "
+            "poses that bend by up to a tenth of the cage; without --skin and --bones the fewest of 4, 8, "
+            "12 or 16 joints that suffice")
+            .show_default("0");
+    std::vector<CommandOption> of_bones = given.skeleton.add_options(line);
+    of_bones.push_back(line.add("--rate", given.rate,
+                                "bones: frames of the motion a second at least, to which they are fitted")
+                           .range(1e-3, 1e6)
+                           .show_default());
+    of_bones.push_back(
+        line.add("--picture", given.picture,
+                 "bones: also draw frames to a PNG file: as cloned, as played with the distances "
+                 "in colours, and the bones")
+            .ends_with({".png"}));
     line.add_flag("--morph", given.morph, "write morph targets, one per pose")
         .excludes(skin)
+        .excludes(bones)
         .excludes(distance)
         .excludes(labels);
     line.add("--weights", given.weights,
-             "skin: the format of weights: float, unorm8 or unorm16 (normalised integers)")
+             "bones and skin: the format of weights: float, unorm8 or unorm16 (normalised integers)")
         .one_of({"float", "unorm8", "unorm16"})
         .show_default();
     line.add("--threshold", given.threshold, "skin: leave out smaller weights")
@@ -607,17 +628,28 @@ int run_program(int argc, char** argv) {
     given.choice.with_normals = given.choice.in_space = true;
     given.choice.add_options(line);
     given.outside.add_options(line);
-    line.add_flag("--report", given.report, "print the bind report and the error of the skin");
+    given.view.add_options(line);
+    line.add_flag("--report", given.report, "print the bind report and the error of the skin or the bones");
     line.set_footer(
         obj_format +
         std::string("Vertices keep the order of the file. A vertex that needs several normals or\n"
                     "texture coordinates is duplicated; the copies follow all other vertices.\n\n") +
         pose_clip_format + "\n" + pose_operations_format + "\n" + labels_format + "\n" + lattice_format);
     if (const auto code = line.parse(argc, argv)) return *code;
-    if (!given.morph && given.influences == 0 && given.distance == 0)
-        return fail("give --skin, --max-distance or --morph to choose what to write");
-    if (!given.morph && given.choice.takes_normals())
-        return fail("--coordinates green: joints carry no normals of faces; --morph writes targets");
+    const bool has_bones = !given.skeleton.bones.empty();
+    if (!given.morph && !has_bones && given.influences == 0 && given.skeleton.distance == 0)
+        return fail("give --bones, --skin, --max-distance or --morph to choose what to write");
+    for (const CommandOption& option : of_bones) {
+        if (!has_bones && option.is_given())
+            return fail(
+                "--kind, --influences, --flat, --rate and --picture are about bones: give --bones too");
+    }
+    if (has_bones && !given.moves.is_given())
+        return fail("bones are found in a motion: give --clip, --pose, or operations such as --twist");
+    if (!given.morph && !has_bones && given.choice.takes_normals())
+        return fail(
+            "--coordinates green: joints carry no normals of faces; --morph writes targets, and --bones "
+            "finds bones");
     if (given.morph && !given.moves.is_given())
         return fail("morph targets need poses: give --clip, --pose, or operations such as --turn");
 

@@ -3,6 +3,7 @@
 //     make_cage cat.svg --vertices 24 -o cat_cage.svg --picture cat_numbers.svg --png
 //     make_cage icon.svg --mirror x --margin 4% -o icon_cage.csv
 //     make_cage character.obj --vertices 112 -o character_cage.obj --picture cage.png
+//     make_cage character.obj --vertices auto --volume 15% -o character_cage.obj
 //     make_cage cat.svg --lattice 4x4 -o cat.lattice.json --picture cat_numbers.svg
 //
 // The cage holds all that the figure paints, at the margin's distance, and passes every check of the
@@ -50,6 +51,18 @@ std::string parse_margin(const std::string& word, double& margin) {
                detail::short_number(margin / 100) + "?";
     if (!(margin > 0 && margin < 10))
         return "a margin is a share of the figure's diagonal, such as 2.5% or 0.025";
+    return {};
+}
+
+/// "24", or "auto": the fewest.
+std::string parse_vertices(const std::string& word, std::size_t& vertices, bool& fewest) {
+    double count = 0;
+    fewest = word == "auto";
+    if (fewest) return {};
+    if (!detail::parse_number(word, count).empty() || !(count >= 3 && count <= 1e6) ||
+        count != std::floor(count))
+        return "a whole number from 3 to 1000000, or auto, not " + detail::quoted(word);
+    vertices = std::size_t(count);
     return {};
 }
 
@@ -157,6 +170,7 @@ int run_program(int argc, char** argv) {
                      "parts, or a mesh, which may have holes or several pieces.");
     line.set_examples({"icon.svg --vertices 16 -o cage.svg --picture numbers.svg --png",
                        "character.obj --vertices 112 -o cage.obj --picture cage.png",
+                       "character.obj --vertices auto --volume 15% -o cage.obj",
                        "icon.svg --lattice 4x4 -o icon.lattice.json --picture numbers.svg"});
     Arguments given;
     auto& options = given.options;
@@ -173,8 +187,30 @@ int run_program(int argc, char** argv) {
                 const auto read = parse_lattice_word(word);
                 return read ? "" : to_string(read.error());
             });
-    line.add("--vertices", options.vertices, "the number of the cage's vertices; 24 by default, in space 112")
-        .range(3, 1000000)
+    bool fewest = false;
+    line.add_text(
+            "--vertices",
+            [&](const std::string& word) { (void)parse_vertices(word, options.vertices, fewest); },
+            "the number of the cage's vertices, 24 by default, in space 112; or auto: the fewest that "
+            "--volume "
+            "allows")
+        .check([](const std::string& word) {
+            std::size_t vertices = 0;
+            bool auto_ = false;
+            return parse_vertices(word, vertices, auto_);
+        })
+        .excludes(lattice);
+    line.add_text(
+            "--volume,--area",
+            [&](const std::string& word) { (void)parse_looseness(word, options.looseness); },
+            "make the fewest vertices, to within 5 %, whose volume (in the plane area) exceeds the tightest "
+            "by at "
+            "most this share, and tell what each doubling brings: with --vertices auto 25%, in the plane 5%. "
+            "--vertices N tries at most N, by default 1000, in the plane 200")
+        .check([](const std::string& word) {
+            double looseness = 0;
+            return parse_looseness(word, looseness);
+        })
         .excludes(lattice);
     line.add_text(
             "--margin", [&](const std::string& word) { (void)parse_margin(word, options.margin); },
@@ -225,9 +261,11 @@ int run_program(int argc, char** argv) {
     line.add_flag("--png", given.png, "also render the picture, to the same name with .png");
     line.set_footer(lattice_format);
     if (const auto code = line.parse(argc, argv)) return *code;
-    if (options.shape == cageform::CageShape::box && options.vertices != 0)
-        return fail(
-            "--vertices: --cage box has 8 vertices, in the plane 4; --cage hull and auto take a number");
+    if (options.shape == cageform::CageShape::box &&
+        (options.vertices != 0 || fewest || options.looseness > 0))
+        return fail(std::string(options.looseness > 0 ? "--volume" : "--vertices") +
+                    ": --cage box has 8 vertices, in the plane 4; --cage hull and auto take a number");
+    if (fewest && options.looseness == 0) options.looseness = given.figure.ends_with(".obj") ? 0.25 : 0.05;
     options.one_cage = !parts;
     if (given.out.empty() && given.picture.empty())
         return fail("nothing to write: give -o, --picture or both");

@@ -942,7 +942,7 @@ works "a first look" "$deform" "$cat" --cage auto -o first.svg
 [ ! -s log ] && ok=yes || ok=no
 report $ok "it is not cut off, and all lies in the cage"
 works "a cage of its own and operations" "$deform" "$cat" --cage auto:16 --turn 'y<200:10' --coordinates harmonic --outside refuse -o first.svg
-refuses 'auto:2: no such file; to make a cage, write auto, hull or box, or for 3 to 1000000 vertices auto:N or hull:N' "$deform" "$cat" --cage auto:2 -o out.svg
+refuses 'auto:2: no such file; to make a cage, write auto, hull or box, for 3 to 1000000 vertices auto:N or hull:N, or for the fewest within 15 % of the tightest auto:15%' "$deform" "$cat" --cage auto:2 -o out.svg
 refuses 'auto:x: no such file' "$animate" "$cat" --cage auto:x -o out.svg
 refuses '--turn "16:5": there is no vertex 16: the cage has 16' "$deform" "$cat" --cage auto:16 --turn 16:5 -o out.svg
 refuses 'cat.svg: the pose holds a number that is not finite' "$deform" "$cat" --cage auto --move 1:1e300,0 -o out.svg
@@ -991,6 +991,30 @@ for margin in 0 -1% nan 1e9 5x; do
   refuses '--margin' "$make_cage" "$cat" --margin $margin -o out.svg
 done
 refuses '--vertices' "$make_cage" "$cat" --vertices 2 -o out.svg
+for words in '--vertices few' '--vertices 12.5' '--volume 0%' '--volume -1%' '--volume nan' '--volume 15' '--area 1e9%' '--volume x%'; do
+  # shellcheck disable=SC2086  # the words are meant to be split
+  refuses "${words%% *}" "$make_cage" "$cat" $words -o out.svg
+done
+refuses '--volume: --cage box has 8 vertices' "$make_cage" "$cat" --cage box --volume 5% -o out.svg
+refuses '--vertices: --cage box has 8 vertices' "$make_cage" "$cat" --cage box --vertices auto -o out.svg
+refuses '--lattice' "$make_cage" "$cat" --lattice 4x4 --volume 5% -o out.svg
+works "the fewest vertices" "$make_cage" "$cat" --vertices auto -o fewest.csv
+grep -q '^vertices  area over the tightest  deepest hollow spanned$' log && grep -q ' <- made$' log && ok=yes || ok=no
+report $ok "says what each doubling brings"
+works "the fewest vertices of a share" "$make_cage" "$cat" --area 5% -o fewest_share.csv
+cmp -s fewest.csv fewest_share.csv && ok=yes || ok=no
+report $ok "in the plane auto is 5 %"
+works "too few for a share" "$make_cage" "$cat" --volume 0.01% --vertices 20 -o fewest.csv
+grep -qF 'no cage of up to 20 vertices is within 0.01 % of the tightest; this one of 20 has' log && ok=yes || ok=no
+report $ok "says how near it comes"
+works "a cage of the fewest vertices, made in passing" "$deform" "$cat" --cage auto:5% -o fewest_look.svg
+works "about a hull" "$deform" "$cat" --cage hull:10% -o fewest_look.svg
+refuses 'auto:-5%: no such file; to make a cage' "$deform" "$cat" --cage auto:-5% -o out.svg
+refuses 'auto:5: ' "$make_cage" "$cat" --cage auto:5 -o out.svg
+printf '%s\n' 'v 0 0 0' 'v 1 0 0' 'v 0 1 0' 'v 0 0 1' 'f 1 2 3' 'f 1 2 4' >few.obj
+works "the fewest vertices in space" "$make_cage" few.obj --vertices auto --volume 40% --margin 10% -o few_cage.obj
+grep -q '^vertices  volume over the tightest  deepest hollow spanned$' log && ok=yes || ok=no
+report $ok "says what each doubling brings in space"
 refuses '--mirror' "$make_cage" "$cat" --mirror w -o out.svg
 refuses 'it spans the figure and its image across the mirror at 1e+09' "$make_cage" "$cat" --mirror x=1e9 -o out.svg
 refuses 'nothing to write: give -o, --picture or both' "$make_cage" "$cat"
@@ -2148,7 +2172,7 @@ mkdir -p no_files
 version=$(sed -n 's/.*VERSION_STRING "\(.*\)"/\1/p' "$(dirname "$data")/../include/cageform/version.hpp")
 for program in adaptive_grid animate_svg bezier_tables bind_mesh bind_tiles boundary_formula cage_weights clone_figure clone_image \
   contact_sheet convergence coordinate_field deform_mesh deform_splats deform_svg diffuse_colours draw_splats \
-  electron_waves export_gltf figure_table fit_curve grid_field hand_sheet height_map lattice_board lattice_fit \
+  electron_waves export_gltf figure_table fit_curve fit_skeleton grid_field hand_sheet height_map lattice_board lattice_fit \
   leaf_cages make_box make_cage make_character make_hand make_splats make_tiles paths pin_poses plane_homotopy \
   pose_cage pose_hand puzzle relaxation skin_mesh sphere_eversion zooms; do
   works "version of $program" "$programs/$program" --version
@@ -2390,6 +2414,9 @@ chmod 0 locked.csv
 . "$here/clone_figure.sh"
 
 . "$here/films.sh"
+
+# ---- skeletons ----
+. "$here/skeletons.sh"
 
 # ---- what holds of all files ----
 . "$here/files.sh"

@@ -28,6 +28,8 @@ cp "$data/puzzle.csv" pool
   "$programs/bind_tiles" box.obj --points box.obj -o box.figure --coordinates harmonic --accuracy 0.1 --save-solution box.solution >/dev/null 2>&1; rm -f box.figure
   sed '8s/.*/v 1.3 1.2 1.1/' box.obj >bent_box.obj
   printf 'v 0.25 0.25 0.25\nv 0.75 0.25 0.5\nv 0.5 0.75 0.5\nf 1 2 3\n' >inner.obj
+  sed '3s/.*/v 0.5 0.8 0.6/' inner.obj >bent_inner.obj
+  sed '2s/.*/v 0.7 0.3 0.5/' inner.obj >turned_inner.obj
   "$programs/make_splats" inner.obj -o scene.ply --count 20 >/dev/null
   printf '0,0.3,0.3,0.3\n2,0.5,0.75,0.5\n' >space_pins.csv
   printf 'MeshVersionFormatted 2\nDimension 3\nVertices\n4\n0.2 0.2 0.2 0\n0.8 0.2 0.2 0\n0.2 0.8 0.2 0\n0.2 0.2 0.8 0\nTetrahedra\n1\n1 2 3 4 0\nEnd\n' \
@@ -221,6 +223,8 @@ form bind_tiles box.obj --points inner.obj --coordinates harmonic --accuracy 0.1
 form make_tiles inner.obj --points 10 -o out.ply
 form export_gltf inner.obj --cage box.obj --clip box_clip.csv --labels box_labels.txt --skin 4 -o out.glb
 form export_gltf inner.obj --cage box.obj --pose bent_box.obj --morph -o out.gltf
+form export_gltf inner.obj --cage box.obj --pose bent_box.obj --bones 2 -o out.glb --picture picture.png
+form fit_skeleton inner.obj bent_inner.obj turned_inner.obj -o out.glb --bones 2 --picture picture.png
 form grid_field table.csv -o out.png --surface surface.png --size 40
 form paths --cage hexagon_cage.svg --point 250,250 -o out.svg --png --paths 10 --rays 10 --drawn 1
 form leaf_cages leaf.svg --cage leaf_cage.svg --pose leaf_pose.svg -o out.svg --png
@@ -263,7 +267,7 @@ told=
 without_inputs="bezier_tables make_character make_hand hand_sheet sibson_figures"
 # Options whose words are no files.
 words="--lattice --slice --zoom --margin --mirror --move --turn --scale --bend --twist --surround --point --at --values --css --bezier --curve
-  --pin --hold --track --pinned --rows --knots --conditions --norm --blue --red --from --make --size --cells --divisions"
+  --pin --hold --track --pinned --rows --knots --conditions --norm --blue --red --from --make --size --cells --divisions --bones"
 for file in "$programs"/*; do
   program=${file##*/}
   case $program in [0-9]*) continue ;; esac

@@ -1,10 +1,12 @@
-// A second reader of what export_gltf and make_hand write: loads files by tinygltf, plays them by the words
-// of the specification and compares with the library's own clone at many times, or with poses given as OBJ
-// files.
+// A second reader of what export_gltf, fit_skeleton and make_hand write: loads files by tinygltf, plays them
+// by the words of the specification and compares with the library's own clone at many times, or with poses
+// given as OBJ files.
 //
 //     gltf_playback FIGURE.obj CAGE.obj CLIP.csv FILE…
 //     gltf_playback --at FIGURE.obj FILE SECONDS POSE.obj…
+//     gltf_playback --near SHARE FIGURE.obj FILE SECONDS POSE.obj…
 //
+// --near: a file with a skeleton, whose vertices may be so far off, as a share of the figure's size.
 // Files are bound by mean value coordinates; those with a skin of floats have as many influences as their
 // sets take.
 
@@ -54,8 +56,10 @@ std::vector<double> numbers(const tinygltf::Model& model, int index) {
 }
 
 /// A sampler of LINEAR or CUBICSPLINE interpolation at a time within it (appendix C).
+///
+///   turns   whether the values are rotations
 std::vector<double> sampled(const tinygltf::Model& model, const tinygltf::AnimationSampler& sampler,
-                            double time) {
+                            double time, bool turns) {
     const bool linear = sampler.interpolation == "LINEAR";
     if (!linear && sampler.interpolation != "CUBICSPLINE")
         throw std::runtime_error("a sampler is neither LINEAR nor CUBICSPLINE");
@@ -67,8 +71,19 @@ std::vector<double> sampled(const tinygltf::Model& model, const tinygltf::Animat
     const double t2 = t * t, t3 = t2 * t;
     std::vector<double> result(components);
     if (linear) {
+        double share_a = 1 - t, share_b = t;
+        if (turns) { // slerp, by the shorter way
+            double along = 0;
+            for (std::size_t c = 0; c < 4; ++c) along += values[4 * k + c] * values[4 * k + 4 + c];
+            const double angle = std::acos(std::min(std::fabs(along), 1.0));
+            if (std::sin(angle) > 1e-9) {
+                share_a = std::sin((1 - t) * angle) / std::sin(angle);
+                share_b = std::sin(t * angle) / std::sin(angle);
+            }
+            if (along < 0) share_b = -share_b;
+        }
         for (std::size_t c = 0; c < components; ++c)
-            result[c] = (1 - t) * values[k * components + c] + t * values[(k + 1) * components + c];
+            result[c] = share_a * values[k * components + c] + share_b * values[(k + 1) * components + c];
         return result;
     }
     for (std::size_t c = 0; c < components; ++c) {
@@ -78,6 +93,9 @@ std::vector<double> sampled(const tinygltf::Model& model, const tinygltf::Animat
         result[c] = (2 * t3 - 3 * t2 + 1) * at(k, 1) + length * (t3 - 2 * t2 + t) * at(k, 2) +
                     (-2 * t3 + 3 * t2) * at(k + 1, 1) + length * (t3 - t2) * at(k + 1, 0);
     }
+    double square = 0;
+    for (const double x : result) square += x * x;
+    for (double& x : result) x /= turns ? std::sqrt(square) : 1;
     return result;
 }
 
@@ -160,14 +178,19 @@ Influences influences(const File& file) {
 std::vector<Point3> played(const File& file, const Influences& skin, double time) {
     const auto& model = file.model;
     std::vector<Point3> moved = file.rest;
-    std::vector<std::vector<double>> translation(model.nodes.size());
-    for (std::size_t n = 0; n < model.nodes.size(); ++n) translation[n] = model.nodes[n].translation;
+    std::vector<tinygltf::Node> nodes = model.nodes; // as they are then
     std::vector<double> shares = model.meshes[0].weights;
     const auto& animation = model.animations.at(0);
     for (const auto& channel : animation.channels) {
-        auto value = sampled(model, animation.samplers.at(std::size_t(channel.sampler)), time);
+        auto value = sampled(model, animation.samplers.at(std::size_t(channel.sampler)), time,
+                             channel.target_path == "rotation");
+        tinygltf::Node& node = nodes.at(std::size_t(channel.target_node));
         if (channel.target_path == "translation")
-            translation.at(std::size_t(channel.target_node)) = std::move(value);
+            node.translation = std::move(value);
+        else if (channel.target_path == "rotation")
+            node.rotation = std::move(value);
+        else if (channel.target_path == "scale")
+            node.scale = std::move(value);
         else if (channel.target_path == "weights")
             shares = std::move(value);
         else
@@ -182,12 +205,34 @@ std::vector<Point3> played(const File& file, const Influences& skin, double time
     }
     if (skin.count == 0) return moved;
 
-    // Every node's matrix in the world; nodes here are moved and not turned.
+    // Every node's matrix in the world.
     std::vector<Matrix> world(model.nodes.size());
     const auto place = [&](const auto& self, int node, const Matrix& parent) -> void {
         Matrix own{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
-        const auto& shift = translation[std::size_t(node)];
-        for (std::size_t k = 0; k < shift.size(); ++k) own[12 + k] = shift[k];
+        const tinygltf::Node& of = nodes[std::size_t(node)];
+        if (of.rotation.size() == 4) {
+            const double x = of.rotation[0], y = of.rotation[1], z = of.rotation[2], w = of.rotation[3];
+            own = {1 - 2 * (y * y + z * z),
+                   2 * (x * y + w * z),
+                   2 * (x * z - w * y),
+                   0,
+                   2 * (x * y - w * z),
+                   1 - 2 * (x * x + z * z),
+                   2 * (y * z + w * x),
+                   0,
+                   2 * (x * z + w * y),
+                   2 * (y * z - w * x),
+                   1 - 2 * (x * x + y * y),
+                   0,
+                   0,
+                   0,
+                   0,
+                   1};
+        }
+        for (std::size_t c = 0; c < of.scale.size(); ++c) {
+            for (std::size_t k = 0; k < 3; ++k) own[4 * c + k] *= of.scale[c];
+        }
+        for (std::size_t k = 0; k < of.translation.size(); ++k) own[12 + k] = of.translation[k];
         world[std::size_t(node)] = product(parent, own);
         for (const int child : model.nodes[std::size_t(node)].children)
             self(self, child, world[std::size_t(node)]);
@@ -307,12 +352,39 @@ int compare_poses(int argc, char** argv) {
     return ok ? 0 : 1;
 }
 
+/// Whether a file with a skeleton is near to poses at their times.
+int compare_near(int argc, char** argv) {
+    const double allowed = std::stod(argv[2]);
+    const ObjFile figure = unwrapped(load_obj(argv[3]));
+    const File file = load(argv[4], figure);
+    const Influences skin = influences(file);
+    const double size = cageform::bounds_of(std::span<const Point3>(figure.vertices)).diagonal();
+    double worst = 0, most_moved = 0;
+    for (int n = 5; n + 1 < argc; n += 2) {
+        const auto moved = played(file, skin, std::stod(argv[n]));
+        const ObjFile pose = unwrapped(load_obj(argv[n + 1]));
+        if (pose.vertices.size() != figure.vertices.size())
+            throw std::runtime_error("a pose of another figure");
+        for (std::size_t i = 0; i < moved.size(); ++i) {
+            worst = cageform_tests::larger(worst, length(moved[i] - pose.vertices[file.origin[i]]));
+            most_moved = cageform_tests::larger(most_moved, length(moved[i] - file.rest[i]));
+        }
+    }
+    const bool ok = worst <= allowed * size && most_moved > 0.05 * size;
+    std::cout << argv[4] << ": " << (ok ? "" : "FAILED: ") << skin.count << " influences; moves by "
+              << most_moved << ", differs from the poses by " << worst << " of allowed " << allowed * size
+              << '\n';
+    return ok ? 0 : 1;
+}
+
 } // namespace
 
 int main(int argc, char** argv) {
     try {
         if (argc > 5 && argc % 2 == 0 && std::string_view(argv[1]) == "--at")
             return compare_poses(argc, argv);
+        if (argc > 6 && argc % 2 == 1 && std::string_view(argv[1]) == "--near")
+            return compare_near(argc, argv);
         if (argc < 5) throw std::runtime_error("usage: gltf_playback FIGURE.obj CAGE.obj CLIP.csv FILE…");
         const ObjFile figure = unwrapped(load_obj(argv[1]));
         const ObjFile cage = unwrapped(load_mesh_cage(argv[2]));

@@ -1,6 +1,6 @@
 #!/bin/sh
 # Usage: run.sh PROGRAMS PLAYBACK FOLDER
-# Every kind of file that export_gltf and make_hand write is played by a second reader (PLAYBACK) and compared with the clone, and
+# Every kind of file that export_gltf, fit_skeleton and make_hand write is played by a second reader (PLAYBACK) and compared with the clone, and
 # has neither errors nor warnings of Khronos' validator, which is installed from npm into FOLDER. Wrong arguments
 # and broken files exit with 1, name the culprit and leave nothing behind. Exit code 77: no npm here, all else passed.
 set -u
@@ -69,6 +69,35 @@ works "the order of the vertices" "$playback" creases.obj character_cage.obj cha
 sed 's|^pose,0.7,|pose,0.76,|' character_clip.csv >other.csv
 "$playback" character.obj character_cage.obj other.csv skin_4.glb >log 2>&1 && report no "the second reader sees another clip" || report yes other
 
+# ---- a skeleton fitted to a motion ----
+# shellcheck disable=SC2086
+{
+  works "the first vertices of the character" awk -v n=800 '$1 == "v" && ++v > n { next } $1 == "vn" && ++m > n { next }
+    $1 == "f" { for (k = 2; k <= 4; k++) { split($k, a, "/"); if (a[1] > n || a[3] > n) next } } { print }' character.obj
+  cp log part.obj
+  works "bones by a distance" "$export" part.obj $cage $clip --coordinates mean-value --bones auto --max-distance 1% -o bones_auto.glb --report --picture bones_auto.png
+  says 'keys: '
+  says 'turned wrongly by '
+  works "poses of the clip" "$programs/bind_mesh" part.obj $cage $clip --coordinates mean-value -o part.figure
+  mkdir -p frames && works "frames" "$programs/clone_figure" part.figure --poses character_clip.csv --rate 30 --mesh part.obj -o 'frames/%03d.obj'
+  works "bones, played by the second reader" "$playback" --near 0.012 part.obj bones_auto.glb 0.1 frames/003.obj 0.3 frames/009.obj 0.6 frames/018.obj
+  "$playback" --near 0.012 part.obj bones_auto.glb 0.1 frames/018.obj >log 2>&1 && report no "the second reader sees another frame" || report yes other
+  for kind in rigid similar stretched; do
+    works "a skeleton of $kind bones" "$programs/fit_skeleton" part.obj frames/00?.obj frames/01?.obj -o fitted_$kind.glb --bones 6 --kind $kind --report
+    works "$kind bones, played by the second reader" "$playback" --near 0.05 part.obj fitted_$kind.glb 0.3 frames/009.obj 0.6 frames/018.obj
+    cat log
+  done
+  grep -aq '"NORMAL"' fitted_rigid.glb && report yes normals || report no "normals are there, which players turn"
+  works "a flat skeleton as text" "$programs/fit_skeleton" part.obj frames/00?.obj frames/01?.obj -o fitted_flat.gltf --bones 6 --flat --influences 6
+  works "that, played by the second reader" "$playback" --near 0.05 part.obj fitted_flat.gltf 0.3 frames/009.obj 0.6 frames/018.obj
+  works "normals of the file" "$export" creases.obj $cage --pose character_pose.obj --coordinates mean-value --bones 3 --weights unorm8 -o bones_creases.glb
+  refuses 'bones are found in a motion' "$export" part.obj $cage --bones 4 -o out.glb
+  refuses '"many" is neither "auto" nor a number of bones' "$export" part.obj $cage $clip --bones many -o out.glb
+  refuses 'give --bones too' "$export" part.obj $cage $clip --skin 4 --flat -o out.glb
+  refuses '--bones auto takes as many as are needed' "$export" part.obj $cage $clip --coordinates mean-value --bones 1 --max-distance 0.1% -o out.glb
+  refuses 'is no share such as 0.002 or 0.2%' "$export" part.obj $cage $clip --bones auto --max-distance 200% -o out.glb
+}
+
 # ---- bones: weights found on the surface ----
 skin="$programs/skin_mesh"
 for weights in heat harmonic; do
@@ -128,9 +157,6 @@ cat log
 "$playback" --at character.obj green.glb 1 posed_mean-value.obj >log 2>&1 && report no "the second reader sees another type" || report yes other
 
 # ---- other shapes of input, for the validator ----
-# The first vertices of the character: a search for enough joints takes seconds there.
-awk -v n=800 '$1 == "v" { if (++v <= n) print; next } $1 == "vn" { if (++m <= n) print; next }
-  $1 == "f" { for (k = 2; k <= 4; k++) { split($k, a, "/"); if (a[1] > n || a[3] > n) next } } { print }' character.obj >part.obj
 # shellcheck disable=SC2086
 {
   works "harmonic, no motion" "$export" character.obj $cage --skin 5 --resolution 32 -o still.glb
@@ -187,7 +213,7 @@ printf '\211PNG\r\n\032\nnot ours' >../outside_$$/secret.png
   printf '%s\n' 'vt 0 0' 'vt 1 0' 'vt 1 1' 'o first' 'usemtl red' 'f 4/1 3/2 2/3 1/1' 'usemtl glass' 'f 5/1 6/2 7/3 8/1' 'o second' 'usemtl lamp' \
     'f 1/1 2/2 6/3 5/1' 'f 2/1 3/2 7/3 6/1' 'o third' 'usemtl wood' 'f 3/1 4/2 8/3 7/1' 'f 4/1 1/2 5/3 8/1'
 } >parts.obj
-for way in "--skin 4" "--morph"; do
+for way in "--skin 4" "--morph" "--bones 1"; do
   # shellcheck disable=SC2086
   works "objects and materials, $way" "$export" parts.obj --cage box.obj --twist all:z,0,4,40 $way -o parts.gltf
   says '3 objects, 4 materials'
@@ -228,7 +254,7 @@ corner_lines() { sed 's/^v //; s/ /,/g' corners; }
   refuses 'nowhere.obj' "$export" $figure --pose nowhere.obj --skin 4 -o out.glb
   refuses 'nowhere.csv: no such file' "$export" $figure --clip nowhere.csv --skin 4 -o out.glb
   refuses 'point.obj: holds no faces' "$export" point.obj --cage box.obj --skin 4 -o out.glb
-  refuses 'give --skin, --max-distance or --morph to choose what to write' "$export" $figure -o out.glb
+  refuses 'give --bones, --skin, --max-distance or --morph to choose what to write' "$export" $figure -o out.glb
   refuses 'morph targets need poses' "$export" $figure --morph -o out.glb
   refuses '--skin' "$export" $figure --skin 0 -o out.glb
   refuses '--skin' "$export" $figure --skin 17 -o out.glb

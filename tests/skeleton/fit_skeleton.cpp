@@ -1,5 +1,5 @@
-// Laws of fitted skeletons: rest, rigid motions, planted skeletons, weights, threads, hierarchy, refusals, and
-// figures that are flat, torn or at rest.
+// Laws of fitted skeletons: rest, rigid motions, planted skeletons, weights, threads, hierarchy, keys,
+// refusals, and figures that are flat, torn or at rest.
 #include "../support/effort.hpp"
 #include "../support/progress.hpp"
 #include "../support/weights.hpp"
@@ -110,6 +110,11 @@ void check_finite(const FittedSkeleton<double>& skeleton) {
             REQUIRE(std::isfinite(dot(v, v)));
     }
     for (const V& v : skeleton.joints) REQUIRE(std::isfinite(dot(v, v)));
+}
+std::vector<double> times_of(std::size_t frames) {
+    std::vector<double> times;
+    for (std::size_t t = 0; t < frames; ++t) times.push_back(double(t) / 30);
+    return times;
 }
 double distance(const V& a, const V& b) {
     return std::sqrt(dot(a - b, a - b));
@@ -228,14 +233,14 @@ TEST_CASE("the report says what the skeleton does", "[skeleton]") {
 
 TEST_CASE("by distance as many bones are taken as keep it", "[skeleton]") {
     const Sequence given = planted(5, 10, 3);
-    const SkeletonOptions near{.max_distance = 0.01, .rounds = 6, .moves = 4};
-    const auto [skeleton, report] = given.fit(near);
+    const SkeletonOptions strict{.max_distance = 0.01, .rounds = 6, .moves = 4};
+    const auto [skeleton, report] = given.fit(strict);
     REQUIRE(report.status == Status::ok);
     CHECK(report.max_distance <= 0.01);
     CHECK(report.beyond == 0);
     CHECK(report.bones > 2);
-    const auto far = given.fit({.max_distance = 0.08, .rounds = 6, .moves = 4});
-    CHECK(far.report.bones < report.bones);
+    const auto loose = given.fit({.max_distance = 0.08, .rounds = 6, .moves = 4});
+    CHECK(loose.report.bones < report.bones);
     // A distance that no number of bones keeps: the nearest is returned, and the report counts.
     Sequence torn = tube(4, 6);
     Random random(5);
@@ -513,6 +518,224 @@ TEST_CASE("random sequences, of any size and with any number out of place, are f
     CHECK(std::isfinite(report.rms));
     CHECK(std::isfinite(report.turn));
     CHECK(report.max_distance >= 0);
+    const auto times = times_of(skeleton.frames);
+    const double allowed = random.uniform(0, 0.05);
+    const auto [keys, made] = cageform::fit_skeleton_keys(skeleton, given.rest, times, allowed);
+    if (made.status == Status::value_not_finite) return; // bones that have shrunk to nothing
+    REQUIRE(made.status == Status::ok);
+    CHECK(made.max_distance <= allowed + 1e-6);
+}
+
+namespace {
+
+/// A skeleton of random bones on the vertices of a tube, with random weights and smooth motions.
+FittedSkeleton<double> random_skeleton(Random& random, const std::vector<V>& rest, std::size_t bones,
+                                       std::size_t frames, BoneKind kind) {
+    FittedSkeleton<double> result;
+    result.bones = bones;
+    result.frames = frames;
+    struct Way {
+        V axis, shift, stretch;
+        double angle, phase;
+    };
+    std::vector<Way> ways;
+    for (std::uint32_t b = 0; b < bones; ++b) {
+        result.parents.push_back(b == 0 ? FittedSkeleton<double>::no_parent
+                                        : std::uint32_t(random.uniform(0, b - 1e-9)));
+        result.joints.push_back(random_vector(random, 3));
+        V stretch = random_vector(random, kind == BoneKind::rigid ? 0 : 0.3);
+        if (kind == BoneKind::similar) stretch = {stretch[0], stretch[0], stretch[0]};
+        ways.push_back({random_vector(random, 1), random_vector(random, 0.5), stretch, random.uniform(-2, 2),
+                        random.uniform(0, 6)});
+    }
+    for (std::size_t t = 0; t < frames; ++t) {
+        for (std::size_t b = 0; b < bones; ++b) {
+            const Way& way = ways[b];
+            const double wave = std::sin(way.phase + 6 * double(t) / double(frames));
+            Map own = rotation(way.axis, way.angle * wave);
+            for (std::size_t c = 0; c < 3; ++c) own.axes[c] = (1 + way.stretch[c] * wave) * own.axes[c];
+            own.shift = result.joints[b] - own(result.joints[b]) + wave * way.shift;
+            if (b > 0) own = result.map(t, result.parents[b]).after(own);
+            result.maps.push_back(own);
+        }
+    }
+    result.skin.influences = 4;
+    for (std::size_t i = 0; i < rest.size(); ++i) {
+        double left = 1;
+        for (std::size_t k = 0; k < 4; ++k) {
+            const double w = k == 3 ? left : random.uniform(0, left);
+            result.skin.joints.push_back(std::uint16_t(random.uniform(0, double(bones) - 1e-9)));
+            result.skin.weights.push_back(float(w));
+            left -= double(result.skin.weights.back());
+        }
+        result.skin.weights.back() = float((std::max)(left, 0.0));
+    }
+    return result;
+}
+
+/// The largest distance between a figure by maps and by keys, a share of its size.
+double lost(const FittedSkeleton<double>& skeleton, const std::vector<V>& rest,
+            const std::vector<double>& times, const cageform::SkeletonKeys<double>& keys) {
+    FittedSkeleton<double> played = skeleton;
+    double largest = 0;
+    for (std::size_t t = 0; t < skeleton.frames; ++t) {
+        played.maps = keys.maps(skeleton, times[t]);
+        for (std::size_t i = 0; i < rest.size(); ++i) {
+            largest =
+                std::fmax(largest, distance(played.place(0, i, rest[i]), skeleton.place(t, i, rest[i])));
+        }
+    }
+    return largest / cageform::bounds_of(std::span<const V>(rest)).diagonal();
+}
+template <class Body>
+void for_each_channel(const cageform::SkeletonKeys<double>& keys, const Body& body) {
+    for (const auto& bone : keys.bones) {
+        body(bone.translation);
+        body(bone.rotation);
+        body(bone.scale);
+        body(bone.axes);
+    }
+}
+
+} // namespace
+
+TEST_CASE("keys keep the figure within the distance, for any tree and kind of bones", "[skeleton]") {
+    const int seed = GENERATE(seeds(effort(24, 6)));
+    CAPTURE(seed);
+    Random random(std::uint64_t(seed) + 3000);
+    const auto rest = tube(8, 6).rest;
+    const auto kind = BoneKind(seed % 3);
+    auto skeleton = random_skeleton(random, rest, 1 + std::size_t(random.uniform(0, 5)), 30, kind);
+    if (seed % 4 == 3) skeleton.parents.assign(skeleton.bones, FittedSkeleton<double>::no_parent);
+    const auto times = times_of(skeleton.frames);
+    std::size_t most = 0;
+    for (const double allowed : {0.0, 1e-5, 1e-3, 0.02}) {
+        CAPTURE(allowed);
+        const auto [keys, report] = cageform::fit_skeleton_keys(skeleton, rest, times, allowed);
+        REQUIRE(report.status == Status::ok);
+        const double off = lost(skeleton, rest, times, keys);
+        CHECK(off <= allowed + 1e-9);
+        CHECK(std::fabs(off - report.max_distance) <= 1e-12);
+        if (allowed == 0.0) most = report.numbers;
+        CHECK(report.numbers <= most);
+        if (allowed == 0.02) CHECK(report.numbers < most);
+        std::size_t count = 0;
+        for_each_channel(keys, [&](const auto& channel) {
+            count += channel.times.size();
+            REQUIRE(!channel.times.empty());
+            REQUIRE(channel.values.size() == channel.times.size());
+            REQUIRE(channel.in_tangents.size() == channel.out_tangents.size());
+            CHECK((channel.in_tangents.empty() || channel.in_tangents.size() == channel.times.size()));
+            for (std::size_t k = 0; k < channel.times.size(); ++k) {
+                CHECK(std::binary_search(times.begin(), times.end(), channel.times[k]));
+                if (k > 0) CHECK(channel.times[k - 1] < channel.times[k]);
+            }
+            if (channel.times.size() > 1) CHECK(channel.times.back() == times.back());
+            if constexpr (std::is_same_v<std::decay_t<decltype(channel.values[0])>,
+                                         cageform::Quaternion<double>>) {
+                for (std::size_t k = 0; k < channel.values.size(); ++k) {
+                    const auto& q = channel.values[k];
+                    double square = 0, along = 0;
+                    for (std::size_t c = 0; c < 4; ++c) {
+                        square += q[c] * q[c];
+                        along += q[c] * channel.values[k == 0 ? 0 : k - 1][c];
+                    }
+                    CHECK(std::fabs(square - 1) <= 1e-12);
+                    CHECK((along >= 0 || !channel.in_tangents.empty()));
+                }
+            }
+        });
+        CHECK(count == report.keys);
+        if (kind != BoneKind::rigid) continue;
+        for (const auto& bone : keys.bones) {
+            CHECK(bone.scale.times.size() == 1);
+            CHECK(bone.scale.values[0] == V{1, 1, 1});
+            CHECK(bone.axes.times.size() == 1);
+        }
+    }
+}
+
+TEST_CASE("what stands has one key, what moves evenly two", "[skeleton]") {
+    Random random(5);
+    const auto rest = tube(8, 6).rest;
+    auto skeleton = random_skeleton(random, rest, 3, 20, BoneKind::rigid);
+    const V axis = random_vector(random, 1), shift = random_vector(random, 1);
+    for (std::size_t t = 0; t < skeleton.frames; ++t) {
+        for (std::size_t b = 0; b < 3; ++b) {
+            Map& map = skeleton.maps[3 * t + b];
+            map = b == 0 ? Map{} : rotation(axis, 0.15 * double(t));
+            map.shift = skeleton.joints[b] - map(skeleton.joints[b]);
+            if (b > 0) map.shift = map.shift + double(t) * shift;
+        }
+    }
+    skeleton.parents = {FittedSkeleton<double>::no_parent, 0, 1};
+    const auto [keys, report] = cageform::fit_skeleton_keys(skeleton, rest, times_of(skeleton.frames), 1e-4);
+    REQUIRE(report.status == Status::ok);
+    const auto& [root, turned, child] = std::tie(keys.bones[0], keys.bones[1], keys.bones[2]);
+    CHECK(root.translation.times.size() + root.rotation.times.size() == 2);
+    CHECK(turned.translation.times.size() == 2);
+    CHECK(turned.rotation.times.size() == 2);
+    CHECK(turned.rotation.in_tangents.empty());
+    // The child goes with its parent, but for the shift of its joint.
+    CHECK(child.rotation.times.size() == 1);
+}
+
+TEST_CASE("keys of floats, of figures of any size, progress, and what is refused", "[skeleton]") {
+    Random random(6);
+    const auto rest = tube(6, 6).rest;
+    const auto skeleton = random_skeleton(random, rest, 4, 12, BoneKind::similar);
+    const auto times = times_of(skeleton.frames);
+    const auto made = [&](const FittedSkeleton<double>& of, const std::vector<double>& at, double allowed) {
+        const auto result = cageform::fit_skeleton_keys(of, rest, at, allowed);
+        if (!result) CHECK(result.value.bones.empty());
+        return result.report;
+    };
+    const auto report = made(skeleton, times, 1e-3);
+    auto large = skeleton;
+    auto large_rest = rest;
+    for (V& v : large_rest) v = 1024.0 * v;
+    for (V& v : large.joints) v = 1024.0 * v;
+    for (Map& map : large.maps) map.shift = 1024.0 * map.shift;
+    const auto scaled = cageform::fit_skeleton_keys(large, large_rest, times, 1e-3);
+    CHECK(scaled.report.keys == report.keys);
+    CHECK(scaled.report.max_distance == report.max_distance);
+
+    FittedSkeleton<float> single;
+    single.bones = skeleton.bones;
+    single.frames = skeleton.frames;
+    single.skin = skeleton.skin;
+    single.parents = skeleton.parents;
+    for (const V& v : skeleton.joints) single.joints.push_back(cageform::vec_cast<float>(v));
+    for (const Map& map : skeleton.maps) {
+        auto& to = single.maps.emplace_back();
+        for (std::size_t c = 0; c < 3; ++c) to.axes[c] = cageform::vec_cast<float>(map.axes[c]);
+        to.shift = cageform::vec_cast<float>(map.shift);
+    }
+    const auto of_floats =
+        cageform::fit_skeleton_keys(single, rest, std::vector<float>(times.begin(), times.end()), 1e-3);
+    REQUIRE(of_floats.report.status == Status::ok);
+    CHECK(of_floats.report.max_distance <= 1e-3 + 1e-5);
+
+    check_progress("keys", [&](const Running& running) {
+        return cageform::fit_skeleton_keys(skeleton, rest, times, 1e-3, running);
+    });
+    CHECK(made(skeleton, times, -1).status == Status::value_not_finite);
+    CHECK(made(skeleton, times, std::nan("")).status == Status::value_not_finite);
+    CHECK(made({}, {}, 0.1).status == Status::input_malformed);
+    auto bad_times = times;
+    bad_times[3] = bad_times[2];
+    CHECK(made(skeleton, bad_times, 0.1).status == Status::keys_not_ascending);
+    bad_times.pop_back();
+    CHECK(made(skeleton, bad_times, 0.1).status == Status::frames_do_not_match);
+    auto bad = skeleton;
+    bad.parents[1] = 2;
+    CHECK(made(bad, times, 0.1).status == Status::input_malformed);
+    bad = skeleton;
+    bad.skin.joints[5] = 4;
+    CHECK(made(bad, times, 0.1).status == Status::input_malformed);
+    bad = skeleton;
+    bad.maps[7].shift[1] = std::nan("");
+    CHECK(made(bad, times, 0.1).status == Status::value_not_finite);
 }
 
 } // namespace fit_skeleton_tests

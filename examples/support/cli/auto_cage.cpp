@@ -63,16 +63,21 @@ std::string no_cage(const cageform::MakeCageReport& report, const cageform::Make
 
 CageWord CageWord::of(const std::string& word) {
     using Shape = cageform::CageShape;
-    if (word.starts_with(lattice_prefix)) return {true, true, 0, Shape::figure};
+    if (word.starts_with(lattice_prefix)) return {true, true, 0, 0, Shape::figure};
     const std::string name = word.substr(0, word.find(':'));
-    CageWord found{name == "auto" || name == "hull" || word == "box", false, 0,
+    CageWord found{name == "auto" || name == "hull" || word == "box", false, 0, 0,
                    name == "hull"  ? Shape::hull
                    : name == "box" ? Shape::box
                                    : Shape::figure};
     if (!found.is_auto || word.size() == name.size()) return found;
+    const std::string number = word.substr(name.size() + 1);
+    if (number.ends_with('%')) {
+        found.is_auto = parse_looseness(number, found.looseness).empty();
+        return found;
+    }
     double count = 0;
-    found.is_auto = detail::parse_number(std::string_view(word).substr(name.size() + 1), count).empty() &&
-                    count >= 3 && count <= 1e6 && count == std::floor(count);
+    found.is_auto = detail::parse_number(number, count).empty() && count >= 3 && count <= 1e6 &&
+                    count == std::floor(count);
     found.vertices = found.is_auto ? std::size_t(count) : 0;
     return found;
 }
@@ -134,6 +139,7 @@ template <class Figure>
 auto made_by_word(const CageWord& word, const Figure& figure) {
     cageform::MakeCageOptions options;
     options.vertices = word.vertices;
+    options.looseness = word.looseness;
     options.shape = word.shape;
     auto made = make_cage_for(figure, options);
     if (made) {
@@ -152,8 +158,9 @@ SvgError with_words(SvgError error, const std::string& word) {
             "--cage " + detail::quoted(word) +
             ": a box has 8 vertices, in the plane 4; write --cage box, or for N vertices hull:N or auto:N";
     else if (word.starts_with("auto") || word.starts_with("hull") || word.starts_with("box"))
-        error.message +=
-            "; to make a cage, write auto, hull or box, or for 3 to 1000000 vertices auto:N or hull:N";
+        error.message += "; to make a cage, write auto, hull or box, for 3 to 1000000 vertices auto:N or "
+                         "hull:N, or for the "
+                         "fewest within 15 % of the tightest auto:15%";
     return error;
 }
 
@@ -218,6 +225,49 @@ SvgResult<ObjFile> load_or_make_cage(const std::string& word, const ObjFile& fig
     return std::move(made->cage);
 }
 
+std::string parse_looseness(const std::string& word, double& looseness) {
+    const bool is_share = word.ends_with('%');
+    const std::string number = is_share ? word.substr(0, word.size() - 1) : word;
+    if (const std::string why = detail::parse_number(number, looseness); !why.empty()) return why;
+    if (is_share) looseness /= 100;
+    if (looseness > 0 && looseness < (is_share ? 100 : 1)) return {};
+    return "a cage exceeds the tightest by a share above 0, such as 25% or 0.25";
+}
+
+namespace {
+
+/// A table of what each doubling brings, below and above the cage that was made.
+std::string doublings_of(const cageform::MakeCageReport& report, bool in_plane) {
+    const auto& all = report.attempts;
+    const auto made = std::find_if(all.begin(), all.end(),
+                                   [&](const auto& attempt) { return attempt.vertices == report.vertices; });
+    std::vector<cageform::MakeCageReport::Attempt> kept;
+    std::size_t last = report.vertices;
+    for (auto below = std::make_reverse_iterator(made); below != all.rend(); ++below) {
+        if (5 * below->vertices > 4 * last) continue;
+        kept.insert(kept.begin(), *below);
+        last = below->vertices;
+    }
+    last = 0;
+    for (auto above = made; above != all.end(); ++above) {
+        if (5 * last > 4 * above->vertices) continue;
+        kept.push_back(*above);
+        last = above->vertices;
+    }
+    std::string table = in_plane ? "vertices  area over the tightest  deepest hollow spanned\n"
+                                 : "vertices  volume over the tightest  deepest hollow spanned\n";
+    for (const auto& attempt : kept) {
+        std::array<char, 96> line{};
+        std::snprintf(line.data(), line.size(), "%8zu  %*s  %22.3g%s\n", attempt.vertices, in_plane ? 22 : 24,
+                      percent(attempt.excess).c_str(), attempt.hollow,
+                      attempt.vertices == report.vertices ? "  <- made" : "");
+        table += line.data();
+    }
+    return table;
+}
+
+} // namespace
+
 std::string describe(const cageform::MakeCageReport& report, std::size_t dimension) {
     const auto count = [](std::size_t n, const char* thing) {
         return std::to_string(n) + ' ' + thing + (n == 1 ? "" : "s");
@@ -233,14 +283,21 @@ std::string describe(const cageform::MakeCageReport& report, std::size_t dimensi
                 ? count(report.components, "part") + ", " + count(report.bridges, "bridge") + "; "
                 : "") +
            detail::short_number(report.clearance) + " from the cage (" +
-           percent(report.clearance / report.margin) + " of the margin)\n";
+           percent(report.clearance / report.margin) + " of the margin)\n" +
+           (report.attempts.empty() ? "" : doublings_of(report, in_plane));
 }
 
 std::vector<std::string> warnings_of(const cageform::MakeCageReport& report,
                                      const cageform::MakeCageOptions& options) {
     std::vector<std::string> warnings;
     const std::size_t wanted = options.vertices;
-    if (wanted != 0 && report.vertices > wanted + (options.mirror ? wanted % 2 : 0))
+    const double excess = report.area / report.tightest_area - 1;
+    if (options.looseness > 0 && !report.attempts.empty() && excess > options.looseness * (1 + 1e-9))
+        warnings.push_back("no cage of up to " + std::to_string(report.attempts.back().vertices) +
+                           " vertices is within " + detail::short_number(100 * options.looseness) + " %" +
+                           " of the tightest; this one of " + std::to_string(report.vertices) + " has " +
+                           percent(excess) + " more");
+    else if (wanted != 0 && report.vertices > wanted + (options.mirror ? wanted % 2 : 0))
         warnings.push_back("the cage has " + std::to_string(report.vertices) +
                            " vertices; fewer are not enough");
     return warnings;

@@ -16,15 +16,17 @@ namespace cageform_examples {
 
 /// Text for --help, after the other values of --cage.
 inline constexpr const char* auto_cage_help =
-    "; or auto, hull or box (with N vertices auto:N or hull:N) to make one, as make_cage does; or a lattice "
-    "of points, lattice:4x4 in the plane and lattice:4x4x4 in space, or a .lattice.json file";
+    "; or auto, hull or box (with N vertices auto:N or hull:N, with the fewest that are within 15 % of the "
+    "tightest auto:15%) to make one, as make_cage does; or a lattice of points, lattice:4x4 in the plane and "
+    "lattice:4x4x4 in space, or a .lattice.json file";
 
-/// The choice of --cage: auto, hull, box, auto:N, hull:N or lattice:…, otherwise a file (write ./auto for a
-/// file of that name).
+/// The choice of --cage: auto, hull, box, auto:N, hull:N, auto:15%, hull:15% or lattice:…, otherwise a file
+/// (write ./auto for a file of that name).
 struct CageWord {
     bool is_auto = false;
     bool is_lattice = false;  // then the rest of the word says which
     std::size_t vertices = 0; // 0: as many as make_cage takes
+    double looseness = 0;     // above 0: as few as stay within this share of the tightest
     cageform::CageShape shape = cageform::CageShape::figure;
 
     static CageWord of(const std::string& word);
@@ -61,7 +63,11 @@ SvgResult<CageFile> load_or_make_cage(const std::string& word, const SvgDocument
                                       CageEdges edges = CageEdges::lines);
 SvgResult<ObjFile> load_or_make_cage(const std::string& word, const ObjFile& figure);
 
-/// "24 vertices, …": the report for people, two lines.
+/// Reads "15%" or "0.15", the share by which a cage may exceed the tightest. Returns the fault; empty if
+/// there is none.
+std::string parse_looseness(const std::string& word, double& looseness);
+
+/// "24 vertices, …": the report for people, two lines; a third one where numbers of vertices were tried.
 ///
 ///   dimension   2 or 3
 std::string describe(const cageform::MakeCageReport& report, std::size_t dimension);

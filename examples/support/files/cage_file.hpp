@@ -58,6 +58,10 @@ struct CageFile {
     /// The loops of a cage of curves, each closed. Edges are of the degrees that their control points allow.
     std::vector<Subpath> outline() const;
 
+    /// The loops as polygons. Each curve is cut into at least `least_pieces` lines, and into so many that
+    /// they are at most `distance` off it.
+    std::vector<std::vector<Point2>> loops(double distance, std::size_t least_pieces = 1) const;
+
     /// The loops of a cage of curves.
     template <class T>
     cageform::CurvedPolygon<T> curved_polygon() const;

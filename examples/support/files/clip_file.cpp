@@ -285,7 +285,7 @@ cageform::PiecewiseCubic<double> curve_through(const PoseClip& clip, std::span<c
     return {std::move(pieces), clip.length, values[0]};
 }
 
-SampledPoses sample_poses(const PoseClip& clip) {
+SampledPoses sample_poses(const PoseClip& clip, double rate) {
     const auto motion = make_clip<double>(clip);
     auto cursor = motion.make_cursor();
     std::vector<cageform::Vec<double, 3>> pose(motion.vertex_count());
@@ -293,8 +293,9 @@ SampledPoses sample_poses(const PoseClip& clip) {
     for (std::size_t k = 0; k < clip.keys.size(); ++k) {
         const double begin = clip.keys[k].time;
         const double end = k + 1 < clip.keys.size() ? clip.keys[k + 1].time : clip.length;
-        for (const double part : {0.0, 0.25, 0.5, 0.75}) {
-            samples.times.push_back(begin + part * (end - begin));
+        const double parts = std::max(4.0, std::ceil(rate * (end - begin)));
+        for (double part = 0; part < parts; ++part) {
+            samples.times.push_back(begin + part / parts * (end - begin));
             motion.sample(samples.times.back(), cursor, pose);
             for (const auto& p : pose) samples.numbers.insert(samples.numbers.end(), p.v, p.v + 3);
         }

@@ -190,12 +190,13 @@ cageform::CageClip<T, 3> make_clip(const PoseClip& clip) {
     return cageform::CageClip<T, 3>(curves, cycle, cycle);
 }
 
-/// Poses of a motion: those of the keys, and three between each and the next.
+/// Poses of a motion: those of the keys, and three or more between each and the next.
 struct SampledPoses {
     std::vector<double> times;   // in seconds
     std::vector<double> numbers; // #times · #vertices · 3, as PackOptions::poses has them
 };
-SampledPoses sample_poses(const PoseClip& clip);
+///   rate   how many a second at least
+SampledPoses sample_poses(const PoseClip& clip, double rate = 0);
 
 /// "walk.csv after 0.5 s": stands before messages about one of its poses.
 std::string name_of_pose(const PoseClip& clip, double time);

@@ -55,6 +55,27 @@ std::vector<Subpath> CageFile::outline() const {
     return loops;
 }
 
+std::vector<std::vector<Point2>> CageFile::loops(double distance, std::size_t least_pieces) const {
+    std::vector<std::vector<Point2>> loops;
+    if (!curves) {
+        for (const CageBlock& block : blocks) {
+            if (block.kind == CageBlock::Kind::loop) loops.push_back(block.points);
+        }
+        return loops;
+    }
+    for (const Subpath& path : outline()) {
+        auto& loop = loops.emplace_back();
+        Point2 from = path.start;
+        for (const Segment& edge : path.segments) {
+            const std::size_t pieces = std::max(least_pieces, pieces_of(from, edge, distance));
+            for (std::size_t n = 0; n < pieces; ++n)
+                loop.push_back(place_on(from, edge, double(n) / double(pieces)));
+            from = edge.p3;
+        }
+    }
+    return loops;
+}
+
 std::vector<std::vector<std::size_t>> CageFile::followers() const {
     std::vector<std::vector<std::size_t>> list(curves ? vertices.size() : 0);
     for (std::size_t b = 0; b < handles.size() && curves; ++b) {

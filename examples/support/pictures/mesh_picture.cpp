@@ -72,15 +72,16 @@ public:
         }
     }
 
-    /// A line as far as no surface hides it: half a pixel and its thickness nearer than it is, so that it
-    /// is seen on one whose triangles are not quite at its place.
+    /// A line as far as no surface hides it, if it is not on top: half a pixel and its thickness nearer than
+    /// it is, so that it is seen on one whose triangles are not quite at its place.
     void draw_line(const SpaceLine& line, const Camera& camera) {
         for (std::size_t k = 1; k < line.points.size(); ++k) {
             for_each_sample(on_canvas(camera, line.points[k - 1]), on_canvas(camera, line.points[k]),
                             line.thickness * samples,
                             [&](std::size_t i, std::size_t middle, double nearness) {
                                 const double by = camera.nearer(0.5 + line.thickness, nearness);
-                                if (nearness + by >= double(nearness_[middle])) colour_[i] = line.colour;
+                                if (line.on_top || nearness + by >= double(nearness_[middle]))
+                                    colour_[i] = line.colour;
                             });
         }
     }

@@ -25,13 +25,14 @@ struct SpaceLine {
     std::vector<Point3> points;
     double thickness = 1; ///< in pixels
     Colour colour{};
+    bool on_top = false; ///< seen through the surfaces
 };
 
 /// The contents of one tile of the picture.
 struct MeshScene {
     MeshView figure;
     MeshView cage;
-    std::span<const SpaceLine> lines{}; ///< as far as the figure does not hide them
+    std::span<const SpaceLine> lines{}; ///< as far as the figure does not hide them, or on top of it
 };
 
 /// The view direction of meshes: turned from the front towards the figure's left, then upwards, in degrees.

@@ -178,25 +178,4 @@ std::vector<std::uint8_t> mask_of(const std::vector<std::vector<Point2>>& loops,
     return mask;
 }
 
-std::vector<std::vector<Point2>> loops_of(const CageFile& cage) {
-    std::vector<std::vector<Point2>> loops;
-    if (!cage.curves) {
-        for (const CageBlock& block : cage.blocks) {
-            if (block.kind == CageBlock::Kind::loop) loops.push_back(block.points);
-        }
-        return loops;
-    }
-    for (const Subpath& outline : cage.outline()) {
-        auto& loop = loops.emplace_back();
-        Point2 from = outline.start;
-        for (const Segment& segment : outline.segments) {
-            const std::size_t pieces = pieces_of(from, segment, 0.1);
-            for (std::size_t n = 0; n < pieces; ++n)
-                loop.push_back(place_on(from, segment, double(n) / double(pieces)));
-            from = segment.p3;
-        }
-    }
-    return loops;
-}
-
 } // namespace cageform_examples

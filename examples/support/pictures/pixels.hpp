@@ -2,7 +2,6 @@
 
 // Pictures as bytes with alpha, as PNG files hold them, and regions of their pixels.
 
-#include "files/cage_file.hpp"
 #include "pictures/picture.hpp"
 
 #include <cstddef>
@@ -67,8 +66,5 @@ std::vector<std::uint8_t> mask_of(const Pixels& picture);
 /// has its centre at (x + ½, y + ½).
 std::vector<std::uint8_t> mask_of(const std::vector<std::vector<Point2>>& loops, std::size_t width,
                                   std::size_t height);
-
-/// The loops of a cage in the plane; curves as lines that are at most a tenth of a unit off.
-std::vector<std::vector<Point2>> loops_of(const CageFile& cage);
 
 } // namespace cageform_examples

@@ -34,6 +34,7 @@ namespace cageform::inline CAGEFORM_ABI {
 ///   parts    are joined by bridges 2.6 margins wide, a shortest tree; gaps of the drawing below 3.2
 ///            margins are closed: grown by the margin, they leave slits below 1.2 margins
 ///   mirror   vertices come in pairs, except for those on the axis; the figure need not be symmetric
+///   fewest   options.looseness searches for the fewest vertices, in up to ten times the time
 ///   cost     some 50 ms for a drawing of a thousand segments; up to 70 bytes for each of at most 2^24 nodes
 ///            of a lattice, whose spacing is at most 1/256 of the figure's longer side, and margin / 3
 ///   errors   figure_empty; figure_not_finite, by segment; figure_has_no_size; margin_not_positive;

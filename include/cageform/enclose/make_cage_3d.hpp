@@ -33,7 +33,8 @@ namespace cageform::inline CAGEFORM_ABI {
 ///            margins, they leave slits below 1.2 of these
 ///   tunnels  stay, unless options.fill_tunnels; report.tunnels counts them
 ///   mirror   vertices come in pairs, except for those on the plane; the number requested is met up to one
-///   vertices report.vertices can differ from options.vertices, see there
+///   vertices report.vertices can differ from options.vertices, see there; options.looseness searches for the
+///            fewest, in twice to three times the time
 ///   cost     some seconds, and some 40 bytes for each of at most 250^3 nodes of a lattice. With
 ///            small margins it has fewer than two nodes per margin; below 0.6 % of the longest
 ///            side, make_cage fails

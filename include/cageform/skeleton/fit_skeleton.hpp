@@ -4,6 +4,7 @@
 #include <cageform/cage/triangle_mesh.hpp>
 #include <cageform/core/detail/stopwatch.hpp>
 #include <cageform/core/view.hpp>
+#include <cageform/skeleton/detail/make_keys.hpp>
 #include <cageform/skeleton/detail/read_motion.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
@@ -28,8 +29,8 @@ namespace cageform::inline CAGEFORM_ABI {
 ///            #frames
 ///   fails    influences_not_supported; bones_not_supported (neither bones nor a distance); value_not_finite
 ///            (the distance, or a negative one); motion_empty; frames_do_not_match; frame_not_finite (also
-///            above 1e100; the report has frame and vertex, at rest frame #frames); face_without_vertex;
-///            cancelled; out_of_memory
+///            above 1e100, or 1e30 sizes away; the report has frame and vertex, at rest frame #frames);
+///            face_without_vertex; cancelled; out_of_memory
 template <PointRangeIn<3> R, detail::FramesIn<3> Frames, FaceRange F>
 Result<FittedSkeleton<range_scalar_t<R>>, SkeletonReport>
 fit_skeleton(const R& rest, const Frames& frames, const F& faces, const SkeletonOptions& options = {},
@@ -40,6 +41,39 @@ fit_skeleton(const R& rest, const Frames& frames, const F& faces, const Skeleton
         detail::Motion motion;
         const Status status = detail::read_motion(rest, frames, faces, options, motion, result.report);
         return status == Status::ok ? detail::fit_motion(motion, options, running, result) : status;
+    });
+    result.report.status = timed.status;
+    result.report.seconds = timed.seconds;
+    if (timed.status != Status::ok) result.value = {};
+    return result;
+}
+
+/// Makes keys of a skeleton's motion, as few as keep the figure near to what the maps make of it.
+///
+///   skeleton      as `fit_skeleton` returns it. With `parents` set to no_parent, bones are free of each
+///                 other
+///   rest          #vertices, as it was fitted
+///   times         #frames, in seconds, ascending
+///   max_distance  the distance, a share of the figure's diagonal at rest, from where a vertex is by the maps
+///                 to where it is by the keys, in every frame: measured at the skin, not at the bones, and
+///                 for all bones together. 0: a key in each frame, where more than one is needed
+///   returns       keys at some of the frames, with the values there. A channel that may stand still has one
+///   cost          some O(#vertices · #influences · #frames · log #frames); 1,114 vertices in 33 frames take
+///                 0.1 s for 20 bones. Memory: 12 bytes · #vertices · #frames
+///   fails         value_not_finite (the distance, or a negative one; a map; an ancestor that is flat);
+///                 input_malformed (a skeleton whose sizes or indices do not match); frames_do_not_match (as
+///                 many times or vertices); keys_not_ascending; cancelled; out_of_memory
+template <class T, PointRangeIn<3> R>
+Result<SkeletonKeys<T>, SkeletonKeysReport>
+fit_skeleton_keys(const FittedSkeleton<T>& skeleton, const R& rest,
+                  std::type_identity_t<std::span<const T>> times, double max_distance,
+                  const Running& running = {}) {
+    Result<SkeletonKeys<T>, SkeletonKeysReport> result;
+    SkeletonKeysReport timed;
+    detail::run_into(timed, [&] {
+        std::vector<Vec<double, 3>> places;
+        for (std::size_t i = 0; i < std::size(rest); ++i) places.push_back(to_vec<double>(rest[i]));
+        return detail::make_keys(skeleton, places, times, max_distance, running, result);
     });
     result.report.status = timed.status;
     result.report.seconds = timed.seconds;

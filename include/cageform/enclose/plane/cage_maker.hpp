@@ -3,6 +3,7 @@
 
 #include <cageform/cage/polygon.hpp>
 #include <cageform/enclose/detail/cage_frame.hpp>
+#include <cageform/enclose/detail/fewest_vertices.hpp>
 #include <cageform/enclose/detail/join_components.hpp>
 #include <cageform/enclose/detail/make_cage_into.hpp>
 #include <cageform/enclose/plane/reduce_loop.hpp>
@@ -46,19 +47,54 @@ public:
                 report.tightest_area += copies_of(loop) * signed_area(loop.points) * (loop.half ? 2 : 1);
         }
         if (!running.keep_going(0.4)) return Status::cancelled;
-        const auto shares = share_vertices();
-        for (std::size_t k = 0; k < contours_.size(); ++k) {
-            contours_[k] = reduced(k, shares[k], level);
-            if (!running.keep_going(0.4 + 0.6 * double(k + 1) / double(contours_.size())))
-                return Status::cancelled;
-        }
-        cage.clear();
-        for (const auto& loop : contours_) add_whole(loop, cage);
-        return Status::ok;
+        if (options_.looseness > 0) return make_fewest(level, running, report, cage);
+        return reduce_all(options_.vertices, level, running.subtask(0.4, 1), cage) ? Status::ok
+                                                                                   : Status::cancelled;
     }
 
 private:
     bool is_mirrored() const noexcept { return options_.mirror.has_value(); }
+
+    /// Reduces the contours to `vertices` in all, and completes the loops. Returns false if cancelled.
+    bool reduce_all(std::size_t vertices, double level, const Running& running, std::vector<Loop>& cage) {
+        const auto shares = share_vertices(vertices);
+        for (std::size_t k = 0; k < contours_.size(); ++k) {
+            contours_[k] = reduced(k, shares[k], level);
+            if (!running.keep_going(double(k + 1) / double(contours_.size()))) return false;
+        }
+        cage.clear();
+        for (const auto& loop : contours_) add_whole(loop, cage);
+        return true;
+    }
+    /// Makes the fewest vertices that options.looseness allows.
+    Status make_fewest(double level, const Running& running, MakeCageReport& report,
+                       std::vector<Loop>& cage) {
+        constexpr std::size_t first = 12;
+        FewestVertices<std::vector<Loop>> search(vertex_counts(3, first, options_.vertices), first,
+                                                 options_.looseness);
+        const auto contours = contours_;
+        std::vector<Point> places;
+        for (const auto& loop : contours) places.insert(places.end(), loop.points.begin(), loop.points.end());
+        for (double left = 0.6; const auto index = search.next(); left *= 0.8) {
+            const Running subtask = running.subtask(1 - left, 1 - 0.8 * left);
+            contours_ = contours;
+            if (!reduce_all(search.count(*index), level, subtask, cage)) return Status::cancelled;
+            std::size_t vertices = 0;
+            double area = 0;
+            std::vector<Corners<2>> edges;
+            for (const auto& loop : cage) {
+                vertices += loop.size();
+                area += signed_area(loop);
+                for (std::size_t i = 0; i < loop.size(); ++i)
+                    edges.push_back({loop[i], loop[(i + 1) % loop.size()]});
+            }
+            const double hollow = deepest_hollow<2>(places, edges);
+            search.add(*index, {{vertices, area / report.tightest_area - 1, hollow}, std::move(cage)});
+        }
+        report.attempts = search.attempts();
+        cage = search.best();
+        return Status::ok;
+    }
 
     /// The bounds of everything drawn; in a mirrored cage, of the figure and its mirror image.
     Bounds<double, 2> bounds() const noexcept {
@@ -177,7 +213,7 @@ private:
 
     /// Shares out the vertices among the loops in proportion to the square roots of their areas, at least
     /// four each (three for a single loop). For a half, the result counts the points of its chain.
-    std::vector<std::size_t> share_vertices() const {
+    std::vector<std::size_t> share_vertices(std::size_t vertices) const {
         double sum = 0;
         const auto weight = [](const CageLoop& loop) {
             return std::sqrt(std::fabs(signed_area(loop.points)) * (loop.half ? 2 : 1));
@@ -188,7 +224,7 @@ private:
             return weight(contours_[i]) < weight(contours_[j]);
         });
         for (const auto& loop : contours_) sum += copies_of(loop) * weight(loop);
-        const double wanted = double(options_.vertices);
+        const double wanted = double(vertices);
         const double least = contours_.size() == 1 ? 3 : 4;
         double given = 0, share = 0;
         for (const std::size_t k : order) { // rounding errors carry over to the next larger loops
@@ -361,7 +397,7 @@ Status make_cage_into(std::span<const DrawnSegment<T>> figure, std::span<const P
     status = frame_figure(figure, options.mirror, framed);
     if (status != Status::ok) return status;
     MakeCageOptions wanted = options;
-    if (wanted.vertices == 0) wanted.vertices = 24;
+    if (wanted.vertices == 0) wanted.vertices = options.looseness > 0 ? 200 : 24;
     const double margin = (options.margin > 0 ? options.margin : 0.025) * framed.diagonal;
     report.margin = margin / framed.frame.scale;
     if (!can_tell<T>(report.margin, framed.box)) return Status::cage_not_found;
@@ -397,6 +433,7 @@ Status make_cage_into(std::span<const DrawnSegment<T>> figure, std::span<const P
     report.area = 0;
     for (const auto& loop : made.value.loops()) report.area += signed_area(made.value, loop);
     report.tightest_area /= framed.frame.scale * framed.frame.scale;
+    for (auto& attempt : report.attempts) attempt.hollow /= framed.frame.scale;
     return holds_figure(report) ? Status::ok : Status::cage_not_found;
 }
 

@@ -5,6 +5,7 @@
 #include <cageform/cage/triangle_mesh.hpp>
 #include <cageform/core/detail/disjoint_sets.hpp>
 #include <cageform/enclose/detail/cage_frame.hpp>
+#include <cageform/enclose/detail/fewest_vertices.hpp>
 #include <cageform/enclose/detail/join_components.hpp>
 #include <cageform/enclose/detail/make_cage_into.hpp>
 #include <cageform/enclose/space/reduce_shell.hpp>
@@ -68,17 +69,67 @@ public:
         const ShellObstacles obstacles{&lattice_, lifted};
         double area = 0;
         for (const auto& face : shell.faces) area += 0.5 * length(area_normal(shell.corners(face)));
-        if (!ShellReduction(shell, obstacles).reduce_to(options_.vertices, running.subtask(0.3, 0.8)))
-            return Status::cancelled;
-        const ShellEnergy energy(six, options_.vertices, area * (shell.half ? 2 : 1),
-                                 std::fmax(options_.regular, 0.0));
-        if (!ShellRelaxation(shell, obstacles, energy).relax(24, running.subtask(0.8, 1)))
+        const Reducing step{obstacles, six, area * (shell.half ? 2 : 1)};
+        if (options_.looseness > 0) return make_fewest(step, running, report, shell);
+        if (!ShellReduction(shell, obstacles).reduce_to(options_.vertices, running.subtask(0.3, 0.8)) ||
+            !relax(shell, options_.vertices, step, running.subtask(0.8, 1)))
             return Status::cancelled;
         return Status::ok;
     }
 
 private:
+    /// A contour that is to be reduced.
+    struct Reducing {
+        const ShellObstacles& obstacles;
+        double six_volumes, area; ///< of the contour, the area with that of its image
+    };
+
     bool is_mirrored() const noexcept { return options_.mirror.has_value(); }
+
+    /// Step 5 for a shell that was reduced to `vertices`. Returns false if cancelled.
+    bool relax(Shell& shell, std::size_t vertices, const Reducing& step, const Running& running) const {
+        const ShellEnergy energy(step.six_volumes, vertices, step.area, std::fmax(options_.regular, 0.0));
+        return ShellRelaxation(shell, step.obstacles, energy).relax(24, running);
+    }
+
+    /// Makes the fewest vertices that options.looseness allows. One reduction passes through all numbers of
+    /// vertices; those that are tried are relaxed.
+    Status make_fewest(const Reducing& step, const Running& running, MakeCageReport& report,
+                       Shell& shell) const {
+        const auto wanted = vertex_counts(4, first_tried, options_.vertices);
+        std::vector<Shell> reduced;
+        std::vector<std::size_t> counts;
+        const auto contour = shell.points;
+        ShellReduction reduction(shell, step.obstacles);
+        double done = 0.3;
+        for (std::size_t k = wanted.size(); k-- > 0;) { // to the first count it is the farthest
+            const double from = std::exchange(done, 0.6 - 0.05 * double(k) / double(wanted.size()));
+            if (!reduction.reduce_to(wanted[k], running.subtask(from, done))) return Status::cancelled;
+            const std::size_t count = shell.whole_size();
+            if (!counts.empty() && count == counts.back())
+                continue; // the contour has no more, or it is stuck
+            counts.push_back(count);
+            reduced.push_back(shell.compacted());
+        }
+        std::reverse(counts.begin(), counts.end());
+        std::reverse(reduced.begin(), reduced.end());
+        FewestVertices<Shell> search(counts, first_tried, options_.looseness);
+        for (double left = 0.4; const auto index = search.next(); left *= 0.8) {
+            const Running subtask = running.subtask(1 - left, 1 - 0.8 * left);
+            Shell trial = std::move(reduced[*index]);
+            if (!relax(trial, counts[*index], step, subtask)) return Status::cancelled;
+            const double volume = trial.six_volumes() / 6 * (trial.half ? 2 : 1);
+            std::vector<Corners<3>> facets;
+            for (const auto& face : trial.faces) facets.push_back(trial.corners(face));
+            const double hollow = deepest_hollow<3>(contour, facets);
+            search.add(*index,
+                       {{counts[*index], volume / report.tightest_area - 1, hollow}, std::move(trial)});
+        }
+        report.attempts = search.attempts();
+        shell = search.best();
+        return Status::ok;
+    }
+    static constexpr std::size_t first_tried = 30;
 
     Shell box_shell(double level) const {
         const auto box = box_.widened(level);
@@ -350,7 +401,7 @@ Status make_cage_into(std::span<const Vec<T, 3>> vertices, std::span<const MeshF
         for (auto& p : corner) p = frame.to_local(p);
     }
     MakeCageOptions wanted = options;
-    if (wanted.vertices == 0) wanted.vertices = 112;
+    if (wanted.vertices == 0) wanted.vertices = options.looseness > 0 ? 1000 : 112;
     report.margin = (options.margin > 0 ? options.margin : 0.02) * box.diagonal();
     if (!can_tell<T>(report.margin, box)) return Status::cage_not_found;
     SpaceCageMaker maker(local, wanted);
@@ -381,6 +432,7 @@ Status make_cage_into(std::span<const Vec<T, 3>> vertices, std::span<const MeshF
     report.area = 0;
     for (const double six : shells.volume) report.area += std::fabs(six) / 6;
     report.tightest_area /= frame.scale * frame.scale * frame.scale;
+    for (auto& attempt : report.attempts) attempt.hollow /= frame.scale;
     // Euler's formula: V - E + F = 2 (shells - tunnels), and 2 E = 3 F.
     report.tunnels = (2 * shells.first_face.size() + made.value.faces().size() / 2 - made.value.size()) / 2;
     return holds_figure(report) ? Status::ok : Status::cage_not_found;

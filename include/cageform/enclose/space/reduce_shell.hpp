@@ -327,11 +327,11 @@ private:
         ++version_[c.u];
         ++changes_[c.u];
         changed_ = true;
-        const std::uint32_t near = ++last_mark_;
+        const std::uint32_t mark = ++last_mark_;
         for (const auto f : shell_.star[c.u]) {
             for (const auto w : shell_.faces[f]) {
-                if (w == c.u || mark_[w] == near) continue;
-                mark_[w] = near;
+                if (w == c.u || mark_[w] == mark) continue;
+                mark_[w] = mark;
                 ++changes_[w];
                 propose(c.u, w);
             }

@@ -83,6 +83,29 @@ struct Shell {
         for (const auto v : faces[f]) std::erase(star[v], f);
         faces[f] = {0, 0, 0};
     }
+
+    /// The mesh without what was removed; points, faces and stars keep their order.
+    Shell compacted() const {
+        Shell less;
+        less.half = half;
+        std::vector<std::uint32_t> number(points.size(), none), face_number(faces.size(), none);
+        for (std::size_t v = 0; v < points.size(); ++v) {
+            if (star[v].empty()) continue;
+            number[v] = static_cast<std::uint32_t>(less.points.size());
+            less.points.push_back(points[v]);
+            less.on_rim.push_back(on_rim[v]);
+            less.star.push_back(star[v]);
+        }
+        for (std::size_t f = 0; f < faces.size(); ++f) {
+            if (!is_face(f)) continue;
+            face_number[f] = static_cast<std::uint32_t>(less.faces.size());
+            less.faces.push_back({number[faces[f][0]], number[faces[f][1]], number[faces[f][2]]});
+        }
+        for (auto& around : less.star) {
+            for (auto& f : around) f = face_number[f];
+        }
+        return less;
+    }
 };
 
 /// The Euler number V - E + F of the whole mesh: 2 for each shell without a tunnel.

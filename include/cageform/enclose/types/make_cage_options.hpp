@@ -12,6 +12,7 @@
 #include <optional>
 #include <span>
 #include <utility>
+#include <vector>
 
 namespace cageform::inline CAGEFORM_ABI {
 
@@ -75,6 +76,11 @@ struct MakeCageOptions {
     bool fill_tunnels = false; ///< in space: the cage gets genus 0; otherwise it has the figure's tunnels
     /// The weight of regular angles and lengths against a tight fit. A larger value makes a looser cage.
     double regular = 1;
+    /// Above 0: makes the fewest vertices whose area (in space volume) exceeds the tightest by at most this
+    /// share, such as 0.25. The next smaller number tried, at most 5 % smaller, is too loose. `vertices` is
+    /// then the most that are tried; 0 stands for 200 in the plane and 1,000 in space. Where these are too
+    /// loose, the tightest cage tried is returned. Boxes have their vertices.
+    double looseness = 0;
 };
 
 /// The outcome of make_cage. In space, `area` and `tightest_area` are volumes.
@@ -88,6 +94,16 @@ struct MakeCageReport {
     /// The area of the figure grown by the margin (in space by 1.12 margins, so that interpolation cannot
     /// bring the cage too near), slits closed: the limit for very many vertices.
     double tightest_area = 0;
+    /// With options.looseness: all numbers of vertices that were tried, increasing, down to one that is too
+    /// loose and up to twice the answer or more.
+    struct Attempt {
+        std::size_t vertices;
+        double excess; ///< area / tightest_area - 1
+        /// How far the tightest lies below the cage where that spans a hollow, such as the gap between two
+        /// fingers: a distance.
+        double hollow;
+    };
+    std::vector<Attempt> attempts;
     double least_angle = 0;     ///< between edges of the cage, in degrees
     std::size_t components = 0; ///< connected components of the figure, grown by the margin; 0 for a box
     std::size_t bridges = 0;    ///< that join the components

@@ -138,10 +138,24 @@ void measure(const Motion& motion, const FittedSkeleton<T>& skeleton, double mos
     report.mean_influences = double(used) / double(motion.welded.size());
 }
 
+/// Refuses places so far from the others that their products overflow.
+inline Status check_reach(const Motion& motion, SkeletonReport& report) noexcept {
+    for (std::size_t i = 0; i < motion.welded.size(); ++i) {
+        for (std::size_t n = 0; n < 3 * motion.lanes; ++n) {
+            if (std::fabs(motion.path(motion.welded[i])[n]) <= 1e30) continue;
+            report.frame = n % motion.lanes;
+            report.vertex = i;
+            return Status::frame_not_finite;
+        }
+    }
+    return Status::ok;
+}
+
 template <class T>
 Status fit_motion(Motion& motion, const SkeletonOptions& options, const Running& running,
                   Result<FittedSkeleton<T>, SkeletonReport>& result) {
     motion.prepare();
+    if (const Status status = check_reach(motion, result.report); status != Status::ok) return status;
     const std::size_t most =
         (std::min)((std::max)(motion.vertices / 6, std::size_t{1}), SkeletonOptions::largest_bones);
     const auto fit = [&](std::size_t bones, Result<FittedSkeleton<T>, SkeletonReport>& to,

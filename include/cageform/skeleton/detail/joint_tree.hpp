@@ -13,8 +13,8 @@ namespace cageform::inline CAGEFORM_ABI::detail {
 
 /// The joint of bones a and b is the p that minimises Σ_t |M_a^t p − M_b^t p|² + λ |p − c|², where c is the
 /// mean of the vertices, weighted by the products of their two weights, and λ is 1e-2 of the first term's
-/// scale. The tree has the largest Σ_i w_ia w_ib exp(−r), r the root of the mean square of the distances
-/// that remain.
+/// scale, or as much more as brings p within the standard deviation of those vertices. The tree has the
+/// largest Σ_i w_ia w_ib exp(−r), r the root of the mean square of the distances that remain.
 class JointTree {
 public:
     static constexpr std::uint32_t none = 0xffffffff;
@@ -32,7 +32,7 @@ public:
 
 private:
     struct Shared {
-        double weight = 0;
+        double weight = 0, squares = 0;
         Vec<double, 3> sum{};
         Vec<double, 3> place{};
         double value = 0;
@@ -54,6 +54,7 @@ private:
                     Shared& shared = shared_[std::minmax(of.joints[k], of.joints[l])];
                     shared.weight += w * of.weights[l];
                     shared.sum = shared.sum + w * of.weights[l] * motion_.rest[i];
+                    shared.squares += w * of.weights[l] * dot(motion_.rest[i], motion_.rest[i]);
                 }
             }
         }
@@ -82,9 +83,15 @@ private:
         }
         const Vec<double, 3> mean = (1 / shared.weight) * shared.sum;
         const Eigen::Vector3d centre(mean[0], mean[1], mean[2]);
-        const double hold = 1e-2 * square.trace() / 3 + 1e-12 * double(motion_.frames);
-        square.diagonal().array() += hold;
-        const Eigen::Vector3d p = square.ldlt().solve(right + hold * centre);
+        const double spread = (std::max)(shared.squares / shared.weight - centre.squaredNorm(), 0.0);
+        constexpr double most = 1e6; // where the place is the mean
+        Eigen::Vector3d p = centre;
+        for (double more = 1; more < most; more *= 4) {
+            const double hold = more * (1e-2 * square.trace() / 3 + 1e-12 * double(motion_.frames));
+            const Eigen::Matrix3d held = square + hold * Eigen::Matrix3d::Identity();
+            p = held.ldlt().solve(right + hold * centre);
+            if ((p - centre).squaredNorm() <= spread) break;
+        }
         double rest = 0;
         for (std::size_t t = 0; t < motion_.frames; ++t) {
             const Matrix d = difference(t);

@@ -11,6 +11,13 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
+/// Returns the diagonal of a figure; 0 where it is lost in the rounding of its places.
+inline double figure_size(const std::vector<Vec<double, 3>>& places) noexcept {
+    const auto bounds = bounds_of(std::span<const Vec<double, 3>>(places));
+    const double size = bounds.diagonal();
+    return size > 1e-14 * bounds.magnitude() ? size : 0;
+}
+
 /// Vertices that are together in all frames are one. Lengths are shares of `size`; the rest is seen from its
 /// mean, every frame from its own.
 struct Motion {
@@ -81,13 +88,13 @@ private:
         }
     }
     void normalise() {
-        size = bounds_of(std::span<const Vec<double, 3>>(rest)).diagonal();
+        size = figure_size(rest);
         if (!(size > 0)) {
             std::vector<Vec<double, 3>> frame(vertices);
             for (std::size_t i = 0; i < vertices; ++i) {
                 for (std::size_t k = 0; k < 3; ++k) frame[i][k] = path(i)[k * lanes];
             }
-            size = bounds_of(std::span<const Vec<double, 3>>(frame)).diagonal();
+            size = figure_size(frame);
         }
         if (!(size > 0)) size = 1;
         const double share = 1 / double(vertices);

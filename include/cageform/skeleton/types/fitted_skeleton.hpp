@@ -25,10 +25,14 @@ struct FittedSkeleton {
         Vec<T, 3> operator()(const Vec<T, 3>& x) const noexcept {
             return x[0] * axes[0] + (x[1] * axes[1] + (x[2] * axes[2] + shift));
         }
+        /// Returns where a direction goes.
+        Vec<T, 3> turned(const Vec<T, 3>& x) const noexcept {
+            return x[0] * axes[0] + (x[1] * axes[1] + x[2] * axes[2]);
+        }
         /// Returns the map x ↦ this(inner(x)).
         Map after(const Map& inner) const noexcept {
             Map result;
-            for (std::size_t c = 0; c < 3; ++c) result.axes[c] = (*this)(inner.axes[c]) - shift;
+            for (std::size_t c = 0; c < 3; ++c) result.axes[c] = turned(inner.axes[c]);
             result.shift = (*this)(inner.shift);
             return result;
         }
@@ -41,7 +45,7 @@ struct FittedSkeleton {
             for (std::size_t c = 0; c < 3; ++c) {
                 for (std::size_t r = 0; r < 3; ++r) result.axes[c][r] = share * rows[r][c];
             }
-            result.shift = T(-1) * (result(shift) - result.shift);
+            result.shift = T(-1) * result.turned(shift);
             return result;
         }
         friend bool operator==(const Map&, const Map&) = default;

@@ -1,0 +1,203 @@
+#include "cli/skeleton_choice.hpp"
+
+#include "cli/progress_bar.hpp"
+#include "files/csv.hpp"
+
+#include <cageform/binding/skin_weights.hpp>
+#include <cageform/core/threads.hpp>
+
+#include <cmath>
+#include <sstream>
+
+namespace cageform_examples {
+
+namespace {
+
+using cageform::Status;
+
+std::string percent(double share) {
+    std::ostringstream text;
+    text.precision(3);
+    text << 100 * share << " %";
+    return text.str();
+}
+
+/// Why a motion cannot be fitted.
+std::string why_not(const FigureFrames& frames, const cageform::SkeletonReport& report) {
+    std::string text = frames.name + ": ";
+    if (report.status == Status::frame_not_finite) {
+        text += report.frame == frames.places.size() ? "the rest" : "frame " + std::to_string(report.frame);
+        text += ", vertex " + std::to_string(report.vertex) + ": ";
+    }
+    return text + cageform::to_string(report.status);
+}
+
+/// Measures the keys as a file plays them.
+void measure(const FigureFrames& frames, FittedMotion& motion) {
+    StoredLoss& loss = motion.loss;
+    loss.size = cageform::bounds_of(frames.rest).diagonal();
+    loss.poses = frames.places.size();
+    std::vector<double> largest(frames.rest.size(), 0.0);
+    cageform::FittedSkeleton<double> played = motion.skeleton;
+    played.frames = 1;
+    double squares = 0;
+    for (std::size_t t = 0; t < frames.places.size(); ++t) {
+        played.maps = motion.keys.maps(motion.skeleton, frames.times[t]);
+        auto& places = motion.played.emplace_back();
+        for (std::size_t i = 0; i < frames.rest.size(); ++i) {
+            places.push_back(played.place(0, i, frames.rest[i]));
+            const Point3 d = places[i] - frames.places[t][i];
+            const double distance = std::hypot(d[0], d[1], d[2]);
+            squares += distance * distance;
+            largest[i] = std::max(largest[i], distance);
+            if (distance <= loss.largest) continue;
+            loss.largest = distance;
+            loss.vertex = i;
+            loss.time = frames.times[t];
+        }
+    }
+    for (const double distance : largest) loss.mean += distance / double(largest.size());
+    motion.rms = std::sqrt(squares / (double(largest.size()) * double(loss.poses)));
+    if (loss.size > 0) motion.rms /= loss.size;
+}
+
+} // namespace
+
+std::string parse_share(const std::string& word, double& share) {
+    const bool is_percent = word.ends_with('%');
+    const std::string number = is_percent ? word.substr(0, word.size() - 1) : word;
+    if (const std::string why = detail::parse_number(number, share); !why.empty()) return why;
+    if (is_percent) share /= 100;
+    return share >= 0 && share <= 1 ? std::string()
+                                    : detail::quoted(word) + " is no share such as 0.002 or 0.2%";
+}
+
+CommandOption add_share(CommandLine& line, const std::string& name, double& share, const std::string& help) {
+    return line
+        .add_text(
+            name, [&share](const std::string& word) { (void)parse_share(word, share); }, help)
+        .check([](const std::string& word) {
+            double ignored = 0;
+            return parse_share(word, ignored);
+        });
+}
+
+std::vector<CommandOption> SkeletonChoice::add_options(CommandLine& line) {
+    const CommandOption moves =
+        line.add("--kind", kind,
+                 "how bones move: rigid (they turn), similar (one scale besides; their children scale with "
+                 "them) or "
+                 "stretched (any affine map, by two nodes; not every player shows these)")
+            .one_of({"rigid", "similar", "stretched"})
+            .show_default();
+    const CommandOption most =
+        line.add("--influences", influences, "the largest number of bones per vertex; engines play 4, some 8")
+            .range(1, 8)
+            .show_default();
+    return {moves, most, line.add_flag("--flat", flat, "no hierarchy: every bone moves for itself")};
+}
+
+std::string SkeletonChoice::fault_of_bones(const std::string& word) {
+    if (word == "auto") return {};
+    double number = 0;
+    const std::string why = detail::parse_number(word, number);
+    constexpr auto most = cageform::SkeletonOptions::largest_bones;
+    if (why.empty() && number >= 1 && number <= double(most) && number == std::floor(number)) return {};
+    return detail::quoted(word) + " is neither \"auto\" nor a number of bones from 1 to " +
+           std::to_string(most);
+}
+
+cageform::SkinWeights stored_skin(const cageform::SkinWeights& skin, const std::string& weights) {
+    cageform::SkinWeights result = skin;
+    const auto take = [&](const auto& integers) {
+        using Integer = typename std::decay_t<decltype(integers)>::value_type;
+        for (std::size_t n = 0; n < integers.size(); ++n)
+            result.weights[n] = float(integers[n]) / float(std::numeric_limits<Integer>::max());
+    };
+    if (weights == "unorm8") take(cageform::to_normalised<std::uint8_t>(skin));
+    if (weights == "unorm16") take(cageform::to_normalised<std::uint16_t>(skin));
+    return result;
+}
+
+SvgResult<FittedMotion> fit_motion(const SkeletonChoice& choice, const FigureFrames& frames,
+                                   const std::string& weights) {
+    FittedMotion motion;
+    const bool searches = choice.bones == "auto";
+    const double asked =
+        choice.distance > 0 || !searches ? choice.distance : SkeletonChoice::default_distance;
+    constexpr double of_keys = 0.2; // share of the distance
+    cageform::SkeletonOptions options;
+    options.bones = searches ? 0 : std::stoul(choice.bones);
+    options.influences = choice.influences;
+    options.kind = choice.kind == "rigid"     ? cageform::BoneKind::rigid
+                   : choice.kind == "similar" ? cageform::BoneKind::similar
+                                              : cageform::BoneKind::stretched;
+    options.max_distance = (1 - of_keys) * asked;
+    {
+        ProgressBar bar(searches ? "as many bones as needed" : choice.bones + " bones");
+        auto fitted =
+            cageform::fit_skeleton(frames.rest, frames.places, frames.triangles, options,
+                                   {.parallel = cageform::ThreadedFor{}, .progress = bar.callback()});
+        motion.report = fitted.report;
+        if (!fitted) return SvgError{why_not(frames, fitted.report)};
+        motion.skeleton = std::move(fitted.value);
+    }
+    motion.skeleton.skin = stored_skin(motion.skeleton.skin, weights);
+    if (choice.flat) {
+        for (std::uint32_t& parent : motion.skeleton.parents)
+            parent = cageform::FittedSkeleton<double>::no_parent;
+    }
+    {
+        ProgressBar bar("keys");
+        constexpr double least = 1e-4; // where no distance is asked for
+        const double distance =
+            of_keys * (asked > 0 ? asked : std::max(motion.report.max_distance, 5 * least));
+        auto made = cageform::fit_skeleton_keys(motion.skeleton, frames.rest, frames.times, distance,
+                                                {.progress = bar.callback()});
+        motion.keys_report = made.report;
+        if (!made) {
+            return SvgError{frames.name + ": a bone has no size in some frame (" +
+                            cageform::to_string(made.report.status) + "): use --flat"};
+        }
+        motion.keys = std::move(made.value);
+    }
+    measure(frames, motion);
+    if (asked > 0 && motion.loss.share() > asked) {
+        return SvgError{frames.name + ": " + (searches ? "not even " : "") + count_bones(motion) +
+                        (searches                     ? " keep"
+                         : motion.skeleton.bones == 1 ? " does not keep"
+                                                      : " do not keep") +
+                        " it within " + percent(asked) + ": it is off by " + describe(motion.loss) + "; " +
+                        (searches ? "use a larger --max-distance, or more --influences"
+                                  : "--bones auto takes as many as are needed")};
+    }
+    return motion;
+}
+
+std::string count_bones(const FittedMotion& motion) {
+    return std::to_string(motion.skeleton.bones) + (motion.skeleton.bones == 1 ? " bone" : " bones");
+}
+
+std::string describe_loss(const FittedMotion& motion) {
+    std::ostringstream text;
+    text.precision(3);
+    text << "off by " << describe(motion.loss) << "; " << 100 * motion.rms
+         << " % in the root mean square; 99 % of the faces turned wrongly by " << motion.report.turn
+         << " degrees at most";
+    return text.str();
+}
+
+std::string describe(const FittedMotion& motion) {
+    std::ostringstream text;
+    text.precision(3);
+    const auto& keys = motion.keys_report;
+    text << "bones: " << motion.report.bones << ", " << motion.report.mean_influences
+         << " a vertex in the mean\n"
+         << "keys: " << keys.keys << " in " << motion.skeleton.frames << " frames, " << keys.numbers
+         << " numbers; off by at most " << 100 * keys.max_distance << " % of the figure's size\n"
+         << describe_loss(motion) << "\ntime: " << motion.report.seconds << " s, keys " << keys.seconds
+         << " s\n";
+    return text.str();
+}
+
+} // namespace cageform_examples

@@ -1,0 +1,21 @@
+#pragma once
+
+// MDD files, the point caches of LightWave, which Blender and Houdini write: the places of all vertices in
+// each frame.
+
+#include "files/obj_file.hpp"
+
+#include <string>
+#include <vector>
+
+namespace cageform_examples {
+
+/// The frames of an MDD file: the number of frames and that of vertices, whole numbers of 4 bytes; the times
+/// of the frames; x, y, z of each vertex in each frame; all of them floats of 4 bytes, big-endian.
+///
+///   vertices   of the figure
+///   fails      where it cannot be read, has another number of vertices, is shorter or longer than it says,
+///              or a coordinate is not finite
+SvgResult<std::vector<std::vector<Point3>>> load_mdd(const std::string& path, std::size_t vertices);
+
+} // namespace cageform_examples

@@ -1,0 +1,190 @@
+// Fits a skeleton to any sequence of meshes, and writes the figure with its skin and its motion as glTF 2.0.
+//
+//     fit_skeleton rest.obj frames/*.obj -o skin.glb --bones auto --max-distance 0.2%
+//     fit_skeleton rest.obj motion.mdd -o skin.glb --bones 20 --rate 24 --picture skin.png
+//
+// Bones are found in the motion itself: they turn, have joints and parents, and move a vertex four at most.
+// So engines play whatever moves vertices: cages, lattices, cloth, vertex animations. The method is that of
+// Le and Deng, Smooth skinning decomposition with rigid bones, ACM TOG 31(6), 2012, with changes.
+
+#include "cli/command_line.hpp"
+#include "cli/guard.hpp"
+#include "cli/skeleton_choice.hpp"
+#include "cli/view_choice.hpp"
+#include "files/gltf_skeleton.hpp"
+#include "files/mdd_file.hpp"
+#include "pictures/skeleton_picture.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iostream>
+
+namespace {
+
+using namespace cageform_examples;
+
+struct Arguments {
+    std::string rest, out, picture, axes = "x,y,z";
+    std::vector<std::string> frames;
+    double rate = 30;
+    SkeletonChoice choice{.bones = "auto"};
+    ViewChoice view;
+    bool report = false;
+};
+
+constexpr const char* frames_format =
+    "The frames are OBJ files, each with the vertices of the first file moved, in its\n"
+    "order, or one MDD file; its own times are left alone. Blender writes its MDD with\n"
+    "the z axis of its OBJ turned round: give --axes x,y,-z.\n";
+
+/// Places from the axes of an MDD file to those of the figure.
+void turn_axes(const std::string& axes, std::vector<std::vector<Point3>>& frames) {
+    if (axes == "x,y,z") return;
+    for (auto& frame : frames) {
+        for (Point3& p : frame) p = axes == "x,y,-z" ? Point3{p[0], p[1], -p[2]} : Point3{p[0], p[2], -p[1]};
+    }
+}
+
+/// Whether the affine map that is nearest to the figure in a frame mirrors it, in every frame.
+bool is_mirrored(std::span<const Point3> rest, std::span<const std::vector<Point3>> frames) {
+    const auto mean_of = [](std::span<const Point3> places) {
+        Point3 sum{};
+        for (const Point3& p : places) sum = sum + (1 / double(places.size())) * p;
+        return sum;
+    };
+    const Point3 middle = mean_of(rest);
+    return std::all_of(frames.begin(), frames.end(), [&](const std::vector<Point3>& frame) {
+        const Point3 mean = mean_of(frame);
+        std::array<Point3, 3> columns{};
+        for (std::size_t i = 0; i < rest.size(); ++i) {
+            for (std::size_t k = 0; k < 3; ++k)
+                columns[k] = columns[k] + (rest[i] - middle)[k] * (frame[i] - mean);
+        }
+        const auto& [a, b, c] = columns;
+        const double volume = dot(a, cross(b, c)), most = std::sqrt(dot(a, a) * dot(b, b) * dot(c, c));
+        return volume < -1e-9 * most; // and not flat
+    });
+}
+
+SvgResult<std::vector<std::vector<Point3>>> read_frames(const Arguments& given, const ObjFile& figure) {
+    if (given.frames.size() == 1 && ending_of(given.frames[0]) == ".mdd") {
+        auto frames = load_mdd(given.frames[0], figure.vertices.size());
+        if (frames) turn_axes(given.axes, *frames);
+        return frames;
+    }
+    std::vector<std::vector<Point3>> frames;
+    for (const std::string& path : given.frames) {
+        if (ending_of(path) == ".mdd")
+            return SvgError{path + ": one MDD file holds all frames: give it alone, after " + given.rest};
+        auto frame = load_obj(path);
+        if (!frame) return frame.error();
+        if (frame->vertices.size() != figure.vertices.size()) {
+            return SvgError{path + " has " + std::to_string(frame->vertices.size()) + " vertices, " +
+                            given.rest + " has " + std::to_string(figure.vertices.size()) +
+                            ": a frame is the figure with its vertices moved"};
+        }
+        if (const auto fault = single_precision_fault(*frame)) return *fault;
+        frames.push_back(std::move(frame->vertices));
+    }
+    return frames;
+}
+
+/// Reads the frames, fits, and writes the files.
+int fit_figure(const Arguments& given, const ObjFile& figure) {
+    const ObjParts parts = read_parts(figure);
+    const auto meshes = gltf_meshes(figure, parts);
+    if (!meshes) return fail(to_string(meshes.error()));
+    auto places = read_frames(given, figure);
+    if (!places) return fail(to_string(places.error()));
+    if (places->size() < 2) {
+        return fail(given.frames[0] + ": " + std::to_string(places->size()) +
+                    (places->size() == 1 ? " frame" : " frames") + ": a motion has two or more");
+    }
+    if (const auto why = fault_of_outputs({given.out, given.picture})) return fail(*why);
+    FigureFrames frames{figure.name, figure.vertices, figure.triangles, std::move(*places), {}};
+    for (std::size_t t = 0; t < frames.places.size(); ++t)
+        frames.times.push_back(double(float(double(t) / given.rate)));
+    if (!std::isfinite(frames.times.back()) || !(frames.times[frames.times.size() - 2] < frames.times.back()))
+        return fail("--rate: so many frames a second are beyond glTF's numbers");
+
+    if (is_mirrored(frames.rest, frames.places)) {
+        warn(given.frames[0] + ": every frame is a mirror image of " + figure.name +
+             (ending_of(given.frames[0]) == ".mdd" ? ": of Blender's MDD files, give --axes x,y,-z"
+                                                   : ", and no bone mirrors"));
+    }
+    const auto motion = fit_motion(given.choice, frames);
+    if (!motion) return fail(to_string(motion.error()));
+    if (motion->loss.share() > StoredLoss::worth_a_warning) {
+        warn(figure.name + ": " + describe_loss(*motion) +
+             "; more --bones lose less, and --bones auto takes as many as --max-distance needs");
+    }
+    GltfDocument document;
+    document.json["asset"]["generator"] = "cageform fit_skeleton";
+    document.json["scene"] = 0;
+    print_warnings(parts.warnings);
+    print_warnings(add_materials(document, parts, !(*meshes)[0].texture.empty()));
+    add_skinned_meshes(document, *meshes, figure, motion->skeleton.skin, "float", motion->skeleton.bones, 0);
+    add_skeleton(document, *meshes, motion->skeleton, motion->keys,
+                 std::filesystem::path(given.rest).stem().string());
+    const auto bytes = gltf_bytes(document, given.out);
+    if (!bytes) return fail(to_string(bytes.error()));
+
+    OutputFiles outputs;
+    outputs.add(given.out).write(*bytes);
+    if (!given.picture.empty())
+        draw_skeleton(frames, *motion, given.view.sight).write_png(outputs.add(given.picture));
+    if (const auto error = outputs.commit()) return fail(*error);
+    std::cout << printable(
+                     describe_gltf(given.out, *meshes, parts, figure, count_bones(*motion), bytes->size()))
+              << '\n';
+    if (given.report) std::cout << describe(*motion);
+    return 0;
+}
+
+int run_program(int argc, char** argv) {
+    CommandLine line(
+        "Fits a skeleton to a sequence of meshes, and writes the figure with its skin and its motion "
+        "as glTF 2.0.");
+    line.set_examples({"rest.obj frame_*.obj -o skin.glb --bones auto --max-distance 0.2%",
+                       "rest.obj motion.mdd -o skin.glb --bones 20 --rate 24 --picture skin.png --report"});
+    Arguments given;
+    line.add("figure", given.rest, "the OBJ file of the figure at rest").required();
+    line.add("frames", given.frames, "OBJ files, one a frame, or one MDD file").required();
+    line.add("-o,--output", given.out, "the file to write: .glb or .gltf")
+        .required()
+        .ends_with({".glb", ".gltf"});
+    line.add("--bones", given.choice.bones, "the number of bones, or auto: as few as --max-distance needs")
+        .check(SkeletonChoice::fault_of_bones)
+        .show_default();
+    add_share(
+        line, "--max-distance", given.choice.distance,
+        "the largest distance of a vertex from its frames, a share of the figure's size at rest such as "
+        "0.002 or 0.2%; 0 means no bound, with --bones auto 0.2%")
+        .show_default("0");
+    given.choice.add_options(line);
+    line.add("--rate", given.rate, "frames a second: frame k is at k / RATE seconds")
+        .range(1e-3, 1e6)
+        .show_default();
+    line.add("--axes", given.axes, "the axes of the MDD file as the figure has them")
+        .one_of({"x,y,z", "x,y,-z", "x,z,-y"})
+        .show_default();
+    line.add("--picture", given.picture,
+             "also draw frames to a PNG file: as given, as played with the distances in colours, and the "
+             "bones")
+        .ends_with({".png"});
+    given.view.add_options(line);
+    line.add_flag("--report", given.report, "print bones, keys, distances and times");
+    line.set_footer(obj_format + std::string("\n") + frames_format);
+    if (const auto code = line.parse(argc, argv)) return *code;
+
+    const auto figure = load_obj(given.rest);
+    if (!figure) return fail(to_string(figure.error()));
+    if (const auto fault = single_precision_fault(*figure)) return fail(to_string(*fault));
+    return fit_figure(given, *figure);
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    return cageform_examples::guarded("fit_skeleton", [&] { return run_program(argc, argv); });
+}

@@ -1,0 +1,348 @@
+// Leaves out the keys of a skeleton's motion that the figure does without.
+#pragma once
+
+#include <cageform/core/running.hpp>
+#include <cageform/skeleton/detail/transform_path.hpp>
+
+#include <algorithm>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+/// Goes through the bones, parents first, and through their channels. The error that a vertex has from the
+/// channels so far may be the share of the distance that their weights are of its sum; keys are as far apart
+/// as that allows. With a key in each frame a bone would be at its place whatever its parent does, as local
+/// transforms are those to the parent as it is played. So the errors of a chain do not add up, and the figure
+/// is within the distance when all bones are done.
+class KeyFitter {
+public:
+    using Map = FittedSkeleton<double>::Map;
+    using Keys = SkeletonKeys<double>;
+    static constexpr std::uint32_t no_parent = FittedSkeleton<double>::no_parent;
+
+    /// distance   in units of `size`, that of the figure
+    KeyFitter(const FittedSkeleton<double>& skeleton, const std::vector<Vec<double, 3>>& rest,
+              const std::vector<double>& times, double distance, double size)
+        : skeleton_(skeleton)
+        , rest_(rest)
+        , times_(times)
+        , distance_(distance * (1 - 1e-6))
+        , share_(1 / size)
+        , errors_(rest.size() * skeleton.frames)
+        , used_(rest.size(), 0)
+        , parts_(skeleton.bones)
+        , nodes_(skeleton.bones * skeleton.frames) {
+        const std::size_t most = skeleton.skin.influences;
+        for (std::size_t i = 0; i < rest.size(); ++i) {
+            for (std::size_t k = i * most; k < (i + 1) * most; ++k) {
+                const auto weight = double(skeleton.skin.weights[k]);
+                if (weight > 0) parts_[skeleton.skin.joints[k]].push_back({i, weight});
+            }
+        }
+    }
+
+    Status run(const Running& running) {
+        keys.bones.resize(skeleton_.bones);
+        for (std::size_t bone = 0; bone < skeleton_.bones; ++bone) {
+            if (!running.keep_going(double(bone) / double(skeleton_.bones))) return Status::cancelled;
+            if (!begin(bone)) return Status::value_not_finite;
+            fit_bone(keys.bones[bone]);
+            end();
+        }
+        return Status::ok;
+    }
+
+    Keys keys;
+
+private:
+    struct Part {
+        std::size_t vertex;
+        double weight;
+    };
+    /// A range of a transform's values that have their keys at one time.
+    struct Range {
+        std::size_t begin, end;
+    };
+    /// From a frame to another, with tangents.
+    struct Piece {
+        std::size_t from, to;
+        std::array<double, NodeTransform::size> out{}, in{};
+    };
+    struct Pieces {
+        bool cubic = false;
+        std::vector<Piece> list;
+        std::vector<NodeTransform> played; ///< #frames
+
+        std::size_t numbers(const Range& range) const {
+            return (list.size() + 1) * ((cubic ? 3 : 1) * (range.end - range.begin) + 1);
+        }
+    };
+
+    bool begin(std::size_t bone) {
+        bone_ = bone;
+        TransformPath path;
+        exact_.clear();
+        for (std::size_t t = 0; t < skeleton_.frames; ++t) {
+            Map own = skeleton_.map(t, bone);
+            own.shift = own(skeleton_.joints[bone]);
+            if (skeleton_.parents[bone] != no_parent) own = parent(t).inverse().after(own);
+            for (const auto& v : {own.axes[0], own.axes[1], own.axes[2], own.shift}) {
+                if (!is_finite(v)) return false;
+            }
+            exact_.push_back(path.next(own));
+        }
+        played_ = exact_;
+        return true;
+    }
+    const Map& parent(std::size_t t) const { return nodes_[t * skeleton_.bones + skeleton_.parents[bone_]]; }
+    Map node(std::size_t t, const NodeTransform& local) const {
+        return skeleton_.parents[bone_] == no_parent ? local.map() : parent(t).after(local.map());
+    }
+    /// Returns by how much the played map differs from the exact one.
+    Map difference(std::size_t t, const Map& played) const {
+        const Map& exact = skeleton_.map(t, bone_);
+        Map result;
+        for (std::size_t c = 0; c < 3; ++c) result.axes[c] = played.axes[c] - exact.axes[c];
+        result.shift = played(-1.0 * skeleton_.joints[bone_]) - exact.shift;
+        return result;
+    }
+    Vec<double, 3> error(std::size_t t, const Part& part, const Map& difference) const {
+        return vec_cast<double>(errors_[t * rest_.size() + part.vertex]) +
+               share_ * part.weight * difference(rest_[part.vertex]);
+    }
+    /// Whether a local transform will do, where `share` of the bone's part of the distance may be used.
+    bool will_do(std::size_t t, const NodeTransform& local, double share) const {
+        const Map by = difference(t, node(t, local));
+        for (const Part& part : parts_[bone_]) {
+            const auto e = error(t, part, by);
+            const double most = distance_ * (used_[part.vertex] + share * part.weight);
+            if (!(dot(e, e) <= most * most)) return false;
+        }
+        return true;
+    }
+
+    static void normalise(NodeTransform& local, const Range& range) {
+        for (const std::size_t at : {NodeTransform::rotation, NodeTransform::axes}) {
+            if (at < range.begin || at >= range.end) continue;
+            double square = 0;
+            for (std::size_t k = 0; k < 4; ++k) square += local.values[at + k] * local.values[at + k];
+            for (std::size_t k = 0; k < 4; ++k) local.values[at + k] /= std::sqrt(square);
+        }
+    }
+    /// A piece through the frames at its ends whose tangents bring it near to those between; so far as these
+    /// leave them open, to differences of neighbours.
+    Piece piece(std::size_t from, std::size_t to, const Range& range) const {
+        const double length = times_[to] - times_[from];
+        double aa = 0, ab = 0, bb = 0;
+        Piece result{from, to};
+        std::array<double, NodeTransform::size> right_a{}, right_b{};
+        const auto add = [&](double a, double b, std::size_t c, double value) {
+            right_a[c] += a * value;
+            right_b[c] += b * value;
+        };
+        for (std::size_t t = from + 1; t < to; ++t) {
+            const double u = (times_[t] - times_[from]) / length, v = 1 - u;
+            const double a = length * v * v * u, b = -length * v * u * u;
+            aa += a * a;
+            ab += a * b;
+            bb += b * b;
+            for (std::size_t c = range.begin; c < range.end; ++c)
+                add(a, b, c,
+                    exact_[t].values[c] - v * v * (1 + 2 * u) * exact_[from].values[c] -
+                        u * u * (3 - 2 * u) * exact_[to].values[c]);
+        }
+        const double hold = 1e-4 * length * length;
+        for (std::size_t c = range.begin; c < range.end; ++c) {
+            add(hold, 0, c, slope(from, c));
+            add(0, hold, c, slope(to, c));
+        }
+        aa += hold;
+        bb += hold;
+        const double determinant = aa * bb - ab * ab;
+        for (std::size_t c = range.begin; c < range.end; ++c) {
+            result.out[c] = (bb * right_a[c] - ab * right_b[c]) / determinant;
+            result.in[c] = (aa * right_b[c] - ab * right_a[c]) / determinant;
+        }
+        return result;
+    }
+    double slope(std::size_t t, std::size_t c) const {
+        const std::size_t a = t == 0 ? 0 : t - 1, b = t + 1 == exact_.size() ? t : t + 1;
+        return (exact_[b].values[c] - exact_[a].values[c]) / (times_[b] - times_[a]);
+    }
+    /// Gives a transform the values of a piece at a frame.
+    void play(const Piece& of, bool cubic, std::size_t t, const Range& range, NodeTransform& local) const {
+        const NodeTransform &a = exact_[of.from], &b = exact_[of.to];
+        const double length = times_[of.to] - times_[of.from];
+        const double u = (times_[t] - times_[of.from]) / length, v = 1 - u;
+        for (std::size_t c = range.begin; c < range.end; ++c) {
+            local.values[c] = v * v * (1 + 2 * u) * a.values[c] + u * u * (3 - 2 * u) * b.values[c] +
+                              length * u * v * (v * of.out[c] - u * of.in[c]);
+            if (!cubic) local.values[c] = a.values[c] + u * (b.values[c] - a.values[c]);
+        }
+        if (cubic) return normalise(local, range);
+        for (const std::size_t at : {NodeTransform::rotation, NodeTransform::axes}) {
+            if (at >= range.begin && at < range.end) local.set_turn(at, slerp(a.turn(at), b.turn(at), u));
+        }
+    }
+    /// Pieces as long as will do, from frame to frame.
+    Pieces pieces(bool cubic, const Range& range, double share) const {
+        Pieces result{cubic, {}, played_};
+        const std::size_t frames = exact_.size();
+        Piece last{0, 0};
+        const auto reaches = [&](std::size_t from, std::size_t to) {
+            const Piece next = cubic ? piece(from, to, range) : Piece{from, to};
+            const std::size_t between = to - from - 1;
+            for (std::size_t n = 0; n < between; ++n) { // from the middle on, where errors are largest
+                const std::size_t t = from + 1 + (between / 2 + n) % between;
+                NodeTransform local = played_[t];
+                play(next, cubic, t, range, local);
+                if (!will_do(t, local, share)) return false;
+            }
+            last = next;
+            return true;
+        };
+        for (std::size_t from = 0; from + 1 < frames; from = last.to) {
+            (void)reaches(from, from + 1);
+            std::size_t bad = frames;
+            for (std::size_t step = 2; bad == frames && last.to + 1 < frames; step *= 2) {
+                const std::size_t to = (std::min)(from + step, frames - 1);
+                if (!reaches(from, to)) bad = to;
+            }
+            while (bad < frames && bad - last.to > 1) {
+                const std::size_t middle = (last.to + bad) / 2;
+                if (!reaches(from, middle)) bad = middle;
+            }
+            for (std::size_t t = from + 1; t < last.to; ++t) play(last, cubic, t, range, result.played[t]);
+            result.list.push_back(last);
+        }
+        return result;
+    }
+    /// The mean of all frames, in place of a range of values.
+    bool is_constant(const Range& range, double share, NodeTransform& mean) const {
+        mean = exact_[0];
+        bool are_alike = true;
+        for (std::size_t c = range.begin; c < range.end; ++c) {
+            double change = 0;
+            for (const NodeTransform& local : exact_) change += local.values[c] - exact_[0].values[c];
+            mean.values[c] += change / double(exact_.size());
+            for (const NodeTransform& local : exact_)
+                are_alike = are_alike && local.values[c] == exact_[0].values[c];
+        }
+        if (are_alike) return true;
+        normalise(mean, range);
+        return stands(range, share, mean);
+    }
+    /// Whether a range of values may be those of one transform in all frames.
+    bool stands(const Range& range, double share, const NodeTransform& one) const {
+        for (std::size_t t = 0; t < exact_.size(); ++t) {
+            if (!will_do(t, replaced(played_[t], one, range), share)) return false;
+        }
+        return true;
+    }
+    void hold(const Range& range, const NodeTransform& one) {
+        for (NodeTransform& local : played_) local = replaced(local, one, range);
+    }
+    static NodeTransform replaced(NodeTransform local, const NodeTransform& by, const Range& range) {
+        for (std::size_t c = range.begin; c < range.end; ++c) local.values[c] = by.values[c];
+        return local;
+    }
+    /// Makes keys of a range of values and plays them from now on. store(frame, values, in, out) gets each.
+    template <class Store>
+    void fit(const Range& range, double share, const Store& store) {
+        if (NodeTransform mean; is_constant(range, share, mean)) {
+            hold(range, mean);
+            return store(0, mean, nullptr, nullptr);
+        }
+        Pieces best = pieces(true, range, share);
+        if (Pieces other = pieces(false, range, share); other.numbers(range) < best.numbers(range))
+            best = std::move(other);
+        constexpr std::array<double, NodeTransform::size> none{};
+        NodeTransform last;
+        for (std::size_t k = 0; k <= best.list.size(); ++k) {
+            const std::size_t t = k == 0 ? 0 : best.list[k - 1].to;
+            NodeTransform value = exact_[t];
+            for (const std::size_t at : {NodeTransform::rotation, NodeTransform::axes}) {
+                if (best.cubic || k == 0) continue; // cubics follow the path
+                Quaternion<double> q = value.turn(at);
+                const Quaternion<double> before = last.turn(at);
+                if (q[0] * before[0] + q[1] * before[1] + q[2] * before[2] + q[3] * before[3] >= 0) continue;
+                for (double& x : q) x = -x;
+                value.set_turn(at, q);
+            }
+            last = value;
+            if (best.cubic)
+                store(t, value, k == 0 ? none.data() : best.list[k - 1].in.data(),
+                      k == best.list.size() ? none.data() : best.list[k].out.data());
+            else
+                store(t, value, nullptr, nullptr);
+        }
+        played_ = std::move(best.played);
+    }
+    template <class V>
+    void append(Keys::Channel<V>& to, std::size_t at, std::size_t t, const NodeTransform& value,
+                const double* in, const double* out) const {
+        constexpr std::size_t size = std::is_same_v<V, Quaternion<double>> ? 4 : 3;
+        const auto part = [&](const double* all) {
+            V result{};
+            for (std::size_t k = 0; k < size; ++k) result[k] = all[at + k];
+            return result;
+        };
+        to.times.push_back(times_[t]);
+        to.values.push_back(part(value.values.data()));
+        if (in == nullptr) return;
+        to.in_tangents.push_back(part(in));
+        to.out_tangents.push_back(part(out));
+    }
+    void fit_bone(Keys::Bone& to) {
+        constexpr double of_translation = 0.4, of_axes = 0.5, of_scale = 0.7; // and what is before it
+        using Node = NodeTransform;
+        fit({0, Node::rotation}, of_translation, [&](std::size_t t, const Node& v, auto... tangents) {
+            append(to.translation, 0, t, v, tangents...);
+        });
+        const auto take_scale = [&](std::size_t t, const Node& v, auto... tangents) {
+            append(to.scale, Node::scale, t, v, tangents...);
+        };
+        const auto take_rotation = [&](std::size_t t, const Node& v, auto... tangents) {
+            append(to.rotation, Node::rotation, t, v, tangents...);
+        };
+        const auto take_axes = [&](std::size_t t, const Node& v, auto... tangents) {
+            append(to.axes, Node::axes, t, v, tangents...);
+        };
+        const Range axes{Node::axes, Node::size};
+        NodeTransform standing;
+        if (!stands(axes, of_axes, standing) && !is_constant(axes, of_axes, standing)) {
+            fit({Node::rotation, Node::size}, 1, [&](std::size_t t, const Node& v, auto... tangents) {
+                take_rotation(t, v, tangents...);
+                take_scale(t, v, tangents...);
+                take_axes(t, v, tangents...);
+            });
+            return;
+        }
+        hold(axes, standing);
+        take_axes(0, standing, nullptr, nullptr);
+        fit({Node::scale, Node::axes}, of_scale, take_scale);
+        fit({Node::rotation, Node::scale}, 1, take_rotation);
+    }
+    /// Adds the errors that the bone's channels leave, and keeps where it is.
+    void end() {
+        for (std::size_t t = 0; t < skeleton_.frames; ++t) {
+            const Map own = node(t, played_[t]), by = difference(t, own);
+            for (const Part& part : parts_[bone_])
+                errors_[t * rest_.size() + part.vertex] = vec_cast<float>(error(t, part, by));
+            nodes_[t * skeleton_.bones + bone_] = own;
+        }
+        for (const Part& part : parts_[bone_]) used_[part.vertex] += part.weight;
+    }
+
+    const FittedSkeleton<double>& skeleton_;
+    const std::vector<Vec<double, 3>>& rest_;
+    const std::vector<double>& times_;
+    double distance_, share_;
+    std::vector<Vec<float, 3>> errors_; ///< #frames · #vertices, in sizes, of the bones that are done
+    std::vector<double> used_;          ///< #vertices: the sum of their weights
+    std::vector<std::vector<Part>> parts_;
+    std::vector<Map> nodes_; ///< #frames · #bones, as they are played
+    std::size_t bone_ = 0;
+    std::vector<NodeTransform> exact_, played_; ///< #frames, of the bone
+};
+
+} // namespace cageform::inline CAGEFORM_ABI::detail

@@ -1,0 +1,113 @@
+// Checks a skeleton, makes its keys and measures them.
+#pragma once
+
+#include <cageform/core/result.hpp>
+#include <cageform/skeleton/detail/key_fitter.hpp>
+#include <cageform/skeleton/detail/motion.hpp>
+
+#include <span>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+template <class To, class T>
+typename FittedSkeleton<To>::Map map_cast(const typename FittedSkeleton<T>::Map& map) noexcept {
+    typename FittedSkeleton<To>::Map result;
+    for (std::size_t c = 0; c < 3; ++c) result.axes[c] = vec_cast<To>(map.axes[c]);
+    result.shift = vec_cast<To>(map.shift);
+    return result;
+}
+
+template <class T>
+Status check_skeleton(const FittedSkeleton<T>& skeleton, std::size_t vertices, std::span<const T> times,
+                      double max_distance) noexcept {
+    if (!(max_distance >= 0) || !std::isfinite(max_distance)) return Status::value_not_finite;
+    const SkinWeights& skin = skeleton.skin;
+    if (skeleton.bones == 0 || skeleton.frames == 0 || skeleton.parents.size() != skeleton.bones ||
+        skeleton.joints.size() != skeleton.bones ||
+        skeleton.maps.size() != skeleton.bones * skeleton.frames || skin.joints.size() != skin.weights.size())
+        return Status::input_malformed;
+    for (std::size_t b = 0; b < skeleton.bones; ++b) {
+        const std::uint32_t parent = skeleton.parents[b];
+        if (parent >= b && parent != FittedSkeleton<T>::no_parent) return Status::input_malformed;
+    }
+    for (const std::uint16_t joint : skin.joints) {
+        if (joint >= skeleton.bones) return Status::input_malformed;
+    }
+    if (times.size() != skeleton.frames || skin.joints.size() != vertices * skin.influences)
+        return Status::frames_do_not_match;
+    for (std::size_t t = 0; t < times.size(); ++t) {
+        if (!is_finite(times[t])) return Status::value_not_finite;
+        if (t > 0 && !(times[t - 1] < times[t])) return Status::keys_not_ascending;
+    }
+    return Status::ok;
+}
+
+/// The largest distance between the figure by maps and by keys, in units of `size`.
+template <class T>
+void measure_keys(const FittedSkeleton<T>& skeleton, const std::vector<Vec<double, 3>>& rest,
+                  std::span<const T> times, double size, const SkeletonKeys<T>& keys,
+                  SkeletonKeysReport& report) {
+    FittedSkeleton<T> played = skeleton;
+    played.frames = 1;
+    for (std::size_t t = 0; t < times.size(); ++t) {
+        played.maps = keys.maps(skeleton, times[t]);
+        for (std::size_t i = 0; i < rest.size(); ++i) {
+            const auto place = vec_cast<T>(rest[i]);
+            const auto d = vec_cast<double>(played.place(0, i, place) - skeleton.place(t, i, place));
+            const double distance = std::sqrt(dot(d, d)) / size;
+            if (distance <= report.max_distance) continue;
+            report.max_distance = distance;
+            report.frame = t;
+            report.vertex = i;
+        }
+    }
+}
+
+template <class T>
+Status make_keys(const FittedSkeleton<T>& given, const std::vector<Vec<double, 3>>& rest,
+                 std::span<const T> times, double max_distance, const Running& running,
+                 Result<SkeletonKeys<T>, SkeletonKeysReport>& result) {
+    if (const Status status = check_skeleton(given, rest.size(), times, max_distance); status != Status::ok)
+        return status;
+    FittedSkeleton<double> skeleton;
+    skeleton.bones = given.bones;
+    skeleton.frames = given.frames;
+    skeleton.skin = given.skin;
+    skeleton.parents = given.parents;
+    for (const auto& map : given.maps) skeleton.maps.push_back(map_cast<double, T>(map));
+    for (const auto& joint : given.joints) skeleton.joints.push_back(vec_cast<double>(joint));
+    double size = figure_size(rest);
+    if (!(size > 0)) size = 1;
+    const std::vector<double> seconds(times.begin(), times.end());
+    KeyFitter fitter(skeleton, rest, seconds, max_distance, size);
+    if (const Status status = fitter.run(running); status != Status::ok) return status;
+    const auto copy = [&](auto& to, const auto& from) {
+        using V = std::decay_t<decltype(to.values[0])>;
+        const auto cast = [](const auto& list) {
+            std::vector<V> copies;
+            for (const auto& value : list) {
+                V& copied = copies.emplace_back();
+                for (std::size_t k = 0; k < sizeof(V) / sizeof(T); ++k) copied[k] = T(value[k]);
+            }
+            return copies;
+        };
+        to.times.assign(from.times.begin(), from.times.end());
+        to.values = cast(from.values);
+        to.in_tangents = cast(from.in_tangents);
+        to.out_tangents = cast(from.out_tangents);
+        const std::size_t rows = from.in_tangents.empty() ? 1 : 3;
+        result.report.keys += from.times.size();
+        result.report.numbers += from.times.size() * (rows * (sizeof(V) / sizeof(T)) + 1);
+    };
+    for (const SkeletonKeys<double>::Bone& bone : fitter.keys.bones) {
+        auto& to = result.value.bones.emplace_back();
+        copy(to.translation, bone.translation);
+        copy(to.rotation, bone.rotation);
+        copy(to.scale, bone.scale);
+        copy(to.axes, bone.axes);
+    }
+    measure_keys(given, rest, times, size, result.value, result.report);
+    return running.end(Status::ok);
+}
+
+} // namespace cageform::inline CAGEFORM_ABI::detail

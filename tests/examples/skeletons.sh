@@ -1,0 +1,64 @@
+# shellcheck shell=sh disable=SC2154 # command_line.sh has set the rest
+# Sourced by command_line.sh: skeletons that fit_skeleton finds in sequences of meshes.
+mkdir -p skeletons && cd skeletons || exit 1
+fit="$programs/fit_skeleton"
+"$programs/make_character" . >/dev/null
+for k in 0 1 2 3; do
+  "$programs/deform_mesh" character.obj --cage character_cage.obj --twist all:y,0,2,"${k}0" --coordinates mean-value -o twist_$k.obj >/dev/null 2>&1
+done
+works "bones of OBJ files" "$fit" twist_0.obj twist_?.obj -o twist.glb --bones 3 --report --picture twist.png
+[ "$(head -c 4 twist.glb)" = glTF ] && [ "$(head -c 4 twist.png | tail -c 3)" = PNG ] && grep -q '^bones: 3, ' log && ok=yes || ok=no
+report $ok "skeleton, picture and report are there"
+refuses '1 bone does not keep it within 0.001 %' "$fit" twist_0.obj twist_?.obj -o out.glb --bones 1 --max-distance 0.001%
+refuses 'twist_1.obj: 1 frame: a motion has two or more' "$fit" twist_0.obj twist_1.obj -o out.glb
+refuses 'character_cage.obj has 112 vertices, twist_0.obj has' "$fit" twist_0.obj twist_1.obj character_cage.obj -o out.glb
+refuses '--axes' "$fit" twist_0.obj twist_?.obj -o out.glb --axes y,x,z
+refuses '--rate' "$fit" twist_0.obj twist_?.obj -o out.glb --rate 0
+refuses '"0" is neither "auto" nor a number of bones from 1 to 1024' "$fit" twist_0.obj twist_?.obj -o out.glb --bones 0
+refuses '--influences' "$fit" twist_0.obj twist_?.obj -o out.glb --influences 9
+refuses 'cannot write missing/out.png' "$fit" twist_0.obj twist_?.obj -o out.glb --bones 2 --picture missing/out.png
+
+# MDD files: floats of 4 bytes, the byte of the sign first.
+printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n' >solid.obj
+printf 'v 0 0 0\nv 0 1 0\nv -1 0 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n' >turned.obj
+o='\000\000\000\000' i='\077\200\000\000' m='\277\200\000\000'
+head="\\000\\000\\000\\002\\000\\000\\000\\004$o$i"
+frames() { # Z   the solid and the turned one, with so high tips
+  printf '%b' "$head$o$o$o$i$o$o$o$i$o$o$o$1$o$o$o$o$i$o$m$o$o$o$o$1"
+}
+frames "$i" >solid.mdd
+frames "$m" >mirror.mdd
+works "bones of an MDD file" "$fit" solid.obj solid.mdd -o solid.glb
+works "bones of its frames" "$fit" solid.obj solid.obj turned.obj -o frames.glb
+cmp -s solid.glb frames.glb && ok=yes || ok=no
+report $ok "an MDD file is as good as its frames"
+works "bones of Blender's axes" "$fit" solid.obj mirror.mdd -o mirror.glb --axes x,y,-z
+cmp -s solid.glb mirror.glb && ok=yes || ok=no
+report $ok "Blender's axes are turned back"
+works "other axes" "$fit" solid.obj mirror.mdd -o mirror.glb --bones 1
+grep -q 'warning: mirror.mdd: every frame is a mirror image of solid.obj: of Blender.s MDD files, give --axes x,y,-z' log && ok=yes || ok=no
+report $ok "other axes are noticed"
+: >empty.mdd
+head -c 30 solid.mdd >short.mdd
+{ cat solid.mdd; echo; } >long.mdd
+printf '\377\377\377\377\000\000\000\004' >huge.mdd
+frames '\177\300\000\000' >nan.mdd
+refuses 'empty.mdd: is no MDD file: it has 0 bytes' "$fit" solid.obj empty.mdd -o out.glb
+refuses 'short.mdd: has 30 bytes, but 2 frames of 4 vertices take 112' "$fit" solid.obj short.mdd -o out.glb
+refuses 'long.mdd: has 113 bytes' "$fit" solid.obj long.mdd -o out.glb
+refuses 'huge.mdd: has 8 bytes, but 4294967295 frames' "$fit" solid.obj huge.mdd -o out.glb
+refuses 'nan.mdd: frame 0, vertex 3: a coordinate is not finite' "$fit" solid.obj nan.mdd -o out.glb
+refuses 'solid.mdd has 4 vertices, the figure' "$fit" twist_0.obj solid.mdd -o out.glb
+refuses 'nowhere.mdd: no such file' "$fit" solid.obj nowhere.mdd -o out.glb
+refuses 'one MDD file holds all frames: give it alone' "$fit" solid.obj solid.mdd turned.obj -o out.glb
+
+for signal in INT TERM; do # while it fits
+  env --default-signal=$signal "$fit" twist_0.obj twist_?.obj -o out.glb --bones 400 >log 2>&1 &
+  program=$!
+  sleep 1
+  kill -$signal $program && ok=yes || ok=no
+  wait $program && ok=no
+  [ -z "$(find . -name '*.tmp*')" ] && [ ! -e out.glb ] || ok=no
+  report $ok "no skeleton is left behind after SIG$signal"
+done
+cd .. || exit 1
