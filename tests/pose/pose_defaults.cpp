@@ -174,7 +174,8 @@ TEST_CASE("the defaults of pins serve cages in space that they were not chosen o
     const auto figure = points_in(bumpy, 300, 5);
     const std::size_t seeds = effort<std::size_t>(5, 1);
     // The reference has four times as many samples: under sanitizers half a minute, and the same code.
-    check_defaults("mean value", MeanValueCoordinates(bumpy), figure, {seeds, 12, 1e-4, effort(0.01, 0.0), effort(0.02, 0.0)});
+    check_defaults("mean value", MeanValueCoordinates(bumpy), figure,
+                   {seeds, 12, 1e-4, effort(0.01, 0.0), effort(0.02, 0.0)});
     check_defaults("Green", GreenCoordinates(bumpy), figure, {seeds, 12, 1e-4, 0, 0});
 }
 
