@@ -7,6 +7,7 @@
 #include "support/weights.hpp"
 
 #include <cageform/binding/any_coordinates.hpp>
+#include <cageform/coordinates/harmonic/solution_blob.hpp>
 #include <cageform/coordinates/mean_value.hpp>
 #include <cageform/coordinates/uniform_harmonic.hpp>
 

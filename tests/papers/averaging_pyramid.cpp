@@ -18,6 +18,7 @@ using cageform::grid::AveragingOutcome;
 using cageform::grid::AveragingPyramid;
 using cageform::grid::CellTag;
 using cageform::grid::Stencil;
+using cageform_tests::effort;
 using cageform_tests::Random;
 
 namespace {
