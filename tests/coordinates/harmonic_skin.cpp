@@ -49,7 +49,7 @@ TriangleMesh<double> u_prism(double gap = 1) {
     return {vertices, faces};
 }
 /// The largest difference of the weights at each point from those known, ascending.
-std::vector<double> errors(const Fingers& fingers, double accuracy) {
+[[maybe_unused]] std::vector<double> errors(const Fingers& fingers, double accuracy) {
     const cageform::HarmonicCoordinates<double, 3> coordinates(fingers.cage(), {.accuracy = accuracy});
     const auto weights = evaluate_all(coordinates, fingers.points);
     REQUIRE(weights.status() == cageform::Status::ok);
