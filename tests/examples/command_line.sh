@@ -991,7 +991,7 @@ for margin in 0 -1% nan 1e9 5x; do
   refuses '--margin' "$make_cage" "$cat" --margin $margin -o out.svg
 done
 refuses '--vertices' "$make_cage" "$cat" --vertices 2 -o out.svg
-for words in '--vertices few' '--vertices 12.5' '--volume 0%' '--volume -1%' '--volume nan' '--volume 15' '--area 1e9%' '--volume x%'; do
+for words in '--vertices few' '--vertices 12.5' '--volume 0%' '--volume -1%' '--volume nan' '--volume 15' '--volume 1e9%' '--volume x%'; do
   # shellcheck disable=SC2086  # the words are meant to be split
   refuses "${words%% *}" "$make_cage" "$cat" $words -o out.svg
 done
@@ -1010,7 +1010,8 @@ report $ok "says how near it comes"
 works "a cage of the fewest vertices, made in passing" "$deform" "$cat" --cage auto:5% -o fewest_look.svg
 works "about a hull" "$deform" "$cat" --cage hull:10% -o fewest_look.svg
 refuses 'auto:-5%: no such file; to make a cage' "$deform" "$cat" --cage auto:-5% -o out.svg
-refuses 'auto:5: ' "$make_cage" "$cat" --cage auto:5 -o out.svg
+refuses 'a cage exceeds the tightest by a share above 0' "$make_cage" "$cat" --area 0 -o out.svg
+refuses '--cage: auto:5 not in {auto,hull,box}' "$make_cage" "$cat" --cage auto:5 -o out.svg
 printf '%s\n' 'v 0 0 0' 'v 1 0 0' 'v 0 1 0' 'v 0 0 1' 'f 1 2 3' 'f 1 2 4' >few.obj
 works "the fewest vertices in space" "$make_cage" few.obj --vertices auto --volume 40% --margin 10% -o few_cage.obj
 grep -q '^vertices  volume over the tightest  deepest hollow spanned$' log && ok=yes || ok=no
