@@ -1,5 +1,6 @@
 // Binding straight into a packed binding: the bytes and reports of `bind` and `pack`.
 #include "../catch.hpp"
+#include "../support/effort.hpp"
 #include "../support/larger.hpp"
 #include "../support/meshes.hpp"
 #include "../support/oracle.hpp"
@@ -85,7 +86,7 @@ void check_same(const C& coordinates, const Points& points, StreamedPackOptions 
 TEMPLATE_TEST_CASE("pack of coordinates and points makes what bind and pack make",
                    "[binding][pack][property]", CAGEFORM_SCALARS) {
     using T = TestType;
-    for (std::uint64_t seed = 0; seed < 3; ++seed) {
+    for (std::uint64_t seed = 0; seed < effort(3u, 1u); ++seed) {
         CAPTURE(seed);
         Random random(seed + 40);
         const cageform::Polygon<T> star(random_star<T>(seed));
@@ -119,7 +120,8 @@ TEMPLATE_TEST_CASE("pack of coordinates and points makes what bind and pack make
     const auto data = random_mesh(3);
     Points3<T> in_space;
     for (const auto& p : points_about(data, 300, 2)) in_space.push_back(vec_cast<T>(p));
-    const cageform::HarmonicCoordinates<T, 3> harmonic(data.template mesh<T>(), {.accuracy = 0.02});
+    const cageform::HarmonicCoordinates<T, 3> harmonic(data.template mesh<T>(),
+                                                       {.accuracy = effort(0.02, 0.1)});
     check_same(harmonic, in_space, {.pack = {.format = WeightFormat::half, .threshold = 1e-3}}, 4);
 }
 

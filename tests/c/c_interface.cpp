@@ -4,7 +4,9 @@
 #include "../support/effort.hpp"
 #include "../support/meshes.hpp"
 
+#if !defined(CAGEFORM_COMPILED) // else the library has it
 #define CAGEFORM_C_IMPLEMENTATION
+#endif
 #include <cageform/binding/pack.hpp>
 #include <cageform/c/cageform.h>
 #include <cageform/c/detail/objects.hpp>

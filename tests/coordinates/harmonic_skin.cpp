@@ -49,7 +49,7 @@ TriangleMesh<double> u_prism(double gap = 1) {
     return {vertices, faces};
 }
 /// The largest difference of the weights at each point from those known, ascending.
-std::vector<double> errors(const Fingers& fingers, double accuracy) {
+[[maybe_unused]] std::vector<double> errors(const Fingers& fingers, double accuracy) {
     const cageform::HarmonicCoordinates<double, 3> coordinates(fingers.cage(), {.accuracy = accuracy});
     const auto weights = evaluate_all(coordinates, fingers.points);
     REQUIRE(weights.status() == cageform::Status::ok);
@@ -68,7 +68,7 @@ std::vector<double> errors(const Fingers& fingers, double accuracy) {
 
 TEST_CASE("the corrections of a row keep constants and positions, whatever is near",
           "[coordinates][harmonic][space][property]") {
-    const int seed = GENERATE(seeds(24));
+    const int seed = GENERATE(seeds(effort(24, 6)));
     CAPTURE(seed);
     std::size_t scaled = 0;
     for (const bool is_prism : {false, true}) {
@@ -201,7 +201,7 @@ TEST_CASE("next to a reflex edge errors are as small as was asked for", "[coordi
         REQUIRE(weights.status() == cageform::Status::ok);
         return weights.rows;
     };
-    const auto rows = weights_of(accuracy), known = weights_of(5e-4);
+    const auto rows = weights_of(accuracy), known = weights_of(effort(5e-4, 2e-3));
     double worst = 0;
     for (std::size_t n = 0; n < points.size(); ++n) {
         for (std::size_t i = 0; i < mesh.size(); ++i)
@@ -211,6 +211,7 @@ TEST_CASE("next to a reflex edge errors are as small as was asked for", "[coordi
     CHECK(worst <= accuracy); // without the singular function 2.5e-2
 }
 
+#if !defined(CAGEFORM_SANITIZED) // minutes there, and the same code as in the test of fingers without a skin
 TEST_CASE("next to the skin of thin fingers errors are as small as was asked for",
           "[coordinates][harmonic][space][oracle]") {
     const Fingers fingers(CAGEFORM_TEST_DATA "/fingers", 1, "skin.txt");
@@ -223,10 +224,15 @@ TEST_CASE("next to the skin of thin fingers errors are as small as was asked for
     CHECK(found[36] <= accuracy);
     CHECK(found.back() <= 3 * accuracy);
 }
+#endif
 
 TEST_CASE("weights next to the skin depend neither on other points nor on threads",
           "[coordinates][harmonic][space][property]") {
+#if defined(CAGEFORM_SANITIZED) // seven solves
+    const auto mesh = u_prism();
+#else
     const auto mesh = Fingers(CAGEFORM_TEST_DATA "/fingers").cage();
+#endif
     cageform::HarmonicCoordinates<double, 3> coordinates(mesh, {.accuracy = 5e-2});
     // Some in one leaf: each is followed by one nearby.
     auto points = points_below_faces(mesh, 12, 11);
@@ -245,7 +251,7 @@ TEST_CASE("weights next to the skin depend neither on other points nor on thread
 }
 
 TEST_CASE("faces may be oriented inwards, about a cavity too", "[coordinates][harmonic][space]") {
-    constexpr double accuracy = 1e-2;
+    constexpr double accuracy = effort(1e-2, 3e-2);
     auto inner = divided_box({2, 2, 2}, 0.3), data = divided_box({3, 3, 3}, 0.5);
     for (auto& face : inner.faces) {
         for (int& v : face) v += int(data.vertices.size());
@@ -277,24 +283,25 @@ TEST_CASE("faces may be oriented inwards, about a cavity too", "[coordinates][ha
     }
     const TriangleMesh<double> mesh(data.vertices, against);
     for (std::size_t n = 0; n < points.size(); ++n) {
-        const auto known = walk_on_spheres(mesh, points[n], effort(4000, 1000), n);
+        const auto known = walk_on_spheres(mesh, points[n], effort(4000, 250), n);
         for (std::size_t i = 0; i < mesh.size(); ++i)
             CHECK(std::fabs(expected[n][i] - known.weight[i]) <= 3 * accuracy + 4 * known.error[i]);
     }
 }
 
 TEST_CASE("on one side of a slit nothing comes from the other side", "[coordinates][harmonic][space]") {
+    constexpr double accuracy = effort(1e-2, 3e-2);
     const auto mesh = u_prism(0.01); // a hundredth of the width of its arms
     const std::vector<Vec<double, 3>> points{
         {0.99, 1.7, 0.5}, {1.02, 1.7, 0.5}, {0.97, 1.95, 0.2}, {1.03, 1.9, 0.9}, {0.95, 1.5, 0.4}};
-    const cageform::HarmonicCoordinates<double, 3> coordinates(mesh, {.accuracy = 1e-2});
+    const cageform::HarmonicCoordinates<double, 3> coordinates(mesh, {.accuracy = accuracy});
     const auto weights = evaluate_all(coordinates, points);
     REQUIRE(weights.status() == cageform::Status::ok);
     for (std::size_t n = 0; n < points.size(); ++n) {
-        const auto known = walk_on_spheres(mesh, points[n], effort(2000, 1000), n);
+        const auto known = walk_on_spheres(mesh, points[n], effort(2000, 250), n);
         CAPTURE(n);
         for (std::size_t i = 0; i < mesh.size(); ++i)
-            CHECK(std::fabs(weights.rows[n][i] - known.weight[i]) <= 1e-2 + 4 * known.error[i]);
+            CHECK(std::fabs(weights.rows[n][i] - known.weight[i]) <= accuracy + 4 * known.error[i]);
     }
 }
 

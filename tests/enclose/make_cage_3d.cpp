@@ -4,6 +4,7 @@
 #include "../support/cages.hpp"
 #include "../support/larger.hpp"
 
+#include <cageform/cage/detail/shells.hpp>
 #include <cageform/enclose/make_cage_3d.hpp>
 
 #include <map>

@@ -151,28 +151,31 @@ cageform::Polygon<double> made_cage(const std::vector<DrawnSegment<double>>& dra
 
 TEST_CASE("the defaults of pins serve figures in the plane that they were not chosen on",
           "[pose][defaults]") {
-    check_in_plane("biped", cageform::Polygon<double>(read_oracle("meanvalue2d_biped").vertices));
-
     std::vector<DrawnSegment<double>> man, fork, spiral;
+    draw(fork, {{0, 0}, {0, 4}, {-1, 5}, {-1, 7}}, 0.2, false);
+    draw(fork, {{0, 4}, {1, 5}, {1, 7}}, 0.2, false);
+    check_in_plane("fork", made_cage(fork, 24));
+#if !defined(CAGEFORM_SANITIZED) // a minute there, and the same code
+    check_in_plane("biped", cageform::Polygon<double>(read_oracle("meanvalue2d_biped").vertices));
     draw(man, {{280, 218}, {304, 200}, {316, 164}, {292, 130}, {254, 130}, {232, 164}, {248, 206}, {214, 226},
                {142, 262}, {104, 334}, {132, 348}, {172, 292}, {212, 282}, {138, 452}, {84, 540},  {64, 596},
                {104, 618}, {116, 558}, {178, 484}, {226, 424}, {258, 424}, {206, 474}, {246, 486}, {314, 392},
                {254, 352}, {272, 284}, {322, 322}, {392, 262}, {368, 236}, {326, 276}},
          3, true);
     check_in_plane("man", made_cage(man, 24));
-    draw(fork, {{0, 0}, {0, 4}, {-1, 5}, {-1, 7}}, 0.2, false);
-    draw(fork, {{0, 4}, {1, 5}, {1, 7}}, 0.2, false);
-    check_in_plane("fork", made_cage(fork, 24));
     // A long limb, which settles slowly.
     draw(spiral, {{0, 0}, {1, 0}, {1, 1}, {-1, 1}, {-1, -1}, {2, -1}, {2, 2}, {-2, 2}}, 0.12, false);
     check_in_plane("spiral", made_cage(spiral, 40));
+#endif
 }
 
 TEST_CASE("the defaults of pins serve cages in space that they were not chosen on", "[pose][defaults]") {
     const auto bumpy = cageform_bench::bumpy112<double>();
     const auto figure = points_in(bumpy, 300, 5);
     const std::size_t seeds = effort<std::size_t>(5, 1);
-    check_defaults("mean value", MeanValueCoordinates(bumpy), figure, {seeds, 12, 1e-4, 0.01, 0.02});
+    // The reference has four times as many samples: under sanitizers half a minute, and the same code.
+    check_defaults("mean value", MeanValueCoordinates(bumpy), figure,
+                   {seeds, 12, 1e-4, effort(0.01, 0.0), effort(0.02, 0.0)});
     check_defaults("Green", GreenCoordinates(bumpy), figure, {seeds, 12, 1e-4, 0, 0});
 }
 

@@ -104,7 +104,7 @@ void check_gradient(const C& coordinates, const Places<C::dimension>& pins,
     const auto handles = energy.handles_of(figure.pose);
     const double step = 1e-5 * figure.size();
     double worst = 0, largest = 0;
-    for (std::size_t i = 0; i < slopes.size(); ++i) {
+    for (std::size_t i = 0; i < slopes.size(); i += effort(1u, 7u)) {
         for (std::size_t k = 0; k < D; ++k) {
             auto before = handles, after = handles;
             before(Eigen::Index(k), Eigen::Index(i)) -= step;
