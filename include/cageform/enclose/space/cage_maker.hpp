@@ -122,6 +122,7 @@ private:
             if (!relax(trial, counts[*index], step, subtask)) return Status::cancelled;
             const double volume = trial.six_volumes() / 6 * (trial.half ? 2 : 1);
             std::vector<Corners<3>> facets;
+            facets.reserve(trial.faces.size());
             for (const auto& face : trial.faces) facets.push_back(trial.corners(face));
             const double hollow = deepest_hollow<3>(contour, facets);
             search.add(*index,

@@ -157,7 +157,7 @@ public:
                 return Corners<3>{p, about_[k].a, about_[k].b};
             }))
             return false;
-        return !crossings_ || !crosses(p);
+        return !crossings_ || !crosses(p, *crossings_);
     }
     /// The link condition: the edge has two faces (one on the rim), and its ends have no other common
     /// neighbours than the third vertices of these faces. The collapse then keeps the topology. In a half, it
@@ -272,7 +272,7 @@ private:
         return 1 + 12 * (std::max)(0.5 - worst, 0.0) + 40 * (std::max)(0.15 - worst, 0.0);
     }
     /// Whether the new faces, those collected, cross other faces or each other.
-    bool crosses(const Point& p) {
+    bool crosses(const Point& p, ShellCrossings& crossings) {
         const Point old = shell_.points[u_];
         shell_.points[u_] = p;
         fresh_.clear();
@@ -282,7 +282,7 @@ private:
             fresh_.push_back(face);
         }
         const bool found =
-            crossings_->any(fresh_, [&](std::uint32_t f) { return shell_.has(f, u_) || shell_.has(f, v_); });
+            crossings.any(fresh_, [&](std::uint32_t f) { return shell_.has(f, u_) || shell_.has(f, v_); });
         shell_.points[u_] = old;
         return found;
     }

@@ -47,7 +47,7 @@ public:
             if (step % 256 == 0 && !keep_going()) return false;
             if (queue_.empty() && !retry()) break;
             if (3 * count_ < hashed_) watch_crossings(); // the faces outgrow the cells of the hash
-            Collapse next = queue_.top();
+            const Collapse next = queue_.top();
             queue_.pop();
             if (is_current(next)) attempt(next);
         }
