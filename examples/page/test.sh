@@ -5,6 +5,7 @@
 # go to out/page_*.png.
 #   --quick      without the 10,000 drags, and with 200 hostile SVGs in place of 2,000
 #   --hostile COUNT, --seed FIRST   so many hostile SVGs, from this seed on
+#   --cages FILE…   instead of the tests: drops OBJ files, and prints the seconds that the page takes for a cage of 60 vertices around each
 #   --if-there   as --quick, and installs and builds nothing: exit status 77 says what is missing
 set -eu
 cd "$(dirname "$0")/../.."

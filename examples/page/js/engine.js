@@ -210,10 +210,11 @@ class CageMaker {
           postMessage({ fault: error.message });
         }
       };`;
-    const url = URL.createObjectURL(new Blob([text], { type: 'text/javascript' })), worker = this.worker = new Worker(url);
+    const url = URL.createObjectURL(new Blob([text], { type: 'text/javascript' })), worker = new Worker(url);
     const start = performance.now();
     return new Promise((done, failed) => {
       this.stop = () => {
+        worker.onmessage = worker.onerror = null; // what it has sent already is another cage's news
         worker.terminate();
         URL.revokeObjectURL(url);
         this.stop = () => {};

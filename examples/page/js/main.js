@@ -30,8 +30,9 @@ const wantedVertices = () => Math.max(4, Math.min(80, Math.round(Number(byId('co
 const tellMade = ({ milliseconds }, count) =>
   `make_cage took ${milliseconds < 1000 ? milliseconds.toFixed(0) + ' ms' : (milliseconds / 1000).toFixed(1) + ' s'} for ${count} vertices`;
 
-/** Makes a cage with make_cage; shows a progress bar with a button to stop. */
+/** Makes a cage with make_cage; shows a progress bar with a button to stop. A later one stops an earlier one and keeps the bar. */
 async function makeCage(app, method, given, vertices) {
+  const work = app.work = {};
   byId('work').hidden = false;
   const tell = done => {
     byId('work-bar').value = done;
@@ -41,7 +42,7 @@ async function makeCage(app, method, given, vertices) {
   try {
     return await app.cageMaker.make(method, given, vertices, tell);
   } finally {
-    byId('work').hidden = true;
+    if (app.work === work) byId('work').hidden = true;
   }
 }
 
