@@ -12,9 +12,14 @@ ALLOWED = 1e-5
 
 
 class Glb:
-    """As much of glTF 2.0 as a skin with one animation takes."""
+    """As much of glTF 2.0 as a skin with one animation takes.
 
-    def __init__(self, path):
+    Between straight keys, turns go at one speed along the shortest arc, as glTF says. With `by_components` the numbers of
+    the quaternion go straight, as Blender has them.
+    """
+
+    def __init__(self, path, by_components=False):
+        self.by_components = by_components
         data = open(path, "rb").read()
         size = struct.unpack_from("<I", data, 12)[0]
         self.json = json.loads(data[20 : 20 + size])
@@ -63,8 +68,9 @@ class Glb:
         if np.dot(a, b) < 0:
             b = -b
         angle = math.acos(min(1.0, float(np.dot(a, b))))
-        if angle < 1e-6:
-            return a + s * (b - a)
+        if angle < 1e-6 or self.by_components:
+            v = a + s * (b - a)
+            return v / np.linalg.norm(v)
         return (math.sin((1 - s) * angle) * a + math.sin(s * angle) * b) / math.sin(angle)
 
     def locals_at(self, time):
