@@ -3,6 +3,7 @@
 #include "../catch.hpp"
 
 #include <cageform/enclose/find_parts.hpp>
+#include <cageform/enclose/space/part_labels.hpp>
 
 #include <algorithm>
 #include <limits>
@@ -223,6 +224,51 @@ TEST_CASE("a character has a trunk, a head, and two pairs of limbs whose numbers
     CHECK(tips.size() == 5);
     CHECK(!tips.contains(1));
     CHECK(of.at({0, 5, 2}) == 1);
+}
+
+TEST_CASE("the tree of the parts of a mirrored cage is its own image") {
+    const unsigned seed = std::random_device{}();
+    CAPTURE(seed);
+    std::mt19937 random(seed);
+    const auto any = [&](int most) { return std::uniform_int_distribution(1, most)(random); };
+    for (int n = 0; n < 300; ++n) {
+        // Squares of a plane: a trunk and a head of 2·wide columns, arms beside both, legs beside each other.
+        const int wide = any(4), head = any(7), trunk = any(7), arm = any(trunk), leg = any(7),
+                  reach = any(5);
+        CAPTURE(wide, head, trunk, arm, leg, reach);
+        std::vector<std::array<std::uint32_t, 4>> faces;
+        std::vector<int> labels;
+        constexpr int columns = 21, rows = 23, low = 14; // of vertices; the mirror is in the middle column
+        const auto vertex = [&](int x, int y) {
+            return std::uint32_t((y + low) * columns + x + columns / 2);
+        };
+        for (int y = -low; y < rows - low - 1; ++y) {
+            for (int x = -columns / 2; x < columns / 2; ++x) {
+                const int side = x >= 0 ? 1 : -1, out = x >= 0 ? x : -x - 1;
+                const int label = out < wide ? (y >= head || y < -trunk - leg ? 0
+                                                : y >= 0                      ? 3
+                                                : y >= -trunk                 ? 1
+                                                                              : 4 * side)
+                                  : out < wide + reach && y < head && y >= -arm ? 2 * side
+                                                                                : 0;
+                if (label == 0) continue;
+                faces.push_back({vertex(x, y), vertex(x + 1, y), vertex(x + 1, y + 1), vertex(x, y + 1)});
+                labels.push_back(label);
+            }
+        }
+        const auto parts = detail::parts_of_faces(faces, columns * rows, labels);
+        const auto image_of = [&](int number) { return parts.find(-number) == nullptr ? number : -number; };
+        for (const CagePart& part : parts.parts) {
+            CAPTURE(part.number);
+            CHECK(parts.find(image_of(part.number))->parent == image_of(part.parent));
+        }
+        for (int y = -low; y < rows - low; ++y) {
+            for (int x = 1; x <= columns / 2; ++x) {
+                CAPTURE(x, y);
+                CHECK(parts.of_vertex[vertex(-x, y)] == image_of(parts.of_vertex[vertex(x, y)]));
+            }
+        }
+    }
 }
 
 TEST_CASE("parts hang on parts: a hand's fingers on the hand, the hand's arm on the trunk") {

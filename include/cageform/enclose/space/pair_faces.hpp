@@ -3,6 +3,7 @@
 
 #include <cageform/enclose/space/cage_maker.hpp>
 #include <cageform/enclose/space/matching.hpp>
+#include <cageform/enclose/space/mesh_mirror.hpp>
 
 #include <map>
 
@@ -98,23 +99,9 @@ public:
     ///
     ///   tolerance   how far a vertex may be from the image of another
     void mirror(std::size_t axis, double position, double tolerance) {
-        std::vector<std::uint32_t> of(points_.size());
-        for (std::size_t v = 0; v < points_.size(); ++v) {
-            Point p = points_[v];
-            p[axis] = 2 * position - p[axis];
-            const auto found = std::find_if(points_.begin(), points_.end(),
-                                            [&](const Point& q) { return length(q - p) <= tolerance; });
-            if (found == points_.end()) return;
-            of[v] = static_cast<std::uint32_t>(found - points_.begin());
-        }
-        auto image = image_;
-        for (std::size_t f = 0; f < faces_.size(); ++f) {
-            const auto& [a, b, c] = faces_[f];
-            const auto found = beside_.find({of[b], of[a]});
-            if (found == beside_.end() || third(found->second, of[a], of[b]) != of[c]) return;
-            image[f] = found->second;
-        }
-        image_ = std::move(image);
+        auto images = mirror_across(axis, position, tolerance, points_, faces_);
+        if (!images) return;
+        image_ = std::move(images->faces);
         std::map<std::array<std::uint32_t, 2>, std::uint32_t> number;
         for (std::uint32_t n = 0; n < pairs_.size(); ++n) number[pairs_[n].faces] = n;
         for (std::uint32_t n = 0; n < pairs_.size(); ++n) {

@@ -21,8 +21,10 @@ inline bool part_precedes(int a, int b) noexcept {
 ///
 ///   faces     lists of vertices below `vertices`, of any length
 ///   numbers   #faces, none of them 0
-///   returns   the first part in the order above is the first of the tree. The others follow: of all pairs of
-///             a part in the tree and one that is not, the pair with the most edges in common is next
+///   returns   the first part in the order above is the first of the tree. A part hangs on the part in the
+///             tree with which it has the most edges in common, as soon as these are two thirds of the most
+///             that it has with any. Where it has as many with n as with -n, it hangs on what n hangs on.
+///             Where no part can hang so, those with the most edges do; n and -n come last
 template <class Faces>
 CageParts parts_of_faces(const Faces& faces, std::size_t vertices, std::span<const int> numbers) {
     CageParts found;
@@ -55,6 +57,12 @@ CageParts parts_of_faces(const Faces& faces, std::size_t vertices, std::span<con
     std::sort(pairs.begin(), pairs.end());
 
     constexpr std::size_t none = ~std::size_t{0};
+    std::vector<std::size_t> opposite(count, none); // n and -n
+    for (std::size_t p = 0; p + 1 < count; ++p) {
+        if (names[p] != -names[p + 1]) continue;
+        opposite[p] = p + 1;
+        opposite[p + 1] = p;
+    }
     struct Link {
         std::size_t edges, from, to;
         bool operator<(const Link& other) const noexcept { // the greatest is taken first
@@ -62,27 +70,68 @@ CageParts parts_of_faces(const Faces& faces, std::size_t vertices, std::span<con
             return to != other.to ? to > other.to : from > other.from;
         }
     };
+    std::vector<std::vector<Link>> beside(count); // to each part, by the other part
+    std::vector<std::size_t> most(count);         // edges in common with another part
+    for (std::size_t n = 0; n < pairs.size();) {
+        const auto [to, from] = pairs[n];
+        std::size_t edges_between = 0;
+        for (; n < pairs.size() && pairs[n] == std::array{to, from}; ++n) ++edges_between;
+        if (from == opposite[to]) edges_between = 0;
+        beside[to].push_back({edges_between, from, to});
+        most[to] = (std::max)(most[to], edges_between);
+    }
+    const auto will_do = [&](const Link& link) {
+        return link.edges > 0 && 3 * link.edges >= 2 * most[link.to];
+    };
     std::vector<std::size_t> parent(count, none), depth(count);
     std::vector<bool> in_tree(count);
-    std::priority_queue<Link> links;
-    const auto add = [&](std::size_t p) {
-        in_tree[p] = true;
-        auto at = std::lower_bound(pairs.begin(), pairs.end(), std::array<std::size_t, 2>{p, 0});
-        while (at != pairs.end() && (*at)[0] == p) {
-            const auto end = std::find_if(at, pairs.end(), [&](const auto& pair) { return pair != *at; });
-            links.push({std::size_t(end - at), p, (*at)[1]});
-            at = end;
-        }
+    const auto hang = [&](const Link& link) {
+        std::size_t from = link.from;
+        const auto has_as_many = [&](const Link& other) {
+            return other.from == opposite[from] && other.edges == link.edges;
+        };
+        while (parent[from] != none && opposite[from] != none &&
+               std::any_of(beside[link.to].begin(), beside[link.to].end(), has_as_many))
+            from = parent[from];
+        parent[link.to] = from;
+        depth[link.to] = depth[from] + 1;
     };
+    std::priority_queue<Link> links; // from parts in the tree
     for (std::size_t start = 0; start < count; ++start) {
-        if (!in_tree[start]) add(start);
-        while (!links.empty()) {
-            const Link link = links.top();
-            links.pop();
-            if (in_tree[link.to]) continue;
-            parent[link.to] = link.from;
-            depth[link.to] = depth[link.from] + 1;
-            add(link.to);
+        if (in_tree[start]) continue;
+        for (std::vector<std::size_t> added{start}; !added.empty();) {
+            for (const std::size_t p : added) in_tree[p] = true;
+            std::vector<std::size_t> next;
+            for (const std::size_t p : added) {
+                for (const Link& link : beside[p]) {
+                    const Link back{link.edges, p, link.from};
+                    if (in_tree[back.to]) continue;
+                    links.push(back);
+                    if (will_do(back)) next.push_back(back.to);
+                }
+            }
+            std::sort(next.begin(), next.end());
+            next.erase(std::unique(next.begin(), next.end()), next.end());
+            for (const std::size_t p : next) {
+                Link best{0, none, p};
+                for (const Link& link : beside[p]) {
+                    if (in_tree[link.from] && link.edges > best.edges) best = link;
+                }
+                hang(best);
+            }
+            if (!next.empty()) {
+                added = std::move(next);
+                continue;
+            }
+            for (std::size_t edges_between = 0; !links.empty(); links.pop()) {
+                const Link link = links.top();
+                if (in_tree[link.to] || std::find(next.begin(), next.end(), link.to) != next.end()) continue;
+                if (!next.empty() && (link.edges == 0 || link.edges != edges_between)) break;
+                edges_between = link.edges;
+                hang(link);
+                next.push_back(link.to);
+            }
+            added = std::move(next);
         }
     }
     const auto above_both = [&](std::size_t p, std::size_t q) {
