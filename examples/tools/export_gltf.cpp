@@ -399,7 +399,7 @@ SvgResult<FigureFrames> frames_of(const Arguments& given, const Scene& scene,
         return SvgError{scene.clip.name + ": " + detail::short_number(given.rate) +
                         " frames a second are more than 100000 in all: give a smaller --rate"};
     }
-    FigureFrames frames{scene.figure.name, scene.figure.vertices, scene.figure.triangles, {}, {}};
+    FigureFrames frames{scene.figure.name, scene.figure.vertices, scene.figure.triangles, {}, {}, {}};
     const SampledPoses poses = sample_poses(scene.clip, given.rate);
     std::vector<Point3> handles(bound.handle_count());
     for (std::size_t p = 0; p <= poses.times.size(); ++p) {
@@ -595,7 +595,8 @@ int run_program(int argc, char** argv) {
         add_share(
             line, "--max-distance", given.skeleton.distance,
             "the largest distance of a vertex from its clone, a share of the figure's size such as 0.002 or "
-            "0.2%; 0 means no bound, with --bones auto 0.2%. Of a skin: in the poses of the motion, or in "
+            "0.2%; 0 means no bound, with --bones auto 0.2%. A skin is measured in the poses of the motion, "
+            "or in "
             "all "
             "poses that bend by up to a tenth of the cage; without --skin and --bones the fewest of 4, 8, "
             "12 or 16 joints that suffice")

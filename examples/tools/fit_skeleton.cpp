@@ -37,6 +37,11 @@ constexpr const char* frames_format =
     "order, or one MDD file; its own times are left alone. Blender writes its MDD with\n"
     "the z axis of its OBJ turned round: give --axes x,y,-z.\n";
 
+std::string fault_of_axes(const std::string& word) {
+    if (word == "x,y,z" || word == "x,y,-z" || word == "x,z,-y") return {};
+    return detail::quoted(word) + " is none of x,y,z and x,y,-z and x,z,-y";
+}
+
 /// Places from the axes of an MDD file to those of the figure.
 void turn_axes(const std::string& axes, std::vector<std::vector<Point3>>& frames) {
     if (axes == "x,y,z") return;
@@ -101,7 +106,7 @@ int fit_figure(const Arguments& given, const ObjFile& figure) {
                     (places->size() == 1 ? " frame" : " frames") + ": a motion has two or more");
     }
     if (const auto why = fault_of_outputs({given.out, given.picture})) return fail(*why);
-    FigureFrames frames{figure.name, figure.vertices, figure.triangles, std::move(*places), {}};
+    FigureFrames frames{figure.name, figure.vertices, figure.triangles, std::move(*places), {}, given.frames};
     for (std::size_t t = 0; t < frames.places.size(); ++t)
         frames.times.push_back(double(float(double(t) / given.rate)));
     if (!std::isfinite(frames.times.back()) || !(frames.times[frames.times.size() - 2] < frames.times.back()))
@@ -165,8 +170,11 @@ int run_program(int argc, char** argv) {
     line.add("--rate", given.rate, "frames a second: frame k is at k / RATE seconds")
         .range(1e-3, 1e6)
         .show_default();
-    line.add("--axes", given.axes, "the axes of the MDD file as the figure has them")
-        .one_of({"x,y,z", "x,y,-z", "x,z,-y"})
+    line.add("--axes", given.axes,
+             "the axes of the MDD file as the figure has them: x,y,z, or x,y,-z as Blender writes them, or "
+             "x,z,-y "
+             "where the MDD file's y axis is up and the figure's z axis")
+        .check(fault_of_axes)
         .show_default();
     line.add("--picture", given.picture,
              "also draw frames to a PNG file: as given, as played with the distances in colours, and the "

@@ -47,7 +47,7 @@ refuses 'empty.mdd: is no MDD file: it has 0 bytes' "$fit" solid.obj empty.mdd -
 refuses 'short.mdd: has 30 bytes, but 2 frames of 4 vertices take 112' "$fit" solid.obj short.mdd -o out.glb
 refuses 'long.mdd: has 113 bytes' "$fit" solid.obj long.mdd -o out.glb
 refuses 'huge.mdd: has 8 bytes, but 4294967295 frames' "$fit" solid.obj huge.mdd -o out.glb
-refuses 'nan.mdd: frame 0, vertex 3: a coordinate is not finite' "$fit" solid.obj nan.mdd -o out.glb
+refuses 'nan.mdd: frame 0, v 4: a coordinate is not finite' "$fit" solid.obj nan.mdd -o out.glb
 refuses 'solid.mdd has 4 vertices, the figure' "$fit" twist_0.obj solid.mdd -o out.glb
 refuses 'nowhere.mdd: no such file' "$fit" solid.obj nowhere.mdd -o out.glb
 refuses 'one MDD file holds all frames: give it alone' "$fit" solid.obj solid.mdd turned.obj -o out.glb

@@ -24,18 +24,20 @@ std::string percent(double share) {
 
 /// Why a motion cannot be fitted.
 std::string why_not(const FigureFrames& frames, const cageform::SkeletonReport& report) {
-    std::string text = frames.name + ": ";
-    if (report.status == Status::frame_not_finite) {
-        text += report.frame == frames.places.size() ? "the rest" : "frame " + std::to_string(report.frame);
-        text += ", vertex " + std::to_string(report.vertex) + ": ";
-    }
-    return text + cageform::to_string(report.status);
+    if (report.status != Status::frame_not_finite)
+        return frames.name + ": " + cageform::to_string(report.status);
+    const bool is_rest = report.frame == frames.places.size(), has_file = !is_rest && !frames.files.empty();
+    const bool is_alone = has_file && frames.files.size() == frames.places.size();
+    std::string text = (has_file ? frames.files[is_alone ? report.frame : 0] : frames.name) + ": ";
+    if (!is_alone) text += (is_rest ? "the rest" : "frame " + std::to_string(report.frame)) + ", ";
+    return text + "v " + std::to_string(report.vertex + 1) + ": " + cageform::to_string(report.status);
 }
 
 /// Measures the keys as a file plays them.
 void measure(const FigureFrames& frames, FittedMotion& motion) {
     StoredLoss& loss = motion.loss;
     loss.size = cageform::bounds_of(frames.rest).diagonal();
+    if (!(loss.size > 0)) loss.size = cageform::bounds_of(std::span(frames.places[0])).diagonal();
     loss.poses = frames.places.size();
     std::vector<double> largest(frames.rest.size(), 0.0);
     cageform::FittedSkeleton<double> played = motion.skeleton;
@@ -145,6 +147,10 @@ SvgResult<FittedMotion> fit_motion(const SkeletonChoice& choice, const FigureFra
         if (!fitted) return SvgError{why_not(frames, fitted.report)};
         motion.skeleton = std::move(fitted.value);
     }
+    if (options.bones > motion.report.bones) {
+        warn(frames.name + ": " + std::to_string(options.bones) + " bones were asked for, and " +
+             count_bones(motion) + (motion.report.bones == 1 ? " is" : " are") + " of use");
+    }
     motion.skeleton.skin = stored_skin(motion.skeleton.skin, weights);
     if (choice.flat) {
         for (std::uint32_t& parent : motion.skeleton.parents)
@@ -158,21 +164,22 @@ SvgResult<FittedMotion> fit_motion(const SkeletonChoice& choice, const FigureFra
         auto made = cageform::fit_skeleton_keys(motion.skeleton, frames.rest, frames.times,
                                                 {distance, choice.tangents}, {.progress = bar.callback()});
         motion.keys_report = made.report;
-        if (!made) {
-            return SvgError{frames.name + ": a bone has no size in some frame (" +
+        if (!made && made.report.status == Status::value_not_finite && !choice.flat) {
+            return SvgError{frames.name + ": a bone that others hang on has no size in some frame (" +
                             cageform::to_string(made.report.status) + "): use --flat"};
         }
+        if (!made) return SvgError{frames.name + ": " + cageform::to_string(made.report.status)};
         motion.keys = std::move(made.value);
     }
     measure(frames, motion);
     if (asked > 0 && motion.loss.share() > asked) {
-        return SvgError{frames.name + ": " + (searches ? "not even " : "") + count_bones(motion) +
-                        (searches                     ? " keep"
-                         : motion.skeleton.bones == 1 ? " does not keep"
-                                                      : " do not keep") +
-                        " it within " + percent(asked) + ": it is off by " + describe(motion.loss) + "; " +
-                        (searches ? "use a larger --max-distance, or more --influences"
-                                  : "--bones auto takes as many as are needed")};
+        return SvgError{frames.name + ": " +
+                        (searches ? "no number of bones that its vertices allow keeps it within " +
+                                        percent(asked) + ": with " + count_bones(motion)
+                                  : count_bones(motion) + (motion.skeleton.bones == 1 ? " does" : " do") +
+                                        " not keep it within " + percent(asked) + ":") +
+                        " it is off by " + describe(motion.loss) + "; use a larger --max-distance, " +
+                        (searches ? "" : "--bones auto, ") + "more --influences or --kind similar"};
     }
     return motion;
 }

@@ -46,6 +46,7 @@ struct FigureFrames {
     std::span<const std::array<std::uint32_t, 3>> triangles;
     std::vector<std::vector<Point3>> places; ///< #frames · #vertices
     std::vector<double> times;               ///< #frames, in seconds; floats, ascending
+    std::vector<std::string> files;          ///< #frames; or one of all; none: the frames have no file
 };
 
 /// A skeleton and its keys, and how far the figure as it is played is from its frames.

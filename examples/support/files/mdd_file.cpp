@@ -36,7 +36,7 @@ SvgResult<std::vector<std::vector<Point3>>> load_mdd(const std::string& path, st
             for (std::size_t k = 0; k < 3; ++k, at += 4) {
                 result[t][i][k] = double(std::bit_cast<float>(word(at)));
                 if (std::isfinite(result[t][i][k])) continue;
-                return SvgError{path + ": frame " + std::to_string(t) + ", vertex " + std::to_string(i) +
+                return SvgError{path + ": frame " + std::to_string(t) + ", v " + std::to_string(i + 1) +
                                 ": a coordinate is not finite"};
             }
         }

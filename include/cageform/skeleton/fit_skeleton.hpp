@@ -59,7 +59,8 @@ fit_skeleton(const R& rest, const Frames& frames, const F& faces, const Skeleton
 ///   returns       keys at some of the frames, with the values there. A channel that may stand still has one
 ///   cost          some O(#vertices · #influences · #frames · log #frames); 1,114 vertices in 33 frames take
 ///                 0.1 s for 20 bones. Memory: 12 bytes · #vertices · #frames
-///   fails         value_not_finite (the distance, or a negative one; a map; an ancestor that is flat);
+///   fails         value_not_finite (the distance, or a negative one; a map; the rest; an ancestor that is
+///                 flat);
 ///                 input_malformed (a skeleton whose sizes or indices do not match); frames_do_not_match (as
 ///                 many times or vertices); keys_not_ascending; cancelled; out_of_memory
 template <class T, PointRangeIn<3> R>

@@ -138,15 +138,21 @@ void measure(const Motion& motion, const FittedSkeleton<T>& skeleton, double mos
     report.mean_influences = double(used) / double(motion.welded.size());
 }
 
-/// Refuses places so far from the others that their products overflow.
+/// Refuses places so far from the others that their products overflow, and names the farthest of the first
+/// frame that has any.
 inline Status check_reach(const Motion& motion, SkeletonReport& report) noexcept {
-    for (std::size_t i = 0; i < motion.welded.size(); ++i) {
-        for (std::size_t n = 0; n < 3 * motion.lanes; ++n) {
-            if (std::fabs(motion.path(motion.welded[i])[n]) <= 1e30) continue;
-            report.frame = n % motion.lanes;
-            report.vertex = i;
-            return Status::frame_not_finite;
+    for (std::size_t t = 0; t < motion.frames; ++t) {
+        double farthest = 1e30;
+        for (std::size_t i = 0; i < motion.welded.size(); ++i) {
+            for (std::size_t k = 0; k < 3; ++k) {
+                const double off = std::fabs(motion.path(motion.welded[i])[k * motion.lanes + t]);
+                if (off <= farthest) continue;
+                farthest = off;
+                report.frame = t;
+                report.vertex = i;
+            }
         }
+        if (farthest > 1e30) return Status::frame_not_finite;
     }
     return Status::ok;
 }

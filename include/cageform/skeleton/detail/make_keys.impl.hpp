@@ -70,6 +70,9 @@ Status make_keys(const FittedSkeleton<T>& given, const std::vector<Vec<double, 3
     if (const Status status = check_skeleton(given, rest.size(), times, options.max_distance);
         status != Status::ok)
         return status;
+    for (const auto& p : rest) {
+        if (!is_finite(p)) return Status::value_not_finite;
+    }
     FittedSkeleton<double> skeleton;
     skeleton.bones = given.bones;
     skeleton.frames = given.frames;
