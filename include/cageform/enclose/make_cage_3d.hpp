@@ -35,7 +35,7 @@ namespace cageform::inline CAGEFORM_ABI {
 ///   tunnels  stay, unless options.fill_tunnels; report.tunnels counts them
 ///   mirror   vertices come in pairs, except for those on the plane; the number requested is met up to one
 ///   vertices report.vertices can differ from options.vertices, see there; options.looseness searches for the
-///            fewest, in twice to three times the time
+///            fewest, in twice to three times the time up to a thousand vertices, and then more
 ///   cost     about a second, and some 40 bytes for each of at most 250^3 nodes of a lattice. With
 ///            small margins it has fewer than two nodes per margin; below 0.6 % of the longest
 ///            side, make_cage fails

@@ -77,9 +77,10 @@ struct MakeCageOptions {
     /// The weight of regular angles and lengths against a tight fit. A larger value makes a looser cage.
     double regular = 1;
     /// Above 0: makes the fewest vertices whose area (in space volume) exceeds the tightest by at most this
-    /// share, such as 0.25. The next smaller number tried, at most 5 % smaller, is too loose; where none is
-    /// smaller, the reduction came to its end, and a cage of fewer `vertices` may do. `vertices` is then the most that are tried; 0 stands for 200 in the plane and 1,000 in space. Where these are too
-    /// loose, the tightest cage tried is returned. Boxes have their vertices.
+    /// share, such as 0.25. The next smaller number tried, at most 5 % smaller, is too loose. Where none is
+    /// smaller, the reduction came to its end, and a cage made of fewer `vertices` may do. `vertices` is the
+    /// most that are tried; 0 stands for 200 in the plane and 1,000 in space. Where these are too loose, the
+    /// tightest cage tried is returned. Boxes have their vertices.
     double looseness = 0;
 };
 
