@@ -21,17 +21,18 @@ inline double facet_distance(const Corners<3>& a, const Corners<3>& b) noexcept 
 template <Scalar T>
 class ClearanceSearch {
 public:
-    explicit ClearanceSearch(const TriangleMesh<T>& cage) {
+    /// reach   distances that are looked for are at most this
+    ClearanceSearch(const TriangleMesh<T>& cage, double reach) {
         double edges = 0;
         for (const auto& face : cage.faces()) {
             facets_.push_back(Facet<3>(face, cage.vertices()).corner);
             edges += length(facets_.back()[1] - facets_.back()[0]);
         }
-        hash_ = FaceHash(edges / double(facets_.size()), facets_.size());
+        hash_ = FaceHash((std::max)(edges / double(facets_.size()), reach), facets_.size());
         for (std::uint32_t f = 0; f < facets_.size(); ++f) hash_.add(f, facets_[f]);
     }
 
-    /// The distance between a triangle and the cage, or `least` if that is less.
+    /// The distance between a triangle and the cage, or `least`, at most the reach, if that is less.
     double within(double least, const Corners<3>& corner) const {
         const auto middle = (1.0 / 3) * (corner[0] + corner[1] + corner[2]);
         (void)hash_.any(box_of(corner).widened(least), [&](std::uint32_t f) {
@@ -59,7 +60,7 @@ private:
 template <Scalar T>
 double exact_clearance(const TriangleMesh<T>& cage, std::span<const Corners<3>> figure, double reach,
                        const Running& running = {}) {
-    const ClearanceSearch<T> search(cage);
+    const ClearanceSearch<T> search(cage, reach);
     // A few faces from all over the figure give a first bound, since the search is faster within a low one.
     double first = reach;
     for (std::size_t f = 0; f < figure.size(); f += 1 + figure.size() / 64)
