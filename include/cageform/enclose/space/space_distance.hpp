@@ -159,8 +159,8 @@ private:
             }
         });
     }
-    /// The same for one triangle and the planes from `from` to `to`. Large triangles skip nodes farther than
-    /// two spacings from their own plane.
+    /// Measures beside one triangle, in the planes from `from` to `to`. Large triangles skip nodes farther
+    /// than two spacings from their own plane.
     void measure_beside(std::uint32_t t, double from, double to) {
         const auto& corner = triangles_[t];
         const double h = lattice_.spacing();
