@@ -5,10 +5,14 @@
 // figure); `angle` is the smallest angle of the cage, in degrees. For comparison in space, if CGAL is
 // installed, its alpha wrap is measured with the margin as offset, simplified to as many vertices
 // (Portaneri et al., Alpha wrapping with an offset, 2022; Garland & Heckbert 1997). The environment
-// variable CAGEFORM_BENCH_OBJ names own meshes to measure as well, OBJ files with ':' between them.
+// variable CAGEFORM_BENCH_OBJ names own meshes to measure as well, OBJ files with ':' between them. Cages in
+// space are made on one thread and on two; the column CPU adds up the time of all threads:
+//
+//     CAGEFORM_BENCH_OBJ=hand.obj:horse.obj build/bench/bench/bench_enclose --benchmark_filter=cage_space/
 
 #include "workloads.hpp"
 
+#include <cageform/core/threads.hpp>
 #include <cageform/enclose/make_cage.hpp>
 #include <cageform/enclose/make_cage_3d.hpp>
 
@@ -119,11 +123,21 @@ const std::vector<Figure>& figures() {
     return all;
 }
 
-/// Figures and numbers of vertices.
-void cases(benchmark::internal::Benchmark* b) {
-    for (std::size_t n = 0; n < figures().size(); ++n) {
-        for (const int vertices : {60, 120, 300}) b->Args({std::int64_t(n), vertices});
+/// Figures, numbers of vertices and numbers of threads.
+void cases(benchmark::internal::Benchmark* b, std::int64_t most_threads) {
+    b->ArgNames({"figure", "vertices", "threads"})->Unit(benchmark::kMillisecond)->Iterations(1);
+    for (std::int64_t n = 0; n < std::int64_t(figures().size()); ++n) {
+        for (const int vertices : {60, 120, 300}) {
+            for (std::int64_t threads = 1; threads <= most_threads; ++threads)
+                b->Args({n, vertices, threads});
+        }
     }
+}
+void on_one_thread(benchmark::internal::Benchmark* b) {
+    cases(b, 1);
+}
+void on_one_and_two_threads(benchmark::internal::Benchmark* b) {
+    cases(b->MeasureProcessCPUTime(), 2);
 }
 
 void report(benchmark::State& state, const cageform::MakeCageReport& made) {
@@ -160,15 +174,16 @@ void cage_space(benchmark::State& state) {
     state.SetLabel(name);
     cageform::MakeCageOptions options;
     options.vertices = std::size_t(state.range(1));
+    const cageform::ThreadedFor threads{unsigned(state.range(2))};
     cageform::MakeCageReport made;
     for (auto _ : state) {
-        made = make_cage(mesh.vertices, mesh.faces, options).report;
+        made = make_cage(mesh.vertices, mesh.faces, options, {.parallel = threads, .progress = {}}).report;
     }
     if (made.status != cageform::Status::ok) return state.SkipWithError(to_string(made.status));
     report(state, made);
     state.counters["tunnels"] = double(made.tunnels);
 }
-BENCHMARK(cage_space)->Apply(cases)->Unit(benchmark::kMillisecond)->Iterations(1);
+BENCHMARK(cage_space)->Apply(on_one_and_two_threads);
 
 #ifdef CAGEFORM_BENCH_CGAL
 void cage_space_cgal(benchmark::State& state) {
@@ -218,7 +233,7 @@ void cage_space_cgal(benchmark::State& state) {
     state.counters["tunnels"] =
         1 - (double(cage.vertices.size()) - double(cage.faces.size()) / 2) / 2; // of one shell
 }
-BENCHMARK(cage_space_cgal)->Apply(cases)->Unit(benchmark::kMillisecond)->Iterations(1);
+BENCHMARK(cage_space_cgal)->Apply(on_one_thread);
 #endif
 
 } // namespace

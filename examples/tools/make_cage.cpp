@@ -160,7 +160,7 @@ int cage_in_space(const Arguments& given) {
         return write_in_space(given, *figure, *made, describe(*made->lattice) + '\n');
     }
     ProgressBar bar("making the cage");
-    const auto made = make_cage_for(*figure, given.options, {.progress = bar.callback()});
+    const auto made = make_cage_for(*figure, given.options, bar.callback());
     if (!made) return fail(to_string(made.error()));
     print_warnings(warnings_of(made->report, given.options));
     if (!given.quads) {

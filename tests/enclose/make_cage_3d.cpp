@@ -5,8 +5,10 @@
 #include "../support/larger.hpp"
 
 #include <cageform/cage/detail/shells.hpp>
+#include <cageform/core/threads.hpp>
 #include <cageform/enclose/make_cage_3d.hpp>
 
+#include <algorithm>
 #include <map>
 
 namespace make_cage_3d_tests {
@@ -355,6 +357,40 @@ TEST_CASE("making a cage in space tells how far it is and can be stopped", "[enc
         const auto made = make_cage(figure.vertices, figure.faces, options, running);
         CHECK(made.report.status == Status::cancelled);
         CHECK(made.value.size() == 0);
+    }
+}
+
+TEST_CASE("a cage in space is the same for any number of threads", "[enclose]") {
+    MakeCageOptions plain;
+    plain.vertices = 40;
+    plain.margin = 0.08;
+    MakeCageOptions mirrored = plain;
+    mirrored.mirror = MirrorPlane{2, {}};
+    mirrored.fill_tunnels = true;
+    const std::array cases{std::pair(torus<double>(1, 0.3), mirrored),
+                           std::pair(random_soup<double>(5), plain)};
+    for (const auto& [figure, options] : cases) {
+        std::vector<double> told;
+        const auto made_by = [&](unsigned threads) {
+            told.clear();
+            const cageform::Running running{.parallel = ThreadedFor{threads}, .progress = [&](double done) {
+                                                told.push_back(done);
+                                                return true;
+                                            }};
+            return make_cage(figure.vertices, figure.faces, options, running);
+        };
+        const auto alone = made_by(1);
+        const auto told_alone = told;
+        REQUIRE(alone);
+        for (const unsigned threads : {2U, 3U, 7U}) {
+            CAPTURE(threads);
+            const auto together = made_by(threads);
+            CHECK(std::ranges::equal(together.value.vertices(), alone.value.vertices()));
+            CHECK(std::ranges::equal(together.value.faces(), alone.value.faces()));
+            CHECK(together.report.clearance == alone.report.clearance);
+            CHECK(together.report.tightest_area == alone.report.tightest_area);
+            CHECK(told == told_alone);
+        }
     }
 }
 

@@ -6,6 +6,7 @@
 #include "files/csv.hpp"
 #include "pictures/drawn_figure.hpp"
 
+#include <cageform/core/threads.hpp>
 #include <cageform/enclose/find_parts.hpp>
 #include <cageform/enclose/make_cage.hpp>
 #include <cageform/enclose/make_cage_3d.hpp>
@@ -105,8 +106,9 @@ SvgResult<AutoCage<CageFile>> make_cage_for(const SvgDocument& figure,
 }
 
 SvgResult<AutoCage<ObjFile>> make_cage_for(const ObjFile& figure, const cageform::MakeCageOptions& options,
-                                           const cageform::Running& running) {
-    const auto made = cageform::make_cage(figure.vertices, figure.triangles, options, running);
+                                           const cageform::Progress& progress) {
+    const auto made = cageform::make_cage(figure.vertices, figure.triangles, options,
+                                          {.parallel = cageform::ThreadedFor{}, .progress = progress});
     const auto& report = made.report;
     if (!made) {
         double farthest = 0;

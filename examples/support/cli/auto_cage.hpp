@@ -47,10 +47,10 @@ struct AutoCage {
 SvgResult<AutoCage<CageFile>> make_cage_for(const SvgDocument& figure,
                                             const cageform::MakeCageOptions& options);
 
-/// Makes a cage around all faces of a mesh. Its faces are in groups part_1, part_2, part_-2 and so on, see
-/// find_parts().
+/// Makes a cage around all faces of a mesh, on all threads of the machine. Its faces are in groups part_1,
+/// part_2, part_-2 and so on, see find_parts().
 SvgResult<AutoCage<ObjFile>> make_cage_for(const ObjFile& figure, const cageform::MakeCageOptions& options,
-                                           const cageform::Running& running = {});
+                                           const cageform::Progress& progress = {});
 
 /// Pairs triangles of a cage to quads, as many as possible; its vertices stay.
 SvgResult<AutoCage<ObjFile>> with_quads(const AutoCage<ObjFile>& made, const ObjFile& figure,

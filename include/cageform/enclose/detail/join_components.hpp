@@ -5,6 +5,7 @@
 #include <cageform/core/detail/disjoint_sets.hpp>
 #include <cageform/enclose/detail/distance_lattice.hpp>
 
+#include <limits>
 #include <map>
 #include <tuple>
 #include <utility>
@@ -50,11 +51,16 @@ std::vector<std::size_t> nearest_sources(const DistanceLattice<D>& lattice, cons
         if (is_source(node)) nearest[node] = node;
     }
     const auto update = [&](std::size_t node) {
+        std::size_t& found = nearest[node];
+        if (found == node) return; // a source
+        double least = found != none ? lattice.steps2(found, node) : std::numeric_limits<double>::infinity();
         lattice.for_each_around(node, [&](std::size_t other) {
             const std::size_t candidate = nearest[other];
-            if (candidate != none && (nearest[node] == none ||
-                                      lattice.steps2(candidate, node) < lattice.steps2(nearest[node], node)))
-                nearest[node] = candidate;
+            if (candidate == none || candidate == found) return; // most often it is the same one
+            const double steps2 = lattice.steps2(candidate, node);
+            if (!(steps2 < least)) return;
+            least = steps2;
+            found = candidate;
         });
     };
     for (int pass = 0; pass < 2; ++pass) {

@@ -8,6 +8,7 @@
 #include <cageform/enclose/detail/fewest_vertices.hpp>
 #include <cageform/enclose/detail/join_components.hpp>
 #include <cageform/enclose/detail/make_cage_into.hpp>
+#include <cageform/enclose/space/clearance.hpp>
 #include <cageform/enclose/space/reduce_shell.hpp>
 #include <cageform/enclose/space/relax_shell.hpp>
 #include <cageform/enclose/space/space_distance.hpp>
@@ -51,7 +52,7 @@ public:
         }
         const double lifted = 1.12 * level; // interpolated f lets flat faces come nearer
         if (const Status status = make_lattice(lifted); status != Status::ok) return status;
-        SpaceDistance(lattice_, figure_).fill(lifted, 5 * lifted);
+        SpaceDistance(lattice_, figure_).fill(lifted, 5 * lifted, running);
         if (options_.shape == CageShape::hull)
             fill_hull(lattice_, [&](const Point& direction) { return reach(direction) + lifted; });
         if (is_mirrored()) lattice_.mirror();
@@ -63,7 +64,7 @@ public:
         close_slits(lattice_, 0.6 * lifted, false);
         if (is_mirrored()) lattice_.mirror();
         shell = contour();
-        if (options_.fill_tunnels) fill_tunnels(lifted, shell);
+        if (options_.fill_tunnels) fill_tunnels(lifted, running, shell);
         if (shell.faces.empty()) return Status::cage_not_found;
         const double six = shell.six_volumes();
         if (report.tightest_area == 0) report.tightest_area = six / 6 * (shell.half ? 2 : 1);
@@ -212,12 +213,12 @@ private:
 
     /// Closes the figure by larger and larger balls until no tunnel is left. Each round uses a
     /// lattice of its own with enough room around the figure.
-    void fill_tunnels(double level, Shell& shell) {
+    void fill_tunnels(double level, const Running& running, Shell& shell) {
         for (double radius = 2 * level; radius < longest_ && euler_number(shell) < 2 * shell_count(shell);
              radius *= 2) {
             const double h = (std::max)(lattice_.spacing(), (longest_ + 4 * radius) / 120);
             auto coarse = lattice_about(h, radius + 4 * h, radius + 3 * h);
-            SpaceDistance(coarse, figure_).fill(level, radius + 3 * h);
+            SpaceDistance(coarse, figure_).fill(level, radius + 3 * h, running);
             if (is_mirrored()) coarse.mirror();
             const auto open = coarse.outside(static_cast<float>(radius));
             const auto nearest = nearest_sources(coarse, [&](std::size_t node) { return open[node] != 0; });
@@ -239,42 +240,6 @@ private:
     double longest_ = 0;
     DistanceLattice<3> lattice_;
 };
-
-/// The distance between two triangles; 0 if they meet.
-inline double facet_distance(const Corners<3>& a, const Corners<3>& b) noexcept {
-    double least = std::numeric_limits<double>::infinity();
-    for (std::size_t k = 0; k < 3 && least > 0; ++k) {
-        least = (std::min)(least, segment_to_facet(a[k], a[(k + 1) % 3], b));
-        least = (std::min)(least, segment_to_facet(b[k], b[(k + 1) % 3], a));
-    }
-    return least;
-}
-
-/// The least distance between the faces of a cage and those of a figure; at most `reach` is returned.
-template <Scalar T>
-double exact_clearance(const TriangleMesh<T>& cage, std::span<const Corners<3>> figure, double reach) {
-    std::vector<Facet<3>> facets;
-    double edges = 0;
-    for (const auto& face : cage.faces()) {
-        facets.emplace_back(face, cage.vertices());
-        edges += length(facets.back().corner[1] - facets.back().corner[0]);
-    }
-    FaceHash hash(edges / double(facets.size()), facets.size());
-    for (std::uint32_t f = 0; f < facets.size(); ++f) hash.add(f, facets[f].corner);
-    double least = reach;
-    for (const auto& corner : figure) {
-        const auto middle = (1.0 / 3) * (corner[0] + corner[1] + corner[2]);
-        double radius = 0;
-        for (const auto& p : corner) radius = (std::max)(radius, length(p - middle));
-        const auto box = box_of(corner).widened(least);
-        (void)hash.any(box, [&](std::uint32_t f) {
-            if (distance_to_facet(middle, facets[f].corner) - radius < least)
-                least = (std::min)(least, facet_distance(corner, facets[f].corner));
-            return false;
-        });
-    }
-    return least;
-}
 
 /// One vertex of each connected component of a figure; if there are more than 4,096, of components spread
 /// over the list.
@@ -420,7 +385,7 @@ Status make_cage_into(std::span<const Vec<T, 3>> vertices, std::span<const MeshF
         made.value = cage_of<T>(shell, frame);
         report.cage = check(made.value);
         report.clearance =
-            exact_clearance(made.value, std::span<const Corners<3>>(figure), 2 * report.margin);
+            exact_clearance(made.value, std::span<const Corners<3>>(figure), 2 * report.margin, subtask);
         const bool all_inside = std::all_of(starts.begin(), starts.end(), [&](std::size_t v) {
             return locate(made.value, vertices[v], T(0)) == PointState::inside;
         });

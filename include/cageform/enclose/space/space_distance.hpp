@@ -1,8 +1,8 @@
 // make_cage in space, step 1: fills a lattice with the distance of its nodes from the faces of a figure.
 #pragma once
 
+#include <cageform/core/detail/in_parallel.hpp>
 #include <cageform/core/detail/simd.hpp>
-#include <cageform/core/running.hpp>
 #include <cageform/enclose/detail/distance_lattice.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
@@ -106,11 +106,11 @@ public:
         for (const auto& corner : triangles) frames_.emplace_back(corner);
     }
 
-    void fill(double margin, double farthest) {
+    void fill(double margin, double farthest, const Running& running = {}) {
         const auto band = static_cast<float>(2 * margin);
         for (std::size_t node = 0; node < lattice_.size(); ++node)
             lattice_[node] = static_cast<float>(farthest + margin);
-        for (std::size_t t = 0; t < triangles_.size(); ++t) measure_beside(t);
+        measure_beside(running);
         for (unsigned directions = 0; directions < 8; ++directions) sweep(directions, farthest + margin);
         fill_between(band);
         for (const bool down : {false, true}) exchange(down, band);
@@ -129,21 +129,53 @@ private:
         nearest_[node] = triangle;
     }
 
-    /// Computes exact distances at the nodes in the box of a triangle, widened by one spacing.
-    /// Large triangles skip nodes farther than two spacings from their plane.
-    void measure_beside(std::size_t t) {
+    /// Computes exact distances at the nodes in the box of each triangle, widened by one spacing. A slab of
+    /// the lattice, eight planes across the last axis, takes the triangles whose boxes meet it, in order.
+    void measure_beside(const Running& running) {
+        constexpr std::size_t thick = 8;
+        const double h = lattice_.spacing(), low = lattice_.position(0)[2];
+        const std::size_t slabs = (lattice_.count()[2] + thick - 1) / thick;
+        std::vector<std::size_t> ends(slabs + 1, 0); // of each slab's list, after that of the slab before
+        std::vector<std::uint32_t> listed;
+        const auto for_each_slab = [&](const auto& visit) {
+            for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
+                const auto& [a, b, c] = triangles_[t];
+                const auto slab_at = [&](double z) {
+                    return std::size_t(std::clamp((z - low) / (h * thick), 0.0, double(slabs - 1)));
+                };
+                const std::size_t last = slab_at((std::max)({a[2], b[2], c[2]}) + h);
+                for (std::size_t s = slab_at((std::min)({a[2], b[2], c[2]}) - h); s <= last; ++s) visit(s, t);
+            }
+        };
+        for_each_slab([&](std::size_t s, std::uint32_t) { ++ends[s + 1]; });
+        for (std::size_t s = 0; s < slabs; ++s) ends[s + 1] += ends[s];
+        listed.resize(ends[slabs]);
+        for_each_slab([&](std::size_t s, std::uint32_t t) { listed[ends[s]++] = t; });
+        in_parallel(running, slabs, 1, [&](std::size_t first, std::size_t last) {
+            for (std::size_t s = first; s < last; ++s) {
+                const double from = low + h * (double(s * thick) - 0.5); // midway between planes
+                for (std::size_t k = s > 0 ? ends[s - 1] : 0; k < ends[s]; ++k)
+                    measure_beside(listed[k], from, from + h * thick);
+            }
+        });
+    }
+    /// Measures beside one triangle, in the planes from `from` to `to`. Large triangles skip nodes farther
+    /// than two spacings from their own plane.
+    void measure_beside(std::uint32_t t, double from, double to) {
         const auto& corner = triangles_[t];
         const double h = lattice_.spacing();
         const auto n = cross(corner[1] - corner[0], corner[2] - corner[0]);
         const double size = length(n);
-        const auto box = bounds_of(std::span<const Point>(corner)).widened(h);
+        auto box = bounds_of(std::span<const Point>(corner)).widened(h);
+        box.lower[2] = (std::max)(box.lower[2], from);
+        box.upper[2] = (std::min)(box.upper[2], to);
         lattice_.for_each_row(box, [&](std::size_t row, std::size_t first, std::size_t last) {
             Point p = lattice_.position(row);
             const double low = p[0];
             for (std::size_t i = first; i < last; ++i) {
                 p[0] = low + h * double(i);
                 if (size > 0 && std::fabs(dot(n, p - corner[0])) > 2 * h * size) continue;
-                offer(row + i, p, static_cast<std::uint32_t>(t));
+                offer(row + i, p, t);
             }
         });
     }

@@ -1,0 +1,79 @@
+// make_cage in space: the exact distance of a cage from its figure, found by other code than the cage.
+#pragma once
+
+#include <cageform/cage/triangle_mesh.hpp>
+#include <cageform/core/detail/in_parallel.hpp>
+#include <cageform/enclose/space/shell.hpp>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+/// The distance between two triangles; 0 if they meet.
+inline double facet_distance(const Corners<3>& a, const Corners<3>& b) noexcept {
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t k = 0; k < 3 && least > 0; ++k) {
+        least = (std::min)(least, segment_to_facet(a[k], a[(k + 1) % 3], b));
+        least = (std::min)(least, segment_to_facet(b[k], b[(k + 1) % 3], a));
+    }
+    return least;
+}
+
+/// Measures the distances between the faces of a figure and those of a cage.
+template <Scalar T>
+class ClearanceSearch {
+public:
+    /// reach   distances that are looked for are at most this
+    ClearanceSearch(const TriangleMesh<T>& cage, double reach) {
+        double edges = 0;
+        for (const auto& face : cage.faces()) {
+            facets_.push_back(Facet<3>(face, cage.vertices()).corner);
+            edges += length(facets_.back()[1] - facets_.back()[0]);
+        }
+        hash_ = FaceHash((std::max)(edges / double(facets_.size()), reach), facets_.size());
+        for (std::uint32_t f = 0; f < facets_.size(); ++f) hash_.add(f, facets_[f]);
+    }
+
+    /// The distance between a triangle and the cage, or `least`, at most the reach, if that is less.
+    double within(double least, const Corners<3>& corner) const {
+        const auto middle = (1.0 / 3) * (corner[0] + corner[1] + corner[2]);
+        (void)hash_.any(box_of(corner).widened(least), [&](std::uint32_t f) {
+            // The normal from the point of the facet that is nearest to the middle separates most pairs.
+            const auto nearest = point_on_facet(nearest_on_facet(middle, facets_[f]), facets_[f]);
+            const auto normal = middle - nearest;
+            double above = std::numeric_limits<double>::infinity(), below = -above;
+            for (std::size_t k = 0; k < 3; ++k) {
+                above = (std::min)(above, dot(normal, corner[k] - nearest));
+                below = (std::max)(below, dot(normal, facets_[f][k] - nearest));
+            }
+            if (!(above - below > least * length(normal)))
+                least = (std::min)(least, facet_distance(corner, facets_[f]));
+            return false;
+        });
+        return least;
+    }
+
+private:
+    std::vector<Corners<3>> facets_;
+    FaceHash hash_{1, 0};
+};
+
+/// The least distance between the faces of a cage and those of a figure; at most `reach` is returned.
+template <Scalar T>
+double exact_clearance(const TriangleMesh<T>& cage, std::span<const Corners<3>> figure, double reach,
+                       const Running& running = {}) {
+    const ClearanceSearch<T> search(cage, reach);
+    // A few faces from all over the figure give a first bound, since the search is faster within a low one.
+    double first = reach;
+    for (std::size_t f = 0; f < figure.size(); f += 1 + figure.size() / 64)
+        first = search.within(first, figure[f]);
+    const auto runs = in_runs<double>(running, figure.size(), 64, [&] {
+        return [&](std::size_t begin, std::size_t end, double& least) {
+            least = first;
+            for (std::size_t f = begin; f < end; ++f) least = search.within(least, figure[f]);
+        };
+    });
+    double least = first;
+    for (const double of_run : runs) least = (std::min)(least, of_run);
+    return least;
+}
+
+} // namespace cageform::inline CAGEFORM_ABI::detail
