@@ -447,7 +447,7 @@ void renormalised_distance(benchmark::State& state) {
     state.counters["elsewhere"] = moved.distance(moved.elsewhere, cloned);
 }
 
-/// What plays the motion of a figure.
+/// A figure with its motion in three forms.
 struct Played {
     using Points = MovedFigure::Points;
 

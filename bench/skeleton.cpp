@@ -7,12 +7,12 @@
 //
 // MOTION is frames.npy of float32, #frames · #vertices · 3, whose first frame is the rest, with the faces in
 // frames_faces.npy of int32, #faces · 3; or the model of a game, .md3, whose first frame is the rest.
-// Distances are shares of the figure's size. Seconds are of processors, of all threads together, then as they
-// elapsed. --every takes each N-th frame; --keys makes keys that are so far off besides, and counts them.
+// Distances are shares of the figure's size. Seconds are those of all processors, then as they elapsed.
+// --every takes each N-th frame; --keys makes keys that are so far off besides, and counts them.
 //
-// --planted takes the rest of MOTION alone, and moves it by a skeleton that is known, one for each seed: bones
-// at 12 random vertices, of which a vertex follows the four nearest with weights exp(−d²/2(0.12 size)²). In 40
-// frames each bone turns about two random axes, by 0.8 sin(2πt/40) and 0.8 sin(4πt/40) radians, and is shifted
+// --planted takes the rest of MOTION alone, and moves it by a skeleton that is known, one for each seed: 12
+// bones at random vertices; a vertex follows the four nearest, with weights exp(−d²/2(0.12 size)²). In 40
+// frames a bone turns about two random axes, by 0.8 sin(2πt/40) and 0.8 sin(4πt/40) radians, and is shifted
 // by 0.05 of the size at random along each axis. So a fit of 12 bones could be exact.
 #include <cageform/core/threads.hpp>
 #include <cageform/skeleton/fit_skeleton.hpp>

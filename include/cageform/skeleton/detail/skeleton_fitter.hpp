@@ -51,9 +51,10 @@ private:
         return true;
     }
     /// Rounds in which bones mind the worst vertices most. Later ones change little, so weights then go on as
-    /// they went, the farther the longer the error has fallen (Ang and Gillis, Accelerating nonnegative matrix
-    /// factorization algorithms using extrapolation, Neural Computation 31(2), 2019; restarts as in O'Donoghue
-    /// and Candès, Adaptive restart for accelerated gradient schemes, Found. Comput. Math. 15(3), 2015).
+    /// they went, the farther the longer the error has fallen (Ang and Gillis, Accelerating nonnegative
+    /// matrix factorization algorithms using extrapolation, Neural Computation 31(2), 2019; restarts as in
+    /// O'Donoghue and Candès, Adaptive restart for accelerated gradient schemes, Found. Comput. Math. 15(3),
+    /// 2015).
     bool last_rounds() {
         VertexWeights last;
         double error = 0;
