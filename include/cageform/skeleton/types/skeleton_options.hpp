@@ -27,7 +27,7 @@ struct SkeletonOptions {
     /// Rounds of weights and bones, after idle bones have found their places. Those after the tenth are
     /// accelerated; more moves often help more.
     std::size_t rounds = 10;
-    std::size_t moves = 8;   ///< tries to move idle bones to where the error is largest
+    std::size_t moves = 8; ///< tries to move idle bones to where the error is largest
 };
 
 struct SkeletonReport {
