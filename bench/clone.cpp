@@ -17,6 +17,10 @@
 // those poses, `between` in ten others of the same motion, `elsewhere` in five that bend across it; all of
 // the figure's size.
 // Without the motion (0), the distance is kept in all poses that bend by up to a tenth of the cage.
+//
+// played_…: a frame of that motion, as engines play it: by a fitted skin of four weights and so many bones;
+// by the packed clone and by as few frames as morph targets that keep the distance at which the skin is.
+// `bytes` are those of the figure with its motion.
 #define CAGEFORM_C_IMPLEMENTATION
 #define CAGEFORM_C_RUNTIME_ONLY
 #include <cageform/c/cageform.h>
@@ -34,6 +38,7 @@
 #include <cageform/clone/normals.hpp>
 #include <cageform/coordinates/mean_value.hpp>
 #include <cageform/core/threads.hpp>
+#include <cageform/skeleton/fit_skeleton.hpp>
 
 #include <Eigen/Core>
 #include <benchmark/benchmark.h>
@@ -442,6 +447,110 @@ void renormalised_distance(benchmark::State& state) {
     state.counters["elsewhere"] = moved.distance(moved.elsewhere, cloned);
 }
 
+/// A figure with its motion in three forms.
+struct Played {
+    using Points = MovedFigure::Points;
+
+    const MovedFigure& moved;
+    std::vector<Points> frames;
+    cageform::FittedSkeleton<float> skeleton;
+    double distance = 0; ///< of the skin, a share of the size; the others keep it
+    cageform::PackedBinding<float, 3> packed;
+    std::vector<std::size_t> targets; ///< frames; those between two of them go straight
+
+    Played(int number, std::size_t bones)
+        : moved(MovedFigure::of(number)) {
+        for (const Points& pose : moved.given) {
+            frames.emplace_back(moved.figure.size());
+            if (clone(moved.binding, pose, frames.back()) != cageform::Status::ok)
+                throw std::runtime_error("no clone");
+        }
+        const std::vector<std::array<int, 3>> no_faces;
+        auto fitted = cageform::fit_skeleton(moved.figure, frames, no_faces, {.bones = bones});
+        skeleton = std::move(fitted.value);
+        distance = fitted.report.max_distance;
+        packed =
+            cageform::pack(moved.binding, {.tolerance = distance * moved.size, .poses = moved.poses}).value;
+        targets.push_back(0);
+        while (targets.back() + 1 < frames.size()) {
+            std::size_t next = targets.back() + 1;
+            while (next + 1 < frames.size() && is_straight(targets.back(), next + 1)) ++next;
+            targets.push_back(next);
+        }
+    }
+    static const Played& of(const benchmark::State& state) { // made once
+        static std::map<std::pair<long, long>, Played> made;
+        const std::pair<long, long> key(state.range(0), state.range(1));
+        return made.try_emplace(key, int(key.first), std::size_t(key.second)).first->second;
+    }
+
+    void play_skin(std::size_t frame, Points& out) const {
+        for (std::size_t i = 0; i < out.size(); ++i) out[i] = skeleton.place(frame, i, moved.figure[i]);
+    }
+    bool play_packed(std::size_t frame, Points& out) const {
+        return clone(packed.view(), moved.given[frame], out) == cageform::Status::ok;
+    }
+    void play_targets(std::size_t frame, Points& out) const {
+        const auto last = std::lower_bound(targets.begin() + 1, targets.end(), frame);
+        play_between(*(last - 1), *last, frame, out);
+    }
+    double distance_of(std::size_t frame, const Points& out) const {
+        return Bumpy<float>::distance(frames[frame], out) / moved.size;
+    }
+
+private:
+    void play_between(std::size_t from, std::size_t to, std::size_t frame, Points& out) const {
+        const float share = float(frame - from) / float(to - from);
+        for (std::size_t i = 0; i < out.size(); ++i)
+            out[i] = (1 - share) * frames[from][i] + share * frames[to][i];
+    }
+    bool is_straight(std::size_t from, std::size_t to) const {
+        Points out(moved.figure.size());
+        for (std::size_t t = from + 1; t < to; ++t) {
+            play_between(from, to, t, out);
+            if (distance_of(t, out) > distance) return false;
+        }
+        return true;
+    }
+};
+
+enum class By : std::uint8_t { skin, packed, targets };
+
+template <By way>
+void played(benchmark::State& state) {
+    const Played& of = Played::of(state);
+    const std::size_t points = of.moved.figure.size(), place = 3 * sizeof(float);
+    Played::Points out(points);
+    const auto play = [&](std::size_t frame) {
+        if constexpr (way == By::skin) of.play_skin(frame, out);
+        if constexpr (way == By::targets) of.play_targets(frame, out);
+        return way != By::packed || of.play_packed(frame, out);
+    };
+    std::size_t frame = 0;
+    for (auto _ : state) {
+        if (!play(frame++ % of.frames.size())) state.SkipWithError("not played");
+        benchmark::ClobberMemory();
+    }
+    double farthest = 0;
+    for (std::size_t t = 0; t < of.frames.size(); ++t) {
+        if (!play(t)) return state.SkipWithError("not played");
+        farthest = std::max(farthest, of.distance_of(t, out));
+    }
+    const auto bytes_of = [](const auto& list) { return list.size() * sizeof(list[0]); };
+    std::size_t bytes = 0;
+    if (way == By::skin) {
+        bytes = points * place + bytes_of(of.skeleton.skin.joints) + bytes_of(of.skeleton.skin.weights) +
+                bytes_of(of.skeleton.maps);
+    } else if (way == By::packed) {
+        bytes = of.packed.bytes().size() + of.frames.size() * of.moved.rest.size() * place;
+    } else {
+        bytes = of.targets.size() * points * place;
+        state.counters["targets"] = double(of.targets.size());
+    }
+    state.counters["distance"] = farthest;
+    state.counters["bytes"] = double(bytes);
+}
+
 /// A blob's way from a file that was read before into use: mapped, checked, given back. No byte of it is
 /// copied.
 template <class T, cageform::BlobCheck Check, cageform::WeightFormat Format>
@@ -703,6 +812,9 @@ void sizes_mapped(benchmark::internal::Benchmark* benchmark) {
 void sizes_sparse(benchmark::internal::Benchmark* benchmark) {
     benchmark->ArgNames({"points", "handles"})->Unit(benchmark::kMicrosecond)->Args({5000, 300});
 }
+void sizes_played(benchmark::internal::Benchmark* benchmark) {
+    benchmark->ArgNames({"figure", "bones"})->ArgsProduct({{1, 2}, {12, 30}})->Unit(benchmark::kMicrosecond);
+}
 void sizes_packed(benchmark::internal::Benchmark* benchmark) {
     benchmark->ArgNames({"points", "largest", "in_order"})->Unit(benchmark::kMicrosecond);
     for (const long points : {8019L, 100000L})
@@ -777,3 +889,6 @@ BENCHMARK(renormalised_distance)
     ->ArgsProduct({{0, 1, 2}, {8, 16}})
     ->Iterations(1)
     ->Unit(benchmark::kMillisecond);
+BENCHMARK_TEMPLATE(played, By::skin)->Apply(sizes_played);
+BENCHMARK_TEMPLATE(played, By::packed)->Apply(sizes_played);
+BENCHMARK_TEMPLATE(played, By::targets)->Apply(sizes_played);

@@ -2,12 +2,18 @@
 // bones.
 //
 //     bench_skeleton MOTION [--bones 8,12,20,30] [--kind rigid|similar|stretched] [--influences K]
-//                           [--threads N] [--keys DISTANCE]
+//                           [--rounds 10] [--moves 8] [--threads N] [--every N] [--keys DISTANCE]
+//     bench_skeleton MOTION --planted SEED,… [--bones 12] [--rounds 10,60]
 //
 // MOTION is frames.npy of float32, #frames · #vertices · 3, whose first frame is the rest, with the faces in
 // frames_faces.npy of int32, #faces · 3; or the model of a game, .md3, whose first frame is the rest.
-// Distances are shares of the figure's size; --keys makes keys
-// that are so far off besides, and counts them.
+// Distances are shares of the figure's size. Seconds are those of all processors, then as they elapsed.
+// --every takes each N-th frame; --keys makes keys that are so far off besides, and counts them.
+//
+// --planted takes the rest of MOTION alone, and moves it by a skeleton that is known, one for each seed: 12
+// bones at random vertices; a vertex follows the four nearest, with weights exp(−d²/2(0.12 size)²). In 40
+// frames a bone turns about two random axes, by 0.8 sin(2πt/40) and 0.8 sin(4πt/40) radians, and is shifted
+// by 0.05 of the size at random along each axis. So a fit of 12 bones could be exact.
 #include <cageform/core/threads.hpp>
 #include <cageform/skeleton/fit_skeleton.hpp>
 
@@ -17,6 +23,7 @@
 #include <ctime>
 #include <fstream>
 #include <iterator>
+#include <random>
 #include <sstream>
 #include <stdexcept>
 #include <string>
@@ -103,59 +110,171 @@ Motion read_md3(const std::string& path) {
     return motion;
 }
 
+/// Rotates about an axis of length 1.
+Point turned(const Point& p, const Point& axis, double angle) {
+    const double c = std::cos(angle), s = std::sin(angle);
+    return c * p + (s * cross(axis, p) + ((1 - c) * dot(axis, p)) * axis);
+}
+/// Moves the rest of a motion by twelve bones at random vertices.
+Motion planted(const Motion& of, std::uint32_t seed) {
+    const std::vector<Point>& rest = of.frames[0];
+    const double size = bounds_of(std::span<const Point>(rest)).diagonal();
+    std::mt19937 random(seed);
+    std::normal_distribution<double> normal;
+    const auto vector = [&] {
+        const double x = normal(random), y = normal(random), z = normal(random);
+        return Point{x, y, z};
+    };
+    constexpr std::size_t frame_count = 40;
+    Motion result{{frame_count, std::vector<Point>(rest.size(), Point{})}, of.faces};
+    struct Bone {
+        Point place;
+        std::array<Point, 2> axes;
+        std::array<Point, frame_count> shifts;
+    };
+    std::array<Bone, 12> bones;
+    for (Bone& bone : bones) {
+        bone.place = rest[random() % rest.size()];
+        for (Point& axis : bone.axes) {
+            axis = vector();
+            axis = (1 / cageform::detail::length(axis)) * axis;
+        }
+        for (Point& shift : bone.shifts) shift = (0.05 * size) * vector();
+    }
+    for (std::size_t i = 0; i < rest.size(); ++i) {
+        std::array<std::pair<double, const Bone*>, bones.size()> order;
+        for (std::size_t j = 0; j < bones.size(); ++j) {
+            const Point d = rest[i] - bones[j].place;
+            order[j] = {dot(d, d), &bones[j]};
+        }
+        std::sort(order.begin(), order.end());
+        std::array<double, 4> weights;
+        double sum = 0;
+        for (std::size_t k = 0; k < weights.size(); ++k) // the first one is 1, or all of them might be 0
+            sum += weights[k] = std::exp((order[0].first - order[k].first) / (2 * 0.12 * 0.12 * size * size));
+        for (std::size_t t = 0; t < frame_count; ++t) {
+            for (std::size_t k = 0; k < weights.size(); ++k) {
+                const Bone& bone = *order[k].second;
+                const double phase = 2 * 3.14159265358979323846 * double(t) / double(frame_count);
+                Point p = rest[i] - bone.place;
+                p = turned(p, bone.axes[0], 0.8 * std::sin(phase));
+                p = turned(p, bone.axes[1], 0.8 * std::sin(2 * phase));
+                result.frames[t][i] =
+                    result.frames[t][i] + (weights[k] / sum) * (p + (bone.place + bone.shifts[t]));
+            }
+        }
+    }
+    return result;
+}
+
+std::vector<std::size_t> numbers_of(const std::string& list) {
+    std::vector<std::size_t> numbers;
+    std::istringstream words(list);
+    for (std::string word; std::getline(words, word, ',');) numbers.push_back(std::stoul(word));
+    return numbers;
+}
+
+struct Arguments {
+    std::string kind;
+    std::vector<std::size_t> bones, rounds, seeds;
+    cageform::SkeletonOptions options;
+    unsigned threads = 1;
+    std::size_t every = 1;
+    double key_distance = -1;
+};
+
+void print_row(const Motion& motion, const std::vector<Point>& rest, const Arguments& given,
+               const cageform::SkeletonOptions& options) {
+    constexpr const char* kinds[] = {"rigid", "similar", "stretched"};
+    cageform::Running running;
+    running.parallel = cageform::ThreadedFor{given.threads};
+    const auto start = std::clock();
+    const auto [skeleton, report] =
+        cageform::fit_skeleton(rest, motion.frames, motion.faces, options, running);
+    const double seconds = double(std::clock() - start) / CLOCKS_PER_SEC;
+    if (report.status != cageform::Status::ok) throw std::runtime_error(to_string(report.status));
+    std::printf("%3zu %-9s  rms %.1e  largest %.1e  turned %4.1f  %5.2f s, %5.2f s", report.bones,
+                kinds[std::size_t(options.kind)], report.rms, report.max_distance, report.turn, seconds,
+                report.seconds);
+    if (given.rounds.size() > 1) std::printf("  %zu rounds", options.rounds);
+    if (given.key_distance >= 0) {
+        std::vector<double> times;
+        for (std::size_t t = 0; t < motion.frames.size(); ++t) times.push_back(double(t) / 30);
+        const auto [keys, made] = cageform::fit_skeleton_keys(skeleton, rest, times, {given.key_distance});
+        if (made.status != cageform::Status::ok) throw std::runtime_error(to_string(made.status));
+        std::printf("  %zu keys, %zu numbers for %zu, off by %.1e, %.2f s", made.keys, made.numbers,
+                    9 * skeleton.bones * skeleton.frames, made.max_distance, made.seconds);
+    }
+    std::printf("\n");
+    std::fflush(stdout);
+}
+void print_rows(const Motion& motion, const std::vector<Point>& rest, const Arguments& given) {
+    std::printf("%zu frames, %zu vertices, %u threads\n", motion.frames.size(), rest.size(), given.threads);
+    constexpr const char* kinds[] = {"rigid", "similar", "stretched"};
+    cageform::SkeletonOptions options = given.options;
+    for (std::size_t k = 0; k < 3; ++k) {
+        if (!given.kind.empty() && given.kind != kinds[k]) continue;
+        options.kind = cageform::BoneKind(k);
+        for (const std::size_t bones : given.bones) {
+            options.bones = bones;
+            for (const std::size_t rounds : given.rounds) {
+                options.rounds = rounds;
+                print_row(motion, rest, given, options);
+            }
+        }
+    }
+}
+
 int run(int argc, char** argv) {
     if (argc < 2) throw std::runtime_error("give the file of a motion");
     const std::string path = argv[1];
-    std::string list = "8,12,20,30", kind;
-    cageform::SkeletonOptions options;
-    unsigned threads = 1;
-    double key_distance = -1;
-    for (int n = 2; n + 1 < argc; n += 2) {
-        const std::string option = argv[n], value = argv[n + 1];
+    Arguments given;
+    for (int n = 2; n < argc; n += 2) {
+        const std::string option = argv[n];
+        if (n + 1 == argc) throw std::runtime_error("option " + option + " has no value");
+        const std::string value = argv[n + 1];
         if (option == "--bones")
-            list = value;
+            given.bones = numbers_of(value);
         else if (option == "--kind")
-            kind = value;
+            given.kind = value;
         else if (option == "--influences")
-            options.influences = std::stoul(value);
+            given.options.influences = std::stoul(value);
+        else if (option == "--rounds")
+            given.rounds = numbers_of(value);
+        else if (option == "--moves")
+            given.options.moves = std::stoul(value);
         else if (option == "--threads")
-            threads = unsigned(std::stoul(value));
+            given.threads = unsigned(std::stoul(value));
+        else if (option == "--every")
+            given.every = std::stoul(value);
         else if (option == "--keys")
-            key_distance = std::stod(value);
+            given.key_distance = std::stod(value);
+        else if (option == "--planted")
+            given.seeds = numbers_of(value);
         else
             throw std::runtime_error("there is no option " + option);
     }
-    const Motion motion =
+    if (given.every == 0) throw std::runtime_error("--every 0 takes no frame");
+    Motion motion =
         path.size() > 4 && path.substr(path.size() - 4) == ".md3" ? read_md3(path) : read_arrays(path);
     if (motion.frames.empty()) throw std::runtime_error(path + ": holds no frame");
-    std::printf("%zu frames, %zu vertices, %u threads\n", motion.frames.size(), motion.frames[0].size(),
-                threads);
-    std::vector<double> times;
-    for (std::size_t t = 0; t < motion.frames.size(); ++t) times.push_back(double(t) / 30);
-    constexpr const char* kinds[] = {"rigid", "similar", "stretched"};
-    for (std::size_t k = 0; k < 3; ++k) {
-        if (!kind.empty() && kind != kinds[k]) continue;
-        options.kind = cageform::BoneKind(k);
-        std::istringstream numbers(list);
-        for (std::string word; std::getline(numbers, word, ',');) {
-            options.bones = std::stoul(word);
-            cageform::Running running;
-            running.parallel = cageform::ThreadedFor{threads};
-            const auto [skeleton, report] =
-                cageform::fit_skeleton(motion.frames[0], motion.frames, motion.faces, options, running);
-            if (report.status != cageform::Status::ok) throw std::runtime_error(to_string(report.status));
-            std::printf("%3zu %-9s  rms %.1e  largest %.1e  turned %4.1f  %5.2f s", report.bones, kinds[k],
-                        report.rms, report.max_distance, report.turn, report.seconds);
-            if (key_distance >= 0) {
-                const auto [keys, made] =
-                    cageform::fit_skeleton_keys(skeleton, motion.frames[0], times, {key_distance});
-                if (made.status != cageform::Status::ok) throw std::runtime_error(to_string(made.status));
-                std::printf("  %zu keys, %zu numbers for %zu, off by %.1e, %.2f s", made.keys, made.numbers,
-                            9 * skeleton.bones * skeleton.frames, made.max_distance, made.seconds);
-            }
-            std::printf("\n");
+    const std::vector<Point> rest = motion.frames[0];
+    if (!given.seeds.empty()) {
+        if (given.bones.empty()) given.bones = {12};
+        if (given.rounds.empty()) given.rounds = {10, 60};
+        if (given.kind.empty()) given.kind = "rigid";
+        for (const std::size_t seed : given.seeds) {
+            std::printf("12 bones planted, seed %zu: ", seed);
+            print_rows(planted(motion, std::uint32_t(seed)), rest, given);
         }
+        return 0;
     }
+    if (given.bones.empty()) given.bones = {8, 12, 20, 30};
+    if (given.rounds.empty()) given.rounds = {given.options.rounds};
+    std::vector<std::vector<Point>> frames;
+    for (std::size_t t = 0; t < motion.frames.size(); t += given.every) frames.push_back(motion.frames[t]);
+    motion.frames = std::move(frames);
+    print_rows(motion, rest, given);
     return 0;
 }
 

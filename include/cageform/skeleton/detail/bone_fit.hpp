@@ -108,6 +108,25 @@ public:
         removals_.assign(b, 0);
         for (std::size_t k = 0; k < removal.size(); ++k) removals_[weights_.joints[k]] += removal[k];
     }
+    /// Goes on from the weights of `last` by a share of the way from there to these; bones that a vertex has
+    /// not now stay out.
+    void extrapolate(const VertexWeights& last, double share) noexcept {
+        const std::size_t width = weights_.width;
+        for (std::size_t i = 0; i < motion_->vertices; ++i) {
+            double* const w = weights_.weights.data() + i * width;
+            const std::uint32_t* const owner = weights_.joints.data() + i * width;
+            double sum = 0;
+            for (std::size_t k = 0; k < width; ++k) {
+                if (!(w[k] > 0)) continue;
+                double before = 0;
+                for (std::size_t n = i * width; n < (i + 1) * width; ++n) {
+                    if (last.weights[n] > 0 && last.joints[n] == owner[k]) before = last.weights[n];
+                }
+                sum += w[k] = (std::fmax)(w[k] + share * (w[k] - before), 0.0);
+            }
+            for (std::size_t k = 0; k < width; ++k) w[k] /= sum;
+        }
+    }
     /// By bone, after a step of weights that asked for it.
     const std::vector<double>& removals() const noexcept { return removals_; }
 

@@ -28,18 +28,14 @@ public:
         for (std::size_t move = 0; move < options_.moves; ++move) {
             if (!relocate()) return Status::cancelled;
         }
-        for (std::size_t n = 0; n < options_.rounds; ++n) {
-            weights(false, smoothing_);
-            fit_.emphasise(emphasis);
-            if (!move_bones()) return Status::cancelled;
-        }
+        if (!last_rounds()) return Status::cancelled;
         weights(false, smoothing_);
         remove_idle();
         return Status::ok;
     }
 
 private:
-    static constexpr std::size_t sweeps = 6, first_rounds = 3, least = 6, about = 24;
+    static constexpr std::size_t sweeps = 6, first_rounds = 3, plain_rounds = 10, least = 6, about = 24;
     static constexpr double emphasis =
         10; // of the worst vertices in the last rounds: a quarter off the largest
             // distance for 1 % of the mean
@@ -50,6 +46,28 @@ private:
     bool rounds(std::size_t count) {
         for (std::size_t n = 0; n < count; ++n) {
             weights(false, smoothing_);
+            if (!move_bones()) return false;
+        }
+        return true;
+    }
+    /// Rounds in which bones mind the worst vertices most. Later ones change little, so weights then go on as
+    /// they went, the farther the longer the error has fallen (Ang and Gillis, Accelerating nonnegative
+    /// matrix factorization algorithms using extrapolation, Neural Computation 31(2), 2019; restarts as in
+    /// O'Donoghue and Candès, Adaptive restart for accelerated gradient schemes, Found. Comput. Math. 15(3),
+    /// 2015).
+    bool last_rounds() {
+        VertexWeights last;
+        double error = 0;
+        std::size_t falls = 0;
+        for (std::size_t n = 0; n < options_.rounds; ++n) {
+            weights(false, smoothing_);
+            fit_.emphasise(emphasis);
+            falls = n >= plain_rounds && fit_.error() < error ? falls + 1 : 0;
+            error = fit_.error();
+            VertexWeights now = fit_.weights();
+            if (falls > 0 && n + 1 < options_.rounds)
+                fit_.extrapolate(last, double(falls) / double(falls + 3));
+            last = std::move(now);
             if (!move_bones()) return false;
         }
         return true;

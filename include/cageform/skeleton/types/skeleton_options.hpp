@@ -24,8 +24,10 @@ struct SkeletonOptions {
     /// The distance, a share of the figure's diagonal at rest, within which every vertex is to stay in every
     /// frame; 0: none. With `bones` the report counts the vertices that are farther away.
     double max_distance = 0;
-    std::size_t rounds = 10; ///< of weights and bones, after idle bones have found their places
-    std::size_t moves = 8;   ///< tries to move idle bones to where the error is largest
+    /// Rounds of weights and bones, after idle bones have found their places. Those after the tenth are
+    /// accelerated; more moves often help more.
+    std::size_t rounds = 10;
+    std::size_t moves = 8; ///< tries to move idle bones to where the error is largest
 };
 
 struct SkeletonReport {
