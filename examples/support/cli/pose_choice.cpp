@@ -1,10 +1,13 @@
 #include "cli/pose_choice.hpp"
 
 #include "cli/auto_cage.hpp"
+#include "cli/guard.hpp"
 #include "cli/mesh_cage.hpp"
 #include "files/csv.hpp"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <span>
 
 namespace cageform_examples {
@@ -89,6 +92,28 @@ void MotionChoice::add_options(CommandLine& line) {
     line.add("--seconds", seconds, "the seconds from one pose to the next").range(0.001, 1e5).show_default();
 }
 
+namespace {
+
+/// Whether every key of a clip has the vertices of a cage far from where they are at rest: by a quarter of the
+/// cage's size in the mean, beside what all of them have in common.
+bool is_of_another_cage(const PoseClip& clip, const ObjFile& cage) {
+    const double size = cageform::bounds_of(std::span<const Point3>(cage.vertices)).diagonal();
+    return std::all_of(clip.keys.begin(), clip.keys.end(), [&](const PoseKey& key) {
+        Point3 common{};
+        const double share = 1 / double(cage.vertices.size());
+        for (std::size_t i = 0; i < cage.vertices.size(); ++i)
+            common = common + share * (key.places[i] - cage.vertices[i]);
+        double off = 0;
+        for (std::size_t i = 0; i < cage.vertices.size(); ++i) {
+            const Point3 d = key.places[i] - cage.vertices[i] - common;
+            off += share * std::hypot(d[0], d[1], d[2]);
+        }
+        return off > size / 4;
+    });
+}
+
+} // namespace
+
 SvgResult<PoseClip> MotionChoice::motion(const ObjFile& cage) const {
     const auto held = operations.still(cage.lattice);
     if (!held) return held.error();
@@ -97,6 +122,10 @@ SvgResult<PoseClip> MotionChoice::motion(const ObjFile& cage) const {
         auto motion = clip.empty() ? clip_through_poses(cage, poses, seconds)
                                    : load_pose_clip(clip, cage.vertices.size());
         if (!motion) return motion;
+        if (!clip.empty() && is_of_another_cage(*motion, cage)) {
+            warn(clip + ": every key has the vertices of " + cage.name +
+                 " far from where they are at rest: a clip is made for one cage");
+        }
         for (PoseKey& key : motion->keys) {
             for (const std::size_t i : *held) key.places[i] = cage.vertices[i];
         }

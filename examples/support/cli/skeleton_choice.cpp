@@ -1,5 +1,6 @@
 #include "cli/skeleton_choice.hpp"
 
+#include "cli/guard.hpp"
 #include "cli/progress_bar.hpp"
 #include "files/csv.hpp"
 
