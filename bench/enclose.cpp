@@ -133,9 +133,6 @@ void cases(benchmark::internal::Benchmark* b, std::int64_t most_threads) {
         }
     }
 }
-void on_one_thread(benchmark::internal::Benchmark* b) {
-    cases(b, 1);
-}
 void on_one_and_two_threads(benchmark::internal::Benchmark* b) {
     cases(b->MeasureProcessCPUTime(), 2);
 }
@@ -232,6 +229,9 @@ void cage_space_cgal(benchmark::State& state) {
     state.counters["angle"] = cageform::detail::least_angle(mesh_cage);
     state.counters["tunnels"] =
         1 - (double(cage.vertices.size()) - double(cage.faces.size()) / 2) / 2; // of one shell
+}
+void on_one_thread(benchmark::internal::Benchmark* b) {
+    cases(b, 1);
 }
 BENCHMARK(cage_space_cgal)->Apply(on_one_thread);
 #endif

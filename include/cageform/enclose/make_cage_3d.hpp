@@ -38,8 +38,8 @@ namespace cageform::inline CAGEFORM_ABI {
 ///            fewest, in twice to three times the time up to a thousand vertices, and then more
 ///   cost     about a second, and some 40 bytes for each of at most 250^3 nodes of a lattice. With
 ///            small margins it has fewer than two nodes per margin; below 0.6 % of the longest
-///            side, make_cage fails. Several threads share what grows with the figure's faces: they save a
-///            third of the time for a million faces, and little below 10,000
+///            side, make_cage fails. Several threads share what grows with the figure's faces: two save a
+///            quarter of the time for a million faces, and little below 10,000
 ///   errors   figure_empty; index_out_of_range, by face; figure_not_finite, by vertex; figure_has_no_size;
 ///            margin_not_positive; margin_too_small; too_few_cage_vertices; mirror_not_supported;
 ///            cancelled; out_of_memory; cage_not_found, with the clearance of the last cage tried
