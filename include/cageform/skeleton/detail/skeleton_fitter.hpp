@@ -181,8 +181,8 @@ private:
         return sum;
     }
 
-    /// Moves bones to where the errors are largest. If that does not help, all is as before, and the next time
-    /// there are fewer, elsewhere.
+    /// Moves bones to where the errors are largest. If that does not help, all is as before, and the next
+    /// time there are fewer, elsewhere.
     bool relocate() {
         BoneFit before = fit_;
         if (!exchange(fit_.bones(), more_)) return false;

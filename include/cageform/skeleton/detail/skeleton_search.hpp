@@ -8,8 +8,8 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Short fits grow until one is near enough, which then loses bones as long as it stays so and the work lasts:
-/// two and a half times that of a fit by number.
+/// Short fits grow until one is near enough. It then loses bones as long as it stays so and the work lasts,
+/// which is two and a half times that of a fit by number.
 class SkeletonSearch {
 public:
     struct Trial {
@@ -25,7 +25,7 @@ public:
 
     /// The fit of the fewest bones that holds; where none does, the nearest one.
     const BoneFit& best() const noexcept { return *best_; }
-    /// What was tried, in this order.
+    /// The numbers that were tried, in this order.
     const std::vector<Trial>& trials() const noexcept { return trials_; }
 
     /// Tries 1 to `most` bones; holds(fit) says whether a fit is within the distance as it will be stored.
@@ -51,7 +51,7 @@ public:
 private:
     // The steps below return false where they are cancelled.
 
-    /// Takes bones off what was found. What does not hold goes on once more, and then fewer are taken off.
+    /// Takes bones off the fit that was found. One that does not hold goes on once; then fewer are taken off.
     template <class Holds>
     bool shrink(std::size_t low, const Holds& holds) {
         std::size_t high = best_->bones();
