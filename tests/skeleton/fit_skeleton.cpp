@@ -4,6 +4,7 @@
 #include "../support/progress.hpp"
 #include "../support/weights.hpp"
 
+#include <cageform/skeleton/detail/skeleton_search.hpp>
 #include <cageform/skeleton/fit_skeleton.hpp>
 
 namespace fit_skeleton_tests {
@@ -254,6 +255,49 @@ TEST_CASE("by distance as many bones are taken as keep it", "[skeleton]") {
     CHECK(never.report.beyond > 0);
     CHECK(never.report.bones >= 1);
     check_finite(never.value);
+}
+
+TEST_CASE("of the numbers of bones that are tried, the least that keeps the distance is taken",
+          "[skeleton]") {
+    const int seed = GENERATE(seeds(effort(6, 2)));
+    CAPTURE(seed);
+    Random random(std::uint64_t(seed) + 700);
+    const Sequence given =
+        planted(3 + std::size_t(random.uniform(0, 4)), 9, std::uint64_t(seed) + std::uint64_t(800));
+    const double most = std::exp(random.uniform(std::log(0.002), std::log(0.08)));
+    CAPTURE(most);
+    const SkeletonOptions options{.max_distance = most, .rounds = 6, .moves = 4};
+    const auto [skeleton, report] = given.fit(options);
+    REQUIRE(report.status == Status::ok);
+    check_skin(skeleton, given.rest.size(), options.influences);
+    check_finite(skeleton);
+    REQUIRE(report.max_distance <= most);
+    CHECK(report.beyond == 0);
+
+    cageform::detail::Motion motion;
+    cageform::SkeletonReport read;
+    REQUIRE(cageform::detail::read_motion(given.rest, given.frames, given.faces, options, motion, read) ==
+            Status::ok);
+    motion.prepare();
+    const Running alone;
+    cageform::detail::SkeletonSearch search(motion, options, alone);
+    const auto largest = [&](const cageform::detail::BoneFit& fit) {
+        double square = 0;
+        for (const double x : fit.largest_squares(alone)) square = (std::max)(square, x);
+        return std::sqrt(square);
+    };
+    REQUIRE(search.run(given.rest.size() / 6, [&](const auto& fit) { return largest(fit) <= most; }) ==
+            Status::ok);
+    CHECK(largest(search.best()) <= most);
+    CHECK(search.best().bones() == report.bones);
+    std::size_t least = given.rest.size();
+    for (const auto& [bones, holds] : search.trials()) least = holds ? (std::min)(least, bones) : least;
+    CHECK(search.best().bones() == least);
+
+    const auto many = given.fit(options, {cageform::ThreadedFor{3}, {}});
+    CHECK((many.value.maps == skeleton.maps));
+    CHECK((many.value.skin.weights == skeleton.skin.weights));
+    CHECK((many.value.skin.joints == skeleton.skin.joints));
 }
 
 TEST_CASE("results have the same bits for any number of threads, and in float", "[skeleton]") {

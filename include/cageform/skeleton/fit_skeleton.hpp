@@ -20,13 +20,14 @@ namespace cageform::inline CAGEFORM_ABI {
 ///            by how much they are turned; there may be none
 ///   returns  the skeleton and its report. Vertices that are together in all frames get one skin, so seams
 ///            stay closed. The result has the same bits for any number of threads
-///   bones    more than a sixth of the vertices, or 1,024, are as many. With SkeletonOptions::bones 0 the
-///            number doubles until every vertex is within the distance, and is then bisected. If no number
-///            is enough, the status is ok and `beyond` counts the vertices that are farther away
+///   bones    more than a sixth of the vertices, or 1,024, are as many. With SkeletonOptions::bones 0 short
+///            fits grow until every vertex is within the distance. The last then loses bones as long as it
+///            stays so; it has other bits than the fit by its number. If no number is enough, the status is
+///            ok and `beyond` counts the vertices that are farther away
 ///   minimum  a local one: idle bones move to where the error is largest, and come back if that is no better
 ///   cost     O(#vertices · (#bones · #frames + some thousand)) and O(#frames · #bones²) a round, all in
-///            double: 1,114 vertices in 33 frames take 0.3 s for 12 bones. Memory: 24 bytes · #vertices ·
-///            #frames
+///            double: 1,114 vertices in 33 frames take 0.3 s for 12 bones; by distance up to three times as
+///            long. Memory: 24 bytes · #vertices · #frames
 ///   fails    influences_not_supported; bones_not_supported (neither bones nor a distance); value_not_finite
 ///            (the distance, or a negative one); motion_empty; frames_do_not_match; frame_not_finite (also
 ///            above 1e100, or 1e30 sizes away; the report has frame and vertex, at rest frame #frames);

@@ -34,11 +34,45 @@ public:
         return maps_.data() + ((4 * bone + column) * 3 + axis) * motion_->lanes;
     }
 
+    /// The largest squared distance of each vertex in any frame.
+    std::vector<double> largest_squares(const Running& running) const {
+        std::vector<double> squares(motion_->vertices, 0);
+        in_parallel(running, motion_->vertices, 32, [&](std::size_t begin, std::size_t end) {
+            const std::size_t numbers = 3 * motion_->lanes;
+            std::vector<double> off(numbers);
+            for (std::size_t i = begin; i < end; ++i) {
+                std::copy_n(motion_->path(i), numbers, off.begin());
+                const auto& v = motion_->rest[i];
+                const double place[4] = {v[0], v[1], v[2], 1};
+                for (std::size_t k = i * weights_.width; k < (i + 1) * weights_.width; ++k) {
+                    if (!(weights_.weights[k] > 0)) continue;
+                    for (std::size_t c = 0; c < 4; ++c) {
+                        const double factor = weights_.weights[k] * place[c];
+                        const double* const column = map(weights_.joints[k], 0, c);
+                        for (std::size_t n = 0; n < numbers; ++n) off[n] -= factor * column[n];
+                    }
+                }
+                for (std::size_t t = 0; t < motion_->frames; ++t) {
+                    double sum = 0;
+                    for (std::size_t n = t; n < numbers; n += motion_->lanes) sum += off[n] * off[n];
+                    squares[i] = (std::max)(squares[i], sum);
+                }
+            }
+        });
+        return squares;
+    }
+
     /// From now on bones mind a vertex the more, the larger its error is: up to `most` times as much.
     void emphasise(double most) {
         const double mean = error_ / double(errors_.size());
         for (std::size_t i = 0; i < errors_.size(); ++i)
             emphasis_[i] = mean > 0 ? 1 + (std::fmin)(errors_[i] / mean, most - 1) : 1;
+    }
+
+    /// Multiplies the emphasis of vertices by factors above 1, up to `most`.
+    void emphasise(const std::vector<double>& factors, double most) {
+        for (std::size_t i = 0; i < factors.size(); ++i)
+            emphasis_[i] = (std::fmin)(emphasis_[i] * (std::fmax)(factors[i], 1.0), most);
     }
 
     /// Adds a bone that moves given vertices best, and owns them where `owns`. Returns its number.

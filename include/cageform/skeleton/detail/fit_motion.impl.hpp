@@ -3,7 +3,7 @@
 
 #include <cageform/core/result.hpp>
 #include <cageform/skeleton/detail/joint_tree.hpp>
-#include <cageform/skeleton/detail/skeleton_fitter.hpp>
+#include <cageform/skeleton/detail/skeleton_search.hpp>
 #include <cageform/skeleton/types/fitted_skeleton.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
@@ -164,39 +164,20 @@ Status fit_motion(Motion& motion, const SkeletonOptions& options, const Running&
     if (const Status status = check_reach(motion, result.report); status != Status::ok) return status;
     const std::size_t most =
         (std::min)((std::max)(motion.vertices / 6, std::size_t{1}), SkeletonOptions::largest_bones);
-    const auto fit = [&](std::size_t bones, Result<FittedSkeleton<T>, SkeletonReport>& to,
-                         const Running& how) {
-        SkeletonFitter fitter(motion, options, how);
-        if (const Status status = fitter.run(bones); status != Status::ok) return status;
-        to.value = skeleton_of<T>(motion, fitter.fit());
-        measure(motion, to.value, options.max_distance, to.report, how);
-        return Status::ok;
+    const auto take = [&](const BoneFit& fit) {
+        result.value = skeleton_of<T>(motion, fit);
+        measure(motion, result.value, options.max_distance, result.report, running);
+        return result.report.max_distance <= options.max_distance;
     };
-    if (options.bones != 0) return running.end(fit((std::min)(options.bones, most), result, running));
-    // One bone, then from 4 on twice as many each time; then between what is enough and what is not.
-    std::size_t enough = 0, short_of = 0;
-    double done = 0;
-    for (std::size_t bones = 1;;) {
-        Result<FittedSkeleton<T>, SkeletonReport> next;
-        const double end = done + 0.25 * (1 - done);
-        const Running part = running.subtask(done, end);
-        if (const Status status = fit(bones, next, part); status != Status::ok) return status;
-        done = end;
-        const bool is_enough = next.report.max_distance <= options.max_distance;
-        const bool is_better =
-            enough == 0 && (is_enough || bones == 1 || next.report.max_distance < result.report.max_distance);
-        if (is_enough)
-            enough = bones;
-        else
-            short_of = bones;
-        if (is_enough || is_better) std::swap(result, next);
-        if (enough == 0) {
-            if (bones == most) break;
-            bones = (std::min)(bones == 1 ? 4 : 2 * bones, most);
-        } else {
-            if (enough - short_of <= 1) break;
-            bones = (enough + short_of) / 2;
-        }
+    if (options.bones != 0) {
+        SkeletonFitter fitter(motion, options, running);
+        const Status status = fitter.run((std::min)(options.bones, most));
+        if (status != Status::ok) return status;
+        take(fitter.fit());
+    } else {
+        SkeletonSearch search(motion, options, running);
+        if (const Status status = search.run(most, take); status != Status::ok) return status;
+        take(search.best());
     }
     return running.end(Status::ok);
 }

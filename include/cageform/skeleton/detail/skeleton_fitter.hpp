@@ -19,20 +19,78 @@ public:
     /// Fits so many bones, or fewer: bones that no vertex needs are left out.
     Status run(std::size_t bones) {
         steps_ = 1 + first_rounds + 4 * options_.moves + options_.rounds;
-        if (!begin(bones)) return Status::cancelled;
-        weights(false, 0);
-        fit_.fit_bones(sweeps, running_);
-        if (!rounds(first_rounds)) return Status::cancelled;
+        if (!start(bones)) return Status::cancelled;
         more_ = (std::max)(std::size_t{1}, fit_.bones() / 6);
-        tried_.assign(motion_.vertices, false);
         for (std::size_t move = 0; move < options_.moves; ++move) {
             if (!relocate()) return Status::cancelled;
         }
         if (!last_rounds()) return Status::cancelled;
-        weights(false, smoothing_);
+        weights();
         remove_idle();
         return Status::ok;
     }
+
+    // The steps of which a fit is made; false: it is cancelled.
+
+    /// Starts with clusters of vertices that move together.
+    bool start(std::size_t bones) {
+        fit_ = BoneFit(motion_, options_.kind, options_.influences);
+        if (!begin(bones)) return false;
+        weights(false, 0);
+        fit_.fit_bones(sweeps, running_);
+        tried_.assign(motion_.vertices, false);
+        return rounds(first_rounds);
+    }
+    void weights() { weights(false, smoothing_); }
+    /// Moves bones such that they mind the worst vertices more.
+    bool mind_the_worst() {
+        fit_.emphasise(emphasis);
+        return move_bones();
+    }
+    /// Moves bones such that they mind vertices by these factors more than before.
+    bool mind(const std::vector<double>& factors, bool first) {
+        if (first) fit_.emphasise(emphasis);
+        fit_.emphasise(factors, 10 * emphasis);
+        return move_bones();
+    }
+    /// Adds bones where the errors are largest, `more` than are to be, and removes those that matter least.
+    bool exchange(std::size_t bones, std::size_t more) {
+        std::vector<double> errors = fit_.errors();
+        while (fit_.bones() < bones + more) {
+            std::size_t worst = errors.size();
+            for (std::size_t i = 0; i < errors.size(); ++i) {
+                if (errors[i] > 0 && !tried_[i] && (worst == errors.size() || errors[i] > errors[worst]))
+                    worst = i;
+            }
+            if (worst == errors.size()) break;
+            const auto around_it = around(worst);
+            fit_.add_bone(around_it, false, running_);
+            for (const std::uint32_t i : around_it) errors[i] = 0;
+            tried_[worst] = true;
+        }
+        if (fit_.bones() < bones) tried_.assign(motion_.vertices, false);
+        if (!rounds(2)) return false;
+        weights(true, smoothing_);
+        std::vector<std::size_t> order(fit_.bones());
+        std::iota(order.begin(), order.end(), std::size_t{0});
+        std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+            return fit_.removals()[a] < fit_.removals()[b];
+        });
+        std::vector<bool> removed(fit_.bones(), false);
+        for (std::size_t n = bones; n < order.size(); ++n) removed[order[n - bones]] = true;
+        fit_.remove_bones(removed);
+        return rounds(2);
+    }
+    void remove_idle() {
+        std::vector<bool> idle(fit_.bones(), true);
+        const VertexWeights& of = fit_.weights();
+        for (std::size_t k = 0; k < of.weights.size(); ++k) {
+            if (of.weights[k] > 0) idle[of.joints[k]] = false;
+        }
+        fit_.remove_bones(idle);
+    }
+    /// Goes back to an earlier fit.
+    void restore(BoneFit fit) { fit_ = std::move(fit); }
 
 private:
     static constexpr std::size_t sweeps = 6, first_rounds = 3, plain_rounds = 10, least = 6, about = 24;
@@ -60,7 +118,7 @@ private:
         double error = 0;
         std::size_t falls = 0;
         for (std::size_t n = 0; n < options_.rounds; ++n) {
-            weights(false, smoothing_);
+            weights();
             fit_.emphasise(emphasis);
             falls = n >= plain_rounds && fit_.error() < error ? falls + 1 : 0;
             error = fit_.error();
@@ -72,17 +130,13 @@ private:
         }
         return true;
     }
+    bool keep_going(std::size_t steps) {
+        step_ += steps;
+        return running_.keep_going(double(step_) / double(steps_ > 0 ? steps_ : step_ + 100));
+    }
     bool move_bones() {
         fit_.fit_bones(sweeps, running_);
-        return running_.keep_going(double(++step_) / double(steps_));
-    }
-    void remove_idle() {
-        std::vector<bool> idle(fit_.bones(), true);
-        const VertexWeights& of = fit_.weights();
-        for (std::size_t k = 0; k < of.weights.size(); ++k) {
-            if (of.weights[k] > 0) idle[of.joints[k]] = false;
-        }
-        fit_.remove_bones(idle);
+        return keep_going(1);
     }
     /// Clusters of vertices that move together: those with the largest errors are halved as long as needed.
     bool begin(std::size_t bones) {
@@ -96,9 +150,9 @@ private:
                 fit_.fit_weights({1, 0, false}, running_);
                 fit_.fit_bones(1, running_);
             }
-            if (!running_.keep_going(0)) return false;
+            if (!keep_going(0)) return false;
         }
-        return running_.keep_going(double(++step_) / double(steps_));
+        return keep_going(1);
     }
     bool split(std::size_t bones) {
         const std::size_t had = fit_.bones();
@@ -146,35 +200,11 @@ private:
         return sum;
     }
 
-    /// Adds bones where the errors are largest and removes as many that matter least. If that does not help,
-    /// all is as before, and the next time there are fewer, elsewhere.
+    /// Moves bones to where the errors are largest. If that does not help, all is as before, and the next
+    /// time there are fewer, elsewhere.
     bool relocate() {
         BoneFit before = fit_;
-        const std::size_t had = fit_.bones();
-        std::vector<double> errors = fit_.errors();
-        for (std::size_t n = 0; n < more_; ++n) {
-            std::size_t worst = errors.size();
-            for (std::size_t i = 0; i < errors.size(); ++i) {
-                if (errors[i] > 0 && !tried_[i] && (worst == errors.size() || errors[i] > errors[worst]))
-                    worst = i;
-            }
-            if (worst == errors.size()) break;
-            const auto around_it = around(worst);
-            fit_.add_bone(around_it, false, running_);
-            for (const std::uint32_t i : around_it) errors[i] = 0;
-            tried_[worst] = true;
-        }
-        if (!rounds(2)) return false;
-        weights(true, smoothing_);
-        std::vector<std::size_t> order(fit_.bones());
-        std::iota(order.begin(), order.end(), std::size_t{0});
-        std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-            return fit_.removals()[a] < fit_.removals()[b];
-        });
-        std::vector<bool> removed(fit_.bones(), false);
-        for (std::size_t n = had; n < order.size(); ++n) removed[order[n - had]] = true;
-        fit_.remove_bones(removed);
-        if (!rounds(2)) return false;
+        if (!exchange(fit_.bones(), more_)) return false;
         if (fit_.error() < before.error()) {
             tried_.assign(motion_.vertices, false);
         } else {
@@ -202,9 +232,9 @@ private:
     const Running& running_;
     double smoothing_;
     BoneFit fit_;
-    std::size_t step_ = 0, steps_ = 1;
-    std::size_t more_ = 1;    ///< bones that a move adds
-    std::vector<bool> tried_; ///< vertices where a bone did not help
+    std::size_t step_ = 0, steps_ = 0; ///< done, and of a fit by number
+    std::size_t more_ = 1;             ///< bones that a move adds
+    std::vector<bool> tried_;          ///< vertices where a bone did not help
 };
 
 } // namespace cageform::inline CAGEFORM_ABI::detail
