@@ -3,11 +3,12 @@
 
 #include <cageform/cage/detail/shells.hpp>
 #include <cageform/cage/triangle_mesh.hpp>
-#include <cageform/core/detail/disjoint_sets.hpp>
 #include <cageform/enclose/detail/cage_frame.hpp>
 #include <cageform/enclose/detail/fewest_vertices.hpp>
 #include <cageform/enclose/detail/join_components.hpp>
 #include <cageform/enclose/detail/make_cage_into.hpp>
+#include <cageform/enclose/space/limb_rings.hpp>
+#include <cageform/enclose/space/measure_cage.hpp>
 #include <cageform/enclose/space/reduce_shell.hpp>
 #include <cageform/enclose/space/relax_shell.hpp>
 #include <cageform/enclose/space/space_distance.hpp>
@@ -72,9 +73,23 @@ public:
         double area = 0;
         for (const auto& face : shell.faces) area += 0.5 * length(area_normal(shell.corners(face)));
         const Reducing step{obstacles, six, area * (shell.half ? 2 : 1)};
-        if (options_.looseness > 0) return make_fewest(step, running, report, shell);
-        if (!ShellReduction(shell, obstacles).reduce_to(options_.vertices, running.subtask(0.3, 0.8)) ||
-            !relax(shell, options_.vertices, step, running.subtask(0.8, 1)))
+        std::size_t vertices = options_.vertices;
+        double done = 0.3;
+        if (options_.looseness > 0) {
+            Shell whole;
+            if (options_.rings) whole = shell;
+            const Status status =
+                make_fewest(step, running.subtask(0, options_.rings ? 0.7 : 1), report, shell);
+            if (status != Status::ok || !options_.rings) return status;
+            vertices = shell.whole_size();
+            shell = std::move(whole);
+            done = 0.7;
+        }
+        if (options_.rings && !cut_rings(step, vertices, running.subtask(done, 0.5 + done / 2), shell))
+            return Status::cancelled;
+        if (options_.rings) done = 0.5 + done / 2;
+        if (!ShellReduction(shell, obstacles).reduce_to(vertices, running.subtask(done, 0.8 + done / 5)) ||
+            !relax(shell, vertices, step, running.subtask(0.8 + done / 5, 1)))
             return Status::cancelled;
         return Status::ok;
     }
@@ -92,6 +107,18 @@ private:
     bool relax(Shell& shell, std::size_t vertices, const Reducing& step, const Running& running) const {
         const ShellEnergy energy(step.six_volumes, vertices, step.area, std::fmax(options_.regular, 0.0));
         return ShellRelaxation(shell, step.obstacles, energy).relax(24, running);
+    }
+
+    /// Cuts a contour along a ring about each limb; the limbs are those of a shell of twice the vertices
+    /// wanted. The contour loses vertices before that, those of the first rounds. Returns false if cancelled.
+    bool cut_rings(const Reducing& step, std::size_t vertices, const Running& running, Shell& shell) const {
+        ShellReduction reduction(shell, step.obstacles);
+        if (!reduction.begin(vertices, running.subtask(0, 0.3))) return false;
+        Shell fine = shell.compacted();
+        if (!reduction.reduce_to(2 * vertices, running.subtask(0.3, 1))) return false;
+        LimbRings(fine, lattice_.spacing()).cut(shell.compacted(), vertices);
+        shell = std::move(fine);
+        return true;
     }
 
     /// Makes the fewest vertices that options.looseness allows. One reduction passes through all numbers of
@@ -240,81 +267,6 @@ private:
     DistanceLattice<3> lattice_;
 };
 
-/// The distance between two triangles; 0 if they meet.
-inline double facet_distance(const Corners<3>& a, const Corners<3>& b) noexcept {
-    double least = std::numeric_limits<double>::infinity();
-    for (std::size_t k = 0; k < 3 && least > 0; ++k) {
-        least = (std::min)(least, segment_to_facet(a[k], a[(k + 1) % 3], b));
-        least = (std::min)(least, segment_to_facet(b[k], b[(k + 1) % 3], a));
-    }
-    return least;
-}
-
-/// The least distance between the faces of a cage and those of a figure; at most `reach` is returned.
-template <Scalar T>
-double exact_clearance(const TriangleMesh<T>& cage, std::span<const Corners<3>> figure, double reach) {
-    std::vector<Facet<3>> facets;
-    double edges = 0;
-    for (const auto& face : cage.faces()) {
-        facets.emplace_back(face, cage.vertices());
-        edges += length(facets.back().corner[1] - facets.back().corner[0]);
-    }
-    FaceHash hash(edges / double(facets.size()), facets.size());
-    for (std::uint32_t f = 0; f < facets.size(); ++f) hash.add(f, facets[f].corner);
-    double least = reach;
-    for (const auto& corner : figure) {
-        const auto middle = (1.0 / 3) * (corner[0] + corner[1] + corner[2]);
-        double radius = 0;
-        for (const auto& p : corner) radius = (std::max)(radius, length(p - middle));
-        const auto box = box_of(corner).widened(least);
-        (void)hash.any(box, [&](std::uint32_t f) {
-            if (distance_to_facet(middle, facets[f].corner) - radius < least)
-                least = (std::min)(least, facet_distance(corner, facets[f].corner));
-            return false;
-        });
-    }
-    return least;
-}
-
-/// One vertex of each connected component of a figure; if there are more than 4,096, of components spread
-/// over the list.
-template <class F>
-std::vector<std::size_t> component_corners(const F& faces, std::size_t vertices) {
-    DisjointSets components(vertices);
-    for (std::size_t f = 0; f < std::size(faces); ++f) {
-        for (std::size_t k = 1; k < 3; ++k)
-            components.join(std::uint32_t(faces[f][k]), std::uint32_t(faces[f][0]));
-    }
-    std::vector<std::size_t> corners;
-    std::vector<bool> seen(vertices);
-    for (std::size_t f = 0; f < std::size(faces); ++f) {
-        const std::size_t component = components.find(std::uint32_t(faces[f][0]));
-        if (!seen[component]) corners.push_back(std::size_t(faces[f][0]));
-        seen[component] = true;
-    }
-    constexpr std::size_t most = 4096;
-    if (corners.size() <= most) return corners;
-    std::vector<std::size_t> some;
-    some.reserve(most);
-    for (std::size_t k = 0; k < most; ++k) some.push_back(corners[k * corners.size() / most]);
-    return some;
-}
-
-/// The smallest angle of a face, in degrees.
-template <Scalar T>
-double least_angle(const TriangleMesh<T>& cage) {
-    double least = std::numbers::pi;
-    for (const auto& face : cage.faces()) {
-        const Facet<3> facet(face, cage.vertices());
-        for (std::size_t k = 0; k < 3; ++k) {
-            const auto u = facet.corner[(k + 1) % 3] - facet.corner[k],
-                       v = facet.corner[(k + 2) % 3] - facet.corner[k];
-            least = (std::min)(least, std::atan2(length(cross(u, v)), dot(u, v)));
-        }
-    }
-    return least * 180 / std::numbers::pi;
-}
-
 /// The cage in the figure's coordinates; a half is completed by its image.
 template <Scalar T>
 TriangleMesh<T> cage_of(const Shell& shell, const CageFrame<3>& frame) {
@@ -410,11 +362,12 @@ Status make_cage_into(std::span<const Vec<T, 3>> vertices, std::span<const MeshF
     SpaceCageMaker maker(local, wanted);
     const auto starts = component_corners(faces, std::size(vertices));
     double level = report.margin * frame.scale;
+    Shell shell;
     constexpr std::size_t tries = 3;
     for (std::size_t round = 0; round < tries; ++round) {
         const std::array<double, 4> done{0, 0.9, 0.95, 1}; // few figures need a second try
         const Running subtask = running.subtask(done[round], done[round + 1]);
-        Shell shell;
+        shell = {};
         if (const Status status = maker.make(level, subtask, report, shell); status != Status::ok)
             return status;
         made.value = cage_of<T>(shell, frame);
@@ -433,6 +386,9 @@ Status make_cage_into(std::span<const Vec<T, 3>> vertices, std::span<const MeshF
     report.vertices = made.value.size();
     report.triangles = made.value.faces().size();
     report.least_angle = least_angle(made.value);
+    if (options.rings) {
+        report.parts = parts_of_faces(made.value.faces(), made.value.size(), numbers_between_rings(shell));
+    }
     report.area = 0;
     for (const double six : shells.volume) report.area += std::fabs(six) / 6;
     report.tightest_area /= frame.scale * frame.scale * frame.scale;

@@ -54,6 +54,11 @@ public:
         return true;
     }
 
+    /// Does the first collapses only, in rounds, as `reduce_to` does. Returns false if cancelled.
+    bool begin(std::size_t vertices, const Running& running) {
+        return merge_pairs(vertices, [&] { return running.keep_going(0); });
+    }
+
 private:
     struct Collapse {
         double cost; ///< a lower bound
