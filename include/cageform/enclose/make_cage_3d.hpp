@@ -38,8 +38,8 @@ namespace cageform::inline CAGEFORM_ABI {
 ///   vertices report.vertices can differ from options.vertices, see there; options.looseness searches for the
 ///            fewest, in twice to three times the time
 ///   rings    with options.rings, report.parts has the parts of the cage; each joint is a closed path of four
-///            edges or more in one plane, to within rounding. Limbs are found as by find_parts, on a mesh of
-///            twice the vertices. This takes 1.3 to 2 times as long
+///            edges or more in one plane, to within rounding. Limbs are found as by find_parts, on meshes of
+///            four times the vertices, twice and once. This takes 1.3 to 2 times as long
 ///   cost     about a second, and some 40 bytes for each of at most 250^3 nodes of a lattice. With
 ///            small margins it has fewer than two nodes per margin; below 0.6 % of the longest
 ///            side, make_cage fails

@@ -109,14 +109,21 @@ private:
         return ShellRelaxation(shell, step.obstacles, energy).relax(24, running);
     }
 
-    /// Cuts a contour along a ring about each limb; the limbs are those of a shell of twice the vertices
-    /// wanted. The contour loses vertices before that, those of the first rounds. Returns false if cancelled.
+    /// Cuts a contour, after the first rounds of collapses, along a ring about each limb. Limbs are found on
+    /// shells of four times the vertices wanted, twice and once, where they are most. Returns false if
+    /// cancelled.
     bool cut_rings(const Reducing& step, std::size_t vertices, const Running& running, Shell& shell) const {
         ShellReduction reduction(shell, step.obstacles);
-        if (!reduction.begin(vertices, running.subtask(0, 0.3))) return false;
+        if (!reduction.begin(vertices, running.subtask(0, 0.4))) return false;
         Shell fine = shell.compacted();
-        if (!reduction.reduce_to(2 * vertices, running.subtask(0.3, 1))) return false;
-        LimbRings(fine, lattice_.spacing()).cut(shell.compacted(), vertices);
+        LimbRings rings(fine, lattice_.spacing());
+        double done = 0.4;
+        for (const std::size_t times : {4U, 2U, 1U}) {
+            if (!reduction.reduce_to(times * vertices, running.subtask(done, done + 0.2))) return false;
+            rings.find_limbs(shell.compacted());
+            done += 0.2;
+        }
+        rings.cut(vertices);
         shell = std::move(fine);
         return true;
     }

@@ -36,20 +36,20 @@ struct WholeShell {
     }
 };
 
-/// Cuts a shell along rings about limbs. Each plane is sought near the joint that find_parts would choose: the
-/// one whose cut is shortest, less the farther from the joint.
+/// Cuts a shell along rings about limbs. Each plane is sought close to the joint that find_parts chooses. Its
+/// cut is short, and not far from the joint.
 class LimbRings {
 public:
     using Point = Vec<double, 3>;
 
     LimbRings(Shell& shell, double spacing)
         : shell_(shell)
-        , spacing_(spacing) {}
-
-    /// Cuts about the limbs of `coarse`, a shell of few vertices about the same figure. A ring needs four
-    /// vertices; the largest limbs come first while their rings need at most half of the vertices wanted.
-    void cut(const Shell& coarse, std::size_t vertices) {
+        , spacing_(spacing) {
         shell_.ring.assign(shell_.points.size(), Shell::none);
+    }
+
+    /// Finds the limbs of a coarser shell about the same figure, and keeps them if they are more than before.
+    void find_limbs(const Shell& coarse) {
         const WholeShell whole(coarse);
         const CageParts parts = PartFinder(whole.points, whole.faces).find();
         std::vector<Limb> limbs;
@@ -58,11 +58,17 @@ public:
             if (part.parent == 0 || (coarse.half && is_pair && part.number < 0)) continue;
             limbs.emplace_back(parts, part.number, whole, coarse.half && !is_pair);
         }
-        std::stable_sort(limbs.begin(), limbs.end(),
+        if (limbs.size() > limbs_.size()) limbs_ = std::move(limbs);
+    }
+
+    /// Cuts about the limbs, the largest first. A ring needs four vertices; all together get at most half of
+    /// those that the cage is to have.
+    void cut(std::size_t vertices) {
+        std::stable_sort(limbs_.begin(), limbs_.end(),
                          [](const Limb& a, const Limb& b) { return a.area > b.area; });
         std::size_t needed = 0;
-        for (const Limb& limb : limbs) {
-            const std::size_t more = coarse.half && !limb.crosses_mirror ? 8 : 4;
+        for (const Limb& limb : limbs_) {
+            const std::size_t more = shell_.half && !limb.crosses_mirror ? 8 : 4;
             if (2 * (needed + more) <= vertices && cut_about(limb)) needed += more;
         }
     }
@@ -296,6 +302,7 @@ private:
 
     Shell& shell_;
     double spacing_;
+    std::vector<Limb> limbs_;
 };
 
 /// The number of the part of each face of a whole shell: rings are where parts end. Part 1 is the largest on

@@ -1,4 +1,4 @@
-// What make_cage in space measures of a cage that it has made: the exact clearance, the least angle.
+// Measures a cage in space that make_cage has made: the exact clearance, the least angle.
 #pragma once
 
 #include <cageform/cage/triangle_mesh.hpp>

@@ -18,7 +18,7 @@ struct Shell {
     std::vector<Face> faces;  ///< a removed face has the same vertex three times
     bool half = false;
     std::vector<std::vector<std::uint32_t>> star; ///< the faces of each point; none if it is removed
-    /// A closed path of edges about a limb, in one plane. Two vertices of it have an edge only along the path.
+    /// A closed path of edges about a limb, in one plane. No other edges join two of its vertices.
     struct Ring {
         Point normal;         ///< of the plane, of length 1: towards the limb
         double offset;        ///< of the plane along its normal
@@ -26,8 +26,7 @@ struct Shell {
         bool is_open;         ///< in a half: the path has its ends on the rim, and the normal no x
     };
     std::vector<Ring> rings;
-    std::vector<std::uint32_t>
-        ring; ///< for each point the number of its ring, or `none`; empty without rings
+    std::vector<std::uint32_t> ring; ///< of each point the number of its ring, or `none`; may be empty
 
     std::uint32_t ring_of(std::uint32_t v) const noexcept { return ring.empty() ? none : ring[v]; }
     bool are_of_one_ring(std::uint32_t v, std::uint32_t w) const noexcept {

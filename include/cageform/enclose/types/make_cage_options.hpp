@@ -116,8 +116,8 @@ struct MakeCageReport {
     std::size_t triangles = 0;  ///< faces of a cage in space with three corners
     std::size_t quads = 0;      ///< those with four, by pair_faces
     double worst_warp = 0;      ///< of a quad: the distance between its diagonals, over its mean edge
-    /// With options.rings: the parts that the loops divide the cage into; each joint is such a loop. Numbers are
-    /// as from find_parts.
+    /// With options.rings: the parts that the loops divide the cage into; each joint is such a loop. Numbers
+    /// are as from find_parts. `of_face` is of the triangles that make_cage returns.
     CageParts parts;
     CageReport cage; ///< the report of `check` on the cage
     double seconds = 0;
