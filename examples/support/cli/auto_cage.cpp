@@ -352,7 +352,12 @@ std::vector<std::string> warnings_of(const cageform::MakeCageReport& report,
     std::vector<std::string> warnings;
     const std::size_t wanted = options.vertices;
     const double excess = report.area / report.tightest_area - 1;
-    if (options.looseness > 0 && !report.attempts.empty() && excess > options.looseness * (1 + 1e-9))
+    const bool is_loose =
+        options.looseness > 0 && !report.attempts.empty() && excess > options.looseness * (1 + 1e-9);
+    if (is_loose && options.rings)
+        warnings.push_back("the cage with rings has " + percent(excess) + " more volume than the tightest; " +
+                           "for less, give a larger --vertices without --volume");
+    else if (is_loose)
         warnings.push_back("no cage of up to " + std::to_string(report.attempts.back().vertices) +
                            " vertices is within " + detail::short_number(100 * options.looseness) + " %" +
                            " of the tightest; this one of " + std::to_string(report.vertices) + " has " +

@@ -73,25 +73,10 @@ public:
         double area = 0;
         for (const auto& face : shell.faces) area += 0.5 * length(area_normal(shell.corners(face)));
         const Reducing step{obstacles, six, area * (shell.half ? 2 : 1)};
-        std::size_t vertices = options_.vertices;
-        double done = 0.3;
-        if (options_.looseness > 0) {
-            Shell whole;
-            if (options_.rings) whole = shell;
-            const Status status =
-                make_fewest(step, running.subtask(0, options_.rings ? 0.7 : 1), report, shell);
-            if (status != Status::ok || !options_.rings) return status;
-            vertices = shell.whole_size();
-            shell = std::move(whole);
-            done = 0.7;
-        }
-        if (options_.rings && !cut_rings(step, vertices, running.subtask(done, 0.5 + done / 2), shell))
-            return Status::cancelled;
-        if (options_.rings) done = 0.5 + done / 2;
-        if (!ShellReduction(shell, obstacles).reduce_to(vertices, running.subtask(done, 0.8 + done / 5)) ||
-            !relax(shell, vertices, step, running.subtask(0.8 + done / 5, 1)))
-            return Status::cancelled;
-        return Status::ok;
+        if (options_.looseness > 0 && options_.rings)
+            return make_fewest_with_rings(step, running, report, shell);
+        if (options_.looseness > 0) return make_fewest(step, running, report, shell);
+        return reduce(shell, options_.vertices, step, running) ? Status::ok : Status::cancelled;
     }
 
 private:
@@ -109,6 +94,14 @@ private:
         return ShellRelaxation(shell, step.obstacles, energy).relax(24, running);
     }
 
+    /// Steps 4 and 5 for a contour. Returns false if cancelled.
+    bool reduce(Shell& shell, std::size_t vertices, const Reducing& step, const Running& running) const {
+        const double cut = options_.rings ? 0.6 : 0.3;
+        return (!options_.rings || cut_rings(step, vertices, running.subtask(0.3, cut), shell)) &&
+               ShellReduction(shell, step.obstacles).reduce_to(vertices, running.subtask(cut, 0.8)) &&
+               relax(shell, vertices, step, running.subtask(0.8, 1));
+    }
+
     /// Cuts a contour, after the first rounds of collapses, along a ring about each limb. Limbs are found on
     /// shells of four times the vertices wanted, twice and once, where they are most. Returns false if
     /// cancelled.
@@ -124,7 +117,7 @@ private:
             done += 0.2;
         }
         rings.cut(vertices);
-        shell = std::move(fine);
+        if (!fine.rings.empty()) shell = std::move(fine); // otherwise it is reduced already
         return true;
     }
 
@@ -154,17 +147,50 @@ private:
             const Running subtask = running.subtask(1 - left, 1 - 0.8 * left);
             Shell trial = std::move(reduced[*index]);
             if (!relax(trial, counts[*index], step, subtask)) return Status::cancelled;
-            const double volume = trial.six_volumes() / 6 * (trial.half ? 2 : 1);
-            std::vector<Corners<3>> facets;
-            facets.reserve(trial.faces.size());
-            for (const auto& face : trial.faces) facets.push_back(trial.corners(face));
-            const double hollow = deepest_hollow<3>(contour, facets);
-            search.add(*index,
-                       {{counts[*index], volume / report.tightest_area - 1, hollow}, std::move(trial)});
+            search.add(*index, {attempt_of(trial, contour, report), std::move(trial)});
         }
         report.attempts = search.attempts();
         shell = search.best();
         return Status::ok;
+    }
+
+    /// Measures a shell that was reduced from a contour with these points.
+    static MakeCageReport::Attempt attempt_of(const Shell& shell, const std::vector<Point>& contour,
+                                              const MakeCageReport& report) {
+        const double volume = shell.six_volumes() / 6 * (shell.half ? 2 : 1);
+        std::vector<Corners<3>> facets;
+        facets.reserve(shell.faces.size());
+        for (std::size_t f = 0; f < shell.faces.size(); ++f) {
+            if (shell.is_face(f)) facets.push_back(shell.corners(shell.faces[f]));
+        }
+        return {shell.whole_size(), volume / report.tightest_area - 1, deepest_hollow<3>(contour, facets)};
+    }
+
+    /// Makes the fewest vertices without rings, and then a cage with rings that has as many, or more where
+    /// the rings make it too loose. These attempts replace those of the same number.
+    Status make_fewest_with_rings(const Reducing& step, const Running& running, MakeCageReport& report,
+                                  Shell& shell) const {
+        const Shell contour = shell;
+        const Status status = make_fewest(step, running.subtask(0, 0.6), report, shell);
+        if (status != Status::ok) return status;
+        std::size_t vertices = shell.whole_size();
+        for (double left = 0.4;; left *= 0.6) {
+            shell = contour;
+            if (!reduce(shell, vertices, step, running.subtask(1 - left, 1 - 0.6 * left)))
+                return Status::cancelled;
+            const auto attempt = attempt_of(shell, contour.points, report);
+            auto& all = report.attempts;
+            const auto at =
+                std::lower_bound(all.begin(), all.end(), attempt,
+                                 [](const auto& a, const auto& b) { return a.vertices < b.vertices; });
+            if (at != all.end() && at->vertices == attempt.vertices)
+                *at = attempt;
+            else
+                all.insert(at, attempt);
+            if (attempt.excess <= options_.looseness || vertices >= options_.vertices || left < 0.04)
+                return Status::ok;
+            vertices = (std::min)(options_.vertices, vertices + vertices / 20 + 1);
+        }
     }
     static constexpr std::size_t first_tried = 30;
 

@@ -77,7 +77,8 @@ struct MakeCageOptions {
     bool fill_tunnels = false; ///< in space: the cage gets genus 0; otherwise it has the figure's tunnels
     /// In space: makes a flat closed loop of edges about each limb, where it joins the rest, to be turned or
     /// selected by. It takes four vertices or more; the largest limbs have one while at most half of all
-    /// vertices are needed. With `looseness` the number of vertices is chosen without loops.
+    /// vertices are needed. With `looseness` the number of vertices is chosen without loops, and then raised
+    /// by steps of 5 %, at most five, while loops make the cage too loose.
     bool rings = false;
     /// The weight of regular angles and lengths against a tight fit. A larger value makes a looser cage.
     double regular = 1;
