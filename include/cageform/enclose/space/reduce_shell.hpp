@@ -79,6 +79,8 @@ private:
     /// is tested as a whole at the end.
     template <class KeepGoing>
     bool merge_pairs(std::size_t vertices, const KeepGoing& keep_going) {
+        if (has_begun_) return true;
+        has_begun_ = true;
         const double unit = spacing_ * spacing_ * spacing_ * spacing_;
         std::vector<std::uint8_t> merged;
         for (double limit = first_limit * unit; limit < last_limit * unit; limit *= 2) {
@@ -205,6 +207,7 @@ private:
     std::vector<std::uint32_t> mark_;    ///< the vertices met by a loop over neighbours
     std::uint32_t last_mark_ = 0;
     std::size_t count_;
+    bool has_begun_ = false; ///< whether the rounds have been made
     std::size_t hashed_ = 0; ///< the vertices when faces were last hashed; 0 until the queue begins
     std::priority_queue<Collapse> queue_;
     std::vector<Collapse> waiting_;
