@@ -271,7 +271,7 @@ done
 "$programs/deform_mesh" out/character.obj --cage lattice:6x6x6 --pose out/lattice_pose.obj -o out/character_lattice.obj
 # Cages made around what has one already, and the character by its made cage.
 "$programs/make_cage" out/character.obj --picture out/character_made.png -o out/character_made_cage.obj >>$report
-"$programs/make_cage" out/character.obj --quads --mirror x --picture out/character_quads.png -o out/character_quads.obj >>$report
+"$programs/make_cage" out/character.obj --quads --rings --mirror x --picture out/character_quads.png -o out/character_quads.obj >>$report
 "$programs/deform_mesh" out/character.obj --cage auto:60 -o out/character_look.obj --picture out/character_look.png
 for name in aleph fish; do "$programs/make_cage" "$data/$name.svg" --picture out/${name}_made.svg >>$report; done
 # The parts of a cage, and a pose by their numbers.
@@ -464,7 +464,7 @@ Open, in out/:
   cat_walk.svg               the cat walks (in a browser); cat_walk.png: frames of a stride
   make_cage.png              a cage made around the cat, and a first pose; cat_wag.svg: a motion to it (in a browser)
   made_cages.png, character_look.png   cages made in the plane and in space; a first look in space
-  character_quads.png        a cage of quads about the character
+  character_quads.png        a cage of quads about the character, with rings about its limbs
   cage_parts.png             the parts of a cage in space, and a pose by their numbers
   pose_cage.png              a cage with its vertices' numbers, and a pose by them
   cat_lattice.png            the cat by a lattice of control points; lattice_board.png: a face pulled out of a board

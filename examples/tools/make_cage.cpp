@@ -4,7 +4,7 @@
 //     make_cage icon.svg --mirror x --margin 4% -o icon_cage.csv
 //     make_cage character.obj --vertices 112 -o character_cage.obj --picture cage.png
 //     make_cage character.obj --vertices auto --volume 15% -o character_cage.obj
-//     make_cage character.obj --quads --mirror x -o character_cage.obj
+//     make_cage character.obj --quads --rings --mirror x -o character_cage.obj
 //     make_cage cat.svg --lattice 4x4 -o cat.lattice.json --picture cat_numbers.svg
 //
 // The cage holds all that the figure paints, at the margin's distance, and passes every check of the
@@ -118,6 +118,7 @@ int write_in_plane(const Arguments& given, const SvgDocument& figure, const Cage
 
 int cage_in_plane(const Arguments& given) {
     if (given.options.fill_tunnels) return fail("--fill-tunnels is for figures in space");
+    if (given.options.rings) return fail("--rings is for figures in space: a cage in the plane has no limbs");
     if (given.quads) return fail("--quads is for figures in space: a cage in the plane has no faces");
     const auto figure = load_figure(given.figure);
     if (!figure) return fail(to_string(figure.error()));
@@ -165,13 +166,14 @@ int cage_in_space(const Arguments& given) {
     print_warnings(warnings_of(made->report, given.options));
     if (!given.quads) {
         return write_in_space(given, *figure, made->cage,
-                              describe(made->report, 3) + describe_parts(cage_parts(made->cage)));
+                              describe(made->report, 3) + describe_rings(made->report) +
+                                  describe_parts(cage_parts(made->cage)));
     }
     const auto paired = with_quads(*made, *figure, given.options);
     if (!paired) return fail(to_string(paired.error()));
     return write_in_space(given, *figure, paired->cage,
                           describe(paired->report, 3) + describe_quads(paired->report) +
-                              describe_parts(cage_parts(paired->cage)));
+                              describe_rings(paired->report) + describe_parts(cage_parts(paired->cage)));
 }
 
 int run_program(int argc, char** argv) {
@@ -257,6 +259,10 @@ int run_program(int argc, char** argv) {
     line.add_flag("--quads", given.quads,
                   "in space: pair triangles to quads, to be edited by loops; however programs cut these, the "
                   "cage keeps a quarter of the margin from the figure")
+        .excludes(lattice);
+    line.add_flag(
+            "--rings", options.rings,
+            "in space: make a flat loop of edges about each limb, at its joint; the cage's parts end there")
         .excludes(lattice);
     line.add("--regular", options.regular, "the weight of even angles and lengths against a tight fit")
         .range(0.0, 1000.0)

@@ -1028,6 +1028,11 @@ for words in mean-value harmonic green 'mean-value --faces fan' 'mean-value --fa
   works "quads, $words" "$mesh" few.obj --cage quads.obj --pose quads.obj --coordinates $words --outside refuse -o posed.obj
 done
 refuses '--quads is for figures in space: a cage in the plane has no faces' "$make_cage" "$cat" --quads -o out.svg
+works "no rings" "$make_cage" few.obj --vertices 40 --margin 10% --rings -o rings.obj
+grep -qF -e '--rings: no limb was found, so the cage has no rings' log && ok=yes || ok=no
+report $ok "says that there is no limb"
+refuses '--rings is for figures in space: a cage in the plane has no limbs' "$make_cage" "$cat" --rings -o out.svg
+refuses '--lattice' "$make_cage" few.obj --lattice 3x3x3 --rings -o out.obj
 refuses '--lattice' "$make_cage" few.obj --lattice 3x3x3 --quads -o out.obj
 # A ball with a long arm along x: parts 1 and 2. A posed part takes what hangs on it along, and nothing else.
 awk 'function cube(x, y, z, i, j) { for (i = 0; i < 8; i++) print "v", x + i % 2, y + int(i / 2) % 2, z + int(i / 4)
@@ -1039,6 +1044,13 @@ report $ok "which the message and the file name"
 works "a part about its joint" "$programs/pose_cage" arm_cage.obj --turn 'part 2:90,z' -o arm_pose.obj
 paste -d ' ' arm_cage.obj arm_pose.obj | awk '$1 == "v" && $2 < 3.9 && ($2 != $6 || $3 != $7 || $4 != $8) || $1 == "v" && $2 > 15 && $7 < 9 || $1 == "g" && $2 != $4 { bad++ } END { exit bad }' && ok=yes || ok=no
 report $ok "turns alone, and the pose has the groups"
+works "a ring about a limb, with quads" "$make_cage" arm.obj --vertices 60 --rings --quads -o ring_cage.obj
+grep -q '^rings: about 2 ([0-9]* vertices)$' log && grep -q '^parts: 1 ([0-9]* vertices), 2 ([0-9]*)$' log && ok=yes || ok=no
+report $ok "which the message names"
+works "a part about its ring" "$programs/pose_cage" ring_cage.obj --turn 'part 2:90,x' -o ring_pose.obj
+works "rings of the fewest vertices, mirrored" "$make_cage" arm.obj --vertices auto --rings --mirror z -o ring_cage.obj
+grep -q '^rings: about 2 (' log && ok=yes || ok=no
+report $ok "with a ring across the mirror"
 works "a part of a cage in passing" "$mesh" arm.obj --cage auto:60 --turn 'part 2:20,z' -o arm_look.obj
 refuses '--turn "part 3:30,z": "part 3" is no part of the cage, which has part 1, part 2' "$mesh" arm.obj --cage arm_cage.obj --turn 'part 3:30,z' -o out.obj
 refuses '"part two" is no part of the cage' "$programs/pose_cage" arm_cage.obj --turn 'part two:30,z' -o out.obj

@@ -125,11 +125,11 @@ SvgResult<AutoCage<ObjFile>> make_cage_for(const ObjFile& figure, const cageform
         for (const double x : p.v) text += ' ' + detail::digits_of(rounded(x, report.clearance));
         text += '\n';
     }
-    const auto found = cageform::find_parts(made.value);
-    for (const auto& part : found.value.parts) {
+    const auto parts = options.rings ? report.parts : cageform::find_parts(made.value).value;
+    for (const auto& part : parts.parts) {
         text += "g " + part_group(part.number) + '\n';
         for (std::size_t f = 0; f < made.value.faces().size(); ++f) {
-            if (found.value.of_face[f] != part.number) continue;
+            if (parts.of_face[f] != part.number) continue;
             text += 'f';
             for (const auto v : made.value.faces()[f]) text += ' ' + std::to_string(v + 1);
             text += '\n';
@@ -137,7 +137,9 @@ SvgResult<AutoCage<ObjFile>> make_cage_for(const ObjFile& figure, const cageform
     }
     auto cage = parse_obj(std::move(text), "the cage of " + figure.name);
     if (!cage) return cage.error();
-    return AutoCage<ObjFile>{std::move(*cage), report};
+    AutoCage<ObjFile> result{std::move(*cage), report};
+    if (options.rings) result.report.parts = cage_parts(result.cage); // in the order of the file's faces
+    return result;
 }
 
 SvgResult<AutoCage<ObjFile>> with_quads(const AutoCage<ObjFile>& made, const ObjFile& figure,
@@ -337,12 +339,27 @@ std::string describe_quads(const cageform::MakeCageReport& report) {
            "warped quad pass at " + percent(report.worst_warp) + " of its mean edge\n";
 }
 
+std::string describe_rings(const cageform::MakeCageReport& report) {
+    std::string text;
+    for (const auto& part : report.parts.parts) {
+        if (part.parent == 0) continue;
+        text += (text.empty() ? "rings: about " : ", ") + std::to_string(part.number) + " (" +
+                std::to_string(part.joint.size()) + (text.empty() ? " vertices)" : ")");
+    }
+    return text.empty() ? text : text + '\n';
+}
+
 std::vector<std::string> warnings_of(const cageform::MakeCageReport& report,
                                      const cageform::MakeCageOptions& options) {
     std::vector<std::string> warnings;
     const std::size_t wanted = options.vertices;
     const double excess = report.area / report.tightest_area - 1;
-    if (options.looseness > 0 && !report.attempts.empty() && excess > options.looseness * (1 + 1e-9))
+    const bool is_loose =
+        options.looseness > 0 && !report.attempts.empty() && excess > options.looseness * (1 + 1e-9);
+    if (is_loose && options.rings)
+        warnings.push_back("the cage with rings has " + percent(excess) + " more volume than the tightest; " +
+                           "for less, give a larger --vertices without --volume");
+    else if (is_loose)
         warnings.push_back("no cage of up to " + std::to_string(report.attempts.back().vertices) +
                            " vertices is within " + detail::short_number(100 * options.looseness) + " %" +
                            " of the tightest; this one of " + std::to_string(report.vertices) + " has " +
@@ -350,6 +367,8 @@ std::vector<std::string> warnings_of(const cageform::MakeCageReport& report,
     else if (wanted != 0 && report.vertices > wanted + (options.mirror ? wanted % 2 : 0))
         warnings.push_back("the cage has " + std::to_string(report.vertices) +
                            " vertices; fewer are not enough");
+    if (options.rings && describe_rings(report).empty())
+        warnings.push_back("--rings: no limb was found, so the cage has no rings");
     return warnings;
 }
 

@@ -80,6 +80,9 @@ std::string describe(const cageform::MakeCageReport& report, std::size_t dimensi
 /// "110 quads and 16 triangles, …": what became of the triangles of a cage in space, a line.
 std::string describe_quads(const cageform::MakeCageReport& report);
 
+/// "rings: about 2 (6 vertices), -2 (6)": the loops about limbs, a line; empty if there are none.
+std::string describe_rings(const cageform::MakeCageReport& report);
+
 /// Returns warnings for the user; empty if there are none.
 std::vector<std::string> warnings_of(const cageform::MakeCageReport& report,
                                      const cageform::MakeCageOptions& options);

@@ -9,6 +9,7 @@
 //   2  detail/join_components.hpp  joins separate components by bridges and closes narrow slits
 //   3  space/surface_nets.hpp      makes the border of the outside: a tight mesh (shell.hpp) of very
 //                                  many vertices
+//      space/limb_rings.hpp        with options.rings: cuts the mesh along a plane across each limb
 //   4  space/reduce_shell.hpp      collapses edges; the mesh stays clear of the figure and of itself
 //   5  space/relax_shell.hpp       moves vertices and flips edges to lower an energy: volume, bad shapes
 //   6  space/cage_maker.hpp        runs these steps, then measures the exact clearance; if too small,
@@ -36,6 +37,9 @@ namespace cageform::inline CAGEFORM_ABI {
 ///   mirror   vertices come in pairs, except for those on the plane; the number requested is met up to one
 ///   vertices report.vertices can differ from options.vertices, see there; options.looseness searches for the
 ///            fewest, in twice to three times the time up to a thousand vertices, and then more
+///   rings    with options.rings, report.parts has the parts of the cage; each joint is a closed path of four
+///            edges or more in one plane, to within rounding. Limbs are found as by find_parts, on meshes of
+///            four times the vertices, twice and once. This takes 1.3 to 2 times as long
 ///   cost     about a second, and some 40 bytes for each of at most 250^3 nodes of a lattice. With
 ///            small margins it has fewer than two nodes per margin; below 0.6 % of the longest
 ///            side, make_cage fails. Several threads share what grows with the figure's faces: two save a
@@ -67,7 +71,8 @@ Result<TriangleMesh<range_scalar_t<R>>, MakeCageReport> make_cage(const R& verti
 ///             `quads`, `triangles`, `worst_warp` and the least clearance of all cuts
 ///   a pair    is convex, seen along its normal, with angles of 20 to 160 degrees, and its warp is at most
 ///             0.4. However each face is cut along a diagonal, or bound as a fan, the cage keeps a quarter
-///             of the margin from the figure, holds it, and does not cross itself
+///             of the margin from the figure, holds it, and does not cross itself. Edges of joints in
+///             made.report.parts are sides of faces
 ///   choice    most pairs; of such choices the best sum of square angles and low warps, by a maximum weight
 ///             matching. Where faces would meet in some cut, one of them is given up
 ///   mirror    pairs come in mirrored pairs, or are their own images

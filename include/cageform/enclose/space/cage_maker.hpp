@@ -3,12 +3,13 @@
 
 #include <cageform/cage/detail/shells.hpp>
 #include <cageform/cage/triangle_mesh.hpp>
-#include <cageform/core/detail/disjoint_sets.hpp>
 #include <cageform/enclose/detail/cage_frame.hpp>
 #include <cageform/enclose/detail/fewest_vertices.hpp>
 #include <cageform/enclose/detail/join_components.hpp>
 #include <cageform/enclose/detail/make_cage_into.hpp>
 #include <cageform/enclose/space/clearance.hpp>
+#include <cageform/enclose/space/limb_rings.hpp>
+#include <cageform/enclose/space/measure_cage.hpp>
 #include <cageform/enclose/space/reduce_shell.hpp>
 #include <cageform/enclose/space/relax_shell.hpp>
 #include <cageform/enclose/space/space_distance.hpp>
@@ -73,11 +74,10 @@ public:
         double area = 0;
         for (const auto& face : shell.faces) area += 0.5 * length(area_normal(shell.corners(face)));
         const Reducing step{obstacles, six, area * (shell.half ? 2 : 1)};
+        if (options_.looseness > 0 && options_.rings)
+            return make_fewest_with_rings(step, running, report, shell);
         if (options_.looseness > 0) return make_fewest(step, running, report, shell);
-        if (!ShellReduction(shell, obstacles).reduce_to(options_.vertices, running.subtask(0.3, 0.8)) ||
-            !relax(shell, options_.vertices, step, running.subtask(0.8, 1)))
-            return Status::cancelled;
-        return Status::ok;
+        return reduce(shell, options_.vertices, step, running) ? Status::ok : Status::cancelled;
     }
 
 private:
@@ -93,6 +93,33 @@ private:
     bool relax(Shell& shell, std::size_t vertices, const Reducing& step, const Running& running) const {
         const ShellEnergy energy(step.six_volumes, vertices, step.area, std::fmax(options_.regular, 0.0));
         return ShellRelaxation(shell, step.obstacles, energy).relax(24, running);
+    }
+
+    /// Steps 4 and 5 for a contour. Returns false if cancelled.
+    bool reduce(Shell& shell, std::size_t vertices, const Reducing& step, const Running& running) const {
+        const double cut = options_.rings ? 0.6 : 0.3;
+        return (!options_.rings || cut_rings(step, vertices, running.subtask(0.3, cut), shell)) &&
+               ShellReduction(shell, step.obstacles).reduce_to(vertices, running.subtask(cut, 0.8)) &&
+               relax(shell, vertices, step, running.subtask(0.8, 1));
+    }
+
+    /// Cuts a contour, after the first rounds of collapses, along a ring about each limb. Limbs are found on
+    /// shells of four times the vertices wanted, twice and once, where they are most. Returns false if
+    /// cancelled.
+    bool cut_rings(const Reducing& step, std::size_t vertices, const Running& running, Shell& shell) const {
+        ShellReduction reduction(shell, step.obstacles);
+        if (!reduction.begin(vertices, running.subtask(0, 0.4))) return false;
+        Shell fine = shell.compacted();
+        LimbRings rings(fine, lattice_.spacing());
+        double done = 0.4;
+        for (const std::size_t times : {4U, 2U, 1U}) {
+            if (!reduction.reduce_to(times * vertices, running.subtask(done, done + 0.2))) return false;
+            rings.find_limbs(shell.compacted());
+            done += 0.2;
+        }
+        rings.cut(vertices);
+        if (!fine.rings.empty()) shell = std::move(fine); // otherwise it is reduced already
+        return true;
     }
 
     /// Makes the fewest vertices that options.looseness allows. One reduction passes through all numbers of
@@ -121,17 +148,50 @@ private:
             const Running subtask = running.subtask(1 - left, 1 - 0.8 * left);
             Shell trial = std::move(reduced[*index]);
             if (!relax(trial, counts[*index], step, subtask)) return Status::cancelled;
-            const double volume = trial.six_volumes() / 6 * (trial.half ? 2 : 1);
-            std::vector<Corners<3>> facets;
-            facets.reserve(trial.faces.size());
-            for (const auto& face : trial.faces) facets.push_back(trial.corners(face));
-            const double hollow = deepest_hollow<3>(contour, facets);
-            search.add(*index,
-                       {{counts[*index], volume / report.tightest_area - 1, hollow}, std::move(trial)});
+            search.add(*index, {attempt_of(trial, contour, report), std::move(trial)});
         }
         report.attempts = search.attempts();
         shell = search.best();
         return Status::ok;
+    }
+
+    /// Measures a shell that was reduced from a contour with these points.
+    static MakeCageReport::Attempt attempt_of(const Shell& shell, const std::vector<Point>& contour,
+                                              const MakeCageReport& report) {
+        const double volume = shell.six_volumes() / 6 * (shell.half ? 2 : 1);
+        std::vector<Corners<3>> facets;
+        facets.reserve(shell.faces.size());
+        for (std::size_t f = 0; f < shell.faces.size(); ++f) {
+            if (shell.is_face(f)) facets.push_back(shell.corners(shell.faces[f]));
+        }
+        return {shell.whole_size(), volume / report.tightest_area - 1, deepest_hollow<3>(contour, facets)};
+    }
+
+    /// Makes the fewest vertices without rings, and then a cage with rings that has as many, or more where
+    /// the rings make it too loose. These attempts replace those of the same number.
+    Status make_fewest_with_rings(const Reducing& step, const Running& running, MakeCageReport& report,
+                                  Shell& shell) const {
+        const Shell contour = shell;
+        const Status status = make_fewest(step, running.subtask(0, 0.6), report, shell);
+        if (status != Status::ok) return status;
+        std::size_t vertices = shell.whole_size();
+        for (double left = 0.4;; left *= 0.6) {
+            shell = contour;
+            if (!reduce(shell, vertices, step, running.subtask(1 - left, 1 - 0.6 * left)))
+                return Status::cancelled;
+            const auto attempt = attempt_of(shell, contour.points, report);
+            auto& all = report.attempts;
+            const auto at =
+                std::lower_bound(all.begin(), all.end(), attempt,
+                                 [](const auto& a, const auto& b) { return a.vertices < b.vertices; });
+            if (at != all.end() && at->vertices == attempt.vertices)
+                *at = attempt;
+            else
+                all.insert(at, attempt);
+            if (attempt.excess <= options_.looseness || vertices >= options_.vertices || left < 0.04)
+                return Status::ok;
+            vertices = (std::min)(options_.vertices, vertices + vertices / 20 + 1);
+        }
     }
     static constexpr std::size_t first_tried = 30;
 
@@ -241,45 +301,6 @@ private:
     DistanceLattice<3> lattice_;
 };
 
-/// One vertex of each connected component of a figure; if there are more than 4,096, of components spread
-/// over the list.
-template <class F>
-std::vector<std::size_t> component_corners(const F& faces, std::size_t vertices) {
-    DisjointSets components(vertices);
-    for (std::size_t f = 0; f < std::size(faces); ++f) {
-        for (std::size_t k = 1; k < 3; ++k)
-            components.join(std::uint32_t(faces[f][k]), std::uint32_t(faces[f][0]));
-    }
-    std::vector<std::size_t> corners;
-    std::vector<bool> seen(vertices);
-    for (std::size_t f = 0; f < std::size(faces); ++f) {
-        const std::size_t component = components.find(std::uint32_t(faces[f][0]));
-        if (!seen[component]) corners.push_back(std::size_t(faces[f][0]));
-        seen[component] = true;
-    }
-    constexpr std::size_t most = 4096;
-    if (corners.size() <= most) return corners;
-    std::vector<std::size_t> some;
-    some.reserve(most);
-    for (std::size_t k = 0; k < most; ++k) some.push_back(corners[k * corners.size() / most]);
-    return some;
-}
-
-/// The smallest angle of a face, in degrees.
-template <Scalar T>
-double least_angle(const TriangleMesh<T>& cage) {
-    double least = std::numbers::pi;
-    for (const auto& face : cage.faces()) {
-        const Facet<3> facet(face, cage.vertices());
-        for (std::size_t k = 0; k < 3; ++k) {
-            const auto u = facet.corner[(k + 1) % 3] - facet.corner[k],
-                       v = facet.corner[(k + 2) % 3] - facet.corner[k];
-            least = (std::min)(least, std::atan2(length(cross(u, v)), dot(u, v)));
-        }
-    }
-    return least * 180 / std::numbers::pi;
-}
-
 /// The cage in the figure's coordinates; a half is completed by its image.
 template <Scalar T>
 TriangleMesh<T> cage_of(const Shell& shell, const CageFrame<3>& frame) {
@@ -375,11 +396,12 @@ Status make_cage_into(std::span<const Vec<T, 3>> vertices, std::span<const MeshF
     SpaceCageMaker maker(local, wanted);
     const auto starts = component_corners(faces, std::size(vertices));
     double level = report.margin * frame.scale;
+    Shell shell;
     constexpr std::size_t tries = 3;
     for (std::size_t round = 0; round < tries; ++round) {
         const std::array<double, 4> done{0, 0.9, 0.95, 1}; // few figures need a second try
         const Running subtask = running.subtask(done[round], done[round + 1]);
-        Shell shell;
+        shell = {};
         if (const Status status = maker.make(level, subtask, report, shell); status != Status::ok)
             return status;
         made.value = cage_of<T>(shell, frame);
@@ -398,6 +420,9 @@ Status make_cage_into(std::span<const Vec<T, 3>> vertices, std::span<const MeshF
     report.vertices = made.value.size();
     report.triangles = made.value.faces().size();
     report.least_angle = least_angle(made.value);
+    if (options.rings) {
+        report.parts = parts_of_faces(made.value.faces(), made.value.size(), numbers_between_rings(shell));
+    }
     report.area = 0;
     for (const double six : shells.volume) report.area += std::fabs(six) / 6;
     report.tightest_area /= frame.scale * frame.scale * frame.scale;

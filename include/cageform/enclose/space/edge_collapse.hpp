@@ -80,6 +80,8 @@ public:
         }
         for (std::uint32_t v = 0; v < shell_.points.size(); ++v) {
             if (shell_.on_rim[v]) quadric_[v].add_plane({1, 0, 0}, {0, 0, 0}, 100 * spacing_ * spacing_);
+            if (const auto r = shell_.ring_of(v); r != none)
+                quadric_[v].add_plane(shell_.rings[r].normal, shell_.points[v], 100 * spacing_ * spacing_);
         }
     }
 
@@ -163,6 +165,7 @@ public:
     /// neighbours than the third vertices of these faces. The collapse then keeps the topology. In a half, it
     /// must not join two rim vertices by an edge inside: the image would have the same edge.
     bool keeps_topology() {
+        if (!keeps_rings()) return false;
         std::size_t at_edge = 0;
         for (const auto f : shell_.star[u_]) at_edge += shell_.has(f, v_) ? 1 : 0;
         if (at_edge != (is_along_rim() ? 1 : 2)) return false;
@@ -195,7 +198,11 @@ public:
         if (crossings_) {
             for (const About& at : about_) crossings_->remove(at.face);
         }
-        const bool is_on_rim = shell_.on_rim[u_] || shell_.on_rim[v_];
+        const bool is_on_rim = is_onto_rim();
+        if (!shell_.ring.empty()) {
+            if (shell_.are_of_one_ring(u_, v_)) --shell_.rings[ring()].vertices;
+            shell_.ring[u_] = ring();
+        }
         const auto both = shell_.star[u_];
         for (const auto f : both) {
             if (!shell_.has(f, v_)) continue;
@@ -234,12 +241,35 @@ private:
         return 1e-3 * dot(e, e) * dot(e, e);
     }
     Point place(std::uint32_t n) const noexcept {
-        Point p = starts_[n / steps_out.size()] + (spacing_ * steps_out[n % steps_out.size()]) * normal_;
-        if (!shell_.half) return p;
-        // A vertex of a half stays on the mirror plane, or clearly to its right.
-        p[0] = shell_.on_rim[u_] || shell_.on_rim[v_] ? 0 : (std::max)(p[0], 0.4 * spacing_);
-        return p;
+        const Point p =
+            starts_[n / steps_out.size()] + (spacing_ * steps_out[n % steps_out.size()]) * normal_;
+        return shell_.allowed(p, is_onto_rim(), ring(), spacing_);
     }
+    bool is_onto_rim() const noexcept { return shell_.on_rim[u_] || shell_.on_rim[v_]; }
+    /// The ring that the merged vertex belongs to.
+    std::uint32_t ring() const noexcept {
+        const auto r = shell_.ring_of(u_);
+        return r != none ? r : shell_.ring_of(v_);
+    }
+    /// Whether each ring stays a closed path, of at least four vertices with those of its image, and no other
+    /// edge joins two of them.
+    bool keeps_rings() const noexcept {
+        const auto r = shell_.ring_of(u_), s = shell_.ring_of(v_);
+        if (r == none && s == none) return true;
+        if (r != none && s != none)
+            return r == s && shell_.rings[r].vertices > (shell_.rings[r].is_open ? 3 : 4) && !is_along_rim();
+        const std::uint32_t first = r != none ? u_ : v_, second = r != none ? v_ : u_;
+        if (shell_.on_rim[second] && !shell_.on_rim[first]) return false; // the ring would touch the rim
+        for (const auto f : shell_.star[second]) {
+            for (const auto w : shell_.faces[f]) {
+                if (w != first && shell_.are_of_one_ring(first, w) &&
+                    shell_.face_across(none, first, w) == none)
+                    return false;
+            }
+        }
+        return true;
+    }
+
     /// Sets lower bounds of the costs of all places.
     void weigh() noexcept {
         const Point slopes = q_.times(normal_);
@@ -248,8 +278,9 @@ private:
             const double start = q_.at(starts_[s]), slope = dot(slopes, starts_[s]) + dot(q_.b, normal_);
             for (const double step : steps_out) {
                 const double t = spacing_ * step;
-                const double error =
-                    shell_.half ? q_.at(place(n)) : (std::max)(start + t * (2 * slope + t * curved), 0.0);
+                const double error = shell_.half || ring() != none
+                                         ? q_.at(place(n))
+                                         : (std::max)(start + t * (2 * slope + t * curved), 0.0);
                 cost_[n++] = s == 0 && !has_least_ ? beyond : error + extra;
             }
         }
@@ -267,7 +298,7 @@ private:
             const double longest2 = (std::max)({at.across2, dot(to_a, to_a), dot(to_b, to_b)});
             worst2 = (std::min)(worst2, size2 / (longest2 * longest2));
         }
-        if (!clear_.is_clear(p)) return beyond;
+        if (!clear_.is_clear(p) || !shell_.is_right(p, is_onto_rim(), spacing_)) return beyond;
         const double worst = triangle_quality(std::sqrt(worst2), 1);
         return 1 + 12 * (std::max)(0.5 - worst, 0.0) + 40 * (std::max)(0.15 - worst, 0.0);
     }

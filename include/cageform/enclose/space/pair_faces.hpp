@@ -80,9 +80,11 @@ public:
     using Point = Vec<double, 3>;
     using Face = std::array<std::uint32_t, 3>;
 
-    FacePairing(std::vector<Point> points, std::vector<Face> faces)
+    /// `parts` of each face: faces of two parts are no pair. It may be empty.
+    FacePairing(std::vector<Point> points, std::vector<Face> faces, std::vector<int> parts = {})
         : points_(std::move(points))
         , faces_(std::move(faces))
+        , parts_(std::move(parts))
         , image_(faces_.size()) {
         for (std::uint32_t f = 0; f < faces_.size(); ++f) {
             for (std::size_t k = 0; k < 3; ++k) beside_[{faces_[f][k], faces_[f][(k + 1) % 3]}] = f;
@@ -191,6 +193,7 @@ private:
         const auto other = beside_.find({b, a});
         if (other == beside_.end()) return;
         const std::uint32_t g = other->second, c = third(f, a, b), d = third(g, a, b);
+        if (parts_.size() == faces_.size() && parts_[f] != parts_[g]) return;
         // Where the cage has the new diagonal already, a cut along it would give that edge four faces.
         if (beside_.contains({c, d}) || beside_.contains({d, c})) return;
         FacePair pair;
@@ -280,6 +283,7 @@ private:
 
     std::vector<Point> points_;
     std::vector<Face> faces_;
+    std::vector<int> parts_;               ///< of each face; may be empty
     std::vector<std::uint32_t> image_;     ///< of each face: its image in the mirror; itself without one
     std::map<Edge, std::uint32_t> beside_; ///< the face at the left of an edge
     std::vector<FacePair> pairs_;
@@ -297,7 +301,7 @@ Status pair_faces_into(const TriangleMesh<T>& cage, std::span<const Vec<T, 3>> v
     if (const Status status = check_options<3>(options); status != Status::ok) return status;
     std::vector<Vec<double, 3>> points;
     for (const auto& p : cage.vertices()) points.push_back(vec_cast<double>(p));
-    FacePairing pairing(points, {cage.faces().begin(), cage.faces().end()});
+    FacePairing pairing(points, {cage.faces().begin(), cage.faces().end()}, report.parts.of_face);
     if (options.mirror) {
         const std::size_t axis = options.mirror->axis;
         Bounds<double, 3> box = bounds_of(std::span<const Vec<double, 3>>());

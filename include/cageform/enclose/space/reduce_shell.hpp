@@ -54,6 +54,11 @@ public:
         return true;
     }
 
+    /// Does the first collapses only, in rounds, as `reduce_to` does. Returns false if cancelled.
+    bool begin(std::size_t vertices, const Running& running) {
+        return merge_pairs(vertices, [&] { return running.keep_going(0); });
+    }
+
 private:
     struct Collapse {
         double cost; ///< a lower bound
@@ -74,6 +79,8 @@ private:
     /// is tested as a whole at the end.
     template <class KeepGoing>
     bool merge_pairs(std::size_t vertices, const KeepGoing& keep_going) {
+        if (has_begun_) return true;
+        has_begun_ = true;
         const double unit = spacing_ * spacing_ * spacing_ * spacing_;
         std::vector<std::uint8_t> merged;
         for (double limit = first_limit * unit; limit < last_limit * unit; limit *= 2) {
@@ -200,6 +207,7 @@ private:
     std::vector<std::uint32_t> mark_;    ///< the vertices met by a loop over neighbours
     std::uint32_t last_mark_ = 0;
     std::size_t count_;
+    bool has_begun_ = false; ///< whether the rounds have been made
     std::size_t hashed_ = 0; ///< the vertices when faces were last hashed; 0 until the queue begins
     std::priority_queue<Collapse> queue_;
     std::vector<Collapse> waiting_;

@@ -252,16 +252,14 @@ private:
         }
         idle_[v] = true;
     }
-    Point constrained(std::uint32_t v, Point p) const noexcept {
-        if (!shell_.half) return p;
-        p[0] = shell_.on_rim[v] ? 0 : (std::max)(p[0], 0.4 * obstacles_.lattice->spacing());
-        return p;
+    Point constrained(std::uint32_t v, const Point& p) const noexcept {
+        return shell_.allowed(p, shell_.on_rim[v], shell_.ring_of(v), obstacles_.lattice->spacing());
     }
 
     bool try_move(std::uint32_t v, const Point& p) {
         const auto& star = shell_.star[v];
         const Point x = shell_.points[v];
-        bool good = clear_.is_clear(p);
+        bool good = clear_.is_clear(p) && shell_.is_right(p, shell_.on_rim[v], obstacles_.lattice->spacing());
         for (std::size_t k = 0; k < star.size() && good; ++k) { // no face may turn over
             auto corner = shell_.corners(shell_.faces[star[k]]);
             const Point was = area_normal(corner);
@@ -316,6 +314,7 @@ private:
         const auto a = shell_.third(pair[0], v, w), b = shell_.third(pair[1], v, w);
         const auto ring = shell_.neighbours(a);
         if (a == b || std::binary_search(ring.begin(), ring.end(), b)) return;
+        if (shell_.are_of_one_ring(v, w) || shell_.are_of_one_ring(a, b)) return;
         if (shell_.on_rim[a] && shell_.on_rim[b]) return; // the image would have the same edge
         if (shell_.star[v].size() <= 3 || shell_.star[w].size() <= 3) return;
         const double before = energy_.of(shell_, pair);

@@ -11,12 +11,41 @@ namespace cageform::inline CAGEFORM_ABI::detail {
 struct Shell {
     using Point = Vec<double, 3>;
     using Face = std::array<std::uint32_t, 3>;
+    static constexpr std::uint32_t none = ~std::uint32_t{0};
 
     std::vector<Point> points;
     std::vector<bool> on_rim; ///< for each point of a half: whether it lies on the plane
     std::vector<Face> faces;  ///< a removed face has the same vertex three times
     bool half = false;
     std::vector<std::vector<std::uint32_t>> star; ///< the faces of each point; none if it is removed
+    /// A closed path of edges about a limb, in one plane. No other edges join two of its vertices.
+    struct Ring {
+        Point normal;         ///< of the plane, of length 1: towards the limb
+        double offset;        ///< of the plane along its normal
+        std::size_t vertices; ///< their number
+        bool is_open;         ///< in a half: the path has its ends on the rim, and the normal no x
+    };
+    std::vector<Ring> rings;
+    std::vector<std::uint32_t> ring; ///< of each point the number of its ring, or `none`; may be empty
+
+    std::uint32_t ring_of(std::uint32_t v) const noexcept { return ring.empty() ? none : ring[v]; }
+    bool are_of_one_ring(std::uint32_t v, std::uint32_t w) const noexcept {
+        return ring_of(v) != none && ring_of(v) == ring_of(w);
+    }
+    /// The place that a vertex may take nearest to p: a half's rim stays on the mirror plane, and its other
+    /// vertices clearly to the right of it; a ring stays in its plane.
+    ///
+    ///   number   of its ring, or `none`
+    Point allowed(Point p, bool is_on_rim, std::uint32_t number, double spacing) const noexcept {
+        if (half) p[0] = is_on_rim ? 0 : (std::max)(p[0], 0.4 * spacing);
+        if (number == none) return p;
+        const Ring& of = rings[number];
+        return p + (of.offset - dot(of.normal, p)) * of.normal;
+    }
+    /// Whether a vertex beside the rim is clearly to the right of the mirror plane.
+    bool is_right(const Point& p, bool is_on_rim, double spacing) const noexcept {
+        return !half || is_on_rim || p[0] > 0.39 * spacing;
+    }
 
     void link() {
         star.assign(points.size(), {});
@@ -65,7 +94,6 @@ struct Shell {
         return all;
     }
     /// The face other than `f` at the edge v w; `none` on a rim.
-    static constexpr std::uint32_t none = ~std::uint32_t{0};
     std::uint32_t face_across(std::uint32_t f, std::uint32_t v, std::uint32_t w) const noexcept {
         for (const auto g : star[v]) {
             if (g != f && has(g, w)) return g;
@@ -88,12 +116,14 @@ struct Shell {
     Shell compacted() const {
         Shell less;
         less.half = half;
+        less.rings = rings;
         std::vector<std::uint32_t> number(points.size(), none), face_number(faces.size(), none);
         for (std::size_t v = 0; v < points.size(); ++v) {
             if (star[v].empty()) continue;
             number[v] = static_cast<std::uint32_t>(less.points.size());
             less.points.push_back(points[v]);
             less.on_rim.push_back(on_rim[v]);
+            if (!ring.empty()) less.ring.push_back(ring[v]);
             less.star.push_back(star[v]);
         }
         for (std::size_t f = 0; f < faces.size(); ++f) {

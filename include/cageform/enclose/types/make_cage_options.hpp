@@ -6,6 +6,7 @@
 #include <cageform/core/running.hpp>
 #include <cageform/core/types/scalar_range.hpp>
 #include <cageform/core/vec.hpp>
+#include <cageform/enclose/types/cage_parts.hpp>
 
 #include <cstddef>
 #include <cstdint>
@@ -74,6 +75,11 @@ struct MakeCageOptions {
     bool one_cage = true;      ///< joins the components by bridges; otherwise each gets a loop or shell
     bool holes = false;        ///< in the plane: keeps large enclosed empty regions as holes
     bool fill_tunnels = false; ///< in space: the cage gets genus 0; otherwise it has the figure's tunnels
+    /// In space: makes a flat closed loop of edges about each limb, where it joins the rest, to be turned or
+    /// selected by. It takes four vertices or more; the largest limbs have one while at most half of all
+    /// vertices are needed. With `looseness` the number of vertices is chosen without loops, and then raised
+    /// by steps of 5 %, at most five, while loops make the cage too loose.
+    bool rings = false;
     /// The weight of regular angles and lengths against a tight fit. A larger value makes a looser cage.
     double regular = 1;
     /// Above 0: makes the fewest vertices whose area (in space volume) exceeds the tightest by at most this
@@ -112,7 +118,10 @@ struct MakeCageReport {
     std::size_t triangles = 0;  ///< faces of a cage in space with three corners
     std::size_t quads = 0;      ///< those with four, by pair_faces
     double worst_warp = 0;      ///< of a quad: the distance between its diagonals, over its mean edge
-    CageReport cage;            ///< the report of `check` on the cage
+    /// With options.rings: the parts that the loops divide the cage into; each joint is such a loop. Numbers
+    /// are as from find_parts. `of_face` is of the triangles that make_cage returns.
+    CageParts parts;
+    CageReport cage; ///< the report of `check` on the cage
     double seconds = 0;
 };
 

@@ -1,0 +1,49 @@
+// Measures a cage in space that make_cage has made: its least angle; vertices of the figure to be inside it.
+#pragma once
+
+#include <cageform/cage/triangle_mesh.hpp>
+#include <cageform/core/detail/disjoint_sets.hpp>
+#include <cageform/enclose/space/shell.hpp>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+/// One vertex of each connected component of a figure; if there are more than 4,096, of components spread
+/// over the list.
+template <class F>
+std::vector<std::size_t> component_corners(const F& faces, std::size_t vertices) {
+    DisjointSets components(vertices);
+    for (std::size_t f = 0; f < std::size(faces); ++f) {
+        for (std::size_t k = 1; k < 3; ++k)
+            components.join(std::uint32_t(faces[f][k]), std::uint32_t(faces[f][0]));
+    }
+    std::vector<std::size_t> corners;
+    std::vector<bool> seen(vertices);
+    for (std::size_t f = 0; f < std::size(faces); ++f) {
+        const std::size_t component = components.find(std::uint32_t(faces[f][0]));
+        if (!seen[component]) corners.push_back(std::size_t(faces[f][0]));
+        seen[component] = true;
+    }
+    constexpr std::size_t most = 4096;
+    if (corners.size() <= most) return corners;
+    std::vector<std::size_t> some;
+    some.reserve(most);
+    for (std::size_t k = 0; k < most; ++k) some.push_back(corners[k * corners.size() / most]);
+    return some;
+}
+
+/// The smallest angle of a face, in degrees.
+template <Scalar T>
+double least_angle(const TriangleMesh<T>& cage) {
+    double least = std::numbers::pi;
+    for (const auto& face : cage.faces()) {
+        const Facet<3> facet(face, cage.vertices());
+        for (std::size_t k = 0; k < 3; ++k) {
+            const auto u = facet.corner[(k + 1) % 3] - facet.corner[k],
+                       v = facet.corner[(k + 2) % 3] - facet.corner[k];
+            least = (std::min)(least, std::atan2(length(cross(u, v)), dot(u, v)));
+        }
+    }
+    return least * 180 / std::numbers::pi;
+}
+
+} // namespace cageform::inline CAGEFORM_ABI::detail
