@@ -101,9 +101,9 @@ public:
     ///
     ///   tolerance   how far a vertex may be from the image of another
     void mirror(std::size_t axis, double position, double tolerance) {
-        auto images = mirror_across(axis, position, tolerance, points_, faces_);
-        if (!images) return;
-        image_ = std::move(images->faces);
+        auto mirrored = mirror_across(axis, position, tolerance, points_, faces_);
+        if (!mirrored) return;
+        image_ = std::move(mirrored->faces);
         std::map<std::array<std::uint32_t, 2>, std::uint32_t> number;
         for (std::uint32_t n = 0; n < pairs_.size(); ++n) number[pairs_[n].faces] = n;
         for (std::uint32_t n = 0; n < pairs_.size(); ++n) {
