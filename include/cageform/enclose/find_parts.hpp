@@ -27,8 +27,8 @@ namespace cageform::inline CAGEFORM_ABI {
 ///   mirror   where the cage is its own image by a mirror across an axis, the parts are too. The parts of a
 ///            pair have numbers n and -n; n lies where the coordinate is larger
 ///   limits   a limb counts from 4π·area/border² = 2.6: mittens, whose fingers are not longer than wide, have
-///            none. Where a cage joins limbs, such as legs that are closer together than two margins, the trunk
-///            reaches to where they part
+///            none. Where a cage joins limbs, such as legs that are closer together than two margins, the
+///            trunk reaches to where they part
 ///   cost     some 10 ms for 60 vertices and 40 ms for 1,000; grows as O(#faces log #faces)
 ///   fails    as `check` does, and out_of_memory
 ///
