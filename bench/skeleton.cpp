@@ -167,10 +167,15 @@ Motion planted(const Motion& of, std::uint32_t seed) {
     return result;
 }
 
+std::size_t number_of(const std::string& word) {
+    if (word.empty() || word.size() > 9 || word.find_first_not_of("0123456789") != std::string::npos)
+        throw std::runtime_error("\"" + word + "\" is no number");
+    return std::stoul(word);
+}
 std::vector<std::size_t> numbers_of(const std::string& list) {
     std::vector<std::size_t> numbers;
     std::istringstream words(list);
-    for (std::string word; std::getline(words, word, ',');) numbers.push_back(std::stoul(word));
+    for (std::string word; std::getline(words, word, ',');) numbers.push_back(number_of(word));
     return numbers;
 }
 
@@ -235,24 +240,24 @@ int run(int argc, char** argv) {
         const std::string value = argv[n + 1];
         if (option == "--bones")
             given.bones = numbers_of(value);
-        else if (option == "--kind")
+        else if (option == "--kind" && (value == "rigid" || value == "similar" || value == "stretched"))
             given.kind = value;
         else if (option == "--influences")
-            given.options.influences = std::stoul(value);
+            given.options.influences = number_of(value);
         else if (option == "--rounds")
             given.rounds = numbers_of(value);
         else if (option == "--moves")
-            given.options.moves = std::stoul(value);
+            given.options.moves = number_of(value);
         else if (option == "--threads")
-            given.threads = unsigned(std::stoul(value));
+            given.threads = unsigned(number_of(value));
         else if (option == "--every")
-            given.every = std::stoul(value);
+            given.every = number_of(value);
         else if (option == "--keys")
             given.key_distance = std::stod(value);
         else if (option == "--planted")
             given.seeds = numbers_of(value);
         else
-            throw std::runtime_error("there is no option " + option);
+            throw std::runtime_error("there is no option " + option + " with " + value);
     }
     if (given.every == 0) throw std::runtime_error("--every 0 takes no frame");
     Motion motion =
