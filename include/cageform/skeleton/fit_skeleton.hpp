@@ -26,7 +26,7 @@ namespace cageform::inline CAGEFORM_ABI {
 ///            ok and `beyond` counts the vertices that are farther away
 ///   minimum  a local one: idle bones move to where the error is largest, and come back if that is no better
 ///   cost     O(#vertices · (#bones · #frames + some thousand)) and O(#frames · #bones²) a round, all in
-///            double: 1,114 vertices in 33 frames take 0.3 s for 12 bones; by distance up to three times as
+///            double: 1,114 vertices in 33 frames take 0.3 s for 12 bones; by distance some three times as
 ///            long. Memory: 24 bytes · #vertices · #frames
 ///   fails    influences_not_supported; bones_not_supported (neither bones nor a distance); value_not_finite
 ///            (the distance, or a negative one); motion_empty; frames_do_not_match; frame_not_finite (also
