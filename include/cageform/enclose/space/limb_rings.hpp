@@ -61,8 +61,8 @@ public:
         if (limbs.size() > limbs_.size()) limbs_ = std::move(limbs);
     }
 
-    /// Cuts about the limbs, the largest first. A ring needs four vertices; all rings get at most a quarter of
-    /// the vertices that the cage is to have.
+    /// Cuts about the limbs, the largest first. A ring needs four vertices; all rings get at most a quarter
+    /// of the vertices that the cage is to have.
     void cut(std::size_t vertices) {
         std::stable_sort(limbs_.begin(), limbs_.end(),
                          [](const Limb& a, const Limb& b) { return a.area > b.area; });
