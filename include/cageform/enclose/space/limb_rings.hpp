@@ -61,15 +61,15 @@ public:
         if (limbs.size() > limbs_.size()) limbs_ = std::move(limbs);
     }
 
-    /// Cuts about the limbs, the largest first. A ring needs four vertices; all together get at most half of
-    /// those that the cage is to have.
+    /// Cuts about the limbs, the largest first. A ring needs four vertices; all rings get at most a quarter
+    /// of the vertices that the cage is to have.
     void cut(std::size_t vertices) {
         std::stable_sort(limbs_.begin(), limbs_.end(),
                          [](const Limb& a, const Limb& b) { return a.area > b.area; });
         std::size_t needed = 0;
         for (const Limb& limb : limbs_) {
             const std::size_t more = shell_.half && !limb.crosses_mirror ? 8 : 4;
-            if (2 * (needed + more) <= vertices && cut_about(limb)) needed += more;
+            if (4 * (needed + more) <= vertices && cut_about(limb)) needed += more;
         }
     }
 

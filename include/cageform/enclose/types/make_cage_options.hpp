@@ -76,7 +76,7 @@ struct MakeCageOptions {
     bool holes = false;        ///< in the plane: keeps large enclosed empty regions as holes
     bool fill_tunnels = false; ///< in space: the cage gets genus 0; otherwise it has the figure's tunnels
     /// In space: makes a flat closed loop of edges about each limb, where it joins the rest, to be turned or
-    /// selected by. It takes four vertices or more; the largest limbs have one while at most half of all
+    /// selected by. It takes four vertices or more; the largest limbs have one while at most a quarter of all
     /// vertices are needed. With `looseness` the number of vertices is chosen without loops, and then raised
     /// by steps of 5 %, at most five, while loops make the cage too loose.
     bool rings = false;
