@@ -368,7 +368,8 @@ std::vector<std::string> warnings_of(const cageform::MakeCageReport& report,
         warnings.push_back("the cage has " + std::to_string(report.vertices) +
                            " vertices; fewer are not enough");
     if (options.rings && describe_rings(report).empty())
-        warnings.push_back("--rings: no limb was found, so the cage has no rings");
+        warnings.push_back("--rings: no limb was found, or none whose ring a quarter of the vertices "
+                           "suffice for: the cage has no rings");
     return warnings;
 }
 
