@@ -365,6 +365,18 @@ Status read_figure(std::span<const Vec<T, 3>> vertices, std::span<const MeshFace
     return Status::ok;
 }
 
+inline Bounds<double, 3> bounds_of_corners(std::span<const Corners<3>> figure) noexcept {
+    Bounds<double, 3> box = bounds_of(std::span<const Vec<double, 3>>());
+    for (const auto& corner : figure) {
+        const auto b = box_of(corner);
+        for (std::size_t k = 0; k < 3; ++k) {
+            box.lower[k] = (std::min)(box.lower[k], b.lower[k]);
+            box.upper[k] = (std::max)(box.upper[k], b.upper[k]);
+        }
+    }
+    return box;
+}
+
 /// Makes the cage and measures its exact clearance. If it is too near, tries again farther off.
 template <class T>
 Status make_cage_into(std::span<const Vec<T, 3>> vertices, std::span<const MeshFace> faces,
@@ -375,14 +387,7 @@ Status make_cage_into(std::span<const Vec<T, 3>> vertices, std::span<const MeshF
     if (const Status status = read_figure(vertices, faces, figure, report); status != Status::ok)
         return status;
     if (const Status status = check_options<3>(options); status != Status::ok) return status;
-    Bounds<double, 3> box = bounds_of(std::span<const Vec<double, 3>>());
-    for (const auto& corner : figure) {
-        const auto b = box_of(corner);
-        for (std::size_t k = 0; k < 3; ++k) {
-            box.lower[k] = (std::min)(box.lower[k], b.lower[k]);
-            box.upper[k] = (std::max)(box.upper[k], b.upper[k]);
-        }
-    }
+    const Bounds<double, 3> box = bounds_of_corners(figure);
     if (!(box.diagonal() > least_figure_diagonal<3>())) return Status::figure_has_no_size;
     const CageFrame<3> frame(box, options.mirror);
     std::vector<Corners<3>> local = figure;
@@ -421,7 +426,7 @@ Status make_cage_into(std::span<const Vec<T, 3>> vertices, std::span<const MeshF
     report.triangles = made.value.faces().size();
     report.least_angle = least_angle(made.value);
     if (options.rings) {
-        report.parts = parts_of_faces(made.value.faces(), made.value.size(), numbers_between_rings(shell));
+        report.parts = parts_of_faces(made.value.faces(), made.value.size(), RingRegions(shell).numbers());
     }
     report.area = 0;
     for (const double six : shells.volume) report.area += std::fabs(six) / 6;

@@ -305,85 +305,107 @@ private:
     std::vector<Limb> limbs_;
 };
 
-/// The number of the part of each face of a whole shell: rings are where parts end. Part 1 is the largest on
-/// no limb's side of a ring; the others are numbered by decreasing area, images n and -n.
-inline std::vector<int> numbers_between_rings(const Shell& shell) {
-    const WholeShell whole(shell);
-    const std::size_t count = whole.faces.size(), own = shell.half ? count / 2 : count;
-    std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> beside;
-    for (std::uint32_t f = 0; f < count; ++f) {
-        for (std::size_t k = 0; k < 3; ++k) beside[{whole.faces[f][k], whole.faces[f][(k + 1) % 3]}] = f;
+/// The faces of a whole shell between its rings.
+class RingRegions {
+public:
+    explicit RingRegions(const Shell& shell)
+        : shell_(shell)
+        , whole_(shell)
+        , own_(shell.half ? whole_.faces.size() / 2 : whole_.faces.size())
+        , ring_(whole_.points.size(), Shell::none)
+        , of_(whole_.faces.size(), Shell::none) {
+        for (std::uint32_t f = 0; f < whole_.faces.size(); ++f) {
+            for (std::size_t k = 0; k < 3; ++k)
+                beside_[{whole_.faces[f][k], whole_.faces[f][(k + 1) % 3]}] = f;
+        }
+        for (std::uint32_t v = 0; v < shell.points.size(); ++v) {
+            const auto r = ring_[v] = shell.ring_of(v);
+            if (r == Shell::none || whole_.image[v] == v) continue;
+            ring_[whole_.image[v]] =
+                shell.rings[r].is_open ? r : r + static_cast<std::uint32_t>(shell.rings.size());
+        }
+        for (std::uint32_t start = 0; start < of_.size(); ++start) {
+            if (of_[start] == Shell::none) fill(start);
+        }
     }
-    // The ring of each vertex; the image of a ring that does not cross the mirror is another one.
-    std::vector<std::uint32_t> ring(whole.points.size(), Shell::none);
-    for (std::uint32_t v = 0; v < shell.points.size(); ++v) {
-        const auto r = ring[v] = shell.ring_of(v);
-        if (r == Shell::none || whole.image[v] == v) continue;
-        ring[whole.image[v]] =
-            shell.rings[r].is_open ? r : r + static_cast<std::uint32_t>(shell.rings.size());
+
+    /// The number of the part of each face. Part 1 is the largest region on no limb's side of a ring; the
+    /// others are numbered by decreasing area, images n and -n.
+    std::vector<int> numbers() {
+        std::vector<std::size_t> order(regions_.size());
+        std::iota(order.begin(), order.end(), std::size_t{0});
+        double total = 0;
+        for (const Region& region : regions_) total += region.area;
+        const auto rank = [&](std::size_t n) { // images have the same
+            return std::round(regions_[n].area / total * 1e9);
+        };
+        std::stable_sort(order.begin(), order.end(),
+                         [&](std::size_t p, std::size_t q) { return rank(p) > rank(q); });
+        const auto trunk = std::find_if_not(order.begin(), order.end(),
+                                            [&](std::size_t n) { return regions_[n].is_limb(); });
+        if (trunk != order.end()) std::rotate(order.begin(), trunk, trunk + 1);
+        int next = 1;
+        for (const std::size_t n : order) {
+            Region& region = regions_[n];
+            if (region.number != 0) continue;
+            region.number = next++;
+            const auto f = region.first;
+            Region& image = regions_[of_[own_ == of_.size() ? f : f < own_ ? f + own_ : f - own_]];
+            if (image.number != 0) continue;
+            image.number = -region.number;
+            if (region.right < 0) std::swap(region.number, image.number);
+        }
+        std::vector<int> numbers(of_.size());
+        for (std::size_t f = 0; f < of_.size(); ++f) numbers[f] = regions_[of_[f]].number;
+        return numbers;
     }
+
+private:
     struct Region {
         std::uint32_t first; ///< face
         double area = 0, right = 0;
         std::vector<double> turn; ///< of each ring: how far the border winds about the way to the limb
         int number = 0;
+
+        bool is_limb() const {
+            return std::any_of(turn.begin(), turn.end(), [](double t) { return t > 0; });
+        }
     };
-    std::vector<Region> regions;
-    std::vector<std::uint32_t> of(count, Shell::none), waiting;
-    for (std::uint32_t start = 0; start < count; ++start) {
-        if (of[start] != Shell::none) continue;
-        const auto n = of[start] = static_cast<std::uint32_t>(regions.size());
-        Region& region = regions.emplace_back(Region{start, 0, 0, {}, 0});
-        region.turn.resize(2 * shell.rings.size());
-        waiting.push_back(start);
+
+    void fill(std::uint32_t start) {
+        const auto n = of_[start] = static_cast<std::uint32_t>(regions_.size());
+        Region& region = regions_.emplace_back(Region{start, 0, 0, {}, 0});
+        region.turn.resize(2 * shell_.rings.size());
+        std::vector<std::uint32_t> waiting{start};
         while (!waiting.empty()) {
             const auto f = waiting.back();
             waiting.pop_back();
-            region.area += whole.area(f);
-            region.right += f < own ? whole.area(f) : -whole.area(f);
+            region.area += whole_.area(f);
+            region.right += f < own_ ? whole_.area(f) : -whole_.area(f);
             for (std::size_t k = 0; k < 3; ++k) {
-                const auto v = whole.faces[f][k], w = whole.faces[f][(k + 1) % 3];
-                if (ring[v] != Shell::none && ring[v] == ring[w]) {
-                    const std::size_t r = ring[v] % shell.rings.size();
-                    auto normal = shell.rings[r].normal;
-                    if (ring[v] != r) normal[0] = -normal[0];
-                    region.turn[ring[v]] += dot(normal, cross(whole.points[v], whole.points[w]));
+                const auto v = whole_.faces[f][k], w = whole_.faces[f][(k + 1) % 3];
+                if (ring_[v] != Shell::none && ring_[v] == ring_[w]) {
+                    const std::size_t r = ring_[v] % shell_.rings.size();
+                    auto normal = shell_.rings[r].normal;
+                    if (ring_[v] != r) normal[0] = -normal[0];
+                    region.turn[ring_[v]] += dot(normal, cross(whole_.points[v], whole_.points[w]));
                     continue;
                 }
-                const auto g = beside.at({w, v});
-                if (of[g] == Shell::none) waiting.push_back(g);
-                of[g] = n;
+                const auto g = beside_.at({w, v});
+                if (of_[g] == Shell::none) waiting.push_back(g);
+                of_[g] = n;
             }
         }
     }
-    std::vector<std::size_t> order(regions.size());
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    const auto is_limb = [&](std::size_t n) {
-        return std::any_of(regions[n].turn.begin(), regions[n].turn.end(), [](double t) { return t > 0; });
-    };
-    double total = 0;
-    for (const Region& region : regions) total += region.area;
-    const auto rank = [&](std::size_t n) {
-        return std::round(regions[n].area / total * 1e9);
-    }; // as of images
-    std::stable_sort(order.begin(), order.end(),
-                     [&](std::size_t p, std::size_t q) { return rank(p) > rank(q); });
-    const auto trunk = std::find_if_not(order.begin(), order.end(), is_limb);
-    if (trunk != order.end()) std::rotate(order.begin(), trunk, trunk + 1);
-    int next = 1;
-    for (const std::size_t n : order) {
-        Region& region = regions[n];
-        if (region.number != 0) continue;
-        region.number = next++;
-        const auto f = region.first;
-        Region& image = regions[of[own == count ? f : f < own ? f + own : f - own]];
-        if (image.number != 0) continue;
-        image.number = -region.number;
-        if (region.right < 0) std::swap(region.number, image.number);
-    }
-    std::vector<int> numbers;
-    for (const auto n : of) numbers.push_back(regions[n].number);
-    return numbers;
-}
+
+    const Shell& shell_;
+    WholeShell whole_;
+    std::size_t own_; ///< faces that are no images
+    /// The ring of each vertex; the image of a ring that does not cross the mirror is another one.
+    std::vector<std::uint32_t> ring_;
+    std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> beside_; ///< the face left of an edge
+    std::vector<std::uint32_t> of_;                                           ///< the region of each face
+    std::vector<Region> regions_;
+};
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

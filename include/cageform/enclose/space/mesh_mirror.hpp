@@ -50,6 +50,7 @@ inline std::optional<MeshMirror> mirror_across(std::size_t axis, double position
         return face;
     };
     std::vector<std::pair<Face, std::uint32_t>> sorted;
+    sorted.reserve(faces.size());
     for (std::uint32_t f = 0; f < faces.size(); ++f) sorted.push_back({ascending(faces[f]), f});
     std::sort(sorted.begin(), sorted.end());
     for (const auto& [a, b, c] : faces) {

@@ -304,11 +304,7 @@ Status pair_faces_into(const TriangleMesh<T>& cage, std::span<const Vec<T, 3>> v
     FacePairing pairing(points, {cage.faces().begin(), cage.faces().end()}, report.parts.of_face);
     if (options.mirror) {
         const std::size_t axis = options.mirror->axis;
-        Bounds<double, 3> box = bounds_of(std::span<const Vec<double, 3>>());
-        for (const auto& corner : figure) {
-            box.lower[axis] = (std::min)(box.lower[axis], box_of(corner).lower[axis]);
-            box.upper[axis] = (std::max)(box.upper[axis], box_of(corner).upper[axis]);
-        }
+        const auto box = bounds_of_corners(figure);
         const double middle = 0.5 * (box.lower[axis] + box.upper[axis]);
         pairing.mirror(axis, options.mirror->position.value_or(middle), 0.01 * report.margin);
     }

@@ -70,9 +70,9 @@ private:
         for (const auto& edge : costs_.edges()) sum += set[edge.one] != set[edge.other] ? edge.length : 0;
         return sum;
     }
-    Faces image_of(const Faces& set) const {
-        Faces image(set.size());
-        for (std::size_t f = 0; f < set.size(); ++f) image[mirror_->faces[f]] = set[f];
+    Faces image_of(const Faces& set) const { // itself without a mirror
+        Faces image = set;
+        for (std::size_t f = 0; mirror_ && f < set.size(); ++f) image[mirror_->faces[f]] = set[f];
         return image;
     }
     /// The connected pieces of a set, the largest first.
@@ -101,6 +101,7 @@ private:
         std::stable_sort(pieces.begin(), pieces.end(),
                          [](const auto& p, const auto& q) { return p.first > q.first; });
         std::vector<Faces> sets;
+        sets.reserve(pieces.size());
         for (auto& [size, piece] : pieces) sets.push_back(std::move(piece));
         return sets;
     }
@@ -192,7 +193,7 @@ private:
         constexpr std::size_t fewest = 10; // vertices of a shell with a limb
         if (points.size() < fewest) return {};
         MirrorImages images;
-        for (std::size_t n = 0; is_mirrored && n < vertices.size(); ++n)
+        for (std::size_t n = 0; mirror_ && is_mirrored && n < vertices.size(); ++n)
             images.push_back(number[mirror_->vertices[vertices[n]]]);
         const PartSurface surface(std::move(points), std::move(faces), std::move(images));
 
@@ -381,8 +382,8 @@ private:
             kept_[image].number = -kept_[n].number;
             if (moment[n] < moment[image]) std::swap(kept_[n].number, kept_[image].number);
         }
-        std::vector<int> list;
-        for (const std::size_t n : of) list.push_back(kept_[n].number);
+        std::vector<int> list(of.size());
+        for (std::size_t f = 0; f < of.size(); ++f) list[f] = kept_[of[f]].number;
         return list;
     }
 

@@ -42,8 +42,8 @@ struct CageParts {
             }
             return false;
         };
-        std::vector<bool> moves;
-        for (const CagePart& part : parts) moves.push_back(hangs(part.number));
+        std::vector<bool> moves(parts.size());
+        for (std::size_t n = 0; n < parts.size(); ++n) moves[n] = hangs(parts[n].number);
         std::vector<std::uint32_t> list;
         for (std::size_t v = 0; v < of_vertex.size(); ++v) {
             for (std::size_t n = 0; n < parts.size(); ++n) {
