@@ -94,7 +94,7 @@ sed 's|^pose,0.7,|pose,0.76,|' character_clip.csv >other.csv
   refuses 'bones are found in a motion' "$export" part.obj $cage --bones 4 -o out.glb
   refuses '"many" is neither "auto" nor a number of bones' "$export" part.obj $cage $clip --bones many -o out.glb
   refuses 'give --bones too' "$export" part.obj $cage $clip --skin 4 --flat -o out.glb
-  refuses '--bones auto takes as many as are needed' "$export" part.obj $cage $clip --coordinates mean-value --bones 1 --max-distance 0.1% -o out.glb
+  refuses 'use a larger --max-distance, --bones auto, more --influences or --kind similar' "$export" part.obj $cage $clip --coordinates mean-value --bones 1 --max-distance 0.1% -o out.glb
   refuses 'is no share such as 0.002 or 0.2%' "$export" part.obj $cage $clip --bones auto --max-distance 200% -o out.glb
 }
 
