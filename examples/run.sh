@@ -277,8 +277,9 @@ for name in aleph fish; do "$programs/make_cage" "$data/$name.svg" --picture out
 # The parts of a cage, and a pose by their numbers.
 "$programs/make_cage" out/character.obj --mirror x --vertices 120 --picture out/character_parts.png \
   -o out/character_parts.obj >>$report
-"$programs/deform_mesh" out/character.obj --cage out/character_parts.obj --turn 'part 2:-50,y' --turn 'part -2:20,y' \
-  --turn 'part 3:25,z' -o out/character_by_parts.obj --picture out/character_by_parts.png
+arm=$(sed -n 's/^g part_-//p' out/character_parts.obj | sort -n | head -1) # the largest parts that are images of each other
+"$programs/deform_mesh" out/character.obj --cage out/character_parts.obj --turn "part $arm:-50,y" --turn "part -$arm:20,y" \
+  -o out/character_by_parts.obj --picture out/character_by_parts.png
 "$programs/contact_sheet" -o out/cage_parts.svg --columns 2 --png --png-width 1600 "the parts of a cage" \
   out/character_parts.png "a pose by their numbers" out/character_by_parts.png
 "$programs/contact_sheet" -o out/made_cages.svg --columns 4 --png --png-width 1600 cat.svg out/cat_made_numbers.svg \
