@@ -19,6 +19,18 @@ namespace cageform::inline CAGEFORM_ABI {
 
 namespace detail {
 
+inline Bounds<double, 3> bounds_of_corners(std::span<const Corners<3>> figure) noexcept {
+    Bounds<double, 3> box = bounds_of(std::span<const Vec<double, 3>>());
+    for (const auto& corner : figure) {
+        const auto b = box_of(corner);
+        for (std::size_t k = 0; k < 3; ++k) {
+            box.lower[k] = (std::min)(box.lower[k], b.lower[k]);
+            box.upper[k] = (std::max)(box.upper[k], b.upper[k]);
+        }
+    }
+    return box;
+}
+
 /// Runs steps 1 to 5 for one figure.
 class SpaceCageMaker {
 public:
@@ -26,15 +38,8 @@ public:
 
     SpaceCageMaker(std::span<const Corners<3>> figure, const MakeCageOptions& options)
         : figure_(figure)
-        , options_(options) {
-        for (const auto& corner : figure) {
-            for (const auto& p : corner) {
-                for (std::size_t k = 0; k < 3; ++k) {
-                    box_.lower[k] = (std::min)(box_.lower[k], p[k]);
-                    box_.upper[k] = (std::max)(box_.upper[k], p[k]);
-                }
-            }
-        }
+        , options_(options)
+        , box_(bounds_of_corners(figure)) {
         if (is_mirrored()) {
             box_.upper[0] = (std::max)(box_.upper[0], -box_.lower[0]);
             box_.lower[0] = -box_.upper[0];
@@ -296,7 +301,7 @@ private:
 
     std::span<const Corners<3>> figure_;
     const MakeCageOptions& options_;
-    Bounds<double, 3> box_ = bounds_of(std::span<const Point>());
+    Bounds<double, 3> box_;
     double longest_ = 0;
     DistanceLattice<3> lattice_;
 };
@@ -363,18 +368,6 @@ Status read_figure(std::span<const Vec<T, 3>> vertices, std::span<const MeshFace
     }
     report.culprit = 0;
     return Status::ok;
-}
-
-inline Bounds<double, 3> bounds_of_corners(std::span<const Corners<3>> figure) noexcept {
-    Bounds<double, 3> box = bounds_of(std::span<const Vec<double, 3>>());
-    for (const auto& corner : figure) {
-        const auto b = box_of(corner);
-        for (std::size_t k = 0; k < 3; ++k) {
-            box.lower[k] = (std::min)(box.lower[k], b.lower[k]);
-            box.upper[k] = (std::max)(box.upper[k], b.upper[k]);
-        }
-    }
-    return box;
 }
 
 /// Makes the cage and measures its exact clearance. If it is too near, tries again farther off.

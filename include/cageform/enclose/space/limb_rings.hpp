@@ -331,32 +331,19 @@ public:
 
     /// The number of the part of each face. Part 1 is the largest region on no limb's side of a ring; the
     /// others are numbered by decreasing area, images n and -n.
-    std::vector<int> numbers() {
-        std::vector<std::size_t> order(regions_.size());
-        std::iota(order.begin(), order.end(), std::size_t{0});
-        double total = 0;
-        for (const Region& region : regions_) total += region.area;
-        const auto rank = [&](std::size_t n) { // images have the same
-            return std::round(regions_[n].area / total * 1e9);
-        };
-        std::stable_sort(order.begin(), order.end(),
-                         [&](std::size_t p, std::size_t q) { return rank(p) > rank(q); });
-        const auto trunk = std::find_if_not(order.begin(), order.end(),
-                                            [&](std::size_t n) { return regions_[n].is_limb(); });
-        if (trunk != order.end()) std::rotate(order.begin(), trunk, trunk + 1);
-        int next = 1;
-        for (const std::size_t n : order) {
-            Region& region = regions_[n];
-            if (region.number != 0) continue;
-            region.number = next++;
-            const auto f = region.first;
-            Region& image = regions_[of_[own_ == of_.size() ? f : f < own_ ? f + own_ : f - own_]];
-            if (image.number != 0) continue;
-            image.number = -region.number;
-            if (region.right < 0) std::swap(region.number, image.number);
+    std::vector<int> numbers() const {
+        std::vector<double> areas(regions_.size()), right(regions_.size());
+        std::vector<std::size_t> images(regions_.size());
+        for (std::size_t n = 0; n < regions_.size(); ++n) {
+            areas[n] = regions_[n].area;
+            right[n] = regions_[n].right;
+            const auto f = regions_[n].first;
+            images[n] = of_[own_ == of_.size() ? f : f < own_ ? f + own_ : f - own_];
         }
+        const auto given =
+            part_numbers(areas, images, right, [&](std::size_t n) { return !regions_[n].is_limb(); });
         std::vector<int> numbers(of_.size());
-        for (std::size_t f = 0; f < of_.size(); ++f) numbers[f] = regions_[of_[f]].number;
+        for (std::size_t f = 0; f < of_.size(); ++f) numbers[f] = given[of_[f]];
         return numbers;
     }
 
@@ -365,7 +352,6 @@ private:
         std::uint32_t first; ///< face
         double area = 0, right = 0;
         std::vector<double> turn; ///< of each ring: how far the border winds about the way to the limb
-        int number = 0;
 
         bool is_limb() const {
             return std::any_of(turn.begin(), turn.end(), [](double t) { return t > 0; });
@@ -374,7 +360,7 @@ private:
 
     void fill(std::uint32_t start) {
         const auto n = of_[start] = static_cast<std::uint32_t>(regions_.size());
-        Region& region = regions_.emplace_back(Region{start, 0, 0, {}, 0});
+        Region& region = regions_.emplace_back(Region{start, 0, 0, {}});
         region.turn.resize(2 * shell_.rings.size());
         std::vector<std::uint32_t> waiting{start};
         while (!waiting.empty()) {

@@ -70,9 +70,10 @@ private:
         for (const auto& edge : costs_.edges()) sum += set[edge.one] != set[edge.other] ? edge.length : 0;
         return sum;
     }
-    Faces image_of(const Faces& set) const { // itself without a mirror
-        Faces image = set;
-        for (std::size_t f = 0; mirror_ && f < set.size(); ++f) image[mirror_->faces[f]] = set[f];
+    Faces image_of(const Faces& set) const {
+        if (!mirror_) return set;
+        Faces image(set.size());
+        for (std::size_t f = 0; f < set.size(); ++f) image[mirror_->faces[f]] = set[f];
         return image;
     }
     /// The connected pieces of a set, the largest first.
@@ -365,23 +366,11 @@ private:
             for (const auto v : faces_[f])
                 moment[of[f]] += mirror_ ? areas_[f] * (points_[v][mirror_->axis] - mirror_->position) : 0;
         }
-        std::vector<std::size_t> order(kept_.size()); // by area; the sizes of images differ by rounding
-        std::iota(order.begin(), order.end(), std::size_t{0});
-        const double total = std::accumulate(own.begin(), own.end(), 0.0);
-        const auto rank = [&](std::size_t n) { return std::round(own[n] / total * 1e9); };
-        std::stable_sort(order.begin(), order.end(),
-                         [&](std::size_t p, std::size_t q) { return rank(p) > rank(q); });
-        std::stable_partition(order.begin(), order.end(), [&](std::size_t n) { return n == 0; });
-        int next = 1;
-        for (Area& area : kept_) area.number = 0;
-        for (const std::size_t n : order) {
-            if (kept_[n].number != 0) continue;
-            kept_[n].number = next++;
-            const std::size_t image = kept_[n].image;
-            if (image == none || image == n) continue;
-            kept_[image].number = -kept_[n].number;
-            if (moment[n] < moment[image]) std::swap(kept_[n].number, kept_[image].number);
-        }
+        std::vector<std::size_t> images(kept_.size());
+        for (std::size_t n = 0; n < kept_.size(); ++n)
+            images[n] = kept_[n].image == none ? n : kept_[n].image;
+        const auto given = part_numbers(own, images, moment, [](std::size_t n) { return n == 0; });
+        for (std::size_t n = 0; n < kept_.size(); ++n) kept_[n].number = given[n];
         std::vector<int> list(of.size());
         for (std::size_t f = 0; f < of.size(); ++f) list[f] = kept_[of[f]].number;
         return list;

@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdlib>
+#include <numeric>
 #include <queue>
 #include <span>
 #include <utility>
@@ -15,6 +17,37 @@ namespace cageform::inline CAGEFORM_ABI::detail {
 /// 1, 2, -2, 3, -3, …
 inline bool part_precedes(int a, int b) noexcept {
     return std::abs(a) != std::abs(b) ? std::abs(a) < std::abs(b) : a > b;
+}
+
+/// Numbers for parts: 1, 2, … by decreasing area, and n and -n for a part and its image.
+///
+///   images    of each part its image by a mirror, or itself
+///   right     how far it lies where the coordinate is larger; n is the image that lies farther there
+///   is_trunk  of part n, whether it may be number 1; the largest that may is, if there is any
+template <class IsTrunk>
+std::vector<int> part_numbers(std::span<const double> areas, std::span<const std::size_t> images,
+                              std::span<const double> right, IsTrunk is_trunk) {
+    const double total = std::accumulate(areas.begin(), areas.end(), 0.0);
+    const auto rank = [&](std::size_t n) { // the areas of images differ by rounding
+        return std::round(areas[n] / total * 1e9);
+    };
+    std::vector<std::size_t> order(areas.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::size_t p, std::size_t q) { return rank(p) > rank(q); });
+    const auto trunk = std::find_if(order.begin(), order.end(), is_trunk);
+    if (trunk != order.end()) std::rotate(order.begin(), trunk, trunk + 1);
+    std::vector<int> numbers(areas.size(), 0);
+    int next = 1;
+    for (const std::size_t n : order) {
+        if (numbers[n] != 0) continue;
+        numbers[n] = next++;
+        const std::size_t image = images[n];
+        if (image == n) continue;
+        numbers[image] = -numbers[n];
+        if (right[n] < right[image]) std::swap(numbers[n], numbers[image]);
+    }
+    return numbers;
 }
 
 /// Which of some parts hang on which.
