@@ -141,20 +141,21 @@ void measure(const Motion& motion, const FittedSkeleton<T>& skeleton, double mos
 /// Refuses places so far from the others that their products overflow, and names the farthest of the first
 /// frame that has any.
 inline Status check_reach(const Motion& motion, SkeletonReport& report) noexcept {
-    for (std::size_t t = 0; t < motion.frames; ++t) {
-        double farthest = 1e30;
-        for (std::size_t i = 0; i < motion.welded.size(); ++i) {
-            for (std::size_t k = 0; k < 3; ++k) {
-                const double off = std::fabs(motion.path(motion.welded[i])[k * motion.lanes + t]);
-                if (off <= farthest) continue;
-                farthest = off;
-                report.frame = t;
-                report.vertex = i;
-            }
+    constexpr double reach = 1e30;
+    std::size_t first = motion.frames;
+    double farthest = reach;
+    for (std::size_t i = 0; i < motion.welded.size(); ++i) {
+        for (std::size_t n = 0; n < 3 * motion.lanes; ++n) {
+            const double off = std::fabs(motion.path(motion.welded[i])[n]);
+            if (off <= reach) continue;
+            const std::size_t frame = n % motion.lanes;
+            if (frame > first || (frame == first && off <= farthest)) continue;
+            first = report.frame = frame;
+            farthest = off;
+            report.vertex = i;
         }
-        if (farthest > 1e30) return Status::frame_not_finite;
     }
-    return Status::ok;
+    return first < motion.frames ? Status::frame_not_finite : Status::ok;
 }
 
 template <class T>
