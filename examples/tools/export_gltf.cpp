@@ -596,10 +596,8 @@ int run_program(int argc, char** argv) {
             line, "--max-distance", given.skeleton.distance,
             "the largest distance of a vertex from its clone, a share of the figure's size such as 0.002 or "
             "0.2%; 0 means no bound, with --bones auto 0.2%. A skin is measured in the poses of the motion, "
-            "or in "
-            "all "
-            "poses that bend by up to a tenth of the cage; without --skin and --bones the fewest of 4, 8, "
-            "12 or 16 joints that suffice")
+            "or in all poses that bend by up to a tenth of the cage; without --skin and --bones the fewest "
+            "of 4, 8, 12 or 16 joints that suffice")
             .show_default("0");
     std::vector<CommandOption> of_bones = given.skeleton.add_options(line);
     of_bones.push_back(line.add("--rate", given.rate,

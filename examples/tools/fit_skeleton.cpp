@@ -172,8 +172,7 @@ int run_program(int argc, char** argv) {
         .show_default();
     line.add("--axes", given.axes,
              "the axes of the MDD file as the figure has them: x,y,z, or x,y,-z as Blender writes them, or "
-             "x,z,-y "
-             "where the MDD file's y axis is up and the figure's z axis")
+             "x,z,-y where the MDD file's y axis is up and the figure's z axis")
         .check(fault_of_axes)
         .show_default();
     line.add("--picture", given.picture,

@@ -10,6 +10,15 @@ works "bones of OBJ files" "$fit" twist_0.obj twist_?.obj -o twist.glb --bones 3
 [ "$(head -c 4 twist.glb)" = glTF ] && [ "$(head -c 4 twist.png | tail -c 3)" = PNG ] && grep -q '^bones: 3, ' log && ok=yes || ok=no
 report $ok "skeleton, picture and report are there"
 refuses '1 bone does not keep it within 0.001 %' "$fit" twist_0.obj twist_?.obj -o out.glb --bones 1 --max-distance 0.001%
+# A cage with its vertices in reverse: a clip fits their number, and means others.
+awk 'FNR == NR { count += $1 == "v"; next } $1 == "v" { v[++n] = $0 } $1 == "f" { for (k = 2; k <= NF; k++) { split($k, part, "/"); $k = count + 1 - part[1] } f[++m] = $0 }
+  END { for (k = n; k > 0; k--) print v[k]; for (k = 1; k <= m; k++) print f[k] }' character_cage.obj character_cage.obj >reversed_cage.obj
+works "a clip of another cage" "$programs/export_gltf" character.obj --cage reversed_cage.obj --clip character_clip.csv --bones 2 --rate 5 -o reversed.glb
+grep -q 'warning: character_clip.csv: every key has the vertices of reversed_cage.obj far from where they are' log && ok=yes || ok=no
+report $ok "is warned of"
+works "a clip of this cage" "$programs/export_gltf" character.obj --cage character_cage.obj --clip character_clip.csv --bones 2 --rate 5 -o own.glb
+grep -q 'every key has' log && ok=no || ok=yes
+report $ok "is not"
 refuses 'twist_1.obj: 1 frame: a motion has two or more' "$fit" twist_0.obj twist_1.obj -o out.glb
 refuses 'character_cage.obj has 112 vertices, twist_0.obj has' "$fit" twist_0.obj twist_1.obj character_cage.obj -o out.glb
 refuses '--axes' "$fit" twist_0.obj twist_?.obj -o out.glb --axes y,x,z
@@ -43,6 +52,9 @@ head -c 30 solid.mdd >short.mdd
 { cat solid.mdd; echo; } >long.mdd
 printf '\377\377\377\377\000\000\000\004' >huge.mdd
 frames '\177\300\000\000' >nan.mdd
+works "more bones than four vertices allow" "$fit" solid.obj solid.mdd -o solid.glb --bones 3
+grep -q 'warning: solid.obj: 3 bones were asked for, and 1 bone is of use' log && ok=yes || ok=no
+report $ok "which is said"
 refuses 'empty.mdd: is no MDD file: it has 0 bytes' "$fit" solid.obj empty.mdd -o out.glb
 refuses 'short.mdd: has 30 bytes, but 2 frames of 4 vertices take 112' "$fit" solid.obj short.mdd -o out.glb
 refuses 'long.mdd: has 113 bytes' "$fit" solid.obj long.mdd -o out.glb

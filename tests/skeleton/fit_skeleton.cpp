@@ -784,6 +784,10 @@ TEST_CASE("keys of floats, of figures of any size, progress, and what is refused
     bad = skeleton;
     bad.maps[7].shift[1] = std::nan("");
     CHECK(made(bad, times, 0.1).status == Status::value_not_finite);
+    auto bad_rest = rest;
+    bad_rest[2][0] = std::nan("");
+    const auto refused = cageform::fit_skeleton_keys(skeleton, bad_rest, times, {0.1});
+    CHECK(refused.report.status == Status::value_not_finite);
 }
 
 } // namespace fit_skeleton_tests
