@@ -1,4 +1,4 @@
-// Compiles `bind`.
+// Compiles `bind`; on lines with the plane.
 #include "instantiate.hpp"
 
 #include <cageform/binding/detail/binders.impl.hpp>
@@ -11,6 +11,9 @@ namespace cageform::inline CAGEFORM_ABI::detail {
     CAGEFORM_COMPILE BindReport bind_vectors_into(std::span<Binding<T, D>>, const BindInput<T, D>&,          \
                                                   std::span<const PointReader<T>>, const BindOptions&,       \
                                                   const Running&);
-CAGEFORM_FOR_SPACES(CAGEFORM_BIND)
+CAGEFORM_BIND(CAGEFORM_T, CAGEFORM_D)
+#if CAGEFORM_D == 2
+CAGEFORM_BIND(CAGEFORM_T, 1)
+#endif
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

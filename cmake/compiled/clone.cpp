@@ -6,17 +6,11 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-#define CAGEFORM_CLONE(T, D)                                                                                 \
-    CAGEFORM_COMPILE void StridedCloner<BindingView<T, D>>::run(std::size_t, std::size_t) const noexcept;    \
-    CAGEFORM_COMPILE void StridedCloner<PackedBindingView<T, D>>::run(std::size_t, std::size_t)              \
-        const noexcept;                                                                                      \
-    CAGEFORM_COMPILE void StridedTransposed<BindingView<T, D>>::run(                                         \
-        StridedPoints<T, D>&, CloneOnto, std::size_t, std::size_t) const noexcept;                           \
-    CAGEFORM_COMPILE void StridedTransposed<PackedBindingView<T, D>>::run(                                   \
-        StridedPoints<T, D>&, CloneOnto, std::size_t, std::size_t) const noexcept;
-CAGEFORM_CLONE(float, 2)
-CAGEFORM_CLONE(float, 3)
-CAGEFORM_CLONE(double, 2)
-CAGEFORM_CLONE(double, 3)
+#define CAGEFORM_CLONE(View, T, D)                                                                           \
+    CAGEFORM_COMPILE void StridedCloner<View<T, D>>::run(std::size_t, std::size_t) const noexcept;           \
+    CAGEFORM_COMPILE void StridedTransposed<View<T, D>>::run(StridedPoints<T, D>&, CloneOnto, std::size_t,   \
+                                                             std::size_t) const noexcept;
+CAGEFORM_CLONE(BindingView, CAGEFORM_T, CAGEFORM_D)
+CAGEFORM_CLONE(PackedBindingView, CAGEFORM_T, CAGEFORM_D)
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

@@ -11,11 +11,6 @@ namespace cageform::inline CAGEFORM_ABI {
     CAGEFORM_COMPILE auto detail::GreenEvaluation<Cage>::nearest_boundary(const Vec<T, D>&, std::span<T>)    \
         const->Vec<T, D>;                                                                                    \
     CAGEFORM_COMPILE void detail::GreenEvaluation<Cage>::prepare();
-CAGEFORM_GREEN(Polygon<float>, float, 2)
-CAGEFORM_GREEN(Polygon<double>, double, 2)
-CAGEFORM_GREEN(TriangleMesh<float>, float, 3)
-CAGEFORM_GREEN(TriangleMesh<double>, double, 3)
-CAGEFORM_GREEN(PolyhedralMesh<float>, float, 3)
-CAGEFORM_GREEN(PolyhedralMesh<double>, double, 3)
+CAGEFORM_FOR_CAGES(CAGEFORM_GREEN, CAGEFORM_T)
 
 } // namespace cageform::inline CAGEFORM_ABI

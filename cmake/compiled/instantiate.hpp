@@ -1,5 +1,6 @@
-// Lists the scalars and dimensions of the compiled library. Each list calls a macro, which
-// instantiates functions for one of them.
+// What the sources of the compiled library share. CMake compiles each of them once for every scalar
+// CAGEFORM_T, float or double, and dimension CAGEFORM_D, 2 or 3, so that a program in the plane waits
+// for nothing in space.
 #pragma once
 
 #if !defined(CAGEFORM_COMPILED)
@@ -16,22 +17,17 @@
 #define CAGEFORM_COMPILE template
 #endif
 
-#define CAGEFORM_FOR_SCALARS(instantiate) instantiate(float) instantiate(double)
-#define CAGEFORM_FOR_SPACES(instantiate)                                                                     \
-    instantiate(float, 1) instantiate(float, 2) instantiate(float, 3) instantiate(double, 1)                 \
-        instantiate(double, 2) instantiate(double, 3)
-
 // The functions of the class X that compute weights, with the scalar T.
 #define CAGEFORM_EVALUATION(X, T)                                                                            \
     CAGEFORM_COMPILE Evaluation X::evaluate(BlockView<const T>, BlockView<T>, std::span<PointState>,         \
                                             const Running&) const;                                           \
     CAGEFORM_COMPILE Evaluation X::evaluate_gradients(BlockView<const T>, BlockView<T>,                      \
                                                       std::span<PointState>, const Running&) const;
-#define CAGEFORM_MEAN_VALUE(Cage, T)                                                                         \
-    CAGEFORM_EVALUATION(detail::MeanValueEvaluation<Cage>, T)                                                \
-    CAGEFORM_COMPILE void detail::MeanValueEvaluation<Cage>::prepare();
-#define CAGEFORM_HARMONIC(T, D)                                                                              \
-    CAGEFORM_COMPILE Status detail::make_adaptive(std::shared_ptr<const PlacedCage<D>>, SolverReport&,       \
-                                                  std::shared_ptr<CageFunctions<T, D>>&, const Running&);    \
-    CAGEFORM_COMPILE Status detail::make_uniform(std::shared_ptr<const PlacedCage<D>>, SolverReport&,        \
-                                                 std::shared_ptr<CageFunctions<T, D>>&, const Running&);
+
+// Calls a macro with every kind of boundary of the dimension.
+#if CAGEFORM_D == 2
+#define CAGEFORM_FOR_CAGES(instantiate, T) instantiate(Polygon<T>, T, 2)
+#else
+#define CAGEFORM_FOR_CAGES(instantiate, T)                                                                   \
+    instantiate(TriangleMesh<T>, T, 3) instantiate(PolyhedralMesh<T>, T, 3)
+#endif

@@ -10,9 +10,6 @@ namespace cageform::inline CAGEFORM_ABI::detail {
         const BindingView<T, D>&, const PackOptions&, const Running&);                                       \
     CAGEFORM_COMPILE Status pack_parts(const FigureBinding<T, D>&, const FigurePackOptions&, const Running&, \
                                        Result<PackedFigure<T, D>, FigurePackReport>&);
-CAGEFORM_PACK(float, 2)
-CAGEFORM_PACK(float, 3)
-CAGEFORM_PACK(double, 2)
-CAGEFORM_PACK(double, 3)
+CAGEFORM_PACK(CAGEFORM_T, CAGEFORM_D)
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

@@ -5,17 +5,10 @@
 
 namespace cageform::inline CAGEFORM_ABI {
 
-#define CAGEFORM_SIBSON(T, D)                                                                                \
-    CAGEFORM_COMPILE Evaluation SibsonCoordinates<T, D>::evaluate(                                           \
-        BlockView<const T>, BlockView<T>, std::span<PointState>, const Running&) const;                      \
-    CAGEFORM_COMPILE Evaluation SibsonCoordinates<T, D>::evaluate_gradients(                                 \
-        BlockView<const T>, BlockView<T>, std::span<PointState>, const Running&) const;                      \
-    CAGEFORM_COMPILE Vec<T, D> SibsonCoordinates<T, D>::nearest_boundary(const Vec<T, D>&, std::span<T>)     \
-        const;                                                                                               \
-    CAGEFORM_COMPILE Status SibsonCoordinates<T, D>::prepare();
-CAGEFORM_SIBSON(float, 2)
-CAGEFORM_SIBSON(float, 3)
-CAGEFORM_SIBSON(double, 2)
-CAGEFORM_SIBSON(double, 3)
+using Sibson = SibsonCoordinates<CAGEFORM_T, CAGEFORM_D>;
+CAGEFORM_EVALUATION(Sibson, CAGEFORM_T)
+CAGEFORM_COMPILE Vec<CAGEFORM_T, CAGEFORM_D> Sibson::nearest_boundary(const Vec<CAGEFORM_T, CAGEFORM_D>&,
+                                                                      std::span<CAGEFORM_T>) const;
+CAGEFORM_COMPILE Status Sibson::prepare();
 
 } // namespace cageform::inline CAGEFORM_ABI

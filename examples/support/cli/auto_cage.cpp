@@ -1,64 +1,21 @@
-#include "cli/auto_cage.hpp"
+#include "cli/auto_cage_model.hpp"
 
-#include "cli/guard.hpp"
-#include "cli/mesh_cage.hpp"
 #include "cli/pose_operations.hpp"
 #include "files/csv.hpp"
 #include "pictures/drawn_figure.hpp"
 
-#include <cageform/core/threads.hpp>
-#include <cageform/enclose/find_parts.hpp>
 #include <cageform/enclose/make_cage.hpp>
-#include <cageform/enclose/make_cage_3d.hpp>
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <span>
-#include <system_error>
 
 namespace cageform_examples {
 
 namespace {
 
-/// Rounds to the decimals that resolve a thousandth of `clearance`.
-double rounded(double x, double clearance) {
-    const double unit = std::pow(10.0, std::floor(std::log10(clearance / 1000)));
-    const double steps = std::round(x / unit);
-    // For units below 1 the inverse is exact, so that 0.1 does not become 0.1000000001.
-    return std::fabs(steps) < 1e15 && std::isfinite(unit) && unit > 0
-               ? (unit < 1 ? steps / std::round(1 / unit) : steps * unit)
-               : x;
-}
-
 std::string percent(double part) {
     return detail::short_number(std::round(part * 1000) / 10) + " %";
-}
-
-constexpr std::string_view lattice_prefix = "lattice:";
-
-double farthest_coordinate(std::span<const double> coordinates, double before) {
-    for (const double x : coordinates) before = std::max(before, std::fabs(x));
-    return before;
-}
-
-/// Explains why there is no cage, with the facts about the figure.
-///
-///   farthest   the figure's largest coordinate
-std::string no_cage(const cageform::MakeCageReport& report, const cageform::MakeCageOptions& options,
-                    double farthest) {
-    using Status = cageform::Status;
-    std::string why = cageform::to_string(report.status);
-    if (report.status == Status::cage_not_found && farthest > 1e14 * report.margin)
-        why += ": a margin of " + detail::short_number(report.margin) + " at coordinates of " +
-               detail::short_number(farthest) + " is below the precision of their 16 digits";
-    else if (report.status == Status::cage_not_found && report.clearance > 0)
-        why += ": the last attempt comes as near as " + detail::short_number(report.clearance) +
-               ", and the margin is " + detail::short_number(report.margin);
-    if (report.status == Status::margin_too_small && options.mirror && options.mirror->position)
-        why += ": it spans the figure and its image across the mirror at " +
-               detail::short_number(*options.mirror->position);
-    return why;
 }
 
 } // namespace
@@ -105,112 +62,6 @@ SvgResult<AutoCage<CageFile>> make_cage_for(const SvgDocument& figure,
     return AutoCage<CageFile>{make_cage("the cage of " + figure.name, std::move(blocks)), made.report};
 }
 
-SvgResult<AutoCage<ObjFile>> make_cage_for(const ObjFile& figure, const cageform::MakeCageOptions& options,
-                                           const cageform::Progress& progress) {
-    const auto made = cageform::make_cage(figure.vertices, figure.triangles, options,
-                                          {.parallel = cageform::ThreadedFor{}, .progress = progress});
-    const auto& report = made.report;
-    if (!made) {
-        double farthest = 0;
-        for (const auto& p : figure.vertices) farthest = farthest_coordinate(p.v, farthest);
-        std::string why = figure.name + ": " + no_cage(report, options, farthest);
-        if (report.status == cageform::Status::figure_empty) why += " (it holds no faces)";
-        if (report.status == cageform::Status::figure_not_finite)
-            why += " (v " + std::to_string(report.culprit + 1) + ")";
-        return SvgError{why};
-    }
-    std::string text;
-    for (const auto& p : made.value.vertices()) {
-        text += 'v';
-        for (const double x : p.v) text += ' ' + detail::digits_of(rounded(x, report.clearance));
-        text += '\n';
-    }
-    const auto parts = options.rings ? report.parts : cageform::find_parts(made.value).value;
-    for (const auto& part : parts.parts) {
-        text += "g " + part_group(part.number) + '\n';
-        for (std::size_t f = 0; f < made.value.faces().size(); ++f) {
-            if (parts.of_face[f] != part.number) continue;
-            text += 'f';
-            for (const auto v : made.value.faces()[f]) text += ' ' + std::to_string(v + 1);
-            text += '\n';
-        }
-    }
-    auto cage = parse_obj(std::move(text), "the cage of " + figure.name);
-    if (!cage) return cage.error();
-    AutoCage<ObjFile> result{std::move(*cage), report};
-    if (options.rings) result.report.parts = cage_parts(result.cage); // in the order of the file's faces
-    return result;
-}
-
-SvgResult<AutoCage<ObjFile>> with_quads(const AutoCage<ObjFile>& made, const ObjFile& figure,
-                                        const cageform::MakeCageOptions& options) {
-    const ObjFile& cage = made.cage;
-    const cageform::Result<cageform::TriangleMesh<double>, cageform::MakeCageReport> triangles{
-        {cage.vertices, cage.triangles}, made.report};
-    const auto paired = cageform::pair_faces(triangles, figure.vertices, figure.triangles, options);
-    if (!paired) return SvgError{figure.name + ": " + cageform::to_string(paired.report.status)};
-    // A quad stands in the line of its first triangle, and the line of its second one goes.
-    std::string text;
-    std::size_t begin = 0, line = 1, triangle = 0, face = 0;
-    for (; begin < cage.text.size(); ++line) {
-        const std::size_t end = cage.text.find('\n', begin) + 1;
-        if (triangle == cage.faces.size() || cage.faces[triangle].line != line) {
-            text.append(cage.text, begin, end - begin);
-        } else {
-            const auto corners =
-                face < paired.value.face_count() ? paired.value.face(face) : std::span<const std::uint32_t>{};
-            const auto is_corner = [&](std::uint32_t v) {
-                return std::find(corners.begin(), corners.end(), v) != corners.end();
-            };
-            const auto& three = cage.triangles[triangle++];
-            if (std::all_of(three.begin(), three.end(), is_corner)) {
-                text += 'f';
-                for (const auto v : corners) text += ' ' + std::to_string(v + 1);
-                text += '\n';
-                ++face;
-            }
-        }
-        begin = end;
-    }
-    auto file = parse_obj(std::move(text), cage.name);
-    if (!file) return file.error();
-    return AutoCage<ObjFile>{std::move(*file), paired.report};
-}
-
-namespace {
-
-/// Made with as many vertices as the word says; warnings go to stderr.
-template <class Figure>
-auto made_by_word(const CageWord& word, const Figure& figure) {
-    cageform::MakeCageOptions options;
-    options.vertices = word.vertices;
-    options.looseness = word.looseness;
-    options.shape = word.shape;
-    auto made = make_cage_for(figure, options);
-    if (made) {
-        for (const std::string& warning : warnings_of(made->report, options))
-            warn(figure.name + ": " + warning);
-    }
-    return made;
-}
-
-/// Extends the error of a missing file if its name may have been meant as a keyword.
-SvgError with_words(SvgError error, const std::string& word) {
-    std::error_code unknown;
-    if (std::filesystem::exists(word, unknown)) return error;
-    if (word.starts_with("box:"))
-        error.message =
-            "--cage " + detail::quoted(word) +
-            ": a box has 8 vertices, in the plane 4; write --cage box, or for N vertices hull:N or auto:N";
-    else if (word.starts_with("auto") || word.starts_with("hull") || word.starts_with("box"))
-        error.message += "; to make a cage, write auto, hull or box, for 3 to 1000000 vertices auto:N or "
-                         "hull:N, or for the "
-                         "fewest within 15 % of the tightest auto:15%";
-    return error;
-}
-
-} // namespace
-
 SvgResult<CageFile> make_lattice_for(const SvgDocument& figure, const LatticeWord& word, double margin) {
     const auto drawn = drawn_figure(figure);
     if (!drawn) return drawn.error();
@@ -226,24 +77,6 @@ SvgResult<CageFile> make_lattice_for(const SvgDocument& figure, const LatticeWor
     return make_cage("the lattice about " + figure.name, std::move(*lattice));
 }
 
-SvgResult<ObjFile> make_lattice_for(const ObjFile& figure, const LatticeWord& word, double margin) {
-    auto lattice = lattice_about<3>(word, figure.vertices, margin, figure.name);
-    if (!lattice) return lattice.error();
-    return lattice_mesh("the lattice about " + figure.name, std::move(*lattice));
-}
-
-namespace {
-
-/// The lattice that the word of --cage describes.
-template <class Figure>
-auto lattice_by_word(const std::string& word, const Figure& figure) {
-    const auto read = parse_lattice_word(std::string_view(word).substr(lattice_prefix.size()));
-    if (read) return make_lattice_for(figure, *read, lattice_margin);
-    return decltype(make_lattice_for(figure, *read, lattice_margin))(read.error());
-}
-
-} // namespace
-
 SvgResult<CageFile> load_or_make_cage(const std::string& word, const SvgDocument& figure, CageEdges edges) {
     const CageWord wanted = CageWord::of(word);
     if (wanted.is_lattice) return lattice_by_word(word, figure);
@@ -255,19 +88,6 @@ SvgResult<CageFile> load_or_make_cage(const std::string& word, const SvgDocument
     auto made = made_by_word(wanted, figure);
     if (!made) return made.error();
     return edges == CageEdges::curves ? with_curves(std::move(made->cage)) : std::move(made->cage);
-}
-
-SvgResult<ObjFile> load_or_make_cage(const std::string& word, const ObjFile& figure) {
-    const CageWord wanted = CageWord::of(word);
-    if (wanted.is_lattice) return lattice_by_word(word, figure);
-    if (!wanted.is_auto) {
-        auto cage = load_mesh_cage(word);
-        if (!cage) return with_words(cage.error(), word);
-        return cage;
-    }
-    auto made = made_by_word(wanted, figure);
-    if (!made) return made.error();
-    return std::move(made->cage);
 }
 
 std::string parse_looseness(const std::string& word, double& looseness) {

@@ -82,7 +82,7 @@ ChosenCoordinates<T, 2> make_coordinates(const CoordinatesChoice& choice, const 
         return cageform::BarycentricCoordinates<T, 2>(cage);
     });
 }
-template ChosenCoordinates<float, 2> make_coordinates(const CoordinatesChoice&, const CageFile&);
 template ChosenCoordinates<double, 2> make_coordinates(const CoordinatesChoice&, const CageFile&);
+template ChosenCoordinates<double, 2> make_coordinates(const CoordinatesChoice&, const SiteFile<2>&);
 
 } // namespace cageform_examples

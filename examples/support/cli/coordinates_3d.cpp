@@ -62,6 +62,8 @@ ChosenCoordinates<T, 3> make_coordinates(const CoordinatesChoice& choice, const 
     return made;
 }
 template ChosenCoordinates<float, 3> make_coordinates(const CoordinatesChoice&, const ObjFile&);
+template ChosenCoordinates<float, 3> make_coordinates(const CoordinatesChoice&, const SiteFile<3>&);
+template ChosenCoordinates<double, 3> make_coordinates(const CoordinatesChoice&, const SiteFile<3>&);
 template ChosenCoordinates<double, 3> make_coordinates(const CoordinatesChoice&, const ObjFile&);
 
 } // namespace cageform_examples

@@ -5,6 +5,7 @@
 #include "cli/coordinates.hpp"
 #include "cli/guard.hpp"
 
+#include <cageform/coordinates/sibson.hpp>
 #include <cageform/papers/pyramid_solver.hpp>
 
 namespace cageform_examples {
@@ -20,6 +21,16 @@ ChosenCoordinates<T, D> lattice_coordinates(const CoordinatesChoice& choice, con
     if (choice.is_named)
         warn("--coordinates " + choice.name + " is not used: a lattice has functions of its own");
     return lattice.template coordinates<T>();
+}
+
+template <class T, std::size_t D>
+ChosenCoordinates<T, D> make_coordinates(const CoordinatesChoice& choice, const SiteFile<D>& sites) {
+    cageform::SibsonOptions options{.degree = choice.name == "sibson-c1" ? 3 : 1};
+    if (choice.gradients == "gentle") options.gradients = cageform::SiteGradients::gentle;
+    if (choice.gradients == "mirrored") options.gradients = cageform::SiteGradients::mirrored;
+    ChosenCoordinates<T, D> made = cageform::SibsonCoordinates<T, D>(sites.points, options);
+    made.takes_sites = true;
+    return made;
 }
 
 } // namespace cageform_examples

@@ -149,14 +149,19 @@ public:
         , displacements_{binding.rest_handles, pose} {}
 
     /// Writes the points of blocks [begin, end).
-    void run(std::size_t begin, std::size_t end) const noexcept {
-        blocks_.template write<View>(displacements_, begin, end);
-    }
+    void run(std::size_t begin, std::size_t end) const noexcept;
 
 private:
     DisplacedBlocks<T, D, CloneTarget<T, D, Out>> blocks_;
     PoseDisplacements<T, D, Pose> displacements_;
 };
+
+// Defined outside the class, and so not inline: compilers instantiate inline functions in spite of the
+// declarations of explicit instantiations below.
+template <class View, class Pose, class Out>
+void BlockCloner<View, Pose, Out>::run(std::size_t begin, std::size_t end) const noexcept {
+    blocks_.template write<View>(displacements_, begin, end);
+}
 
 /// The cloner of poses and figures whose numbers lie at regular distances.
 template <class View>

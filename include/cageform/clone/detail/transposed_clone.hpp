@@ -67,21 +67,7 @@ public:
 
     /// Writes the gradients of handles [begin, end).
     template <class Out>
-    void run(Out& out, CloneOnto onto, std::size_t begin, std::size_t end) const noexcept {
-        HandleSums<T, D, handles_at_once> sums;
-        const std::size_t parts = (end - begin + handles_at_once - 1) / handles_at_once;
-        for (std::size_t part = 0; part < parts; ++part) {
-            const std::size_t first = begin + (end - begin) * part / parts,
-                              last = begin + (end - begin) * (part + 1) / parts;
-            sums.start(first, last - first);
-            for_blocks([&] { sums.clear_lanes(); },
-                       [&](auto& reader, std::size_t n, std::size_t from, std::size_t to) {
-                           add(sums, reader, n, from, to);
-                       },
-                       [&] { sums.add_lanes_to_totals(); });
-            for (std::size_t h = first; h < last; ++h) write(out, onto, h, sums.total(h));
-        }
-    }
+    void run(Out& out, CloneOnto onto, std::size_t begin, std::size_t end) const noexcept;
 
 private:
     static constexpr std::size_t handles_at_once = Gradients::bytes_of_sums / (D * sizeof(Lanes<T>));
@@ -182,6 +168,26 @@ private:
     std::size_t blocks_between_ = blocks_in_lanes; ///< until sums are put into double
     Vec<double, D> affine_[N][D + 1]{};            ///< a'
 };
+
+// Not inline, for `extern template` below, as BlockCloner::run.
+template <class View, std::size_t N, class Gradients>
+template <class Out>
+void TransposedClone<View, N, Gradients>::run(Out& out, CloneOnto onto, std::size_t begin,
+                                              std::size_t end) const noexcept {
+    HandleSums<T, D, handles_at_once> sums;
+    const std::size_t parts = (end - begin + handles_at_once - 1) / handles_at_once;
+    for (std::size_t part = 0; part < parts; ++part) {
+        const std::size_t first = begin + (end - begin) * part / parts,
+                          last = begin + (end - begin) * (part + 1) / parts;
+        sums.start(first, last - first);
+        for_blocks([&] { sums.clear_lanes(); },
+                   [&](auto& reader, std::size_t n, std::size_t from, std::size_t to) {
+                       add(sums, reader, n, from, to);
+                   },
+                   [&] { sums.add_lanes_to_totals(); });
+        for (std::size_t h = first; h < last; ++h) write(out, onto, h, sums.total(h));
+    }
+}
 
 /// The transposed clone of gradients and handles whose numbers lie at regular distances.
 template <class View>

@@ -1,5 +1,5 @@
 // Compiles the products of PoseSamples.
-#include "instantiate.hpp"
+#include "../instantiate.hpp"
 
 #include <cageform/pose/detail/column_products.impl.hpp>
 

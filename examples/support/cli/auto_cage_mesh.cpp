@@ -1,0 +1,102 @@
+#include "cli/auto_cage_model.hpp"
+
+#include "cli/mesh_cage.hpp"
+
+#include <cageform/core/threads.hpp>
+#include <cageform/enclose/find_parts.hpp>
+#include <cageform/enclose/make_cage_3d.hpp>
+
+namespace cageform_examples {
+
+SvgResult<AutoCage<ObjFile>> make_cage_for(const ObjFile& figure, const cageform::MakeCageOptions& options,
+                                           const cageform::Progress& progress) {
+    const auto made = cageform::make_cage(figure.vertices, figure.triangles, options,
+                                          {.parallel = cageform::ThreadedFor{}, .progress = progress});
+    const auto& report = made.report;
+    if (!made) {
+        double farthest = 0;
+        for (const auto& p : figure.vertices) farthest = farthest_coordinate(p.v, farthest);
+        std::string why = figure.name + ": " + no_cage(report, options, farthest);
+        if (report.status == cageform::Status::figure_empty) why += " (it holds no faces)";
+        if (report.status == cageform::Status::figure_not_finite)
+            why += " (v " + std::to_string(report.culprit + 1) + ")";
+        return SvgError{why};
+    }
+    std::string text;
+    for (const auto& p : made.value.vertices()) {
+        text += 'v';
+        for (const double x : p.v) text += ' ' + detail::digits_of(rounded(x, report.clearance));
+        text += '\n';
+    }
+    const auto parts = options.rings ? report.parts : cageform::find_parts(made.value).value;
+    for (const auto& part : parts.parts) {
+        text += "g " + part_group(part.number) + '\n';
+        for (std::size_t f = 0; f < made.value.faces().size(); ++f) {
+            if (parts.of_face[f] != part.number) continue;
+            text += 'f';
+            for (const auto v : made.value.faces()[f]) text += ' ' + std::to_string(v + 1);
+            text += '\n';
+        }
+    }
+    auto cage = parse_obj(std::move(text), "the cage of " + figure.name);
+    if (!cage) return cage.error();
+    AutoCage<ObjFile> result{std::move(*cage), report};
+    if (options.rings) result.report.parts = cage_parts(result.cage); // in the order of the file's faces
+    return result;
+}
+
+SvgResult<AutoCage<ObjFile>> with_quads(const AutoCage<ObjFile>& made, const ObjFile& figure,
+                                        const cageform::MakeCageOptions& options) {
+    const ObjFile& cage = made.cage;
+    const cageform::Result<cageform::TriangleMesh<double>, cageform::MakeCageReport> triangles{
+        {cage.vertices, cage.triangles}, made.report};
+    const auto paired = cageform::pair_faces(triangles, figure.vertices, figure.triangles, options);
+    if (!paired) return SvgError{figure.name + ": " + cageform::to_string(paired.report.status)};
+    // A quad stands in the line of its first triangle, and the line of its second one goes.
+    std::string text;
+    std::size_t begin = 0, line = 1, triangle = 0, face = 0;
+    for (; begin < cage.text.size(); ++line) {
+        const std::size_t end = cage.text.find('\n', begin) + 1;
+        if (triangle == cage.faces.size() || cage.faces[triangle].line != line) {
+            text.append(cage.text, begin, end - begin);
+        } else {
+            const auto corners =
+                face < paired.value.face_count() ? paired.value.face(face) : std::span<const std::uint32_t>{};
+            const auto is_corner = [&](std::uint32_t v) {
+                return std::find(corners.begin(), corners.end(), v) != corners.end();
+            };
+            const auto& three = cage.triangles[triangle++];
+            if (std::all_of(three.begin(), three.end(), is_corner)) {
+                text += 'f';
+                for (const auto v : corners) text += ' ' + std::to_string(v + 1);
+                text += '\n';
+                ++face;
+            }
+        }
+        begin = end;
+    }
+    auto file = parse_obj(std::move(text), cage.name);
+    if (!file) return file.error();
+    return AutoCage<ObjFile>{std::move(*file), paired.report};
+}
+
+SvgResult<ObjFile> make_lattice_for(const ObjFile& figure, const LatticeWord& word, double margin) {
+    auto lattice = lattice_about<3>(word, figure.vertices, margin, figure.name);
+    if (!lattice) return lattice.error();
+    return lattice_mesh("the lattice about " + figure.name, std::move(*lattice));
+}
+
+SvgResult<ObjFile> load_or_make_cage(const std::string& word, const ObjFile& figure) {
+    const CageWord wanted = CageWord::of(word);
+    if (wanted.is_lattice) return lattice_by_word(word, figure);
+    if (!wanted.is_auto) {
+        auto cage = load_mesh_cage(word);
+        if (!cage) return with_words(cage.error(), word);
+        return cage;
+    }
+    auto made = made_by_word(wanted, figure);
+    if (!made) return made.error();
+    return std::move(made->cage);
+}
+
+} // namespace cageform_examples
