@@ -28,7 +28,7 @@ endforeach()
 # The clients: of the package with the Eigen that is there, with Eigen 5 and without one, and of the sources.
 set(sources -DCAGEFORM_SOURCE=${SOURCE}/../..)
 set(eigen_5 -DCMAKE_PREFIX_PATH=${work}/eigen_5.0.1)
-foreach(client IN ITEMS "client_eigen_3;client_runtime;-DCMAKE_PREFIX_PATH=${prefix}" "client_eigen_5;client;${eigen_5}" "client_sources;client;${sources};${eigen_5}"
+foreach(client IN ITEMS "client_eigen_3;client_runtime;-DCMAKE_PREFIX_PATH=${prefix}" "client_eigen_5;client;${eigen_5}" "client_sources;client_runtime;${sources};${eigen_5}"
                         "client_runtime;client_runtime;-DCMAKE_PREFIX_PATH=${prefix};-DRUNTIME_ONLY=ON;-DCMAKE_DISABLE_FIND_PACKAGE_Eigen3=ON")
   list(POP_FRONT client folder name)
   set(client_build ${work}/${folder})

@@ -1,7 +1,7 @@
 #!/bin/sh
 # Usage: sh cmake/install_packages.sh PACKAGE…
-# Installs the Debian packages that are missing; does nothing when all are there. Where it may not, it says
-# what to install and fails.
+# Installs the Debian packages that are missing; does nothing if all are installed. Without root or sudo it
+# prints the command that installs them, and fails.
 set -eu
 
 missing=
@@ -26,8 +26,13 @@ if [ "$(id -u)" -ne 0 ]; then
     as_root=no
   fi
 fi
-if [ "$as_root" = no ] || ! command -v apt-get >/dev/null 2>&1; then
-  echo "Please install (names of the Debian 12 packages):$missing" >&2
+if ! command -v apt-get >/dev/null 2>&1; then
+  echo "Please install what these packages of Debian hold:$missing" >&2
+  exit 1
+fi
+if [ "$as_root" = no ]; then
+  echo "Packages are missing. Please run:" >&2
+  echo "  sudo apt-get install --no-install-recommends$missing" >&2
   exit 1
 fi
 

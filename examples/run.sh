@@ -27,8 +27,7 @@ step() { # WHAT
 }
 mkdir -p out
 step "configure"
-cmake -S . -B build -G Ninja -DCMAKE_BUILD_TYPE= -DCMAKE_CXX_FLAGS='-O2 -march=native' -DCAGEFORM_BUILD_TESTS=OFF \
-  -DCAGEFORM_BUILD_BENCH=OFF -DCAGEFORM_BUILD_COMPILED=ON -DCAGEFORM_WARNINGS_AS_ERRORS="${CAGEFORM_WARNINGS_AS_ERRORS:-OFF}" >/dev/null
+cmake --preset examples >/dev/null
 build() { # [TARGETS]
   if [ -t 1 ]; then # ninja keeps to one line
     cmake --build build "$@"
@@ -67,7 +66,7 @@ done
 echo "        out/cat.png is the cat at rest and in five poses, after $(($(date +%s) - start)) s"
 [ "$mode" != cat ] || exit 0
 
-step "build all other programs (about five minutes)"
+step "build all other programs (some minutes)"
 build
 step "lessons"
 for lesson in "$programs"/[0-2]*; do

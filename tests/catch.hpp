@@ -1,15 +1,13 @@
-// Hides which Catch2 is installed: version 2 (Debian 12) or 3.
+// Hides which Catch2 is installed, version 2 (Debian 12) or 3, and chooses the scalars of the tests.
 #pragma once
 
+#include "support/precompiled.hpp"
+
+#include <cstdlib>
+#include <string_view>
+
 #if defined(CAGEFORM_CATCH3)
-#include <catch2/catch_approx.hpp>
-#include <catch2/catch_template_test_macros.hpp>
-#include <catch2/catch_test_macros.hpp>
-#include <catch2/generators/catch_generators.hpp>
-#include <catch2/generators/catch_generators_range.hpp>
 using Catch::Approx;
-#else
-#include <catch2/catch.hpp>
 #endif
 
 /// Whether this is a build with the address sanitizer, in which long computations take minutes.
@@ -21,15 +19,25 @@ using Catch::Approx;
 #endif
 #endif
 
-/// The scalars that a test is compiled for. Nothing that sanitizers detect depends on the scalar except
-/// the width of the blocks, so they test one scalar: the other would double the time to compile.
+/// The scalars that a test is compiled for. Rooms whose templates do the same for both define
+/// CAGEFORM_ONE_SCALAR: one scalar is tested without sanitizers, the other with them. Each further scalar
+/// doubles the time to compile.
 #if defined(CAGEFORM_SANITIZED)
 #define CAGEFORM_SCALARS float
+#elif defined(CAGEFORM_ONE_SCALAR)
+#define CAGEFORM_SCALARS double
 #else
 #define CAGEFORM_SCALARS float, double
 #endif
 
-/// `GENERATE(seeds(50))` runs a test case for the seeds 0 … 49.
+/// Whether all seeds are to be tested: in the long campaigns of nightly.sh.
+inline bool all_seeds() {
+    static const char* const choice = std::getenv("CAGEFORM_TEST_SEEDS");
+    return choice != nullptr && std::string_view(choice) == "all";
+}
+
+/// `GENERATE(seeds(50))` runs a test case for the seeds 0 … 49, and without `all_seeds` for a fourth of them,
+/// at least 8: tests/mutants finds no fault that only the others notice.
 inline auto seeds(int count) {
-    return Catch::Generators::range(0, count);
+    return Catch::Generators::range(0, all_seeds() || count <= 8 ? count : (std::max)(8, count / 4));
 }

@@ -23,6 +23,15 @@ long=$(find include examples bench \( -name '*.hpp' -o -name '*.cpp' \) -exec en
   /^\)"/ { raw = 0 }' {} +)
 printf '%s\n' "$long"
 count 'lines over 110 columns' "$(printf '%s' "$long" | grep -c .)" 0
+# Words that windows.h or what it includes defines as macros; min and max it defines as functions.
+words="near|far|small|hyper|interface|pascal|cdecl|ABSOLUTE|ALTERNATE|CALLBACK|CONST|DELETE|DIFFERENCE|DOMAIN|DUPLICATE|ERROR|FALSE|FAR|IGNORE|IN|INFINITE|INTERFACE|NEAR|OPAQUE|OPTIONAL|OUT|OVERFLOW|PLANES|PURE|REGISTERED|RELATIVE|RGB|STRICT|THIS|TRANSPARENT|TRUE|UNDERFLOW|VOID|WINDING|CreateFont|DrawText|FindText|GetMessage|GetObject|LoadImage|MoveMemory|SendMessage|Yield"
+macros=$(find include -name '*.hpp' -exec env LC_ALL=C "$awk" -v words="$words" '
+  /R"[a-z]*\(/ { raw = 1 }
+  { text = $0; gsub(/"([^"\\]|\\.)*"/, "", text); sub(/\/\/.*/, "", text) }
+  !raw && text ~ "(^|[^A-Za-z0-9_])((" words ")([^A-Za-z0-9_]|$)|(min|max)[(])" { print FILENAME ":" FNR ": " $0 }
+  /\)[a-z]*"/ { raw = 0 }' {} +)
+printf '%s\n' "$macros"
+count 'words that windows.h defines' "$(printf '%s' "$macros" | grep -c .)" 0
 count 'headers that a user includes' "$(printf '%s\n' "$included" | grep -c .)" 79 # one more for each coordinate type and kind of cage; fit_lattice; fit_skeleton; find_parts
 # They hold no machinery: that is in headers of a folder below.
 # shellcheck disable=SC2086 # the lists are meant to be split

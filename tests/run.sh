@@ -1,14 +1,32 @@
 #!/bin/sh
-# Usage: sh tests/run.sh [PRESET]
-# Installs what the tests need (Debian), builds and runs them through ctest. PRESET is one of the workflow presets:
+# Usage: sh tests/run.sh [PRESET [ROOM…]]
+# Installs what the tests need (Debian 12 and 13), builds and runs them through ctest. PRESET is one of
 #   dev      all tests with g++ and portable flags, and the example programs as a newcomer runs them (the default)
 #   asan     all tests of the library with clang under the address and undefined behaviour sanitizers;
 #            lines in its reports, longer to compile: cmake --preset asan -DCMAKE_BUILD_TYPE=Debug
 #   native   the kernels' tests for this processor's registers, with clang
 #   release  what dev tests, and the benchmarks, with the flags that figures are taken with
+#   nightly  what dev tests, with both scalars in every room; tests/nightly.sh runs it with all seeds
+# ROOM is a folder of tests that mirrors one of include/cageform, as clone: its tests alone are built and run.
+# One test: ctest --test-dir build -R 'clone_tests: .*rest' (build/PRESET of other presets); -N lists them.
 set -eu
 cd "$(dirname "$0")/.."
 preset=${1:-dev}
+[ $# -eq 0 ] || shift
+case $preset in
+  dev) build=build ;;
+  asan | native | release | nightly) build=build/$preset ;;
+  *)
+    echo "tests/run.sh: there is no preset $preset; usage: sh tests/run.sh [dev | asan | native | release | nightly [ROOM...]]" >&2
+    exit 2
+    ;;
+esac
+for room in "$@"; do
+  [ -d "tests/$room" ] && [ -d "include/cageform/$room" ] || {
+    echo "tests/run.sh: there is no room $room; the rooms are the folders of include/cageform" >&2
+    exit 2
+  }
+done
 packages='cmake ninja-build libeigen3-dev libglm-dev catch2 nlohmann-json3-dev libpugixml-dev zlib1g-dev libtinyobjloader-dev
   libstb-dev libgmp-dev libegl-dev libgl-dev libopengl-dev libgl1-mesa-dri'
 case $preset in
@@ -22,14 +40,31 @@ case $preset in
     fi
     ;;
   *)
-    packages="$packages g++ pkg-config librsvg2-bin tango-icon-theme libtinygltf-dev python3-numpy
+    packages="$packages g++ libcli11-dev pkg-config librsvg2-bin tango-icon-theme libtinygltf-dev python3-numpy
       g++-mingw-w64-x86-64-win32 g++-arm-linux-gnueabihf qemu-user"
     command -v npm >/dev/null 2>&1 || packages="$packages nodejs npm"
     [ "$preset" != release ] || packages="$packages libbenchmark-dev libsuitesparse-dev libopenblas0-serial libcgal-dev
       libmpfr-dev"
-    CAGEFORM_WARNINGS_AS_ERRORS=ON sh examples/run.sh --build-only
     ;;
 esac
 # shellcheck disable=SC2086 # the list is meant to be split
 sh cmake/install_packages.sh $packages
-cmake --workflow --preset "$preset"
+cmake --preset "$preset" >/dev/null
+targets='' filter=''
+for room in "$@"; do
+  targets="$targets ${room}_tests"
+  filter="$filter${filter:+|}^${room}_tests: "
+done
+# shellcheck disable=SC2086
+cmake --build "$build" ${targets:+--target $targets}
+# Ends with the reasons of skipped tests, and with the names of failed tests and the commands that repeat them.
+code=0
+ctest --test-dir "$build" --output-on-failure -j "$(nproc 2>/dev/null || echo 2)" ${filter:+-R "$filter"} || code=$?
+sed -n 's/^skipped: /Skipped: /p' "$build/Testing/Temporary/LastTest.log"
+[ $code -ne 0 ] || exit 0
+echo 'To repeat a test that failed:'
+sed 's/^[0-9]*://' "$build/Testing/Temporary/LastTestsFailed.log" | while read -r name; do
+  pattern=$(printf %s "$name" | sed 's/[][().*+?^$\\|]/\\&/g')
+  echo "  ctest --test-dir $build --output-on-failure -R '^$pattern\$'"
+done
+exit 1

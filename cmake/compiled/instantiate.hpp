@@ -1,4 +1,4 @@
-// What the sources of the compiled library share. CMake compiles each of them once for every scalar
+// Macros of the sources of the compiled library. CMake compiles each of them once for every scalar
 // CAGEFORM_T, float or double, and dimension CAGEFORM_D, 2 or 3, so that a program in the plane waits
 // for nothing in space.
 #pragma once

@@ -34,12 +34,13 @@ from locations import EIGEN, HEADERS, ROOT, Finder, rewritten
 
 WORK = ROOT / "build" / "mutants"
 PACKAGES = "clang-19 python3-clang-19 libeigen3-dev libglm-dev nlohmann-json3-dev catch2".split()
-PROGRAMS = {  # as in tests/CMakeLists.txt: the folders of a program
-    "core_adapt": ["core", "adapt"],
-    "animate": ["animate"],
+PROGRAMS = {  # rooms that instantiate the same templates are one program
+    "core": ["core", "adapt"],
+    "animate": ["animate", "exchange"],
     "enclose": ["enclose"],
-    "binding_clone": ["binding", "clone"],
-    "coordinates_grid_surface_cage": ["coordinates", "grid", "surface", "cage"],
+    "pose": ["pose", "skeleton"],
+    "binding": ["binding", "clone"],
+    "coordinates": ["coordinates", "grid", "fields", "papers", "cage"],
 }
 CLANG = ["clang++-19", "-std=c++20", "-w"]
 
@@ -132,7 +133,7 @@ def copy_of(header):
 def catch_main():
     path = WORK / "main.o"
     if not path.exists():
-        subprocess.run([*CLANG, "-c", str(ROOT / "tests/main.cpp"), "-o", str(path)], check=True)
+        subprocess.run([*CLANG, *EIGEN, "-c", str(ROOT / "tests/main.cpp"), "-o", str(path)], check=True)
     return path
 
 

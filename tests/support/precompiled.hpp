@@ -1,15 +1,24 @@
-// What nearly all tests include and no change of the library touches; compiled once for all test programs.
+// Headers that nearly all tests include and that do not change with the library: precompiled once.
 #pragma once
 
-#include "../catch.hpp"
+#if defined(CAGEFORM_CATCH3)
+#include <catch2/catch_approx.hpp>
+#include <catch2/catch_template_test_macros.hpp>
+#include <catch2/catch_test_macros.hpp>
+#include <catch2/generators/catch_generators.hpp>
+#include <catch2/generators/catch_generators_range.hpp>
+#else
+#include <catch2/catch.hpp>
+#endif
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
+#include <glm/glm.hpp>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <functional>
-#include <glm/glm.hpp>
 #include <map>
 #include <memory>
 #include <random>

@@ -1,4 +1,4 @@
-// What cages in the plane and in space share: the words of --cage and the texts of errors.
+// Functions for made cages of both dimensions: the words of --cage and the texts of errors.
 #pragma once
 
 #include "cli/auto_cage.hpp"

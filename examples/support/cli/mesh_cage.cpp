@@ -2,7 +2,6 @@
 
 #include "cli/guard.hpp"
 
-#include <cageform/cage/detail/check_faces.impl.hpp>
 #include <cageform/enclose/space/part_labels.hpp>
 
 #include <algorithm>

@@ -1,0 +1,221 @@
+#include "files/gltf_file.hpp"
+
+namespace cageform_examples {
+
+SvgResult<ObjTexture> read_texture(const ObjFile& file) {
+    ObjTexture texture;
+    std::vector<std::string_view> words;
+    std::size_t line = 1, total = 0;
+    const auto refuse = [&](const std::string& why) { return SvgError{file.name + ": " + why, line}; };
+    for (detail::ObjScanner scanner(file.text); scanner.next(words, line);) total += words[0] == "vt" ? 1 : 0;
+    for (detail::ObjScanner scanner(file.text); scanner.next(words, line);) {
+        if (words[0] == "vt") {
+            std::array<double, 2> st{};
+            for (std::size_t k = 0; k < 2 && k + 1 < words.size(); ++k) {
+                const std::string why = detail::parse_number(words[k + 1], st[k]);
+                if (!why.empty()) return refuse(why);
+                if (!std::isfinite(float(st[k]))) return refuse("a texture coordinate is not finite");
+            }
+            texture.coordinates.push_back({float(st[0]), 1 - float(st[1])}); // 3.7.2.1: v counts from the top
+        } else if (words[0] == "f") {
+            auto& corners = texture.of_face.emplace_back();
+            for (const std::string_view word : std::span(words).subspan(1)) {
+                std::uint32_t& index = corners.emplace_back(ObjCorner::none);
+                const std::size_t first = word.find('/'), second = word.find('/', first + 1);
+                if (first == std::string_view::npos || first + 1 == std::min(second, word.size())) continue;
+                const std::string why =
+                    detail::parse_index(word.substr(first + 1, second - first - 1),
+                                        texture.coordinates.size(), total, "texture", index);
+                if (!why.empty()) return refuse(why);
+            }
+        }
+    }
+    return texture;
+}
+
+SvgResult<std::vector<GltfMesh>> gltf_meshes(const ObjFile& file, const ObjParts& parts) {
+    if (file.triangles.empty()) return SvgError{file.name + ": holds no faces"};
+    const auto texture = read_texture(file);
+    if (!texture) return texture.error();
+    std::vector<GltfMesh> meshes;
+    std::vector<std::vector<std::size_t>> of_object(parts.objects.size()); // triangles
+    for (std::size_t t = 0; t < file.triangles.size(); ++t)
+        of_object[parts.face_objects[file.triangle_faces[t]]].push_back(t);
+    std::vector<std::uint32_t> place(file.vertices.size()); // of a vertex in the mesh
+    for (std::size_t o = 0; o < of_object.size(); ++o) {
+        GltfMesh mesh{parts.objects[o], {}, {}, {}};
+        std::fill(place.begin(), place.end(), of_object.size() == 1 ? 0 : ObjCorner::none);
+        for (const std::size_t t : of_object[o]) {
+            for (const std::uint32_t vertex : file.triangles[t]) place[vertex] = 0;
+        }
+        for (std::uint32_t v = 0; v < file.vertices.size(); ++v) {
+            if (place[v] == ObjCorner::none) continue;
+            place[v] = std::uint32_t(mesh.corners.size());
+            mesh.corners.push_back({v, ObjCorner::none, ObjCorner::none});
+        }
+        std::map<GltfMesh::Corner, std::uint32_t> known;
+        std::vector<bool> met(mesh.corners.size()); // whether a corner has taken the vertex's own place
+        std::map<std::uint32_t, std::size_t> part_of;
+        for (const std::size_t t : of_object[o]) {
+            const std::size_t f = file.triangle_faces[t];
+            const ObjFace& face = file.faces[f];
+            const auto [part, is_first] = part_of.insert({parts.face_materials[f], mesh.parts.size()});
+            if (is_first) mesh.parts.push_back({parts.face_materials[f], {}});
+            for (const std::uint32_t vertex : file.triangles[t]) {
+                const auto at =
+                    std::find_if(face.corners.begin(), face.corners.end(),
+                                 [&](const ObjCorner& corner) { return corner.vertex == vertex; });
+                const std::uint32_t st = texture->of_face[f][std::size_t(at - face.corners.begin())];
+                const GltfMesh::Corner corner{vertex, at->normal, st};
+                const std::uint32_t own = place[vertex];
+                const auto next = std::uint32_t(met[own] ? mesh.corners.size() : own);
+                const auto [index, added] = known.insert({corner, next});
+                if (added && met[own]) mesh.corners.push_back(corner);
+                if (added && !met[own]) mesh.corners[own] = corner;
+                met[own] = true;
+                mesh.parts[part->second].indices.push_back({index->second});
+            }
+        }
+        if (!texture->coordinates.empty()) {
+            for (const auto& corner : mesh.corners)
+                mesh.texture.push_back(corner.texture == ObjCorner::none
+                                           ? std::array<float, 2>{}
+                                           : texture->coordinates[corner.texture]);
+        }
+        meshes.push_back(std::move(mesh));
+    }
+    return meshes;
+}
+
+std::vector<std::array<float, 3>> gltf_positions(const GltfMesh& mesh, std::span<const Point3> places) {
+    std::vector<std::array<float, 3>> positions;
+    for (const auto& corner : mesh.corners) {
+        const Point3& p = places[corner.vertex];
+        positions.push_back({float(p[0]), float(p[1]), float(p[2])});
+    }
+    return positions;
+}
+
+std::vector<std::array<float, 3>> gltf_normals(const GltfMesh& mesh, const ObjFile& file,
+                                               std::span<const Point3> places) {
+    const std::vector<Point3> turned = deformed_normals(file, places);
+    std::vector<Point3> smooth(file.vertices.size());
+    for (const ObjFace& face : file.faces) {
+        const Point3 area = detail::area_vector(face, places);
+        for (const ObjCorner& corner : face.corners) smooth[corner.vertex] = smooth[corner.vertex] + area;
+    }
+    std::vector<std::array<float, 3>> normals;
+    for (const auto& corner : mesh.corners) {
+        Point3 n = corner.normal == ObjCorner::none ? smooth[corner.vertex] : turned[corner.normal];
+        if (const double length = std::hypot(n[0], n[1], n[2]); length > 0 && std::isfinite(length))
+            n = (1 / length) * n;
+        else
+            n = {0, 0, 1}; // any will do where the faces have no area
+        normals.push_back({float(n[0]), float(n[1]), float(n[2])});
+    }
+    return normals;
+}
+
+GltfJson gltf_attributes(GltfDocument& document, const GltfMesh& mesh, const ObjFile& file) {
+    using Use = GltfDocument::Use;
+    GltfJson attributes;
+    attributes["POSITION"] = document.add(gltf_positions(mesh, file.vertices), Use::vertices, true);
+    attributes["NORMAL"] = document.add(gltf_normals(mesh, file, file.vertices), Use::vertices);
+    if (!mesh.texture.empty()) attributes["TEXCOORD_0"] = document.add(mesh.texture, Use::vertices);
+    return attributes;
+}
+
+GltfJson gltf_primitives(GltfDocument& document, const GltfMesh& mesh, const GltfJson& attributes,
+                         const GltfJson& targets) {
+    GltfJson primitives = GltfJson::array();
+    for (const GltfMesh::Part& part : mesh.parts) {
+        std::size_t indices = 0;
+        if (mesh.corners.size() < 65535) { // 3.7.2.1: the largest index is not a vertex
+            std::vector<std::array<std::uint16_t, 1>> narrow;
+            for (const auto& index : part.indices) narrow.push_back({std::uint16_t(index[0])});
+            indices = document.add(narrow, GltfDocument::Use::indices);
+        } else {
+            indices = document.add(part.indices, GltfDocument::Use::indices);
+        }
+        GltfJson primitive = {{"attributes", attributes}, {"indices", indices}, {"material", part.material}};
+        if (!targets.is_null()) primitive["targets"] = targets;
+        primitives.push_back(std::move(primitive));
+    }
+    return primitives;
+}
+
+std::vector<std::string> add_materials(GltfDocument& document, const ObjParts& parts, bool textured) {
+    std::vector<std::string> warnings;
+    std::map<std::string, std::optional<std::size_t>> known; // textures, of pictures
+    const auto texture_of = [&](const ObjMaterial& material) -> std::optional<std::size_t> {
+        const auto [place, is_new] = known.insert({material.texture, std::nullopt});
+        if (!is_new) return place->second;
+        const auto bytes = read_file(material.texture);
+        const bool is_png = bytes && bytes->starts_with("\x89PNG\r\n\x1a\n");
+        const bool is_jpeg = bytes && bytes->starts_with("\xff\xd8\xff");
+        if (!is_png && !is_jpeg) {
+            warnings.push_back(!bytes ? bytes.error().message
+                                      : material.texture +
+                                            ": is neither PNG nor JPEG, the formats of glTF: the material " +
+                                            detail::quoted(material.name) + " is written without it");
+            return std::nullopt;
+        }
+        const std::size_t image =
+            document.append("images", {{"name", std::filesystem::path(material.texture).stem().string()},
+                                       {"mimeType", is_png ? "image/png" : "image/jpeg"},
+                                       {"bufferView", document.add_bytes(*bytes)}});
+        place->second = document.append("textures", {{"source", image}});
+        return place->second;
+    };
+    bool is_bright = false;
+    for (const ObjMaterial& material : parts.materials) {
+        const auto& c = material.colour;
+        GltfJson pbr = {{"baseColorFactor", {c[0], c[1], c[2], material.opacity}},
+                        {"metallicFactor", material.metallic},
+                        {"roughnessFactor", material.roughness}};
+        if (!material.texture.empty() && !textured) {
+            warnings.push_back("the figure has no texture coordinates for the texture of the material " +
+                               detail::quoted(material.name));
+        } else if (!material.texture.empty()) {
+            if (const auto texture = texture_of(material)) pbr["baseColorTexture"] = {{"index", *texture}};
+        }
+        GltfJson written = {{"name", material.name}, {"pbrMetallicRoughness", std::move(pbr)}};
+        const auto& e = material.emission;
+        if (const double most = std::max({e[0], e[1], e[2]}); most > 0) {
+            const double scale = std::max(most, 1.0); // 3.9.3: factors end at 1
+            written["emissiveFactor"] = {e[0] / scale, e[1] / scale, e[2] / scale};
+            if (scale > 1) {
+                written["extensions"]["KHR_materials_emissive_strength"] = {{"emissiveStrength", scale}};
+                is_bright = true;
+            }
+        }
+        if (material.opacity < 1) written["alphaMode"] = "BLEND";
+        written["doubleSided"] = true; // as OBJ files are drawn
+        document.append("materials", std::move(written));
+    }
+    if (is_bright) document.json["extensionsUsed"].push_back("KHR_materials_emissive_strength");
+    return warnings;
+}
+
+cageform::Result<cageform::GltfTrack, cageform::ExchangeReport>
+gltf_track(const PoseClip& clip, std::span<const double> values, std::size_t components) {
+    const std::size_t keys = clip.keys.size();
+    std::vector<cageform::BezierCurve> curves(keys * components);
+    std::vector<double> own(keys);
+    for (std::size_t c = 0; c < components; ++c) {
+        for (std::size_t k = 0; k < keys; ++k) own[k] = values[k * components + c];
+        const auto curve = curve_through(clip, own);
+        for (std::size_t k = 0; k < keys; ++k) {
+            const auto& p = curve.pieces()[k];
+            const double end = k + 1 < keys ? clip.keys[k + 1].time : clip.length, h = end - p.begin;
+            const double last = own[(k + 1) % keys];
+            curves[k * components + c].points = {{{p.begin, p.c0},
+                                                  {p.begin + h / 3, p.c0 + p.c1 * h / 3},
+                                                  {end - h / 3, p.c0 + h / 3 * (2 * p.c1 + p.c2 * h)},
+                                                  {end, last}}};
+        }
+    }
+    return cageform::to_gltf_cubicspline(curves, components);
+}
+
+} // namespace cageform_examples

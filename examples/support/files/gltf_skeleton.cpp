@@ -1,0 +1,117 @@
+#include "files/gltf_skeleton.hpp"
+
+namespace cageform_examples {
+
+void add_skinned_meshes(GltfDocument& document, std::span<const GltfMesh> meshes, const ObjFile& figure,
+                        const cageform::SkinWeights& skin, const std::string& weights, std::size_t joints,
+                        std::size_t still) {
+    const auto add = [&]<class Weight>(const std::vector<Weight>& list) {
+        for (const GltfMesh& mesh : meshes) {
+            GltfJson attributes = gltf_attributes(document, mesh, figure);
+            const std::span<const Weight> all(list);
+            if (joints <= 256)
+                add_skin_attributes<std::uint8_t>(document, attributes, mesh, skin, all, still);
+            else
+                add_skin_attributes<std::uint16_t>(document, attributes, mesh, skin, all, still);
+            document.append(
+                "meshes", {{"name", mesh.name}, {"primitives", gltf_primitives(document, mesh, attributes)}});
+        }
+    };
+    if (weights == "unorm8")
+        add(cageform::to_normalised<std::uint8_t>(skin));
+    else if (weights == "unorm16")
+        add(cageform::to_normalised<std::uint16_t>(skin));
+    else
+        add(skin.weights);
+}
+
+std::vector<std::size_t> add_mesh_nodes(GltfDocument& document, std::span<const GltfMesh> meshes,
+                                        bool has_skin) {
+    std::vector<std::size_t> nodes;
+    for (std::size_t m = 0; m < meshes.size(); ++m) {
+        GltfJson node = {{"name", meshes[m].name}, {"mesh", m}};
+        if (has_skin) node["skin"] = 0;
+        nodes.push_back(document.append("nodes", std::move(node)));
+    }
+    return nodes;
+}
+
+std::array<double, 3> rounded(const Point3& p) {
+    return {double(float(p[0])), double(float(p[1])), double(float(p[2]))};
+}
+
+std::array<float, 16> inverse_bind(const std::array<double, 3>& place) {
+    return {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, -float(place[0]), -float(place[1]), -float(place[2]), 1};
+}
+
+void add_channel(GltfJson& animation, std::size_t node, const char* path, std::size_t input,
+                 const char* interpolation, std::size_t output) {
+    animation["samplers"].push_back({{"input", input}, {"interpolation", interpolation}, {"output", output}});
+    animation["channels"].push_back(
+        {{"sampler", animation["samplers"].size() - 1}, {"target", {{"node", node}, {"path", path}}}});
+}
+
+void add_skeleton(GltfDocument& document, std::span<const GltfMesh> meshes,
+                  const cageform::FittedSkeleton<double>& skeleton,
+                  const cageform::SkeletonKeys<double>& keys, const std::string& name) {
+    constexpr auto no_parent = cageform::FittedSkeleton<double>::no_parent;
+    std::vector<std::size_t> roots = add_mesh_nodes(document, meshes, true);
+    roots.push_back(document.append("nodes", {{"name", name}}));
+    std::vector<std::size_t> nodes, joints; // of each bone; the joint also turns to the scale's axes
+    std::vector<std::array<float, 16>> inverse;
+    for (std::size_t b = 0; b < skeleton.bones; ++b) {
+        const auto place = rounded(skeleton.joints[b]);
+        const std::uint32_t parent = skeleton.parents[b];
+        Point3 from = skeleton.joints[b];
+        if (parent != no_parent) {
+            const auto [x, y, z] = rounded(skeleton.joints[parent]);
+            from = Point3{place[0], place[1], place[2]} - Point3{x, y, z};
+        }
+        const std::string own = "bone " + std::to_string(b);
+        nodes.push_back(document.append("nodes", {{"name", own}, {"translation", rounded(from)}}));
+        joints.push_back(nodes.back());
+        document.json["nodes"][parent == no_parent ? roots.back() : joints[parent]]["children"].push_back(
+            nodes.back());
+        const auto& axes = keys.bones[b].axes;
+        if (axes.times.size() > 1 || axes.values[0] != cageform::Quaternion<double>{0, 0, 0, 1}) {
+            joints.back() = document.append("nodes", {{"name", own + ", axes"}});
+            document.json["nodes"][nodes.back()]["children"].push_back(joints.back());
+        }
+        inverse.push_back(inverse_bind(place));
+    }
+    GltfJson animation = {{"name", name}};
+    std::map<std::vector<double>, std::size_t> inputs;
+    for (std::size_t b = 0; b < skeleton.bones; ++b) {
+        const auto& bone = keys.bones[b];
+        detail::add_keys(document, animation, nodes[b], "translation", bone.translation, inputs);
+        detail::add_keys(document, animation, nodes[b], "rotation", bone.rotation, inputs);
+        if (bone.scale.times.size() > 1 || bone.scale.values[0] != Point3{1, 1, 1})
+            detail::add_keys(document, animation, nodes[b], "scale", bone.scale, inputs);
+        if (joints[b] != nodes[b])
+            detail::add_keys(document, animation, joints[b], "rotation", bone.axes, inputs);
+    }
+    document.append("skins", {{"inverseBindMatrices", document.add(inverse, GltfDocument::Use::other)},
+                              {"skeleton", roots.back()},
+                              {"joints", joints}});
+    document.append("scenes", {{"nodes", roots}});
+    if (animation.contains("channels")) document.append("animations", std::move(animation));
+}
+
+std::string describe_gltf(const std::string& path, std::span<const GltfMesh> meshes, const ObjParts& parts,
+                          const ObjFile& figure, const std::string& moved, std::size_t bytes) {
+    const auto count = [](std::size_t n, const char* thing) {
+        return std::to_string(n) + ' ' + thing + (n == 1 ? ", " : "s, ");
+    };
+    std::size_t vertices = 0;
+    for (const GltfMesh& mesh : meshes) vertices += mesh.corners.size();
+    return path + ": " + count(meshes.size(), "object") + count(parts.materials.size(), "material") +
+           std::to_string(vertices) + " vertices, " + std::to_string(figure.triangles.size()) +
+           " triangles, " + moved + ", " + std::to_string(bytes) + " bytes";
+}
+
+SvgResult<std::string> gltf_bytes(const GltfDocument& document, const std::string& path) {
+    if (document.bytes() > 0x7fffffff) return SvgError{path + ": would be larger than the format allows"};
+    return document.text(std::filesystem::path(path).extension() != ".gltf");
+}
+
+} // namespace cageform_examples

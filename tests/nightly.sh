@@ -1,0 +1,20 @@
+#!/bin/sh
+# Usage: sh tests/nightly.sh
+# The long campaigns, hours: all tests with all seeds and both scalars, thousands of icons, 200 mutants of the headers.
+# Ends with what failed, and exits with 1 then.
+set -u
+cd "$(dirname "$0")/.." || exit 1
+failed=
+campaign() { # COMMAND…
+  echo "=== $*"
+  "$@" || failed="$failed
+  $*"
+}
+CAGEFORM_TEST_SEEDS=all campaign sh tests/run.sh nightly
+campaign sh tests/icons/run.sh
+campaign sh tests/icons/cages.sh
+campaign sh tests/icons/frames.sh
+campaign /usr/bin/python3 tests/mutants/run.py
+[ -z "$failed" ] && exit 0
+echo "Failed:$failed"
+exit 1
