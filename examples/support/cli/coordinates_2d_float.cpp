@@ -1,0 +1,8 @@
+#include "cli/coordinates_2d.hpp"
+
+namespace cageform_examples {
+
+template ChosenCoordinates<float, 2> make_coordinates(const CoordinatesChoice&, const CageFile&);
+template ChosenCoordinates<float, 2> make_coordinates(const CoordinatesChoice&, const SiteFile<2>&);
+
+} // namespace cageform_examples
