@@ -7,10 +7,14 @@
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/generators/catch_generators.hpp>
 #include <catch2/generators/catch_generators_range.hpp>
+#include <catch2/matchers/catch_matchers.hpp>
+#include <catch2/matchers/catch_matchers_string.hpp>
 using Catch::Approx;
 #else
 #include <catch2/catch.hpp>
 #endif
+
+#include <string>
 
 /// Whether this is a build with the address sanitizer, in which long computations take minutes.
 #if defined(__SANITIZE_ADDRESS__)
@@ -32,4 +36,13 @@ using Catch::Approx;
 /// `GENERATE(seeds(50))` runs a test case for the seeds 0 … 49.
 inline auto seeds(int count) {
     return Catch::Generators::range(0, count);
+}
+
+/// `CHECK_THAT(text, containing("part"))`: the matcher's name differs.
+inline auto containing(const std::string& part) {
+#if defined(CAGEFORM_CATCH3)
+    return Catch::Matchers::ContainsSubstring(part);
+#else
+    return Catch::Matchers::Contains(part);
+#endif
 }
