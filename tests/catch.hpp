@@ -41,3 +41,12 @@ inline bool all_seeds() {
 inline auto seeds(int count) {
     return Catch::Generators::range(0, all_seeds() || count <= 8 ? count : (std::max)(8, count / 4));
 }
+
+/// `CHECK_THAT(text, containing("part"))`: the matcher's name differs.
+inline auto containing(const std::string& part) {
+#if defined(CAGEFORM_CATCH3)
+    return Catch::Matchers::ContainsSubstring(part);
+#else
+    return Catch::Matchers::Contains(part);
+#endif
+}

@@ -42,6 +42,7 @@
 #include <cageform/clone/clone.hpp>
 
 #include <iostream>
+#include <sstream>
 
 namespace {
 

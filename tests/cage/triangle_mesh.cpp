@@ -2,6 +2,8 @@
 #include "../catch.hpp"
 #include "../support/meshes.hpp"
 
+#include <random>
+
 namespace triangle_mesh_tests {
 
 using namespace cageform_tests;

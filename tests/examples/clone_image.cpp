@@ -1,6 +1,7 @@
 // A region of one picture in another: the membrane's laws, beside every weight written out and the Poisson
 // equation.
 #include "catch.hpp"
+#include "files/cage_file.hpp"
 #include "pictures/image_clone.hpp"
 #include "support/cages.hpp"
 #include "support/effort.hpp"

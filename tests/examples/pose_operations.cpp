@@ -103,8 +103,7 @@ TEST_CASE("selections are numbers, spans and places", "[examples][pose]") {
     CHECK(why("x>far") == "not a number: \"far\"");
     CHECK(why("x>nan") == "\"nan\" is not a finite number");
     for (const char* word : {"", "1,", "z>0", "left", "x", "x=3", "-1", "all&x>0", "x>0&"}) {
-        CHECK_THAT(why(word),
-                   Catch::Matchers::Contains("selects nothing: write a number, 5-9, all, or a condition"));
+        CHECK_THAT(why(word), containing("selects nothing: write a number, 5-9, all, or a condition"));
     }
 }
 
@@ -300,7 +299,7 @@ TEST_CASE("cages are read back to the bit", "[examples][cage]") {
     blocks[1].points.back() = blocks[1].points.front();
     const auto closed = to_svg(make_cage("cage", {blocks[1]}), {0, 0, 1, 1});
     REQUIRE_FALSE(closed);
-    CHECK_THAT(to_string(closed.error()), Catch::Matchers::Contains("two vertices lie at the same position"));
+    CHECK_THAT(to_string(closed.error()), containing("two vertices lie at the same position"));
 }
 
 } // namespace pose_operations_tests

@@ -8,6 +8,7 @@
 //     mkdir corpus && ./fuzz_svg -max_len=4096 -timeout=60 corpus examples/data
 #include "svg/document.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>

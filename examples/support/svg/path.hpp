@@ -4,6 +4,7 @@
 // Everything is read into plain values; nothing here knows XML. After SVG 2: "Paths" (grammar, and the
 // implementation notes on elliptical arcs) and "Coordinate systems, transformations and units".
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <numbers>

@@ -144,9 +144,12 @@ void strip_to_texts(SvgDocument& document, const ViewBox& view, std::vector<Draw
 
 /// Returns rsvg-convert's version of a document: an SVG of outlines.
 SvgResult<std::string> outlines(const std::string& text) {
-    using File = std::unique_ptr<std::FILE, decltype(&std::fclose)>;
-    const File in(std::tmpfile(), &std::fclose);
-    const File out(std::tmpfile(), &std::fclose);
+    struct Close {
+        void operator()(std::FILE* file) const noexcept { std::fclose(file); }
+    };
+    using File = std::unique_ptr<std::FILE, Close>;
+    const File in(std::tmpfile());
+    const File out(std::tmpfile());
     const SvgError failure{"texts cannot become paths: a temporary file cannot be written"};
     if (!in || !out) return failure;
     if (std::fwrite(text.data(), 1, text.size(), in.get()) != text.size()) return failure;

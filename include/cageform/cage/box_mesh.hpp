@@ -15,7 +15,7 @@ namespace cageform::inline CAGEFORM_ABI {
 template <Scalar T>
 PolyhedralMesh<T> box_mesh(const Vec<T, 3>& lower, const Vec<T, 3>& upper,
                            const std::array<std::size_t, 3>& divisions = {1, 1, 1}) {
-    const auto [a, b, c] = divisions;
+    const std::size_t a = divisions[0], b = divisions[1], c = divisions[2];
     const double x = double(a), y = double(b), z = double(c);
     constexpr double most_vertices = 16777216;
     if (a == 0 || b == 0 || c == 0 || 2 * (x * y + y * z + z * x + 1) > most_vertices) return {};

@@ -174,12 +174,12 @@ cageform_status cageform_open(const void* data, size_t bytes, const cageform_ope
     const c::BlobType type(data, bytes);
     return c::with_type(type.scalar, type.dimension, [&]<class T, std::size_t D>() {
         const std::span memory(static_cast<const std::byte*>(data), bytes);
-        const auto [view, report] = cageform::open<T, D>(memory, expected);
-        if (culprit != nullptr) *culprit = report.culprit.number;
-        if (report.status != cageform::Status::ok) return c::code_of(report.status);
+        const auto opened = cageform::open<T, D>(memory, expected);
+        if (culprit != nullptr) *culprit = opened.report.culprit.number;
+        if (opened.report.status != cageform::Status::ok) return c::code_of(opened.report.status);
         return c::make_object(
-            own.memory, own.memory_bytes, 0, [&](cageform_figure& made, std::byte*) { made.view = view; },
-            figure);
+            own.memory, own.memory_bytes, 0,
+            [&](cageform_figure& made, std::byte*) { made.view = opened.value; }, figure);
     });
 }
 

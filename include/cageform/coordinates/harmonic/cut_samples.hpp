@@ -34,7 +34,7 @@ public:
         for (std::size_t n = 0; n < stencils_.size(); ++n) {
             std::decay_t<decltype(functions.value(0))> value{};
             for (const auto& [node, share] : stencils_.nodes(n)) {
-                if constexpr (requires { functions.has(node); }) {
+                if constexpr (requires { functions.has(0); }) {
                     if (!functions.has(node)) continue;
                 }
                 const auto& at_node = functions.value(node);

@@ -115,7 +115,11 @@ CAGEFORM_DETAIL_INLINE inline R multiply_add(R a, R b, R c) noexcept {
 #if defined(CAGEFORM_DETERMINISTIC)
     return product(a, b) + c;
 #elif defined(__clang__) && defined(CAGEFORM_DETAIL_FUSED)
+#if __has_builtin(__builtin_elementwise_fma)
     return __builtin_elementwise_fma(a, b, c); // clang does not fuse across functions by itself
+#else
+    return a * b + c; // before version 16: within an expression it does
+#endif
 #else
     return a * b + c;
 #endif
