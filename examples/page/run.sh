@@ -12,8 +12,7 @@ work=build/page
 mkdir -p out $work
 
 echo "the character (its program takes some minutes to build the first time)"
-[ -f build/build.ninja ] || cmake -S . -B build -G Ninja -DCMAKE_BUILD_TYPE= -DCMAKE_CXX_FLAGS='-O2 -march=native' \
-  -DCAGEFORM_BUILD_TESTS=OFF -DCAGEFORM_BUILD_BENCH=OFF >/dev/null
+[ -f build/build.ninja ] || cmake --preset examples >/dev/null
 cmake --build build --target make_character >$work/build.txt 2>&1 || { cat $work/build.txt; exit 1; }
 build/examples/make_character $work >/dev/null
 

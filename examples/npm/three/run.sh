@@ -13,8 +13,7 @@ sh cmake/install_packages.sh g++ cmake ninja-build libeigen3-dev libpugixml-dev 
 work=build/npm/three
 mkdir -p $work/data
 if [ ! -f $work/data/character.obj ]; then
-  [ -f build/build.ninja ] || cmake -S . -B build -G Ninja -DCMAKE_BUILD_TYPE= -DCMAKE_CXX_FLAGS='-O2 -march=native' \
-    -DCAGEFORM_BUILD_TESTS=OFF -DCAGEFORM_BUILD_BENCH=OFF >/dev/null
+  [ -f build/build.ninja ] || cmake --preset examples >/dev/null
   cmake --build build --target make_character >$work/build.txt 2>&1 || { cat $work/build.txt; exit 1; }
   build/examples/make_character $work/data >/dev/null
 fi
