@@ -8,5 +8,7 @@ template Result<Binding<double, 4>, BindReport> bind_points(const BindInput<doub
                                                             Binding<double, 4>&&, const Running&);
 template Result<PackedBinding<float, 1>, PackReport> pack_binding(const BindingView<float, 1>&,
                                                                   const PackOptions&, const Running&);
+template Result<PackedBinding<double, 1>, PackReport> pack_binding(const BindingView<double, 1>&,
+                                                                   const PackOptions&, const Running&);
 
 } // namespace cageform::inline CAGEFORM_ABI::detail
