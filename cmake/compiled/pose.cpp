@@ -6,10 +6,10 @@
 namespace cageform::inline CAGEFORM_ABI {
 
 using Solver = PoseSolver<CAGEFORM_T, CAGEFORM_D>;
+CAGEFORM_COMPILE Solver::PoseSolver(PoseSamples<CAGEFORM_T, CAGEFORM_D>, const PoseOptions&);
 CAGEFORM_COMPILE Status Solver::set_pins(const PosePins<CAGEFORM_T, CAGEFORM_D>&);
 CAGEFORM_COMPILE Status Solver::set_held(std::span<const std::uint32_t>);
 CAGEFORM_COMPILE void Solver::reset() noexcept;
-CAGEFORM_COMPILE Status Solver::begin();
 CAGEFORM_COMPILE void Solver::remember_pose() noexcept;
 CAGEFORM_COMPILE Status Solver::check(std::size_t, std::size_t, std::size_t) const noexcept;
 CAGEFORM_COMPILE PoseSolverReport Solver::refused(PoseSolverReport&, std::size_t,

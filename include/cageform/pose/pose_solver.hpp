@@ -36,11 +36,7 @@ public:
 
     PoseSolver() = default;
     /// Takes the samples over. `status` is then ok, samples_missing, too_many_handles or out_of_memory.
-    explicit PoseSolver(PoseSamples<T, D> samples, const PoseOptions& options = {})
-        : samples_(std::move(samples))
-        , options_(options) {
-        status_ = detail::guard_memory([&] { return begin(); });
-    }
+    explicit PoseSolver(PoseSamples<T, D> samples, const PoseOptions& options = {});
 
     Status status() const noexcept { return status_; }
     const PoseSamples<T, D>& samples() const noexcept { return samples_; }

@@ -7,6 +7,13 @@
 namespace cageform::inline CAGEFORM_ABI {
 
 template <Scalar T, std::size_t D>
+PoseSolver<T, D>::PoseSolver(PoseSamples<T, D> samples, const PoseOptions& options)
+    : samples_(std::move(samples))
+    , options_(options) {
+    status_ = detail::guard_memory([&] { return begin(); });
+}
+
+template <Scalar T, std::size_t D>
 template <class Set>
 Status PoseSolver<T, D>::change_system(const Set& set) {
     culprit_ = PoseSolverReport::none;
