@@ -1,5 +1,5 @@
 // Compiles what the C interface does with figures, clips and samples.
-#include "instantiate.hpp"
+#include "../instantiate.hpp"
 
 #include <cageform/c/detail/clone_view.impl.hpp>
 #include <cageform/c/detail/figures.impl.hpp>

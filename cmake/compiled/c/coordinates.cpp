@@ -1,5 +1,5 @@
 // Compiles the coordinates of the C interface.
-#include "instantiate.hpp"
+#include "../instantiate.hpp"
 
 #include <cageform/c/detail/cages.impl.hpp>
 
