@@ -48,7 +48,7 @@ set(heavy algorithm functional iostream memory random ranges complex regex map u
 set(light_folders core clone ${waist} animate/curves/piecewise_cubic.hpp animate/detail/quantised_cubic.hpp animate/curves/curve_bank.hpp
                   animate/detail/extrapolation.hpp animate/curves/track.hpp animate/curves/rigid_motion.hpp animate/clip.hpp
                   animate/clip_blob.hpp animate/detail/clip_tables.hpp animate/types/clip_header.hpp
-                  pose/pose_solver.hpp pose/types/pose_solver.hpp pose/types/pose_samples.hpp pose/types/pose_blob.hpp
+                  pose/pose_solver.hpp pose/detail/pose_solver.impl.hpp pose/types/pose_solver.hpp pose/types/pose_samples.hpp pose/types/pose_blob.hpp
                   pose/detail/axis_vectors.hpp
                   pose/detail/nearest_rotation.hpp pose/detail/stretches.hpp pose/detail/cholesky.hpp pose/detail/anderson.hpp
                   pose/detail/pin_rows.hpp pose/detail/rigid_frame.hpp pose/detail/rotation_pass.hpp pose/detail/pose_system.hpp)

@@ -98,7 +98,8 @@ public:
             refused.report.status = Status::coordinates_empty;
             return refused;
         }
-        return model_->bind(detail::read_points<T>(points), options, std::move(recycled), running);
+        return detail::bind_points(model_->input(detail::read_points<T>(points)), options,
+                                   std::move(recycled), running);
     }
 
     /// Binds a figure; `bind(coordinates, figure, …)` calls it. Normals need gradients: without, the
@@ -112,7 +113,8 @@ public:
         detail::run_into(result.report, [&] {
             if (!model_) return Status::coordinates_empty;
             return detail::read_figure<T, D>(figure, [&](detail::FigureInput<T, D>& input) {
-                return model_->bind(input, options, running, result);
+                if (input.has_normals() && !has_gradients()) return Status::gradients_not_supported;
+                return detail::bind_read_figure(model_->input(input.points), input, options, running, result);
             });
         });
         return result;
@@ -123,16 +125,14 @@ public:
     template <PointRangeIn<D> R>
     Result<std::array<Binding<T, D>, D>, BindReport>
     bind_jacobians(const R& points, const BindOptions& options = {}, const Running& running = {}) const {
-        if (has_gradients()) return model_->bind_jacobians(detail::read_points<T>(points), options, running);
-        AxesResult refused;
+        if (has_gradients())
+            return detail::bind_axes(model_->input(detail::read_points<T>(points)), options, running);
+        Result<std::array<Binding<T, D>, D>, BindReport> refused;
         refused.report.status = model_ ? Status::gradients_not_supported : Status::coordinates_empty;
         return refused;
     }
 
 private:
-    using AxesResult = Result<std::array<Binding<T, D>, D>, BindReport>;
-    using FigureResult = Result<FigureBinding<T, D>, FigureBindReport>;
-
     struct Interface {
         virtual ~Interface() = default;
         virtual HandleView<T, D> handles() const = 0;
@@ -141,12 +141,7 @@ private:
         virtual Evaluation for_each_cell(const std::function<void(const GridCell<T, D>&)>&) const = 0;
         virtual Evaluation evaluate(BlockView<const T>, BlockView<T>, std::span<PointState>,
                                     const Running&) const = 0;
-        virtual AxesResult bind_jacobians(detail::PointReader<T>, const BindOptions&,
-                                          const Running&) const = 0;
-        virtual Result<Binding<T, D>, BindReport> bind(detail::PointReader<T>, const BindOptions&,
-                                                       Binding<T, D>&&, const Running&) const = 0;
-        virtual Status bind(detail::FigureInput<T, D>&, const BindOptions&, const Running&,
-                            FigureResult&) const = 0;
+        virtual detail::BindInput<T, D> input(const detail::PointReader<T>&) const = 0;
         virtual Result<std::vector<std::byte>, Evaluation> save_solution(const Running&) = 0;
         virtual Evaluation load_solution(std::span<const std::byte>, const Running&) = 0;
 
@@ -180,25 +175,9 @@ private:
                             const Running& running) const override {
             return own.evaluate(points, weights, states, running);
         }
-        AxesResult bind_jacobians(detail::PointReader<T> points, const BindOptions& options,
-                                  const Running& running) const override {
-            if constexpr (GradientCoordinates<C>)
-                return detail::bind_axes(own, points, options, running);
-            else
-                return {};
+        detail::BindInput<T, D> input(const detail::PointReader<T>& points) const override {
+            return detail::figure_input(own, points);
         }
-        Result<Binding<T, D>, BindReport> bind(detail::PointReader<T> points, const BindOptions& options,
-                                               Binding<T, D>&& recycled,
-                                               const Running& running) const override {
-            return detail::bind_points(detail::bind_input(own, std::move(points)), options,
-                                       std::move(recycled), running);
-        }
-        Status bind(detail::FigureInput<T, D>& figure, const BindOptions& options, const Running& running,
-                    FigureResult& result) const override {
-            if (figure.has_normals() && !GradientCoordinates<C>) return Status::gradients_not_supported;
-            return detail::bind_read_figure(own, figure, options, running, result);
-        }
-
         Result<std::vector<std::byte>, Evaluation> save_solution(const Running& running) override {
             if constexpr (requires { own.save_solution(running); })
                 return own.save_solution(running);

@@ -72,7 +72,8 @@ bind_vectors(const C& coordinates, const R& points, const std::array<V, K>& vect
     using T = typename C::scalar;
     std::array<detail::PointReader<T>, K> readers;
     for (std::size_t n = 0; n < K; ++n) readers[n] = detail::read_points<T>(vectors[n]);
-    return detail::bind_each_vector(coordinates, detail::read_points<T>(points), readers, options, running);
+    return detail::bind_each_vector(detail::vector_input(coordinates, detail::read_points<T>(points)),
+                                    readers, options, running);
 }
 
 /// Binds one vector per point, or the same vector for all points.
@@ -93,8 +94,8 @@ Result<Binding<typename C::scalar, C::dimension>, BindReport> bind_vectors(const
         same = to_vec<T>(vectors);
         reader[0] = detail::repeat_vector(std::size(points), same);
     }
-    auto result =
-        detail::bind_each_vector(coordinates, detail::read_points<T>(points), reader, options, running);
+    auto result = detail::bind_each_vector(detail::vector_input(coordinates, detail::read_points<T>(points)),
+                                           reader, options, running);
     return {std::move(result.value[0]), std::move(result.report)};
 }
 
@@ -104,7 +105,8 @@ template <GradientCoordinates C, PointRangeIn<C::dimension> R>
 Result<std::array<Binding<typename C::scalar, C::dimension>, C::dimension>, BindReport>
 bind_jacobians(const C& coordinates, const R& points, const BindOptions& options = {},
                const Running& running = {}) {
-    return detail::bind_axes(coordinates, detail::read_points<typename C::scalar>(points), options, running);
+    return detail::bind_axes(
+        detail::vector_input(coordinates, detail::read_points<typename C::scalar>(points)), options, running);
 }
 
 } // namespace cageform::inline CAGEFORM_ABI

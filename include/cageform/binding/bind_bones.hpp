@@ -78,7 +78,6 @@ Result<Binding<T, D>, BindBonesReport> bind_bones(const R& points, const Bones& 
                                             .handles = [&] { return handles.view(); },
                                             .local = true,
                                             .evaluate = evaluate,
-                                            .evaluate_weights = evaluate,
                                             .nearest_boundary = stay,
                                             .distance = {},
                                             .points = detail::read_points<T>(points)};

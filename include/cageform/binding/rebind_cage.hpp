@@ -79,7 +79,8 @@ template <CageCoordinates C>
                 input.tangents[k] = detail::read_rest(figure.tangents[k]);
             if (figure.has_tangents())
                 input.handedness.assign(figure.handedness, figure.handedness + figure.point_count());
-            const Status status = detail::bind_read_figure(coordinates, input, options, running, bound);
+            const Status status = detail::bind_read_figure(detail::figure_input(coordinates, input.points),
+                                                           input, options, running, bound);
             return status == Status::ok
                        ? detail::take_labels_over(figure.labels, result.report.old_handles, bound.value)
                        : status;

@@ -36,7 +36,8 @@ struct Bind {
         Result<FigureBinding<T, C::dimension>, FigureBindReport> result;
         run_into(result.report, [&] {
             return read_figure<T, C::dimension>(figure, [&](FigureInput<T, C::dimension>& input) {
-                return bind_read_figure(coordinates, input, options, running, result);
+                return bind_read_figure(figure_input(coordinates, input.points), input, options, running,
+                                        result);
             });
         });
         return result;

@@ -49,13 +49,18 @@ struct BindInput {
     const CageReport& cage;
     std::function<HandleView<T, D>()> handles; ///< of a sound cage
     bool has_extension = false, closed_form = false, local = false;
-    /// Fills rows of weights; for vectors, of gradients.
     std::function<Evaluation(const Batch<T>&, const Running&)> evaluate;
-    std::function<Evaluation(const Batch<T>&, const Running&)> evaluate_weights; ///< for vectors too
     std::function<Vec<T, D>(const Vec<T, D>&, std::span<T>)> nearest_boundary;
     std::function<OutsideDistance<D>(const Vec<T, D>&)> distance;
     bool is_within_handles = false; ///< the cage lies within the bounds of the handles that are points
     PointReader<T> points;
+    /// Empty if there are no gradients.
+    std::function<Evaluation(const Batch<T>&, const Running&)> evaluate_gradients{};
+    /// Solves with a copy of the coordinates, and calls use(evaluation, input of the copy); empty
+    /// without a solver.
+    std::function<Status(const Running&, const PointReader<T>&,
+                         const std::function<Status(const Evaluation&, const BindInput&)>&)>
+        with_solved{};
 };
 
 /// Whether zeros among the weights of a point must stay zeros.
@@ -65,26 +70,53 @@ template <class C>
     requires(bool(C::local))
 inline constexpr bool has_local_rows<C> = true;
 
+/// The input of a bind of points.
 template <CageCoordinates C>
 BindInput<typename C::scalar, C::dimension> bind_input(const C& coordinates,
                                                        PointReader<typename C::scalar> points) {
     using T = typename C::scalar;
-    const auto evaluate = [&coordinates](const Batch<T>& batch, const Running& running) {
-        return coordinates.evaluate(batch.points, batch.rows, batch.states, running);
-    };
     return {coordinates.cage_report(),
             [&coordinates] { return handle_view(coordinates); },
             C::has_extension,
             C::closed_form,
             has_local_rows<C>,
-            evaluate,
-            evaluate,
+            [&coordinates](const Batch<T>& batch, const Running& running) {
+                return coordinates.evaluate(batch.points, batch.rows, batch.states, running);
+            },
             [&coordinates](const Vec<T, C::dimension>& p, std::span<T> row) {
                 return coordinates.nearest_boundary(p, row);
             },
             [&coordinates](const Vec<T, C::dimension>& p) { return outside_distance(coordinates, p); },
             is_within_handles<C>,
             std::move(points)};
+}
+
+/// The input of a bind of vectors too, if the coordinates have gradients.
+template <CageCoordinates C>
+BindInput<typename C::scalar, C::dimension> vector_input(const C& coordinates,
+                                                         PointReader<typename C::scalar> points) {
+    auto input = bind_input(coordinates, std::move(points));
+    if constexpr (GradientCoordinates<C>) {
+        input.evaluate_gradients = [&coordinates](const auto& batch, const Running& running) {
+            return coordinates.evaluate_gradients(batch.points, batch.rows, batch.states, running);
+        };
+    }
+    return input;
+}
+
+/// The input of a bind of a figure, for which coordinates with a solver solve once.
+template <CageCoordinates C>
+BindInput<typename C::scalar, C::dimension> figure_input(const C& coordinates,
+                                                         PointReader<typename C::scalar> points) {
+    auto input = vector_input(coordinates, std::move(points));
+    if constexpr (requires(C solved) { solved.solve(Running{}); }) {
+        input.with_solved = [&coordinates](const Running& running, const auto& its_points, const auto& use) {
+            C solved = coordinates;
+            const Evaluation evaluation = solved.solve(running);
+            return use(evaluation, vector_input(solved, its_points));
+        };
+    }
+    return input;
 }
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

@@ -4,9 +4,11 @@
 #include <cageform/binding/binding.hpp>
 #include <cageform/binding/detail/bind_input.hpp>
 #include <cageform/binding/types/bind_options.hpp>
+#include <cageform/binding/types/figure_binding.hpp>
 #include <cageform/core/result.hpp>
 
 #include <array>
+#include <vector>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
@@ -21,34 +23,35 @@ BindReport bind_vectors_into(std::span<Binding<T, D>> bindings, const BindInput<
                              std::span<const PointReader<T>> vectors, const BindOptions& options,
                              const Running& running);
 
-template <class C, std::size_t K>
-Result<std::array<Binding<typename C::scalar, C::dimension>, K>, BindReport>
-bind_each_vector(const C& coordinates, const PointReader<typename C::scalar>& points,
-                 const std::array<PointReader<typename C::scalar>, K>& vectors, const BindOptions& options,
-                 const Running& running) {
-    using T = typename C::scalar;
-    auto input = bind_input(coordinates, points);
-    input.evaluate = [&coordinates](const Batch<T>& batch, const Running& how) {
-        return coordinates.evaluate_gradients(batch.points, batch.rows, batch.states, how);
-    };
-    Result<std::array<Binding<T, C::dimension>, K>, BindReport> result;
-    result.report = bind_vectors_into<T, C::dimension>(result.value, input, vectors, options, running);
+template <class T, std::size_t D, std::size_t K>
+Result<std::array<Binding<T, D>, K>, BindReport>
+bind_each_vector(const BindInput<T, D>& input, const std::array<PointReader<T>, K>& vectors,
+                 const BindOptions& options, const Running& running) {
+    Result<std::array<Binding<T, D>, K>, BindReport> result;
+    result.report = bind_vectors_into<T, D>(result.value, input, vectors, options, running);
     return result;
 }
 
 /// Binds the D axes at every point.
-template <class C>
-auto bind_axes(const C& coordinates, const PointReader<typename C::scalar>& points,
-               const BindOptions& options, const Running& running) {
-    using T = typename C::scalar;
-    std::array<Vec<T, C::dimension>, C::dimension> axes{};
-    std::array<PointReader<T>, C::dimension> readers;
-    for (std::size_t n = 0; n < C::dimension; ++n) {
-        axes[n][n] = 1;
-        readers[n] = repeat_vector(points.size, axes[n]);
-    }
-    return bind_each_vector(coordinates, points, readers, options, running);
-}
+template <class T, std::size_t D>
+Result<std::array<Binding<T, D>, D>, BindReport>
+bind_axes(const BindInput<T, D>& input, const BindOptions& options, const Running& running);
+
+/// A figure to be bound, read from the caller's memory.
+template <Scalar T, std::size_t D>
+struct FigureInput {
+    PointReader<T> points;
+    std::array<PointReader<T>, D - 1> tangents; ///< empty without normals
+    std::vector<std::int8_t> handedness;        ///< of the figure's own tangents
+
+    bool has_normals() const noexcept { return bool(tangents[0].read); }
+};
+
+/// Binds a figure; coordinates with a solver solve once for weights and gradients.
+template <class T, std::size_t D>
+Status bind_read_figure(const BindInput<T, D>& coordinates, FigureInput<T, D>& figure,
+                        const BindOptions& options, const Running& running,
+                        Result<FigureBinding<T, D>, FigureBindReport>& result);
 
 } // namespace cageform::inline CAGEFORM_ABI::detail
 

@@ -1,23 +1,11 @@
-// Binds the points, normals and tangents of a figure; coordinates with a solver solve only once.
+// Reads the points, normals and tangents of a figure that is to be bound.
 #pragma once
 
 #include <cageform/binding/detail/binders.hpp>
-#include <cageform/binding/detail/falloff.hpp>
-#include <cageform/binding/types/figure_binding.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
 
 namespace detail {
-
-/// A figure to be bound, read from the caller's memory.
-template <Scalar T, std::size_t D>
-struct FigureInput {
-    PointReader<T> points;
-    std::array<PointReader<T>, D - 1> tangents; ///< empty without normals
-    std::vector<std::int8_t> handedness;        ///< of the figure's own tangents
-
-    bool has_normals() const noexcept { return bool(tangents[0].read); }
-};
 
 /// Splits tangents of four numbers into tangents of three and their handedness.
 template <class Tangents>
@@ -31,57 +19,6 @@ auto without_sign(const Tangents& tangents, std::vector<std::int8_t>& handedness
         if constexpr (range_dimension<Tangents> == 4) handedness[i] = t[3] < 0 ? -1 : 1;
     }
     return result;
-}
-
-/// Binds points and vectors with coordinates that have solved already, if they have a solver.
-template <class C>
-Status
-bind_points_and_vectors(const C& coordinates, FigureInput<typename C::scalar, C::dimension>& input,
-                        const BindOptions& options, const Running& running,
-                        Result<FigureBinding<typename C::scalar, C::dimension>, FigureBindReport>& result) {
-    using T = typename C::scalar;
-    auto& [figure, report] = result;
-    const Running first = running.subtask(0, input.has_normals() ? 0.4 : 1), second = running.subtask(0.4, 1);
-    auto points =
-        bind_points(bind_input(coordinates, input.points), options, Binding<T, C::dimension>{}, first);
-    report.points = std::move(points.report);
-    if (report.points.status != Status::ok) return report.points.status;
-    if constexpr (GradientCoordinates<C>) {
-        if (input.has_normals()) {
-            auto vectors = bind_each_vector(coordinates, input.points, input.tangents, options, second);
-            report.vectors = std::move(vectors.report);
-            if (report.vectors.status != Status::ok) return report.vectors.status;
-            figure.tangents = std::move(vectors.value);
-        }
-    }
-    figure.points = std::move(points.value);
-    figure.handedness = std::move(input.handedness);
-    return Status::ok;
-}
-
-/// Binds a figure; coordinates with a solver solve once for weights and gradients.
-template <class C>
-Status bind_read_figure(const C& coordinates, FigureInput<typename C::scalar, C::dimension>& input,
-                        const BindOptions& options, const Running& running,
-                        Result<FigureBinding<typename C::scalar, C::dimension>, FigureBindReport>& result) {
-    if constexpr (requires(C solved) { solved.solve(running); }) {
-        const Status falloff = check_falloff(options, C::has_extension); // before a solve
-        if (falloff == Status::ok && input.has_normals() && coordinates.cage_report().status == Status::ok) {
-            C solved = coordinates;
-            const Evaluation solution = solved.solve(running.subtask(0, 0.7));
-            BindReport& report = result.report.points;
-            report.cage = coordinates.cage_report();
-            report.points = input.points.size;
-            report.solver = solution.solver;
-            report.status = solution.status;
-            // Memory for all functions is missing; there may be enough for one group.
-            if (report.status == Status::out_of_memory)
-                return bind_points_and_vectors(coordinates, input, options, running, result);
-            if (report.status != Status::ok) return report.status;
-            return bind_points_and_vectors(solved, input, options, running.subtask(0.7, 1), result);
-        }
-    }
-    return bind_points_and_vectors(coordinates, input, options, running, result);
 }
 
 /// Converts the normals of a figure to tangents and calls read(tangents, handedness).

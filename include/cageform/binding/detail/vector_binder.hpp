@@ -98,7 +98,7 @@ private:
         const auto states = std::span(states_).subspan(gradients.first, gradients.points.points);
         const bool to_boundary = this->options_.outside == OutsidePoints::nearest_boundary;
         const Batch<T> batch{gradients.points, gradients.rows, states};
-        Evaluation evaluation = input_.evaluate(batch, running.subtask(0, to_boundary ? 0.5 : 1));
+        Evaluation evaluation = input_.evaluate_gradients(batch, running.subtask(0, to_boundary ? 0.5 : 1));
         if (evaluation.status != Status::ok) return evaluation;
         find_fading(gradients, states);
         if (!to_boundary) {
@@ -121,7 +121,7 @@ private:
         }
         if (outside.empty()) return evaluation;
         restore(fading);
-        evaluation = input_.evaluate(batch, running.subtask(0.5, 1));
+        evaluation = input_.evaluate_gradients(batch, running.subtask(0.5, 1));
         for (const std::size_t i : outside) {
             const bool there = states[i] == PointState::inside || states[i] == PointState::on_boundary;
             states[i] = there || (states[i] == PointState::outside && input_.has_extension)
@@ -153,7 +153,7 @@ private:
             for (std::size_t k = 0; k < D; ++k) points.points(n, k) = p[k];
         }
         std::vector<PointState> found(points.numbers.size(), PointState::unreached);
-        const auto status = input_.evaluate_weights({points.points, points.weights, found}, {}).status;
+        const auto status = input_.evaluate({points.points, points.weights, found}, {}).status;
         if (status != Status::ok) return status;
         for (std::size_t n = 0; n < found.size(); ++n) {
             if (found[n] == PointState::unreached) states[points.numbers[n]] = PointState::unreached;

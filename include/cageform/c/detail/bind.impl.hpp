@@ -1,6 +1,7 @@
 // The functions of the C interface that make coordinates and bind.
 #pragma once
 
+#include <cageform/c/detail/figures.hpp>
 #include <cageform/c/detail/make_cage.impl.hpp>
 
 struct cageform_coordinates : cageform::detail::c::Object {
@@ -38,37 +39,6 @@ cageform_status make_coordinates(std::size_t dimension, const cageform_coordinat
             return cageform_status(CAGEFORM_OK);
         });
     });
-}
-
-/// Binds points that are copied, with normals and tangents if there are any.
-template <class T, std::size_t D>
-cageform_status bind_copied(const AnyCoordinates<T, D>& coordinates, const std::vector<Vec<T, D>>& points,
-                            const cageform_points* normals, const cageform_points* tangents,
-                            const BindOptions& options, const Running& running,
-                            Result<FigureBinding<T, D>, FigureBindReport>& result) {
-    if (normals == nullptr) {
-        result = coordinates.bind(FigurePoints{points}, options, running);
-        return CAGEFORM_OK;
-    }
-    std::vector<Vec<T, D>> turned;
-    cageform_status status = copy_points(*normals, turned);
-    if (status != CAGEFORM_OK) return status;
-    if (tangents == nullptr) {
-        result = coordinates.bind(FigurePoints{points, turned}, options, running);
-        return CAGEFORM_OK;
-    }
-    if constexpr (D == 3) {
-        const auto with_tangents = [&]<std::size_t E>(std::vector<Vec<T, E>> along) {
-            status = copy_points(*tangents, along);
-            if (status == CAGEFORM_OK)
-                result = coordinates.bind(FigurePoints{points, turned, along}, options, running);
-            return status;
-        };
-        return tangents->dimension == 4 ? with_tangents(std::vector<Vec<T, 4>>{})
-                                        : with_tangents(std::vector<Vec<T, 3>>{});
-    } else {
-        return CAGEFORM_DIMENSION_DIFFERS;
-    }
 }
 
 } // namespace cageform::inline CAGEFORM_ABI::detail::c

@@ -1,9 +1,7 @@
 // The functions of the C interface that a game calls.
 #pragma once
 
-#include <cageform/c/detail/running.hpp>
-#include <cageform/clone/clone_figure.hpp>
-#include <cageform/clone/clone_transposed.hpp>
+#include <cageform/c/detail/clone_view.hpp>
 #include <cageform/clone/pose_handles.hpp>
 #include <cageform/pose/types/pose_blob.hpp>
 #include <cageform/version.hpp>
@@ -270,30 +268,7 @@ cageform_status cageform_clone(const cageform_figure* figure, cageform_points po
     if (status != CAGEFORM_OK) return status;
     if (normals == nullptr && tangents != nullptr) return CAGEFORM_ARGUMENT_NULL;
     return c::with(figure->view, [&](const auto& view) {
-        using View = std::remove_cvref_t<decltype(view)>;
-        using T = typename View::scalar;
-        constexpr std::size_t D = View::dimension;
-        return c::with_points<T, D>(pose, [&](const auto& source) {
-            return c::with_points<T, D>(points, [&](const auto& out) {
-                return c::with_loop(running, [&](const auto& loop) {
-                    if (normals == nullptr) return c::code_of(clone(view, source, out, loop));
-                    return c::with_points<T, D>(*normals, [&](const auto& turned) {
-                        if (tangents == nullptr)
-                            return c::code_of(clone(view, source, cageform::FigureOutput{out, turned}, loop));
-                        if constexpr (D == 3) {
-                            const auto use = [&](const auto& along) {
-                                return c::code_of(
-                                    clone(view, source, cageform::FigureOutput{out, turned, along}, loop));
-                            };
-                            if (tangents->dimension == 4) return c::with_points<T, 4>(*tangents, use);
-                            return c::with_points<T, 3>(*tangents, use);
-                        } else {
-                            return cageform_status(CAGEFORM_DIMENSION_DIFFERS);
-                        }
-                    });
-                });
-            });
-        });
+        return c::clone_view(view, pose, points, normals, tangents, running);
     });
 }
 
@@ -303,16 +278,7 @@ cageform_status cageform_clone_transposed(const cageform_figure* figure, cagefor
     const cageform_status status = c::check_object(figure);
     if (status != CAGEFORM_OK) return status;
     return c::with(figure->view, [&](const auto& view) {
-        using View = std::remove_cvref_t<decltype(view)>;
-        using T = typename View::scalar;
-        constexpr std::size_t D = View::dimension;
-        return c::with_points<T, D>(gradients, [&](const auto& source) {
-            return c::with_points<T, D>(handles, [&](const auto& out) {
-                return c::with_loop(running, [&](const auto& loop) {
-                    return c::code_of(clone_transposed(view.points, source, out, {}, loop));
-                });
-            });
-        });
+        return c::clone_view_transposed(view.points, gradients, handles, running);
     });
 }
 

@@ -90,7 +90,10 @@ cageform_status cageform_check(const cageform_cage* cage, cageform_fault* faults
         cageform_cage own;
         cageform::CageReport report;
         cageform_status status = c::read_struct(cage, own);
-        if (status == CAGEFORM_OK) status = c::report_of(own, report);
+        if (status != CAGEFORM_OK) return status;
+        if (own.kind > CAGEFORM_SITES && !c::has_cells(own)) return cageform_status(CAGEFORM_CHOICE_UNKNOWN);
+        status = c::with_type(CAGEFORM_DOUBLE, c::dimension_of(own),
+                              [&]<class T, std::size_t D>() { return c::check_cage<T, D>(own, report); });
         if (status != CAGEFORM_OK) return status;
         *count = report.faults.size();
         for (std::size_t n = 0; n < report.faults.size() && n < room; ++n)

@@ -4,13 +4,9 @@
 #include <cageform/c/detail/every_frame.impl.hpp>
 
 #include <cageform/c/detail/messages.hpp>
+#include <cageform/c/detail/pins.hpp>
 #include <cageform/pose/pose_solver.hpp>
 
-struct cageform_samples : cageform::detail::c::Object {
-    static constexpr Kind its_kind = Kind::samples;
-
-    cageform::detail::c::OfAnyType<cageform::PoseSamples> samples;
-};
 struct cageform_pins : cageform::detail::c::Object {
     static constexpr Kind its_kind = Kind::pins;
 

@@ -19,28 +19,42 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail::c {
 
-/// The loop of the caller, without memory of its own.
+/// The loop of the caller, without memory of its own. One type for all, so that a clone is compiled once.
 struct CallersFor {
-    const cageform_running* running = nullptr; ///< null: the calling thread
+    const cageform_running& running;
 
     template <class Body>
     void operator()(std::size_t count, std::size_t grain, Body&& body) const {
-        if (running == nullptr || running->parallel_for == nullptr) {
-            if (count > 0) body(std::size_t{0}, count);
-            return;
-        }
-        struct Call {
-            std::remove_reference_t<Body>& body;
-            std::size_t count;
-        };
-        Call call{body, count};
-        running->parallel_for(
-            running->context, count, grain,
-            [](void* argument, std::size_t begin, std::size_t end) {
+        if (running.parallel_for != nullptr || is_threaded()) {
+            struct Call {
+                std::remove_reference_t<Body>& body;
+                std::size_t count;
+            } call{body, count};
+            run(count, grain, &call, [](void* argument, std::size_t begin, std::size_t end) {
                 auto& its = *static_cast<Call*>(argument);
                 if (begin < end && end <= its.count) its.body(begin, end);
-            },
-            &call);
+            });
+        } else if (count > 0) {
+            body(std::size_t{0}, count);
+        }
+    }
+
+private:
+    bool is_threaded() const noexcept {
+#if defined(CAGEFORM_DETAIL_C_THREADS)
+        return running.threads > 1;
+#else
+        return false;
+#endif
+    }
+    void run(std::size_t count, std::size_t grain, void* call,
+             void (*body)(void*, std::size_t, std::size_t)) const {
+        if (running.parallel_for != nullptr)
+            return running.parallel_for(running.context, count, grain, body, call);
+#if defined(CAGEFORM_DETAIL_C_THREADS)
+        ThreadedFor{running.threads}(count, grain,
+                                     [&](std::size_t begin, std::size_t end) { body(call, begin, end); });
+#endif
     }
 };
 
@@ -49,11 +63,7 @@ template <class Use>
 cageform_status with_loop(const cageform_running* given, const Use& use) {
     cageform_running running;
     const cageform_status status = read_struct(given, running);
-    if (status != CAGEFORM_OK) return status;
-#if defined(CAGEFORM_DETAIL_C_THREADS)
-    if (running.parallel_for == nullptr && running.threads > 1) return use(ThreadedFor{running.threads});
-#endif
-    return use(CallersFor{&running});
+    return status != CAGEFORM_OK ? status : use(CallersFor{running});
 }
 
 #if !defined(CAGEFORM_C_RUNTIME_ONLY)
@@ -70,7 +80,7 @@ cageform_status with_running(const cageform_running* given, const Use& use) {
 #if defined(__cpp_exceptions)
             std::atomic<bool> has_thrown = false;
             std::exception_ptr thrown;
-            CallersFor{&own}(count, grain, [&](std::size_t begin, std::size_t end) {
+            CallersFor{own}(count, grain, [&](std::size_t begin, std::size_t end) {
                 try {
                     body(begin, end);
                 } catch (...) {
@@ -79,7 +89,7 @@ cageform_status with_running(const cageform_running* given, const Use& use) {
             });
             if (thrown) std::rethrow_exception(thrown);
 #else
-            CallersFor{&own}(count, grain, body);
+            CallersFor{own}(count, grain, body);
 #endif
         };
     }
