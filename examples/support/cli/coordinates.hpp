@@ -1,7 +1,8 @@
 #pragma once
 
 // Coordinates chosen by name on the command line. The library consists of templates; the instances that
-// the programs need are compiled once, in coordinates_2d.cpp, coordinates_2d_float.cpp and coordinates_3d.cpp.
+// the programs need are compiled once, in coordinates_2d.cpp, coordinates_2d_float.cpp and
+// coordinates_3d.cpp.
 
 #include "cli/command_line.hpp"
 #include "files/cage_file.hpp"
