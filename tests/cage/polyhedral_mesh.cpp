@@ -305,13 +305,20 @@ TEST_CASE("faults of fans name faces and vertices of the mesh", "[cage][polyhedr
         const auto fault = faults_of(mesh()).front();
         CHECK(fault.a < 8);
     }
-    SECTION("divisions") {
-        for (const std::uint32_t k : {0u, 65u, ~0u}) {
-            options.divisions = k;
-            CHECK(first_fault(CageFaultKind::face_divisions).a == k);
-        }
-        options.divisions = 64;
-        CHECK(check(mesh()).status == Status::ok);
+}
+
+TEST_CASE("faces are divided 1 to 64 times", "[cage][polyhedral][fans][status]") {
+    const PolyhedronData data = prism_over({{0, 0}, {2, 0}, {2, 2}, {0, 2}}, 2);
+    PolyhedralOptions options{.faces = PolyhedralOptions::Faces::fan, .divisions = 64};
+    const auto mesh = [&] { return PolyhedralMesh<double>(data.vertices, data.faces, options); };
+    CHECK(check(mesh()).status == Status::ok);
+    for (const std::uint32_t k : {0u, 65u, ~0u}) {
+        options.divisions = k;
+        const auto faults = faults_of(mesh());
+        REQUIRE(!faults.empty());
+        CHECK(faults[0].kind == CageFaultKind::face_divisions);
+        CHECK(faults[0].a == k);
+        CHECK(check(mesh()).status == cageform::status_of(CageFaultKind::face_divisions));
     }
 }
 
