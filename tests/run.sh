@@ -8,7 +8,7 @@
 #   release  what dev tests, and the benchmarks, with the flags that figures are taken with
 #   nightly  what dev tests, with both scalars in every room; tests/nightly.sh runs it with all seeds
 # ROOM is a folder of tests that mirrors one of include/cageform, as clone: its tests alone are built and run.
-# One test: ctest --test-dir build -R 'clone_tests: .*rest' (build/PRESET of other presets); -N lists them.
+# One test: ctest --test-dir build -R 'clone_tests:.*rest' (build/PRESET of other presets); -N lists them.
 set -eu
 cd "$(dirname "$0")/.."
 preset=${1:-dev}
@@ -53,7 +53,7 @@ cmake --preset "$preset" >/dev/null
 targets='' filter=''
 for room in "$@"; do
   targets="$targets ${room}_tests"
-  filter="$filter${filter:+|}^${room}_tests: "
+  filter="$filter${filter:+|}^${room}_tests:"
 done
 # shellcheck disable=SC2086
 cmake --build "$build" ${targets:+--target $targets}
