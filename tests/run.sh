@@ -40,9 +40,12 @@ case $preset in
     fi
     ;;
   *)
-    packages="$packages g++ libcli11-dev pkg-config librsvg2-bin tango-icon-theme libtinygltf-dev python3-numpy
-      g++-mingw-w64-x86-64-win32 g++-arm-linux-gnueabihf qemu-user"
-    command -v npm >/dev/null 2>&1 || packages="$packages nodejs npm"
+    packages="$packages g++ libcli11-dev libtinygltf-dev"
+    if [ $# -eq 0 ]; then # what rooms do without
+      packages="$packages pkg-config librsvg2-bin tango-icon-theme python3-numpy
+        g++-mingw-w64-x86-64-win32 g++-arm-linux-gnueabihf qemu-user"
+      command -v npm >/dev/null 2>&1 || packages="$packages nodejs npm"
+    fi
     [ "$preset" != release ] || packages="$packages libbenchmark-dev libsuitesparse-dev libopenblas0-serial libcgal-dev
       libmpfr-dev"
     ;;

@@ -2,8 +2,7 @@
 // where neighbours drop different handles.
 #pragma once
 
-#include <cageform/binding/detail/smooth_skinner.hpp>
-#include <cageform/binding/skin_weights.hpp>
+#include <cageform/binding/detail/smooth_skin.hpp>
 #include <cageform/cage/triangle_mesh.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
@@ -32,7 +31,10 @@ Result<SkinWeights, SkinWeightsReport>
 smooth_skin_weights(const BindingView<T, D>& binding, const F& triangles,
                     const SkinWeightsOptions& options = {}, const Running& running = {}) {
     return detail::make_skin(binding, options, [&](SkinWeights& skin, SkinWeightsReport& report) {
-        return detail::SmoothSkinner<T, D>(binding, options, running).run(triangles, skin, report);
+        std::vector<detail::MeshFace> faces;
+        for (std::size_t f = 0; f < std::size(triangles); ++f)
+            faces.push_back(detail::checked_face(triangles[f], binding.point_count()));
+        return detail::make_smooth_skin<T, D>(binding, faces, options, running, skin, report);
     });
 }
 template <Scalar T, std::size_t D, FaceRange F>

@@ -1,11 +1,11 @@
 // Makes a smooth skin: solves for the weights of all points together, then lets those of each point
-// reproduce its position.
+// reproduce its position. smooth_skin.hpp includes it, unless the program links cageform::compiled.
 #pragma once
 
 #include <cageform/binding/detail/near_weights.hpp>
 #include <cageform/binding/detail/skinner.hpp>
+#include <cageform/binding/detail/smooth_skin.hpp>
 #include <cageform/binding/detail/smooth_weights.hpp>
-#include <cageform/cage/triangle_mesh.hpp>
 #include <cageform/core/detail/in_parallel.hpp>
 
 #include <algorithm>
@@ -27,12 +27,9 @@ public:
         , running_(running)
         , measure_(binding) {}
 
-    template <FaceRange F>
-    Status run(const F& faces, SkinWeights& skin, SkinWeightsReport& report) {
-        std::vector<MeshFace> triangles;
-        for (std::size_t f = 0; f < std::size(faces); ++f) {
-            triangles.push_back(checked_face(faces[f], binding_.point_count()));
-            for (const auto corner : triangles.back()) {
+    Status run(std::span<const MeshFace> triangles, SkinWeights& skin, SkinWeightsReport& report) {
+        for (const auto& triangle : triangles) {
+            for (const auto corner : triangle) {
                 if (corner == no_vertex) return Status::index_out_of_range;
             }
         }
@@ -134,6 +131,13 @@ private:
     std::vector<std::size_t> node_;                             // #points
     std::vector<std::size_t> first_;                            // #nodes: a point of each
 };
+
+template <class T, std::size_t D>
+Status make_smooth_skin(const BindingView<T, D>& binding, std::span<const MeshFace> triangles,
+                        const SkinWeightsOptions& options, const Running& running, SkinWeights& skin,
+                        SkinWeightsReport& report) {
+    return SmoothSkinner<T, D>(binding, options, running).run(triangles, skin, report);
+}
 
 } // namespace detail
 

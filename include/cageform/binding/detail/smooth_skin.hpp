@@ -1,0 +1,21 @@
+// Declares the function behind `smooth_skin_weights`.
+#pragma once
+
+#include <cageform/binding/skin_weights.hpp>
+#include <cageform/cage/detail/mesh_face.hpp>
+
+#include <span>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+/// Fills a skin and its report; a triangle with a vertex out of range has no_vertex there.
+template <class T, std::size_t D>
+Status make_smooth_skin(const BindingView<T, D>& binding, std::span<const MeshFace> triangles,
+                        const SkinWeightsOptions& options, const Running& running, SkinWeights& skin,
+                        SkinWeightsReport& report);
+
+} // namespace cageform::inline CAGEFORM_ABI::detail
+
+#if !defined(CAGEFORM_COMPILED)
+#include <cageform/binding/detail/smooth_skinner.hpp>
+#endif
