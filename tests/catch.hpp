@@ -3,9 +3,6 @@
 
 #include "support/precompiled.hpp"
 
-#include <cstdlib>
-#include <string_view>
-
 #if defined(CAGEFORM_CATCH3)
 using Catch::Approx;
 #endif
@@ -30,16 +27,9 @@ using Catch::Approx;
 #define CAGEFORM_SCALARS float, double
 #endif
 
-/// Whether all seeds are to be tested: in the long campaigns of nightly.sh.
-inline bool all_seeds() {
-    static const char* const choice = std::getenv("CAGEFORM_TEST_SEEDS");
-    return choice != nullptr && std::string_view(choice) == "all";
-}
-
-/// `GENERATE(seeds(50))` runs a test case for the seeds 0 … 49, and without `all_seeds` for a fourth of them,
-/// at least 8: tests/mutants finds no fault that only the others notice.
+/// `GENERATE(seeds(50))` runs a test case for the seeds 0 … 49.
 inline auto seeds(int count) {
-    return Catch::Generators::range(0, all_seeds() || count <= 8 ? count : (std::max)(8, count / 4));
+    return Catch::Generators::range(0, count);
 }
 
 /// `CHECK_THAT(text, containing("part"))`: the matcher's name differs.

@@ -6,7 +6,7 @@
 #            lines in its reports, longer to compile: cmake --preset asan -DCMAKE_BUILD_TYPE=Debug
 #   native   the kernels' tests for this processor's registers, with clang
 #   release  what dev tests, and the benchmarks, with the flags that figures are taken with
-#   nightly  what dev tests, with both scalars in every room; tests/nightly.sh runs it with all seeds
+#   nightly  what dev tests, with both scalars in every room, as tests/nightly.sh runs it
 # ROOM is a folder of tests that mirrors one of include/cageform, as clone: its tests alone are built and run.
 # One test: ctest --test-dir build -R 'clone_tests:.*rest' (build/PRESET of other presets); -N lists them.
 set -eu

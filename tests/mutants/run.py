@@ -11,9 +11,7 @@ stands for `a < b`; the environment says at run time which mutant is alive. What
 Each test program runs once without a mutant, which records the time of each test case and the mutants that it
 reaches. Then each mutant of the program's folders runs against the cases that reach it, each a process, short
 ones first, until one fails. Survivors run against the other programs' cases too. A case that takes more than
-five times as long as without the mutant, and two seconds, has failed. All this is with the seeds and the scalar of
-`tests/run.sh dev`. At the end survivors run against all seeds and both scalars, as tests/nightly.sh has them: a mutant
-that only these kill is named, for it needs a seed or a scalar more.
+five times as long as without the mutant, and two seconds, has failed.
 
   --count    how many mutants are drawn from all places
   --seed     of the draw; it is printed, so that a run can be repeated
@@ -44,7 +42,6 @@ PROGRAMS = {  # rooms that instantiate the same templates are one program
     "binding": ["binding", "clone"],
     "coordinates": ["coordinates", "grid", "fields", "papers", "cage"],
 }
-BOTH_SCALARS = ("core", "binding")  # as CAGEFORM_ONE_SCALAR in tests/CMakeLists.txt; grid counts as one here
 CLANG = ["clang++-19", "-std=c++20", "-w"]
 
 
@@ -94,9 +91,9 @@ class Program:
                 self.cases.append((float(seconds), name, {int(n) for n in reached.split()}))
         self.cases.sort(key=lambda case: case[:2])
 
-    def fails(self, number, seconds, name, nightly):
+    def fails(self, number, seconds, name):
         """How a test case notices a mutant; nothing where it passes."""
-        limit = int((20 if nightly else 5) * seconds + 2)
+        limit = int(5 * seconds + 2)
         pattern = re.sub(r'([\\,\[\]"*])', r"\\\1", name)
 
         def limited():
@@ -107,8 +104,7 @@ class Program:
 
         try:
             run = subprocess.run([str(self.path), "--abort", pattern], preexec_fn=limited, capture_output=True,
-                                 env={**os.environ, "MUTANT": str(number), "CAGEFORM_TEST_SEEDS": "all" if nightly else ""},
-                                 timeout=20 * limit + 60)
+                                 env={**os.environ, "MUTANT": str(number)}, timeout=20 * limit + 60)
         except subprocess.TimeoutExpired:
             return "out of time"
         code = run.returncode
@@ -116,15 +112,13 @@ class Program:
             sys.exit(f"no test case is called {pattern}")
         return "out of time" if code in (-24, -9) else "crashed" if code < 0 else "failed" if code else ""
 
-    def judge(self, mutant, most, nightly=False):
+    def judge(self, mutant, most):
         """Returns the test that kills the mutant, if one does, and how many cases it passes."""
         spent, passed = 0.0, 0
         for seconds, name, reached in self.cases:
             if mutant.number not in reached or spent > most:
                 continue
-            if not nightly and self.name not in BOTH_SCALARS and name.endswith(" - float"):
-                continue
-            how = self.fails(mutant.number, seconds, name, nightly)
+            how = self.fails(mutant.number, seconds, name)
             if how:
                 return f"{how}: {name}", passed
             spent += seconds
@@ -212,23 +206,21 @@ def main():
             show("killed" if by else "passed", m, by or cases)
             if not by:
                 passed[m] = (program, cases)
-    survived = lost = 0
+    survived = 0
     for m, (own, cases) in passed.items():
         by = ""
         for program in programs:
             if program is not own and not by:
                 by, more = program.judge(m, options.most)
                 cases += more
-        more = "" if by else own.judge(m, options.most, nightly=True)[0]
         survived += not by
-        lost += bool(more)
-        show("killed" if by else "ALL SEEDS ONLY" if more else "SURVIVED" if cases else "NOT REACHED", m, by or more or cases)
+        show("killed" if by else "SURVIVED" if cases else "NOT REACHED", m, by or cases)
     reached = set().union(*(case[2] for program in programs for case in program.cases))
     for f in functions:
         if f.number not in reached:
             print(f"      NOT CALLED {f.place}: {f.what}")
     times = resource.getrusage(resource.RUSAGE_CHILDREN)
-    print(f"drawn {len(drawn)}, compiled {built}, killed {built - survived}, survived {survived}, of these killed by all seeds and scalars {lost}; "
+    print(f"drawn {len(drawn)}, compiled {built}, killed {built - survived}, survived {survived}; "
           f"{(times.ru_utime + times.ru_stime) / 60:.0f} minutes of processors")
 
 
