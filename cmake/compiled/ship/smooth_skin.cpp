@@ -1,5 +1,5 @@
 // Compiles `smooth_skin_weights`.
-#include "instantiate.hpp"
+#include "../instantiate.hpp"
 
 #include <cageform/binding/detail/smooth_skinner.hpp>
 

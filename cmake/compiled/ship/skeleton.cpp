@@ -1,5 +1,5 @@
 // Compiles `fit_skeleton` and `fit_skeleton_keys`, in space.
-#include "instantiate.hpp"
+#include "../instantiate.hpp"
 
 #if CAGEFORM_D == 3
 #include <cageform/skeleton/detail/fit_motion.hpp>

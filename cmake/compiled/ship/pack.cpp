@@ -1,5 +1,5 @@
 // Compiles `pack`.
-#include "instantiate.hpp"
+#include "../instantiate.hpp"
 
 #include <cageform/binding/detail/figure_packer.hpp>
 
