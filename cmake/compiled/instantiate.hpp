@@ -1,6 +1,6 @@
-// Macros of the sources of the compiled library. CMake compiles each of them once for every scalar
-// CAGEFORM_T, float or double, and dimension CAGEFORM_D, 2 or 3, so that a program in the plane waits
-// for nothing in space.
+// Macros of the sources of the compiled library. CMake compiles each source once for every scalar and
+// dimension: CAGEFORM_T is float or double, CAGEFORM_D is 2 or 3. A program in the plane then waits for
+// nothing in space.
 #pragma once
 
 #if !defined(CAGEFORM_COMPILED)
