@@ -1,6 +1,7 @@
 #!/bin/sh
 # Usage: sh tests/nightly.sh
-# The long campaigns, hours: all tests with both scalars, thousands of icons, 200 mutants of the headers.
+# The long campaigns, hours: all tests with both scalars, each header alone, readers of files under
+# sanitizers, thousands of icons, 200 mutants of the headers.
 # Ends with what failed, and exits with 1 then.
 set -u
 cd "$(dirname "$0")/.." || exit 1
@@ -11,6 +12,7 @@ campaign() { # COMMAND…
   $*"
 }
 campaign sh tests/run.sh nightly
+campaign sh tests/run.sh asan_nightly
 campaign sh tests/icons/run.sh
 campaign sh tests/icons/cages.sh
 campaign sh tests/icons/frames.sh

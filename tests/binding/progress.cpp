@@ -1,4 +1,4 @@
-// Tests the progress of functions that bind; core/running.cpp tests the others.
+// Tests the progress that functions that bind report.
 #include "../support/progress.hpp"
 #include "../catch.hpp"
 #include "../support/bindings.hpp"

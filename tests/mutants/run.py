@@ -99,7 +99,7 @@ class Program:
         def limited():
             resource.setrlimit(resource.RLIMIT_CPU, (limit, limit + 1))
             resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-            if not self.flags:  # sanitizers take all addresses
+            if "sanitize" not in " ".join(self.flags):  # sanitizers take all addresses
                 resource.setrlimit(resource.RLIMIT_AS, (8 << 30, 8 << 30))
 
         try:
@@ -138,14 +138,16 @@ def catch_main():
 
 
 def culprits(errors, mutants):
-    """The numbers of the mutants at the line of each error, else at the nearest line that its notes name."""
+    """The numbers of the mutants at the line of each error, else at the nearest line that its notes name, else up
+    to three lines below: an error may be told where its expression begins."""
     lines = {}
     for m in mutants:
         lines.setdefault((str(copy_of(m.path)), m.line), []).append(m.number)
     bad = set()
     for error in re.split(r"(?m)^(?=\S+:\d+:\d+: (?:fatal )?error)", errors)[1:]:
-        named = (lines.get((path, int(line))) for path, line in re.findall(r"(?m)^(\S+?):(\d+):\d+: ", error))
-        bad.update(next(filter(None, named), []))
+        named = [(path, int(line)) for path, line in re.findall(r"(?m)^(\S+?):(\d+):\d+: ", error)]
+        near = (lines.get((path, line + below)) for below in range(4) for path, line in named)
+        bad.update(next(filter(None, near), []))
     return bad
 
 

@@ -172,47 +172,38 @@ struct Motion {
     }
 };
 
-/// The energy of a pose by its definition, sample after sample, with rotations by singular values.
-template <class C>
-class SampledEnergy {
+/// The energy of a pose by its definition, term after term, with rotations by singular values: what does not
+/// depend on the type of coordinates.
+template <std::size_t Dimension>
+class EnergyTerms {
 public:
-    static constexpr std::size_t D = C::dimension;
+    static constexpr std::size_t D = Dimension;
     using Matrix = Eigen::Matrix<double, int(D), int(D)>;
     using Handles = Eigen::Matrix<double, int(D), Eigen::Dynamic>;
 
-    SampledEnergy(const Pinned<C>& figure, const Places<D>& targets)
-        : size_(figure.size())
-        , weight_(figure.options.pin_weight) {
-        const auto& samples = figure.solver.samples();
-        const auto axes = bind_jacobians(figure.coordinates, samples.points);
-        REQUIRE(axes);
-        const std::size_t handles = samples.handle_count();
-        clusters_.resize(samples.cluster_count);
-        rest_.resize(Eigen::Index(D), Eigen::Index(handles));
-        for (std::size_t i = 0; i < handles; ++i) {
-            for (std::size_t k = 0; k < D; ++k)
-                rest_(Eigen::Index(k), Eigen::Index(i)) = samples.rest_handles[i][k];
-        }
-        for (std::size_t s = 0; s < samples.points.size(); ++s) {
-            Eigen::MatrixXd slope = Eigen::MatrixXd::Zero(Eigen::Index(handles), Eigen::Index(D));
-            for (std::size_t i = 0; i < handles; ++i) {
-                for (std::size_t k = 0; k < D; ++k)
-                    slope(Eigen::Index(i), Eigen::Index(k)) = axes.value[k].weight(s, i);
-            }
-            clusters_[samples.clusters[s]].push_back(
-                {slope, Matrix::Identity(), 1 / double(samples.points.size())});
-        }
-        add_spokes(figure);
-        for (std::size_t n = 0; n < targets.size(); ++n) {
-            Pin pin{Eigen::VectorXd::Zero(Eigen::Index(handles)), {}};
-            for (std::size_t i = 0; i < handles; ++i) pin.row(Eigen::Index(i)) = figure.binding.weight(n, i);
-            for (std::size_t k = 0; k < D; ++k)
-                pin.offset(Eigen::Index(k)) = targets[n][k] - figure.pins[n][k];
-            pins_.push_back(pin);
-        }
-    }
+    EnergyTerms(double size, double pin_weight, const Places<D>& rest, std::size_t clusters)
+        : size_(size)
+        , weight_(pin_weight)
+        , rest_(handles_of(rest))
+        , clusters_(clusters) {}
 
-    Handles handles_of(const std::vector<Vec<double, D>>& pose) const {
+    /// A sample, or a spoke with its gradient as the first column.
+    struct Term {
+        Eigen::MatrixXd slope; ///< #handles × D
+        Matrix rest;           ///< the rotation's factor
+        double weight;
+    };
+    struct Pin {
+        Eigen::VectorXd row;
+        Eigen::Matrix<double, int(D), 1> offset;
+    };
+    Term term(const Matrix& rest, double weight) const {
+        return {Eigen::MatrixXd::Zero(rest_.cols(), Eigen::Index(D)), rest, weight};
+    }
+    void add(std::size_t cluster, Term term) { clusters_[cluster].push_back(std::move(term)); }
+    void add(Pin pin) { pins_.push_back(std::move(pin)); }
+
+    static Handles handles_of(const Places<D>& pose) {
         Handles h(Eigen::Index(D), Eigen::Index(pose.size()));
         for (std::size_t i = 0; i < pose.size(); ++i) {
             for (std::size_t k = 0; k < D; ++k) h(Eigen::Index(k), Eigen::Index(i)) = pose[i][k];
@@ -232,64 +223,8 @@ public:
         for (const auto& cluster : clusters_) turns.push_back(rotation(cluster, h));
         return turns;
     }
-    /// The tie of a handle to its cluster: weight |(h − the cluster's centre, for points) / length − R u|².
-    struct Spoke {
-        std::size_t handle, cluster;
-        bool is_point;
-        double length, weight;
-        Vec<double, D> direction; ///< u
-    };
-    const std::vector<Spoke>& spokes() const { return spokes_; }
 
 private:
-    /// A sample, or a spoke with its gradient as the first column.
-    struct Term {
-        Eigen::MatrixXd slope; ///< #handles × D
-        Matrix rest;           ///< the rotation's factor
-        double weight;
-    };
-    struct Pin {
-        Eigen::VectorXd row;
-        Eigen::Matrix<double, int(D), 1> offset;
-    };
-
-    void add_spokes(const Pinned<C>& figure) {
-        const auto& samples = figure.solver.samples();
-        const auto handles = handle_view(figure.coordinates);
-        const double spokes = figure.sampling.spokes >= 0  ? figure.sampling.spokes
-                              : handles.vector_count() > 0 ? 1e-2
-                                                           : 1e-3;
-        const auto away = [](const Vec<double, D>& a, const Vec<double, D>& b) { return dot(a - b, a - b); };
-        Places<D> centres;
-        for (const std::uint32_t centre : samples.centres) centres.push_back(samples.points[centre]);
-        const auto at = bound(figure.coordinates, centres);
-        std::size_t vectors = 0;
-        for (std::size_t i = 0; i < handles.count; ++i) {
-            auto place = handles.rest[i], direction = handles.rest[i];
-            const bool is_point = handles.is_point(i);
-            if (!is_point) {
-                place = {};
-                for (const auto corner : handles.faces[vectors])
-                    place = place + (1.0 / D) * handles.rest[corner];
-                ++vectors;
-            }
-            std::size_t c = 0;
-            for (std::size_t n = 1; n < centres.size(); ++n) { // roundings decide no tie
-                if (away(centres[n], place) < (1 - 1e-9) * away(centres[c], place)) c = n;
-            }
-            if (is_point) direction = direction - centres[c];
-            const double length = std::sqrt(dot(direction, direction));
-            Term spoke{Eigen::MatrixXd::Zero(Eigen::Index(handles.count), Eigen::Index(D)), Matrix::Zero(),
-                       spokes / double(handles.count)};
-            for (std::size_t h = 0; is_point && h < handles.count; ++h)
-                spoke.slope(Eigen::Index(h), 0) = -at.weight(c, h) / length;
-            spoke.slope(Eigen::Index(i), 0) += 1 / length;
-            for (std::size_t k = 0; k < D; ++k) spoke.rest(Eigen::Index(k), 0) = direction[k] / length;
-            clusters_[c].push_back(spoke);
-            spokes_.push_back({i, c, is_point, length, spoke.weight, (1 / length) * direction});
-        }
-    }
-
     static Matrix rotation(const std::vector<Term>& cluster, const Handles& h) {
         Matrix sum = Matrix::Zero();
         for (const Term& term : cluster) sum += term.weight * (h * term.slope) * term.rest.transpose();
@@ -321,6 +256,88 @@ private:
     Handles rest_;
     std::vector<std::vector<Term>> clusters_;
     std::vector<Pin> pins_;
+};
+
+/// The energy of a pose by its definition, of a figure and its pins.
+template <class C>
+class SampledEnergy : public EnergyTerms<C::dimension> {
+public:
+    static constexpr std::size_t D = C::dimension;
+    using Terms = EnergyTerms<D>;
+    using typename Terms::Matrix, typename Terms::Handles;
+
+    SampledEnergy(const Pinned<C>& figure, const Places<D>& targets)
+        : Terms(figure.size(), figure.options.pin_weight,
+                {figure.solver.samples().rest_handles.begin(), figure.solver.samples().rest_handles.end()},
+                figure.solver.samples().cluster_count) {
+        const auto& samples = figure.solver.samples();
+        const auto axes = bind_jacobians(figure.coordinates, samples.points);
+        REQUIRE(axes);
+        const std::size_t handles = samples.handle_count();
+        for (std::size_t s = 0; s < samples.points.size(); ++s) {
+            auto sample = Terms::term(Matrix::Identity(), 1 / double(samples.points.size()));
+            for (std::size_t i = 0; i < handles; ++i) {
+                for (std::size_t k = 0; k < D; ++k)
+                    sample.slope(Eigen::Index(i), Eigen::Index(k)) = axes.value[k].weight(s, i);
+            }
+            Terms::add(samples.clusters[s], sample);
+        }
+        add_spokes(figure);
+        for (std::size_t n = 0; n < targets.size(); ++n) {
+            typename Terms::Pin pin{Eigen::VectorXd::Zero(Eigen::Index(handles)), {}};
+            for (std::size_t i = 0; i < handles; ++i) pin.row(Eigen::Index(i)) = figure.binding.weight(n, i);
+            for (std::size_t k = 0; k < D; ++k)
+                pin.offset(Eigen::Index(k)) = targets[n][k] - figure.pins[n][k];
+            Terms::add(pin);
+        }
+    }
+
+    /// The tie of a handle to its cluster: weight |(h − the cluster's centre, for points) / length − R u|².
+    struct Spoke {
+        std::size_t handle, cluster;
+        bool is_point;
+        double length, weight;
+        Vec<double, D> direction; ///< u
+    };
+    const std::vector<Spoke>& spokes() const { return spokes_; }
+
+private:
+    void add_spokes(const Pinned<C>& figure) {
+        const auto& samples = figure.solver.samples();
+        const auto handles = handle_view(figure.coordinates);
+        const double spokes = figure.sampling.spokes >= 0  ? figure.sampling.spokes
+                              : handles.vector_count() > 0 ? 1e-2
+                                                           : 1e-3;
+        const auto away = [](const Vec<double, D>& a, const Vec<double, D>& b) { return dot(a - b, a - b); };
+        Places<D> centres;
+        for (const std::uint32_t centre : samples.centres) centres.push_back(samples.points[centre]);
+        const auto at = bound(figure.coordinates, centres);
+        std::size_t vectors = 0;
+        for (std::size_t i = 0; i < handles.count; ++i) {
+            auto place = handles.rest[i], direction = handles.rest[i];
+            const bool is_point = handles.is_point(i);
+            if (!is_point) {
+                place = {};
+                for (const auto corner : handles.faces[vectors])
+                    place = place + (1.0 / D) * handles.rest[corner];
+                ++vectors;
+            }
+            std::size_t c = 0;
+            for (std::size_t n = 1; n < centres.size(); ++n) { // roundings decide no tie
+                if (away(centres[n], place) < (1 - 1e-9) * away(centres[c], place)) c = n;
+            }
+            if (is_point) direction = direction - centres[c];
+            const double length = std::sqrt(dot(direction, direction));
+            auto spoke = Terms::term(Matrix::Zero(), spokes / double(handles.count));
+            for (std::size_t h = 0; is_point && h < handles.count; ++h)
+                spoke.slope(Eigen::Index(h), 0) = -at.weight(c, h) / length;
+            spoke.slope(Eigen::Index(i), 0) += 1 / length;
+            for (std::size_t k = 0; k < D; ++k) spoke.rest(Eigen::Index(k), 0) = direction[k] / length;
+            Terms::add(c, spoke);
+            spokes_.push_back({i, c, is_point, length, spoke.weight, (1 / length) * direction});
+        }
+    }
+
     std::vector<Spoke> spokes_;
 };
 

@@ -219,36 +219,11 @@ public:
         , measure_(binding)
         , count_(binding.point_count()) {}
 
-    Status run(SkinWeights& skin, SkinWeightsReport& report) {
-        const std::size_t most = options_.influences;
-        points_.assign(count_, {});
-        const Status status = for_each_block(count_, running_, [&](std::size_t begin, std::size_t end) {
-            ConvexWeights<D> solver;
-            for (std::size_t i = begin; i < end; ++i) {
-                points_[i] = make(solver, i, std::span(skin.joints).subspan(i * most, most),
-                                  std::span(skin.weights).subspan(i * most, most));
-            }
-        });
-        if (status != Status::ok) return status;
-        gather_skin(points_, report);
-        return Status::ok;
-    }
+    Status run(SkinWeights& skin, SkinWeightsReport& report);
 
 private:
     SkinnedPoint make(ConvexWeights<D>& solver, std::size_t i, std::span<std::uint16_t> joints,
-                      std::span<float> weights) const {
-        const auto point = measure_.point_of(i);
-        if (!point.is_bound) return {};
-        solver.load(binding_.handle_view(), measure_.frame_of(point),
-                    [&](std::size_t h) { return measure_.unfaded_weight(i, point, h); });
-        SkinnedPoint result;
-        result.kind = solver.reduce(joints.size(), options_.threshold) ? SkinnedPoint::Kind::reproduced
-                                                                       : SkinnedPoint::Kind::not_reproduced;
-        measure_.store(
-            i, point, solver.support(), [&](std::size_t h) { return solver.weight(h); }, joints, weights,
-            result);
-        return result;
-    }
+                      std::span<float> weights) const;
 
     const BindingView<T, D>& binding_;
     const SkinWeightsOptions& options_;
@@ -257,6 +232,38 @@ private:
     std::size_t count_;
     std::vector<SkinnedPoint> points_;
 };
+
+// Not inline, for `extern template` below, as BlockCloner::run.
+template <Scalar T, std::size_t D>
+Status Skinner<T, D>::run(SkinWeights& skin, SkinWeightsReport& report) {
+    const std::size_t most = options_.influences;
+    points_.assign(count_, {});
+    const Status status = for_each_block(count_, running_, [&](std::size_t begin, std::size_t end) {
+        ConvexWeights<D> solver;
+        for (std::size_t i = begin; i < end; ++i) {
+            points_[i] = make(solver, i, std::span(skin.joints).subspan(i * most, most),
+                              std::span(skin.weights).subspan(i * most, most));
+        }
+    });
+    if (status != Status::ok) return status;
+    gather_skin(points_, report);
+    return Status::ok;
+}
+
+template <Scalar T, std::size_t D>
+SkinnedPoint Skinner<T, D>::make(ConvexWeights<D>& solver, std::size_t i, std::span<std::uint16_t> joints,
+                                 std::span<float> weights) const {
+    const auto point = measure_.point_of(i);
+    if (!point.is_bound) return {};
+    solver.load(binding_.handle_view(), measure_.frame_of(point),
+                [&](std::size_t h) { return measure_.unfaded_weight(i, point, h); });
+    SkinnedPoint result;
+    result.kind = solver.reduce(joints.size(), options_.threshold) ? SkinnedPoint::Kind::reproduced
+                                                                   : SkinnedPoint::Kind::not_reproduced;
+    measure_.store(
+        i, point, solver.support(), [&](std::size_t h) { return solver.weight(h); }, joints, weights, result);
+    return result;
+}
 
 /// Calls make(skin, report), which returns a Status, if the binding can have a skin.
 template <Scalar T, std::size_t D, class Make>
@@ -277,6 +284,15 @@ Result<SkinWeights, SkinWeightsReport> make_skin(const BindingView<T, D>& bindin
     if (result.report.status != Status::ok) result.value = {};
     return result;
 }
+
+#if defined(CAGEFORM_COMPILED) // these are in the library, optimised whatever the program is
+#define CAGEFORM_DETAIL_SKINNER(T)                                                                           \
+    extern template Status Skinner<T, 2>::run(SkinWeights&, SkinWeightsReport&);                             \
+    extern template Status Skinner<T, 3>::run(SkinWeights&, SkinWeightsReport&);
+CAGEFORM_DETAIL_SKINNER(float)
+CAGEFORM_DETAIL_SKINNER(double)
+#undef CAGEFORM_DETAIL_SKINNER
+#endif
 
 } // namespace detail
 
