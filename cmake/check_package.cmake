@@ -28,7 +28,7 @@ endforeach()
 # The clients: of the package with the Eigen that is there, with Eigen 5 and without one, and of the sources.
 set(sources -DCAGEFORM_SOURCE=${SOURCE}/../..)
 set(eigen_5 -DCMAKE_PREFIX_PATH=${work}/eigen_5.0.1)
-foreach(client IN ITEMS "client_eigen_3;client_runtime;-DCMAKE_PREFIX_PATH=${prefix}" "client_eigen_5;client;${eigen_5}" "client_sources;client_runtime;${sources};${eigen_5}"
+foreach(client IN ITEMS "client_eigen_3;client_runtime;-DCMAKE_PREFIX_PATH=${prefix}" "client_eigen_5;client_runtime;${eigen_5}" "client_sources;client;${sources};${eigen_5}"
                         "client_runtime;client_runtime;-DCMAKE_PREFIX_PATH=${prefix};-DRUNTIME_ONLY=ON;-DCMAKE_DISABLE_FIND_PACKAGE_Eigen3=ON")
   list(POP_FRONT client folder name)
   set(client_build ${work}/${folder})
@@ -44,6 +44,7 @@ foreach(client IN ITEMS "client_eigen_3;client_runtime;-DCMAKE_PREFIX_PATH=${pre
 endforeach()
 
 # A project that has the sources in it installs none of them unless it asks for that.
+run(${CMAKE_COMMAND} --build ${work}/client_sources --target client_runtime)
 run(${CMAKE_COMMAND} --install ${work}/client_sources --prefix ${work}/sources_installed)
 file(GLOB_RECURSE installed RELATIVE ${work}/sources_installed ${work}/sources_installed/*)
 if(NOT installed STREQUAL "bin/client_runtime")
@@ -105,5 +106,5 @@ if(PKG_CONFIG)
   run(${COMPILER} -std=c++20 -E -o ${work}/preprocessed ${flags_of_cageform-runtime} ${SOURCE}/runtime.cpp)
   run(${COMPILER} -std=c++20 -E -o ${work}/preprocessed ${flags_of_cageform} ${SOURCE}/main.cpp)
 else()
-  message(STATUS "no pkg-config: what it reads is not checked")
+  message(STATUS "skipped: the pkg-config files (install pkg-config)")
 endif()

@@ -33,6 +33,7 @@ build() { # [TARGETS]
     cmake --build build "$@"
   else
     cmake --build build "$@" >out/build.txt 2>&1 || { cat out/build.txt; exit 1; }
+    [ -z "${CI:-}" ] || cat out/build.txt # .ci/run looks for warnings
   fi
 }
 if [ "$mode" = --build-only ]; then

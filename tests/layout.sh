@@ -23,7 +23,7 @@ long=$(find include examples bench \( -name '*.hpp' -o -name '*.cpp' \) -exec en
   /^\)"/ { raw = 0 }' {} +)
 printf '%s\n' "$long"
 count 'lines over 110 columns' "$(printf '%s' "$long" | grep -c .)" 0
-# Words that windows.h or what it includes defines as macros; min and max it defines as functions.
+# Words that windows.h or what it includes defines as macros; min and max are function-like macros there.
 words="near|far|small|hyper|interface|pascal|cdecl|ABSOLUTE|ALTERNATE|CALLBACK|CONST|DELETE|DIFFERENCE|DOMAIN|DUPLICATE|ERROR|FALSE|FAR|IGNORE|IN|INFINITE|INTERFACE|NEAR|OPAQUE|OPTIONAL|OUT|OVERFLOW|PLANES|PURE|REGISTERED|RELATIVE|RGB|STRICT|THIS|TRANSPARENT|TRUE|UNDERFLOW|VOID|WINDING|CreateFont|DrawText|FindText|GetMessage|GetObject|LoadImage|MoveMemory|SendMessage|Yield"
 macros=$(find include -name '*.hpp' -exec env LC_ALL=C "$awk" -v words="$words" '
   /R"[a-z]*\(/ { raw = 1 }

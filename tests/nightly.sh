@@ -1,8 +1,7 @@
 #!/bin/sh
 # Usage: sh tests/nightly.sh
-# The long campaigns, hours: all tests with both scalars, each header alone, readers of files under
-# sanitizers, thousands of icons, 200 mutants of the headers.
-# Ends with what failed, and exits with 1 then.
+# Runs for hours: all tests with both scalars, each header alone, the examples' parsers under sanitizers,
+# thousands of icons, 200 mutants of the headers. Prints the commands that failed, and then exits with 1.
 set -u
 cd "$(dirname "$0")/.." || exit 1
 failed=

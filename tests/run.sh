@@ -3,13 +3,13 @@
 # Installs what the tests need (Debian 12 and 13), builds and runs them through ctest. PRESET is one of
 #   dev      all tests with g++ and portable flags, and the example programs as a newcomer runs them (the default)
 #   asan     all tests of the library with clang under the address and undefined behaviour sanitizers;
-#            lines in its reports, longer to compile: cmake --preset asan -DCMAKE_BUILD_TYPE=Debug.
-#            asan_nightly also tests what the example programs read
+#            for line numbers in reports, slower to compile: cmake --preset asan -DCMAKE_BUILD_TYPE=Debug.
+#            asan_nightly also tests the parsers of the example programs
 #   native   the kernels' tests for this processor's registers, with clang
 #   release  what dev tests, and the benchmarks, with the flags that figures are taken with
 #   nightly  what dev tests, with both scalars in every room and each header alone, as tests/nightly.sh runs it
-# ROOM is a folder of tests that mirrors one of include/cageform, as clone: its tests alone are built and run.
-# One test: ctest --test-dir build -R 'clone_tests:.*rest' (build/PRESET of other presets); -N lists them.
+# ROOM is a folder in both tests/ and include/cageform/, as clone: only the tests of the given rooms are built and run.
+# One test: ctest --test-dir build -R 'clone_tests:.*rest'. Other presets build in build/PRESET. -N lists tests only.
 set -eu
 cd "$(dirname "$0")/.."
 preset=${1:-dev}
@@ -18,13 +18,13 @@ case $preset in
   dev) build=build ;;
   asan | asan_nightly | native | release | nightly) build=build/$preset ;;
   *)
-    echo "tests/run.sh: there is no preset $preset; usage: sh tests/run.sh [dev | asan | asan_nightly | native | release | nightly [ROOM...]]" >&2
+    echo "tests/run.sh: unknown preset $preset; usage: sh tests/run.sh [(dev | asan | asan_nightly | native | release | nightly) [ROOM...]]" >&2
     exit 2
     ;;
 esac
 for room in "$@"; do
-  [ -d "tests/$room" ] && [ -d "include/cageform/$room" ] || {
-    echo "tests/run.sh: there is no room $room; the rooms are the folders of include/cageform" >&2
+  [ "$preset" != native ] && [ -d "tests/$room" ] && [ -d "include/cageform/$room" ] || {
+    echo "tests/run.sh: unknown room $room; rooms are the folders of include/cageform, and the preset native has none" >&2
     exit 2
   }
 done
@@ -42,7 +42,7 @@ case $preset in
     ;;
   *)
     packages="$packages g++ libcli11-dev libtinygltf-dev"
-    if [ $# -eq 0 ]; then # what rooms do without
+    if [ $# -eq 0 ]; then # not needed for single rooms
       packages="$packages pkg-config librsvg2-bin tango-icon-theme python3-numpy
         g++-mingw-w64-x86-64-win32 g++-arm-linux-gnueabihf qemu-user"
       command -v npm >/dev/null 2>&1 || packages="$packages nodejs npm"
@@ -61,14 +61,14 @@ for room in "$@"; do
 done
 # shellcheck disable=SC2086
 cmake --build "$build" ${targets:+--target $targets}
-# Ends with the reasons of skipped tests, and with the names of failed tests and the commands that repeat them.
+# ctest runs the tests. Reasons of skipped tests and commands that repeat failed tests follow.
 code=0
-ctest --test-dir "$build" --output-on-failure -j "$(nproc 2>/dev/null || echo 2)" ${filter:+-R "$filter"} || code=$?
-sed -n 's/^skipped: /Skipped: /p' "$build/Testing/Temporary/LastTest.log"
+ctest --test-dir "$build" --no-tests=error --output-on-failure -j "$(nproc 2>/dev/null || echo 2)" ${filter:+-R "$filter"} || code=$?
+sed -n 's/^\(-- \)\{0,1\}skipped: /Skipped: /p' "$build/Testing/Temporary/LastTest.log" | sort -u
 [ $code -ne 0 ] || exit 0
 echo 'To repeat a test that failed:'
 sed 's/^[0-9]*://' "$build/Testing/Temporary/LastTestsFailed.log" | while read -r name; do
-  pattern=$(printf %s "$name" | sed 's/[][().*+?^$\\|]/\\&/g')
-  echo "  ctest --test-dir $build --output-on-failure -R '^$pattern\$'"
+  pattern=$(printf %s "$name" | sed -e 's/[][().*+?^$\\|]/\\&/g' -e "s/'/./g")
+  printf "  ctest --test-dir %s --output-on-failure -R '^%s\$'\n" "$build" "$pattern"
 done
 exit 1

@@ -1,4 +1,4 @@
-// Compiles `bind`; on lines with the plane.
+// Compiles `bind`; D = 2 includes D = 1.
 #include "instantiate.hpp"
 
 #include <cageform/binding/detail/binders.impl.hpp>

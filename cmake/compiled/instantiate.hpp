@@ -1,6 +1,6 @@
 // Macros of the sources of the compiled library. CMake compiles each source once for every scalar and
-// dimension: CAGEFORM_T is float or double, CAGEFORM_D is 2 or 3. A program in the plane then waits for
-// nothing in space.
+// dimension: CAGEFORM_T is float or double, CAGEFORM_D is 2 or 3. A program in the plane then compiles no
+// code for space.
 #pragma once
 
 #if !defined(CAGEFORM_COMPILED)

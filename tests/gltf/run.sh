@@ -302,7 +302,7 @@ echo "$passed passed, $failed failed"
 
 # ---- Khronos' validator ----
 if ! command -v node >/dev/null 2>&1 || ! command -v npm >/dev/null 2>&1; then
-  echo "SKIPPED: the validator needs node and npm (Debian packages nodejs, npm)"
+  echo "skipped: the glTF validator needs node and npm (Debian packages nodejs, npm)"
   exit 77
 fi
 if ! cmp -s "$here/package-lock.json" "$folder/package-lock.json" || [ ! -d "$folder/node_modules/gltf-validator" ]; then
@@ -311,7 +311,7 @@ if ! cmp -s "$here/package-lock.json" "$folder/package-lock.json" || [ ! -d "$fo
     rm -f "$folder/package-lock.json"
     cat log
     npm ping --fetch-retries=0 >/dev/null 2>&1 && exit 1
-    echo "SKIPPED: the npm registry cannot be reached"
+    echo "skipped: the glTF validator: the npm registry cannot be reached"
     exit 77
   fi
 fi

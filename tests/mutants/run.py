@@ -133,13 +133,13 @@ def copy_of(header):
 def catch_main():
     path = WORK / "main.o"
     if not path.exists():
-        subprocess.run([*CLANG, *EIGEN, "-c", str(ROOT / "tests/main.cpp"), "-o", str(path)], check=True)
+        subprocess.run([*CLANG, "-c", str(ROOT / "tests/main.cpp"), "-o", str(path)], check=True)
     return path
 
 
 def culprits(errors, mutants):
-    """The numbers of the mutants at the line of each error, else at the nearest line that its notes name, else up
-    to three lines below: an error may be told where its expression begins."""
+    """The numbers of the mutants that may cause each error. Searches the lines that the error and its notes name,
+    then up to three lines below: a compiler may report the line where an expression begins."""
     lines = {}
     for m in mutants:
         lines.setdefault((str(copy_of(m.path)), m.line), []).append(m.number)

@@ -1,6 +1,6 @@
-// Every header behind windows.h itself and what programs include with it, and a harmonic bind, by
-// mingw-w64. Its library has neither GLM nor, of one of its thread models, threads. It defines neither min
-// nor max in C++.
+// Most headers after windows.h and what programs include with it, by mingw-w64, without the definitions of
+// the library. The library of mingw-w64 has neither GLM nor, in one of its thread models, threads. It
+// defines neither min nor max in C++.
 #include <winsock2.h>
 
 #include <windows.h>
@@ -10,6 +10,8 @@
 #include <windowsx.h>
 
 #include "all_headers.hpp"
+
+#include <cageform/c/cageform.h>
 
 #if !defined(near) || !defined(ERROR)
 #error "a header has undefined the macros: this file checks nothing"

@@ -118,7 +118,7 @@ CAGEFORM_DETAIL_INLINE inline R multiply_add(R a, R b, R c) noexcept {
 #if __has_builtin(__builtin_elementwise_fma)
     return __builtin_elementwise_fma(a, b, c); // clang does not fuse across functions by itself
 #else
-    return a * b + c; // before version 16: within an expression it does
+    return a * b + c; // clang before 16 lacks the builtin, and fuses within one expression
 #endif
 #else
     return a * b + c;
