@@ -93,12 +93,13 @@ TEST_CASE("functions that are read from a file give the weights of the solve, to
         Points2<double> inside;
         for (int n = 0; n < 50; ++n) inside.push_back(random_inside(star, random));
         inside.push_back({100, 100});
-        check_round_trip(star, inside);
+        if constexpr (effort(true, false)) check_round_trip(star, inside);
         const Polygon<float> single(random_star<float>(seed));
         check_round_trip(single, inside);
         const auto mesh = random_mesh(seed);
         const auto about = points_about(mesh, 50, seed);
-        if (check(mesh.mesh<double>()).status == Status::ok) check_round_trip(mesh.mesh<double>(), about);
+        if (effort(true, false) && check(mesh.mesh<double>()).status == Status::ok)
+            check_round_trip(mesh.mesh<double>(), about);
         if (check(mesh.mesh<float>()).status == Status::ok) check_round_trip(mesh.mesh<float>(), about);
     }
     const auto prism = l_prism().cage<float>(); // planar faces, with harmonic functions in them

@@ -98,12 +98,14 @@ TEST_CASE("adaptive weights are as accurate as asked, in space", "[coordinates][
 }
 // Tests a large cage with a small part: 762 handles, fingers 1.7 thick on a body of 180. Reference
 // values come from walks on spheres, to 2.5e-4.
+#if !defined(CAGEFORM_SANITIZED) // minutes there, in functions that other tests call too
 TEST_CASE("adaptive weights see fingers", "[coordinates][harmonic][tree][oracle]") {
     const Fingers fingers(CAGEFORM_TEST_DATA "/fingers");
-    constexpr double accuracy = effort(5e-3, 5e-2);
+    constexpr double accuracy = 5e-3;
     const auto error = largest_error(fingers.cage(), fingers.points, fingers.weights, accuracy);
     CHECK(error <= accuracy);
 }
+#endif
 
 /// Against a grid for a tenth of the error.
 template <class C, class Points>
