@@ -36,7 +36,7 @@ foreach(client IN ITEMS "client_eigen_3;client_runtime;-DCMAKE_PREFIX_PATH=${pre
   run(${CMAKE_COMMAND} --build ${client_build} --target ${name})
   run(${client_build}/${name})
   if(client MATCHES "eigen_5")
-    file(STRINGS ${client_build}/CMakeCache.txt found REGEX "^Eigen3_DIR:")
+    file(STRINGS ${client_build}/CMakeCache.txt found REGEX "^Eigen3_DIR:" ENCODING UTF-8)
     if(NOT found MATCHES "eigen_5\\.0\\.1")
       message(FATAL_ERROR "${folder}: not the Eigen that comes first, but ${found}")
     endif()
