@@ -9,6 +9,8 @@ failing_read=$3
 here=$(cd "$(dirname "$0")" && pwd)
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
+# LD_PRELOAD allows no space in a path.
+cp "$failing_read" "$work/failing_read.so" && failing_read=$work/failing_read.so
 cd "$work" || exit 1
 passed=0
 failed=0
