@@ -19,8 +19,8 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail::c {
 
-/// The loop of the caller, without memory of its own. Serial, threaded and
-/// caller's loops are of this type, so that a clone is compiled once.
+/// The loop of the caller, without memory of its own. Serial, threaded and caller's loops are of this type,
+/// so that a clone is compiled once.
 struct CallersFor {
     const cageform_running& running;
 
