@@ -2,12 +2,11 @@
 # Usage: sh tests/run.sh [PRESET [ROOM…]]
 # Installs what the tests need (Debian 12 and 13), builds and runs them through ctest. PRESET is one of
 #   dev      all tests with g++ and portable flags, and the example programs as a newcomer runs them (the default)
-#   asan     all tests of the library with clang under the address and undefined behaviour sanitizers;
-#            for line numbers in reports, slower to compile: cmake --preset asan -DCMAKE_BUILD_TYPE=Debug.
-#            asan_nightly also tests the parsers of the example programs
+#   asan     all tests of the library and of the example programs' parsers with clang under the address and undefined
+#            behaviour sanitizers; for line numbers in reports, slower to compile: cmake --preset asan -DCMAKE_BUILD_TYPE=Debug
 #   native   the kernels' tests for this processor's registers, with clang
 #   release  what dev tests, and the benchmarks, with the flags that figures are taken with
-#   nightly  what dev tests, with both scalars in every room and each header alone, as tests/nightly.sh runs it
+#   nightly  what dev tests, with a check of each header alone, as tests/nightly.sh runs it
 # ROOM is a folder in both tests/ and include/cageform/, as clone: only the tests of the given rooms are built and run.
 # One test: ctest --test-dir build -R 'clone_tests:.*rest'. Other presets build in build/PRESET. -N lists tests only.
 set -eu
@@ -16,9 +15,9 @@ preset=${1:-dev}
 [ $# -eq 0 ] || shift
 case $preset in
   dev) build=build ;;
-  asan | asan_nightly | native | release | nightly) build=build/$preset ;;
+  asan | native | release | nightly) build=build/$preset ;;
   *)
-    echo "tests/run.sh: unknown preset $preset; usage: sh tests/run.sh [(dev | asan | asan_nightly | native | release | nightly) [ROOM...]]" >&2
+    echo "tests/run.sh: unknown preset $preset; usage: sh tests/run.sh [(dev | asan | native | release | nightly) [ROOM...]]" >&2
     exit 2
     ;;
 esac
@@ -31,7 +30,7 @@ done
 packages='cmake ninja-build libeigen3-dev libglm-dev catch2 nlohmann-json3-dev libpugixml-dev zlib1g-dev libtinyobjloader-dev
   libstb-dev libgmp-dev libegl-dev libgl-dev libopengl-dev libgl1-mesa-dri'
 case $preset in
-  asan | asan_nightly | native)
+  asan | native)
     packages="$packages clang-19 libclang-rt-19-dev"
     [ "$preset" != native ] || [ "$(dpkg --print-architecture 2>/dev/null)" != amd64 ] ||
       packages="$packages lib32stdc++-12-dev libc6-dev-i386" # a test for 32-bit x86
