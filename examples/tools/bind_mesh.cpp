@@ -248,6 +248,7 @@ int run_program(int argc, char** argv) {
     line.set_footer(obj_format + std::string("\n") + lattice_format + "\n" + pose_clip_format + "\n" +
                     pose_operations_format + "\n" + labels_format);
     if (const auto code = line.parse(argc, argv)) return *code;
+    given.moves.order_poses();
     if (const std::string why = given.outside.fault(); !why.empty()) return fail(why);
     if (given.choice.name == "barycentric")
         return fail("--coordinates barycentric: normals are bound by mean-value, harmonic or green");

@@ -403,6 +403,7 @@ int run_program(int argc, char** argv) {
     line.set_footer(point_file_format + std::string("\n") + ply_format + "\n" + obj_format + "\n" +
                     lattice_format + "\n" + pose_clip_format + "\n" + pose_operations_format);
     if (const auto code = line.parse(argc, argv)) return *code;
+    given.moves.order_poses();
     if (const std::string why = given.outside.fault(); !why.empty()) return fail(why);
     if (const auto why = given.weights.fault(given.choice, given.moves.is_given()); !why.empty())
         return fail(why);

@@ -198,6 +198,8 @@ int deform_figure(const Arguments& given, const ObjFile& figure, MeshControl con
     for (const Point3& p : moved) {
         if (!cageform::is_finite(p)) return fail(figure.name + ": a vertex has left the range of numbers");
     }
+    if (is_mirrored(figure.vertices, moved))
+        warn(control.pose.name + ": the pose mirrors " + figure.name + ", and its faces look inwards");
     MeshFolds folds;
     if (given.report || given.no_folds) folds = found_folds(given, figure, control, moved, handles);
     if (given.no_folds) {

@@ -37,7 +37,7 @@ struct Arguments {
     MeshControlChoice control;
     double split = 0; // 0: no splat is
     std::size_t threads = 0;
-    bool report = false;
+    bool strict = false, report = false;
 };
 
 constexpr std::size_t most_bytes = std::size_t{16} << 20; // of weights at a time: they stay in the cache
@@ -294,7 +294,9 @@ int deform_scene(const Arguments& given, SplatFile& scene, Seconds& seconds) {
         OutputFiles outputs;
         AtomicFile& out = outputs.add(given.out);
         out.write(scene.header_text(scene.size()));
+        out.write(scene.before);
         out.write(scene.rows);
+        out.write(scene.after);
         if (!given.control.save_pose.empty())
             outputs.add(given.control.save_pose).write(control->saved_pose());
         if (const auto error = outputs.commit()) return fail(*error);
@@ -334,6 +336,7 @@ int run_program(int argc, char** argv) {
         .range(0, 1024)
         .show_default()
         .rarely_needed();
+    line.add_flag("--strict", given.strict, "refuse a scene with a number that is not finite");
     line.add_flag("--report", given.report,
                   "print how many splats there are, what splits, the seconds and the bind report");
     given.control.choice.add_options(line);
@@ -345,9 +348,10 @@ int run_program(int argc, char** argv) {
     Seconds seconds;
     auto scene = [&] {
         const Clock clock(seconds.read);
-        return load_splats(given.scene);
+        return load_splats(given.scene, given.strict);
     }();
     if (!scene) return fail(to_string(scene.error()));
+    if (!scene->warning.empty()) warn(scene->warning);
     return deform_scene(given, *scene, seconds);
 }
 

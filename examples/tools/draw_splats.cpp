@@ -25,6 +25,7 @@ int run_program(int argc, char** argv) {
     line.set_examples({"scene.ply -o scene.png --view 60,20", "posed.ply --beside posed.obj -o both.png"});
     std::string path, beside, out;
     int width = 1600, height = 1000;
+    bool strict = false;
     ViewChoice view;
     line.add("scene", path, "the PLY file of splats to draw").required();
     line.add("-o,--output", out, "the PNG file to write").required().ends_with({".png"});
@@ -32,11 +33,13 @@ int run_program(int argc, char** argv) {
     view.add_options(line);
     line.add("--width", width, "the picture's width in pixels").range(16, 16384).show_default();
     line.add("--height", height, "its height").range(16, 16384).show_default();
+    line.add_flag("--strict", strict, "refuse a scene with a number that is not finite");
     line.set_footer(splat_format + std::string("\n") + obj_format);
     if (const auto code = line.parse(argc, argv)) return *code;
 
-    const auto scene = load_splats(path);
+    const auto scene = load_splats(path, strict);
     if (!scene) return fail(to_string(scene.error()));
+    if (!scene->warning.empty()) warn(scene->warning);
     std::optional<ObjFile> mesh;
     if (!beside.empty()) {
         auto read = load_obj(beside);

@@ -69,6 +69,8 @@ struct Arguments {
 /// All that is read.
 struct Scene {
     ObjFile figure, cage;
+    Point3 origin;  // from which the file counts places
+    ObjFile stored; // the figure, its vertices counted from there
     ObjParts parts; // of the figure
     std::vector<GltfMesh> meshes;
     PoseClip clip;                   // without keys: no motion
@@ -177,10 +179,34 @@ void add_surface(const ObjFile& figure, std::span<const Point3> right, std::span
     }
 }
 
+/// Where a player shows the figure in a pose of the cage, whose vertices are joints that are only moved, by
+/// the numbers of the file.
+void play_skin(const Scene& scene, const SkinWeights& skin, cageform::StridedPoints<const double, 3> pose,
+               std::span<Point3> places) {
+    const auto stored = [&](const Point3& p) {
+        return cageform::vec_cast<double>(cageform::vec_cast<float>(p));
+    };
+    std::vector<Point3> moves;
+    for (std::size_t j = 0; j < scene.cage.vertices.size(); ++j)
+        moves.push_back(stored(pose[j] - scene.origin) - stored(scene.cage.vertices[j] - scene.origin));
+    for (std::size_t i = 0; i < places.size(); ++i) {
+        const Point3 rest = stored(scene.stored.vertices[i]);
+        const std::size_t first = i * skin.influences;
+        places[i] =
+            skin.weights[first] == 0 ? rest + scene.origin : Point3{}; // by the joint that stands still
+        for (std::size_t k = first; k < first + skin.influences; ++k)
+            places[i] = places[i] + double(skin.weights[k]) * (rest + moves[skin.joints[k]] + scene.origin);
+    }
+}
+
 /// The differences between the figure as bound and as it is played from a skin, over the motion. Without a
 /// motion, over all poses that bend by no more than a tenth of the cage: then by the changes of weights
 /// alone.
-SkinLoss loss_of(const Scene& scene, const Binding<double, 3>& bound, const Binding<double, 3>& played) {
+///
+///   skin     as the file stores it
+///   played   the binding of its weights
+SkinLoss loss_of(const Scene& scene, const Binding<double, 3>& bound, const Binding<double, 3>& played,
+                 const SkinWeights& skin) {
     LossMeter meter(scene.figure);
     SkinLoss loss;
     if (scene.clip.keys.empty()) {
@@ -212,11 +238,13 @@ SkinLoss loss_of(const Scene& scene, const Binding<double, 3>& bound, const Bind
     std::vector<float> turns;
     for (std::size_t p = 0; p < poses.times.size(); ++p) {
         const auto pose = pose_of(poses, p);
-        if (clone(bound, pose, a) != Status::ok || clone(played, pose, b) != Status::ok) continue;
+        if (clone(bound, pose, a) != Status::ok) continue;
+        play_skin(scene, skin, pose, b);
         meter.add_pose(a, b, poses.times[p]);
         add_surface(scene.figure, a, b, loss, turns);
     }
     loss.places = meter.loss();
+    loss.places.largest += rounding_of_players(scene.stored.vertices);
     if (!turns.empty()) {
         const auto at = turns.begin() + std::ptrdiff_t(0.99 * double(turns.size() - 1));
         std::nth_element(turns.begin(), at, turns.end());
@@ -270,18 +298,20 @@ std::string add_skin(GltfDocument& document, const Scene& scene, const Arguments
                      const SkinWeights& skin, bool with_still) {
     const std::size_t handles = scene.cage.vertices.size(), joints = handles + (with_still ? 1 : 0);
     if (joints > 65536) return scene.cage.name + ": more vertices than glTF has joints";
-    add_skinned_meshes(document, scene.meshes, scene.figure, skin, given.weights, joints, handles);
+    add_skinned_meshes(document, scene.meshes, scene.stored, skin, given.weights, joints, handles);
     std::vector<std::size_t> roots = add_mesh_nodes(document, scene.meshes, true);
     const std::size_t root_node = roots.size(), first_joint = root_node + 1;
     roots.push_back(root_node);
     GltfJson root = {{"name", stem(scene.cage.name)}};
+    set_origin(root, scene.origin);
     GltfJson list;
     for (std::size_t j = 0; j < joints; ++j) list.push_back(first_joint + j);
     root["children"] = list;
     document.append("nodes", std::move(root));
     std::vector<std::array<float, 16>> inverse;
     for (std::size_t j = 0; j < joints; ++j) {
-        const auto at = j < handles ? rounded(scene.cage.vertices[j]) : std::array<double, 3>{};
+        const auto at =
+            j < handles ? rounded(scene.cage.vertices[j] - scene.origin) : std::array<double, 3>{};
         std::string name = j < handles ? "handle " + std::to_string(j) : "still";
         if (j < scene.labels.size() && !scene.labels[j].empty()) name = scene.labels[j];
         document.append("nodes", {{"name", name}, {"translation", at}});
@@ -297,7 +327,8 @@ std::string add_skin(GltfDocument& document, const Scene& scene, const Arguments
     for (std::size_t j = 0; j < handles; ++j) {
         Channel channel{first_joint + j, "translation", {}, 3};
         for (const PoseKey& key : scene.clip.keys) {
-            for (std::size_t axis = 0; axis < 3; ++axis) channel.values.push_back(key.places[j][axis]);
+            const Point3 place = key.places[j] - scene.origin;
+            for (std::size_t axis = 0; axis < 3; ++axis) channel.values.push_back(place[axis]);
         }
         channels.push_back(std::move(channel));
     }
@@ -354,7 +385,8 @@ std::string add_targets(GltfDocument& document, const Scene& scene, const Argume
         std::vector<Point3>& moved = places.emplace_back(scene.figure.vertices.size());
         const Status status = clone(binding, motion->keys[k].places, moved);
         if (status != Status::ok) return scene.clip.name + ": " + cageform::to_string(status);
-        for (const Point3& p : moved) {
+        for (Point3& p : moved) {
+            p = p - scene.origin;
             if (!std::isfinite(float(p[0]) + float(p[1]) + float(p[2])))
                 return scene.figure.name + ": a vertex has left the range of numbers";
         }
@@ -365,22 +397,22 @@ std::string add_targets(GltfDocument& document, const Scene& scene, const Argume
     }
     if (keys.empty()) return scene.clip.name + ": every pose equals the rest pose";
     for (const GltfMesh& mesh : scene.meshes) {
-        const auto rest = gltf_positions(mesh, scene.figure.vertices);
-        const auto rest_normals = gltf_normals(mesh, scene.figure, scene.figure.vertices);
+        const auto rest = gltf_positions(mesh, scene.stored.vertices);
+        const auto rest_normals = gltf_normals(mesh, scene.stored, scene.stored.vertices);
         GltfJson targets;
         for (const auto& moved : places) {
             const auto shift = difference(gltf_positions(mesh, moved), rest);
-            const auto turn = difference(gltf_normals(mesh, scene.figure, moved), rest_normals);
+            const auto turn = difference(gltf_normals(mesh, scene.stored, moved), rest_normals);
             targets.push_back({{"POSITION", document.add(shift, Use::vertices, true)},
                                {"NORMAL", document.add(turn, Use::vertices)}});
         }
-        const GltfJson attributes = gltf_attributes(document, mesh, scene.figure);
+        const GltfJson attributes = gltf_attributes(document, mesh, scene.stored);
         document.append("meshes", {{"name", mesh.name},
                                    {"primitives", gltf_primitives(document, mesh, attributes, targets)},
                                    {"weights", zeros},
                                    {"extras", {{"targetNames", names}}}});
     }
-    const auto nodes = add_mesh_nodes(document, scene.meshes, false);
+    const auto nodes = add_mesh_nodes(document, scene.meshes, false, scene.origin);
     document.append("scenes", {{"nodes", nodes}});
     std::vector<Channel> channels;
     for (const std::size_t node : nodes) {
@@ -400,7 +432,7 @@ SvgResult<FigureFrames> frames_of(const Arguments& given, const Scene& scene,
         return SvgError{scene.clip.name + ": " + detail::short_number(given.rate) +
                         " frames a second are more than 100000 in all: give a smaller --rate"};
     }
-    FigureFrames frames{scene.figure.name, scene.figure.vertices, scene.figure.triangles, {}, {}, {}};
+    FigureFrames frames{scene.figure.name, scene.stored.vertices, scene.figure.triangles, {}, {}, {}};
     const SampledPoses poses = sample_poses(scene.clip, given.rate);
     std::vector<Point3> handles(bound.handle_count());
     for (std::size_t p = 0; p <= poses.times.size(); ++p) {
@@ -418,6 +450,7 @@ SvgResult<FigureFrames> frames_of(const Arguments& given, const Scene& scene,
         }
         if (status != Status::ok)
             return SvgError{name_of_pose(scene.clip, time) + ": " + cageform::to_string(status)};
+        places = counted_from(scene.origin, places);
         frames.times.push_back(time);
     }
     return frames;
@@ -434,12 +467,12 @@ make_skin(const Arguments& given, const Scene& scene, const Binding<double, 3>& 
     auto made = cageform::smooth_skin_weights(bound, scene.figure.triangles,
                                               {.influences = influences, .threshold = given.threshold},
                                               {.progress = bar.callback()});
-    cageform::Result<Binding<double, 3>> played;
-    if (made) {
-        played = skin_to_binding(bound, stored_skin(made.value, given.weights));
-        made.report.status = played.status();
-    }
-    if (made) loss = loss_of(scene, bound, played.value);
+    if (!made) return made;
+    make_sums_exact(made.value);
+    const SkinWeights stored = stored_skin(made.value, given.weights);
+    const auto played = skin_to_binding(bound, stored);
+    made.report.status = played.status();
+    if (made) loss = loss_of(scene, bound, played.value, stored);
     return made;
 }
 
@@ -487,7 +520,17 @@ int export_figure(const Arguments& given, const Scene& scene) {
     const auto outside = given.outside.judge(coordinates, report, figure.vertices, figure.name, cage.name);
     if (!outside.fault.empty()) return fail(outside.fault);
     if (!outside.warning.empty()) warn(outside.warning);
-    if (given.report) std::cout << describe(report);
+    if (given.report) std::cout << describe(report) << describe_unused(scene.parts);
+
+    for (const PoseKey& key : scene.clip.keys) {
+        std::vector<Point3> moved(figure.vertices.size());
+        if (bound.value.handle_view().vector_count() > 0 ||
+            clone(bound.value, key.places, moved) != Status::ok || !is_mirrored(figure.vertices, moved))
+            continue;
+        warn(name_of_pose(scene.clip, key.time) + ": the pose mirrors " + figure.name +
+             ", and its faces look inwards");
+        break;
+    }
 
     GltfDocument document;
     document.json["scene"] = 0;
@@ -506,9 +549,10 @@ int export_figure(const Arguments& given, const Scene& scene) {
         if (motion->loss.share() > StoredLoss::worth_a_warning ||
             motion->report.turn > worth_a_warning_of_turns)
             warn(figure.name + ": " + describe_loss(*motion) + "; more --bones lose less");
-        add_skinned_meshes(document, scene.meshes, figure, motion->skeleton.skin, given.weights,
+        add_skinned_meshes(document, scene.meshes, scene.stored, motion->skeleton.skin, given.weights,
                            motion->skeleton.bones, 0);
-        add_skeleton(document, scene.meshes, motion->skeleton, motion->keys, stem(scene.clip.name));
+        add_skeleton(document, scene.meshes, motion->skeleton, motion->keys, stem(scene.clip.name),
+                     scene.origin);
         moved = count_bones(*motion);
         if (given.report) printed = describe(*motion);
         if (!given.picture.empty()) picture = draw_skeleton(*frames, *motion, given.view.sight);
@@ -532,6 +576,12 @@ int export_figure(const Arguments& given, const Scene& scene) {
                   : skin.influences < most_joints
                       ? "; more joints lose less, and --max-distance bounds this"
                       : "; --bones auto finds bones that turn; --morph loses nothing"));
+        }
+        if (const std::size_t sets = joint_sets(skin); sets > 1) {
+            SkinLoss of_four;
+            if (const auto four = make_skin(given, scene, bound.value, joint_set, of_four))
+                note(figure.name + ": " + describe_sets(sets) + "a skin of four (--skin 4) is off by " +
+                     describe(of_four.places));
         }
         if (!made.not_reproduced.empty()) {
             warn(std::to_string(skin.influences) + " weights are too few for " +
@@ -636,6 +686,7 @@ int run_program(int argc, char** argv) {
                     "texture coordinates is duplicated; the copies follow all other vertices.\n\n") +
         pose_clip_format + "\n" + pose_operations_format + "\n" + labels_format + "\n" + lattice_format);
     if (const auto code = line.parse(argc, argv)) return *code;
+    given.moves.order_poses();
     const bool has_bones = !given.skeleton.bones.empty();
     if (!given.morph && !has_bones && given.influences == 0 && given.skeleton.distance == 0)
         return fail("give --bones, --skin, --max-distance or --morph to choose what to write");
@@ -672,6 +723,9 @@ int run_program(int argc, char** argv) {
     scene.figure = std::move(*figure);
     scene.cage = std::move(*cage);
     scene.meshes = std::move(*meshes);
+    scene.origin = gltf_origin(scene.figure.vertices);
+    scene.stored = scene.figure;
+    scene.stored.vertices = counted_from(scene.origin, scene.figure.vertices);
     for (const auto* file : {&scene.figure, &scene.cage}) { // glTF's numbers
         if (const auto fault = single_precision_fault(*file)) return fail(to_string(*fault));
     }

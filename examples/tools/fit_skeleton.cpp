@@ -26,16 +26,20 @@ using namespace cageform_examples;
 struct Arguments {
     std::string rest, out, picture, axes = "x,y,z";
     std::vector<std::string> frames;
-    double rate = 30;
+    double rate = 0; // 0: the times of an MDD file, else default_rate
     SkeletonChoice choice{.bones = "auto"};
     ViewChoice view;
     bool report = false;
 };
 
+constexpr double default_rate = 30;
+
 constexpr const char* frames_format =
     "The frames are OBJ files, each with the vertices of the first file moved, in its\n"
-    "order, or one MDD file; its own times are left alone. Blender writes its MDD with\n"
-    "the z axis of its OBJ turned round: give --axes x,y,-z.\n";
+    "order, or one MDD file. Files that have the order of a shell pattern are put in the\n"
+    "order of their numbers. An MDD file has the times of its frames, and --rate replaces\n"
+    "them. Blender writes its MDD with the z axis of its OBJ turned round: give\n"
+    "--axes x,y,-z.\n";
 
 std::string fault_of_axes(const std::string& word) {
     if (word == "x,y,z" || word == "x,y,-z" || word == "x,z,-y") return {};
@@ -50,33 +54,29 @@ void turn_axes(const std::string& axes, std::vector<std::vector<Point3>>& frames
     }
 }
 
-/// Whether the affine map that is nearest to the figure in a frame mirrors it, in every frame.
-bool is_mirrored(std::span<const Point3> rest, std::span<const std::vector<Point3>> frames) {
-    const auto mean_of = [](std::span<const Point3> places) {
-        Point3 sum{};
-        for (const Point3& p : places) sum = sum + (1 / double(places.size())) * p;
-        return sum;
-    };
-    const Point3 middle = mean_of(rest);
-    return std::all_of(frames.begin(), frames.end(), [&](const std::vector<Point3>& frame) {
-        const Point3 mean = mean_of(frame);
-        std::array<Point3, 3> columns{};
-        for (std::size_t i = 0; i < rest.size(); ++i) {
-            for (std::size_t k = 0; k < 3; ++k)
-                columns[k] = columns[k] + (rest[i] - middle)[k] * (frame[i] - mean);
-        }
-        const auto& [a, b, c] = columns;
-        const double volume = dot(a, cross(b, c)), most = std::sqrt(dot(a, a) * dot(b, b) * dot(c, c));
-        return volume < -1e-9 * most; // and not flat
-    });
+/// Whether times are not negative and ascend in single precision, which glTF has.
+bool ascend(std::span<const double> times) {
+    for (std::size_t t = 0; t < times.size(); ++t) {
+        if (!std::isfinite(times[t]) || times[t] < 0 || (t > 0 && !(float(times[t - 1]) < float(times[t]))))
+            return false;
+    }
+    return true;
 }
 
-SvgResult<std::vector<std::vector<Point3>>> read_frames(const Arguments& given, const ObjFile& figure) {
+SvgResult<MddFile> read_frames(Arguments& given, const ObjFile& figure) {
     if (given.frames.size() == 1 && ending_of(given.frames[0]) == ".mdd") {
-        auto frames = load_mdd(given.frames[0], figure.vertices.size());
-        if (frames) turn_axes(given.axes, *frames);
-        return frames;
+        auto file = load_mdd(given.frames[0], figure.vertices.size());
+        if (!file) return file;
+        turn_axes(given.axes, file->frames);
+        if (given.rate == 0 && !ascend(file->times)) {
+            note(given.frames[0] + ": the times of its frames do not ascend from 0 or later: they are " +
+                 detail::short_number(default_rate) + " a second, as with --rate");
+            given.rate = default_rate;
+        }
+        if (given.rate > 0) file->times.clear();
+        return file;
     }
+    for (const std::string& text : order_by_numbers(given.frames)) note(text);
     std::vector<std::vector<Point3>> frames;
     for (const std::string& path : given.frames) {
         if (ending_of(path) == ".mdd")
@@ -91,28 +91,35 @@ SvgResult<std::vector<std::vector<Point3>>> read_frames(const Arguments& given, 
         if (const auto fault = single_precision_fault(*frame)) return *fault;
         frames.push_back(std::move(frame->vertices));
     }
-    return frames;
+    return MddFile{std::move(frames), {}};
 }
 
 /// Reads the frames, fits, and writes the files.
-int fit_figure(const Arguments& given, const ObjFile& figure) {
+int fit_figure(Arguments& given, ObjFile figure) {
     const ObjParts parts = read_parts(figure);
     const auto meshes = gltf_meshes(figure, parts);
     if (!meshes) return fail(to_string(meshes.error()));
-    auto places = read_frames(given, figure);
-    if (!places) return fail(to_string(places.error()));
-    if (places->size() < 2) {
-        return fail(given.frames[0] + ": " + std::to_string(places->size()) +
-                    (places->size() == 1 ? " frame" : " frames") + ": a motion has two or more");
+    auto read = read_frames(given, figure);
+    if (!read) return fail(to_string(read.error()));
+    auto& places = read->frames;
+    if (places.size() < 2) {
+        return fail(given.frames[0] + ": " + std::to_string(places.size()) +
+                    (places.size() == 1 ? " frame" : " frames") + ": a motion has two or more");
     }
     if (const auto why = fault_of_outputs({given.out, given.picture})) return fail(*why);
-    FigureFrames frames{figure.name, figure.vertices, figure.triangles, std::move(*places), {}, given.frames};
-    for (std::size_t t = 0; t < frames.places.size(); ++t)
-        frames.times.push_back(double(float(double(t) / given.rate)));
-    if (!std::isfinite(frames.times.back()) || !(frames.times[frames.times.size() - 2] < frames.times.back()))
-        return fail("--rate: so many frames a second are beyond glTF's numbers");
+    const Point3 origin = gltf_origin(figure.vertices);
+    figure.vertices = counted_from(origin, figure.vertices);
+    for (auto& frame : places) frame = counted_from(origin, frame);
+    FigureFrames frames{figure.name,       figure.vertices,        figure.triangles,
+                        std::move(places), std::move(read->times), given.frames};
+    const double rate = given.rate > 0 ? given.rate : default_rate;
+    while (frames.times.size() < frames.places.size())
+        frames.times.push_back(double(float(double(frames.times.size()) / rate)));
+    if (!ascend(frames.times)) return fail("--rate: so many frames a second are beyond glTF's numbers");
 
-    if (is_mirrored(frames.rest, frames.places)) {
+    const bool mirrors = std::all_of(frames.places.begin(), frames.places.end(),
+                                     [&](const auto& frame) { return is_mirrored(frames.rest, frame); });
+    if (mirrors) {
         warn(given.frames[0] + ": every frame is a mirror image of " + figure.name +
              (ending_of(given.frames[0]) == ".mdd" ? ": of Blender's MDD files, give --axes x,y,-z"
                                                    : ", and no bone mirrors"));
@@ -130,7 +137,7 @@ int fit_figure(const Arguments& given, const ObjFile& figure) {
     print_warnings(add_materials(document, parts, !(*meshes)[0].texture.empty()));
     add_skinned_meshes(document, *meshes, figure, motion->skeleton.skin, "float", motion->skeleton.bones, 0);
     add_skeleton(document, *meshes, motion->skeleton, motion->keys,
-                 std::filesystem::path(given.rest).stem().string());
+                 std::filesystem::path(given.rest).stem().string(), origin);
     const auto bytes = gltf_bytes(document, given.out);
     if (!bytes) return fail(to_string(bytes.error()));
 
@@ -142,7 +149,7 @@ int fit_figure(const Arguments& given, const ObjFile& figure) {
     std::cout << printable(
                      describe_gltf(given.out, *meshes, parts, figure, count_bones(*motion), bytes->size()))
               << '\n';
-    if (given.report) std::cout << describe(*motion);
+    if (given.report) std::cout << describe(*motion) << describe_unused(parts);
     return 0;
 }
 
@@ -167,9 +174,10 @@ int run_program(int argc, char** argv) {
         "0.002 or 0.2%; 0 means no bound, with --bones auto 0.2%")
         .show_default("0");
     given.choice.add_options(line);
-    line.add("--rate", given.rate, "frames a second: frame k is at k / RATE seconds")
-        .range(1e-3, 1e6)
-        .show_default();
+    line.add("--rate", given.rate,
+             "frames a second: frame k is at k / RATE seconds; by default an MDD file has its own times, and "
+             "OBJ files 30 a second")
+        .range(1e-3, 1e6);
     line.add("--axes", given.axes,
              "the axes of the MDD file as the figure has them: x,y,z, or x,y,-z as Blender writes them, or "
              "x,z,-y where the MDD file's y axis is up and the figure's z axis")

@@ -13,7 +13,7 @@
 #include "cli/progress_bar.hpp"
 #include "cli/view_choice.hpp"
 #include "files/atomic_file.hpp"
-#include "files/gltf_file.hpp"
+#include "files/gltf_skeleton.hpp"
 #include "pictures/mesh_picture.hpp"
 
 #include <cageform/binding/bind_bones.hpp>
@@ -21,7 +21,9 @@
 #include <cageform/clone/pose_handles.hpp>
 #include <cageform/fields/skin.hpp>
 
+#include <algorithm>
 #include <iostream>
+#include <map>
 #include <numbers>
 
 namespace {
@@ -59,6 +61,7 @@ struct Arguments {
 
 /// A line's bone; the reason where there is none.
 std::string parse_bone(std::string_view line, const std::vector<Bone>& bones, Bone& bone) {
+    const std::string_view row = line;
     std::vector<std::string_view> fields;
     for (bool more = true; more;) {
         const std::size_t end = std::min(line.find(','), line.size());
@@ -68,7 +71,7 @@ std::string parse_bone(std::string_view line, const std::vector<Bone>& bones, Bo
     }
     if (fields.size() != 11)
         return std::to_string(fields.size()) +
-               " columns, where a bone has 11: " + "name,parent,x,y,z,x,y,z,x,y,z";
+               " columns, where a bone has 11: name,parent,x,y,z,x,y,z,x,y,z" + detail::separator_fault(row);
     const auto number_of = [&](std::string_view name) {
         const auto at =
             std::find_if(bones.begin(), bones.end(), [&](const Bone& b) { return b.name == name; });
@@ -159,6 +162,55 @@ std::string why_not(const Arguments& given, const ObjFile& figure, const std::ve
            ": " + cageform::to_string(report.status);
 }
 
+/// A figure whose vertices at one place are one. Files split them where normals or texture coordinates
+/// differ, and equal places have to get equal weights.
+struct WeldedMesh {
+    std::vector<Point3> places;
+    std::vector<std::uint32_t> first;                    // #places: a vertex of the file there
+    std::vector<std::uint32_t> place_of;                 // #vertices of the file
+    std::vector<std::array<std::uint32_t, 3>> triangles; // of places; without those that vanish
+};
+
+WeldedMesh welded(const ObjFile& figure) {
+    WeldedMesh mesh;
+    std::map<std::array<double, 3>, std::uint32_t> known;
+    for (std::uint32_t v = 0; v < figure.vertices.size(); ++v) {
+        const Point3& p = figure.vertices[v];
+        const auto [at, is_new] = known.insert({{p[0], p[1], p[2]}, std::uint32_t(mesh.places.size())});
+        mesh.place_of.push_back(at->second);
+        if (!is_new) continue;
+        mesh.places.push_back(p);
+        mesh.first.push_back(v);
+    }
+    for (const auto& [a, b, c] : figure.triangles) {
+        const std::array<std::uint32_t, 3> t{mesh.place_of[a], mesh.place_of[b], mesh.place_of[c]};
+        if (t[0] != t[1] && t[1] != t[2] && t[2] != t[0]) mesh.triangles.push_back(t);
+    }
+    return mesh;
+}
+
+/// Weights of the places as those of the file's vertices.
+std::vector<double> spread(const WeldedMesh& mesh, std::span<const double> weights, std::size_t bones) {
+    std::vector<double> result;
+    for (const std::uint32_t place : mesh.place_of) {
+        const auto row = weights.subspan(place * bones, bones);
+        result.insert(result.end(), row.begin(), row.end());
+    }
+    return result;
+}
+
+/// Gives vertices at one place the mean of their weights, in place.
+void average(const WeldedMesh& mesh, std::vector<double>& weights, std::size_t bones) {
+    std::vector<double> sums(mesh.places.size() * bones, 0.0), counts(mesh.places.size(), 0.0);
+    for (std::size_t v = 0; v < mesh.place_of.size(); ++v) {
+        const std::size_t place = mesh.place_of[v];
+        ++counts[place];
+        for (std::size_t b = 0; b < bones; ++b) sums[place * bones + b] += weights[v * bones + b];
+    }
+    for (std::size_t n = 0; n < sums.size(); ++n) sums[n] /= counts[n / bones];
+    weights = spread(mesh, sums, bones);
+}
+
 /// The figure posed, by linear blend skinning.
 SvgResult<std::vector<Point3>> posed(const ObjFile& figure, const std::vector<Bone>& bones,
                                      std::span<const double> weights) {
@@ -172,6 +224,29 @@ SvgResult<std::vector<Point3>> posed(const ObjFile& figure, const std::vector<Bo
     if (status == Status::ok) status = clone(bound.value, handles, moved);
     if (status != Status::ok) return SvgError{figure.name + ": " + cageform::to_string(status)};
     return moved;
+}
+
+/// The weights of a skin, #points · #bones.
+std::vector<double> dense_weights(const cageform::SkinWeights& skin, std::size_t bones) {
+    std::vector<double> weights(skin.weights.size() / skin.influences * bones, 0.0);
+    for (std::size_t n = 0; n < skin.weights.size(); ++n)
+        weights[n / skin.influences * bones + skin.joints[n]] += double(skin.weights[n]);
+    return weights;
+}
+
+/// How far vertices are from where they ought to be.
+StoredLoss loss_of(const ObjFile& figure, std::span<const Point3> right, std::span<const Point3> moved) {
+    StoredLoss loss;
+    loss.size = cageform::bounds_of(std::span<const Point3>(figure.vertices)).diagonal();
+    loss.poses = 1;
+    for (std::size_t i = 0; i < moved.size(); ++i) {
+        const Point3 d = moved[i] - right[i];
+        const double off = std::hypot(d[0], d[1], d[2]);
+        loss.mean += off / double(moved.size());
+        if (off > loss.largest) loss.vertex = i;
+        loss.largest = std::max(loss.largest, off);
+    }
+    return loss;
 }
 
 /// The turn into the pose and back in two seconds, of the bones from node `first` on.
@@ -199,7 +274,9 @@ void add_turns(GltfDocument& document, const std::vector<Bone>& bones, std::size
 }
 
 /// The document: the meshes, the bones as nodes, the skin, and the turn into the pose.
-SvgResult<std::string> gltf_text(const ObjFile& figure, const ObjParts& parts,
+///
+///   figure   its vertices counted from `origin`
+SvgResult<std::string> gltf_text(const ObjFile& figure, const Point3& origin, const ObjParts& parts,
                                  const std::vector<GltfMesh>& meshes, const std::vector<Bone>& bones,
                                  const cageform::SkinWeights& skin, bool binary) {
     GltfDocument document;
@@ -216,27 +293,36 @@ SvgResult<std::string> gltf_text(const ObjFile& figure, const ObjParts& parts,
         roots.push_back(document.append("nodes", {{"name", mesh.name}, {"mesh", index}, {"skin", 0}}));
     }
     const std::size_t first = meshes.size();
-    GltfJson joints;
+    // A skin needs a node above all joints (5.28.1), and the place that they are counted from.
+    const auto is_root = [](const Bone& bone) { return bone.parent == no_parent; };
+    const bool has_top = origin != Point3{} || std::count_if(bones.begin(), bones.end(), is_root) > 1;
+    GltfJson joints, tops;
     std::vector<std::array<float, 16>> inverse;
     for (std::size_t b = 0; b < bones.size(); ++b) {
         const auto single = [](const Point3& p) {
             return Point3{double(float(p[0])), double(float(p[1])), double(float(p[2]))};
         };
-        const Point3 head = single(bones[b].segment.head);
+        const Point3 head = single(bones[b].segment.head - origin);
         const Point3 at =
-            bones[b].parent == no_parent ? head : head - single(bones[bones[b].parent].segment.head);
+            is_root(bones[b]) ? head : head - single(bones[bones[b].parent].segment.head - origin);
         GltfJson node = {{"name", bones[b].name}, {"translation", {at[0], at[1], at[2]}}};
         for (std::size_t c = b + 1; c < bones.size(); ++c) {
             if (bones[c].parent == b) node["children"].push_back(first + c);
         }
         document.append("nodes", std::move(node));
         joints.push_back(first + b);
-        if (bones[b].parent == no_parent) roots.push_back(first + b);
+        if (is_root(bones[b])) (has_top ? tops : roots).push_back(first + b);
         inverse.push_back(
             {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, -float(head[0]), -float(head[1]), -float(head[2]), 1});
     }
-    document.append("skins",
-                    {{"inverseBindMatrices", document.add(inverse, Use::other)}, {"joints", joints}});
+    GltfJson written = {{"inverseBindMatrices", document.add(inverse, Use::other)}, {"joints", joints}};
+    if (has_top) {
+        GltfJson top = {{"name", "skeleton"}, {"children", tops}};
+        set_origin(top, origin);
+        roots.push_back(document.append("nodes", std::move(top)));
+        written["skeleton"] = roots.back();
+    }
+    document.append("skins", std::move(written));
     document.append("scenes", {{"nodes", roots}});
 
     add_turns(document, bones, first);
@@ -274,20 +360,32 @@ int skin_figure(const Arguments& given, const ObjFile& figure, const std::vector
     for (const Bone& bone : bones) segments.push_back(bone.segment);
     cageform::SurfaceSkinOptions options;
     if (given.sees_through) options.visibility = cageform::BoneVisibility::ignored;
-    const auto weights = [&] {
-        ProgressBar bar("weights");
-        const cageform::Running running{.progress = bar.callback()};
-        return given.weights == "heat"
-                   ? cageform::bone_heat(figure.vertices, figure.triangles, segments, options, running)
-                   : cageform::harmonic_skin(figure.vertices, figure.triangles, segments, options, running);
-    };
-    auto made = weights();
-    if (made.report.status == Status::cage_not_closed && !given.sees_through) {
+    const auto weights = [&](const auto& points, const auto& triangles) {
+        const auto compute = [&] {
+            ProgressBar bar("weights");
+            const cageform::Running running{.progress = bar.callback()};
+            return given.weights == "heat"
+                       ? cageform::bone_heat(points, triangles, segments, options, running)
+                       : cageform::harmonic_skin(points, triangles, segments, options, running);
+        };
+        auto made = compute();
+        if (made.report.status != Status::cage_not_closed || given.sees_through) return made;
         note(figure.name +
              ": the mesh is not closed, so that nothing is inside it: every vertex sees its nearest "
              "bone, as with --see-through");
         options.visibility = cageform::BoneVisibility::ignored;
-        made = weights();
+        return compute();
+    };
+    const WeldedMesh joined = welded(figure);
+    auto made = weights(joined.places, joined.triangles);
+    if (made.report.status == Status::ok) {
+        made.value = spread(joined, made.value, bones.size());
+    } else if (made.report.mesh.mesh.status !=
+               Status::ok) { // sheets that touch are no surface when they are one
+        made = weights(figure.vertices, figure.triangles);
+        if (made.report.status == Status::ok) average(joined, made.value, bones.size());
+    } else if (made.report.status == Status::cells_unreached) {
+        made.report.solver.culprit = joined.first[made.report.solver.culprit];
     }
     const auto& report = made.report;
     if (report.status != Status::ok) return fail(why_not(given, figure, bones, report));
@@ -295,31 +393,35 @@ int skin_figure(const Arguments& given, const ObjFile& figure, const std::vector
         warn(given.bones + ": " + bones[b].name +
              " is not the nearest bone of any vertex that it could move: all its weights are 0");
     }
-    const auto [skin, kept] = cageform::skin_weights(std::span<const double>(made.value), bones.size(),
-                                                     {.influences = given.influences});
+    auto [skin, kept] = cageform::skin_weights(std::span<const double>(made.value), bones.size(),
+                                               {.influences = given.influences});
     if (kept.status != Status::ok) return fail(given.bones + ": " + cageform::to_string(kept.status));
-    // The picture shows the weights that are written.
+    make_sums_exact(skin);
+    // The picture shows the weights and places that are written.
+    const Point3 origin = gltf_origin(figure.vertices);
+    ObjFile stored = figure, shown = figure;
+    stored.vertices = counted_from(origin, figure.vertices);
+    for (std::size_t i = 0; i < shown.vertices.size(); ++i)
+        shown.vertices[i] =
+            cageform::vec_cast<double>(cageform::vec_cast<float>(stored.vertices[i])) + origin;
     const std::size_t most = skin.influences;
-    std::vector<double> written(made.value.size(), 0.0);
-    for (std::size_t n = 0; n < skin.weights.size(); ++n)
-        written[n / most * bones.size() + skin.joints[n]] += double(skin.weights[n]);
-    const auto right = posed(figure, bones, made.value), moved = posed(figure, bones, written);
+    const auto written = dense_weights(skin, bones.size());
+    const auto right = posed(figure, bones, made.value), moved = posed(shown, bones, written);
     if (!right || !moved) return fail(to_string(right ? moved.error() : right.error()));
-    StoredLoss loss;
-    loss.size = cageform::bounds_of(std::span<const Point3>(figure.vertices)).diagonal();
-    loss.poses = 1;
-    for (std::size_t i = 0; i < moved->size(); ++i) {
-        const Point3 d = (*moved)[i] - (*right)[i];
-        const double off = std::hypot(d[0], d[1], d[2]);
-        loss.mean += off / double(moved->size());
-        if (off > loss.largest) loss.vertex = i;
-        loss.largest = std::max(loss.largest, off);
+    StoredLoss loss = loss_of(figure, *right, *moved);
+    loss.largest += rounding_of_players(stored.vertices);
+    if (const std::size_t sets = joint_sets(skin); sets > 1) {
+        const auto [four, made_of_four] =
+            cageform::skin_weights(std::span<const double>(made.value), bones.size(), {.influences = 4});
+        if (const auto moved_by_four = posed(shown, bones, dense_weights(four, bones.size())))
+            note(figure.name + ": " + describe_sets(sets) + "a skin of four (--skin 4) is off by " +
+                 describe(loss_of(figure, *right, *moved_by_four)));
     }
     if (loss.share() > StoredLoss::worth_a_warning) {
         warn(figure.name + ": a skin of " + std::to_string(most) + " bones per vertex is off by " +
              describe(loss) + "; a larger --skin loses less");
     }
-    const auto text = gltf_text(figure, parts, *meshes, bones, skin,
+    const auto text = gltf_text(stored, origin, parts, *meshes, bones, skin,
                                 std::filesystem::path(given.out).extension() != ".gltf");
     if (!text) return fail(to_string(text.error()));
 
@@ -346,7 +448,7 @@ int skin_figure(const Arguments& given, const ObjFile& figure, const std::vector
     std::cout << printable(given.out) << ": " << vertices << " vertices, " << bones.size() << " bones, "
               << given.weights << '\n';
     if (given.report) {
-        std::cout << "flipped edges: " << report.mesh.flips
+        std::cout << describe_unused(parts) << "flipped edges: " << report.mesh.flips
                   << "\nnegative cotangent weights: " << report.mesh.negative_weights
                   << "\nvertices that do not see their nearest bones: " << report.hidden
                   << "\nbones a vertex, in the mean: " << kept.mean_influences << "\nlargest sum |w - w0| of "

@@ -784,7 +784,6 @@ works "splats drawn beside a mesh" "$programs/draw_splats" quarter.ply --beside 
 works "pins" "$splats" scene.ply --cage box --pin 0 --pin 2000:+0,0.1,0 -o pinned.ply --save-pose pinned.obj
 works "the pose of pins" "$splats" scene.ply --cage box --pose pinned.obj -o pinned.ply
 head -c 5000 scene.ply >short.ply
-sed 's/binary_little_endian/ascii/' scene.ply >ascii.ply
 sed 's/float opacity/float opaque/' scene.ply >opaque.ply
 { head -c "$(($(wc -c <degree_0.ply) - 4))" degree_0.ply; printf '\000\000\300\177'; } >nan.ply
 for program in "$splats" "$programs/draw_splats"; do
@@ -792,9 +791,11 @@ for program in "$splats" "$programs/draw_splats"; do
   refuses 'none.ply: no such file' "$program" none.ply "$@"
   refuses 'folder: is a folder' "$program" folder "$@"
   refuses 'short.ply: is cut off: 3000 splats of 248 bytes are announced' "$program" short.ply "$@"
-  refuses 'ascii.ply: line 2: the format is "ascii": only binary_little_endian is read' "$program" ascii.ply "$@"
   refuses 'opaque.ply: a splat has no property opacity' "$program" opaque.ply "$@"
-  refuses 'nan.ply: splat 99 (counted from 0): rot_3 is not a finite number' "$program" nan.ply "$@"
+  refuses 'nan.ply: splat 99 (counted from 0): rot_3 is not a finite number' "$program" nan.ply --strict "$@"
+  works "a splat that is not finite, $program" "$program" nan.ply "$@"
+  grep -q 'warning: nan.ply: 1 of 100 splats are left out, first splat 99 (counted from 0): rot_3 is not a finite number' log && ok=yes || ok=no
+  report $ok "is left out, $program"
   refuses 'character.obj: is no PLY file' "$program" character.obj "$@"
 done
 refuses 'give --pose or operations such as --turn, but not both' "$splats" scene.ply --cage character_cage.obj --pose character_pose.obj --turn all:1,y -o out.ply

@@ -37,16 +37,32 @@ frames() { # Z   the solid and the turned one, with so high tips
 }
 frames "$i" >solid.mdd
 frames "$m" >mirror.mdd
-works "bones of an MDD file" "$fit" solid.obj solid.mdd -o solid.glb
+works "bones of an MDD file" "$fit" solid.obj solid.mdd -o timed.gltf
+grep -A 99 '"accessors"' timed.gltf | tr -d ' \n' | grep -q '"min":\[0.0\],"max":\[1.0\]' && ok=yes || ok=no
+report $ok "have its times"
+works "an MDD file at a rate" "$fit" solid.obj solid.mdd -o solid.glb --rate 30
 works "bones of its frames" "$fit" solid.obj solid.obj turned.obj -o frames.glb
 cmp -s solid.glb frames.glb && ok=yes || ok=no
 report $ok "an MDD file is as good as its frames"
-works "bones of Blender's axes" "$fit" solid.obj mirror.mdd -o mirror.glb --axes x,y,-z
+works "bones of Blender's axes" "$fit" solid.obj mirror.mdd -o mirror.glb --axes x,y,-z --rate 30
 cmp -s solid.glb mirror.glb && ok=yes || ok=no
 report $ok "Blender's axes are turned back"
 works "other axes" "$fit" solid.obj mirror.mdd -o mirror.glb --bones 1
 grep -q 'warning: mirror.mdd: every frame is a mirror image of solid.obj: of Blender.s MDD files, give --axes x,y,-z' log && ok=yes || ok=no
 report $ok "other axes are noticed"
+head="\\000\\000\\000\\002\\000\\000\\000\\004$i$o"
+frames "$i" >descending.mdd
+works "times that do not ascend" "$fit" solid.obj descending.mdd -o descending.glb
+grep -q 'note: descending.mdd: the times of its frames do not ascend' log && cmp -s solid.glb descending.glb && ok=yes || ok=no
+report $ok "are those of the rate"
+for k in 1 2 10 12; do cp "twist_$((k % 4)).obj" "frame_$k.obj"; done
+works "frames by a pattern" "$fit" twist_0.obj frame_*.obj -o pattern.glb --bones 2
+grep -q 'note: the files were put in the order of their numbers, from frame_1.obj to frame_12.obj' log &&
+  grep -q 'note: number 3 is missing between frame_2.obj and frame_10.obj' log && ok=yes || ok=no
+report $ok "are put in order"
+works "frames in order" "$fit" twist_0.obj frame_1.obj frame_2.obj frame_10.obj frame_12.obj -o ordered.glb --bones 2
+cmp -s pattern.glb ordered.glb && ok=yes || ok=no
+report $ok "are the same"
 : >empty.mdd
 head -c 30 solid.mdd >short.mdd
 { cat solid.mdd; echo; } >long.mdd

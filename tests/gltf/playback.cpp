@@ -112,6 +112,7 @@ Matrix product(const Matrix& a, const Matrix& b) {
 /// A file loaded: its mesh, and what each of its vertices was in the OBJ file.
 struct File {
     tinygltf::Model model;
+    Point3 place; // of the node above the mesh or above all joints, from which positions are counted
     std::vector<Point3> rest;
     std::vector<std::size_t> origin;
 };
@@ -126,13 +127,21 @@ File load(const std::string& path, const ObjFile& figure) {
     if (!loaded || !error.empty() || !warning.empty()) throw std::runtime_error(error + warning);
     if (file.model.meshes.size() != 1 || file.model.meshes[0].primitives.size() != 1)
         throw std::runtime_error("one mesh of one primitive is expected");
+    for (const int node : file.model.scenes.at(0).nodes) {
+        const tinygltf::Node& root = file.model.nodes.at(std::size_t(node));
+        const bool is_place = root.mesh >= 0 ? root.skin < 0 : file.model.skins.at(0).skeleton == node;
+        for (std::size_t k = 0; is_place && k < root.translation.size(); ++k) file.place[k] = root.translation[k];
+    }
     std::map<std::array<float, 3>, std::size_t> places;
-    const auto single = [](const Point3& p) { return std::array{float(p[0]), float(p[1]), float(p[2])}; };
+    const auto single = [&](const Point3& p) {
+        const Point3 from = p - file.place;
+        return std::array{float(from[0]), float(from[1]), float(from[2])};
+    };
     for (std::size_t i = 0; i < figure.vertices.size(); ++i) places[single(figure.vertices[i])] = i;
     const auto& primitive = file.model.meshes[0].primitives[0];
     const auto positions = numbers(file.model, primitive.attributes.at("POSITION"));
     for (std::size_t i = 0; i < positions.size(); i += 3) {
-        file.rest.push_back({positions[i], positions[i + 1], positions[i + 2]});
+        file.rest.push_back(Point3{positions[i], positions[i + 1], positions[i + 2]} + file.place);
         file.origin.push_back(places.at(single(file.rest.back())));
     }
     for (std::size_t i = 0; i < figure.vertices.size(); ++i) {
@@ -178,6 +187,7 @@ Influences influences(const File& file) {
 std::vector<Point3> played(const File& file, const Influences& skin, double time) {
     const auto& model = file.model;
     std::vector<Point3> moved = file.rest;
+    for (Point3& p : moved) p = p - file.place;
     std::vector<tinygltf::Node> nodes = model.nodes; // as they are then
     std::vector<double> shares = model.meshes[0].weights;
     const auto& animation = model.animations.at(0);
@@ -203,7 +213,10 @@ std::vector<Point3> played(const File& file, const Influences& skin, double time
             for (std::size_t k = 0; k < 3; ++k) moved[i][k] += shares.at(t) * shift[3 * i + k];
         }
     }
-    if (skin.count == 0) return moved;
+    if (skin.count == 0) {
+        for (Point3& p : moved) p = p + file.place;
+        return moved;
+    }
 
     // Every node's matrix in the world.
     std::vector<Matrix> world(model.nodes.size());

@@ -26,6 +26,9 @@ works() { # WHAT COMMAND…
 says() { # MESSAGE   of the command before
   grep -qF -- "$1" log && report yes "$1" || report no "says: $1"
 }
+says_not() { # MESSAGE
+  grep -qF -- "$1" log && report no "does not say: $1" || report yes "$1"
+}
 refuses() { # MESSAGE COMMAND…   exits 1, says MESSAGE, writes neither out.* nor a temporary file
   message=$1; shift
   rm -f out.* ./*.tmp*
@@ -68,6 +71,20 @@ works "the order of the vertices" "$playback" creases.obj character_cage.obj cha
 sed 's|^pose,0.7,|pose,0.76,|' character_clip.csv >other.csv
 "$playback" character.obj character_cage.obj other.csv skin_4.glb >log 2>&1 && report no "the second reader sees another clip" || report yes other
 
+# ---- far from the origin, as maps have it ----
+away='{ for (k = 2; k <= 4; k++) $k += (k == 2) * 500000 + (k == 3) * 4600000 + (k == 4) * 20 } { print }'
+for name in character.obj character_cage.obj character_pose.obj; do
+  awk -v CONVFMT=%.17g -v OFMT=%.17g '$1 != "v" { print; next } '"$away" $name >far_$name
+done
+awk -F, -v OFS=, -v CONVFMT=%.17g -v OFMT=%.17g '/^(length|pose|#)/ || NF != 3 { print; next } { $1 += 500000; $2 += 4600000; $3 += 20; print }' character_clip.csv >far_clip.csv
+far="far_character.obj --cage far_character_cage.obj --coordinates mean-value --clip far_clip.csv"
+# shellcheck disable=SC2086
+{
+  works "a skin far away" "$export" $far --skin 4 -o far_skin.glb
+  works "targets far away" "$export" $far --morph -o far_morph.glb
+}
+works "far away, played by a second reader" "$playback" far_character.obj far_character_cage.obj far_clip.csv far_skin.glb far_morph.glb
+cat log
 # ---- a skeleton fitted to a motion ----
 # shellcheck disable=SC2086
 {
@@ -86,6 +103,11 @@ sed 's|^pose,0.7,|pose,0.76,|' character_clip.csv >other.csv
     works "$kind bones, played by the second reader" "$playback" --near 0.05 part.obj fitted_$kind.glb 0.3 frames/009.obj 0.6 frames/018.obj
     cat log
   done
+  for frame in part.obj frames/00[0-9].obj frames/01[0-9].obj; do
+    awk -v CONVFMT=%.17g -v OFMT=%.17g '$1 != "v" { print; next } '"$away" "$frame" >"far_$(basename "$frame")"
+  done
+  works "a skeleton far away" "$programs/fit_skeleton" far_part.obj far_00?.obj far_01?.obj -o far_fitted.glb --bones 6 --report
+  works "that, played by the second reader" "$playback" --near 0.05 far_part.obj far_fitted.glb 0.3 far_009.obj 0.6 far_018.obj
   grep -aq '"NORMAL"' fitted_rigid.glb && report yes normals || report no "normals are there, which players turn"
   works "a flat skeleton as text" "$programs/fit_skeleton" part.obj frames/00?.obj frames/01?.obj -o fitted_flat.gltf --bones 6 --flat --influences 6
   works "that, played by the second reader" "$playback" --near 0.05 part.obj fitted_flat.gltf 0.3 frames/009.obj 0.6 frames/018.obj
@@ -103,6 +125,20 @@ for weights in heat harmonic; do
   works "bones, $weights" "$skin" character.obj --bones character.bones.csv --weights $weights -o bones_$weights.glb --picture bones.png --report
   says 'negative cotangent weights: 0'
 done
+awk -F, -v OFS=, -v CONVFMT=%.17g -v OFMT=%.17g 'NF == 11 && $3 + 0 == $3 { $3 += 500000; $6 += 500000; $4 += 4600000; $7 += 4600000; $5 += 20; $8 += 20 } { print }' \
+  character.bones.csv >far_bones.csv
+works "bones far away" "$skin" far_character.obj --bones far_bones.csv -o far_bones.gltf
+grep -A 3 '"translation"' far_bones.gltf | grep -q '4600000' && report no "bones far away: a joint is counted from the node above" || report yes far
+# Vertices that a file splits have the weights of one vertex: each face with vertices of its own.
+awk '$1 == "v" { v[++n] = $0 } $1 == "f" { f = "f"; for (k = 2; k <= NF; k++) { split($k, a, "/"); print v[a[1]]; f = f " " ++m } faces = faces f "\n" }
+  END { printf "%s", faces }' character.obj >split_character.obj
+for weights in heat harmonic; do
+  works "split vertices, $weights" "$skin" split_character.obj --bones character.bones.csv --weights $weights -o split_$weights.glb
+  says_not 'is not closed'
+done
+printf '%s\n' 'left,,-0.2,1,0,-0.6,1,0,0,0,0' 'right,,0.2,1,0,0.6,1,0,0,0,0' >roots.csv
+works "two bones without a parent" "$skin" character.obj --bones roots.csv -o roots.gltf
+grep -q '"skeleton": 3' roots.gltf && report yes roots || report no "a node is above both"
 works "one bone that stands" "$skin" character.obj --bones one.csv --weights harmonic --skin 1 -o bones_one.gltf
 sed '/^f 7/d' character.obj >open_character.obj
 works "an open mesh" "$skin" open_character.obj --bones character.bones.csv --see-through --skin 8 -o bones_open.glb
@@ -221,6 +257,22 @@ for way in "--skin 4" "--morph" "--bones 1"; do
   done
   [ "$(grep -c '"indices"' parts.gltf)" = 4 ] && report yes primitives || report no "$way: a primitive for every material of an object"
 done
+# What other programs write: a byte order mark, no Kd, -halo, pictures of alpha, of emission and of normals, and more.
+cp 'pictures/wood grain.png' seen.png
+printf '\357\273\277newmtl red\nKd 0.25 0.5 1\nmap_Kd seen.png\nmap_d seen.png\nKa 1 1 1\nmap_Ks seen.png\nmap_Bump -bm 2 seen.png\n' >other.mtl
+printf 'newmtl glass\nmap_Kd -s 2 2 2 seen.png\nnorm seen.png\nnewmtl lamp\nd -halo 0.5\nmap_Ke seen.png\nnewmtl wood\nNs 5\n' >>other.mtl
+{ echo 'l 1 2'; sed 's/^mtllib.*/mtllib other.mtl/; s/^v \(.*\)/v \1 1 0.5 0/' parts.obj; } >other.obj
+works "materials of other programs" "$export" other.obj --cage box.obj --twist all:z,0,4,40 --skin 4 -o other.gltf --report
+says 'glTF has no place for these statements: "l" (1), "map_Bump" (1), "map_Bump -bm" (1), "map_Kd -s" (1), "map_Ks" (1)'
+says 'statements without a place in glTF: "Ka" 1, "l" 1, '
+says_not 'defines the material'
+tr -d ' \n' <other.gltf >flat.json
+for part in '"name":"red","pbrMetallicRoughness":{"baseColorFactor":[0.25,0.5,1.0,1.0]' '"name":"glass","pbrMetallicRoughness":{"baseColorFactor":[1.0,1.0,1.0,1.0]' \
+  '"name":"lamp","pbrMetallicRoughness":{"baseColorFactor":[0.72,0.36,0.2,0.5]' '"name":"wood","pbrMetallicRoughness":{"baseColorFactor":[0.72,0.36,0.2,1.0]' \
+  '"normalTexture":{"index":0}' '"emissiveTexture":{"index":0}' '"emissiveFactor":[1.0,1.0,1.0]' '"COLOR_0"'; do
+  grep -qF "$part" flat.json && report yes "$part" || report no "other.gltf has $part"
+done
+[ "$(grep -c '"alphaMode": "BLEND"' other.gltf)" = 2 ] && report yes alpha || report no "a picture with alpha and -halo blend"
 works "objects and materials, binary" "$export" parts.obj --cage box.obj --twist all:z,0,4,40 --skin 4 -o parts.glb
 sed "s|^map_Kd.*|map_Kd ../outside_$$/secret.png|" parts.mtl >escaping.mtl
 sed 's/^mtllib.*/mtllib escaping.mtl/' parts.obj >escaping.obj

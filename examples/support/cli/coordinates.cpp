@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <fstream>
 #include <optional>
+#include <sstream>
 
 namespace cageform_examples {
 
@@ -222,7 +223,20 @@ OutsideChoice::judge(const ChosenCoordinates<T, D>& coordinates, const cageform:
                               (coordinates.takes_sites ? "convex hull of " : "cage ") + cage + ", first " +
                               name_points(points, report.outside);
     const bool some = !report.outside.empty();
-    if (some && word == "refuse") return {found + "; use --outside to choose what they do", {}};
+    double largest = 0;
+    for (const std::size_t i : report.outside) {
+        cageform::Vec<T, D> p{};
+        if constexpr (D == 2)
+            p = {T(points[i].x), T(points[i].y)};
+        else
+            p = cageform::vec_cast<T>(points[i]);
+        if (cageform::is_finite(p)) largest = std::max(largest, coordinates.distance_from_boundary(p));
+    }
+    std::ostringstream distance;
+    distance.precision(2);
+    distance << "; the largest distance from the boundary is " << largest;
+    if (some && word == "refuse")
+        return {found + "; use --outside to choose what they do" + distance.str(), {}};
     if (some && word == "extend" && !coordinates.has_extension())
         return {found + "; these coordinates are not defined outside" +
                     (coordinates.takes_sites ? "" : " the cage"),
@@ -236,7 +250,9 @@ OutsideChoice::judge(const ChosenCoordinates<T, D>& coordinates, const cageform:
     }
     if (!some || word != "auto" || cage_is_made || falloff > 0) return {};
     if (2 * report.outside.size() > report.points && !coordinates.takes_sites)
-        return {found + ": is it the cage of another figure? Use --outside to choose what they do", {}};
+        return {found + ": is it the cage of another figure? Use --outside to choose what they do" +
+                    distance.str(),
+                {}};
     const auto done = bind_options(coordinates).outside;
     return {
         {},
@@ -245,7 +261,7 @@ OutsideChoice::judge(const ChosenCoordinates<T, D>& coordinates, const cageform:
              : done == cageform::OutsidePoints::keep_in_place
                  ? coordinates.takes_sites ? "stay in place, and the figure may tear there" : "stay in place"
                  : "follow the nearest points of the boundary") +
-            (coordinates.takes_sites ? " (--surround, --outside)" : " (--outside)")};
+            (coordinates.takes_sites ? " (--surround, --outside)" : " (--outside)") + distance.str()};
 }
 
 template cageform::BindOptions OutsideChoice::bind_options(const ChosenCoordinates<double, 2>&) const;

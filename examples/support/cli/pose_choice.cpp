@@ -114,6 +114,10 @@ bool is_of_another_cage(const PoseClip& clip, const ObjFile& cage) {
 
 } // namespace
 
+void MotionChoice::order_poses() {
+    for (const std::string& text : order_by_numbers(poses)) note("--pose: " + text);
+}
+
 SvgResult<PoseClip> MotionChoice::motion(const ObjFile& cage) const {
     const auto held = operations.still(cage.lattice);
     if (!held) return held.error();

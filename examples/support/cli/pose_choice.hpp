@@ -48,6 +48,8 @@ struct MotionChoice {
     double seconds = 1;
 
     void add_options(CommandLine& line);
+    /// Puts `poses` in the order of their numbers (order_by_numbers()), with notes. Called once options are read.
+    void order_poses();
 
     bool is_given() const { return !clip.empty() || !poses.empty() || !operations.operations.empty(); }
     /// The motion; without keys where none is given. Vertices that stay still are put back to rest. Fails

@@ -3,6 +3,7 @@
 #include "cli/guard.hpp"
 #include "cli/progress_bar.hpp"
 #include "files/csv.hpp"
+#include "files/gltf_file.hpp"
 
 #include <cageform/binding/skin_weights.hpp>
 #include <cageform/core/threads.hpp>
@@ -34,6 +35,28 @@ std::string why_not(const FigureFrames& frames, const cageform::SkeletonReport& 
     return text + "v " + std::to_string(report.vertex + 1) + ": " + cageform::to_string(report.status);
 }
 
+/// Rounds what glTF files store in single precision, so that what is measured is what players show.
+void round_to_single(FittedMotion& motion) {
+    const auto round = [](auto& values) {
+        for (auto& value : values) {
+            for (std::size_t k = 0; k < sizeof(value) / sizeof(double); ++k)
+                value[k] = double(float(value[k]));
+        }
+    };
+    round(motion.skeleton.joints);
+    for (auto& bone : motion.keys.bones) {
+        const auto round_all = [&](auto& channel) {
+            round(channel.values);
+            round(channel.in_tangents);
+            round(channel.out_tangents);
+        };
+        round_all(bone.translation);
+        round_all(bone.rotation);
+        round_all(bone.scale);
+        round_all(bone.axes);
+    }
+}
+
 /// Measures the keys as a file plays them.
 void measure(const FigureFrames& frames, FittedMotion& motion) {
     StoredLoss& loss = motion.loss;
@@ -48,7 +71,8 @@ void measure(const FigureFrames& frames, FittedMotion& motion) {
         played.maps = motion.keys.maps(motion.skeleton, frames.times[t]);
         auto& places = motion.played.emplace_back();
         for (std::size_t i = 0; i < frames.rest.size(); ++i) {
-            places.push_back(played.place(0, i, frames.rest[i]));
+            const Point3& rest = frames.rest[i];
+            places.push_back(played.place(0, i, cageform::vec_cast<double>(cageform::vec_cast<float>(rest))));
             const Point3 d = places[i] - frames.places[t][i];
             const double distance = std::hypot(d[0], d[1], d[2]);
             squares += distance * distance;
@@ -59,6 +83,7 @@ void measure(const FigureFrames& frames, FittedMotion& motion) {
             loss.time = frames.times[t];
         }
     }
+    loss.largest += rounding_of_players(frames.rest);
     for (const double distance : largest) loss.mean += distance / double(largest.size());
     motion.rms = std::sqrt(squares / (double(largest.size()) * double(loss.poses)));
     if (loss.size > 0) motion.rms /= loss.size;
@@ -152,6 +177,7 @@ SvgResult<FittedMotion> fit_motion(const SkeletonChoice& choice, const FigureFra
         warn(frames.name + ": " + std::to_string(options.bones) + " bones were asked for, and " +
              count_bones(motion) + (motion.report.bones == 1 ? " is" : " are") + " of use");
     }
+    make_sums_exact(motion.skeleton.skin);
     motion.skeleton.skin = stored_skin(motion.skeleton.skin, weights);
     if (choice.flat) {
         for (std::uint32_t& parent : motion.skeleton.parents)
@@ -159,9 +185,8 @@ SvgResult<FittedMotion> fit_motion(const SkeletonChoice& choice, const FigureFra
     }
     {
         ProgressBar bar("keys");
-        constexpr double least = 1e-4; // where no distance is asked for
-        const double distance =
-            of_keys * (asked > 0 ? asked : std::max(motion.report.max_distance, 5 * least));
+        constexpr double unasked = 1e-4;
+        const double distance = asked > 0 ? of_keys * asked : unasked;
         auto made = cageform::fit_skeleton_keys(motion.skeleton, frames.rest, frames.times,
                                                 {distance, choice.tangents}, {.progress = bar.callback()});
         motion.keys_report = made.report;
@@ -172,6 +197,7 @@ SvgResult<FittedMotion> fit_motion(const SkeletonChoice& choice, const FigureFra
         if (!made) return SvgError{frames.name + ": " + cageform::to_string(made.report.status)};
         motion.keys = std::move(made.value);
     }
+    round_to_single(motion);
     measure(frames, motion);
     if (asked > 0 && motion.loss.share() > asked) {
         return SvgError{frames.name + ": " +

@@ -39,7 +39,8 @@ struct SkeletonChoice {
     static std::string fault_of_bones(const std::string& word);
 };
 
-/// A figure and where its vertices are in each frame.
+/// A figure and where its vertices are in each frame. Programs write these places in single precision: they
+/// count them from near the figure (gltf_origin()).
 struct FigureFrames {
     std::string name; ///< of the figure, for messages
     std::span<const Point3> rest;

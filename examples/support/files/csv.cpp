@@ -18,6 +18,14 @@ std::string_view trim(std::string_view text) {
     return text;
 }
 
+std::string separator_fault(std::string_view line) {
+    // Semicolons separate numbers where commas are decimal.
+    const bool has_semicolons = line.find(';') != line.npos;
+    if (!has_semicolons && (line.find(',') != line.npos || trim(line).find('\t') == line.npos)) return {};
+    return std::string("; it is separated by ") + (has_semicolons ? "semicolons" : "tabs") +
+           ", and commas are read";
+}
+
 std::vector<std::string_view> parts_of(std::string_view text, char separator) {
     std::vector<std::string_view> parts;
     for (std::size_t end = 0; end != text.npos;) {

@@ -42,6 +42,10 @@ std::string short_number(double number);
 /// Returns why a number is not finite in single precision; empty if it is.
 std::string single_precision_fault(double number);
 
+/// "; it is separated by semicolons, and commas are read" of a line without commas, by tabs likewise; else
+/// empty.
+std::string separator_fault(std::string_view line);
+
 /// "x,y" or "x,y,z"; an empty reason is success.
 template <std::size_t D>
 std::string parse_point(std::string_view line, std::array<double, D>& point) {
@@ -50,7 +54,8 @@ std::string parse_point(std::string_view line, std::array<double, D>& point) {
     if (columns != D) {
         return std::to_string(columns) + (columns == 1 ? " column" : " columns") +
                (D == 2 ? ", but a point in the plane has two: x,y"
-                       : ", but a point in space has three: x,y,z");
+                       : ", but a point in space has three: x,y,z") +
+               separator_fault(line);
     }
     for (double& number : point) {
         const std::string_view field = line.substr(0, line.find(','));

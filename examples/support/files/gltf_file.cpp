@@ -1,5 +1,7 @@
 #include "files/gltf_file.hpp"
 
+#include "svg/css_colour.hpp"
+
 namespace cageform_examples {
 
 SvgResult<ObjTexture> read_texture(const ObjFile& file) {
@@ -87,6 +89,39 @@ SvgResult<std::vector<GltfMesh>> gltf_meshes(const ObjFile& file, const ObjParts
     return meshes;
 }
 
+Point3 gltf_origin(std::span<const Point3> places) {
+    const auto bounds = cageform::bounds_of(places);
+    constexpr double far_away = 8; // sizes
+    const Point3 middle = 0.5 * (bounds.lower + bounds.upper);
+    const bool is_near = !(std::sqrt(dot(middle, middle)) > far_away * bounds.diagonal());
+    return is_near ? Point3{} : cageform::vec_cast<double>(cageform::vec_cast<float>(middle));
+}
+
+std::vector<Point3> counted_from(const Point3& origin, std::span<const Point3> places) {
+    std::vector<Point3> moved(places.begin(), places.end());
+    for (Point3& p : moved) p = p - origin;
+    return moved;
+}
+
+void make_sums_exact(cageform::SkinWeights& skin) {
+    constexpr double one = 1 << 24; // multiples of its inverse up to 1 are floats
+    for (std::size_t first = 0; first < skin.weights.size(); first += skin.influences) {
+        const auto weights = std::span(skin.weights).subspan(first, skin.influences);
+        double sum = 0; // exact, as all numbers here
+        for (float& weight : weights) {
+            weight = float(std::round(one * double(weight)) / one);
+            sum += double(weight);
+        }
+        float& largest = *std::max_element(weights.begin(), weights.end());
+        if (largest > 0) largest = float(double(largest) + 1 - sum);
+    }
+}
+
+double rounding_of_players(std::span<const Point3> places) {
+    constexpr double roundings = 4;
+    return roundings * double(std::numeric_limits<float>::epsilon()) * cageform::bounds_of(places).magnitude();
+}
+
 std::vector<std::array<float, 3>> gltf_positions(const GltfMesh& mesh, std::span<const Point3> places) {
     std::vector<std::array<float, 3>> positions;
     for (const auto& corner : mesh.corners) {
@@ -122,6 +157,16 @@ GltfJson gltf_attributes(GltfDocument& document, const GltfMesh& mesh, const Obj
     attributes["POSITION"] = document.add(gltf_positions(mesh, file.vertices), Use::vertices, true);
     attributes["NORMAL"] = document.add(gltf_normals(mesh, file, file.vertices), Use::vertices);
     if (!mesh.texture.empty()) attributes["TEXCOORD_0"] = document.add(mesh.texture, Use::vertices);
+    if (file.colours.empty()) return attributes;
+    std::vector<std::array<float, 3>> colours; // 3.7.2.1: linear
+    for (const auto& corner : mesh.corners) {
+        auto& colour = colours.emplace_back();
+        for (std::size_t k = 0; k < 3; ++k) {
+            const double displayed = file.colours[corner.vertex][k];
+            colour[k] = displayed > 0 ? float(to_linear(std::min(displayed, 1.0))) : 0.0f;
+        }
+    }
+    attributes["COLOR_0"] = document.add(colours, Use::vertices);
     return attributes;
 }
 
@@ -144,27 +189,47 @@ GltfJson gltf_primitives(GltfDocument& document, const GltfMesh& mesh, const Glt
     return primitives;
 }
 
+/// Whether the header of a PNG file announces alpha, in its pixels or for some colours (chunk tRNS; PNG 3rd
+/// edition, sections 11.2.1 and 11.3.1).
+bool png_has_alpha(std::string_view bytes) {
+    constexpr std::size_t colour_type = 25;
+    if (bytes.size() <= colour_type) return false;
+    const std::string_view header = bytes.substr(0, bytes.find("IDAT"));
+    return bytes[colour_type] == 4 || bytes[colour_type] == 6 || header.find("tRNS") != header.npos;
+}
+
 std::vector<std::string> add_materials(GltfDocument& document, const ObjParts& parts, bool textured) {
+    struct Texture {
+        std::optional<std::size_t> index;
+        bool has_alpha = false;
+    };
     std::vector<std::string> warnings;
-    std::map<std::string, std::optional<std::size_t>> known; // textures, of pictures
-    const auto texture_of = [&](const ObjMaterial& material) -> std::optional<std::size_t> {
-        const auto [place, is_new] = known.insert({material.texture, std::nullopt});
+    std::map<std::string, Texture> known; // by the names of pictures
+    const auto texture_of = [&](const ObjMaterial& material, const std::string& picture) -> Texture {
+        if (picture.empty()) return {};
+        if (!textured) {
+            warnings.push_back("the figure has no texture coordinates for the texture " +
+                               detail::quoted(std::filesystem::path(picture).filename().string()) +
+                               " of the material " + detail::quoted(material.name));
+            return {};
+        }
+        const auto [place, is_new] = known.insert({picture, Texture{}});
         if (!is_new) return place->second;
-        const auto bytes = read_file(material.texture);
+        const auto bytes = read_file(picture);
         const bool is_png = bytes && bytes->starts_with("\x89PNG\r\n\x1a\n");
         const bool is_jpeg = bytes && bytes->starts_with("\xff\xd8\xff");
         if (!is_png && !is_jpeg) {
             warnings.push_back(!bytes ? bytes.error().message
-                                      : material.texture +
+                                      : picture +
                                             ": is neither PNG nor JPEG, the formats of glTF: the material " +
                                             detail::quoted(material.name) + " is written without it");
-            return std::nullopt;
+            return {};
         }
         const std::size_t image =
-            document.append("images", {{"name", std::filesystem::path(material.texture).stem().string()},
+            document.append("images", {{"name", std::filesystem::path(picture).stem().string()},
                                        {"mimeType", is_png ? "image/png" : "image/jpeg"},
                                        {"bufferView", document.add_bytes(*bytes)}});
-        place->second = document.append("textures", {{"source", image}});
+        place->second = {document.append("textures", {{"source", image}}), is_png && png_has_alpha(*bytes)};
         return place->second;
     };
     bool is_bright = false;
@@ -173,13 +238,18 @@ std::vector<std::string> add_materials(GltfDocument& document, const ObjParts& p
         GltfJson pbr = {{"baseColorFactor", {c[0], c[1], c[2], material.opacity}},
                         {"metallicFactor", material.metallic},
                         {"roughnessFactor", material.roughness}};
-        if (!material.texture.empty() && !textured) {
-            warnings.push_back("the figure has no texture coordinates for the texture of the material " +
+        const Texture of_colour = texture_of(material, material.texture);
+        const bool see_through = of_colour.has_alpha && !material.opaque_texture;
+        if (of_colour.index) pbr["baseColorTexture"] = {{"index", *of_colour.index}};
+        if (of_colour.index && !material.opaque_texture && !see_through)
+            warnings.push_back(material.texture +
+                               ": has no alpha for the statement \"map_d\" of the material " +
                                detail::quoted(material.name));
-        } else if (!material.texture.empty()) {
-            if (const auto texture = texture_of(material)) pbr["baseColorTexture"] = {{"index", *texture}};
-        }
         GltfJson written = {{"name", material.name}, {"pbrMetallicRoughness", std::move(pbr)}};
+        if (const auto normals = texture_of(material, material.normal_texture); normals.index)
+            written["normalTexture"] = {{"index", *normals.index}};
+        const Texture of_emission = texture_of(material, material.emission_texture);
+        if (of_emission.index) written["emissiveTexture"] = {{"index", *of_emission.index}};
         const auto& e = material.emission;
         if (const double most = std::max({e[0], e[1], e[2]}); most > 0) {
             const double scale = std::max(most, 1.0); // 3.9.3: factors end at 1
@@ -189,7 +259,7 @@ std::vector<std::string> add_materials(GltfDocument& document, const ObjParts& p
                 is_bright = true;
             }
         }
-        if (material.opacity < 1) written["alphaMode"] = "BLEND";
+        if (material.opacity < 1 || see_through) written["alphaMode"] = "BLEND";
         written["doubleSided"] = true; // as OBJ files are drawn
         document.append("materials", std::move(written));
     }

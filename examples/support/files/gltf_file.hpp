@@ -158,6 +158,14 @@ SvgResult<ObjTexture> read_texture(const ObjFile& file);
 /// faces, or as read_texture() does.
 SvgResult<std::vector<GltfMesh>> gltf_meshes(const ObjFile& file, const ObjParts& parts);
 
+/// The place that a file counts positions from, a translation of a node: where all are far from the origin,
+/// the middle of their bounds, rounded to single precision; else the origin. So the rounding of positions is
+/// below 1e-6 of the figure's size.
+Point3 gltf_origin(std::span<const Point3> places);
+
+/// Places counted from another.
+std::vector<Point3> counted_from(const Point3& origin, std::span<const Point3> places);
+
 /// The mesh's positions where the file's vertices are at `places`.
 std::vector<std::array<float, 3>> gltf_positions(const GltfMesh& mesh, std::span<const Point3> places);
 
@@ -175,8 +183,9 @@ GltfJson gltf_attributes(GltfDocument& document, const GltfMesh& mesh, const Obj
 GltfJson gltf_primitives(GltfDocument& document, const GltfMesh& mesh, const GltfJson& attributes,
                          const GltfJson& targets = {});
 
-/// Appends the materials, with the pictures of their textures, which the file then holds. Returns warnings,
-/// of pictures that are left out.
+/// Appends the materials, with the pictures of their textures, which the file then holds. A picture of a
+/// colour whose alpha `map_d` names makes a material of alphaMode BLEND. Returns warnings, of pictures that
+/// are left out.
 ///
 ///   textured   whether the meshes have texture coordinates
 std::vector<std::string> add_materials(GltfDocument& document, const ObjParts& parts, bool textured);
@@ -189,8 +198,25 @@ std::vector<std::string> add_materials(GltfDocument& document, const ObjParts& p
 cageform::Result<cageform::GltfTrack, cageform::ExchangeReport>
 gltf_track(const PoseClip& clip, std::span<const double> values, std::size_t components);
 
+/// Rounds weights to multiples of 2^-24, so that those of a point sum to 1 without an error, which would move
+/// the point by a share of its distance from the origin.
+void make_sums_exact(cageform::SkinWeights& skin);
+
+/// How far a player that computes in single precision may be off beside what the file is: some roundings of
+/// the largest coordinate.
+double rounding_of_players(std::span<const Point3> places);
+
+/// How many sets of four joints a skin fills: the last that has a weight.
+inline std::size_t joint_sets(const cageform::SkinWeights& skin) {
+    std::size_t most = 1;
+    for (std::size_t n = 0; n < skin.weights.size(); ++n) {
+        if (skin.weights[n] != 0) most = std::max(most, n % skin.influences + 1);
+    }
+    return (most + 3) / 4;
+}
+
 /// Appends the attributes of a skin, four joints a set: JOINTS_0, WEIGHTS_0, JOINTS_1, … Points without
-/// weights are given to the joint `still`.
+/// weights are given to the joint `still`. Sets without a weight are left out.
 ///
 ///   Index    std::uint8_t or std::uint16_t
 ///   weights  #points · influences, of a point's skin: float, or normalised integers
@@ -200,7 +226,7 @@ void add_skin_attributes(GltfDocument& document, GltfJson& attributes, const Glt
                          std::size_t still) {
     constexpr bool integer = !std::is_same_v<Weight, float>;
     constexpr Weight one = integer ? std::numeric_limits<Weight>::max() : Weight(1);
-    const std::size_t most = skin.influences, sets = (most + 3) / 4;
+    const std::size_t most = skin.influences, sets = joint_sets(skin);
     for (std::size_t set = 0; set < sets; ++set) {
         std::vector<std::array<Index, 4>> joints;
         std::vector<std::array<Weight, 4>> shares;

@@ -25,12 +25,24 @@ void add_skinned_meshes(GltfDocument& document, std::span<const GltfMesh> meshes
         add(skin.weights);
 }
 
+std::string describe_sets(std::size_t sets) {
+    return "JOINTS_0 to JOINTS_" + std::to_string(sets - 1) +
+           ": many players read JOINTS_0 alone, four joints a vertex; ";
+}
+
+void set_origin(GltfJson& node, const Point3& origin) {
+    if (origin != Point3{}) node["translation"] = {origin[0], origin[1], origin[2]};
+}
+
 std::vector<std::size_t> add_mesh_nodes(GltfDocument& document, std::span<const GltfMesh> meshes,
-                                        bool has_skin) {
+                                        bool has_skin, const Point3& origin) {
     std::vector<std::size_t> nodes;
     for (std::size_t m = 0; m < meshes.size(); ++m) {
         GltfJson node = {{"name", meshes[m].name}, {"mesh", m}};
-        if (has_skin) node["skin"] = 0;
+        if (has_skin)
+            node["skin"] = 0;
+        else
+            set_origin(node, origin);
         nodes.push_back(document.append("nodes", std::move(node)));
     }
     return nodes;
@@ -53,10 +65,12 @@ void add_channel(GltfJson& animation, std::size_t node, const char* path, std::s
 
 void add_skeleton(GltfDocument& document, std::span<const GltfMesh> meshes,
                   const cageform::FittedSkeleton<double>& skeleton,
-                  const cageform::SkeletonKeys<double>& keys, const std::string& name) {
+                  const cageform::SkeletonKeys<double>& keys, const std::string& name, const Point3& origin) {
     constexpr auto no_parent = cageform::FittedSkeleton<double>::no_parent;
     std::vector<std::size_t> roots = add_mesh_nodes(document, meshes, true);
-    roots.push_back(document.append("nodes", {{"name", name}}));
+    GltfJson top = {{"name", name}};
+    set_origin(top, origin);
+    roots.push_back(document.append("nodes", std::move(top)));
     std::vector<std::size_t> nodes, joints; // of each bone; the joint also turns to the scale's axes
     std::vector<std::array<float, 16>> inverse;
     for (std::size_t b = 0; b < skeleton.bones; ++b) {

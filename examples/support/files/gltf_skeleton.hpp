@@ -18,9 +18,18 @@ void add_skinned_meshes(GltfDocument& document, std::span<const GltfMesh> meshes
                         const cageform::SkinWeights& skin, const std::string& weights, std::size_t joints,
                         std::size_t still);
 
+/// "JOINTS_0 to JOINTS_3: many players read JOINTS_0 alone, four joints a vertex; "; for a note on a skin of
+/// more than one set.
+std::string describe_sets(std::size_t sets);
+
+/// Gives a node a translation, unless this is zero.
+void set_origin(GltfJson& node, const Point3& origin);
+
 /// Appends a node for each mesh, the first of the document. Returns their numbers.
+///
+///   has_skin   the mesh follows the skin; else the node has the translation `origin`
 std::vector<std::size_t> add_mesh_nodes(GltfDocument& document, std::span<const GltfMesh> meshes,
-                                        bool has_skin);
+                                        bool has_skin, const Point3& origin = {});
 
 /// A place as the buffers have it.
 std::array<double, 3> rounded(const Point3& p);
@@ -72,10 +81,11 @@ void add_keys(GltfDocument& document, GltfJson& animation, std::size_t node, con
 /// Appends the nodes of the meshes and of a skeleton, the skin and its animation. The file's meshes have been
 /// added with the skeleton's skin.
 ///
-///   name   of the node above all bones
+///   name     of the node above all bones
+///   origin   its translation, from which the skeleton's places are counted
 void add_skeleton(GltfDocument& document, std::span<const GltfMesh> meshes,
                   const cageform::FittedSkeleton<double>& skeleton,
-                  const cageform::SkeletonKeys<double>& keys, const std::string& name);
+                  const cageform::SkeletonKeys<double>& keys, const std::string& name, const Point3& origin);
 
 /// "out.glb: 1 object, 2 materials, 512 vertices, 1024 triangles, 20 bones, 40000 bytes".
 ///

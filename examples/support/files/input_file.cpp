@@ -16,6 +16,80 @@
 
 namespace cageform_examples {
 
+namespace {
+
+/// A name cut into text and runs of digits, which compare as numbers.
+struct NumberedName {
+    std::vector<std::string> text;    // before, between and after the numbers
+    std::vector<std::string> numbers; // without leading zeros
+
+    explicit NumberedName(const std::string& name) {
+        text.emplace_back();
+        bool in_number = false;
+        for (const char c : name) {
+            const bool is_digit = c >= '0' && c <= '9';
+            if (is_digit && !in_number) numbers.emplace_back();
+            if (!is_digit && in_number) text.emplace_back();
+            in_number = is_digit;
+            if (!is_digit)
+                text.back() += c;
+            else if (numbers.back() == "0")
+                numbers.back() = c;
+            else
+                numbers.back() += c;
+        }
+        if (in_number) text.emplace_back();
+    }
+    bool operator<(const NumberedName& other) const {
+        for (std::size_t k = 0; k < text.size() && k < other.text.size(); ++k) {
+            if (text[k] != other.text[k]) return text[k] < other.text[k];
+            if (k == numbers.size() || k == other.numbers.size()) break;
+            const std::string &a = numbers[k], &b = other.numbers[k];
+            if (a.size() != b.size()) return a.size() < b.size();
+            if (a != b) return a < b;
+        }
+        return text.size() < other.text.size();
+    }
+};
+
+/// The first number between neighbours that differ in one number, by more than one; empty where none is missing.
+std::string missing_number(const NumberedName& a, const NumberedName& b) {
+    if (a.text != b.text) return {};
+    std::string missing;
+    std::size_t differences = 0;
+    constexpr std::size_t most_digits = 15;
+    for (std::size_t k = 0; k < a.numbers.size(); ++k) {
+        if (a.numbers[k] == b.numbers[k]) continue;
+        ++differences;
+        if (a.numbers[k].size() > most_digits || b.numbers[k].size() > most_digits) return {};
+        const std::uint64_t next = std::stoull(a.numbers[k]) + 1;
+        if (next < std::stoull(b.numbers[k])) missing = std::to_string(next);
+    }
+    return differences == 1 ? missing : std::string();
+}
+
+} // namespace
+
+std::vector<std::string> order_by_numbers(std::vector<std::string>& files) {
+    const auto by_number = [](const std::string& a, const std::string& b) {
+        return NumberedName(a) < NumberedName(b);
+    };
+    std::vector<std::string> notes;
+    if (!std::is_sorted(files.begin(), files.end())) return notes;
+    if (!std::is_sorted(files.begin(), files.end(), by_number)) {
+        std::stable_sort(files.begin(), files.end(), by_number);
+        notes.push_back("the files were put in the order of their numbers, from " + files.front() + " to " +
+                        files.back());
+    }
+    for (std::size_t k = 1; k < files.size(); ++k) {
+        const std::string number = missing_number(NumberedName(files[k - 1]), NumberedName(files[k]));
+        if (number.empty()) continue;
+        notes.push_back("number " + number + " is missing between " + files[k - 1] + " and " + files[k]);
+        break;
+    }
+    return notes;
+}
+
 /// The paths of all files that were opened so far.
 static std::set<std::string>& inputs() {
     static std::set<std::string> all;

@@ -13,6 +13,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace cageform_examples {
 
@@ -52,6 +53,12 @@ private:
     bool may_pass_ = false;
     cageform::detail::MemoryHash hash_; // of the bytes read so far
 };
+
+/// Puts the files of a sequence in the order of their numbers, frame_2 before frame_10, where they have the
+/// order of a shell pattern, which sorts by letters. Files in any other order are left as they are.
+///
+///   returns   notes: that files were moved, and a number that is missing among names that differ by one
+std::vector<std::string> order_by_numbers(std::vector<std::string>& files);
 
 /// The lines of a file, or of a pipe, one after the other; memory holds little more than one of them.
 class LineReader {

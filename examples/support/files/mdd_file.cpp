@@ -7,7 +7,7 @@
 
 namespace cageform_examples {
 
-SvgResult<std::vector<std::vector<Point3>>> load_mdd(const std::string& path, std::size_t vertices) {
+SvgResult<MddFile> load_mdd(const std::string& path, std::size_t vertices) {
     const auto bytes = read_file(path);
     if (!bytes) return bytes.error();
     const auto word = [&](std::size_t at) {
@@ -29,19 +29,20 @@ SvgResult<std::vector<std::vector<Point3>>> load_mdd(const std::string& path, st
                         std::to_string(frames) + " frames of " + std::to_string(points) + " vertices take " +
                         std::to_string(needed)};
     }
-    std::vector<std::vector<Point3>> result(frames, std::vector<Point3>(vertices));
+    MddFile file{std::vector<std::vector<Point3>>(frames, std::vector<Point3>(vertices)), {}};
     std::size_t at = begin;
     for (std::size_t t = 0; t < frames; ++t) {
+        file.times.push_back(double(std::bit_cast<float>(word(8 + 4 * t))));
         for (std::size_t i = 0; i < vertices; ++i) {
             for (std::size_t k = 0; k < 3; ++k, at += 4) {
-                result[t][i][k] = double(std::bit_cast<float>(word(at)));
-                if (std::isfinite(result[t][i][k])) continue;
+                file.frames[t][i][k] = double(std::bit_cast<float>(word(at)));
+                if (std::isfinite(file.frames[t][i][k])) continue;
                 return SvgError{path + ": frame " + std::to_string(t) + ", v " + std::to_string(i + 1) +
                                 ": a coordinate is not finite"};
             }
         }
     }
-    return result;
+    return file;
 }
 
 } // namespace cageform_examples

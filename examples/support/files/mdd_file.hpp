@@ -10,12 +10,17 @@
 
 namespace cageform_examples {
 
-/// The frames of an MDD file: the number of frames and that of vertices, whole numbers of 4 bytes; the times
+struct MddFile {
+    std::vector<std::vector<Point3>> frames; ///< #frames · #vertices
+    std::vector<double> times;               ///< #frames, in seconds, as the file has them
+};
+
+/// Reads an MDD file: the number of frames and that of vertices, whole numbers of 4 bytes; the times
 /// of the frames; x, y, z of each vertex in each frame; all of them floats of 4 bytes, big-endian.
 ///
 ///   vertices   of the figure
 ///   fails      where it cannot be read, has another number of vertices, is shorter or longer than it says,
 ///              or a coordinate is not finite
-SvgResult<std::vector<std::vector<Point3>>> load_mdd(const std::string& path, std::size_t vertices);
+SvgResult<MddFile> load_mdd(const std::string& path, std::size_t vertices);
 
 } // namespace cageform_examples

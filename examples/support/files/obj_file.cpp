@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstring>
 
 namespace cageform_examples {
 
@@ -30,6 +31,31 @@ std::string parse_index(std::string_view word, std::size_t so_far, std::size_t c
                (value < 0 ? " before this line" : "");
     }
     index = static_cast<std::uint32_t>(value > 0 ? value - 1 : static_cast<long long>(so_far) + value);
+    return {};
+}
+
+/// The format that a file's first bytes are those of, where this is not OBJ; else empty.
+std::string_view other_format(std::string_view text) {
+    const std::string_view begin = text.substr(0, 512);
+    const auto begins_with_word = [&](std::string_view word) {
+        return begin.starts_with(word) && begin.size() > word.size() &&
+               std::strchr(" \t\r\n", begin[word.size()]) != nullptr;
+    };
+    constexpr std::size_t stl_head = 84, stl_triangle = 50; // bytes
+    if (text.size() > stl_head) {
+        std::uint32_t triangles = 0;
+        for (std::size_t k = 4; k > 0; --k)
+            triangles = triangles << 8 | static_cast<unsigned char>(text[stl_head - 5 + k]);
+        if (text.size() == stl_head + std::uint64_t{triangles} * stl_triangle) return "STL";
+    }
+    if (begins_with_word("solid")) return "STL";
+    if (begin.starts_with("glTF") || (begin.starts_with('{') && text.find("\"asset\"") != text.npos))
+        return "glTF";
+    if (begins_with_word("ply")) return "PLY";
+    if (begin.starts_with("Kaydara FBX Binary") || begin.starts_with("; FBX")) return "FBX";
+    for (const std::string_view word : {"OFF", "COFF", "NOFF", "STOFF", "4OFF"}) {
+        if (begins_with_word(word)) return "OFF";
+    }
     return {};
 }
 
@@ -181,7 +207,12 @@ SvgResult<ObjFile> parse_obj(std::string text, std::string name) {
 
     std::vector<std::string_view> words;
     std::size_t line = 1;
-    const auto refuse = [&](const std::string& why) { return SvgError{file.name + ": " + why, line}; };
+    const auto refuse = [&](const std::string& why) {
+        const std::string_view format = detail::other_format(file.text);
+        if (!format.empty())
+            return SvgError{file.name + ": looks like a file of the format " + std::string(format)};
+        return SvgError{file.name + ": " + why, line};
+    };
     for (detail::ObjScanner scanner(file.text); scanner.next(words, line);) {
         if (words[0] != "v" && words[0] != "vn") continue;
         ObjNumbers numbers{words[0] == "vn"};
@@ -192,8 +223,21 @@ SvgResult<ObjFile> parse_obj(std::string text, std::string name) {
         if (!numbers.is_normal && !finite) return refuse("the coordinates of a vertex are not finite");
         (numbers.is_normal ? file.normals : file.vertices).push_back(point);
         file.numbers.push_back(numbers);
+        if (numbers.is_normal || words.size() != 7) continue;
+        Point3 colour{};
+        ObjNumbers ignored;
+        const auto of_colour = std::span(words).subspan(3); // parse_three_numbers() skips a word
+        if (!detail::parse_three_numbers(of_colour, file.text, colour, ignored).empty()) continue;
+        file.colours.resize(file.vertices.size() - 1, Point3{1, 1, 1});
+        file.colours.push_back(colour);
     }
-    if (file.vertices.empty()) return SvgError{file.name + ": holds no vertices (lines \"v x y z\")"};
+    if (file.vertices.empty()) {
+        const std::string_view format = detail::other_format(file.text);
+        return SvgError{
+            file.name + ": holds no vertices (lines \"v x y z\")" +
+            (format.empty() ? "" : ": it looks like a file of the format " + std::string(format))};
+    }
+    if (!file.colours.empty()) file.colours.resize(file.vertices.size(), Point3{1, 1, 1});
 
     // Now that all are counted: an index may point forwards.
     const std::array<std::size_t, 2> count{file.vertices.size(), file.normals.size()};
@@ -238,6 +282,24 @@ std::optional<SvgError> single_precision_fault(const ObjFile& file) {
         }
     }
     return std::nullopt;
+}
+
+bool is_mirrored(std::span<const Point3> rest, std::span<const Point3> moved) {
+    const auto mean_of = [](std::span<const Point3> places) {
+        Point3 sum{};
+        for (const Point3& p : places) sum = sum + (1 / double(places.size())) * p;
+        return sum;
+    };
+    const Point3 middle = mean_of(rest), mean = mean_of(moved);
+    // Σ (p - middle)(q - mean)ᵀ is the map times the positive semidefinite covariance of the figure.
+    std::array<Point3, 3> columns{};
+    for (std::size_t i = 0; i < rest.size(); ++i) {
+        for (std::size_t k = 0; k < 3; ++k)
+            columns[k] = columns[k] + (rest[i] - middle)[k] * (moved[i] - mean);
+    }
+    const auto& [a, b, c] = columns;
+    const double volume = dot(a, cross(b, c)), most = std::sqrt(dot(a, a) * dot(b, b) * dot(c, c));
+    return volume < -1e-9 * most;
 }
 
 std::vector<Point3> deformed_normals(const ObjFile& file, std::span<const Point3> moved) {

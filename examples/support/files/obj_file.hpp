@@ -29,8 +29,9 @@ using Point3 = cageform::Vec<double, 3>;
 inline constexpr const char* obj_format =
     "OBJ files can have faces of any number of corners, and negative indices. v, vn and\n"
     "f are read, and all other lines are copied as they are; glTF files get objects,\n"
-    "materials and textures, and nothing else. Numbers have to be finite. Curves and\n"
-    "binary files are not supported, nor more than 4,294,967,294 vertices.\n"
+    "materials, textures and the colours of vertices (v x y z r g b, from 0 to 1, sRGB).\n"
+    "Numbers have to be finite. Curves and binary files are not supported, nor more than\n"
+    "4,294,967,294 vertices.\n"
     "A cage is a closed mesh of any genus, with faces counter-clockwise seen from\n"
     "outside; it can have several shells. A pose is the same mesh with its vertices\n"
     "moved.\n";
@@ -61,6 +62,7 @@ struct ObjFile {
     std::string name; // for messages
     std::string text;
     std::vector<Point3> vertices;
+    std::vector<Point3> colours; // #vertices, white where one has none; empty where none has
     std::vector<Point3> normals;
     std::vector<ObjNumbers> numbers; // in the order of the file
     std::vector<ObjFace> faces;
@@ -172,6 +174,10 @@ SvgResult<ObjFile> load_obj(const std::filesystem::path& path);
 
 /// The first vertex that is beyond single precision, with its line and number; nothing where there is none.
 std::optional<SvgError> single_precision_fault(const ObjFile& file);
+
+/// Whether a pose mirrors a figure: the determinant of the affine map that is nearest to the motion of its
+/// vertices is negative. A figure or a pose that is flat does not.
+bool is_mirrored(std::span<const Point3> rest, std::span<const Point3> moved);
 
 /// The file's normals after its vertices have moved. Each is turned as the faces are that have it at a
 /// corner: by the smallest rotation between the sums of their normals, weighted by area, before and after.

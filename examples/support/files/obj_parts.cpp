@@ -6,9 +6,11 @@
 #include <tiny_obj_loader.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <map>
 #include <optional>
+#include <set>
 #include <sstream>
 #include <system_error>
 
@@ -55,18 +57,62 @@ double within(double x, double most) {
     return std::isfinite(x) ? std::clamp(x, 0.0, most) : 0;
 }
 
+/// The statements of one material in an MTL file.
+struct MaterialText {
+    std::string_view text;
+    std::vector<std::string> keywords;
+    bool has_colour = false;
+    std::optional<double> halo; ///< the number of `d -halo`, which tinyobjloader reads as 0
+};
+
+/// Divides an MTL file into its materials. A byte order mark is skipped.
+std::vector<MaterialText> materials_in(std::string_view text) {
+    std::vector<MaterialText> materials;
+    std::vector<std::string_view> words;
+    std::size_t line = 1;
+    const auto end_at = [&](std::size_t begin, std::size_t end) {
+        if (!materials.empty()) materials.back().text = text.substr(begin, end - begin);
+    };
+    std::size_t begin = 0;
+    for (detail::ObjScanner scanner(text); scanner.next(words, line);) {
+        if (words[0] == "newmtl") {
+            const auto place = static_cast<std::size_t>(words[0].data() - text.data());
+            end_at(begin, place);
+            begin = place;
+            materials.emplace_back();
+            continue;
+        }
+        if (materials.empty()) continue;
+        MaterialText& material = materials.back();
+        material.keywords.emplace_back(words[0]);
+        material.has_colour |= words[0] == "Kd";
+        double number = 0;
+        if (words[0] == "d" && words.size() > 2 && words[1] == "-halo" &&
+            detail::parse_number(words[2], number).empty())
+            material.halo = number;
+        // Options such as -s 2 2 1 stand before the name of a picture.
+        for (std::size_t k = 1; words[0].starts_with("map_") && k + 1 < words.size(); ++k) {
+            if (words[k].size() > 1 && words[k][0] == '-' &&
+                std::isalpha(static_cast<unsigned char>(words[k][1])))
+                material.keywords.push_back(std::string(words[0]) + ' ' + std::string(words[k]));
+        }
+    }
+    end_at(begin, text.size());
+    return materials;
+}
+
 /// A material as tinyobjloader has read it.
-ObjMaterial taken(const tinyobj::material_t& read) {
+ObjMaterial taken(const tinyobj::material_t& read, const MaterialText& text) {
     ObjMaterial material;
     material.name = single_spaced(read.name);
     constexpr double brightest = 1e4;
     double gloss = 0;
     for (std::size_t k = 0; k < 3; ++k) {
-        material.colour[k] = within(read.diffuse[k], 1);
+        if (text.has_colour) material.colour[k] = within(read.diffuse[k], 1);
         material.emission[k] = within(read.emission[k], brightest);
         gloss = std::max(gloss, within(read.specular[k], 1));
     }
-    material.opacity = within(read.dissolve, 1);
+    material.opacity = within(text.halo ? *text.halo : double(read.dissolve), 1);
     material.metallic = within(read.metallic, 1);
     if (read.roughness > 0 || read.metallic > 0) {
         material.roughness = within(read.roughness, 1);
@@ -100,12 +146,16 @@ public:
         for (detail::ObjScanner scanner(file_.text); scanner.next(words, line);) {
             if (words[0] == of_object && words.size() > 1) object = name_of(words);
             if (words[0] == "usemtl") material = name_of(words);
-            if (words[0] != "f") continue;
+            if (words[0] != "f") {
+                count_unused(words[0], of_figures);
+                continue;
+            }
             parts_.face_objects.push_back(number_of(object, objects_, parts_.objects.size()));
             if (parts_.face_objects.back() == parts_.objects.size()) parts_.objects.push_back(object);
             parts_.face_materials.push_back(number_of(material, used_, parts_.materials.size()));
             if (parts_.face_materials.back() == parts_.materials.size()) add_material(material, line);
         }
+        warn_of_unused();
         return std::move(parts_);
     }
 
@@ -124,52 +174,104 @@ private:
                         ", are not in its folder: a default material is used");
         const auto text = read_file(path->string());
         if (!text) return warn(text.error().message);
-        std::map<std::string, int> numbers;
-        std::vector<tinyobj::material_t> read;
-        std::istringstream stream(*text);
-        std::string ignored, fault;
-        tinyobj::LoadMtl(&numbers, &read, &stream, &ignored, &fault);
-        for (const tinyobj::material_t& one : read) {
-            ObjMaterial material = taken(one);
-            if (!one.diffuse_texname.empty()) add_texture(material, path->parent_path(), one.diffuse_texname);
-            library_.insert({material.name, std::move(material)}); // the first of a name
-        }
+        for (const MaterialText& one : materials_in(*text)) read_material(one, path->parent_path());
     }
 
-    void add_texture(ObjMaterial& material, const fs::path& folder, const std::string& name) {
+    /// Reads each material alone, for tinyobjloader's default of a colour depends on the material before.
+    void read_material(const MaterialText& text, const fs::path& folder) {
+        std::map<std::string, int> numbers;
+        std::vector<tinyobj::material_t> read;
+        std::istringstream stream{std::string(text.text)};
+        std::string ignored, fault;
+        tinyobj::LoadMtl(&numbers, &read, &stream, &ignored, &fault);
+        if (read.empty()) return;
+        ObjMaterial material = taken(read[0], text);
+        const auto picture = [&](const std::string& name) {
+            return name.empty() ? std::string() : find_texture(material, folder, name);
+        };
+        material.texture = picture(read[0].diffuse_texname);
+        material.emission_texture = picture(read[0].emissive_texname);
+        material.normal_texture = picture(read[0].normal_texname);
+        material.opaque_texture =
+            material.texture.empty() || read[0].alpha_texname != read[0].diffuse_texname;
+        // Pictures are multiplied by Kd and Ke, which some programs leave out or black.
+        constexpr std::array<double, 3> black{}, white{1, 1, 1};
+        if (!material.texture.empty() && (!text.has_colour || material.colour == black))
+            material.colour = white;
+        if (!material.emission_texture.empty() && material.emission == black) material.emission = white;
+        Library entry{std::move(material), text.keywords};
+        if (!entry.material.opaque_texture) std::erase(entry.keywords, "map_d");
+        library_.insert({entry.material.name, std::move(entry)}); // the first of a name
+    }
+
+    std::string find_texture(const ObjMaterial& material, const fs::path& folder, const std::string& name) {
         auto found = file_inside(folder, name);
         if (!found) found = file_inside(folder_, name);
-        if (!found) {
-            return warn("the texture " + detail::quoted(name) + " of the material " +
-                        detail::quoted(material.name) + " is not in its folder");
-        }
-        material.texture = found->string();
-        // The picture is multiplied by Kd, which some programs leave black.
-        if (material.colour == std::array<double, 3>{}) material.colour = {1, 1, 1};
+        if (found) return found->string();
+        warn("the texture " + detail::quoted(name) + " of the material " + detail::quoted(material.name) +
+             " is not in its folder");
+        return {};
     }
 
     void add_material(const std::string& name, std::size_t line) {
         if (const auto found = library_.find(name); found != library_.end()) {
-            parts_.materials.push_back(found->second);
+            parts_.materials.push_back(found->second.material);
+            for (const std::string& keyword : found->second.keywords) count_unused(keyword, of_materials);
             return;
         }
         if (!name.empty() && !library_.empty())
             warn("none of its material files defines the material " + detail::quoted(name) + " (line " +
                  std::to_string(line) + "): a default material is used");
-        parts_.materials.emplace_back().name = name.empty() ? "clay" : name;
+        ObjMaterial& material = parts_.materials.emplace_back();
+        material.name = name.empty() ? "clay" : name;
+        if (!file_.colours.empty()) material.colour = {1, 1, 1}; // which the vertices' own are multiplied by
+    }
+
+    /// What glTF has a place for, of a figure and of a material.
+    static constexpr std::string_view of_figures = " v vn vt f o g s usemtl mtllib ",
+                                      of_materials = " Kd Ke Ks Ns d Tr Pr Pm map_Kd map_Ke norm ";
+
+    void count_unused(std::string_view keyword, std::string_view used) {
+        if (used.find(' ' + std::string(keyword) + ' ') == used.npos) ++parts_.unused[std::string(keyword)];
+    }
+
+    /// Warns of unused shapes and pictures. Numbers of materials, of which most files have some, are left to reports.
+    void warn_of_unused() {
+        std::string names;
+        for (const auto& [keyword, count] : parts_.unused) {
+            static const std::set<std::string_view> numbers{"Ka", "Kt", "Tf",  "Ni",    "illum", "sharpness",
+                                                            "Ps", "Pc", "Pcr", "aniso", "anisor"};
+            if (!numbers.contains(keyword))
+                (names += names.empty() ? "" : ", ") +=
+                    detail::quoted(keyword) + " (" + std::to_string(count) + ")";
+        }
+        if (!names.empty()) warn("glTF has no place for these statements: " + names);
     }
 
     const ObjFile& file_;
     fs::path folder_;
     ObjParts parts_;
     std::map<std::string, std::uint32_t> objects_, used_;
-    std::map<std::string, ObjMaterial> library_;
+    struct Library {
+        ObjMaterial material;
+        std::vector<std::string>
+            keywords; // of the statements that are not used for `material`, and of others
+    };
+    std::map<std::string, Library> library_;
 };
 
 } // namespace
 
 ObjParts read_parts(const ObjFile& file) {
     return PartReader(file).read();
+}
+
+std::string describe_unused(const ObjParts& parts) {
+    std::string text;
+    for (const auto& [keyword, count] : parts.unused)
+        text += (text.empty() ? "statements without a place in glTF: " : ", ") + detail::quoted(keyword) +
+                ' ' + std::to_string(count);
+    return text.empty() ? text : text + '\n';
 }
 
 std::vector<std::string> material_files(const ObjFile& file) {

@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -18,7 +19,9 @@ struct ObjMaterial {
     std::array<double, 3> colour{0.72, 0.36, 0.2}; ///< clay, where no file says another
     std::array<double, 3> emission{};
     double opacity = 1, metallic = 0, roughness = 0.7;
-    std::string texture; ///< of the colour: a file that is there; empty: none
+    std::string texture;        ///< of the colour: a file that is there; empty: none
+    bool opaque_texture = true; ///< false: `map_d` names the same picture, whose alpha is the opacity
+    std::string emission_texture, normal_texture; ///< `map_Ke` and `norm`, as `texture`
 };
 
 /// The objects and materials of an OBJ file: all that it holds beside its shape.
@@ -26,8 +29,12 @@ struct ObjParts {
     std::vector<std::string> objects;                        ///< names, in the order of their first faces
     std::vector<ObjMaterial> materials;                      ///< that faces have, likewise
     std::vector<std::uint32_t> face_objects, face_materials; ///< #faces
-    std::vector<std::string> warnings; ///< files that are not there, and what is left out
+    std::map<std::string, std::size_t> unused; ///< statements that glTF has no place for, and how many
+    std::vector<std::string> warnings; ///< files that are not there, and the pictures and shapes of `unused`
 };
+
+/// "statements without a place in glTF: Ka 2, illum 2\n", or nothing where there are none: for reports.
+std::string describe_unused(const ObjParts& parts);
 
 /// Reads the statements o, usemtl and mtllib of a file, and g where it has no o. A name that comes again
 /// goes on with what has that name. Materials are read from MTL files, of which and of whose textures only

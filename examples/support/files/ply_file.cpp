@@ -37,6 +37,30 @@ double number_at(const char* bytes, PlyType type, bool swapped) {
     return 0;
 }
 
+template <class X>
+void append_as(std::string& bytes, double number) {
+    X value{};
+    if constexpr (std::is_integral_v<X>) {
+        using Limits = std::numeric_limits<X>;
+        if (number == number) value = X(std::clamp(number, double(Limits::min()), double(Limits::max())));
+    } else {
+        value = X(number);
+    }
+    auto of_number = std::bit_cast<std::array<char, sizeof(X)>>(value);
+    if (std::endian::native == std::endian::big) std::reverse(of_number.begin(), of_number.end());
+    bytes.append(of_number.data(), of_number.size());
+}
+
+/// The older and the newer names, in the order of PlyType.
+constexpr std::array<std::array<std::string_view, 2>, 8> type_names{{{"char", "int8"},
+                                                                     {"uchar", "uint8"},
+                                                                     {"short", "int16"},
+                                                                     {"ushort", "uint16"},
+                                                                     {"int", "int32"},
+                                                                     {"uint", "uint32"},
+                                                                     {"float", "float32"},
+                                                                     {"double", "float64"}}};
+
 bool is_swapped(PlyEncoding encoding) {
     return (encoding == PlyEncoding::big_endian) == (std::endian::native == std::endian::little);
 }
@@ -55,18 +79,27 @@ std::vector<std::string_view> ply_words(std::string_view line) {
 }
 
 std::optional<PlyType> ply_type(std::string_view word) {
-    constexpr std::array<std::array<std::string_view, 2>, 8> names{{{"char", "int8"},
-                                                                    {"uchar", "uint8"},
-                                                                    {"short", "int16"},
-                                                                    {"ushort", "uint16"},
-                                                                    {"int", "int32"},
-                                                                    {"uint", "uint32"},
-                                                                    {"float", "float32"},
-                                                                    {"double", "float64"}}};
-    for (std::size_t n = 0; n < names.size(); ++n) {
-        if (word == names[n][0] || word == names[n][1]) return PlyType(n);
+    for (std::size_t n = 0; n < type_names.size(); ++n) {
+        if (word == type_names[n][0] || word == type_names[n][1]) return PlyType(n);
     }
     return std::nullopt;
+}
+
+std::string_view name_of(PlyType type) {
+    return type_names[std::size_t(type)][0];
+}
+
+void append_number(std::string& bytes, PlyType type, double number) {
+    switch (type) {
+    case PlyType::int8: return append_as<std::int8_t>(bytes, number);
+    case PlyType::uint8: return append_as<std::uint8_t>(bytes, number);
+    case PlyType::int16: return append_as<std::int16_t>(bytes, number);
+    case PlyType::uint16: return append_as<std::uint16_t>(bytes, number);
+    case PlyType::int32: return append_as<std::int32_t>(bytes, number);
+    case PlyType::uint32: return append_as<std::uint32_t>(bytes, number);
+    case PlyType::float32: return append_as<float>(bytes, number);
+    case PlyType::float64: return append_as<double>(bytes, number);
+    }
 }
 
 std::size_t bytes_of(PlyType type) {

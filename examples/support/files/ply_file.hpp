@@ -26,8 +26,15 @@ enum class PlyType : std::uint8_t { int8, uint8, int16, uint16, int32, uint32, f
 /// Returns the type of an old or new name, such as uchar and uint8; none for other words.
 std::optional<PlyType> ply_type(std::string_view name);
 
+/// Returns the older name, which all readers know.
+std::string_view name_of(PlyType type);
+
 /// Returns the size of a number in bytes.
 std::size_t bytes_of(PlyType type);
+
+/// Appends a number as a little-endian file has it. One that its type does not hold becomes the nearest that
+/// it holds, and NaN as a whole number 0.
+void append_number(std::string& bytes, PlyType type, double number);
 
 /// Returns the words of a line of the header.
 std::vector<std::string_view> ply_words(std::string_view line);

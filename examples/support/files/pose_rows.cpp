@@ -128,7 +128,8 @@ SvgResult<typename PoseRows<D>::Pose> PoseRows<D>::pose_of(const PoseRow& row) c
     if (numbers != D * pose.size())
         return refuse(std::to_string(numbers) + (numbers == 1 ? " number" : " numbers") +
                       ", but a pose of the figure's cage has " + std::to_string(D * pose.size()) + ": " +
-                      (D == 3 ? "x,y,z" : "x,y") + " of " + std::to_string(pose.size()) + " vertices");
+                      (D == 3 ? "x,y,z" : "x,y") + " of " + std::to_string(pose.size()) + " vertices" +
+                      detail::separator_fault(row.text));
     std::string_view rest = row.text;
     for (std::size_t n = 0; n < numbers; ++n) {
         const std::string_view field = rest.substr(0, rest.find(','));

@@ -27,34 +27,48 @@ struct Property {
     bool is_float = false;
 };
 
-/// The header: the scene without its rows, the properties by name, and how many splats there are.
+/// The header: the scene without its rows, the properties of a splat by name, and all elements.
 struct Header {
     SplatFile scene;
     std::map<std::string, Property, std::less<>> properties;
-    std::uint64_t splats = 0;
+    std::vector<PlyElement> elements;
+    std::optional<std::size_t> splats; // which of the elements they are
+
+    bool is_in_splats() const { return splats && *splats + 1 == elements.size(); }
 };
 
 /// Reads one line after "format"; an empty reason is success.
-std::string read_line(std::string_view line, const std::vector<std::string_view>& words, Header& header,
-                      bool& has_element) {
+std::string read_line(std::string_view line, const std::vector<std::string_view>& words, Header& header) {
     SplatFile& scene = header.scene;
     if (words[0] == "element") {
         if (words.size() != 3) return "an element has a name and a count";
         if (words[1] == "chunk") return "compressed scenes are not read: export it as an uncompressed PLY";
-        if (words[1] != "vertex" || has_element)
-            return "the element " + detail::quoted(words[1]) + ": a scene of splats has one, vertex";
+        PlyElement& element = header.elements.emplace_back();
+        element.name = words[1];
+        const bool is_splats = element.name == "vertex";
+        if (is_splats && header.splats) return "the element \"vertex\" is there twice";
         const char* const end = words[2].data() + words[2].size();
-        const auto [last, error] = std::from_chars(words[2].data(), end, header.splats);
-        if (error != std::errc{} || last != end) return detail::quoted(words[2]) + " is no number of splats";
-        has_element = true;
-        scene.element_at = scene.header.size();
-        return {};
-    }
-    if (words[0] == "property") {
-        if (!has_element) return "a property before the element";
-        if (words.size() == 5 && words[1] == "list") return "a list: a splat has single numbers";
-        const auto type = words.size() == 3 ? ply_type(words[1]) : std::nullopt;
-        if (!type) return "a property has a type and a name";
+        const auto [last, error] = std::from_chars(words[2].data(), end, element.count);
+        if (error != std::errc{} || last != end)
+            return detail::quoted(words[2]) + " is no number of " + (is_splats ? "splats" : "records");
+        if (is_splats) {
+            header.splats = header.elements.size() - 1;
+            scene.element_at = scene.header.size();
+            return {};
+        }
+    } else if (words[0] == "property") {
+        if (header.elements.empty()) return "a property before the element";
+        const bool is_list = words.size() == 5 && words[1] == "list";
+        if (is_list && header.is_in_splats()) return "a list: a splat has single numbers";
+        const auto type = words.size() == 3 || is_list ? ply_type(words[words.size() - 2]) : std::nullopt;
+        const auto count = is_list ? ply_type(words[2]) : std::nullopt;
+        if (!type || (is_list && (!count || *count >= PlyType::float32)))
+            return "a property has a type and a name";
+        header.elements.back().properties.push_back({std::string(words.back()), *type, count});
+        if (!header.is_in_splats()) {
+            scene.header.emplace_back(line);
+            return {};
+        }
         const Property property{scene.layout.row_bytes, *type == PlyType::float32};
         if (!header.properties.emplace(words[2], property).second)
             return "the property " + detail::quoted(words[2]) + " is there twice";
@@ -77,12 +91,13 @@ SvgResult<Header> read_header(std::string_view& bytes, const std::string& name) 
     };
     if (!next() || line != "ply") return fails("is no PLY file: it does not begin with ply");
     Header header;
-    bool has_element = false, has_format = false;
+    bool has_format = false;
     for (std::size_t number = 2; next(); ++number) {
         const auto words = ply_words(line);
         if (words.size() == 1 && words[0] == "end_header") {
-            if (!has_format || !has_element)
-                return fails(std::string("the header has no line ") + (has_format ? "element" : "format"));
+            if (!has_format || !header.splats)
+                return fails(std::string("the header has no line ") +
+                             (has_format ? "element vertex" : "format"));
             return header;
         }
         const std::string place = "line " + std::to_string(number) + ": ";
@@ -94,8 +109,7 @@ SvgResult<Header> read_header(std::string_view& bytes, const std::string& name) 
                              ": only binary_little_endian is read; convert it");
             continue;
         }
-        if (const std::string why = read_line(line, words, header, has_element); !why.empty())
-            return fails(place + why);
+        if (const std::string why = read_line(line, words, header); !why.empty()) return fails(place + why);
     }
     return fails("the header is cut off: it has no end_header");
 }
@@ -141,8 +155,14 @@ std::string name_at(const Header& header, std::size_t offset) {
     return {};
 }
 
-/// The first number that is not finite; empty where all are.
-std::string number_fault(const SplatFile& scene, const Header& header) {
+/// Splats with a number that is not finite: an infinite opacity is a splat that is opaque or takes no light,
+/// and a scale of -inf a flat one.
+struct NumberFaults {
+    std::vector<std::size_t> splats; // ascending
+    std::string first;               // "splat 3 (counted from 0): x is not a finite number"
+};
+
+NumberFaults number_faults(const SplatFile& scene, const Header& header) {
     const SplatLayout& layout = scene.layout;
     std::vector<std::size_t> offsets{layout.opacity};
     for (const auto& some : {std::span<const std::size_t>(layout.place),
@@ -153,6 +173,7 @@ std::string number_fault(const SplatFile& scene, const Header& header) {
                              {layout.normal}})
         offsets.insert(offsets.end(), some.begin(), some.end());
     std::sort(offsets.begin(), offsets.end());
+    NumberFaults faults;
     for (std::size_t i = 0; i < scene.size(); ++i) {
         const char* const row = scene.rows.data() + i * layout.row_bytes;
         bool finite = true;
@@ -163,12 +184,56 @@ std::string number_fault(const SplatFile& scene, const Header& header) {
         }
         if (finite) continue;
         for (const std::size_t offset : offsets) {
-            if (!std::isfinite(scene.number(i, offset)))
-                return "splat " + std::to_string(i) + " (counted from 0): " + name_at(header, offset) +
-                       " is not a finite number";
+            const double number = scene.number(i, offset);
+            const bool is_scale =
+                std::find(layout.scales.begin(), layout.scales.end(), offset) != layout.scales.end();
+            if (std::isfinite(number) || (offset == layout.opacity && std::isinf(number)) ||
+                (is_scale && number == -HUGE_VAL))
+                continue;
+            if (faults.splats.empty())
+                faults.first = "splat " + std::to_string(i) +
+                               " (counted from 0): " + name_at(header, offset) + " is not a finite number";
+            faults.splats.push_back(i);
+            break;
         }
     }
-    return {};
+    return faults;
+}
+
+/// Removes rows, whose numbers ascend.
+void remove_rows(SplatFile& scene, std::span<const std::size_t> splats) {
+    std::string kept;
+    std::size_t next = 0;
+    const std::size_t bytes = scene.layout.row_bytes;
+    for (const std::size_t splat : splats) {
+        kept.append(scene.rows, next * bytes, (splat - next) * bytes);
+        next = splat + 1;
+    }
+    scene.rows = kept.append(scene.rows, next * bytes);
+}
+
+/// The bytes of all records of an element at the beginning of some; nothing where they are cut off.
+std::optional<std::size_t> bytes_of_records(const PlyElement& element, std::string_view bytes) {
+    if (const auto each = element.record_bytes()) {
+        if (*each > 0 && element.count > bytes.size() / *each) return std::nullopt;
+        return std::size_t(element.count) * *each;
+    }
+    std::size_t at = 0;
+    for (std::uint64_t record = 0; record < element.count; ++record) {
+        for (const PlyProperty& property : element.properties) {
+            std::uint64_t numbers = 1;
+            if (property.count) {
+                const std::size_t width = bytes_of(*property.count);
+                if (bytes.size() - at < width) return std::nullopt;
+                numbers = 0;
+                std::memcpy(&numbers, bytes.data() + at, width);
+                at += width;
+            }
+            if (numbers > (bytes.size() - at) / bytes_of(property.type)) return std::nullopt;
+            at += std::size_t(numbers) * bytes_of(property.type);
+        }
+    }
+    return at;
 }
 
 } // namespace
@@ -219,7 +284,7 @@ std::string SplatFile::header_text(std::size_t splats) const {
     return text + "end_header\n";
 }
 
-SvgResult<SplatFile> parse_splats(std::string bytes, std::string name) {
+SvgResult<SplatFile> parse_splats(std::string bytes, std::string name, bool strict) {
     std::string_view left(bytes);
     auto header = read_header(left, name);
     if (!header) return header.error();
@@ -227,24 +292,87 @@ SvgResult<SplatFile> parse_splats(std::string bytes, std::string name) {
     if (const std::string why = find_numbers(*header); !why.empty()) return fails(why);
     SplatFile scene = header->scene;
     const std::size_t row = scene.layout.row_bytes;
-    if (header->splats == 0) return fails("there is no splat in it");
-    if (left.size() / row != header->splats || left.size() % row != 0) {
-        const bool is_short = left.size() / row < header->splats;
-        return fails(std::string(is_short ? "is cut off" : "is too long") + ": " +
-                     std::to_string(header->splats) + " splats of " + std::to_string(row) +
-                     " bytes are announced, and " + std::to_string(left.size()) + " bytes follow the header");
+    const std::uint64_t splats = header->elements[*header->splats].count;
+    if (splats == 0) return fails("there is no splat in it");
+    for (std::size_t e = 0; e < header->elements.size(); ++e) {
+        const PlyElement& element = header->elements[e];
+        const auto size = bytes_of_records(element, left);
+        if (!size && e == *header->splats) {
+            return fails("is cut off: " + std::to_string(splats) + " splats of " + std::to_string(row) +
+                         " bytes are announced, and " + std::to_string(left.size()) +
+                         " bytes are left for them");
+        }
+        if (!size) return fails("is cut off in its element " + detail::quoted(element.name));
+        (e < *header->splats    ? scene.before
+         : e == *header->splats ? scene.rows
+                                : scene.after)
+            .append(left.substr(0, *size));
+        left.remove_prefix(*size);
     }
-    bytes.erase(0, bytes.size() - left.size());
-    scene.rows = std::move(bytes);
+    if (!left.empty())
+        return fails("is too long: " + std::to_string(left.size()) +
+                     " bytes follow the records that are announced");
     scene.name = name;
-    if (const std::string why = number_fault(scene, *header); !why.empty()) return fails(why);
+    const NumberFaults faults = number_faults(scene, *header);
+    if (faults.splats.empty()) return scene;
+    if (strict || faults.splats.size() == splats) return fails(faults.first);
+    remove_rows(scene, faults.splats);
+    scene.warning = name + ": " + std::to_string(faults.splats.size()) + " of " + std::to_string(splats) +
+                    " splats are left out, first " + faults.first + "; --strict refuses the file";
     return scene;
 }
 
-SvgResult<SplatFile> load_splats(const std::filesystem::path& path) {
+namespace {
+
+/// The bytes of a PLY file as binary little-endian ones.
+SvgResult<std::string> little_endian(PlyReader& reader) {
+    std::string bytes = "ply\nformat binary_little_endian 1.0\n";
+    for (const std::string& comment : reader.header().comments) bytes += "comment " + comment + '\n';
+    for (const PlyElement& element : reader.header().elements) {
+        bytes += "element " + element.name + ' ' + std::to_string(element.count) + '\n';
+        for (const PlyProperty& property : element.properties) {
+            bytes += "property ";
+            if (property.count) bytes += std::string("list ") + std::string(name_of(*property.count)) + ' ';
+            bytes += std::string(name_of(property.type)) + ' ' + property.name + '\n';
+        }
+    }
+    bytes += "end_header\n";
+    for (const PlyElement& element : reader.header().elements) {
+        std::vector<std::string> names;
+        for (const PlyProperty& property : element.properties) names.push_back(property.name);
+        if (!reader.begin(element.name, names)) return SvgError{reader.error()};
+        std::vector<double> numbers;
+        while (reader.read(1, numbers) > 0) {
+            std::size_t next = 0;
+            for (const PlyProperty& property : element.properties) {
+                std::size_t count = 1;
+                if (property.count) {
+                    count = std::size_t(numbers[next]);
+                    append_number(bytes, *property.count, numbers[next++]);
+                }
+                for (; count > 0; --count) append_number(bytes, property.type, numbers[next++]);
+            }
+            numbers.clear();
+        }
+        if (!reader.error().empty()) return SvgError{reader.error()};
+    }
+    return bytes;
+}
+
+} // namespace
+
+SvgResult<SplatFile> load_splats(const std::filesystem::path& path, bool strict) {
+    {
+        PlyReader reader(path.string());
+        if (reader.error().empty() && reader.header().encoding != PlyEncoding::little_endian) {
+            auto converted = little_endian(reader);
+            if (!converted) return converted.error();
+            return parse_splats(std::move(*converted), path.string(), strict);
+        }
+    }
     auto bytes = read_file(path.string());
     if (!bytes) return bytes.error();
-    return parse_splats(std::move(*bytes), path.string());
+    return parse_splats(std::move(*bytes), path.string(), strict);
 }
 
 SplatFile empty_scene(std::size_t highest) {

@@ -17,12 +17,14 @@ namespace cageform_examples {
 
 /// The text for --help.
 inline constexpr const char* splat_format =
-    "Scenes are binary PLY files, little-endian, of one element: vertex, a splat each. It has\n"
-    "the float properties x y z, f_dc_0 to 2, opacity, scale_0 to 2, rot_0 to 3 and 0, 9, 24\n"
-    "or 45 of f_rest, one channel after the other, in any order. Scales are logarithms,\n"
-    "opacity is a logit, the quaternion is w x y z. All other properties are kept, and nx ny\n"
-    "nz turn where they are not zero. Compressed files are not read. A scene is held in\n"
-    "memory: 248 bytes a splat of degree 3.\n";
+    "Scenes are PLY files, ASCII or binary, with the element vertex, a splat each. It has the\n"
+    "float properties x y z, f_dc_0 to 2, opacity, scale_0 to 2, rot_0 to 3 and 0, 9, 24 or 45\n"
+    "of f_rest, one channel after the other, in any order. Scales are logarithms, opacity is a\n"
+    "logit, the quaternion is w x y z. All other properties and elements are kept, and nx ny\n"
+    "nz turn where they are not zero. An opacity may be infinite, and a scale -inf, of a flat\n"
+    "splat; splats with other numbers that are not finite are left out, with a warning.\n"
+    "Scenes are written as binary little-endian. Compressed files are not read. A scene is\n"
+    "held in memory: 248 bytes a splat of degree 3.\n";
 
 /// One splat, as the file has it.
 struct Splat {
@@ -51,7 +53,8 @@ struct SplatFile {
     std::vector<std::string> header; // lines between "format" and "end_header" but for that of the element
     std::size_t element_at = 0;      // before which of these lines the element's stands
     SplatLayout layout;
-    std::string rows;
+    std::string before, rows, after; // bytes of the elements before the splats, of the splats, and after
+    std::string warning;             // of splats that were left out
 
     std::size_t size() const { return rows.size() / layout.row_bytes; }
 
@@ -67,15 +70,16 @@ struct SplatFile {
     std::string header_text(std::size_t splats) const; ///< of a file with so many
 };
 
-/// A scene from the bytes of a file.
+/// A scene from the bytes of a binary little-endian file.
 ///
-///   name    stands before every message
-///   fails   where it is no binary PLY file as splat_format says, is cut off, or a number of a splat is not
-///           finite: the message names the property, or the splat, counted from 0
-SvgResult<SplatFile> parse_splats(std::string bytes, std::string name);
+///   name     stands before every message
+///   strict   fails on a splat with a number that is not finite, in place of leaving it out
+///   fails    where it is no such PLY file as splat_format says, is cut off, or all splats have numbers that
+///            are not finite: the message names the property, or the splat, counted from 0
+SvgResult<SplatFile> parse_splats(std::string bytes, std::string name, bool strict = false);
 
-/// Works as parse_splats(), from a file; fails also where it cannot be read.
-SvgResult<SplatFile> load_splats(const std::filesystem::path& path);
+/// Works as parse_splats(), from a file of any encoding; fails also where it cannot be read.
+SvgResult<SplatFile> load_splats(const std::filesystem::path& path, bool strict = false);
 
 /// An empty scene with all standard properties.
 ///

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cageform/binding/bind.hpp>
+#include <cageform/coordinates/detail/outside_distance.hpp>
 #include <cageform/coordinates/harmonic/cage_solver.hpp>
 #include <cageform/core/detail/stopwatch.hpp>
 
@@ -47,6 +48,12 @@ public:
     bool closed_form() const noexcept { return model_ && model_->closed_form; }
     /// Whether the coordinates have gradients: `bind` takes normals and tangents.
     bool has_gradients() const noexcept { return model_ && model_->has_gradients; }
+
+    /// Returns the distance of a finite point outside from the boundary, in the units of the cage. Not defined for
+    /// points inside. May throw std::bad_alloc.
+    double distance_from_boundary(const Vec<T, D>& p) const {
+        return model_ ? model_->distance_from_boundary(p) : 0;
+    }
 
     HandleView<T, D> handles() const { return model_ ? model_->handles() : HandleView<T, D>{}; }
     const CageReport& cage_report() const {
@@ -137,6 +144,7 @@ private:
         virtual ~Interface() = default;
         virtual HandleView<T, D> handles() const = 0;
         virtual const CageReport& cage_report() const = 0;
+        virtual double distance_from_boundary(const Vec<T, D>&) const = 0;
         virtual Evaluation solve(const Running&) = 0;
         virtual Evaluation for_each_cell(const std::function<void(const GridCell<T, D>&)>&) const = 0;
         virtual Evaluation evaluate(BlockView<const T>, BlockView<T>, std::span<PointState>,
@@ -159,6 +167,9 @@ private:
 
         HandleView<T, D> handles() const override { return handle_view(own); }
         const CageReport& cage_report() const override { return own.cage_report(); }
+        double distance_from_boundary(const Vec<T, D>& p) const override {
+            return detail::outside_distance(own, p).distance;
+        }
         Evaluation solve(const Running& running) override {
             if constexpr (requires { own.solve(running); })
                 return own.solve(running);

@@ -12,7 +12,8 @@ namespace cageform::inline CAGEFORM_ABI::detail {
 /// channels so far may be the share of the distance that their weights are of its sum; keys are as far apart
 /// as that allows. With a key in each frame a bone would be at its place whatever its parent does, as local
 /// transforms are those to the parent as it is played. So the errors of a chain do not add up, and the figure
-/// is within the distance when all bones are done.
+/// is within the distance when all bones are done. Rotations without tangents keep the distance both by slerp
+/// and by nlerp. Neighbouring keys are at most 90° apart, unless neighbouring frames are farther apart.
 class KeyFitter {
 public:
     using Map = FittedSkeleton<double>::Map;
@@ -168,8 +169,27 @@ private:
         const std::size_t a = t == 0 ? 0 : t - 1, b = t + 1 == exact_.size() ? t : t + 1;
         return (exact_[b].values[c] - exact_[a].values[c]) / (times_[b] - times_[a]);
     }
+    /// How a piece is played: LINEAR turns at constant speed (slerp), or, in players without that, along the
+    /// chord (nlerp).
+    enum class Play { linear, linear_by_chord, cubic };
+
+    static double cosine_of_half(const Quaternion<double>& a, const Quaternion<double>& b) {
+        return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3];
+    }
+    /// Whether rotations of a range differ by more than 90° between two frames. Keys farther apart leave
+    /// players by chord behind, and the way between keys 180° apart is undefined.
+    bool turns_far(std::size_t from, std::size_t to, const Range& range) const {
+        constexpr double cosine_of_45 = 0.70710678118654752;
+        for (const std::size_t at : {NodeTransform::rotation, NodeTransform::axes}) {
+            if (at >= range.begin && at < range.end &&
+                std::fabs(cosine_of_half(exact_[from].turn(at), exact_[to].turn(at))) < cosine_of_45)
+                return true;
+        }
+        return false;
+    }
     /// Gives a transform the values of a piece at a frame.
-    void play(const Piece& of, bool cubic, std::size_t t, const Range& range, NodeTransform& local) const {
+    void play(const Piece& of, Play how, std::size_t t, const Range& range, NodeTransform& local) const {
+        const bool cubic = how == Play::cubic;
         const NodeTransform &a = exact_[of.from], &b = exact_[of.to];
         const double length = times_[of.to] - times_[of.from];
         const double u = (times_[t] - times_[of.from]) / length, v = 1 - u;
@@ -180,22 +200,35 @@ private:
         }
         if (cubic) return normalise(local, range);
         for (const std::size_t at : {NodeTransform::rotation, NodeTransform::axes}) {
-            if (at >= range.begin && at < range.end) local.set_turn(at, slerp(a.turn(at), b.turn(at), u));
+            if (at < range.begin || at >= range.end) continue;
+            const Quaternion<double> begin = a.turn(at), end = b.turn(at);
+            Quaternion<double> turn = slerp(begin, end, u);
+            const double sign = cosine_of_half(begin, end) < 0 ? -1 : 1;
+            for (std::size_t k = 0; how == Play::linear_by_chord && k < 4; ++k)
+                turn[k] = v * begin[k] + u * sign * end[k];
+            local.set_turn(at, turn);
         }
+        if (how == Play::linear_by_chord) normalise(local, range);
     }
     /// Pieces as long as will do, from frame to frame.
     Pieces pieces(bool cubic, const Range& range, double share) const {
+        const bool turns = range.end > NodeTransform::rotation && range.begin != NodeTransform::scale;
+        std::vector<Play> ways{cubic ? Play::cubic : Play::linear};
+        if (!cubic && turns) ways.push_back(Play::linear_by_chord);
         Pieces result{cubic, {}, played_};
         const std::size_t frames = exact_.size();
         Piece last{0, 0};
         const auto reaches = [&](std::size_t from, std::size_t to) {
             const Piece next = cubic ? piece(from, to, range) : Piece{from, to};
             const std::size_t between = to - from - 1;
+            if (!cubic && between > 0 && turns_far(from, to, range)) return false;
             for (std::size_t n = 0; n < between; ++n) { // from the middle on, where errors are largest
                 const std::size_t t = from + 1 + (between / 2 + n) % between;
-                NodeTransform local = played_[t];
-                play(next, cubic, t, range, local);
-                if (!will_do(t, local, share)) return false;
+                for (const Play how : ways) {
+                    NodeTransform local = played_[t];
+                    play(next, how, t, range, local);
+                    if (!will_do(t, local, share)) return false;
+                }
             }
             last = next;
             return true;
@@ -211,7 +244,7 @@ private:
                 const std::size_t middle = (last.to + bad) / 2;
                 if (!reaches(from, middle)) bad = middle;
             }
-            for (std::size_t t = from + 1; t < last.to; ++t) play(last, cubic, t, range, result.played[t]);
+            for (std::size_t t = from + 1; t < last.to; ++t) play(last, ways[0], t, range, result.played[t]);
             result.list.push_back(last);
         }
         return result;
@@ -265,8 +298,7 @@ private:
             for (const std::size_t at : {NodeTransform::rotation, NodeTransform::axes}) {
                 if (best.cubic || k == 0) continue; // cubics follow the path
                 Quaternion<double> q = value.turn(at);
-                const Quaternion<double> before = last.turn(at);
-                if (q[0] * before[0] + q[1] * before[1] + q[2] * before[2] + q[3] * before[3] >= 0) continue;
+                if (cosine_of_half(q, last.turn(at)) >= 0) continue;
                 for (double& x : q) x = -x;
                 value.set_turn(at, q);
             }
