@@ -87,7 +87,7 @@ SvgResult<std::string> clip_text(const BoundHand& bound) {
     GltfDocument document;
     document.json["asset"]["generator"] = "cageform make_hand";
     const Rows rest = gltf_positions(mesh, file->vertices),
-               normals = gltf_normals(mesh, *file, file->vertices);
+               normals = gltf_normals(mesh, *file, {file->vertices});
     GltfJson primitive;
     primitive["attributes"] = {{"POSITION", document.add(rest, Use::vertices, true)},
                                {"NORMAL", document.add(normals, Use::vertices)}};
@@ -102,7 +102,7 @@ SvgResult<std::string> clip_text(const BoundHand& bound) {
         const auto skin = bound.clone(pose_at(bound, 0.25 * double(key)));
         if (skin.empty()) return SvgError{"a pose of the clip cannot be cloned"};
         const Rows shift = difference(gltf_positions(mesh, skin), rest),
-                   turn = difference(gltf_normals(mesh, *file, skin), normals);
+                   turn = difference(gltf_normals(mesh, *file, {skin}), normals);
         primitive["targets"].push_back({{"POSITION", document.add(shift, Use::vertices, true)},
                                         {"NORMAL", document.add(turn, Use::vertices)}});
         zeros.push_back(0.0);

@@ -44,18 +44,21 @@ struct Arguments {
     std::string figure, cage, labels, out;
     MotionChoice moves;
     WeightChoice weights; // a distance as a share of the figure's size
-    bool pose_samples = false;
+    bool pose_samples = false, no_file_normals = false, is_strict = false;
     bool report = false;
     OutsideChoice outside;
     CoordinatesChoice choice;
 };
 
-/// The mean of the normals of the faces around every vertex, by area.
+/// The mean of the normals of the faces around every vertex, by area; zero or of unit length.
 std::vector<Point3> normals_of(const ObjFile& figure) {
     const auto& p = figure.vertices;
     std::vector<Point3> normals(p.size());
     for (const auto& [a, b, c] : figure.triangles) {
         for (const auto i : {a, b, c}) normals[i] = normals[i] + cross(p[b] - p[a], p[c] - p[a]);
+    }
+    for (Point3& n : normals) {
+        if (const double length = std::hypot(n[0], n[1], n[2]); length > 0) n = (1 / length) * n;
     }
     return normals;
 }
@@ -121,20 +124,40 @@ SvgResult<cageform::PackedPoseSamples> packed_samples(const ChosenCoordinates<fl
     return std::move(packed.value);
 }
 
+/// The figure's vectors across its surface, bound and packed with the tolerance of the tangents.
+SvgResult<cageform::PackedBinding<float, 3>>
+packed_normals(const ChosenCoordinates<float, 3>& coordinates, const std::vector<Point3>& places,
+               const std::vector<Point3>& normals, const Arguments& given, cageform::PackOptions options) {
+    ProgressBar bar("binding normals");
+    const auto bound =
+        cageform::bind_vectors(coordinates, places, std::array{std::span<const Point3>(normals)},
+                               given.outside.bind_options(coordinates), {.progress = bar.callback()});
+    if (!bound) return SvgError{std::string("normals: ") + cageform::to_string(bound.report.status)};
+    options.tolerance = std::min(1.0, of_vectors * given.weights.distance);
+    auto packed = cageform::pack(bound.value[0], options);
+    if (!packed) return SvgError{std::string("normals: ") + cageform::to_string(packed.report.status)};
+    return std::move(packed.value);
+}
+
 /// Binds, packs and writes. `labels` are of the cage's vertices, or none.
-int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& cage,
+int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& cage_of_file,
                 const std::vector<std::string>& labels) {
     if (const auto why = fault_of_outputs({given.out})) return fail(*why);
+    const Point3& origin = given.outside.origin;
+    const std::vector<Point3> places = counted_from(origin, figure.vertices);
+    ObjFile cage = cage_of_file;
+    cage.vertices = counted_from(origin, cage.vertices);
     const auto coordinates = make_coordinates<float>(given.choice, cage);
     warn_of_closed_gaps(cage.name, coordinates.cage_report());
     if (!coordinates.note.empty()) note(coordinates.note);
     std::vector<cageform::PiecewiseCubic<float>> curves;
     PoseClip motion;
     SampledPoses poses;
-    auto clip_given = given.moves.motion(cage);
+    auto clip_given = given.moves.motion(cage_of_file);
     if (!clip_given) return fail(to_string(clip_given.error()));
     if (!clip_given->keys.empty()) {
         motion = std::move(*clip_given);
+        for (PoseKey& key : motion.keys) key.places = counted_from(origin, key.places);
         auto made = curves_of(motion);
         if (!made) return fail(to_string(made.error()));
         curves = std::move(*made);
@@ -142,11 +165,14 @@ int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& ca
     }
     const auto bind_options = given.outside.bind_options(coordinates);
     const std::vector<Point3> normals = normals_of(figure);
+    const bool keeps_normals = !figure.normals.empty() && !given.no_file_normals;
     cageform::Result<cageform::FigureBinding<float, 3>, cageform::FigureBindReport> bound;
     {
         ProgressBar bar("binding");
-        bound = coordinates.bind(cageform::FigurePoints{figure.vertices, normals}, bind_options,
-                                 {.progress = bar.callback()});
+        const cageform::Running running{.progress = bar.callback()};
+        if (keeps_normals) (void)coordinates.solve(running.subtask(0, 0.5)); // once for both binds
+        bound = coordinates.bind(cageform::FigurePoints{places, normals}, bind_options,
+                                 running.subtask(keeps_normals ? 0.5 : 0, 1));
     }
     const cageform::BindReport& of_points = bound.report.points;
     if (!bound) {
@@ -182,8 +208,24 @@ int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& ca
         if (!packed) return fail(to_string(packed.error()));
         samples = std::move(*packed);
     }
-    const cageform::FigurePartData parts[] = {
-        {"TRIS", std::as_bytes(std::span(figure.triangles))}, {"CLIP", clip}, {"PINS", samples.bytes()}};
+    cageform::PackedBinding<float, 3> across;
+    if (keeps_normals) {
+        auto packed = packed_normals(coordinates, places, normals, given, options.weights);
+        if (!packed) return fail(figure.name + ": " + packed.error().message);
+        across = std::move(*packed);
+    }
+    std::span<const std::byte> place;
+    if (origin != Point3{}) {
+        place = std::as_bytes(std::span(origin.v));
+        note(given.out + ": the figure, its cage and its clip are counted from " +
+             detail::short_number(origin[0]) + ", " + detail::short_number(origin[1]) + ", " +
+             detail::short_number(origin[2]) + ", for single precision; clone_figure adds this place");
+    }
+    const cageform::FigurePartData parts[] = {{"TRIS", std::as_bytes(std::span(figure.triangles))},
+                                              {"CLIP", clip},
+                                              {"PINS", samples.bytes()},
+                                              {"NRM1", across.bytes()},
+                                              {"ORIG", place}};
     options.parts = parts;
     cageform::Result<cageform::PackedFigure<float, 3>, cageform::FigurePackReport> made;
     {
@@ -244,6 +286,11 @@ int run_program(int argc, char** argv) {
                               "float; with --max-distance, the smallest that suffices");
     line.add_flag("--pose-samples", given.pose_samples,
                   "also pack samples of the cage's inside, by which a game poses the figure by pins");
+    line.add_flag(
+        "--no-file-normals", given.no_file_normals,
+        "leave out the vectors by which clone_figure moves the normals of the OBJ file: fewer bytes; "
+        "the normals then turn with the faces");
+    add_strict(line, given.is_strict);
     line.add_flag("--report", given.report, "print sizes and errors");
     line.set_footer(obj_format + std::string("\n") + lattice_format + "\n" + pose_clip_format + "\n" +
                     pose_operations_format + "\n" + labels_format);
@@ -258,7 +305,7 @@ int run_program(int argc, char** argv) {
     if (const auto why = given.weights.fault(given.choice, given.moves.is_given()); !why.empty())
         return fail(why);
 
-    const auto figure = load_obj(given.figure);
+    const auto figure = load_mesh_figure(given.figure, given.is_strict);
     if (!figure) return fail(to_string(figure.error()));
     if (figure->faces.empty()) return fail(figure->name + ": holds no faces, so it has no normals");
     const auto cage = load_or_make_cage(given.cage, *figure);
@@ -272,6 +319,7 @@ int run_program(int argc, char** argv) {
         if (!read) return fail(to_string(read.error()));
         labels = std::move(*read);
     }
+    given.outside.origin = far_origin(figure->vertices);
     return bind_figure(given, *figure, *cage, labels);
 }
 

@@ -382,6 +382,7 @@ int run_program(int argc, char** argv) {
     given.tiles.add_options(line);
     given.moves.add_options(line);
     given.choice.with_normals = given.choice.in_space = true;
+    given.choice.limits_memory = false; // --memory is for all
     given.choice.add_options(line);
     given.outside.add_options(line);
     given.weights.add_options(line, "the cage's size", "", "float");
@@ -445,7 +446,7 @@ int run_program(int argc, char** argv) {
     const std::size_t threads = plan_memory(given, job, tiles->size(), of_solver);
     if (threads == 0) return 1;
     if (of_solver > 0) {
-        given.choice.memory_limit = of_solver;
+        given.choice.memory = of_solver;
         job.coordinates = make_coordinates<float>(given.choice, *cage);
     }
     job.outside = given.outside.word;

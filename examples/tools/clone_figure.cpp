@@ -58,13 +58,52 @@ struct Outcome {
     double seconds = 0;
 };
 
+/// The parts of a figure that bind_mesh stores beside its points (support/files/figure_parts.hpp).
+template <class T, std::size_t D>
+struct MeshParts {
+    std::string fault; ///< why they cannot be used; empty where they can
+    Vec<double, D> origin{};
+    /// Three vectors across each other at every point, and these at rest; none where the file has none.
+    std::vector<cageform::PackedBindingView<T, D>> frames;
+    std::vector<std::vector<Vec<T, D>>> frames_at_rest;
+};
+
+template <class T, std::size_t D>
+MeshParts<T, D> mesh_parts(const cageform::PackedFigureView<T, D>& figure) {
+    MeshParts<T, D> parts;
+    if (const auto place = figure.part("ORIG"); place.size() == sizeof(parts.origin))
+        std::memcpy(&parts.origin, place.data(), place.size());
+    else if (!place.empty())
+        parts.fault = "the part ORIG has another size than a place";
+    if (!is_finite(parts.origin)) parts.fault = "the place of the figure is not finite";
+    if constexpr (D == 3) {
+        const auto blob = figure.part("NRM1");
+        if (blob.empty() || !figure.has_normals()) return parts;
+        const auto across = cageform::open_blob<T, D>(blob);
+        if (!across || across.value.point_count() != figure.point_count() ||
+            across.value.handle_count() != figure.handle_count()) {
+            parts.fault = "the part NRM1 does not belong to the figure";
+            return parts;
+        }
+        parts.frames = {figure.tangents[0], figure.tangents[1], across.value};
+        for (const auto& vectors : parts.frames) {
+            auto& at_rest = parts.frames_at_rest.emplace_back(figure.point_count());
+            const Status status = cageform::clone(vectors, figure.rest_handles(), at_rest);
+            if (status != Status::ok) parts.fault = std::string("normals: ") + cageform::to_string(status);
+        }
+    }
+    return parts;
+}
+
 /// A packed figure and how its poses are written.
 template <class T, std::size_t D>
 class Cloner {
 public:
-    Cloner(const Arguments& given, const cageform::PackedFigureView<T, D>& figure, PosedFile file)
+    Cloner(const Arguments& given, const cageform::PackedFigureView<T, D>& figure,
+           const MeshParts<T, D>& parts, PosedFile file)
         : given_(given)
         , figure_(figure)
+        , parts_(parts)
         , file_(std::move(file))
         , names_(given.out) {}
 
@@ -78,9 +117,10 @@ public:
             outcome.skipped = true;
             return outcome;
         }
-        const auto points = posed(poses, row, outcome);
+        std::vector<Vec<T, D>> pose(figure_.handle_count());
+        const auto points = posed(poses, row, pose, outcome);
         if (!outcome.fault.empty()) return outcome;
-        const std::string contents = file_.contents(std::span<const Vec<T, D>>(points));
+        const std::string contents = file_contents(points, pose);
         AtomicFile out(outcome.path);
         out.write(contents);
         if (const auto why = out.commit()) {
@@ -95,15 +135,44 @@ public:
     }
 
 private:
-    std::vector<Vec<T, D>> posed(const PoseRows<D>& poses, const PoseRow& row, Outcome& outcome) const {
+    /// Returns the bytes of a file, its points counted from the origin of the mesh's file.
+    std::string file_contents(std::span<const Vec<T, D>> points, std::span<const Vec<T, D>> pose) const {
+        if (parts_.origin == Vec<double, D>{}) return file_.contents(points, jacobians(pose));
+        std::vector<Vec<double, D>> places;
+        for (const auto& p : points) places.push_back(cageform::vec_cast<double>(p) + parts_.origin);
+        return file_.contents(std::span<const Vec<double, D>>(places), jacobians(pose));
+    }
+
+    /// Returns the Jacobians at all points; none where the file needs none.
+    std::vector<Jacobian3> jacobians(std::span<const Vec<T, D>> pose) const {
+        std::vector<Jacobian3> result;
+        if constexpr (D == 3) {
+            if (parts_.frames.empty() || !file_.has_normals()) return result;
+            result.assign(figure_.point_count(), {Point3{1, 0, 0}, {0, 1, 0}, {0, 0, 1}});
+            std::vector<Vec<T, D>> posed(figure_.point_count());
+            for (std::size_t n = 0; n < parts_.frames.size(); ++n) {
+                const auto& rest = parts_.frames_at_rest[n];
+                if (clone(parts_.frames[n], pose, posed) != Status::ok) return {};
+                for (std::size_t i = 0; i < posed.size(); ++i) {
+                    const Point3 change = cageform::vec_cast<double>(posed[i] - rest[i]); // 0 at rest
+                    for (std::size_t k = 0; k < D; ++k)
+                        result[i][k] = result[i][k] + double(rest[i][k]) * change;
+                }
+            }
+        }
+        return result;
+    }
+
+    std::vector<Vec<T, D>> posed(const PoseRows<D>& poses, const PoseRow& row, std::vector<Vec<T, D>>& pose,
+                                 Outcome& outcome) const {
         std::vector<Vec<T, D>> points;
         const auto refuse = [&](const std::string& why) { outcome.fault = poses.name_of(row) + ": " + why; };
-        const auto vertices = poses.pose_of(row);
+        auto vertices = poses.pose_of(row);
         if (!vertices) {
             outcome.fault = to_string(vertices.error());
             return points;
         }
-        std::vector<Vec<T, D>> pose(figure_.handle_count());
+        for (auto& vertex : *vertices) vertex = vertex - parts_.origin;
         const auto report = cageform::pose_handles(figure_.points, *vertices, pose);
         Status status = report.status;
         points.resize(figure_.point_count());
@@ -125,6 +194,7 @@ private:
 
     const Arguments& given_;
     cageform::PackedFigureView<T, D> figure_;
+    const MeshParts<T, D>& parts_;
     PosedFile file_;
     RowPath names_;
 };
@@ -192,10 +262,13 @@ int write_rows(const Arguments& given, const Cloner<T, D>& cloner, PoseRows<D>& 
 
 template <class T, std::size_t D>
 int run_figure(const Arguments& given, const cageform::PackedFigureView<T, D>& figure, const RowRange& rows) {
+    const auto parts = mesh_parts(figure);
+    if (!parts.fault.empty()) return fail(given.figure + ": " + parts.fault);
+    const std::size_t scalar_bytes = parts.origin == Vec<double, D>{} ? sizeof(T) : sizeof(double);
     std::vector<Vec<double, D>> rest;
     const auto handles = figure.handle_view();
     for (std::size_t i = 0; i < handles.count; ++i) {
-        if (handles.is_point(i)) rest.push_back(cageform::to_vec<double>(handles.rest[i]));
+        if (handles.is_point(i)) rest.push_back(cageform::to_vec<double>(handles.rest[i]) + parts.origin);
     }
     PoseRows<D> poses(given.poses, rest, given.rate);
     if (!poses.error().empty()) return fail_to_read(poses);
@@ -207,17 +280,17 @@ int run_figure(const Arguments& given, const cageform::PackedFigureView<T, D>& f
                     return fail(given.figure + ": a triangle refers to a point that does not exist");
             }
         }
-        PosedFile file(given.format(), D, sizeof(T), figure.point_count(), triangles);
-        return write_rows(given, Cloner<T, D>(given, figure, std::move(file)), poses, rows);
+        PosedFile file(given.format(), D, scalar_bytes, figure.point_count(), triangles);
+        return write_rows(given, Cloner<T, D>(given, figure, parts, std::move(file)), poses, rows);
     }
     if constexpr (D == 3) {
-        const auto mesh = load_obj(given.mesh);
+        const auto mesh = load_obj(given.mesh, StrayVertices::leave_out); // bind_mesh warns
         if (!mesh) return fail(to_string(mesh.error()));
         if (mesh->vertices.size() != figure.point_count())
             return fail(given.mesh + ": has " + std::to_string(mesh->vertices.size()) +
                         " vertices, the figure " + std::to_string(figure.point_count()) + " points");
-        PosedFile file(given.format(), sizeof(T), *mesh);
-        return write_rows(given, Cloner<T, D>(given, figure, std::move(file)), poses, rows);
+        PosedFile file(given.format(), scalar_bytes, *mesh);
+        return write_rows(given, Cloner<T, D>(given, figure, parts, std::move(file)), poses, rows);
     } else {
         return fail("--mesh: " + given.figure + " is a figure in the plane; an OBJ file is in space");
     }

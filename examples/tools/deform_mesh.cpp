@@ -8,9 +8,10 @@
 //
 // Coordinates of points without a cage, sibson and sibson-c1, take the vertices of both files for points.
 //
-// Vertices move with the cage and normals turn with the faces. Everything else in the file stays: groups,
-// materials, texture coordinates, comments, cells.
+// Vertices move with the cage, and normals by the inverse transposes of the deformation's Jacobians.
+// Everything else in the file stays: groups, materials, texture coordinates, comments, cells.
 
+#include "cli/auto_cage.hpp"
 #include "cli/bind_report.hpp"
 #include "cli/command_line.hpp"
 #include "cli/guard.hpp"
@@ -26,6 +27,7 @@
 
 #include <cageform/clone/clone.hpp>
 #include <cageform/clone/clone_rational.hpp>
+#include <cageform/clone/jacobians.hpp>
 
 #include <iostream>
 
@@ -40,6 +42,8 @@ struct Arguments {
     bool paints = false;
     bool report = false;
     bool no_folds = false;
+    bool flips_faces = false;
+    bool is_strict = false;
     cageform::FoldOptions folds;
     ViewChoice view;
 };
@@ -63,8 +67,9 @@ ObjFile dots(const std::vector<Point3>& sites, double radius) {
 
 struct Deformed {
     std::vector<Point3> vertices;
-    std::vector<Colour> paint;   // of --weight
-    std::vector<Point3> handles; // the pose of all
+    std::vector<Jacobian3> jacobians; // at the vertices; none where they are not known or not needed
+    std::vector<Colour> paint;        // of --weight
+    MeshFolds folds;                  // around the vertices
     cageform::BindReport report;
     std::string fault, warning;
 };
@@ -77,16 +82,27 @@ Deformed deformed(const Arguments& given, const ObjFile& figure, const MeshContr
     const auto& coordinates = control.coordinates;
     const auto& [pose, weights] = std::tie(control.pose, control.weights);
     const std::span<const Point3> rest(figure.vertices);
-    const std::size_t fits = most_bytes / (sizeof(double) * (coordinates.handles().count + 1));
-    const std::size_t together = rest.size() <= fits ? rest.size() : fits / 4 + 1;
+    const auto at_rest = coordinates.handles();
     const auto options = given.control.outside.bind_options(coordinates);
     Deformed result;
     result.vertices.resize(rest.size());
     auto& report = result.report;
     report.cage = coordinates.cage_report();
+    const bool finds_folds = figure.tetrahedra.empty() && (given.report || given.no_folds);
+    bool takes_jacobians = finds_folds || !figure.normals.empty();
+    if (takes_jacobians && (!weights.empty() || !coordinates.has_gradients())) {
+        takes_jacobians = false;
+        result.folds.unknown = weights.empty()
+                                   ? cageform::to_string(cageform::Status::gradients_not_supported)
+                                   : "no gradients are computed for points with weights";
+    }
+    if (takes_jacobians) result.jacobians.resize(rest.size());
+    const std::size_t bindings = takes_jacobians ? 4 : 1;
+    const std::size_t fits = most_bytes / (bindings * sizeof(double) * (at_rest.count + 1));
+    const std::size_t together = rest.size() <= fits ? rest.size() : fits / 4 + 1;
     ProgressBar bar("binding");
     const cageform::Running running{.progress = bar.callback()};
-    const bool in_batches = together < rest.size();
+    const bool in_batches = together < rest.size() || takes_jacobians;
     if (in_batches) {
         const auto evaluation = coordinates.solve(running.subtask(0, 0.5));
         report.status = evaluation.status;
@@ -96,12 +112,13 @@ Deformed deformed(const Arguments& given, const ObjFile& figure, const MeshContr
     const auto done = [&](std::size_t i) {
         return double(i) / double(std::max<std::size_t>(rest.size(), 1));
     };
-    auto& handles = result.handles = control.handles;
+    std::vector<Point3> handles = control.handles;
     std::size_t first = 0;
     while (report.status == cageform::Status::ok) {
         const auto batch = rest.subspan(first, std::min(together, rest.size() - first));
-        const auto bound =
-            coordinates.bind(batch, options, binding.subtask(done(first), done(first + batch.size())));
+        const double begin = done(first), end = done(first + batch.size());
+        const double middle = takes_jacobians ? 0.75 * begin + 0.25 * end : end;
+        const auto bound = coordinates.bind(batch, options, binding.subtask(begin, middle));
         if (first == 0) report.solver = bound.report.solver;
         add_batch(report, bound.report, first);
         report.status = bound.report.status;
@@ -123,6 +140,19 @@ Deformed deformed(const Arguments& given, const ObjFile& figure, const MeshContr
                            cageform::to_string(status);
             return result;
         }
+        if (takes_jacobians) {
+            const auto axes = coordinates.bind_jacobians(batch, options, binding.subtask(middle, end));
+            const cageform::StridedMatrices<double, 3> jacobians(result.jacobians[first][0].v, batch.size());
+            takes_jacobians =
+                axes && cageform::clone_jacobians(axes.value, handles, jacobians) == cageform::Status::ok;
+            if (!takes_jacobians) {
+                result.folds.unknown = cageform::to_string(axes.report.status);
+                result.jacobians.clear();
+            } else if (finds_folds) {
+                result.folds.add(axes.value, std::span(at_rest.rest, at_rest.count), handles, first,
+                                 given.folds);
+            }
+        }
         for (std::size_t i = 0; given.paints && i < batch.size(); ++i)
             result.paint.push_back(heat(bound.value.weight(i, given.weight)));
         first += batch.size();
@@ -131,48 +161,23 @@ Deformed deformed(const Arguments& given, const ObjFile& figure, const MeshContr
     return result;
 }
 
-/// Finds what folds: tetrahedra, or by Jacobians the space at vertices.
-///
-///   handles   the pose of all
-MeshFolds found_folds(const Arguments& given, const ObjFile& figure, const MeshControl& control,
-                      std::span<const Point3> moved, std::span<const Point3> handles) {
-    if (!figure.tetrahedra.empty()) return folds_of_cells(figure, moved, given.folds);
-    MeshFolds folds;
-    if (!control.weights.empty()) {
-        folds.unknown = "no gradients are computed for points with weights";
-        return folds;
-    }
-    const auto& coordinates = control.coordinates;
-    const auto at_rest = coordinates.handles();
-    const std::span<const Point3> rest(figure.vertices);
-    const std::size_t together = most_bytes / (3 * sizeof(double) * (at_rest.count + 1)) + 1;
-    const cageform::BindOptions options = given.control.outside.bind_options(coordinates);
-    ProgressBar bar("looking for folds");
-    const cageform::Running running{.progress = bar.callback()};
-    if (together < rest.size()) (void)coordinates.solve(running.subtask(0, 0.5));
-    for (std::size_t first = 0; first < rest.size() && folds.fault().empty(); first += together) {
-        const auto batch = rest.subspan(first, std::min(together, rest.size() - first));
-        const auto done = [&](std::size_t i) { return 0.5 + 0.5 * double(i) / double(rest.size()); };
-        const auto columns = coordinates.bind_jacobians(
-            batch, options, running.subtask(done(first), done(first + batch.size())));
-        if (columns)
-            folds.add(columns.value, std::span(at_rest.rest, at_rest.count), handles, first, given.folds);
-        else
-            folds.unknown = cageform::to_string(columns.report.status);
-    }
-    return folds;
-}
-
 /// Takes a figure that folds, and its pose, back along their straight ways from rest to where nothing folds.
 /// Returns why it cannot be done; empty if all is well.
 std::string stop_at_folds(const ObjFile& figure, MeshControl& control, std::vector<Point3>& moved,
-                          const MeshFolds& folds) {
+                          std::vector<Jacobian3>& jacobians, const MeshFolds& folds) {
     if (const std::string why = folds.fault(); !why.empty()) return figure.name + ": --no-folds: " + why;
     if (folds.report.count == 0) return {};
     const double step = folds.step.step;
     note(figure.name + ": the pose stops at " + detail::short_number(step) + " of its way from rest, where " +
          (folds.of_cells ? "" : "the figure at ") + folds.name_of(folds.step.culprit) + " would fold");
     for (std::size_t i = 0; i < moved.size(); ++i) moved[i] = on_the_way(figure.vertices[i], moved[i], step);
+    for (Jacobian3& jacobian : jacobians) {
+        for (std::size_t k = 0; k < 3; ++k) {
+            Point3 axis{};
+            axis[k] = 1;
+            jacobian[k] = on_the_way(axis, jacobian[k], step);
+        }
+    }
     auto& pose = control.pose.vertices;
     for (std::size_t i = 0; i < pose.size(); ++i)
         pose[i] = on_the_way(control.cage.vertices[i], pose[i], step);
@@ -186,7 +191,7 @@ int deform_figure(const Arguments& given, const ObjFile& figure, MeshControl con
         return fail(*why);
     warn_of_closed_gaps(cage.name, coordinates.cage_report());
     if (!coordinates.note.empty()) note(coordinates.note);
-    auto [moved, paint, handles, report, fault, warning] = deformed(given, figure, control);
+    auto [moved, jacobians, paint, folds, report, fault, warning] = deformed(given, figure, control);
     if (!fault.empty()) return fail(fault);
     if (report.status != cageform::Status::ok) return fail(control.describe_faults(report));
     warn_of_coarse_grid(cage.name, report.solver);
@@ -198,17 +203,19 @@ int deform_figure(const Arguments& given, const ObjFile& figure, MeshControl con
     for (const Point3& p : moved) {
         if (!cageform::is_finite(p)) return fail(figure.name + ": a vertex has left the range of numbers");
     }
-    if (is_mirrored(figure.vertices, moved))
-        warn(control.pose.name + ": the pose mirrors " + figure.name + ", and its faces look inwards");
-    MeshFolds folds;
-    if (given.report || given.no_folds) folds = found_folds(given, figure, control, moved, handles);
+    if (is_mirrored(figure.vertices, moved) && !given.flips_faces)
+        warn(control.pose.name + ": the pose mirrors " + figure.name +
+             ", and its faces look inwards; --flip-faces turns the faces over");
+    if (!figure.tetrahedra.empty() && (given.report || given.no_folds))
+        folds = folds_of_cells(figure, moved, given.folds);
     if (given.no_folds) {
-        const std::string why = stop_at_folds(figure, control, moved, folds);
+        const std::string why = stop_at_folds(figure, control, moved, jacobians, folds);
         if (!why.empty()) return fail(why);
     }
 
     OutputFiles outputs;
-    outputs.add(given.out).write(to_text(figure, moved));
+    const std::string text = to_text(figure, {moved, jacobians});
+    outputs.add(given.out).write(given.flips_faces ? with_faces_turned_over(text) : text);
     if (!given.control.save_pose.empty()) outputs.add(given.control.save_pose).write(control.saved_pose());
     if (!given.picture.empty()) {
         ObjFile rest_dots, moved_dots;
@@ -271,6 +278,9 @@ int run_program(int argc, char** argv) {
         .range(-1e6, 0.999)
         .show_default()
         .rarely_needed();
+    add_strict(line, given.is_strict);
+    line.add_flag("--flip-faces", given.flips_faces,
+                  "write the corners of each face in the opposite order, for a pose that mirrors the figure");
     line.add("-o,--output", given.out, "the file to write, .obj or .mesh as the figure is")
         .required()
         .ends_with({".obj", ".mesh"});
@@ -292,8 +302,11 @@ int run_program(int argc, char** argv) {
     if (ending_of(given.out) != ending)
         return fail("-o " + given.out + ": the figure " + given.figure + " is written as " + ending);
 
-    const auto figure = load_mesh_or_obj(given.figure);
+    const auto figure =
+        ending == ".mesh" ? load_mesh_or_obj(given.figure) : load_mesh_figure(given.figure, given.is_strict);
     if (!figure) return fail(to_string(figure.error()));
+    if (given.flips_faces && !figure->tetrahedra.empty())
+        return fail("--flip-faces: " + figure->name + " holds tetrahedra; only faces are turned over");
     auto control = read_mesh_control(given.control, *figure, figure->vertices);
     if (!control) return fail(to_string(control.error()));
     if (const std::string why = given.control.save_fault(*control); !why.empty()) return fail(why);

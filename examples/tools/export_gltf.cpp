@@ -39,7 +39,7 @@
 #include "pictures/skeleton_picture.hpp"
 
 #include <cageform/binding/smooth_skin_weights.hpp>
-#include <cageform/clone/clone.hpp>
+#include <cageform/clone/jacobians.hpp>
 
 #include <iostream>
 #include <sstream>
@@ -51,6 +51,7 @@ using cageform::Binding;
 using cageform::SkinWeights;
 using cageform::Status;
 using Use = GltfDocument::Use;
+using BoundAxes = std::array<Binding<double, 3>, 3>;
 
 struct Arguments {
     std::string figure, cage, labels, out, picture;
@@ -62,7 +63,7 @@ struct Arguments {
     ViewChoice view;
     std::size_t influences = 0; // of a skin whose joints are the cage's vertices; 0: to be found
     double threshold = 0;
-    bool morph = false, report = false;
+    bool morph = false, report = false, is_strict = false;
     CoordinatesChoice choice;
 };
 
@@ -366,8 +367,10 @@ SvgResult<PoseClip> clip_of_handles(const Scene& scene, const Binding<double, 3>
 }
 
 /// Morph targets: one for every key whose pose is not that at rest.
+///
+///   axes   bound at the vertices; without weights where normals turn with the faces
 std::string add_targets(GltfDocument& document, const Scene& scene, const Arguments& given,
-                        const Binding<double, 3>& binding) {
+                        const Binding<double, 3>& binding, const BoundAxes& axes) {
     const auto difference = [](std::vector<std::array<float, 3>> a,
                                const std::vector<std::array<float, 3>>& b) {
         for (std::size_t i = 0; i < a.size(); ++i) {
@@ -375,11 +378,17 @@ std::string add_targets(GltfDocument& document, const Scene& scene, const Argume
         }
         return a;
     };
+    const auto without_side = [](const std::vector<std::array<float, 4>>& tangents) {
+        std::vector<std::array<float, 3>> directions;
+        for (const auto& [x, y, z, side] : tangents) directions.push_back({x, y, z});
+        return directions;
+    };
     GltfJson names, zeros;
     const auto motion = clip_of_handles(scene, binding);
     if (!motion) return motion.error().message;
-    std::vector<std::size_t> keys;           // of the targets
-    std::vector<std::vector<Point3>> places; // of the figure there
+    std::vector<std::size_t> keys;                 // of the targets
+    std::vector<std::vector<Point3>> places;       // of the figure there
+    std::vector<std::vector<Jacobian3>> jacobians; // at its vertices
     for (std::size_t k = 0; k < scene.clip.keys.size(); ++k) {
         if (scene.clip.keys[k].places == scene.cage.vertices) continue;
         std::vector<Point3>& moved = places.emplace_back(scene.figure.vertices.size());
@@ -390,6 +399,11 @@ std::string add_targets(GltfDocument& document, const Scene& scene, const Argume
             if (!std::isfinite(float(p[0]) + float(p[1]) + float(p[2])))
                 return scene.figure.name + ": a vertex has left the range of numbers";
         }
+        const bool has_axes = axes[0].point_count() == moved.size();
+        auto& turned = jacobians.emplace_back(has_axes ? moved.size() : 0);
+        if (has_axes)
+            (void)clone_jacobians(axes, motion->keys[k].places,
+                                  cageform::StridedMatrices<double, 3>(turned[0][0].v, turned.size()));
         keys.push_back(k);
         names.push_back(given.moves.poses.empty() ? "key " + std::to_string(k)
                                                   : stem(given.moves.poses[k - 1]));
@@ -398,13 +412,18 @@ std::string add_targets(GltfDocument& document, const Scene& scene, const Argume
     if (keys.empty()) return scene.clip.name + ": every pose equals the rest pose";
     for (const GltfMesh& mesh : scene.meshes) {
         const auto rest = gltf_positions(mesh, scene.stored.vertices);
-        const auto rest_normals = gltf_normals(mesh, scene.stored, scene.stored.vertices);
+        const auto rest_normals = gltf_normals(mesh, scene.stored, {scene.stored.vertices});
+        const auto rest_tangents = gltf_tangents(mesh, scene.stored.vertices, rest_normals);
         GltfJson targets;
-        for (const auto& moved : places) {
-            const auto shift = difference(gltf_positions(mesh, moved), rest);
-            const auto turn = difference(gltf_normals(mesh, scene.stored, moved), rest_normals);
-            targets.push_back({{"POSITION", document.add(shift, Use::vertices, true)},
-                               {"NORMAL", document.add(turn, Use::vertices)}});
+        for (std::size_t n = 0; n < places.size(); ++n) {
+            const auto normals = gltf_normals(mesh, scene.stored, {places[n], jacobians[n]});
+            const auto shift = difference(gltf_positions(mesh, places[n]), rest);
+            GltfJson target = {{"POSITION", document.add(shift, Use::vertices, true)},
+                               {"NORMAL", document.add(difference(normals, rest_normals), Use::vertices)}};
+            if (const auto tangents = gltf_tangents(mesh, places[n], normals); !tangents.empty())
+                target["TANGENT"] = document.add(
+                    difference(without_side(tangents), without_side(rest_tangents)), Use::vertices);
+            targets.push_back(std::move(target));
         }
         const GltfJson attributes = gltf_attributes(document, mesh, scene.stored);
         document.append("meshes", {{"name", mesh.name},
@@ -510,9 +529,15 @@ int export_figure(const Arguments& given, const Scene& scene) {
     if (!coordinates.note.empty()) note(coordinates.note);
     const auto options = given.outside.bind_options(coordinates);
     cageform::Result<cageform::Binding<double, 3>, cageform::BindReport> bound;
+    BoundAxes axes;
     {
         ProgressBar bar("binding");
-        bound = coordinates.bind(figure.vertices, options, {.progress = bar.callback()});
+        const cageform::Running running{.progress = bar.callback()};
+        const bool turns = given.morph && !figure.normals.empty() && coordinates.has_gradients();
+        if (turns) (void)coordinates.solve(running.subtask(0, 0.5)); // once for both
+        bound = coordinates.bind(figure.vertices, options, running.subtask(turns ? 0.5 : 0, turns ? 0.7 : 1));
+        if (turns && bound.report.status == Status::ok)
+            axes = coordinates.bind_jacobians(figure.vertices, options, running.subtask(0.7, 1)).value;
     }
     const auto& report = bound.report;
     if (report.status != Status::ok) return fail(describe_mesh_faults(cage.name, report));
@@ -539,7 +564,7 @@ int export_figure(const Arguments& given, const Scene& scene) {
     std::string why, printed, moved;
     std::optional<Picture> picture;
     if (given.morph) {
-        why = add_targets(document, scene, given, bound.value);
+        why = add_targets(document, scene, given, bound.value, axes);
         if (why.empty()) moved = std::to_string(document.json["meshes"][0]["weights"].size()) + " targets";
     } else if (!given.skeleton.bones.empty()) {
         const auto frames = frames_of(given, scene, bound.value);
@@ -679,6 +704,7 @@ int run_program(int argc, char** argv) {
     given.choice.add_options(line);
     given.outside.add_options(line);
     given.view.add_options(line);
+    add_strict(line, given.is_strict);
     line.add_flag("--report", given.report, "print the bind report and the error of the skin or the bones");
     line.set_footer(
         obj_format +
@@ -705,7 +731,7 @@ int run_program(int argc, char** argv) {
         return fail("morph targets need poses: give --clip, --pose, or operations such as --turn");
 
     Scene scene;
-    auto figure = load_obj(given.figure);
+    auto figure = load_mesh_figure(given.figure, given.is_strict);
     if (!figure) return fail(to_string(figure.error()));
     scene.parts = read_parts(*figure);
     auto meshes = gltf_meshes(*figure, scene.parts);
@@ -723,7 +749,7 @@ int run_program(int argc, char** argv) {
     scene.figure = std::move(*figure);
     scene.cage = std::move(*cage);
     scene.meshes = std::move(*meshes);
-    scene.origin = gltf_origin(scene.figure.vertices);
+    scene.origin = far_origin(scene.figure.vertices);
     scene.stored = scene.figure;
     scene.stored.vertices = counted_from(scene.origin, scene.figure.vertices);
     for (const auto* file : {&scene.figure, &scene.cage}) { // glTF's numbers

@@ -107,7 +107,7 @@ int fit_figure(Arguments& given, ObjFile figure) {
                     (places.size() == 1 ? " frame" : " frames") + ": a motion has two or more");
     }
     if (const auto why = fault_of_outputs({given.out, given.picture})) return fail(*why);
-    const Point3 origin = gltf_origin(figure.vertices);
+    const Point3 origin = far_origin(figure.vertices);
     figure.vertices = counted_from(origin, figure.vertices);
     for (auto& frame : places) frame = counted_from(origin, frame);
     FigureFrames frames{figure.name,       figure.vertices,        figure.triangles,

@@ -6,6 +6,7 @@
 // of the bones file and back. Weights are those of bone heat (Baran, Popović 2007) or harmonic on the
 // surface (fields/skin.hpp).
 
+#include "cli/auto_cage.hpp"
 #include "cli/bind_report.hpp"
 #include "cli/command_line.hpp"
 #include "cli/guard.hpp"
@@ -53,7 +54,7 @@ struct Arguments {
     std::string figure, bones, out, picture, red, blue;
     std::string weights = "heat";
     std::size_t influences = 4;
-    bool sees_through = false, report = false;
+    bool sees_through = false, report = false, is_strict = false;
     ViewChoice view;
 };
 
@@ -398,7 +399,7 @@ int skin_figure(const Arguments& given, const ObjFile& figure, const std::vector
     if (kept.status != Status::ok) return fail(given.bones + ": " + cageform::to_string(kept.status));
     make_sums_exact(skin);
     // The picture shows the weights and places that are written.
-    const Point3 origin = gltf_origin(figure.vertices);
+    const Point3 origin = far_origin(figure.vertices);
     ObjFile stored = figure, shown = figure;
     stored.vertices = counted_from(origin, figure.vertices);
     for (std::size_t i = 0; i < shown.vertices.size(); ++i)
@@ -487,11 +488,12 @@ int run_program(int argc, char** argv) {
              "the bone whose weight is painted blue; by default the one that turns most");
     line.add("--red", given.red,
              "the bone whose weight is painted red; by default the parent of the blue one");
+    add_strict(line, given.is_strict);
     line.add_flag("--report", given.report, "print flips, hidden vertices and the error of the file's skin");
     line.set_footer(obj_format + std::string("\n") + bones_format);
     if (const auto code = line.parse(argc, argv)) return *code;
 
-    const auto figure = load_obj(given.figure);
+    const auto figure = load_mesh_figure(given.figure, given.is_strict);
     if (!figure) return fail(to_string(figure.error()));
     if (figure->faces.empty()) return fail(figure->name + ": holds no faces");
     if (const auto fault = single_precision_fault(*figure)) return fail(to_string(*fault));

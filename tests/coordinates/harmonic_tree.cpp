@@ -557,19 +557,21 @@ TEST_CASE("an adaptive solve tells its progress and is cancelled",
     Adaptive<TriangleMesh<double>> coordinates(mesh, {.accuracy = effort(0.02, 0.1)});
     const auto expected = evaluate_all(coordinates, points);
     double last = 0;
-    int calls = 0;
+    int calls = 0, of_grid = 0; // before the grid is made
     cageform::Running running;
     running.progress = [&](double done) {
         CHECK(done >= last);
         CHECK(done <= 1);
         last = done;
         ++calls;
+        of_grid += done < 0.25 ? 1 : 0;
         return true;
     };
     CHECK(evaluate_all(coordinates, points, running).status() == Status::ok);
     CHECK(last == 1);
-    CHECK(calls >= 3);
-    for (const int stop_at : {1, 3}) {
+    CHECK(of_grid >= 10);
+    CHECK(calls >= of_grid + 3);
+    for (const int stop_at : {1, 3, of_grid / 2, of_grid + 1}) {
         int asked = 0;
         running.progress = [&](double) { return ++asked < stop_at; };
         CHECK(evaluate_all(coordinates, points, running).status() == Status::cancelled);

@@ -702,6 +702,24 @@ grep -qF 'deform_mesh: warning: box_open.obj: 4 open edges were closed, first be
 report $ok "the gap is reported"
 refuses 'open edge (0, 1)' "$mesh" figure.obj --cage box_wide_open.obj --pose box_wide_open.obj -o out.obj
 refuses 'box_bow_tie.obj: a face cannot be cut into triangles' "$mesh" figure.obj --cage box_bow_tie.obj --pose box_bow_tie.obj -o out.obj
+printf 'v 1 1 1\nv 4.000000000004 2 2\nv nan 1 1\n' >rounded.obj
+sed 's/^v 4 /v 5 /' box.obj >wider.obj
+for coordinates in mean-value harmonic; do
+  for outside in auto refuse; do
+    works "a rounding outside, $coordinates" "$mesh" rounded.obj --cage box.obj --pose wider.obj --coordinates $coordinates --outside $outside -o rounded_moved.obj
+    awk '$1 == "v" && ++n == 2 { x = $2 } END { exit !(x > 4.99999 && x < 5.00001) }' rounded_moved.obj && ! grep -q outside log && ok=yes || ok=no
+    report $ok "moves with the face, $coordinates, $outside"
+  done
+done
+grep -q 'warning: rounded.obj: 1 of 3 vertices are left out, first v 3: they are not finite, and no face has them; --strict' log &&
+  tail -n 1 rounded_moved.obj | grep -qx 'v nan 1 1' && ok=yes || ok=no
+report $ok "a vertex that is no number stays as it is"
+refuses 'rounded.obj: the coordinates of a vertex are not finite (line 3)' "$mesh" rounded.obj --cage box.obj --pose wider.obj --strict -o out.obj
+refuses '--memory: Value 0 not in range' "$mesh" rounded.obj --cage box.obj --pose wider.obj --coordinates harmonic --memory 0 -o out.obj
+awk '$1 == "v" { $2 *= 200; $3 *= 200; $4 *= 0.1 } { print }' box.obj >film.obj
+refuses 'the grid takes ' "$mesh" film.obj --cage film.obj --pose film.obj --coordinates harmonic -o out.obj
+grep -q 'more than is available.*; --coordinates mean-value needs no grid' log && grep -q 'note: the grid of harmonic coordinates takes about .* GiB, as the cage is 0.* thick in the mean' log && ok=yes || ok=no
+report $ok "and says why, and which coordinates need none"
 refuses '1 of 2 vertices of stray.obj lie outside the cage box.obj, first v 2 (5, 2, 2)' "$mesh" stray.obj --cage box.obj --pose box_pose.obj --outside refuse -o out.obj
 for type in mean-value harmonic; do
   works "a vertex outside, $type" "$mesh" stray.obj --cage box.obj --pose box_pose.obj --coordinates $type -o auto_$type.obj
@@ -1576,7 +1594,8 @@ for type in mean-value harmonic green; do
 done
 for type in mean-value harmonic; do
   works "a limb pulled, $type" by_pins pinned.obj --pin 0 --pin 4000@20,y --pin 8000:+0.1,+0.2,0 --coordinates $type --save-pose pinned_cage.obj --report
-  grep -q '^pins: 3, held: 0 of 112 handles' log && grep -q '^largest miss: 0\.0.*, pin [1-3] (--pin "' log && grep -q '^folds: ' log && ok=yes || ok=no
+  grep -q '^pins: 3, held: 0 of 112 handles' log && grep -q '^largest miss: 0\.0.*, pin [1-3] (--pin "' log && grep -q '^folds: ' log &&
+    grep -q '^pin 1 .*: stays$' log && grep -q '^pin 3 .*: moved by (0.1, 0.2, 0) to (' log && ok=yes || ok=no
   report $ok "the report has the miss, its pin and folds"
   works "the cage that is saved, $type" by_pins by_pose.obj --pose pinned_cage.obj --coordinates $type
   # Harmonic functions that are kept for the samples are rounded to floats in space.
@@ -1596,6 +1615,9 @@ works "held vertices in space" by_pins held.obj --pin 8000:+0.1,+0.2,0 --hold 0-
 awk '/^v / { n++; if (NR == FNR) v[n] = $0; else { if (!m) m = n; if (v[n - m + 1] != $0 && n - m < 41) bad = 1; if (v[n - m + 1] != $0) moved = 1 } }
      END { exit bad || !moved }' character_cage.obj held_cage.obj && ok=yes || ok=no
 report $ok "stay to the bit"
+works "a pin that goes far" by_pins far.obj --pin 0 --pin 8000:+0,+9,0
+grep -q 'warning: pin 2 (--pin "8000:+0,+9,0") at .*: moved by (0, 9, 0) to (.*), outside twice the box of the cage' log && ok=yes || ok=no
+report $ok "is warned of"
 works "pins of tetrahedra that stop" in_bar bar_pinned.mesh --pin 0 --pin 424:+-6,+1,0 --pin 16 --no-folds --save-pose bar_pose.obj --report
 grep -q 'the pose stops at' log && grep -q '^pins: 3' log && ok=yes || ok=no
 report $ok "the stop is said"

@@ -1,7 +1,12 @@
 #include "files/obj_file.hpp"
 
+#include "files/csv.hpp"
+#include "files/gltf_file.hpp"
+#include "files/obj_parts.hpp"
+
 #include "catch.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <numbers>
@@ -130,7 +135,7 @@ TEST_CASE("what is written is read back to the bit", "[examples][obj]") {
     for (Point3& p : moved) p = {normal(random), 1e-12 * normal(random), 1e15 * normal(random)};
     const ObjFile again = parsed(to_text(file, moved));
     CHECK(again.vertices == moved);
-    CHECK(again.normals == deformed_normals(file, moved));
+    CHECK(again.normals == MovedNormals(file, {moved}).of_file());
 }
 
 TEST_CASE("normals turn with the mesh and keep their length", "[examples][obj]") {
@@ -139,9 +144,101 @@ TEST_CASE("normals turn with the mesh and keep their length", "[examples][obj]")
     CAPTURE(angle);
     std::vector<Point3> moved;
     for (const Point3& p : file.vertices) moved.push_back(turned_about_y(3 * p, angle) + Point3{10, -20, 5});
-    const auto normals = deformed_normals(file, moved);
+    const auto normals = MovedNormals(file, {moved}).of_file();
     for (std::size_t i = 0; i < normals.size(); ++i)
         CHECK(distance(normals[i], turned_about_y(file.normals[i], angle)) < 1e-13);
+}
+
+TEST_CASE("a normal moves by the inverse transpose of the Jacobian", "[examples][obj]") {
+    const auto seed = GENERATE(seeds(200));
+    CAPTURE(seed);
+    std::mt19937_64 random(static_cast<unsigned>(seed));
+    std::normal_distribution<double> normal;
+    const auto draw = [&] { return Point3{normal(random), normal(random), normal(random)}; };
+    Jacobian3 jacobian{draw(), draw(), draw()};
+    const Point3 n = draw(), across = cross(n, draw()), other = cross(n, across);
+    const auto image = [&](const Point3& p) {
+        return p[0] * jacobian[0] + p[1] * jacobian[1] + p[2] * jacobian[2];
+    };
+    const auto moved = moved_normal(jacobian, n);
+    REQUIRE(moved);
+    const double length = std::sqrt(dot(n, n)), stretch = 1e-12 * length * length * length;
+    CHECK(std::fabs(std::sqrt(dot(*moved, *moved)) - length) < 1e-14 * length);
+    for (const Point3& tangent : {across, other}) // tangents keep their right angle with the normal
+        CHECK(std::fabs(dot(*moved, image(tangent))) <
+              100 * stretch * std::sqrt(dot(image(tangent), image(tangent))));
+    CHECK(dot(*moved, image(n)) > 0); // and its side
+    CHECK(moved_normal({Point3{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, n) == n);
+    jacobian[2] = 2.0 * jacobian[0] - 0.5 * jacobian[1];
+    CHECK_FALSE(moved_normal(jacobian, n));
+}
+
+TEST_CASE("vertices that are not finite are left out where no face has them", "[examples][obj]") {
+    const std::string text = "v nan 0 0\nv 1 2 3\nv 2 2 3\nv 1 inf 3\nv 1 3 3\nf 2 3 5\n";
+    CHECK(refusal(text) == "file.obj: the coordinates of a vertex are not finite (line 1)");
+    const auto file = parse_obj(text, "file.obj", StrayVertices::leave_out);
+    REQUIRE(file);
+    CHECK(file->left_out == std::vector<std::size_t>{0, 3});
+    CHECK(file->vertices[0] == file->vertices[1]);
+    auto moved = file->vertices;
+    for (Point3& p : moved) p = 2.0 * p;
+    CHECK(to_text(*file, moved) == "v nan 0 0\nv 2 4 6\nv 4 4 6\nv 1 inf 3\nv 2 6 6\nf 2 3 5\n");
+    const auto used = parse_obj(text + "f 1 2 3\n", "file.obj", StrayVertices::leave_out);
+    REQUIRE_FALSE(used);
+    CHECK(to_string(used.error()) == "file.obj: the coordinates of a vertex are not finite (line 1)");
+    CHECK_FALSE(parse_obj("v nan 0 0\n", "file.obj", StrayVertices::leave_out));
+}
+
+TEST_CASE("the documented table of statements is that of the code", "[examples][obj]") {
+    const auto document = read_file(CAGEFORM_TEST_DATA "/../../examples/README.md");
+    REQUIRE(document);
+    INFO(statement_table());
+    CHECK(document->find("\n\n" + statement_table() + '\n') != std::string::npos);
+}
+
+TEST_CASE("tangents go along u, and their side is that of v", "[examples][obj][gltf]") {
+    const auto seed = GENERATE(seeds(50));
+    CAPTURE(seed);
+    std::mt19937_64 random(static_cast<unsigned>(seed));
+    std::normal_distribution<double> normal;
+    const auto draw = [&] { return Point3{normal(random), normal(random), normal(random)}; };
+    const Point3 origin = draw(), u = draw(),
+                 v = draw(); // the place of a picture's point: origin + u U + v V
+    std::string text = "usemtl a\n";
+    for (int n = 0; n < 4; ++n) {
+        const double at_u = normal(random), at_v = normal(random);
+        const Point3 p = origin + at_u * u + at_v * v;
+        text += "v " + std::to_string(p[0]) + ' ' + std::to_string(p[1]) + ' ' + std::to_string(p[2]) +
+                "\nvt " + std::to_string(at_u) + ' ' + std::to_string(at_v) + '\n';
+    }
+    const ObjFile file = parsed(text + "f 1/1 2/2 3/3\nf 1/1 2/2 4/4\n");
+    ObjParts parts = read_parts(file);
+    CHECK_FALSE((*gltf_meshes(file, parts))[0].takes_tangents);
+    parts.materials[0].normal_texture = "bumps.png";
+    const auto meshes = gltf_meshes(file, parts);
+    REQUIRE(meshes);
+    const Point3 across = cross(u, v), n = (1 / std::sqrt(dot(across, across))) * across;
+    const std::vector<std::array<float, 3>> normals(4, {float(n[0]), float(n[1]), float(n[2])});
+    const auto tangents = gltf_tangents((*meshes)[0], file.vertices, normals);
+    REQUIRE(tangents.size() == 4);
+    for (const auto& [x, y, z, side] : tangents) {
+        const Point3 tangent{double(x), double(y), double(z)};
+        CHECK(distance(tangent, (1 / std::sqrt(dot(u, u))) * u) < 1e-2); // the text has six decimals
+        CHECK(dot(double(side) * cross(n, tangent), v) > 0);
+    }
+}
+
+TEST_CASE("faces are turned over in the text alone", "[examples][obj]") {
+    for (const std::string& text : {cube, everything}) {
+        const ObjFile file = parsed(text), turned = parsed(with_faces_turned_over(text));
+        CHECK(with_faces_turned_over(turned.text) == text);
+        REQUIRE(turned.faces.size() == file.faces.size());
+        for (std::size_t f = 0; f < file.faces.size(); ++f) {
+            auto corners = turned.faces[f].corners;
+            std::reverse(corners.begin() + 1, corners.end());
+            CHECK(corners == file.faces[f].corners);
+        }
+    }
 }
 
 TEST_CASE("a normal of several faces follows their mean, weighted by area", "[examples][obj]") {
@@ -151,15 +248,15 @@ TEST_CASE("a normal of several faces follows their mean, weighted by area", "[ex
     auto moved = file.vertices;
     moved[4] = {0, 0, -1};
     moved[5] = {0, 1, -1};
-    const auto normals = deformed_normals(file, moved);
+    const auto normals = MovedNormals(file, {moved}).of_file();
     CHECK(distance(normals[0], {std::sqrt(0.5), 0, std::sqrt(0.5)}) < 1e-15);
     CHECK(normals[1] == file.normals[1]); // no face has it
 
     for (std::size_t i = 0; i < moved.size(); ++i) moved[i] = 1.7 * file.vertices[i] + Point3{0.1, 0.2, 0.3};
-    CHECK(deformed_normals(file, moved) == file.normals); // moved and larger, but not turned
+    CHECK(MovedNormals(file, {moved}).of_file() == file.normals); // moved and larger, but not turned
 
     for (Point3& p : moved) p = {0, 0, 0};
-    CHECK(deformed_normals(file, moved) == file.normals); // no direction is left
+    CHECK(MovedNormals(file, {moved}).of_file() == file.normals); // no direction is left
 }
 
 TEST_CASE("faces are cut into triangles that look one way", "[examples][obj]") {
@@ -259,7 +356,7 @@ TEST_CASE("no text, however broken, ends the OBJ reader", "[examples][obj][fuzz]
     CHECK(to_text(*file, file->vertices) == text);
     auto moved = file->vertices;
     for (Point3& p : moved) p = {p[1], -p[2], 2 * p[0]};
-    CHECK(deformed_normals(*file, moved).size() == file->normals.size());
+    CHECK(MovedNormals(*file, {moved}).of_file().size() == file->normals.size());
 }
 
 } // namespace obj_file_tests

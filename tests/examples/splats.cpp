@@ -421,7 +421,7 @@ TEST_CASE("splats that are not finite are left out and counted, all others keep 
     SplatFile scene = random_scene(random, std::size_t(seed % 4), 9);
     const SplatFile good = scene;
     constexpr double nan = std::numeric_limits<double>::quiet_NaN(), infinite = HUGE_VAL;
-    // What may be infinite: an opacity of either sign, and a scale of -inf.
+    // Two properties may be infinite: an opacity of either sign, and a scale of -inf.
     scene.set(1, scene.layout.opacity, seed % 2 == 0 ? infinite : -infinite);
     scene.set(2, scene.layout.scales[std::size_t(seed % 3)], -infinite);
     std::string kept, first;

@@ -146,7 +146,7 @@ void read_obj(const std::string& text) {
     for (const std::uint32_t face : file->triangle_faces) ++read[parts.face_materials[face]];
     for (const auto& mesh : *meshes) {
         const auto places = gltf_positions(mesh, file->vertices);
-        REQUIRE(gltf_normals(mesh, *file, file->vertices).size() == places.size());
+        REQUIRE(gltf_normals(mesh, *file, {file->vertices}).size() == places.size());
         for (const auto& part : mesh.parts) {
             written.at(part.material) += part.indices.size() / 3;
             for (const auto& index : part.indices) REQUIRE(index[0] < mesh.corners.size());

@@ -130,7 +130,8 @@ File load(const std::string& path, const ObjFile& figure) {
     for (const int node : file.model.scenes.at(0).nodes) {
         const tinygltf::Node& root = file.model.nodes.at(std::size_t(node));
         const bool is_place = root.mesh >= 0 ? root.skin < 0 : file.model.skins.at(0).skeleton == node;
-        for (std::size_t k = 0; is_place && k < root.translation.size(); ++k) file.place[k] = root.translation[k];
+        for (std::size_t k = 0; is_place && k < root.translation.size(); ++k)
+            file.place[k] = root.translation[k];
     }
     std::map<std::array<float, 3>, std::size_t> places;
     const auto single = [&](const Point3& p) {

@@ -1,7 +1,8 @@
 #pragma once
 
-// Cages that the programs make themselves, around any figure.
+// Meshes that the programs read, and cages that the programs make around any figure.
 
+#include "cli/command_line.hpp"
 #include "files/cage_file.hpp"
 #include "files/obj_file.hpp"
 #include "svg/document.hpp"
@@ -91,5 +92,12 @@ std::vector<std::string> warnings_of(const cageform::MakeCageReport& report,
 /// degrees.
 template <std::size_t D>
 std::vector<cageform::Vec<double, D>> first_pose(const std::vector<cageform::Vec<double, D>>& rest);
+
+/// Adds --strict for load_mesh_figure().
+void add_strict(CommandLine& line, bool& is_strict);
+
+/// Reads a figure, an OBJ file. Vertices that are not finite and that no face has are left out with a
+/// warning; a strict reader refuses them.
+SvgResult<ObjFile> load_mesh_figure(const std::string& path, bool is_strict);
 
 } // namespace cageform_examples

@@ -1,4 +1,5 @@
 #include "cli/auto_cage_model.hpp"
+#include "cli/guard.hpp"
 
 #include "cli/mesh_cage.hpp"
 
@@ -97,6 +98,22 @@ SvgResult<ObjFile> load_or_make_cage(const std::string& word, const ObjFile& fig
     auto made = made_by_word(wanted, figure);
     if (!made) return made.error();
     return std::move(made->cage);
+}
+
+void add_strict(CommandLine& line, bool& is_strict) {
+    line.add_flag("--strict", is_strict,
+                  "refuse a figure that has a vertex that is not finite, also one that no face has");
+}
+
+SvgResult<ObjFile> load_mesh_figure(const std::string& path, bool is_strict) {
+    auto file = load_obj(path, is_strict ? StrayVertices::refuse : StrayVertices::leave_out);
+    if (file && !file->left_out.empty()) {
+        warn(path + ": " + std::to_string(file->left_out.size()) + " of " +
+             std::to_string(file->vertices.size()) + " vertices are left out, first v " +
+             std::to_string(file->left_out[0] + 1) +
+             ": they are not finite, and no face has them; --strict refuses the file");
+    }
+    return file;
 }
 
 } // namespace cageform_examples

@@ -86,6 +86,7 @@ std::string describe_faults(const std::string& name, const cageform::BindReport&
             fits << std::setprecision(2) << "; --accuracy " << report.solver.sufficient_accuracy << " fits";
             text += fits.str();
         }
+        text += "; --coordinates mean-value needs no grid";
     }
     std::size_t listed = 0;
     for (const auto& fault : report.cage.faults) {

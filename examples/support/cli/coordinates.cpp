@@ -113,6 +113,14 @@ void CoordinatesChoice::add_options(CommandLine& line) {
                                             "0.1; the grid adapts to the cage's narrow parts")
                                        .range(1e-5, 0.1)
                                        .show_default();
+    if (limits_memory) {
+        line.add_number(
+                "--memory", [this](double megabytes) { memory = std::size_t(megabytes * (1 << 20)); },
+                "harmonic: the most memory for the grid and its solver, in MB; what needs more stops before "
+                "it begins")
+            .range(1.0, 1e8)
+            .show_default("half of what is free");
+    }
     line.add("--resolution", resolution,
              "harmonic: use a uniform grid with this many cells along the cage's longest side")
         .range(8, 16384)
@@ -160,7 +168,10 @@ std::optional<std::size_t> available_memory() {
 
 cageform::HarmonicOptions CoordinatesChoice::harmonic_options(std::size_t dimension) const {
     cageform::HarmonicOptions options = harmonic;
-    options.memory_limit = memory_limit.value_or(available_memory().value_or(options.memory_limit));
+    if (memory != 0)
+        options.memory_limit = memory;
+    else if (const auto free = available_memory())
+        options.memory_limit = *free / 2;
     options.resolution = resolution;
     const bool by_pyramid = options.solver == cageform::HarmonicSolver::averaging_pyramid;
     if (resolution == 0 && (is_uniform || by_pyramid)) options.resolution = dimension == 2 ? 128 : 64;
@@ -203,7 +214,8 @@ cageform::BindOptions OutsideChoice::bind_options(const ChosenCoordinates<T, D>&
     if (word == "extend" || (word == "auto" && can_extend && coordinates.has_extension())) {
         options.outside = cageform::OutsidePoints::extend;
         options.falloff = coordinates.has_extension() ? falloff : 0; // else judge() refuses
-    } else if (word == "nearest" || (word == "auto" && (falloff > 0 || !coordinates.takes_sites))) {
+    } else if (word == "nearest" || (word == "auto" && falloff > 0) ||
+               ((word == "auto" || word == "refuse") && !coordinates.takes_sites)) { // which takes roundings
         options.outside = cageform::OutsidePoints::nearest_boundary;
         options.falloff = falloff;
     } else {
@@ -222,16 +234,19 @@ OutsideChoice::judge(const ChosenCoordinates<T, D>& coordinates, const cageform:
                               what + figure + " lie outside the " +
                               (coordinates.takes_sites ? "convex hull of " : "cage ") + cage + ", first " +
                               name_points(points, report.outside);
-    const bool some = !report.outside.empty();
     double largest = 0;
     for (const std::size_t i : report.outside) {
         cageform::Vec<T, D> p{};
         if constexpr (D == 2)
             p = {T(points[i].x), T(points[i].y)};
         else
-            p = cageform::vec_cast<T>(points[i]);
+            p = cageform::vec_cast<T>(points[i] - origin);
         if (cageform::is_finite(p)) largest = std::max(largest, coordinates.distance_from_boundary(p));
     }
+    const auto rest = coordinates.handles();
+    const double size = cageform::bounds_of(std::span(rest.rest, rest.count)).diagonal();
+    constexpr double rounding = 1e-12; // a place so near, relative to the size, counts as on the boundary
+    const bool some = !report.outside.empty() && (coordinates.takes_sites || largest > rounding * size);
     std::ostringstream distance;
     distance.precision(2);
     distance << "; the largest distance from the boundary is " << largest;

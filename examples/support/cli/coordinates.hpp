@@ -40,9 +40,10 @@ struct CoordinatesChoice {
     std::size_t resolution = 0; // 0: the adaptive grid, of the papers' solver 128 in the plane, 64 in space
     bool is_uniform = false;    // --tolerance is given, which the adaptive grid does not look at
     cageform::HarmonicOptions harmonic;
-    std::optional<std::size_t> memory_limit{}; // of a solver, in bytes; none: what the machine has
-    bool in_disk = false;                      // curved: by the function of a disk about the cage
-    double disk_radius = 0;                    // 0: as small as it can be
+    bool limits_memory = true; // whether the program takes --memory for a solver
+    std::size_t memory = 0;    // of a solver, in bytes; 0: half of what is free
+    bool in_disk = false;      // curved: by the function of a disk about the cage
+    double disk_radius = 0;    // 0: as small as it can be
 
     static const std::vector<std::string>& names(); // of polygons
     /// Returns why `given` is none of `known`; empty if it is one.
@@ -117,7 +118,7 @@ public:
     using cageform::AnyCoordinates<T, D>::AnyCoordinates;
 
     bool takes_sites = false; // control points without a cage
-    std::string note;         // on the cage's faces; empty where there is none
+    std::string note;         // on the cage's faces and a grid of much memory; empty where there is none
 };
 
 template <class T>
@@ -193,6 +194,7 @@ struct OutsideChoice {
     bool cage_is_made = false; // for the figure: what is outside is not seen
     bool can_fade = true;      // whether the program can do with weights that do not sum to 1
     double falloff = 0;        // the distance at which displacements outside have faded; 0: they do not fade
+    Point3 origin{};           // in space: where the coordinates' origin lies in the figure's file
 
     void add_options(CommandLine& line);
     /// Adds --falloff alone, for a program with its own --outside.

@@ -18,6 +18,18 @@ std::string polygon_fault(const CoordinatesChoice& choice) {
     return by_pyramid ? "harmonic by the papers' solver supports only triangles" : "";
 }
 
+/// Twice the volume of a closed mesh over its area: the thickness of a flat one.
+double mean_thickness(const ObjFile& mesh) {
+    double volume = 0, area = 0;
+    for (const auto& [a, b, c] : mesh.triangles) {
+        const auto& p = mesh.vertices;
+        const Point3 across = cross(p[b] - p[a], p[c] - p[a]); // twice the area
+        volume += dot(p[a] - p[mesh.triangles[0][0]], across) / 6;
+        area += 0.5 * std::sqrt(dot(across, across));
+    }
+    return 2 * std::fabs(volume) / area;
+}
+
 } // namespace
 
 template <class T>
@@ -44,7 +56,7 @@ ChosenCoordinates<T, 3> make_coordinates(const CoordinatesChoice& choice, const 
                     .faces = fans == FacesAsFans::all ? Options::Faces::fan : Options::Faces::planar,
                     .divisions = divisions});
         if (harmonic)
-            made = Harmonic<cageform::PolyhedralMesh<T>>(cage, options);
+            made = make_harmonic(cage, options, mean_thickness(file));
         else if (choice.name == "mean-value")
             made = cageform::MeanValueCoordinates<T, 3, cageform::PolyhedralMesh<T>>(cage);
         else
@@ -52,13 +64,14 @@ ChosenCoordinates<T, 3> make_coordinates(const CoordinatesChoice& choice, const 
     } else {
         const cageform::TriangleMesh<T> cage(file.vertices, file.triangles);
         if (harmonic)
-            made = Harmonic<cageform::TriangleMesh<T>>(cage, options);
+            made = make_harmonic(cage, options, mean_thickness(file));
         else if (choice.name == "mean-value")
             made = cageform::MeanValueCoordinates<T, 3>(cage);
         else
             made = cageform::GreenCoordinates<T, 3>(cage);
     }
-    made.note = describe_faces(file, faces, why_cut);
+    const std::string on_faces = describe_faces(file, faces, why_cut);
+    made.note += (made.note.empty() || on_faces.empty() ? "" : "; ") + on_faces;
     return made;
 }
 template ChosenCoordinates<float, 3> make_coordinates(const CoordinatesChoice&, const ObjFile&);

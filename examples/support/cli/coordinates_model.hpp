@@ -15,6 +15,25 @@ template <class C>
 using Harmonic =
     cageform::HarmonicCoordinates<typename C::scalar, C::dimension, C, cageform::WithAveragingPyramid>;
 
+/// Makes harmonic coordinates. If their grid takes much memory, `note` says how much and why.
+///
+///   thickness   of the cage in the mean, in the figure's units
+template <class C>
+ChosenCoordinates<typename C::scalar, C::dimension>
+make_harmonic(const C& cage, const cageform::HarmonicOptions& options, double thickness) {
+    constexpr double much = 1 << 30;
+    cageform::HarmonicOptions refused = options;
+    refused.memory_limit = 1; // the estimate that a refusal states takes a small part of a solve
+    ChosenCoordinates<typename C::scalar, C::dimension> made = Harmonic<C>(cage, options);
+    const double bytes = double(Harmonic<C>(cage, refused).solve().solver.bytes);
+    if (!(bytes > much)) return made;
+    const double size = cageform::bounds_of(cage.vertices()).diagonal();
+    made.note = "the grid of harmonic coordinates takes about " + detail::short_number(bytes / (1 << 30)) +
+                " GiB, as the cage is " + detail::short_number(thickness) + " thick in the mean and " +
+                detail::short_number(size) + " long; --coordinates mean-value needs no grid";
+    return made;
+}
+
 /// The coordinates of a lattice, which --coordinates does not choose.
 template <class T, std::size_t D>
 ChosenCoordinates<T, D> lattice_coordinates(const CoordinatesChoice& choice, const LatticeBox<D>& lattice) {

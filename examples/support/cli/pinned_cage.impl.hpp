@@ -54,6 +54,23 @@ SvgResult<cageform::PoseSamples<T, D>> sample(const ChosenCoordinates<T, D>& coo
     return std::move(samples);
 }
 
+/// Warns of pins whose targets lie outside the box of the handles, enlarged twice about its middle.
+template <cageform::Scalar T, std::size_t D>
+void warn_of_far_targets(const cageform::HandleView<T, D>& handles, const std::vector<Pin<D>>& pins) {
+    const auto bounds = cageform::bounds_of(std::span(handles.rest, handles.count));
+    for (std::size_t n = 0; n < pins.size(); ++n) {
+        bool is_far = false;
+        for (std::size_t k = 0; k < D; ++k) {
+            const double low = double(bounds.lower[k]), high = double(bounds.upper[k]);
+            is_far = is_far || std::fabs(pins[n].target[k] - 0.5 * (low + high)) > high - low;
+        }
+        if (!is_far) continue;
+        warn(name_of(pins, n) + ": " + describe_target(pins[n]) +
+             ", outside twice the box of the cage; numbers with signs are displacements, = makes them a "
+             "place");
+    }
+}
+
 /// The weights of pins, and of the axes where pins turn.
 template <cageform::Scalar T, std::size_t D>
 struct BoundPins {
@@ -101,6 +118,7 @@ SvgResult<PinnedCage<T, D>> PinnedCage<T, D>::make(const ChosenCoordinates<T, D>
                                                    const OutsideChoice& outside) {
     using cageform::Status;
     PinnedCage made;
+    detail::warn_of_far_targets(coordinates.handles(), pins);
     const auto begin = detail::Clock::now();
     auto samples = detail::sample(coordinates, names, choice.sampling);
     if (!samples) return samples.error();
@@ -192,6 +210,9 @@ std::string PinnedCage<T, D>::report() const {
          << sampling_ms_ << " ms\nposes: " << poses_ << ", " << counted(frames_, "frame") << " of "
          << counted(iterations_, "iteration") << ", " << solving_ms_ << " ms, the first frame " << first_ms_
          << " ms after the pins\n";
+    constexpr std::size_t most_listed_pins = 20;
+    for (std::size_t n = 0; n < std::min(pins_.size(), most_listed_pins); ++n)
+        text << name_of(pins_, n) << ": " << describe_target(pins_[n]) << '\n';
     if (last_.missed < pins_.size())
         text << "largest miss: " << last_.miss << ", " << name_of(pins_, last_.missed) << '\n';
     text << "stretch: " << last_.least_stretch << " to " << last_.largest_stretch

@@ -53,9 +53,10 @@ std::string read_place(std::span<const std::string_view> parts, std::span<const 
     return {};
 }
 
-/// Reads a target: a place, or with signs how far to go.
+/// Reads the target of a pin whose place is known: a place, or with signs a displacement.
 template <std::size_t D>
-std::string read_target(std::string_view text, const Vec<double, D>& place, Vec<double, D>& target) {
+std::string read_target(std::string_view text, Pin<D>& pin) {
+    Vec<double, D>& target = pin.target;
     const bool is_place = text.starts_with('=');
     const auto parts = detail::parts_of(is_place ? text.substr(1) : text, ',');
     if (parts.size() != D) return quoted(text) + " is not a target: write " + a_point<D>;
@@ -63,7 +64,8 @@ std::string read_target(std::string_view text, const Vec<double, D>& place, Vec<
     const bool has_signs = std::any_of(parts.begin(), parts.end(), [](std::string_view part) {
         return part.front() == '+' || part.front() == '-';
     });
-    if (has_signs && !is_place) target = place + target;
+    pin.is_relative = has_signs && !is_place;
+    if (pin.is_relative) target = pin.place + target;
     return is_finite(target) ? "" : "the target leaves the range of numbers";
 }
 
@@ -115,7 +117,7 @@ SvgResult<Pin<D>> parse_pin(std::string_view word, std::span<const Vec<double, D
     if (why.empty()) why = read_place<D>(place, vertices, pin.place);
     pin.target = pin.place;
     if (why.empty() && colon < at)
-        why = read_target(detail::trim(word.substr(colon + 1, at - colon - 1)), pin.place, pin.target);
+        why = read_target(detail::trim(word.substr(colon + 1, at - colon - 1)), pin);
     if (why.empty() && at < word.size()) {
         double degrees = 0;
         Vec<double, D> axis;
@@ -161,6 +163,13 @@ std::string name_of(const std::vector<Pin<D>>& pins, std::size_t n) {
 }
 
 template <std::size_t D>
+std::string describe_target(const Pin<D>& pin) {
+    if (pin.target == pin.place) return "stays";
+    return (pin.is_relative ? "moved by " + text_of(pin.target - pin.place) + " to " : "moved to ") +
+           text_of(pin.target);
+}
+
+template <std::size_t D>
 std::string contradiction(const std::vector<Pin<D>>& pins) {
     std::map<std::array<double, D>, std::size_t> first;
     for (std::size_t n = 0; n < pins.size(); ++n) {
@@ -182,6 +191,8 @@ template SvgResult<std::vector<Pin<2>>> load_pins(const std::string&, std::span<
 template SvgResult<std::vector<Pin<3>>> load_pins(const std::string&, std::span<const Vec<double, 3>>);
 template std::string name_of(const std::vector<Pin<2>>&, std::size_t);
 template std::string name_of(const std::vector<Pin<3>>&, std::size_t);
+template std::string describe_target(const Pin<2>&);
+template std::string describe_target(const Pin<3>&);
 template std::string contradiction(const std::vector<Pin<2>>&);
 template std::string contradiction(const std::vector<Pin<3>>&);
 

@@ -46,6 +46,7 @@ struct Pin {
     cageform::Vec<double, D> target{};
     std::optional<cageform::PoseTurn<D>> turn = {}; ///< in radians; none: it turns as it likes
     double weight = 1;
+    bool is_relative = false; ///< whether the target was given as a displacement
 };
 
 /// Reads a pin of a command line, PLACE[:TARGET][@TURN].
@@ -72,6 +73,10 @@ SvgResult<std::vector<Pin<D>>> load_pins(const std::string& path,
 /// "pin 3 (pins.csv:4) at (12, 5)", counted from 1.
 template <std::size_t D>
 std::string name_of(const std::vector<Pin<D>>& pins, std::size_t n);
+
+/// "moved by (20, -5) to (935, 160)", or "moved to (760, 60)" where the target was given as a place, "stays".
+template <std::size_t D>
+std::string describe_target(const Pin<D>& pin);
 
 /// Names two pins at one place whose targets differ; empty where there are none.
 template <std::size_t D>

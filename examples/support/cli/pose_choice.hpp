@@ -48,7 +48,7 @@ struct MotionChoice {
     double seconds = 1;
 
     void add_options(CommandLine& line);
-    /// Puts `poses` in the order of their numbers (order_by_numbers()), with notes. Called once options are read.
+    /// Puts `poses` in the order of their numbers (order_by_numbers()), with notes. Options are read before.
     void order_poses();
 
     bool is_given() const { return !clip.empty() || !poses.empty() || !operations.operations.empty(); }

@@ -4,6 +4,7 @@
 #include "cli/progress_bar.hpp"
 #include "files/csv.hpp"
 #include "files/gltf_file.hpp"
+#include "files/gltf_skeleton.hpp"
 
 #include <cageform/binding/skin_weights.hpp>
 #include <cageform/core/threads.hpp>
@@ -87,6 +88,23 @@ void measure(const FigureFrames& frames, FittedMotion& motion) {
     for (const double distance : largest) loss.mean += distance / double(largest.size());
     motion.rms = std::sqrt(squares / (double(largest.size()) * double(loss.poses)));
     if (loss.size > 0) motion.rms /= loss.size;
+}
+
+/// Notes what players lose that read four joints a vertex, where the file has more.
+void note_loss_of_four(const FigureFrames& frames, const FittedMotion& motion) {
+    const std::size_t sets = joint_sets(motion.skeleton.skin);
+    if (sets <= 1) return;
+    FittedMotion of_four = motion;
+    of_four.played.clear();
+    of_four.loss = {};
+    auto& [influences, joints, weights] = of_four.skeleton.skin;
+    for (std::size_t first = 0; first < weights.size(); first += influences) {
+        const auto own = std::span(weights).subspan(first, influences);
+        const float sum = own[0] + own[1] + own[2] + own[3];
+        for (std::size_t k = 0; k < influences; ++k) own[k] = k < 4 && sum > 0 ? own[k] / sum : 0;
+    }
+    measure(frames, of_four);
+    note(frames.name + ": " + describe_sets(sets) + "such a player is off by " + describe(of_four.loss));
 }
 
 } // namespace
@@ -199,6 +217,7 @@ SvgResult<FittedMotion> fit_motion(const SkeletonChoice& choice, const FigureFra
     }
     round_to_single(motion);
     measure(frames, motion);
+    note_loss_of_four(frames, motion);
     if (asked > 0 && motion.loss.share() > asked) {
         return SvgError{frames.name + ": " +
                         (searches ? "no number of bones that its vertices allow keeps it within " +

@@ -40,7 +40,7 @@ struct SkeletonChoice {
 };
 
 /// A figure and where its vertices are in each frame. Programs write these places in single precision: they
-/// count them from near the figure (gltf_origin()).
+/// count them from near the figure (far_origin()).
 struct FigureFrames {
     std::string name; ///< of the figure, for messages
     std::span<const Point3> rest;

@@ -45,7 +45,7 @@ SvgResult<std::vector<GltfMesh>> gltf_meshes(const ObjFile& file, const ObjParts
         of_object[parts.face_objects[file.triangle_faces[t]]].push_back(t);
     std::vector<std::uint32_t> place(file.vertices.size()); // of a vertex in the mesh
     for (std::size_t o = 0; o < of_object.size(); ++o) {
-        GltfMesh mesh{parts.objects[o], {}, {}, {}};
+        GltfMesh mesh{parts.objects[o], {}, {}, {}, false};
         std::fill(place.begin(), place.end(), of_object.size() == 1 ? 0 : ObjCorner::none);
         for (const std::size_t t : of_object[o]) {
             for (const std::uint32_t vertex : file.triangles[t]) place[vertex] = 0;
@@ -84,23 +84,13 @@ SvgResult<std::vector<GltfMesh>> gltf_meshes(const ObjFile& file, const ObjParts
                                            ? std::array<float, 2>{}
                                            : texture->coordinates[corner.texture]);
         }
+        mesh.takes_tangents =
+            !mesh.texture.empty() && std::any_of(mesh.parts.begin(), mesh.parts.end(), [&](const auto& part) {
+                return !parts.materials[part.material].normal_texture.empty();
+            });
         meshes.push_back(std::move(mesh));
     }
     return meshes;
-}
-
-Point3 gltf_origin(std::span<const Point3> places) {
-    const auto bounds = cageform::bounds_of(places);
-    constexpr double far_away = 8; // sizes
-    const Point3 middle = 0.5 * (bounds.lower + bounds.upper);
-    const bool is_near = !(std::sqrt(dot(middle, middle)) > far_away * bounds.diagonal());
-    return is_near ? Point3{} : cageform::vec_cast<double>(cageform::vec_cast<float>(middle));
-}
-
-std::vector<Point3> counted_from(const Point3& origin, std::span<const Point3> places) {
-    std::vector<Point3> moved(places.begin(), places.end());
-    for (Point3& p : moved) p = p - origin;
-    return moved;
 }
 
 void make_sums_exact(cageform::SkinWeights& skin) {
@@ -119,7 +109,8 @@ void make_sums_exact(cageform::SkinWeights& skin) {
 
 double rounding_of_players(std::span<const Point3> places) {
     constexpr double roundings = 4;
-    return roundings * double(std::numeric_limits<float>::epsilon()) * cageform::bounds_of(places).magnitude();
+    return roundings * double(std::numeric_limits<float>::epsilon()) *
+           cageform::bounds_of(places).magnitude();
 }
 
 std::vector<std::array<float, 3>> gltf_positions(const GltfMesh& mesh, std::span<const Point3> places) {
@@ -132,16 +123,17 @@ std::vector<std::array<float, 3>> gltf_positions(const GltfMesh& mesh, std::span
 }
 
 std::vector<std::array<float, 3>> gltf_normals(const GltfMesh& mesh, const ObjFile& file,
-                                               std::span<const Point3> places) {
-    const std::vector<Point3> turned = deformed_normals(file, places);
+                                               const MovedVertices& moved) {
+    const MovedNormals turned(file, moved);
     std::vector<Point3> smooth(file.vertices.size());
     for (const ObjFace& face : file.faces) {
-        const Point3 area = detail::area_vector(face, places);
+        const Point3 area = detail::area_vector(face, moved.places);
         for (const ObjCorner& corner : face.corners) smooth[corner.vertex] = smooth[corner.vertex] + area;
     }
     std::vector<std::array<float, 3>> normals;
     for (const auto& corner : mesh.corners) {
-        Point3 n = corner.normal == ObjCorner::none ? smooth[corner.vertex] : turned[corner.normal];
+        Point3 n = corner.normal == ObjCorner::none ? smooth[corner.vertex]
+                                                    : turned.of_corner(corner.vertex, corner.normal);
         if (const double length = std::hypot(n[0], n[1], n[2]); length > 0 && std::isfinite(length))
             n = (1 / length) * n;
         else
@@ -151,11 +143,52 @@ std::vector<std::array<float, 3>> gltf_normals(const GltfMesh& mesh, const ObjFi
     return normals;
 }
 
+std::vector<std::array<float, 4>> gltf_tangents(const GltfMesh& mesh, std::span<const Point3> places,
+                                                std::span<const std::array<float, 3>> normals) {
+    std::vector<std::array<float, 4>> tangents;
+    if (!mesh.takes_tangents) return tangents;
+    std::vector<Point3> along_u(mesh.corners.size()), along_v(along_u); // sums over triangles, by area
+    for (const GltfMesh::Part& part : mesh.parts) {
+        for (std::size_t n = 0; n < part.indices.size(); n += 3) {
+            const std::array corners{part.indices[n][0], part.indices[n + 1][0], part.indices[n + 2][0]};
+            std::array<Point3, 2> edges;
+            std::array<std::array<double, 2>, 2> steps; // of u and v
+            for (std::size_t k = 0; k < 2; ++k) {
+                edges[k] =
+                    places[mesh.corners[corners[k + 1]].vertex] - places[mesh.corners[corners[0]].vertex];
+                for (std::size_t axis = 0; axis < 2; ++axis)
+                    steps[k][axis] =
+                        double(mesh.texture[corners[k + 1]][axis]) - double(mesh.texture[corners[0]][axis]);
+            }
+            const double side = std::copysign(1, steps[0][0] * steps[1][1] - steps[1][0] * steps[0][1]);
+            for (const std::uint32_t corner : corners) {
+                along_u[corner] = along_u[corner] + side * (steps[1][1] * edges[0] - steps[0][1] * edges[1]);
+                along_v[corner] = along_v[corner] + side * (steps[0][0] * edges[1] - steps[1][0] * edges[0]);
+            }
+        }
+    }
+    for (std::size_t i = 0; i < along_u.size(); ++i) {
+        const auto unit = [](const Point3& v) { return (1 / std::sqrt(dot(v, v))) * v; };
+        const Point3 n =
+            cageform::vec_cast<double>(cageform::Vec<float, 3>{normals[i][0], normals[i][1], normals[i][2]});
+        Point3 tangent = along_u[i] - dot(along_u[i], n) * n;
+        if (!(dot(tangent, tangent) > 0)) // any will do where the pictures have no direction
+            tangent = std::fabs(n[0]) < 0.6 ? Point3{1, 0, 0} - n[0] * n : Point3{0, 1, 0} - n[1] * n;
+        tangent = unit(tangent);
+        const float side = dot(cross(n, tangent), along_v[i]) > 0 ? -1.0f : 1.0f; // v is downwards
+        tangents.push_back({float(tangent[0]), float(tangent[1]), float(tangent[2]), side});
+    }
+    return tangents;
+}
+
 GltfJson gltf_attributes(GltfDocument& document, const GltfMesh& mesh, const ObjFile& file) {
     using Use = GltfDocument::Use;
     GltfJson attributes;
     attributes["POSITION"] = document.add(gltf_positions(mesh, file.vertices), Use::vertices, true);
-    attributes["NORMAL"] = document.add(gltf_normals(mesh, file, file.vertices), Use::vertices);
+    const auto normals = gltf_normals(mesh, file, {file.vertices});
+    attributes["NORMAL"] = document.add(normals, Use::vertices);
+    if (const auto tangents = gltf_tangents(mesh, file.vertices, normals); !tangents.empty())
+        attributes["TANGENT"] = document.add(tangents, Use::vertices);
     if (!mesh.texture.empty()) attributes["TEXCOORD_0"] = document.add(mesh.texture, Use::vertices);
     if (file.colours.empty()) return attributes;
     std::vector<std::array<float, 3>> colours; // 3.7.2.1: linear

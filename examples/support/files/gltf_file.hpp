@@ -142,6 +142,7 @@ struct GltfMesh {
     std::vector<Corner> corners;               // #vertices
     std::vector<Part> parts;                   // in the order of their first faces
     std::vector<std::array<float, 2>> texture; // #vertices, v downwards; empty where the file has none
+    bool takes_tangents = false;               // whether a material of it has a picture of normals
 };
 
 /// The texture coordinates of a file, which ObjFile leaves alone.
@@ -158,21 +159,18 @@ SvgResult<ObjTexture> read_texture(const ObjFile& file);
 /// faces, or as read_texture() does.
 SvgResult<std::vector<GltfMesh>> gltf_meshes(const ObjFile& file, const ObjParts& parts);
 
-/// The place that a file counts positions from, a translation of a node: where all are far from the origin,
-/// the middle of their bounds, rounded to single precision; else the origin. So the rounding of positions is
-/// below 1e-6 of the figure's size.
-Point3 gltf_origin(std::span<const Point3> places);
-
-/// Places counted from another.
-std::vector<Point3> counted_from(const Point3& origin, std::span<const Point3> places);
-
 /// The mesh's positions where the file's vertices are at `places`.
 std::vector<std::array<float, 3>> gltf_positions(const GltfMesh& mesh, std::span<const Point3> places);
 
-/// Its normals then, of unit length: the file's turned with their faces; where there are none, the mean of
-/// the faces about the vertex, weighted by area.
+/// The mesh's normals after a deformation of the file's vertices, of unit length: those of the file; where
+/// there are none, the mean of the faces about the vertex, weighted by area.
 std::vector<std::array<float, 3>> gltf_normals(const GltfMesh& mesh, const ObjFile& file,
-                                               std::span<const Point3> places);
+                                               const MovedVertices& moved);
+
+/// The tangents of a mesh that takes them, along its pictures' u, across its normals; the fourth number is
+/// the side of v (glTF 2.0, 3.7.2.1). None of other meshes.
+std::vector<std::array<float, 4>> gltf_tangents(const GltfMesh& mesh, std::span<const Point3> places,
+                                                std::span<const std::array<float, 3>> normals);
 
 /// The attributes of a mesh at rest.
 GltfJson gltf_attributes(GltfDocument& document, const GltfMesh& mesh, const ObjFile& file);

@@ -52,7 +52,8 @@ struct NumberedName {
     }
 };
 
-/// The first number between neighbours that differ in one number, by more than one; empty where none is missing.
+/// The first number between neighbours that differ in one number, by more than one; empty where none is
+/// missing.
 std::string missing_number(const NumberedName& a, const NumberedName& b) {
     if (a.text != b.text) return {};
     std::string missing;

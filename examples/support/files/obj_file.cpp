@@ -199,13 +199,15 @@ Point3 turned(const Point3& v, const Point3& from, const Point3& to) {
 
 } // namespace detail
 
-SvgResult<ObjFile> parse_obj(std::string text, std::string name) {
+SvgResult<ObjFile> parse_obj(std::string text, std::string name, StrayVertices strays) {
     ObjFile file;
     file.name = std::move(name);
     file.text = std::move(text);
     if (file.text.empty()) return SvgError{file.name + ": is empty"};
 
     std::vector<std::string_view> words;
+    std::vector<std::size_t> lines_left_out; // as ObjFile::left_out
+    constexpr const char* not_finite = "the coordinates of a vertex are not finite";
     std::size_t line = 1;
     const auto refuse = [&](const std::string& why) {
         const std::string_view format = detail::other_format(file.text);
@@ -220,7 +222,11 @@ SvgResult<ObjFile> parse_obj(std::string text, std::string name) {
         const std::string why = detail::parse_three_numbers(words, file.text, point, numbers);
         if (!why.empty()) return refuse(why);
         const bool finite = std::isfinite(point[0]) && std::isfinite(point[1]) && std::isfinite(point[2]);
-        if (!numbers.is_normal && !finite) return refuse("the coordinates of a vertex are not finite");
+        if (!numbers.is_normal && !finite) {
+            if (strays == StrayVertices::refuse) return refuse(not_finite);
+            file.left_out.push_back(file.vertices.size());
+            lines_left_out.push_back(line);
+        }
         (numbers.is_normal ? file.normals : file.vertices).push_back(point);
         file.numbers.push_back(numbers);
         if (numbers.is_normal || words.size() != 7) continue;
@@ -239,6 +245,14 @@ SvgResult<ObjFile> parse_obj(std::string text, std::string name) {
     }
     if (!file.colours.empty()) file.colours.resize(file.vertices.size(), Point3{1, 1, 1});
 
+    if (file.left_out.size() == file.vertices.size())
+        return SvgError{file.name + ": no vertex has finite coordinates"};
+    if (!file.left_out.empty()) {
+        std::size_t sound = 0; // the first vertex that is finite
+        while (sound < file.left_out.size() && file.left_out[sound] == sound) ++sound;
+        for (const std::size_t i : file.left_out) file.vertices[i] = file.vertices[sound];
+    }
+
     // Now that all are counted: an index may point forwards.
     const std::array<std::size_t, 2> count{file.vertices.size(), file.normals.size()};
     std::array<std::size_t, 2> so_far{};
@@ -253,6 +267,11 @@ SvgResult<ObjFile> parse_obj(std::string text, std::string name) {
         for (const std::string_view word : std::span(words).subspan(1)) {
             const std::string why = detail::parse_corner(word, so_far, count, face.corners.emplace_back());
             if (!why.empty()) return refuse(why);
+            const auto found = std::lower_bound(file.left_out.begin(), file.left_out.end(),
+                                                std::size_t{face.corners.back().vertex});
+            if (found == file.left_out.end() || *found != face.corners.back().vertex) continue;
+            line = lines_left_out[std::size_t(found - file.left_out.begin())];
+            return refuse(not_finite);
         }
         file.faces.push_back(std::move(face));
         file.face_parts.push_back(part);
@@ -264,9 +283,9 @@ SvgResult<ObjFile> parse_obj(std::string text, std::string name) {
     return file;
 }
 
-SvgResult<ObjFile> load_obj(const std::filesystem::path& path) {
+SvgResult<ObjFile> load_obj(const std::filesystem::path& path, StrayVertices strays) {
     auto text = read_file(path.string());
-    return text ? parse_obj(std::move(*text), path.string()) : text.error();
+    return text ? parse_obj(std::move(*text), path.string(), strays) : text.error();
 }
 
 std::optional<SvgError> single_precision_fault(const ObjFile& file) {
@@ -302,36 +321,111 @@ bool is_mirrored(std::span<const Point3> rest, std::span<const Point3> moved) {
     return volume < -1e-9 * most;
 }
 
-std::vector<Point3> deformed_normals(const ObjFile& file, std::span<const Point3> moved) {
-    const std::size_t count = file.normals.size();
-    std::vector<Point3> before(count), after(count);
-    std::vector<std::size_t> last(count, file.faces.size()); // the face that was added last
-    for (std::size_t f = 0; f < file.faces.size() && count > 0; ++f) {
-        const Point3 rest = detail::area_vector(file.faces[f], file.vertices);
-        const Point3 now = detail::area_vector(file.faces[f], moved);
-        for (const ObjCorner& corner : file.faces[f].corners) {
-            if (corner.normal == ObjCorner::none || last[corner.normal] == f) continue;
-            last[corner.normal] = f;
-            before[corner.normal] = before[corner.normal] + rest;
-            after[corner.normal] = after[corner.normal] + now;
-        }
-    }
-    std::vector<Point3> normals = file.normals;
-    for (std::size_t i = 0; i < count; ++i) {
-        if (before[i] != after[i]) normals[i] = detail::turned(normals[i], before[i], after[i]);
-    }
-    return normals;
+Point3 far_origin(std::span<const Point3> places) {
+    const auto bounds = cageform::bounds_of(places);
+    constexpr double far_away = 8; // sizes
+    const Point3 middle = 0.5 * (bounds.lower + bounds.upper);
+    const bool is_near = !(std::sqrt(dot(middle, middle)) > far_away * bounds.diagonal());
+    return is_near ? Point3{} : cageform::vec_cast<double>(cageform::vec_cast<float>(middle));
 }
 
-std::string to_text(const ObjFile& file, std::span<const Point3> moved) {
-    const std::vector<Point3> normals = deformed_normals(file, moved);
+std::vector<Point3> counted_from(const Point3& origin, std::span<const Point3> places) {
+    std::vector<Point3> moved(places.begin(), places.end());
+    for (Point3& p : moved) p = p - origin;
+    return moved;
+}
+
+namespace detail {
+
+/// `before` if `after` equals it but for rounding, so that what does not turn keeps its digits; else `after`.
+Point3 unless_same(const Point3& before, const Point3& after) {
+    const Point3 change = after - before;
+    return dot(change, change) < 1e-24 * dot(before, before) ? before : after;
+}
+
+} // namespace detail
+
+std::optional<Point3> moved_normal(const Jacobian3& jacobian, const Point3& n) {
+    const auto& [a, b, c] = jacobian;
+    const Point3 across_a = cross(b, c); // J⁻ᵀ times the determinant is the matrix of cofactors
+    const double volume = dot(a, across_a);
+    const Point3 moved = n[0] * across_a + n[1] * cross(c, a) + n[2] * cross(a, b);
+    const double length = std::hypot(moved[0], moved[1], moved[2]), own = std::hypot(n[0], n[1], n[2]);
+    constexpr double flat = 1e-12; // of a volume, relative to that of a cuboid with edges as long
+    if (!(std::fabs(volume) > flat * std::sqrt(dot(a, a) * dot(b, b) * dot(c, c))) || !(length > 0) ||
+        !std::isfinite(length))
+        return std::nullopt;
+    return detail::unless_same(n, (std::copysign(own, volume) / length) * moved);
+}
+
+MovedNormals::MovedNormals(const ObjFile& file, const MovedVertices& moved)
+    : file_(file)
+    , moved_(moved)
+    , normals_(file.normals) {
+    const std::size_t count = file.normals.size();
+    if (count == 0) return;
+    std::vector<Point3> before(count), after(count), sum(count);
+    std::vector<std::size_t> last(count, file.faces.size()); // the face that was added last
+    for (std::size_t f = 0; f < file.faces.size(); ++f) {
+        const Point3 rest = detail::area_vector(file.faces[f], file.vertices);
+        const Point3 now = detail::area_vector(file.faces[f], moved.places);
+        for (const auto& [vertex, normal] : file.faces[f].corners) {
+            if (normal == ObjCorner::none) continue;
+            if (!moved.jacobians.empty()) {
+                if (const auto n = moved_normal(moved.jacobians[vertex], file.normals[normal]))
+                    sum[normal] = sum[normal] + *n;
+            }
+            if (last[normal] == f) continue;
+            last[normal] = f;
+            before[normal] = before[normal] + rest;
+            after[normal] = after[normal] + now;
+        }
+    }
+    const double side = is_mirrored(file.vertices, moved.places) ? -1 : 1;
+    const auto length = [](const Point3& v) { return std::hypot(v[0], v[1], v[2]); };
+    for (std::size_t i = 0; i < count; ++i) {
+        if (const double far = length(sum[i]); far > 0)
+            normals_[i] = detail::unless_same(normals_[i], (length(normals_[i]) / far) * sum[i]);
+        else if (const Point3 now = side * after[i]; before[i] != now)
+            normals_[i] = detail::turned(file.normals[i], before[i], now);
+    }
+}
+
+Point3 MovedNormals::of_corner(std::uint32_t vertex, std::uint32_t normal) const {
+    const auto own = moved_.jacobians.empty() ? std::nullopt
+                                              : moved_normal(moved_.jacobians[vertex], file_.normals[normal]);
+    return own.value_or(normals_[normal]);
+}
+
+std::string with_faces_turned_over(const std::string& text) {
+    std::string turned;
+    turned.reserve(text.size());
+    std::size_t copied = 0, line = 0;
+    std::vector<std::string_view> words;
+    for (detail::ObjScanner scanner(text); scanner.next(words, line);) {
+        if (words[0] != "f") continue;
+        const auto offset_of = [&](std::string_view word) { return std::size_t(word.data() - text.data()); };
+        for (std::size_t n = 2; n < words.size(); ++n) { // the first corner stays the first
+            const std::size_t begin = offset_of(words[n]);
+            turned.append(text, copied, begin - copied).append(words[words.size() + 1 - n]);
+            copied = begin + words[n].size();
+        }
+    }
+    return turned.append(text, copied);
+}
+
+std::string to_text(const ObjFile& file, const MovedVertices& moved) {
+    const MovedNormals normals(file, moved);
     std::string text;
     text.reserve(file.text.size() + 16 * file.numbers.size());
     std::size_t copied = 0, vertex = 0, normal = 0;
     for (const ObjNumbers& numbers : file.numbers) {
         const Point3& rest = numbers.is_normal ? file.normals[normal] : file.vertices[vertex];
-        const Point3& now = numbers.is_normal ? normals[normal] : moved[vertex];
+        const Point3& now = numbers.is_normal ? normals.of_file()[normal] : moved.places[vertex];
+        const bool is_left_out =
+            !numbers.is_normal && std::binary_search(file.left_out.begin(), file.left_out.end(), vertex);
         ++(numbers.is_normal ? normal : vertex);
+        if (is_left_out) continue;
         for (std::size_t k = 0; k < 3; ++k) {
             if (now[k] == rest[k] || !std::isfinite(now[k])) continue;
             text.append(file.text, copied, numbers.begin[k] - copied);

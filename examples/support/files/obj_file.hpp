@@ -62,7 +62,8 @@ struct ObjFile {
     std::string name; // for messages
     std::string text;
     std::vector<Point3> vertices;
-    std::vector<Point3> colours; // #vertices, white where one has none; empty where none has
+    std::vector<Point3> colours;       // #vertices, white where one has none; empty where none has
+    std::vector<std::size_t> left_out; // vertices that are not finite; they stand at the first that is
     std::vector<Point3> normals;
     std::vector<ObjNumbers> numbers; // in the order of the file
     std::vector<ObjFace> faces;
@@ -162,15 +163,19 @@ inline std::string part_group(int number) {
     return "part_" + std::to_string(number);
 }
 
+/// The choice for vertices that are not finite and that no face has.
+enum class StrayVertices { refuse, leave_out };
+
 /// A file from its text.
 ///
 ///   name    stands before every message
 ///   fails   where there is no vertex, a coordinate is no finite number (a normal need only be numbers), or a
 ///           face has less than three corners or an index that there is not
-SvgResult<ObjFile> parse_obj(std::string text, std::string name);
+SvgResult<ObjFile> parse_obj(std::string text, std::string name,
+                             StrayVertices strays = StrayVertices::refuse);
 
 /// Works as parse_obj(), from a file; fails also where it cannot be read.
-SvgResult<ObjFile> load_obj(const std::filesystem::path& path);
+SvgResult<ObjFile> load_obj(const std::filesystem::path& path, StrayVertices strays = StrayVertices::refuse);
 
 /// The first vertex that is beyond single precision, with its line and number; nothing where there is none.
 std::optional<SvgError> single_precision_fault(const ObjFile& file);
@@ -179,13 +184,55 @@ std::optional<SvgError> single_precision_fault(const ObjFile& file);
 /// vertices is negative. A figure or a pose that is flat does not.
 bool is_mirrored(std::span<const Point3> rest, std::span<const Point3> moved);
 
-/// The file's normals after its vertices have moved. Each is turned as the faces are that have it at a
-/// corner: by the smallest rotation between the sums of their normals, weighted by area, before and after.
-/// One that no face has, or whose faces sum up to nothing, stays.
-std::vector<Point3> deformed_normals(const ObjFile& file, std::span<const Point3> moved);
+/// The place that files in single precision count positions from. If all places are far from the origin, it
+/// is the middle of their bounds, rounded to single precision; else the origin. So the rounding of positions
+/// is below 1e-6 of the figure's size.
+Point3 far_origin(std::span<const Point3> places);
 
-/// The file's text with its vertices at `moved` and the normals turned with them. A number that has not
-/// changed keeps its digits; a new one has the fewest that give it back.
-std::string to_text(const ObjFile& file, std::span<const Point3> moved);
+/// Places counted from another.
+std::vector<Point3> counted_from(const Point3& origin, std::span<const Point3> places);
+
+/// The Jacobian of a deformation at a vertex: the images of the three axes.
+using Jacobian3 = std::array<Point3, 3>;
+
+/// J⁻ᵀ n, as long as `n`. Returns nothing where the Jacobian has no inverse.
+std::optional<Point3> moved_normal(const Jacobian3& jacobian, const Point3& n);
+
+/// A deformation of a file's vertices.
+struct MovedVertices {
+    std::span<const Point3> places;         ///< #vertices
+    std::span<const Jacobian3> jacobians{}; ///< #vertices, or none: they are not known
+};
+
+/// The file's normals after a deformation, as long as before.
+///
+///   - With Jacobians, by their inverse transposes. A normal of several vertices is the mean of those of its
+///     vertices; of_corner() tells them apart.
+///   - Without, or where they have no inverse, as the faces turn that have the normal at a corner: by the
+///     smallest rotation between the sums of their normals, weighted by area, before and after. If the
+///     deformation mirrors the file, these sums are taken from the other side of the faces.
+///   - A normal that no face has, or whose faces sum up to nothing, stays.
+class MovedNormals {
+public:
+    MovedNormals(const ObjFile& file, const MovedVertices& moved);
+
+    const std::vector<Point3>& of_file() const { return normals_; } ///< #normals
+    Point3 of_corner(std::uint32_t vertex, std::uint32_t normal) const;
+
+private:
+    const ObjFile& file_;
+    const MovedVertices moved_;
+    std::vector<Point3> normals_;
+};
+
+/// The file's text with its vertices and normals moved. A number that has not changed keeps its digits; a new
+/// one has the fewest that give it back.
+std::string to_text(const ObjFile& file, const MovedVertices& moved);
+inline std::string to_text(const ObjFile& file, std::span<const Point3> places) {
+    return to_text(file, MovedVertices{places});
+}
+
+/// An OBJ file's text with the corners of each face in the opposite order.
+std::string with_faces_turned_over(const std::string& text);
 
 } // namespace cageform_examples

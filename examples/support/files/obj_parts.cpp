@@ -10,7 +10,6 @@
 #include <cmath>
 #include <map>
 #include <optional>
-#include <set>
 #include <sstream>
 #include <system_error>
 
@@ -51,6 +50,46 @@ std::optional<fs::path> file_inside(const fs::path& folder, std::string name) {
         if (inside && fs::is_regular_file(place, error)) return candidate;
     }
     return std::nullopt;
+}
+
+/// Statements, as words, and their place in a glTF file.
+struct Statement {
+    std::string_view words, place;
+    enum {
+        carried,
+        counted,
+        warned
+    } fate = carried; ///< where they are not used: in reports, or in a warning
+};
+constexpr Statement statements[] = {
+    {"v", "POSITION; three more numbers of a vertex: COLOR_0, from sRGB to linear"},
+    {"vn", "NORMAL, of unit length"},
+    {"vt", "TEXCOORD_0, of two numbers, turned upside down"},
+    {"f", "primitives; faces of more than three corners are cut into triangles"},
+    {"o", "a node and a mesh"},
+    {"g", "in a file without `o`, a node and a mesh; else not needed"},
+    {"s", "not needed: vertices without normals get smooth ones"},
+    {"usemtl mtllib newmtl", "a primitive and its material"},
+    {"Kd", "baseColorFactor; white where it is black or missing and there is a picture"},
+    {"d Tr", "the fourth number of baseColorFactor, and alphaMode BLEND below 1"},
+    {"Ks Ns", "approximated: roughnessFactor, where there is no Pr or Pm"},
+    {"Pr Pm", "roughnessFactor, metallicFactor"},
+    {"Ke", "emissiveFactor, KHR_materials_emissive_strength above 1"},
+    {"map_Kd", "baseColorTexture"},
+    {"map_d", "alphaMode BLEND, if it is the picture of map_Kd; else dropped with a warning",
+     Statement::warned},
+    {"map_Ke", "emissiveTexture"},
+    {"norm", "normalTexture"},
+    {"Ka Kt Tf Ni illum sharpness Ps Pc Pcr aniso anisor", "dropped; `--report` counts them",
+     Statement::counted},
+};
+
+const Statement* find_statement(std::string_view keyword) {
+    for (const Statement& statement : statements) {
+        const std::string words = ' ' + std::string(statement.words) + ' ';
+        if (words.find(' ' + std::string(keyword) + ' ') != words.npos) return &statement;
+    }
+    return nullptr;
 }
 
 double within(double x, double most) {
@@ -117,9 +156,8 @@ ObjMaterial taken(const tinyobj::material_t& read, const MaterialText& text) {
     if (read.roughness > 0 || read.metallic > 0) {
         material.roughness = within(read.roughness, 1);
     } else if (gloss > 0) {
-        // The exponent of Blinn and Phong as a roughness: Walter et al., Microfacet models (2007), sec.
-        // 5.2, whose
-        // alpha is the square of glTF's.
+        // The exponent of Blinn and Phong as a roughness: Walter et al., Microfacet models (2007), sec. 5.2,
+        // whose alpha is the square of glTF's.
         material.roughness = std::pow(2 / (within(read.shininess, 1e6) + 2), 0.25);
     } else {
         material.roughness = 1;
@@ -147,7 +185,7 @@ public:
             if (words[0] == of_object && words.size() > 1) object = name_of(words);
             if (words[0] == "usemtl") material = name_of(words);
             if (words[0] != "f") {
-                count_unused(words[0], of_figures);
+                count_unused(words[0]);
                 continue;
             }
             parts_.face_objects.push_back(number_of(object, objects_, parts_.objects.size()));
@@ -216,7 +254,7 @@ private:
     void add_material(const std::string& name, std::size_t line) {
         if (const auto found = library_.find(name); found != library_.end()) {
             parts_.materials.push_back(found->second.material);
-            for (const std::string& keyword : found->second.keywords) count_unused(keyword, of_materials);
+            for (const std::string& keyword : found->second.keywords) count_unused(keyword);
             return;
         }
         if (!name.empty() && !library_.empty())
@@ -227,21 +265,17 @@ private:
         if (!file_.colours.empty()) material.colour = {1, 1, 1}; // which the vertices' own are multiplied by
     }
 
-    /// What glTF has a place for, of a figure and of a material.
-    static constexpr std::string_view of_figures = " v vn vt f o g s usemtl mtllib ",
-                                      of_materials = " Kd Ke Ks Ns d Tr Pr Pm map_Kd map_Ke norm ";
-
-    void count_unused(std::string_view keyword, std::string_view used) {
-        if (used.find(' ' + std::string(keyword) + ' ') == used.npos) ++parts_.unused[std::string(keyword)];
+    void count_unused(std::string_view keyword) {
+        const Statement* const known = find_statement(keyword);
+        if (known == nullptr || known->fate != Statement::carried) ++parts_.unused[std::string(keyword)];
     }
 
-    /// Warns of unused shapes and pictures. Numbers of materials, of which most files have some, are left to reports.
+    /// Warns of unused shapes and pictures. Numbers of materials, which most files have, are left to reports.
     void warn_of_unused() {
         std::string names;
         for (const auto& [keyword, count] : parts_.unused) {
-            static const std::set<std::string_view> numbers{"Ka", "Kt", "Tf",  "Ni",    "illum", "sharpness",
-                                                            "Ps", "Pc", "Pcr", "aniso", "anisor"};
-            if (!numbers.contains(keyword))
+            const Statement* const known = find_statement(keyword);
+            if (known == nullptr || known->fate == Statement::warned)
                 (names += names.empty() ? "" : ", ") +=
                     detail::quoted(keyword) + " (" + std::to_string(count) + ")";
         }
@@ -266,9 +300,20 @@ ObjParts read_parts(const ObjFile& file) {
     return PartReader(file).read();
 }
 
-std::string describe_unused(const ObjParts& parts) {
+std::string statement_table() {
+    std::string text = "| in OBJ and MTL files | in glTF files |\n|---|---|\n";
+    for (const Statement& statement : statements) {
+        std::string words = "| `";
+        for (const char c : statement.words) words += c == ' ' ? "`, `" : std::string(1, c);
+        text += words + "` | " + std::string(statement.place) + " |\n";
+    }
+    return text +
+           "| all others, and options of pictures | dropped with a warning that names and counts them |\n";
+}
+
+std::string describe_unused(const ObjParts& of_file) {
     std::string text;
-    for (const auto& [keyword, count] : parts.unused)
+    for (const auto& [keyword, count] : of_file.unused)
         text += (text.empty() ? "statements without a place in glTF: " : ", ") + detail::quoted(keyword) +
                 ' ' + std::to_string(count);
     return text.empty() ? text : text + '\n';

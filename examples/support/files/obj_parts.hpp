@@ -33,6 +33,9 @@ struct ObjParts {
     std::vector<std::string> warnings; ///< files that are not there, and the pictures and shapes of `unused`
 };
 
+/// The statements of OBJ and MTL files and their places in a glTF file, as a table in Markdown.
+std::string statement_table();
+
 /// "statements without a place in glTF: Ka 2, illum 2\n", or nothing where there are none: for reports.
 std::string describe_unused(const ObjParts& parts);
 

@@ -118,12 +118,13 @@ void PosedFile::add_face(std::span<const std::uint32_t> corners) {
 }
 
 template <cageform::Scalar T, std::size_t D>
-std::string PosedFile::contents(std::span<const cageform::Vec<T, D>> points) const {
+std::string PosedFile::contents(std::span<const cageform::Vec<T, D>> points,
+                                std::span<const Jacobian3> jacobians) const {
     if (mesh_ != nullptr) {
         std::vector<Point3> moved(points.size());
         for (std::size_t n = 0; n < D * points.size(); ++n)
             moved[n / D][n % D] = detail::as_written(points[n / D][n % D]);
-        return to_text(*mesh_, moved);
+        return to_text(*mesh_, {moved, jacobians});
     }
     const bool as_text = format_ == PosedFormat::obj || format_ == PosedFormat::ply_text;
     const std::size_t axes = format_ == PosedFormat::npy ? D : 3;
@@ -145,9 +146,13 @@ std::string PosedFile::contents(std::span<const cageform::Vec<T, D>> points) con
     return text += tail_;
 }
 
-template std::string PosedFile::contents(std::span<const cageform::Vec<float, 2>>) const;
-template std::string PosedFile::contents(std::span<const cageform::Vec<float, 3>>) const;
-template std::string PosedFile::contents(std::span<const cageform::Vec<double, 2>>) const;
-template std::string PosedFile::contents(std::span<const cageform::Vec<double, 3>>) const;
+template std::string PosedFile::contents(std::span<const cageform::Vec<float, 2>>,
+                                         std::span<const Jacobian3>) const;
+template std::string PosedFile::contents(std::span<const cageform::Vec<float, 3>>,
+                                         std::span<const Jacobian3>) const;
+template std::string PosedFile::contents(std::span<const cageform::Vec<double, 2>>,
+                                         std::span<const Jacobian3>) const;
+template std::string PosedFile::contents(std::span<const cageform::Vec<double, 3>>,
+                                         std::span<const Jacobian3>) const;
 
 } // namespace cageform_examples

@@ -38,10 +38,16 @@ public:
     /// Points that are the vertices of a mesh in space, which must outlive this object.
     PosedFile(PosedFormat format, std::size_t scalar_bytes, const ObjFile& mesh);
 
-    /// The bytes of a pose. Threads may call it together. `points`: as many as were said, of the scalar and
-    /// dimension that were said.
+    /// Whether the file has normals, which Jacobians move.
+    bool has_normals() const { return mesh_ != nullptr && !mesh_->normals.empty(); }
+
+    /// The bytes of a pose. Threads may call it together.
+    ///
+    ///   points      as many as were said, of the scalar and dimension that were said
+    ///   jacobians   of the deformation at the points; none where the normals turn with the faces
     template <cageform::Scalar T, std::size_t D>
-    std::string contents(std::span<const cageform::Vec<T, D>> points) const;
+    std::string contents(std::span<const cageform::Vec<T, D>> points,
+                         std::span<const Jacobian3> jacobians = {}) const;
 
 private:
     void begin(std::size_t dimension, std::size_t scalar_bytes, std::size_t points, std::size_t faces,

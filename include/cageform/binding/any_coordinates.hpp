@@ -49,8 +49,8 @@ public:
     /// Whether the coordinates have gradients: `bind` takes normals and tangents.
     bool has_gradients() const noexcept { return model_ && model_->has_gradients; }
 
-    /// Returns the distance of a finite point outside from the boundary, in the units of the cage. Not defined for
-    /// points inside. May throw std::bad_alloc.
+    /// Returns the distance of a finite point outside from the boundary, in the units of the cage. It is not
+    /// defined for points inside. May throw std::bad_alloc.
     double distance_from_boundary(const Vec<T, D>& p) const {
         return model_ ? model_->distance_from_boundary(p) : 0;
     }
@@ -125,6 +125,24 @@ public:
             });
         });
         return result;
+    }
+
+    /// Binds families of vectors, one for every point; `bind_vectors(coordinates, points, …)` calls it. The
+    /// status is gradients_not_supported if the coordinates have none.
+    template <PointRangeIn<D> R, PointRangeIn<D> V, std::size_t K>
+    Result<std::array<Binding<T, D>, K>, BindReport>
+    bind_vectors(const R& points, const std::array<V, K>& vectors, const BindOptions& options = {},
+                 const Running& running = {}) const {
+        Result<std::array<Binding<T, D>, K>, BindReport> refused;
+        refused.report.status = model_ ? Status::gradients_not_supported : Status::coordinates_empty;
+        if (!has_gradients()) return refused;
+        std::array<detail::PointReader<T>, K> readers;
+        for (std::size_t n = 0; n < K; ++n) {
+            CAGEFORM_ASSERT(std::size(vectors[n]) == std::size(points), "a vector for every point");
+            readers[n] = detail::read_points<T>(vectors[n]);
+        }
+        return detail::bind_each_vector(model_->input(detail::read_points<T>(points)), readers, options,
+                                        running);
     }
 
     /// Binds the D axes at every point; `bind_jacobians(coordinates, points, …)` calls it. The status is
@@ -207,6 +225,14 @@ private:
 
     std::shared_ptr<Interface> model_;
 };
+
+/// Binds families of vectors. Contract and cost are those of the type that the coordinates hold.
+template <Scalar T, std::size_t D, PointRangeIn<D> R, PointRangeIn<D> V, std::size_t K>
+Result<std::array<Binding<T, D>, K>, BindReport>
+bind_vectors(const AnyCoordinates<T, D>& coordinates, const R& points, const std::array<V, K>& vectors,
+             const BindOptions& options = {}, const Running& running = {}) {
+    return coordinates.bind_vectors(points, vectors, options, running);
+}
 
 /// Binds the D axes at every point. Contract and cost are those of the type that the coordinates hold.
 template <Scalar T, std::size_t D, PointRangeIn<D> R>

@@ -100,8 +100,8 @@ public:
     /// Solves all functions and keeps them, so that several batches of points can be evaluated. The
     /// reports of those evaluations repeat the report of this solve.
     Evaluation solve(const Running& running = {}) {
-        return with_functions(running, [&](const auto& functions, SolverReport& report) {
-            const Status status = functions->solve(report, running);
+        return with_functions(running, [&](const auto& functions, SolverReport& report, const Running& rest) {
+            const Status status = functions->solve(report, rest);
             if (status == Status::ok) kept_ = functions;
             return status;
         });
@@ -130,10 +130,10 @@ public:
     ///   cost   making the grid, a tenth of a solve, and reading the bytes once
     Evaluation load_solution(std::span<const std::byte> data, const Running& running = {}) {
         kept_.reset();
-        return with_functions(running, [&](const auto& functions, SolverReport& report) {
+        return with_functions(running, [&](const auto& functions, SolverReport& report, const Running& rest) {
             const Status status = functions->load(data, report);
             if (status == Status::ok) kept_ = functions;
-            return running.end(status);
+            return rest.end(status);
         });
     }
 
@@ -141,8 +141,8 @@ public:
                         const Running& running = {}) const {
         CAGEFORM_ASSERT(weights.rows == cage().size() && states.size() == points.points,
                         "one row per handle");
-        return with_functions(running, [&](const auto& functions, SolverReport& report) {
-            return functions->sample({points, weights, states}, report, running);
+        return with_functions(running, [&](const auto& functions, SolverReport& report, const Running& rest) {
+            return functions->sample({points, weights, states}, report, rest);
         });
     }
 
@@ -162,8 +162,8 @@ public:
                                   std::span<PointState> states, const Running& running = {}) const {
         CAGEFORM_ASSERT(gradients.rows == D * cage().size() && states.size() == points.points,
                         "a row per axis and handle");
-        return with_functions(running, [&](const auto& functions, SolverReport& report) {
-            return functions->sample_gradients({points, gradients, states}, report, running);
+        return with_functions(running, [&](const auto& functions, SolverReport& report, const Running& rest) {
+            return functions->sample_gradients({points, gradients, states}, report, rest);
         });
     }
 
@@ -177,7 +177,7 @@ public:
     /// group of sixteen is kept.
     SolverMemory solver_memory() const {
         SolverMemory memory;
-        (void)with_functions({}, [&](const auto& functions, SolverReport&) {
+        (void)with_functions({}, [&](const auto& functions, SolverReport&, const Running&) {
             memory = functions->memory();
             return Status::ok;
         });
@@ -190,8 +190,9 @@ public:
     /// costs as `solve` does before its first cycle.
     template <class F>
     Evaluation for_each_cell(F&& f) const {
-        return with_functions(
-            {}, [&](const auto& functions, SolverReport&) { return functions->for_each_cell(std::ref(f)); });
+        return with_functions({}, [&](const auto& functions, SolverReport&, const Running&) {
+            return functions->for_each_cell(std::ref(f));
+        });
     }
 
 private:
@@ -209,20 +210,22 @@ private:
         return {std::shared_ptr<void>(), &none};
     }
 
-    /// Calls use(functions, report) with the kept functions, or with new ones, which are not solved yet.
+    /// Calls use(functions, report, rest) with the kept functions, or with new ones, which are not solved
+    /// yet. `rest` runs what follows the making of the grid.
     template <class Use>
     Evaluation with_functions(const Running& running, const Use& use) const {
         return detail::guarded_evaluation([&](SolverReport& report) {
             if (cage_report().status != Status::ok) return cage_report().status;
             if (problem_->data_status != Status::ok) return problem_->data_status;
             std::shared_ptr<Functions> functions = kept_;
+            constexpr double of_grid = 0.25; // the share of the progress
             if (functions) {
                 report = functions->report();
             } else {
-                const Status status = Solver::make(problem_, report, functions, running);
+                const Status status = Solver::make(problem_, report, functions, running.subtask(0, of_grid));
                 if (status != Status::ok) return status;
             }
-            return use(functions, report);
+            return use(functions, report, running.subtask(kept_ ? 0 : of_grid, 1));
         });
     }
 

@@ -112,10 +112,10 @@ public:
     /// Refines the tree. Returns false if more than `most` leaves are needed; `leaves` is then an
     /// estimate of how many.
     bool refine(double accuracy, double most, double& leaves, const Running& running) {
-        const bool whole =
-            grid::refine(tree_, sizing(accuracy, subtracts_kinks_), std::size_t(most), finest_, running);
+        const bool whole = grid::refine(tree_, sizing(accuracy, subtracts_kinks_), std::size_t(most), finest_,
+                                        running.subtask(0, 0.8));
         leaves = whole ? double(tree_.cells().leaves()) : (std::max)(leaves, most + 1);
-        if (whole) nodes_ = grid::nodes_of(tree_, running);
+        if (whole) nodes_ = grid::nodes_of(tree_, running.subtask(0.8, 1));
         return whole;
     }
 

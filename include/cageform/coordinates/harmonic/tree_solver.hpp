@@ -113,7 +113,8 @@ public:
             return Status::resolution_not_supported;
         const bool subtracts_kinks = has_near_field(problem);
         const double bytes_of_leaf = subtracts_kinks ? 500 : 340; // tree, hierarchy and a block, measured
-        const typename Cage::Plan plan(problem.cage, problem.tolerance, subtracts_kinks, running);
+        const typename Cage::Plan plan(problem.cage, problem.tolerance, subtracts_kinks,
+                                       running.subtask(0, 0.05));
         double leaves = plan.leaves(accuracy);
         const double most = (std::min)(double(problem.options.memory_limit) / bytes_of_leaf,
                                        0.125 * double(std::uint32_t(-1)));
@@ -126,13 +127,13 @@ public:
             report.unseen_handle = *handle;
             return Status::grid_too_coarse;
         }
-        if (!cage || !cage->refine(accuracy, most, leaves, running)) {
+        if (!cage || !cage->refine(accuracy, most, leaves, running.subtask(0.05, 0.3))) {
             report.bytes = std::size_t((std::min)(bytes_of_leaf * leaves, 9e18));
             const double more = (std::max)(1.0, leaves / plan.leaves(accuracy)); // than planned
             report.sufficient_accuracy = plan.sufficient_accuracy(accuracy, 0.5 * most / more);
             return Status::out_of_memory;
         }
-        made.emplace(std::move(cage), problem, running);
+        made.emplace(std::move(cage), problem, running.subtask(0.3, 1));
         const auto [hierarchy, block] = made->memory();
         if (hierarchy + block > problem.options.memory_limit) {
             report.bytes = hierarchy + block;
@@ -151,7 +152,7 @@ public:
         , max_cycles_(problem.options.multigrid.max_cycles)
         , order_(cage_->cage().vertices().first(problem.handles), width)
         , near_(near_field_of(*cage_, problem))
-        , multigrid_(cage_->tree(), cage_->nodes(), links(running), running)
+        , multigrid_(cage_->tree(), cage_->nodes(), links(running.subtask(0, 0.7)), running.subtask(0.7, 1))
         , errors_(grid_errors()) {}
 
     SolverMemory memory() const noexcept {

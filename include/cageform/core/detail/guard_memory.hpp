@@ -1,4 +1,4 @@
-// Turns failed allocations into a status.
+// Turns failed allocations, and cancellation, into a status.
 #pragma once
 
 #include <cageform/core/status.hpp>
@@ -8,8 +8,11 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// Runs `f` and returns its status; a failed allocation becomes Status::out_of_memory. (Without
-/// exceptions the standard library ends the program instead.)
+/// Is thrown where a progress callback cancels work that returns no status.
+struct Cancelled {};
+
+/// Runs `f` and returns its status; a failed allocation becomes Status::out_of_memory, and Cancelled becomes
+/// Status::cancelled. (Without exceptions the standard library ends the program at a failed allocation.)
 template <class F>
 Status guard_memory(F&& f) {
 #if defined(__cpp_exceptions)
@@ -19,6 +22,8 @@ Status guard_memory(F&& f) {
         return Status::out_of_memory;
     } catch (const std::length_error&) {
         return Status::out_of_memory;
+    } catch (const Cancelled&) {
+        return Status::cancelled;
     }
 #else
     return f();

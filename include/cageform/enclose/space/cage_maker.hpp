@@ -404,8 +404,8 @@ Status make_cage_into(std::span<const Vec<T, 3>> vertices, std::span<const MeshF
             return status;
         made.value = cage_of<T>(shell, frame);
         report.cage = check(made.value);
-        report.clearance =
-            exact_clearance(made.value, std::span<const Corners<3>>(figure), 2 * report.margin, subtask);
+        report.clearance = exact_clearance(made.value, std::span<const Corners<3>>(figure), 2 * report.margin,
+                                           Running{.parallel = running.parallel});
         const bool all_inside = std::all_of(starts.begin(), starts.end(), [&](std::size_t v) {
             return locate(made.value, vertices[v], T(0)) == PointState::inside;
         });

@@ -2,6 +2,7 @@
 // inside.
 #pragma once
 
+#include <cageform/core/detail/in_parallel.hpp>
 #include <cageform/grid/tree/boundary.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
@@ -153,10 +154,13 @@ private:
 /// Splits leaves until no leaf, other than those outside, has a neighbour of less than half its
 /// size.
 template <std::size_t D>
-void balance(CutTree<D>& tree) {
-    balance(
-        tree.cells(), [&](std::uint32_t cell) { return tree.state(cell) != CellState::out; },
-        [&](const typename CellTree<D>::Cell& leaf) { tree.split(leaf); });
+void balance(CutTree<D>& tree, const Running& running = {}) {
+    std::size_t looks = 0;
+    const auto counts = [&](std::uint32_t cell) {
+        if (++looks % 1000000 == 0) detail::report_progress(running, 0); // how many follow is not known
+        return tree.state(cell) != CellState::out;
+    };
+    balance(tree.cells(), counts, [&](const typename CellTree<D>::Cell& leaf) { tree.split(leaf); });
 }
 
 } // namespace grid

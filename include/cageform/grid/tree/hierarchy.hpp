@@ -65,12 +65,16 @@ public:
             TreeLevel& level = levels.emplace_back();
             for (const double d : equations.diagonal) level.inverse_diagonal.push_back(float(1 / d));
             const std::uint32_t count = level.nodes();
+            // A level has far fewer nodes than the one before.
+            const Running of_level =
+                running_.subtask(1 - std::ldexp(1, -int(level_)), 1 - std::ldexp(0.5, -int(level_)));
             ++level_;
-            if (count > few && level_ <= merges_at_[0]) level.interpolation = interpolation(level);
+            if (count > few && level_ <= merges_at_[0])
+                level.interpolation = interpolation(level, of_level.subtask(0, 0.5));
             const auto coarse = std::uint32_t(left_.size());
             const bool ends = level.interpolation.rows() == 0 || coarse == 0 || coarse == count;
             TreeEquations next;
-            if (!ends) next = galerkin(equations, level.interpolation, coarse, running_);
+            if (!ends) next = galerkin(equations, level.interpolation, coarse, of_level.subtask(0.5, 1));
             level.neighbours = std::move(equations.neighbours);
             level.neighbours.shrink_to_fit();
             level.inverse_diagonal.shrink_to_fit();
@@ -122,17 +126,20 @@ private:
         return false;
     }
 
+    struct Marked {};
+
     /// Returns the prolongation from the nodes that remain on level_ to the nodes of the level
     /// before.
-    LevelRows interpolation(TreeLevel& level) {
+    LevelRows interpolation(TreeLevel& level, const Running& running) {
         Buffer<std::uint32_t> fine; // their numbers on the finest level
         std::swap(fine, left_);
         left_.clear();
         Buffer<std::uint8_t> stays(fine.size(), 0);
-        in_parallel(running_, fine.size(), 4096, [&](std::size_t begin, std::size_t end) {
+        const auto mark_corners = [&](std::size_t begin, std::size_t end, Marked&) {
             for (std::size_t n = begin; n < end; ++n)
                 stays[n] = is_corner(nodes_.index(fine[n]), about(fine[n])) ? 1 : 0;
-        });
+        };
+        (void)in_runs<Marked>(running.subtask(0, 0.4), fine.size(), 4096, [&] { return mark_corners; });
         level.numbers.reserve(fine.size());
         for (std::uint32_t n = 0; n < fine.size(); ++n) {
             number_[fine[n]] = stays[n] != 0 ? std::uint32_t(left_.size()) : none;
@@ -156,7 +163,8 @@ private:
                 rows.end_row();
             }
         };
-        LevelRows rows = joined(in_runs<LevelRows>(running_, fine.size(), 1024, [&] { return make_rows; }));
+        LevelRows rows =
+            joined(in_runs<LevelRows>(running.subtask(0.4, 1), fine.size(), 1024, [&] { return make_rows; }));
         rows.shrink_to_fit();
         return rows;
     }

@@ -52,11 +52,16 @@ public:
         for (std::uint32_t n = 0; n < features_.size(); ++n) near_.push_back(n);
         ranges_.push_back({0, std::uint32_t(near_.size())});
         const auto& cells = tree_.cells();
+        constexpr double of_rounds = 0.7, of_thin = 0.85; // of the progress
+        const double most_rounds = (1 + std::log2(double(cells.size()))) / of_rounds;
+        double round = 0;
         // Every round splits the cells that the round before has added.
         for (std::uint32_t first = 0, last = 0; first < cells.cells(); first = last) {
             last = std::uint32_t(cells.cells());
             std::uint32_t number = first;
-            for (const Demands& part : demands_of(first, last)) {
+            const Running of_round = running_.subtask(round / most_rounds, (round + 1) / most_rounds);
+            ++round;
+            for (const Demands& part : demands_of(first, last, of_round)) {
                 thin_.insert(thin_.end(), part.thin.begin(), part.thin.end());
                 for (const auto& demand : part.list) {
                     split_if_too_large(cells.cell(number++), demand);
@@ -65,12 +70,15 @@ public:
             }
         }
         // Makes cells in the middle of a thin domain as small as at its surface.
-        for (const auto& thin : thin_) {
+        for (std::size_t n = 0; n < thin_.size(); ++n) {
+            const auto& thin = thin_[n];
+            if (n % 1024 == 0)
+                report_progress(running_, std::lerp(of_rounds, of_thin, double(n) / double(thin_.size())));
             for (double d = thin.size; d < 0.55 * thin.thickness; d += thin.size)
                 split_at(thin.position + d * thin.inwards, thin.size);
             if (cells.leaves() > most_leaves_) return false;
         }
-        grid::balance(tree_);
+        grid::balance(tree_, running_.subtask(of_thin, 1));
         return cells.leaves() <= most_leaves_;
     }
     const grid::FinestCells<D>& finest() const noexcept { return finest_; }
@@ -86,8 +94,8 @@ private:
         std::vector<ThinPoint> thin;
     };
     /// Returns what facets, bones and features allow for cells first … last − 1, in order.
-    std::vector<Demands> demands_of(std::uint32_t first, std::uint32_t last) const {
-        return in_runs<Demands>(running_, last - first, 256, [&] {
+    std::vector<Demands> demands_of(std::uint32_t first, std::uint32_t last, const Running& running) const {
+        return in_runs<Demands>(running, last - first, 256, [&] {
             return [this, first, sizes = sizes_](std::size_t begin, std::size_t end, Demands& out) mutable {
                 for (std::size_t n = begin; n < end; ++n)
                     out.list.push_back(demand_of(std::uint32_t(first + n), sizes, out.thin));

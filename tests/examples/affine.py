@@ -1,0 +1,170 @@
+#!/usr/bin/env python3
+"""Usage: affine.py PROGRAMS SEED COUNT
+
+Laws of programs that move meshes: an affine pose x -> A x + b of the cage takes every vertex to A x + b and every
+normal n to A^-T n, also normals that lean against their faces, at the origin and far from it. A pose that mirrors
+is named, and --flip-faces turns the faces over. The poses are random; their seeds are printed.
+"""
+import json
+import math
+import os
+import random
+import struct
+import subprocess
+import sys
+import tempfile
+
+PROGRAMS, SEED, COUNT = os.path.abspath(sys.argv[1]), int(sys.argv[2]), int(sys.argv[3])
+LEAST_PLACE, LEAST_TURN = 1e-6, 1e-5  # of the figure's size; radians
+BOX = [(x, y, z) for z in (-1, 1) for y in (-1, 1) for x in (-1, 1)]
+FACES = ["1 3 4 2", "5 6 8 7", "1 2 6 5", "3 7 8 4", "1 5 7 3", "2 4 8 6"]
+faults = 0
+
+
+def check(is_right, what):
+    global faults
+    faults += not is_right
+    if not is_right:
+        print("FAILED:", what)
+
+
+def dot(a, b):
+    return sum(x * y for x, y in zip(a, b))
+
+
+def cross(a, b):
+    return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+
+
+def unit(v):
+    return [x / math.sqrt(dot(v, v)) for x in v]
+
+
+def moved(a, v):
+    return [dot(row, v) for row in a]
+
+
+def inverse_transposed(a):
+    """The rows' cofactors over the determinant."""
+    cofactors = [cross(a[1], a[2]), cross(a[2], a[0]), cross(a[0], a[1])]
+    return [[x / dot(a[0], cofactors[0]) for x in row] for row in cofactors]
+
+
+def write_obj(path, vertices, normals, faces):
+    with open(path, "w") as file:
+        for v in vertices:
+            file.write("v %.17g %.17g %.17g\n" % tuple(v))
+        for n in normals:
+            file.write("vn %.17g %.17g %.17g\n" % tuple(n))
+        for face in faces:
+            file.write("f %s\n" % face)
+
+
+def read_obj(path, key):
+    return [[float(x) for x in line.split()[1:4]] for line in open(path) if line.split()[:1] == [key]]
+
+
+def read_targets(path):
+    """Places and normals of the only mesh of a GLB file with its first target added, and its node's place."""
+    data = open(path, "rb").read()
+    size = struct.unpack_from("<I", data, 12)[0]
+    scene, data = json.loads(data[20:20 + size]), data[28 + size:]
+
+    def vectors(accessor):
+        a = scene["accessors"][accessor]
+        view = scene["bufferViews"][a["bufferView"]]
+        begin = view.get("byteOffset", 0) + a.get("byteOffset", 0)
+        return [struct.unpack_from("<3f", data, begin + i * view.get("byteStride", 12)) for i in range(a["count"])]
+
+    primitive = scene["meshes"][0]["primitives"][0]
+    node = next(n for n in scene["nodes"] if "mesh" in n)
+    place = node.get("translation", [0, 0, 0])
+    parts = []
+    for key in ("POSITION", "NORMAL"):
+        rest, change = vectors(primitive["attributes"][key]), vectors(primitive["targets"][0][key])
+        parts.append([[x + y for x, y in zip(a, b)] for a, b in zip(rest, change)])
+    return [[x + y for x, y in zip(p, place)] for p in parts[0]], parts[1]
+
+
+def run(*command):
+    """Runs a program; what it says."""
+    done = subprocess.run([os.path.join(PROGRAMS, command[0]), *command[1:]], capture_output=True, text=True)
+    check(done.returncode == 0, "%s: exit code %d: %s" % (" ".join(command), done.returncode, done.stderr))
+    return done.stderr
+
+
+def volume(path):
+    v = read_obj(path, "v")
+    faces = [[int(w.split("/")[0]) - 1 for w in line.split()[1:]] for line in open(path) if line.startswith("f ")]
+    return sum(dot(v[f[0]], cross(v[f[k]], v[f[k + 1]])) / 6 for f in faces for k in range(1, len(f) - 1))
+
+
+def compare(what, places, normals, right_places, right_normals, size):
+    off = max(math.dist(p, q) for p, q in zip(places, right_places)) / size
+    turn = max(math.asin(min(1, math.sqrt(dot(c, c)))) if dot(n, m) > 0 else 3
+               for n, m in zip(normals, right_normals) for c in [cross(unit(n), unit(m))])
+    check(off <= LEAST_PLACE and turn <= LEAST_TURN, "%s: places are off by %g sizes, normals by %g" % (what, off, turn))
+
+
+def test(seed):
+    draw = random.Random(seed)
+    # Leaves: squares in all directions, with normals that do not stand across them.
+    vertices, normals, faces = [], [], []
+    for leaf in range(6):
+        middle, u = ([draw.uniform(-0.5, 0.5) for _ in range(3)] for _ in range(2))
+        u = unit(u)
+        v = unit(cross(u, [draw.gauss(0, 1) for _ in range(3)]))
+        for i, j in ((-1, -1), (1, -1), (1, 1), (-1, 1)):
+            vertices.append([m + 0.2 * (i * a + j * b) for m, a, b in zip(middle, u, v)])
+            normals.append(unit([c + draw.gauss(0, 0.4) for c in cross(u, v)]))
+        faces.append(" ".join("%d//%d" % (n, n) for n in range(4 * leaf + 1, 4 * leaf + 5)))
+    a = [[draw.gauss(0, 0.5) + (i == j) for j in range(3)] for i in range(3)]
+    while abs(dot(a[0], cross(a[1], a[2]))) < 0.2:
+        a = [[draw.gauss(0, 0.5) + (i == j) for j in range(3)] for i in range(3)]
+    is_mirror = dot(a[0], cross(a[1], a[2])) < 0
+    shift = [draw.gauss(0, 1) for _ in range(3)]
+    right_normals = [moved(inverse_transposed(a), n) for n in normals]
+    size = math.dist(*[[pick(v[k] for v in vertices) for k in range(3)] for pick in (min, max)])
+    for offset in ([0, 0, 0], [draw.choice([-1, 1]) * 10 ** draw.uniform(2, 6) * size for _ in range(3)]):
+        def away(points):
+            return [[x + o for x, o in zip(p, offset)] for p in points]
+
+        def pose(points):
+            return away([[x + s for x, s in zip(moved(a, p), shift)] for p in points])
+        box = [[x * draw.uniform(1, 1.2) for x in corner] for corner in BOX]
+        write_obj("figure.obj", away(vertices), normals, faces)
+        write_obj("cage.obj", away(box), [], FACES)
+        write_obj("pose.obj", pose(box), [], FACES)
+        right = pose(vertices)
+        for kind in ("mean-value", "harmonic", "green"):
+            said = run("deform_mesh", "figure.obj", "--cage", "cage.obj", "--pose", "pose.obj", "--coordinates", kind, "-o", "moved.obj",
+                       "--faces", "triangles")
+            if kind != "green":  # which is not affine where the cage is stretched or mirrored
+                check(("mirrors" in said) == is_mirror, "the message says whether the pose mirrors: " + said)
+                compare("deform_mesh, " + kind, read_obj("moved.obj", "v"), read_obj("moved.obj", "vn"), right, right_normals, size)
+        said = run("export_gltf", "figure.obj", "--cage", "cage.obj", "--pose", "pose.obj", "--morph", "-o", "moved.glb")
+        check(("mirrors" in said) == is_mirror, "the message says whether the pose mirrors: " + said)
+        compare("export_gltf --morph", *read_targets("moved.glb"), right, right_normals, size)
+        run("bind_mesh", "figure.obj", "--cage", "cage.obj", "-o", "moved.figure")
+        with open("poses.csv", "w") as file:
+            for points in (away(box), pose(box)):
+                file.write(",".join("%.17g" % x for p in points for x in p) + "\n")
+        run("clone_figure", "moved.figure", "--poses", "poses.csv", "--mesh", "figure.obj", "-o", "clone_%d.obj")
+        for row, places, directions in ((0, away(vertices), normals), (1, right, right_normals)):
+            compare("clone_figure, row %d" % row, read_obj("clone_%d.obj" % row, "v"), read_obj("clone_%d.obj" % row, "vn"), places, directions, size)
+        # A closed figure keeps its volume's sign only if the faces of a mirror image are turned over.
+        write_obj("inner.obj", away([[0.5 * x for x in p] for p in box]), [], FACES)
+        run("deform_mesh", "inner.obj", "--cage", "cage.obj", "--pose", "pose.obj", "-o", "moved.obj", *(["--flip-faces"] if is_mirror else []))
+        if offset == [0, 0, 0]:
+            check(volume("moved.obj") > 0, "the faces look outwards")
+
+
+with tempfile.TemporaryDirectory() as folder:
+    os.chdir(folder)
+    for seed in range(SEED, SEED + COUNT):
+        before = faults
+        test(seed)
+        if faults > before:
+            print("seed", seed)
+print("%d poses from seed %d on, %d faults" % (COUNT, SEED, faults))
+sys.exit(faults > 0)
