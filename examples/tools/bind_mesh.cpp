@@ -33,6 +33,7 @@
 
 #include <iomanip>
 #include <iostream>
+#include <map>
 #include <sstream>
 
 namespace {
@@ -139,6 +140,23 @@ packed_normals(const ChosenCoordinates<float, 3>& coordinates, const std::vector
     return std::move(packed.value);
 }
 
+/// "not stored: 800 of "vt", 2 of "usemtl", 8066 colours": statements that a figure has no part for; empty if
+/// there are none.
+std::string describe_unstored(const ObjFile& file) {
+    std::map<std::string, std::size_t> counts;
+    std::vector<std::string_view> words;
+    std::size_t line = 1;
+    for (detail::ObjScanner scanner(file.text); scanner.next(words, line);) {
+        if (words[0] != "v" && words[0] != "vn" && words[0] != "f") ++counts[std::string(words[0])];
+    }
+    std::string text;
+    for (const auto& [word, count] : counts)
+        text += (text.empty() ? "" : ", ") + std::to_string(count) + " of " + detail::quoted(word);
+    if (!file.colours.empty())
+        text += (text.empty() ? "" : ", ") + std::to_string(file.colours.size()) + " colours";
+    return text.empty() ? text : "not stored: " + text + '\n';
+}
+
 /// Binds, packs and writes. `labels` are of the cage's vertices, or none.
 int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& cage_of_file,
                 const std::vector<std::string>& labels) {
@@ -147,6 +165,7 @@ int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& ca
     const std::vector<Point3> places = counted_from(origin, figure.vertices);
     ObjFile cage = cage_of_file;
     cage.vertices = counted_from(origin, cage.vertices);
+    if (cage.lattice) cage.lattice->frame.translation = cage.lattice->frame.translation - origin;
     const auto coordinates = make_coordinates<float>(given.choice, cage);
     warn_of_closed_gaps(cage.name, coordinates.cage_report());
     if (!coordinates.note.empty()) note(coordinates.note);
@@ -252,6 +271,7 @@ int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& ca
                   << ", mean " << part.mean_error << '\n';
     }
     if (report.status != Status::ok) return fail(cageform::to_string(report.status));
+    if (given.report) std::cout << describe_unstored(figure);
     if (given.report && !labels.empty()) {
         std::cout << "labels: of "
                   << labels.size() - std::size_t(std::count(labels.begin(), labels.end(), "")) << " of "

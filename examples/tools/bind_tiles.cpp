@@ -37,6 +37,7 @@
 #include <chrono>
 #include <cmath>
 #include <iostream>
+#include <limits>
 #include <mutex>
 #include <sstream>
 #include <thread>
@@ -426,9 +427,17 @@ int run_program(int argc, char** argv) {
     const auto cage = load_mesh_cage(given.cage);
     if (!cage) return fail(to_string(cage.error()));
     if (const auto fault = single_precision_fault(*cage)) return fail(to_string(*fault));
+    Job job;
+    const auto bounds = cageform::bounds_of(std::span<const Point3>(cage->vertices));
+    job.size = bounds.diagonal();
+    constexpr double allowed = 1e-6; // of the size
+    const double rounding = std::numeric_limits<float>::epsilon() / 2 * bounds.magnitude();
+    if (rounding > allowed * job.size)
+        return fail(cage->name + ": is far from the origin: single precision rounds points there by up to " +
+                    detail::short_number(rounding) + ", " + detail::short_number(100 * rounding / job.size) +
+                    " % of its size; move the cage and its points to the origin");
     const auto motion = given.moves.motion(*cage);
     if (!motion) return fail(to_string(motion.error()));
-    Job job;
     job.cage = cage->name;
     job.coordinates = make_coordinates<float>(given.choice, *cage);
     if (job.coordinates.cage_report().status != Status::ok) {
@@ -437,7 +446,6 @@ int run_program(int argc, char** argv) {
         refused.status = refused.cage.status;
         return fail(describe_mesh_faults(cage->name, refused));
     }
-    job.size = cageform::bounds_of(std::span<const Point3>(cage->vertices)).diagonal();
     job.piece = points_of_piece(job.coordinates.handles().count);
     job.pack.format = given.weights.format.value_or(cageform::WeightFormat::scalar);
     job.pack.largest = given.weights.largest;

@@ -556,6 +556,10 @@ works "a packed character by Green coordinates" "$bind" character.obj --cage cha
 [ "$(grep -c '^  off by at most .* 8 poses of the motion' log)" = 3 ] && ok=yes || ok=no
 report $ok "poses of the faces are among those that the distance is over"
 refuses '--max-distance with --coordinates green needs a motion' "$bind" character.obj --cage character_cage.obj --coordinates green --max-distance 0.05 -o out.figure
+{ cat inner.obj; printf 'vt 0 0\nusemtl a\n'; } >dressed.obj
+works "what a figure has no part for" "$bind" dressed.obj --cage box.obj -o dressed.figure --report
+grep -qx 'not stored: 1 of "usemtl", 1 of "vt"' log && ok=yes || ok=no
+report $ok "is counted"
 works "Green coordinates without a motion" "$bind" inner.obj --cage box.obj --coordinates green -o green.figure --report
 grep -q 'a tenth of the cage, vectors of its faces too$' log && ok=yes || ok=no
 report $ok "what is off is over faces as well"

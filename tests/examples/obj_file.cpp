@@ -2,6 +2,7 @@
 
 #include "files/csv.hpp"
 #include "files/gltf_file.hpp"
+#include "files/moved_normals.hpp"
 #include "files/obj_parts.hpp"
 
 #include "catch.hpp"

@@ -1,5 +1,6 @@
 #include "files/gltf_file.hpp"
 
+#include "files/moved_normals.hpp"
 #include "svg/css_colour.hpp"
 
 namespace cageform_examples {

@@ -2,6 +2,7 @@
 
 #include "files/csv.hpp"
 #include "files/input_file.hpp"
+#include "files/moved_normals.hpp"
 
 #include <tiny_obj_loader.h>
 
@@ -178,25 +179,6 @@ std::string triangulate(ObjFile& file) {
     return {};
 }
 
-/// `v` turned by the smallest rotation that takes the direction of `from` to that of `to`, as long as
-/// before. Where these are the same but for rounding, or there is none, `v` itself.
-Point3 turned(const Point3& v, const Point3& from, const Point3& to) {
-    const auto length = [](const Point3& p) { return std::hypot(p[0], p[1], p[2]); };
-    const double from_length = length(from), to_length = length(to);
-    if (!(from_length > 0) || !(to_length > 0) || !std::isfinite(from_length + to_length)) return v;
-    const Point3 a = (1 / from_length) * from, b = (1 / to_length) * to;
-    if (length(b - a) < 1e-12) return v;
-    const auto half_turn = [](const Point3& p, const Point3& axis) {
-        return (2 * dot(axis, p) / dot(axis, axis)) * axis - p;
-    };
-    if (length(a + b) < 1e-12) { // about face, by any axis across
-        Point3 across{};
-        across[std::fabs(a[0]) < 0.6 ? 0 : 1] = 1;
-        return half_turn(v, across - dot(across, a) * a);
-    }
-    return half_turn(half_turn(v, a), a + b); // two half turns make a turn by twice the angle between
-}
-
 } // namespace detail
 
 SvgResult<ObjFile> parse_obj(std::string text, std::string name, StrayVertices strays) {
@@ -333,68 +315,6 @@ std::vector<Point3> counted_from(const Point3& origin, std::span<const Point3> p
     std::vector<Point3> moved(places.begin(), places.end());
     for (Point3& p : moved) p = p - origin;
     return moved;
-}
-
-namespace detail {
-
-/// `before` if `after` equals it but for rounding, so that what does not turn keeps its digits; else `after`.
-Point3 unless_same(const Point3& before, const Point3& after) {
-    const Point3 change = after - before;
-    return dot(change, change) < 1e-24 * dot(before, before) ? before : after;
-}
-
-} // namespace detail
-
-std::optional<Point3> moved_normal(const Jacobian3& jacobian, const Point3& n) {
-    const auto& [a, b, c] = jacobian;
-    const Point3 across_a = cross(b, c); // J⁻ᵀ times the determinant is the matrix of cofactors
-    const double volume = dot(a, across_a);
-    const Point3 moved = n[0] * across_a + n[1] * cross(c, a) + n[2] * cross(a, b);
-    const double length = std::hypot(moved[0], moved[1], moved[2]), own = std::hypot(n[0], n[1], n[2]);
-    constexpr double flat = 1e-12; // of a volume, relative to that of a cuboid with edges as long
-    if (!(std::fabs(volume) > flat * std::sqrt(dot(a, a) * dot(b, b) * dot(c, c))) || !(length > 0) ||
-        !std::isfinite(length))
-        return std::nullopt;
-    return detail::unless_same(n, (std::copysign(own, volume) / length) * moved);
-}
-
-MovedNormals::MovedNormals(const ObjFile& file, const MovedVertices& moved)
-    : file_(file)
-    , moved_(moved)
-    , normals_(file.normals) {
-    const std::size_t count = file.normals.size();
-    if (count == 0) return;
-    std::vector<Point3> before(count), after(count), sum(count);
-    std::vector<std::size_t> last(count, file.faces.size()); // the face that was added last
-    for (std::size_t f = 0; f < file.faces.size(); ++f) {
-        const Point3 rest = detail::area_vector(file.faces[f], file.vertices);
-        const Point3 now = detail::area_vector(file.faces[f], moved.places);
-        for (const auto& [vertex, normal] : file.faces[f].corners) {
-            if (normal == ObjCorner::none) continue;
-            if (!moved.jacobians.empty()) {
-                if (const auto n = moved_normal(moved.jacobians[vertex], file.normals[normal]))
-                    sum[normal] = sum[normal] + *n;
-            }
-            if (last[normal] == f) continue;
-            last[normal] = f;
-            before[normal] = before[normal] + rest;
-            after[normal] = after[normal] + now;
-        }
-    }
-    const double side = is_mirrored(file.vertices, moved.places) ? -1 : 1;
-    const auto length = [](const Point3& v) { return std::hypot(v[0], v[1], v[2]); };
-    for (std::size_t i = 0; i < count; ++i) {
-        if (const double far = length(sum[i]); far > 0)
-            normals_[i] = detail::unless_same(normals_[i], (length(normals_[i]) / far) * sum[i]);
-        else if (const Point3 now = side * after[i]; before[i] != now)
-            normals_[i] = detail::turned(file.normals[i], before[i], now);
-    }
-}
-
-Point3 MovedNormals::of_corner(std::uint32_t vertex, std::uint32_t normal) const {
-    const auto own = moved_.jacobians.empty() ? std::nullopt
-                                              : moved_normal(moved_.jacobians[vertex], file_.normals[normal]);
-    return own.value_or(normals_[normal]);
 }
 
 std::string with_faces_turned_over(const std::string& text) {

@@ -32,6 +32,8 @@ inline constexpr const char* obj_format =
     "materials, textures and the colours of vertices (v x y z r g b, from 0 to 1, sRGB).\n"
     "Numbers have to be finite. Curves and binary files are not supported, nor more than\n"
     "4,294,967,294 vertices.\n"
+    "Messages name vertices as the file counts them: v 1, v 2. Options and lists of\n"
+    "faults count from 0.\n"
     "A cage is a closed mesh of any genus, with faces counter-clockwise seen from\n"
     "outside; it can have several shells. A pose is the same mesh with its vertices\n"
     "moved.\n";
@@ -195,34 +197,10 @@ std::vector<Point3> counted_from(const Point3& origin, std::span<const Point3> p
 /// The Jacobian of a deformation at a vertex: the images of the three axes.
 using Jacobian3 = std::array<Point3, 3>;
 
-/// J⁻ᵀ n, as long as `n`. Returns nothing where the Jacobian has no inverse.
-std::optional<Point3> moved_normal(const Jacobian3& jacobian, const Point3& n);
-
 /// A deformation of a file's vertices.
 struct MovedVertices {
     std::span<const Point3> places;         ///< #vertices
     std::span<const Jacobian3> jacobians{}; ///< #vertices, or none: they are not known
-};
-
-/// The file's normals after a deformation, as long as before.
-///
-///   - With Jacobians, by their inverse transposes. A normal of several vertices is the mean of those of its
-///     vertices; of_corner() tells them apart.
-///   - Without, or where they have no inverse, as the faces turn that have the normal at a corner: by the
-///     smallest rotation between the sums of their normals, weighted by area, before and after. If the
-///     deformation mirrors the file, these sums are taken from the other side of the faces.
-///   - A normal that no face has, or whose faces sum up to nothing, stays.
-class MovedNormals {
-public:
-    MovedNormals(const ObjFile& file, const MovedVertices& moved);
-
-    const std::vector<Point3>& of_file() const { return normals_; } ///< #normals
-    Point3 of_corner(std::uint32_t vertex, std::uint32_t normal) const;
-
-private:
-    const ObjFile& file_;
-    const MovedVertices moved_;
-    std::vector<Point3> normals_;
 };
 
 /// The file's text with its vertices and normals moved. A number that has not changed keeps its digits; a new

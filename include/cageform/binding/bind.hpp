@@ -12,7 +12,9 @@ namespace cageform::inline CAGEFORM_ABI {
 ///     bind(coordinates, points, options, running)
 ///     bind(coordinates, points, options, std::move(recycled), running)
 ///
-///   points    any PointRange of the same dimension, converted to the scalar of the coordinates
+///   points    any PointRange of the same dimension, converted to the scalar of the coordinates. A float
+///             rounds places by up to 6e-8 of their distance from the origin: count the cage, its poses and
+///             the points from near the cage, or take double
 ///   recycled  a binding no longer needed, whose memory is used again: a megabyte of new memory
 ///             costs the system as much time as the weights to fill it
 ///   returns   the binding and its report. Unless the report's status is ok the binding is empty. A

@@ -1,0 +1,37 @@
+#pragma once
+
+// Normals of an OBJ file whose vertices have moved.
+
+#include "files/obj_file.hpp"
+
+namespace cageform_examples {
+
+/// J⁻ᵀ n, as long as `n`. Returns nothing where the Jacobian has no inverse.
+std::optional<Point3> moved_normal(const Jacobian3& jacobian, const Point3& n);
+
+/// The file's normals after a deformation, as long as before.
+///
+///   - With Jacobians, by their inverse transposes. A normal of several vertices is the mean of those of its
+///     vertices; of_corner() tells them apart.
+///   - Without, or where they have no inverse, as the faces turn that have the normal at a corner: by the
+///     smallest rotation between the sums of their normals, weighted by area, before and after. If the
+///     deformation mirrors the file, these sums are taken from the other side of the faces.
+///   - A normal that no face has, or whose faces sum up to nothing, stays.
+class MovedNormals {
+public:
+    MovedNormals(const ObjFile& file, const MovedVertices& moved);
+
+    const std::vector<Point3>& of_file() const { return normals_; } ///< #normals
+    Point3 of_corner(std::uint32_t vertex, std::uint32_t normal) const;
+
+    /// The largest angle between a normal of several faces in of_file() and the same normal at a corner, in
+    /// degrees. 0 where Jacobians are not known.
+    double spread() const;
+
+private:
+    const ObjFile& file_;
+    const MovedVertices moved_;
+    std::vector<Point3> normals_;
+};
+
+} // namespace cageform_examples
