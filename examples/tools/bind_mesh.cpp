@@ -218,7 +218,7 @@ int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& ca
     const auto posed = poses_of_handles(bound.value.points, motion, poses);
     if (!posed) return fail(to_string(posed.error()));
     options.weights.poses = *posed;
-    const double size = cageform::bounds_of(std::span<const Point3>(figure.vertices)).diagonal();
+    const double size = size_of(figure);
     options.weights.tolerance = given.weights.distance * size;
     const std::vector<std::byte> clip = clip_part(curves);
     cageform::PackedPoseSamples samples;
@@ -339,7 +339,7 @@ int run_program(int argc, char** argv) {
         if (!read) return fail(to_string(read.error()));
         labels = std::move(*read);
     }
-    given.outside.origin = far_origin(figure->vertices);
+    given.outside.origin = far_origin(*figure);
     return bind_figure(given, *figure, *cage, labels);
 }
 

@@ -37,7 +37,6 @@
 #include <chrono>
 #include <cmath>
 #include <iostream>
-#include <limits>
 #include <mutex>
 #include <sstream>
 #include <thread>
@@ -428,14 +427,8 @@ int run_program(int argc, char** argv) {
     if (!cage) return fail(to_string(cage.error()));
     if (const auto fault = single_precision_fault(*cage)) return fail(to_string(*fault));
     Job job;
-    const auto bounds = cageform::bounds_of(std::span<const Point3>(cage->vertices));
-    job.size = bounds.diagonal();
-    constexpr double allowed = 1e-6; // of the size
-    const double rounding = std::numeric_limits<float>::epsilon() / 2 * bounds.magnitude();
-    if (rounding > allowed * job.size)
-        return fail(cage->name + ": is far from the origin: single precision rounds points there by up to " +
-                    detail::short_number(rounding) + ", " + detail::short_number(100 * rounding / job.size) +
-                    " % of its size; move the cage and its points to the origin");
+    job.size = cageform::bounds_of(std::span<const Point3>(cage->vertices)).diagonal();
+    if (const std::string why = rounding_fault(cage->name, cage->vertices); !why.empty()) return fail(why);
     const auto motion = given.moves.motion(*cage);
     if (!motion) return fail(to_string(motion.error()));
     job.cage = cage->name;

@@ -120,6 +120,11 @@ public:
         std::vector<Vec<T, D>> pose(figure_.handle_count());
         const auto points = posed(poses, row, pose, outcome);
         if (!outcome.fault.empty()) return outcome;
+        if constexpr (D == 3) {
+            if (outcome.warning.empty() && file_.is_mirrored_by(std::span<const Vec<T, 3>>(points)))
+                outcome.warning =
+                    poses.name_of(row) + ": the pose mirrors the figure: its faces look inwards";
+        }
         const std::string contents = file_contents(points, pose);
         AtomicFile out(outcome.path);
         out.write(contents);

@@ -30,6 +30,7 @@
 #include <cageform/clone/clone_rational.hpp>
 #include <cageform/clone/jacobians.hpp>
 
+#include <algorithm>
 #include <iostream>
 
 namespace {
@@ -144,10 +145,11 @@ Deformed deformed(const Arguments& given, const ObjFile& figure, const MeshContr
         if (takes_jacobians) {
             const auto axes = coordinates.bind_jacobians(batch, options, binding.subtask(middle, end));
             const cageform::StridedMatrices<double, 3> jacobians(result.jacobians[first][0].v, batch.size());
-            takes_jacobians =
-                axes && cageform::clone_jacobians(axes.value, handles, jacobians) == cageform::Status::ok;
+            const cageform::Status cloned =
+                axes ? cageform::clone_jacobians(axes.value, handles, jacobians) : axes.report.status;
+            takes_jacobians = cloned == cageform::Status::ok;
             if (!takes_jacobians) {
-                result.folds.unknown = cageform::to_string(axes.report.status);
+                result.folds.unknown = cageform::to_string(cloned);
                 result.jacobians.clear();
             } else if (finds_folds) {
                 result.folds.add(axes.value, std::span(at_rest.rest, at_rest.count), handles, first,
@@ -185,6 +187,15 @@ std::string stop_at_folds(const ObjFile& figure, MeshControl& control, std::vect
     return {};
 }
 
+/// ", with a negative determinant at 6 of 6 vertices"; empty where no Jacobian is known.
+std::string share_of_mirrored(const std::vector<Jacobian3>& jacobians) {
+    const auto mirrors = [](const Jacobian3& j) { return dot(j[0], cross(j[1], j[2])) < 0; };
+    const auto count = std::count_if(jacobians.begin(), jacobians.end(), mirrors);
+    return jacobians.empty() ? std::string()
+                             : ", with a negative determinant at " + std::to_string(count) + " of " +
+                                   std::to_string(jacobians.size()) + " vertices";
+}
+
 /// Binds the figure, moves it and writes the requested files.
 int deform_figure(const Arguments& given, const ObjFile& figure, MeshControl control) {
     const auto& [coordinates, cage, pose] = std::tie(control.coordinates, control.cage, control.pose);
@@ -204,9 +215,6 @@ int deform_figure(const Arguments& given, const ObjFile& figure, MeshControl con
     for (const Point3& p : moved) {
         if (!cageform::is_finite(p)) return fail(figure.name + ": a vertex has left the range of numbers");
     }
-    if (is_mirrored(figure.vertices, moved) && !given.flips_faces)
-        warn(control.pose.name + ": the pose mirrors " + figure.name +
-             ", and its faces look inwards; --flip-faces turns the faces over");
     if (!figure.tetrahedra.empty() && (given.report || given.no_folds))
         folds = folds_of_cells(figure, moved, given.folds);
     if (given.no_folds) {
@@ -214,6 +222,11 @@ int deform_figure(const Arguments& given, const ObjFile& figure, MeshControl con
         if (!why.empty()) return fail(why);
     }
 
+    if (is_mirrored(figure.vertices, moved) && !given.flips_faces)
+        warn(control.pose.name + ": the pose mirrors " + figure.name + share_of_mirrored(jacobians) +
+             ", and its faces look inwards; --flip-faces turns the faces over");
+    if (jacobians.empty() && !figure.normals.empty() && !folds.unknown.empty())
+        note(figure.name + ": its normals turn with the faces: " + folds.unknown);
     constexpr double notable = 10; // degrees
     if (const double spread = MovedNormals(figure, {moved, jacobians}).spread(); spread > notable)
         note(given.out + ": faces share normals that the pose turns apart, by up to " +

@@ -83,7 +83,7 @@ class LossMeter {
 public:
     explicit LossMeter(const ObjFile& figure)
         : distances_(figure.vertices.size(), 0.0) {
-        loss_.size = cageform::bounds_of(std::span<const Point3>(figure.vertices)).diagonal();
+        loss_.size = size_of(figure);
     }
 
     /// Over all poses in which no vertex of the cage bends farther.
@@ -245,7 +245,7 @@ SkinLoss loss_of(const Scene& scene, const Binding<double, 3>& bound, const Bind
         add_surface(scene.figure, a, b, loss, turns);
     }
     loss.places = meter.loss();
-    loss.places.largest += rounding_of_players(scene.stored.vertices);
+    loss.places.largest += rounding_of_players(shown_places(scene.stored.vertices, scene.stored.triangles));
     if (!turns.empty()) {
         const auto at = turns.begin() + std::ptrdiff_t(0.99 * double(turns.size() - 1));
         std::nth_element(turns.begin(), at, turns.end());
@@ -536,8 +536,13 @@ int export_figure(const Arguments& given, const Scene& scene) {
         const bool turns = given.morph && !figure.normals.empty() && coordinates.has_gradients();
         if (turns) (void)coordinates.solve(running.subtask(0, 0.5)); // once for both
         bound = coordinates.bind(figure.vertices, options, running.subtask(turns ? 0.5 : 0, turns ? 0.7 : 1));
-        if (turns && bound.report.status == Status::ok)
-            axes = coordinates.bind_jacobians(figure.vertices, options, running.subtask(0.7, 1)).value;
+        if (turns && bound.report.status == Status::ok) {
+            auto bound_axes = coordinates.bind_jacobians(figure.vertices, options, running.subtask(0.7, 1));
+            if (!bound_axes)
+                warn(figure.name +
+                     ": its normals turn with the faces: " + cageform::to_string(bound_axes.report.status));
+            axes = std::move(bound_axes.value);
+        }
     }
     const auto& report = bound.report;
     if (report.status != Status::ok) return fail(describe_mesh_faults(cage.name, report));
@@ -548,9 +553,9 @@ int export_figure(const Arguments& given, const Scene& scene) {
     if (given.report) std::cout << describe(report) << describe_unused(scene.parts);
 
     for (const PoseKey& key : scene.clip.keys) {
-        std::vector<Point3> moved(figure.vertices.size());
-        if (bound.value.handle_view().vector_count() > 0 ||
-            clone(bound.value, key.places, moved) != Status::ok || !is_mirrored(figure.vertices, moved))
+        std::vector<Point3> moved(figure.vertices.size()), handles(bound.value.handle_count());
+        if (pose_handles(bound.value, key.places, handles).status != Status::ok ||
+            clone(bound.value, handles, moved) != Status::ok || !is_mirrored(figure.vertices, moved))
             continue;
         warn(name_of_pose(scene.clip, key.time) + ": the pose mirrors " + figure.name +
              ", and its faces look inwards");
@@ -604,9 +609,12 @@ int export_figure(const Arguments& given, const Scene& scene) {
         }
         if (const std::size_t sets = joint_sets(skin); sets > 1) {
             SkinLoss of_four;
-            if (const auto four = make_skin(given, scene, bound.value, joint_set, of_four))
-                note(figure.name + ": " + describe_sets(sets) + "a skin of four (--skin 4) is off by " +
-                     describe(of_four.places));
+            const SkinWeights read = first_set(stored_skin(skin, given.weights));
+            const auto played = skin_to_binding(bound.value, read);
+            if (const auto four = make_skin(given, scene, bound.value, joint_set, of_four); four && played)
+                note(figure.name + ": " + describe_sets(sets) + "such a player is off by " +
+                     describe(loss_of(scene, bound.value, played.value, read).places) +
+                     "; a skin of four (--skin 4) is off by " + describe(of_four.places));
         }
         if (!made.not_reproduced.empty()) {
             warn(std::to_string(skin.influences) + " weights are too few for " +
@@ -749,7 +757,7 @@ int run_program(int argc, char** argv) {
     scene.figure = std::move(*figure);
     scene.cage = std::move(*cage);
     scene.meshes = std::move(*meshes);
-    scene.origin = far_origin(scene.figure.vertices);
+    scene.origin = far_origin(scene.figure);
     scene.stored = scene.figure;
     scene.stored.vertices = counted_from(scene.origin, scene.figure.vertices);
     for (const auto* file : {&scene.figure, &scene.cage}) { // glTF's numbers

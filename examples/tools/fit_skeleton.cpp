@@ -68,6 +68,11 @@ SvgResult<MddFile> read_frames(Arguments& given, const ObjFile& figure) {
         auto file = load_mdd(given.frames[0], figure.vertices.size());
         if (!file) return file;
         turn_axes(given.axes, file->frames);
+        if (const double first = file->times.empty() ? 0 : file->times[0]; first < 0 && given.rate == 0) {
+            for (double& time : file->times) time -= first;
+            note(given.frames[0] + ": the times of its frames are counted from the first, " +
+                 detail::short_number(first));
+        }
         if (given.rate == 0 && !ascend(file->times)) {
             note(given.frames[0] + ": the times of its frames do not ascend from 0 or later: they are " +
                  detail::short_number(default_rate) + " a second, as with --rate");
@@ -107,7 +112,7 @@ int fit_figure(Arguments& given, ObjFile figure) {
                     (places.size() == 1 ? " frame" : " frames") + ": a motion has two or more");
     }
     if (const auto why = fault_of_outputs({given.out, given.picture})) return fail(*why);
-    const Point3 origin = far_origin(figure.vertices);
+    const Point3 origin = far_origin(figure);
     figure.vertices = counted_from(origin, figure.vertices);
     for (auto& frame : places) frame = counted_from(origin, frame);
     FigureFrames frames{figure.name,       figure.vertices,        figure.triangles,

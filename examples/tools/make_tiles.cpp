@@ -114,6 +114,7 @@ int run_program(int argc, char** argv) {
         return fail("--output " + given.output + ": write %d in place of the number of a tile");
     const auto mesh = load_obj(given.mesh);
     if (!mesh) return fail(to_string(mesh.error()));
+    if (const std::string why = rounding_fault(given.mesh, mesh->vertices); !why.empty()) return fail(why);
     const FacePoints points(*mesh, given.points, given.seed);
     if (!(points.area() > 0 && std::isfinite(points.area())))
         return fail(mesh->name + ": its faces have no area, so no points lie on them");

@@ -399,7 +399,7 @@ int skin_figure(const Arguments& given, const ObjFile& figure, const std::vector
     if (kept.status != Status::ok) return fail(given.bones + ": " + cageform::to_string(kept.status));
     make_sums_exact(skin);
     // The picture shows the weights and places that are written.
-    const Point3 origin = far_origin(figure.vertices);
+    const Point3 origin = far_origin(figure);
     ObjFile stored = figure, shown = figure;
     stored.vertices = counted_from(origin, figure.vertices);
     for (std::size_t i = 0; i < shown.vertices.size(); ++i)
@@ -410,12 +410,16 @@ int skin_figure(const Arguments& given, const ObjFile& figure, const std::vector
     const auto right = posed(figure, bones, made.value), moved = posed(shown, bones, written);
     if (!right || !moved) return fail(to_string(right ? moved.error() : right.error()));
     StoredLoss loss = loss_of(figure, *right, *moved);
-    loss.largest += rounding_of_players(stored.vertices);
+    loss.largest += rounding_of_players(shown_places(stored.vertices, stored.triangles));
     if (const std::size_t sets = joint_sets(skin); sets > 1) {
         const auto [four, made_of_four] =
             cageform::skin_weights(std::span<const double>(made.value), bones.size(), {.influences = 4});
-        if (const auto moved_by_four = posed(shown, bones, dense_weights(four, bones.size())))
-            note(figure.name + ": " + describe_sets(sets) + "a skin of four (--skin 4) is off by " +
+        const auto moved_by_four = posed(shown, bones, dense_weights(four, bones.size()));
+        const auto moved_by_first = posed(shown, bones, dense_weights(first_set(skin), bones.size()));
+        if (moved_by_four && moved_by_first)
+            note(figure.name + ": " + describe_sets(sets) + "such a player is off by " +
+                 describe(loss_of(figure, *right, *moved_by_first)) +
+                 "; a skin of four (--skin 4) is off by " +
                  describe(loss_of(figure, *right, *moved_by_four)));
     }
     if (loss.share() > StoredLoss::worth_a_warning) {

@@ -233,6 +233,24 @@ TEMPLATE_TEST_CASE("vectors of points that follow the boundary turn as it does",
     for (std::size_t i = 0; i < outside.size(); ++i) CHECK(distance(moved[i], expected[i]) <= 1e-12);
 }
 
+TEST_CASE("coordinates of any type bind vectors as their type does", "[binding][vectors]") {
+    const auto coordinates = random_coordinates<Mean<double, 3>>(8);
+    const auto points = points_within(coordinates, 8);
+    const std::array families{Points3<double>(points.size(), Vec<double, 3>{1, -2, 0.5}), points};
+    const cageform::AnyCoordinates<double, 3> any(coordinates);
+    const auto [bound, report] = bind_vectors(any, points, families);
+    const auto [expected, expected_report] = bind_vectors(coordinates, points, families);
+    REQUIRE(report.status == Status::ok);
+    for (std::size_t n = 0; n < 2; ++n) CHECK(same_bits(bound[n], expected[n]));
+
+    const cageform::AnyCoordinates<double, 3> none;
+    CHECK(bind_vectors(none, points, families).report.status == Status::coordinates_empty);
+    const cageform::AnyCoordinates<double, 3> box(
+        Mean<double, 3>(divided_box({2, 2, 2}, 1.0).mesh<double>()));
+    for (const double far : {1e-13, 0.25, 7.0}) // across a face of the box from -1 to 1
+        CHECK(std::fabs(box.distance_from_boundary({1 + far, 0.2, -0.3}) - far) <= 1e-15 * (1 + far));
+}
+
 TEST_CASE("bind_vectors tells what it cannot do", "[binding][vectors][status]") {
     const Points2<double> points{{0.2, 0.2}};
     const Polygon<double> crossing(Points2<double>{{0, 0}, {1, 1}, {1, 0}, {0, 1}});

@@ -15,7 +15,7 @@ import sys
 import tempfile
 
 PROGRAMS, SEED, COUNT = os.path.abspath(sys.argv[1]), int(sys.argv[2]), int(sys.argv[3])
-LEAST_PLACE, LEAST_TURN = 1e-6, 1e-5  # of the figure's size; radians
+PLACE_TOLERANCE, NORMAL_TOLERANCE = 1e-6, 1e-5  # of the figure's size; radians
 BOX = [(x, y, z) for z in (-1, 1) for y in (-1, 1) for x in (-1, 1)]
 FACES = ["1 3 4 2", "5 6 8 7", "1 2 6 5", "3 7 8 4", "1 5 7 3", "2 4 8 6"]
 faults = 0
@@ -103,7 +103,7 @@ def compare(what, places, normals, right_places, right_normals, size):
     off = max(math.dist(p, q) for p, q in zip(places, right_places)) / size
     turn = max(math.asin(min(1, math.sqrt(dot(c, c)))) if dot(n, m) > 0 else 3
                for n, m in zip(normals, right_normals) for c in [cross(unit(n), unit(m))])
-    check(off <= LEAST_PLACE and turn <= LEAST_TURN, "%s: places are off by %g sizes, normals by %g" % (what, off, turn))
+    check(off <= PLACE_TOLERANCE and turn <= NORMAL_TOLERANCE, "%s: places are off by %g sizes, normals by %g" % (what, off, turn))
 
 
 def test(seed):
@@ -125,7 +125,7 @@ def test(seed):
     shift = [draw.gauss(0, 1) for _ in range(3)]
     right_normals = [moved(inverse_transposed(a), n) for n in normals]
     size = math.dist(*[[pick(v[k] for v in vertices) for k in range(3)] for pick in (min, max)])
-    for offset in ([0, 0, 0], [draw.choice([-1, 1]) * 10 ** draw.uniform(2, 6) * size for _ in range(3)]):
+    for offset in ([0, 0, 0], [draw.choice([-1, 1]) * 10 ** draw.uniform(2, 7) * size for _ in range(3)]):
         def away(points):
             return [[x + o for x, o in zip(p, offset)] for p in points]
 

@@ -55,10 +55,16 @@ frames "$i" >descending.mdd
 works "times that do not ascend" "$fit" solid.obj descending.mdd -o descending.glb
 grep -q 'note: descending.mdd: the times of its frames do not ascend' log && cmp -s solid.glb descending.glb && ok=yes || ok=no
 report $ok "are those of the rate"
+head="\\000\\000\\000\\002\\000\\000\\000\\004$m$o"
+frames "$i" >before.mdd
+works "times before 0" "$fit" solid.obj before.mdd -o before.gltf
+grep -q 'note: before.mdd: the times of its frames are counted from the first, -1$' log &&
+  grep -A 99 '"accessors"' before.gltf | tr -d ' \n' | grep -q '"min":\[0.0\],"max":\[1.0\]' && ok=yes || ok=no
+report $ok "are counted from the first"
 for k in 1 2 10 12; do cp "twist_$((k % 4)).obj" "frame_$k.obj"; done
 works "frames by a pattern" "$fit" twist_0.obj frame_*.obj -o pattern.glb --bones 2
 grep -q 'note: the files were put in the order of their numbers, from frame_1.obj to frame_12.obj' log &&
-  grep -q 'note: number 3 is missing between frame_2.obj and frame_10.obj' log && ok=yes || ok=no
+  grep -q 'note: a number is missing between frame_2.obj and frame_10.obj: others are 1 apart' log && ok=yes || ok=no
 report $ok "are put in order"
 works "frames in order" "$fit" twist_0.obj frame_1.obj frame_2.obj frame_10.obj frame_12.obj -o ordered.glb --bones 2
 cmp -s pattern.glb ordered.glb && ok=yes || ok=no

@@ -146,6 +146,27 @@ TEST_CASE("weights of bones: laws", "[surface][skin][property]") {
     }
 }
 
+TEST_CASE("weights of bones: the same far from the origin", "[surface][skin][property]") {
+    const auto seed = GENERATE(cageform_tests::seeds(6));
+    CAPTURE(seed);
+    const Ring near_origin(static_cast<std::uint64_t>(seed));
+    Ring far_away = near_origin;
+    const Point shift{500000.25, -4600000.5, 3e6}; // rounds places to 1e-9
+    for (auto& v : far_away.mesh.vertices) {
+        for (std::size_t k = 0; k < 3; ++k) v[k] += shift[k];
+    }
+    for (BoneSegment& bone : far_away.bones) bone = {bone.head + shift, bone.tail + shift};
+    const auto weights = [&](const Ring& ring, const auto& skin) {
+        const auto made = skin(ring.mesh.mesh<double>().vertices(), ring.mesh.faces, ring.bones, blind);
+        REQUIRE(made.report.status == Status::ok);
+        return made.value;
+    };
+    const auto heat = [](const auto&... all) { return bone_heat(all...); };
+    const auto harmonic = [](const auto&... all) { return harmonic_skin(all...); };
+    CHECK(largest_difference(weights(near_origin, heat), weights(far_away, heat)) <= 1e-6);
+    CHECK(largest_difference(weights(near_origin, harmonic), weights(far_away, harmonic)) <= 1e-6);
+}
+
 TEST_CASE("weights of bones: a mesh and bones that mirror each other", "[surface][skin][property]") {
     // The octahedron's sphere is its own mirror image; bone 1 is that of bone 0, bone 2 of itself.
     MeshData mesh = cageform_tests::sphere(3);

@@ -128,6 +128,10 @@ done
 awk -F, -v OFS=, -v CONVFMT=%.17g -v OFMT=%.17g 'NF == 11 && $3 + 0 == $3 { $3 += 500000; $6 += 500000; $4 += 4600000; $7 += 4600000; $5 += 20; $8 += 20 } { print }' \
   character.bones.csv >far_bones.csv
 works "bones far away" "$skin" far_character.obj --bones far_bones.csv -o far_bones.gltf
+{ cat far_character.obj; echo 'v 0 0 0'; } >stray.obj
+works "bones far away, a stray vertex" "$skin" stray.obj --bones far_bones.csv -o far_stray.gltf --report
+for file in far_bones far_stray; do awk '/"translation"/ { print; left = 4; next } left-- > 0' $file.gltf >$file.places; done
+cmp far_bones.places far_stray.places && report yes stray || report no "a stray vertex changes no place"
 awk '/"translation"/ { left = 4 } left-- > 0 && $1 + 0 > 4000000 { far++ } END { exit far != 1 }' far_bones.gltf && report yes far ||
   report no "bones far away: one node alone has a place far from the origin"
 # Vertices that a file splits have the weights of one vertex: each face with vertices of its own.
@@ -136,6 +140,29 @@ awk '$1 == "v" { v[++n] = $0 } $1 == "f" { f = "f"; for (k = 2; k <= NF; k++) { 
 for weights in heat harmonic; do
   works "split vertices, $weights" "$skin" split_character.obj --bones character.bones.csv --weights $weights -o split_$weights.glb
   says_not 'is not closed'
+done
+split_apart() { # GLB   exits 0 if vertices at one place have other joints or weights than each other
+  python3 - "$1" <<'END'
+import json, struct, sys
+data = open(sys.argv[1], "rb").read()
+size = struct.unpack_from("<I", data, 12)[0]
+scene, data = json.loads(data[20:20 + size]), data[28 + size:]
+kinds = {5121: "B", 5123: "H", 5126: "f"}
+def rows(index):
+    a = scene["accessors"][index]; view = scene["bufferViews"][a["bufferView"]]
+    n = {"VEC3": 3, "VEC4": 4}[a["type"]]; kind = kinds[a["componentType"]]; width = n * struct.calcsize(kind)
+    begin = view.get("byteOffset", 0) + a.get("byteOffset", 0)
+    return [struct.unpack_from("<%d%s" % (n, kind), data, begin + i * view.get("byteStride", width)) for i in range(a["count"])]
+known = {}
+for mesh in scene["meshes"]:
+    at = mesh["primitives"][0]["attributes"]
+    for place, joints, weights in zip(rows(at["POSITION"]), rows(at["JOINTS_0"]), rows(at["WEIGHTS_0"])):
+        if known.setdefault(place, (joints, weights)) != (joints, weights): sys.exit(0)
+sys.exit(1)
+END
+}
+for weights in heat harmonic; do
+  split_apart split_$weights.glb && report no "equal places have equal weights, $weights" || report yes split
 done
 printf '%s\n' 'left,,-0.2,1,0,-0.6,1,0,0,0,0' 'right,,0.2,1,0,0.6,1,0,0,0,0' >roots.csv
 works "two bones without a parent" "$skin" character.obj --bones roots.csv --see-through -o roots.gltf

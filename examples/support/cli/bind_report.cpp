@@ -77,7 +77,8 @@ std::string describe_faults(const std::string& name, const cageform::BindReport&
     if (report.status == cageform::Status::out_of_memory && report.solver.bytes != 0) {
         std::ostringstream need;
         need << std::setprecision(2) << std::fixed << ": the grid takes "
-             << double(report.solver.bytes) / (1 << 30) << " GiB, more than is available";
+             << double(report.solver.bytes) / (1 << 30)
+             << " GiB, more than is allowed (--memory, by default half of what is free)";
         text += need.str();
         if (report.solver.sufficient_resolution != 0)
             text += "; --resolution " + std::to_string(report.solver.sufficient_resolution) + " fits";
@@ -86,7 +87,7 @@ std::string describe_faults(const std::string& name, const cageform::BindReport&
             fits << std::setprecision(2) << "; --accuracy " << report.solver.sufficient_accuracy << " fits";
             text += fits.str();
         }
-        text += "; --coordinates mean-value needs no grid";
+        text += "; --coordinates mean-value and green need no grid";
     }
     std::size_t listed = 0;
     for (const auto& fault : report.cage.faults) {

@@ -215,7 +215,8 @@ cageform::BindOptions OutsideChoice::bind_options(const ChosenCoordinates<T, D>&
         options.outside = cageform::OutsidePoints::extend;
         options.falloff = coordinates.has_extension() ? falloff : 0; // else judge() refuses
     } else if (word == "nearest" || (word == "auto" && falloff > 0) ||
-               ((word == "auto" || word == "refuse") && !coordinates.takes_sites)) { // which takes roundings
+               ((word == "auto" || word == "refuse") &&
+                !coordinates.takes_sites)) { // nearest: for places just outside
         options.outside = cageform::OutsidePoints::nearest_boundary;
         options.falloff = falloff;
     } else {
@@ -234,8 +235,11 @@ OutsideChoice::judge(const ChosenCoordinates<T, D>& coordinates, const cageform:
                               what + figure + " lie outside the " +
                               (coordinates.takes_sites ? "convex hull of " : "cage ") + cage + ", first " +
                               name_points(points, report.outside);
+    // The nearest places of many points take a while, so they are found for messages alone.
     double largest = 0;
-    for (const std::size_t i : report.outside) {
+    const bool is_told = word == "refuse" || (word == "auto" && !cage_is_made && falloff == 0);
+    for (std::size_t n = 0; is_told && n < report.outside.size(); ++n) {
+        const std::size_t i = report.outside[n];
         cageform::Vec<T, D> p{};
         if constexpr (D == 2)
             p = {T(points[i].x), T(points[i].y)};
@@ -243,10 +247,11 @@ OutsideChoice::judge(const ChosenCoordinates<T, D>& coordinates, const cageform:
             p = cageform::vec_cast<T>(points[i] - origin);
         if (cageform::is_finite(p)) largest = std::max(largest, coordinates.distance_from_boundary(p));
     }
-    const auto rest = coordinates.handles();
-    const double size = cageform::bounds_of(std::span(rest.rest, rest.count)).diagonal();
-    constexpr double rounding = 1e-12; // a place so near, relative to the size, counts as on the boundary
-    const bool some = !report.outside.empty() && (coordinates.takes_sites || largest > rounding * size);
+    // A place so near, relative to the size, counts as on the boundary.
+    constexpr double rounding = std::max(1e-12, 4 * double(std::numeric_limits<T>::epsilon()));
+    const double size = point_bounds(coordinates.handles()).diagonal();
+    const bool some =
+        !report.outside.empty() && (!is_told || coordinates.takes_sites || largest > rounding * size);
     std::ostringstream distance;
     distance.precision(2);
     distance << "; the largest distance from the boundary is " << largest;

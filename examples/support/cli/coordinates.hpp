@@ -128,6 +128,16 @@ ChosenCoordinates<T, 3> make_coordinates(const CoordinatesChoice& choice, const 
 template <class T, std::size_t D>
 ChosenCoordinates<T, D> make_coordinates(const CoordinatesChoice& choice, const SiteFile<D>& sites);
 
+/// Returns the bounds of the handles that are points; vectors of faces are not.
+template <cageform::Scalar T, std::size_t D>
+auto point_bounds(const cageform::HandleView<T, D>& handles) {
+    std::vector<cageform::Vec<T, D>> points;
+    for (std::size_t i = 0; i < handles.count; ++i) {
+        if (handles.is_point(i)) points.push_back(handles.rest[i]);
+    }
+    return cageform::bounds_of(std::span<const cageform::Vec<T, D>>(points));
+}
+
 /// Names the edge or face whose vector is a handle, by its vertices: "from vertex 1 to 2"; in space as
 /// an OBJ file counts them, "v 1, v 3, v 2".
 template <cageform::Scalar T, std::size_t D>

@@ -30,7 +30,7 @@ make_harmonic(const C& cage, const cageform::HarmonicOptions& options, double th
     const double size = cageform::bounds_of(cage.vertices()).diagonal();
     made.note = "the grid of harmonic coordinates takes about " + detail::short_number(bytes / (1 << 30)) +
                 " GiB, as the cage is " + detail::short_number(thickness) + " thick in the mean and " +
-                detail::short_number(size) + " long; --coordinates mean-value needs no grid";
+                detail::short_number(size) + " long; --coordinates mean-value and green need no grid";
     return made;
 }
 

@@ -57,7 +57,7 @@ SvgResult<cageform::PoseSamples<T, D>> sample(const ChosenCoordinates<T, D>& coo
 /// Warns of pins whose targets lie outside the box of the handles, enlarged twice about its middle.
 template <cageform::Scalar T, std::size_t D>
 void warn_of_far_targets(const cageform::HandleView<T, D>& handles, const std::vector<Pin<D>>& pins) {
-    const auto bounds = cageform::bounds_of(std::span(handles.rest, handles.count));
+    const auto bounds = point_bounds(handles);
     for (std::size_t n = 0; n < pins.size(); ++n) {
         bool is_far = false;
         for (std::size_t k = 0; k < D; ++k) {

@@ -144,7 +144,7 @@ SvgResult<std::vector<Pin<D>>> parse_pins(std::string_view text, const std::stri
         Pin<D> pin;
         pin.name = name + ':' + std::to_string(number);
         const std::string why = read_line<D>(detail::parts_of(line, ','), vertices, pin);
-        if (!why.empty()) return SvgError{pin.name + ": " + why};
+        if (!why.empty()) return SvgError{pin.name + ": " + why + detail::separator_fault(line)};
         pins.push_back(std::move(pin));
     }
     if (pins.empty()) return SvgError{name + ": holds no pins"};

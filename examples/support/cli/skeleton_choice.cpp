@@ -61,7 +61,8 @@ void round_to_single(FittedMotion& motion) {
 /// Measures the keys as a file plays them.
 void measure(const FigureFrames& frames, FittedMotion& motion) {
     StoredLoss& loss = motion.loss;
-    loss.size = cageform::bounds_of(frames.rest).diagonal();
+    loss.size =
+        cageform::bounds_of(std::span<const Point3>(shown_places(frames.rest, frames.triangles))).diagonal();
     if (!(loss.size > 0)) loss.size = cageform::bounds_of(std::span(frames.places[0])).diagonal();
     loss.poses = frames.places.size();
     std::vector<double> largest(frames.rest.size(), 0.0);
@@ -84,7 +85,7 @@ void measure(const FigureFrames& frames, FittedMotion& motion) {
             loss.time = frames.times[t];
         }
     }
-    loss.largest += rounding_of_players(frames.rest);
+    loss.largest += rounding_of_players(shown_places(frames.rest, frames.triangles));
     for (const double distance : largest) loss.mean += distance / double(largest.size());
     motion.rms = std::sqrt(squares / (double(largest.size()) * double(loss.poses)));
     if (loss.size > 0) motion.rms /= loss.size;
@@ -97,12 +98,7 @@ void note_loss_of_four(const FigureFrames& frames, const FittedMotion& motion) {
     FittedMotion of_four = motion;
     of_four.played.clear();
     of_four.loss = {};
-    auto& [influences, joints, weights] = of_four.skeleton.skin;
-    for (std::size_t first = 0; first < weights.size(); first += influences) {
-        const auto own = std::span(weights).subspan(first, influences);
-        const float sum = own[0] + own[1] + own[2] + own[3];
-        for (std::size_t k = 0; k < influences; ++k) own[k] = k < 4 && sum > 0 ? own[k] / sum : 0;
-    }
+    of_four.skeleton.skin = first_set(motion.skeleton.skin);
     measure(frames, of_four);
     note(frames.name + ": " + describe_sets(sets) + "such a player is off by " + describe(of_four.loss));
 }

@@ -19,9 +19,9 @@ std::string_view trim(std::string_view text) {
 }
 
 std::string separator_fault(std::string_view line) {
-    // Semicolons separate numbers where commas are decimal.
+    // Semicolons or tabs separate numbers where commas are decimal.
     const bool has_semicolons = line.find(';') != line.npos;
-    if (!has_semicolons && (line.find(',') != line.npos || trim(line).find('\t') == line.npos)) return {};
+    if (!has_semicolons && trim(line).find('\t') == line.npos) return {};
     return std::string("; it is separated by ") + (has_semicolons ? "semicolons" : "tabs") +
            ", and commas are read";
 }

@@ -108,6 +108,17 @@ void make_sums_exact(cageform::SkinWeights& skin) {
     }
 }
 
+cageform::SkinWeights first_set(const cageform::SkinWeights& skin) {
+    cageform::SkinWeights first = skin;
+    for (std::size_t begin = 0; begin < first.weights.size(); begin += first.influences) {
+        const auto own = std::span(first.weights).subspan(begin, first.influences);
+        float sum = 0;
+        for (std::size_t k = 0; k < own.size(); ++k) sum += k < 4 ? own[k] : 0;
+        for (std::size_t k = 0; k < own.size(); ++k) own[k] = k < 4 && sum > 0 ? own[k] / sum : 0;
+    }
+    return first;
+}
+
 double rounding_of_players(std::span<const Point3> places) {
     constexpr double roundings = 4;
     return roundings * double(std::numeric_limits<float>::epsilon()) *
@@ -148,7 +159,7 @@ std::vector<std::array<float, 4>> gltf_tangents(const GltfMesh& mesh, std::span<
                                                 std::span<const std::array<float, 3>> normals) {
     std::vector<std::array<float, 4>> tangents;
     if (!mesh.takes_tangents) return tangents;
-    std::vector<Point3> along_u(mesh.corners.size()), along_v(along_u); // sums over triangles, by area
+    std::vector<Point3> along_u(mesh.corners.size()), along_v(along_u); // sums over triangles
     for (const GltfMesh::Part& part : mesh.parts) {
         for (std::size_t n = 0; n < part.indices.size(); n += 3) {
             const std::array corners{part.indices[n][0], part.indices[n + 1][0], part.indices[n + 2][0]};
@@ -284,7 +295,9 @@ std::vector<std::string> add_materials(GltfDocument& document, const ObjParts& p
             written["normalTexture"] = {{"index", *normals.index}};
         const Texture of_emission = texture_of(material, material.emission_texture);
         if (of_emission.index) written["emissiveTexture"] = {{"index", *of_emission.index}};
-        const auto& e = material.emission;
+        constexpr std::array<double, 3> black{}, white{1, 1, 1};
+        // The picture is multiplied by Ke, which some programs leave out or black.
+        const auto& e = of_emission.index && material.emission == black ? white : material.emission;
         if (const double most = std::max({e[0], e[1], e[2]}); most > 0) {
             const double scale = std::max(most, 1.0); // 3.9.3: factors end at 1
             written["emissiveFactor"] = {e[0] / scale, e[1] / scale, e[2] / scale};

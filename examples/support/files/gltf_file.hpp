@@ -213,6 +213,9 @@ inline std::size_t joint_sets(const cageform::SkinWeights& skin) {
     return (most + 3) / 4;
 }
 
+/// The skin that players show which read the first set alone, four joints a vertex, and normalise it.
+cageform::SkinWeights first_set(const cageform::SkinWeights& skin);
+
 /// Appends the attributes of a skin, four joints a set: JOINTS_0, WEIGHTS_0, JOINTS_1, … Points without
 /// weights are given to the joint `still`. Sets without a weight are left out.
 ///

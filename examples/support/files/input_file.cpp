@@ -52,21 +52,18 @@ struct NumberedName {
     }
 };
 
-/// The first number between neighbours that differ in one number, by more than one; empty where none is
-/// missing.
-std::string missing_number(const NumberedName& a, const NumberedName& b) {
-    if (a.text != b.text) return {};
-    std::string missing;
+/// The step between neighbours that differ in one number; 0 where they differ otherwise.
+std::uint64_t step_between(const NumberedName& a, const NumberedName& b) {
+    std::uint64_t step = 0;
     std::size_t differences = 0;
     constexpr std::size_t most_digits = 15;
-    for (std::size_t k = 0; k < a.numbers.size(); ++k) {
+    for (std::size_t k = 0; a.text == b.text && k < a.numbers.size(); ++k) {
         if (a.numbers[k] == b.numbers[k]) continue;
         ++differences;
-        if (a.numbers[k].size() > most_digits || b.numbers[k].size() > most_digits) return {};
-        const std::uint64_t next = std::stoull(a.numbers[k]) + 1;
-        if (next < std::stoull(b.numbers[k])) missing = std::to_string(next);
+        if (a.numbers[k].size() > most_digits || b.numbers[k].size() > most_digits) return 0;
+        step = std::stoull(b.numbers[k]) - std::stoull(a.numbers[k]);
     }
-    return differences == 1 ? missing : std::string();
+    return differences == 1 ? step : 0;
 }
 
 } // namespace
@@ -76,16 +73,22 @@ std::vector<std::string> order_by_numbers(std::vector<std::string>& files) {
         return NumberedName(a) < NumberedName(b);
     };
     std::vector<std::string> notes;
-    if (!std::is_sorted(files.begin(), files.end())) return notes;
-    if (!std::is_sorted(files.begin(), files.end(), by_number)) {
+    const bool is_numbered = std::is_sorted(files.begin(), files.end(), by_number);
+    // Names in no order, or two of them, are in the order that the user gave.
+    if (files.size() < 3 || (!is_numbered && !std::is_sorted(files.begin(), files.end()))) return notes;
+    if (!is_numbered) {
         std::stable_sort(files.begin(), files.end(), by_number);
         notes.push_back("the files were put in the order of their numbers, from " + files.front() + " to " +
                         files.back());
     }
-    for (std::size_t k = 1; k < files.size(); ++k) {
-        const std::string number = missing_number(NumberedName(files[k - 1]), NumberedName(files[k]));
-        if (number.empty()) continue;
-        notes.push_back("number " + number + " is missing between " + files[k - 1] + " and " + files[k]);
+    std::vector<std::uint64_t> steps;
+    for (std::size_t k = 1; k < files.size(); ++k)
+        steps.push_back(step_between(NumberedName(files[k - 1]), NumberedName(files[k])));
+    const std::uint64_t least = *std::min_element(steps.begin(), steps.end());
+    for (std::size_t k = 0; least > 0 && k < steps.size(); ++k) {
+        if (steps[k] == least) continue;
+        notes.push_back("a number is missing between " + files[k] + " and " + files[k + 1] + ": others are " +
+                        std::to_string(least) + " apart");
         break;
     }
     return notes;

@@ -53,6 +53,21 @@ std::string_view other_format(std::string_view text) {
     if (begin.starts_with("glTF") || (begin.starts_with('{') && text.find("\"asset\"") != text.npos))
         return "glTF";
     if (begins_with_word("ply")) return "PLY";
+    constexpr std::pair<std::string_view, std::string_view> known[] = {
+        {"\xff\xfe", "UTF-16"},
+        {"\xfe\xff", "UTF-16"},
+        {"\x1f\x8b", "gzip"},
+        {"PK\3\4", "ZIP"},
+        {"BLENDER", "Blender"},
+        {"#usda", "USD"},
+        {"PXR-USDC", "USD"},
+        {"<?xml", "XML"},
+        {"<!DOCTYPE", "HTML"},
+        {"<html", "HTML"},
+        {"version https://git-lfs", "a pointer of Git LFS"}};
+    for (const auto& [first, format] : known) {
+        if (begin.starts_with(first)) return format;
+    }
     if (begin.starts_with("Kaydara FBX Binary") || begin.starts_with("; FBX")) return "FBX";
     for (const std::string_view word : {"OFF", "COFF", "NOFF", "STOFF", "4OFF"}) {
         if (begins_with_word(word)) return "OFF";
@@ -226,6 +241,11 @@ SvgResult<ObjFile> parse_obj(std::string text, std::string name, StrayVertices s
             (format.empty() ? "" : ": it looks like a file of the format " + std::string(format))};
     }
     if (!file.colours.empty()) file.colours.resize(file.vertices.size(), Point3{1, 1, 1});
+    for (const Point3& colour : file.colours)
+        file.has_bytes_as_colours |= std::max({colour[0], colour[1], colour[2]}) > 1;
+    for (Point3& colour : file.colours) {
+        if (file.has_bytes_as_colours && colour != Point3{1, 1, 1}) colour = (1.0 / 255) * colour;
+    }
 
     if (file.left_out.size() == file.vertices.size())
         return SvgError{file.name + ": no vertex has finite coordinates"};
@@ -303,8 +323,33 @@ bool is_mirrored(std::span<const Point3> rest, std::span<const Point3> moved) {
     return volume < -1e-9 * most;
 }
 
-Point3 far_origin(std::span<const Point3> places) {
+std::vector<Point3> shown_places(std::span<const Point3> places,
+                                 std::span<const std::array<std::uint32_t, 3>> triangles) {
+    std::vector<Point3> shown;
+    for (const auto& triangle : triangles) {
+        for (const std::uint32_t vertex : triangle) shown.push_back(places[vertex]);
+    }
+    return shown.empty() ? std::vector<Point3>(places.begin(), places.end()) : shown;
+}
+
+double size_of(const ObjFile& figure) {
+    const auto shown = shown_places(figure.vertices, figure.triangles);
+    return cageform::bounds_of(std::span<const Point3>(shown)).diagonal();
+}
+
+std::string rounding_fault(const std::string& name, std::span<const Point3> places) {
     const auto bounds = cageform::bounds_of(places);
+    constexpr double allowed = 1e-6;
+    const double rounding = 0.5 * double(std::numeric_limits<float>::epsilon()) * bounds.magnitude();
+    if (!(rounding > allowed * bounds.diagonal())) return {};
+    return name + ": is far from the origin: single precision rounds places there by up to " +
+           detail::short_number(rounding) + ", " + detail::short_number(100 * rounding / bounds.diagonal()) +
+           " % of its size; move it to the origin";
+}
+
+Point3 far_origin(const ObjFile& figure) {
+    const auto shown = shown_places(figure.vertices, figure.triangles);
+    const auto bounds = cageform::bounds_of(std::span<const Point3>(shown));
     constexpr double far_away = 8; // sizes
     const Point3 middle = 0.5 * (bounds.lower + bounds.upper);
     const bool is_near = !(std::sqrt(dot(middle, middle)) > far_away * bounds.diagonal());

@@ -65,6 +65,7 @@ struct ObjFile {
     std::string text;
     std::vector<Point3> vertices;
     std::vector<Point3> colours;       // #vertices, white where one has none; empty where none has
+    bool has_bytes_as_colours = false; // whether some colour was above 1, so that all were taken as 0 to 255
     std::vector<std::size_t> left_out; // vertices that are not finite; they stand at the first that is
     std::vector<Point3> normals;
     std::vector<ObjNumbers> numbers; // in the order of the file
@@ -150,6 +151,9 @@ std::string parse_index(std::string_view word, std::size_t so_far, std::size_t c
 std::string parse_three_numbers(std::span<const std::string_view> words, std::string_view text, Point3& point,
                                 ObjNumbers& numbers);
 
+/// The format of a text or of bytes that are no OBJ file; empty if none is recognised.
+std::string_view other_format(std::string_view text);
+
 /// Twice the area of a face times its normal, of any number of corners.
 Point3 area_vector(const ObjFace& face, std::span<const Point3> vertices);
 
@@ -186,10 +190,22 @@ std::optional<SvgError> single_precision_fault(const ObjFile& file);
 /// vertices is negative. A figure or a pose that is flat does not.
 bool is_mirrored(std::span<const Point3> rest, std::span<const Point3> moved);
 
-/// The place that files in single precision count positions from. If all places are far from the origin, it
-/// is the middle of their bounds, rounded to single precision; else the origin. So the rounding of positions
-/// is below 1e-6 of the figure's size.
-Point3 far_origin(std::span<const Point3> places);
+/// The places of the vertices that faces have, or of all where there is no face. Stray vertices say nothing
+/// about the size of a figure.
+std::vector<Point3> shown_places(std::span<const Point3> places,
+                                 std::span<const std::array<std::uint32_t, 3>> triangles);
+
+/// The diagonal of the bounds of shown_places().
+double size_of(const ObjFile& figure);
+
+/// The place that files in single precision count positions from. If the figure is far from the origin, it is
+/// the middle of the bounds of shown_places(), rounded to single precision; else the origin. So the rounding
+/// of positions is below 1e-6 of the figure's size.
+Point3 far_origin(const ObjFile& figure);
+
+/// Why single precision does not hold places far from the origin: it rounds them by more than 1e-6 of their
+/// size. Empty where it does.
+std::string rounding_fault(const std::string& name, std::span<const Point3> places);
 
 /// Places counted from another.
 std::vector<Point3> counted_from(const Point3& origin, std::span<const Point3> places);

@@ -96,47 +96,58 @@ double within(double x, double most) {
     return std::isfinite(x) ? std::clamp(x, 0.0, most) : 0;
 }
 
-/// The statements of one material in an MTL file.
+/// The statements of one material in an MTL file, without the options of pictures: tinyobjloader takes the
+/// picture's name for a number where an option has fewer numbers than it may have.
 struct MaterialText {
-    std::string_view text;
+    std::string text;
     std::vector<std::string> keywords;
     bool has_colour = false;
     std::optional<double> halo; ///< the number of `d -halo`, which tinyobjloader reads as 0
 };
+
+bool is_option(std::string_view word) {
+    return word.size() > 1 && word[0] == '-' && std::isalpha(static_cast<unsigned char>(word[1])) != 0;
+}
+
+/// Whether an option of a picture has a word or one number behind it; others have one to three numbers.
+bool takes_word(std::string_view option) {
+    for (const std::string_view one : {"-blendu", "-blendv", "-cc", "-clamp", "-imfchan", "-type", "-bm",
+                                       "-boost", "-texres", "-colorspace"}) {
+        if (option == one) return true;
+    }
+    return false;
+}
 
 /// Divides an MTL file into its materials. A byte order mark is skipped.
 std::vector<MaterialText> materials_in(std::string_view text) {
     std::vector<MaterialText> materials;
     std::vector<std::string_view> words;
     std::size_t line = 1;
-    const auto end_at = [&](std::size_t begin, std::size_t end) {
-        if (!materials.empty()) materials.back().text = text.substr(begin, end - begin);
-    };
-    std::size_t begin = 0;
     for (detail::ObjScanner scanner(text); scanner.next(words, line);) {
-        if (words[0] == "newmtl") {
-            const auto place = static_cast<std::size_t>(words[0].data() - text.data());
-            end_at(begin, place);
-            begin = place;
-            materials.emplace_back();
-            continue;
-        }
+        if (words[0] == "newmtl") materials.emplace_back();
         if (materials.empty()) continue;
         MaterialText& material = materials.back();
+        const bool is_picture = words[0].starts_with("map_") || words[0] == "norm";
+        std::size_t name = 1; // of the word after the options
+        while (is_picture && name + 1 < words.size() && is_option(words[name])) {
+            material.keywords.push_back(std::string(words[0]) + ' ' + std::string(words[name]));
+            const bool has_word = takes_word(words[name]);
+            double number = 0;
+            for (std::size_t k = 0; ++name + 1 < words.size() && k < (has_word ? 1u : 3u); ++k) {
+                if (!has_word && !detail::parse_number(words[name], number).empty()) break;
+            }
+        }
+        material.text += words[0];
+        for (; name < words.size(); ++name) (material.text += ' ') += words[name];
+        material.text += '\n';
+        if (words[0] == "newmtl") continue;
         material.keywords.emplace_back(words[0]);
         material.has_colour |= words[0] == "Kd";
         double number = 0;
         if (words[0] == "d" && words.size() > 2 && words[1] == "-halo" &&
             detail::parse_number(words[2], number).empty())
             material.halo = number;
-        // Options such as -s 2 2 1 stand before the name of a picture.
-        for (std::size_t k = 1; words[0].starts_with("map_") && k + 1 < words.size(); ++k) {
-            if (words[k].size() > 1 && words[k][0] == '-' &&
-                std::isalpha(static_cast<unsigned char>(words[k][1])))
-                material.keywords.push_back(std::string(words[0]) + ' ' + std::string(words[k]));
-        }
     }
-    end_at(begin, text.size());
     return materials;
 }
 
@@ -185,7 +196,11 @@ public:
             if (words[0] == of_object && words.size() > 1) object = name_of(words);
             if (words[0] == "usemtl") material = name_of(words);
             if (words[0] != "f") {
-                count_unused(words[0]);
+                // x y z, w or r g b: other numbers have no meaning that programs agree on.
+                const bool has_more =
+                    words[0] == "v" && words.size() != 4 && words.size() != 5 && words.size() != 7;
+                count_unused(has_more ? "v with " + std::to_string(words.size() - 1) + " numbers"
+                                      : std::string(words[0]));
                 continue;
             }
             parts_.face_objects.push_back(number_of(object, objects_, parts_.objects.size()));
@@ -194,6 +209,8 @@ public:
             if (parts_.face_materials.back() == parts_.materials.size()) add_material(material, line);
         }
         warn_of_unused();
+        if (file_.has_bytes_as_colours)
+            warn("some colours of vertices are above 1: all are taken as numbers from 0 to 255");
         return std::move(parts_);
     }
 
@@ -212,6 +229,8 @@ private:
                         ", are not in its folder: a default material is used");
         const auto text = read_file(path->string());
         if (!text) return warn(text.error().message);
+        if (const std::string_view format = detail::other_format(*text); !format.empty())
+            warn(path->string() + " looks like a file of the format " + std::string(format));
         for (const MaterialText& one : materials_in(*text)) read_material(one, path->parent_path());
     }
 
@@ -219,7 +238,7 @@ private:
     void read_material(const MaterialText& text, const fs::path& folder) {
         std::map<std::string, int> numbers;
         std::vector<tinyobj::material_t> read;
-        std::istringstream stream{std::string(text.text)};
+        std::istringstream stream{text.text};
         std::string ignored, fault;
         tinyobj::LoadMtl(&numbers, &read, &stream, &ignored, &fault);
         if (read.empty()) return;
@@ -232,11 +251,10 @@ private:
         material.normal_texture = picture(read[0].normal_texname);
         material.opaque_texture =
             material.texture.empty() || read[0].alpha_texname != read[0].diffuse_texname;
-        // Pictures are multiplied by Kd and Ke, which some programs leave out or black.
+        // A picture is multiplied by Kd, which some programs leave out or black.
         constexpr std::array<double, 3> black{}, white{1, 1, 1};
         if (!material.texture.empty() && (!text.has_colour || material.colour == black))
             material.colour = white;
-        if (!material.emission_texture.empty() && material.emission == black) material.emission = white;
         Library entry{std::move(material), text.keywords};
         if (!entry.material.opaque_texture) std::erase(entry.keywords, "map_d");
         library_.insert({entry.material.name, std::move(entry)}); // the first of a name

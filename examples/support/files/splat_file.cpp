@@ -228,6 +228,10 @@ std::optional<std::size_t> bytes_of_records(const PlyElement& element, std::stri
                 numbers = 0;
                 std::memcpy(&numbers, bytes.data() + at, width);
                 at += width;
+                const std::uint64_t sign = std::uint64_t{1} << (8 * width - 1);
+                const bool is_signed = *property.count == PlyType::int8 ||
+                                       *property.count == PlyType::int16 || *property.count == PlyType::int32;
+                if (is_signed && (numbers & sign) != 0) return std::nullopt; // a negative length
             }
             if (numbers > (bytes.size() - at) / bytes_of(property.type)) return std::nullopt;
             at += std::size_t(numbers) * bytes_of(property.type);
@@ -294,6 +298,7 @@ SvgResult<SplatFile> parse_splats(std::string bytes, std::string name, bool stri
     const std::size_t row = scene.layout.row_bytes;
     const std::uint64_t splats = header->elements[*header->splats].count;
     if (splats == 0) return fails("there is no splat in it");
+    const bool is_alone = header->elements.size() == 1;
     for (std::size_t e = 0; e < header->elements.size(); ++e) {
         const PlyElement& element = header->elements[e];
         const auto size = bytes_of_records(element, left);
@@ -303,15 +308,20 @@ SvgResult<SplatFile> parse_splats(std::string bytes, std::string name, bool stri
                          " bytes are left for them");
         }
         if (!size) return fails("is cut off in its element " + detail::quoted(element.name));
-        (e < *header->splats    ? scene.before
-         : e == *header->splats ? scene.rows
-                                : scene.after)
-            .append(left.substr(0, *size));
+        if (!is_alone)
+            (e < *header->splats    ? scene.before
+             : e == *header->splats ? scene.rows
+                                    : scene.after)
+                .append(left.substr(0, *size));
         left.remove_prefix(*size);
     }
     if (!left.empty())
         return fails("is too long: " + std::to_string(left.size()) +
                      " bytes follow the records that are announced");
+    if (is_alone) { // without a copy: scenes are large
+        bytes.erase(0, bytes.size() - std::size_t(splats) * row);
+        scene.rows = std::move(bytes);
+    }
     scene.name = name;
     const NumberFaults faults = number_faults(scene, *header);
     if (faults.splats.empty()) return scene;
@@ -362,7 +372,8 @@ SvgResult<std::string> little_endian(PlyReader& reader) {
 } // namespace
 
 SvgResult<SplatFile> load_splats(const std::filesystem::path& path, bool strict) {
-    {
+    std::error_code none;
+    if (std::filesystem::is_regular_file(path, none)) { // a pipe is read once, so it has to be little-endian
         PlyReader reader(path.string());
         if (reader.error().empty() && reader.header().encoding != PlyEncoding::little_endian) {
             auto converted = little_endian(reader);

@@ -49,8 +49,8 @@ public:
     /// Whether the coordinates have gradients: `bind` takes normals and tangents.
     bool has_gradients() const noexcept { return model_ && model_->has_gradients; }
 
-    /// Returns the distance of a finite point outside from the boundary, in the units of the cage. It is not
-    /// defined for points inside. May throw std::bad_alloc.
+    /// Returns the distance of a finite point outside from the boundary, in the units of the cage. The
+    /// distance of points inside is not defined. Costs O(#faces). May throw std::bad_alloc.
     double distance_from_boundary(const Vec<T, D>& p) const {
         return model_ ? model_->distance_from_boundary(p) : 0;
     }

@@ -16,7 +16,7 @@ using RangeBody = std::function<void(std::size_t, std::size_t)>;
 /// The type of parallel_for(count, grain, body); see core/detail/parallel.hpp.
 using ParallelFor = std::function<void(std::size_t, std::size_t, const RangeBody&)>;
 /// Called on the calling thread with the fraction done, in [0, 1] and never decreasing; returning
-/// false cancels. A computation that ends with Status::ok has reported 1.
+/// false cancels. It must not throw. A computation that ends with Status::ok has reported 1.
 using Progress = std::function<bool(double)>;
 
 /// How a computation runs. Its result does not depend on this, unless the progress callback

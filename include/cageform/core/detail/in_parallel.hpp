@@ -34,7 +34,7 @@ inline void report_progress([[maybe_unused]] const Running& running, [[maybe_unu
 /// Divides [0, count) into runs, whose lengths do not depend on the threads, and returns what was made for
 /// each run, in order.
 ///
-///   least    the shortest run, but for the last; runs are longer if there would be more than 64
+///   least    the shortest run, but for the last; runs are longer if there would be more than 256
 ///   work_of  work_of(): a work; work(begin, end, part) fills the part of a run. The loop makes
 ///            one work for all runs that it calls together
 ///   fails    throws Cancelled where the progress callback cancels, which is called after each run of the
@@ -42,7 +42,7 @@ inline void report_progress([[maybe_unused]] const Running& running, [[maybe_unu
 template <class Part, class WorkOf>
 std::vector<Part> in_runs(const Running& running, std::size_t count, std::size_t least,
                           const WorkOf& work_of) {
-    const std::size_t run = (std::max)(least, (count + 63) / 64);
+    const std::size_t run = (std::max)(least, (count + 255) / 256);
     std::vector<Part> parts((count + run - 1) / run);
     std::atomic<std::size_t> done{0};
     std::atomic<bool> stopped{false};
@@ -60,7 +60,7 @@ std::vector<Part> in_runs(const Running& running, std::size_t count, std::size_t
         }
     });
 #if defined(__cpp_exceptions)
-    if (stopped) throw Cancelled{};
+    if (stopped || !running.keep_going(1)) throw Cancelled{};
 #endif
     return parts;
 }
@@ -76,7 +76,8 @@ Status for_each_block(std::size_t blocks, const Running& running, const Body& bo
     for (std::size_t begin = 0, count = 0; begin < blocks; begin += count) {
         const double start = seconds_now();
         count = (std::min)(step, blocks - begin);
-        in_parallel(running, count, grain, [&](std::size_t b, std::size_t e) { body(begin + b, begin + e); });
+        const std::size_t piece = std::clamp<std::size_t>(count / grain, 1, grain); // work for many threads
+        in_parallel(running, count, piece, [&](std::size_t b, std::size_t e) { body(begin + b, begin + e); });
         if (!running.keep_going(double(begin + count) / double(blocks))) return Status::cancelled;
         const double taken = seconds_now() - start;
         if (taken > long_step)

@@ -1,6 +1,7 @@
 // Checks a mesh, and computes the cotangent weights of its edges.
 #pragma once
 
+#include <cageform/core/detail/bounds.hpp>
 #include <cageform/core/result.hpp>
 #include <cageform/fields/detail/intrinsic_mesh.hpp>
 #include <cageform/fields/types/cotangent_weights.hpp>
@@ -21,15 +22,16 @@ std::vector<Vec<double, 3>> positions_in_space(const R& vertices) {
     return positions;
 }
 
-/// Returns a power of two; dividing by it makes the largest coordinate at most 1.
+/// Returns a power of two; dividing by it makes the longest side of the bounding box at most 2, wherever the
+/// box lies.
 template <Scalar T>
 double surface_unit(std::span<const Vec<T, 3>> vertices) noexcept {
-    double largest = 0;
-    for (const auto& v : vertices) {
-        for (std::size_t k = 0; k < 3; ++k) largest = std::fmax(largest, std::fabs(double(v[k])));
-    }
+    const auto bounds = bounds_of(vertices);
+    double longest = 0;
+    for (std::size_t k = 0; k < 3 && !vertices.empty(); ++k)
+        longest = std::fmax(longest, 0.5 * double(bounds.upper[k]) - 0.5 * double(bounds.lower[k]));
     int exponent = 0;
-    std::frexp(largest, &exponent);
+    std::frexp(longest, &exponent);
     return std::ldexp(1.0, (std::min)(exponent, 1023));
 }
 

@@ -61,7 +61,8 @@ public:
             std::uint32_t number = first;
             const Running of_round = running_.subtask(round / most_rounds, (round + 1) / most_rounds);
             ++round;
-            for (const Demands& part : demands_of(first, last, of_round)) {
+            for (const Demands& part : demands_of(first, last, of_round.subtask(0, 0.5))) {
+                report_progress(of_round, 0.5 + 0.5 * double(number - first) / double(last - first));
                 thin_.insert(thin_.end(), part.thin.begin(), part.thin.end());
                 for (const auto& demand : part.list) {
                     split_if_too_large(cells.cell(number++), demand);

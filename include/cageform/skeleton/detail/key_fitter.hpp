@@ -176,8 +176,8 @@ private:
     static double cosine_of_half(const Quaternion<double>& a, const Quaternion<double>& b) {
         return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3];
     }
-    /// Whether rotations of a range differ by more than 90° between two frames. Keys farther apart leave
-    /// players by chord behind, and the way between keys 180° apart is undefined.
+    /// Whether rotations of a range differ by more than 90° between two frames. Between keys farther apart,
+    /// nlerp and slerp differ much. The way between keys 180° apart is undefined.
     bool turns_far(std::size_t from, std::size_t to, const Range& range) const {
         constexpr double cosine_of_45 = 0.70710678118654752;
         for (const std::size_t at : {NodeTransform::rotation, NodeTransform::axes}) {
