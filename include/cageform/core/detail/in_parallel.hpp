@@ -8,10 +8,15 @@
 #include <algorithm>
 #include <atomic>
 #include <cstddef>
-#include <thread>
 #include <vector>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
+
+/// Returns an address that differs for every thread.
+inline const void* this_thread() noexcept {
+    static thread_local char position;
+    return &position;
+}
 
 /// Calls the caller's parallel_for, or the serial loop if none was given.
 template <class Body>
@@ -46,17 +51,18 @@ std::vector<Part> in_runs(const Running& running, std::size_t count, std::size_t
     std::vector<Part> parts((count + run - 1) / run);
     std::atomic<std::size_t> done{0};
     std::atomic<bool> stopped{false};
-    const auto caller = std::this_thread::get_id();
+    const void* const caller = this_thread();
+#if defined(__cpp_exceptions)
+    constexpr bool throws = true;
+#else
+    constexpr bool throws = false;
+#endif
     in_parallel(running, parts.size(), 1, [&](std::size_t first, std::size_t last) {
         auto work = work_of();
         for (std::size_t n = first; n < last && !stopped; ++n) {
             work(n * run, (std::min)((n + 1) * run, count), parts[n]);
             const double share = double(++done) / double(parts.size());
-#if defined(__cpp_exceptions)
-            if (std::this_thread::get_id() == caller && !running.keep_going(share)) stopped = true;
-#else
-            (void)share;
-#endif
+            if (this_thread() == caller && throws && !running.keep_going(share)) stopped = true;
         }
     });
 #if defined(__cpp_exceptions)

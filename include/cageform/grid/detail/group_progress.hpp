@@ -1,19 +1,13 @@
 // The progress and the end of groups that are solved on several threads.
 #pragma once
 
-#include <cageform/core/running.hpp>
+#include <cageform/core/detail/in_parallel.hpp>
 
 #include <algorithm>
 #include <atomic>
 #include <cstddef>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
-
-/// Returns an address that differs for every thread.
-inline const void* this_thread() noexcept {
-    static thread_local char position;
-    return &position;
-}
 
 /// The progress of groups that are solved on several threads. Construct it on the calling thread;
 /// only that thread calls the caller's progress function.
