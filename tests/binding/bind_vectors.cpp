@@ -5,6 +5,7 @@
 #include "../support/figures.hpp"
 #include "../support/weights.hpp"
 
+#include <cageform/binding/any_coordinates.hpp>
 #include <cageform/binding/bind.hpp>
 #include <cageform/clone/clone.hpp>
 #include <cageform/coordinates/barycentric.hpp>
@@ -241,7 +242,8 @@ TEST_CASE("coordinates of any type bind vectors as their type does", "[binding][
     const auto [bound, report] = bind_vectors(any, points, families);
     const auto [expected, expected_report] = bind_vectors(coordinates, points, families);
     REQUIRE(report.status == Status::ok);
-    for (std::size_t n = 0; n < 2; ++n) CHECK(same_bits(bound[n], expected[n]));
+    const auto pose = shaken(coordinates.handles(), 0.1, 8);
+    for (std::size_t n = 0; n < 2; ++n) CHECK(cloned(bound[n], pose) == cloned(expected[n], pose));
 
     const cageform::AnyCoordinates<double, 3> none;
     CHECK(bind_vectors(none, points, families).report.status == Status::coordinates_empty);
