@@ -2266,8 +2266,8 @@ for program in adaptive_grid animate_svg bezier_tables bind_mesh bind_tiles boun
   grep -q 'support/\|\.hpp' log && ok=no || ok=yes
   report $ok "the help of $program names no source file"
   if [ "$program" != pose_cage ] && grep -q -- '--coordinates' log; then # which has no default
-    grep -q -- '--coordinates .*[[=]mean-value' log && grep -q -- '--resolution .*128 in the plane, 64 in space' log &&
-      grep -q -- '--tolerance .*[[=]1e-06' log && grep -q -- '--solver .*[[=]multigrid' log && ok=yes || ok=no
+    grep -q -- '--coordinates .*[=[]mean-value' log && grep -q -- '--resolution .*128 in the plane, 64 in space' log &&
+      grep -q -- '--tolerance .*[=[]1e-06' log && grep -q -- '--solver .*[=[]multigrid' log && ok=yes || ok=no
     report $ok "the defaults of $program are those of all"
   fi
   case $program in make_cage | make_box) continue ;; esac # which take none

@@ -265,7 +265,7 @@ told=
 
 # ---- none is forgotten ----
 without_inputs="bezier_tables make_character make_hand hand_sheet sibson_figures"
-# Options whose words are no files.
+# Options whose words are no files. Those with a default are none either: CLI11 of Debian 13 writes TEXT [default].
 words="--lattice --slice --zoom --margin --mirror --move --turn --scale --bend --twist --surround --point --at --values --css --bezier --curve
   --pin --hold --track --pinned --rows --knots --conditions --norm --blue --red --from --make --size --cells --divisions --bones --vertices --volume --area"
 for file in "$programs"/*; do
@@ -278,7 +278,7 @@ for file in "$programs"/*; do
     *" $program "*) ;;
     *) grep -qx "$program" formed || { ok=no; echo "no form of it is in files.sh" >>log; } ;;
   esac
-  for option in $(sed -n 's/^ *\(-[^ ]*\) TEXT\( .*\)*$/\1/p' log); do
+  for option in $(sed -n '/ TEXT \[/d; s/^ *\(-[^ ]*\) TEXT\( .*\)*$/\1/p' log); do
     known=no
     for name in $(echo "$option" | tr , ' '); do
       grep -qxF -- "$program $name" covered && known=yes
