@@ -147,7 +147,7 @@ TEST_CASE("weights of bones: laws", "[surface][skin][property]") {
 }
 
 TEST_CASE("weights of bones: the same far from the origin", "[surface][skin][property]") {
-    const auto seed = GENERATE(cageform_tests::seeds(6));
+    const auto seed = GENERATE(seeds(6));
     CAPTURE(seed);
     const Ring near_origin(static_cast<std::uint64_t>(seed));
     Ring far_away = near_origin;

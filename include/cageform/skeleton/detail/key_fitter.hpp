@@ -12,8 +12,9 @@ namespace cageform::inline CAGEFORM_ABI::detail {
 /// channels so far may be the share of the distance that their weights are of its sum; keys are as far apart
 /// as that allows. With a key in each frame a bone would be at its place whatever its parent does, as local
 /// transforms are those to the parent as it is played. So the errors of a chain do not add up, and the figure
-/// is within the distance when all bones are done. Rotations without tangents keep the distance both by slerp
-/// and by nlerp. Neighbouring keys are at most 90° apart, unless neighbouring frames are farther apart.
+/// is within the distance when all bones are done. Rotations without tangents keep the distance by slerp, and
+/// those of each bone also by nlerp. Neighbouring keys are at most 90° apart, unless neighbouring frames are
+/// farther apart.
 class KeyFitter {
 public:
     using Map = FittedSkeleton<double>::Map;
