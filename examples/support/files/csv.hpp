@@ -42,8 +42,8 @@ std::string short_number(double number);
 /// Returns why a number is not finite in single precision; empty if it is.
 std::string single_precision_fault(double number);
 
-/// "; it is separated by semicolons, and commas are read" of a line without commas, by tabs likewise; else
-/// empty.
+/// Returns a hint if a line has semicolons or tabs: "; it is separated by tabs, and commas are read".
+/// Otherwise the text is empty. For messages on a line that cannot be read.
 std::string separator_fault(std::string_view line);
 
 /// "x,y" or "x,y,z"; an empty reason is success.

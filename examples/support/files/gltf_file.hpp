@@ -181,9 +181,9 @@ GltfJson gltf_attributes(GltfDocument& document, const GltfMesh& mesh, const Obj
 GltfJson gltf_primitives(GltfDocument& document, const GltfMesh& mesh, const GltfJson& attributes,
                          const GltfJson& targets = {});
 
-/// Appends the materials, with the pictures of their textures, which the file then holds. A picture of a
-/// colour whose alpha `map_d` names makes a material of alphaMode BLEND. Returns warnings, of pictures that
-/// are left out.
+/// Appends the materials, with the pictures of their textures, which the file then holds. If `map_d` names
+/// the picture of the colour and the picture has alpha, the material gets alphaMode BLEND. Returns warnings
+/// of pictures that are left out.
 ///
 ///   textured   whether the meshes have texture coordinates
 std::vector<std::string> add_materials(GltfDocument& document, const ObjParts& parts, bool textured);
@@ -196,12 +196,12 @@ std::vector<std::string> add_materials(GltfDocument& document, const ObjParts& p
 cageform::Result<cageform::GltfTrack, cageform::ExchangeReport>
 gltf_track(const PoseClip& clip, std::span<const double> values, std::size_t components);
 
-/// Rounds weights to multiples of 2^-24, so that those of a point sum to 1 without an error, which would move
-/// the point by a share of its distance from the origin.
+/// Rounds weights to multiples of 2^-24, so that the weights of each point sum to exactly 1. An error of the
+/// sum would move the point by that share of its distance from the origin.
 void make_sums_exact(cageform::SkinWeights& skin);
 
-/// How far a player that computes in single precision may be off beside what the file is: some roundings of
-/// the largest coordinate.
+/// The largest error of a player that computes in single precision: a few roundings of the largest
+/// coordinate.
 double rounding_of_players(std::span<const Point3> places);
 
 /// How many sets of four joints a skin fills: the last that has a weight.
@@ -213,7 +213,8 @@ inline std::size_t joint_sets(const cageform::SkinWeights& skin) {
     return (most + 3) / 4;
 }
 
-/// The skin that players show which read the first set alone, four joints a vertex, and normalise it.
+/// Some players read only the first set, four joints a vertex, and normalise its weights. Returns the skin
+/// that they show.
 cageform::SkinWeights first_set(const cageform::SkinWeights& skin);
 
 /// Appends the attributes of a skin, four joints a set: JOINTS_0, WEIGHTS_0, JOINTS_1, … Points without

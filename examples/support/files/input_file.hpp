@@ -54,10 +54,11 @@ private:
     cageform::detail::MemoryHash hash_; // of the bytes read so far
 };
 
-/// Puts the files of a sequence in the order of their numbers, frame_2 before frame_10, where they have the
-/// order of a shell pattern, which sorts by letters. Files in any other order are left as they are.
+/// Sorts the files of a sequence by their numbers. Shell patterns sort names by letters: frame_10 before
+/// frame_2. Three or more files in that order are sorted. Files in any other order keep it.
 ///
-///   returns   notes: that files were moved, and a number that is missing among names that differ by one
+///   returns   notes. One says that files were reordered. Another names the files between which a number is
+///             missing, if the other numbers rise by one step
 std::vector<std::string> order_by_numbers(std::vector<std::string>& files);
 
 /// The lines of a file, or of a pipe, one after the other; memory holds little more than one of them.

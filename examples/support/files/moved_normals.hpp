@@ -13,9 +13,9 @@ std::optional<Point3> moved_normal(const Jacobian3& jacobian, const Point3& n);
 ///
 ///   - With Jacobians, by their inverse transposes. A normal of several vertices is the mean of those of its
 ///     vertices; of_corner() tells them apart.
-///   - Without, or where they have no inverse, as the faces turn that have the normal at a corner: by the
-///     smallest rotation between the sums of their normals, weighted by area, before and after. If the
-///     deformation mirrors the file, these sums are taken from the other side of the faces.
+///   - Without invertible Jacobians, a normal turns with its faces. The normals of its faces are summed,
+///     weighted by area, before and after. The smallest rotation between both sums turns the normal. If the
+///     deformation mirrors the file, the sum after it is reversed.
 ///   - A normal that no face has, or whose faces sum up to nothing, stays.
 class MovedNormals {
 public:

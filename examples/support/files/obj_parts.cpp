@@ -53,13 +53,11 @@ std::optional<fs::path> file_inside(const fs::path& folder, std::string name) {
 }
 
 /// Statements, as words, and their place in a glTF file.
+///
+///   fate   carried: the glTF file has it. counted: reports count it. warned: a warning names it if unused
 struct Statement {
     std::string_view words, place;
-    enum {
-        carried,
-        counted,
-        warned
-    } fate = carried; ///< where they are not used: in reports, or in a warning
+    enum { carried, counted, warned } fate = carried;
 };
 constexpr Statement statements[] = {
     {"v", "POSITION; three more numbers of a vertex: COLOR_0, from sRGB to linear"},

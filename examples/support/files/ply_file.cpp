@@ -23,18 +23,24 @@ double number_at(const char* bytes, bool swapped) {
     return double(std::bit_cast<X>(of_number));
 }
 
-double number_at(const char* bytes, PlyType type, bool swapped) {
+/// Calls f with a number of a type.
+template <class F>
+auto with_type(PlyType type, const F& f) {
     switch (type) {
-    case PlyType::int8: return number_at<std::int8_t>(bytes, swapped);
-    case PlyType::uint8: return number_at<std::uint8_t>(bytes, swapped);
-    case PlyType::int16: return number_at<std::int16_t>(bytes, swapped);
-    case PlyType::uint16: return number_at<std::uint16_t>(bytes, swapped);
-    case PlyType::int32: return number_at<std::int32_t>(bytes, swapped);
-    case PlyType::uint32: return number_at<std::uint32_t>(bytes, swapped);
-    case PlyType::float32: return number_at<float>(bytes, swapped);
-    case PlyType::float64: return number_at<double>(bytes, swapped);
+    case PlyType::int8: return f(std::int8_t{});
+    case PlyType::uint8: return f(std::uint8_t{});
+    case PlyType::int16: return f(std::int16_t{});
+    case PlyType::uint16: return f(std::uint16_t{});
+    case PlyType::int32: return f(std::int32_t{});
+    case PlyType::uint32: return f(std::uint32_t{});
+    case PlyType::float32: return f(float{});
+    case PlyType::float64: break;
     }
-    return 0;
+    return f(double{});
+}
+
+double number_at(const char* bytes, PlyType type, bool swapped) {
+    return with_type(type, [&](auto number) { return number_at<decltype(number)>(bytes, swapped); });
 }
 
 template <class X>
@@ -90,16 +96,7 @@ std::string_view name_of(PlyType type) {
 }
 
 void append_number(std::string& bytes, PlyType type, double number) {
-    switch (type) {
-    case PlyType::int8: return append_as<std::int8_t>(bytes, number);
-    case PlyType::uint8: return append_as<std::uint8_t>(bytes, number);
-    case PlyType::int16: return append_as<std::int16_t>(bytes, number);
-    case PlyType::uint16: return append_as<std::uint16_t>(bytes, number);
-    case PlyType::int32: return append_as<std::int32_t>(bytes, number);
-    case PlyType::uint32: return append_as<std::uint32_t>(bytes, number);
-    case PlyType::float32: return append_as<float>(bytes, number);
-    case PlyType::float64: return append_as<double>(bytes, number);
-    }
+    with_type(type, [&](auto as) { append_as<decltype(as)>(bytes, number); });
 }
 
 std::size_t bytes_of(PlyType type) {

@@ -155,8 +155,8 @@ std::string name_at(const Header& header, std::size_t offset) {
     return {};
 }
 
-/// Splats with a number that is not finite: an infinite opacity is a splat that is opaque or takes no light,
-/// and a scale of -inf a flat one.
+/// Splats with a number that is not finite. Infinite opacities are allowed: opaque or transparent splats.
+/// Scales of -inf are allowed: flat splats.
 struct NumberFaults {
     std::vector<std::size_t> splats; // ascending
     std::string first;               // "splat 3 (counted from 0): x is not a finite number"

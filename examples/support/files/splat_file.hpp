@@ -72,10 +72,10 @@ struct SplatFile {
 
 /// A scene from the bytes of a binary little-endian file.
 ///
-///   name     stands before every message
-///   strict   fails on a splat with a number that is not finite, in place of leaving it out
-///   fails    where it is no such PLY file as splat_format says, is cut off, or all splats have numbers that
-///            are not finite: the message names the property, or the splat, counted from 0
+///   name     stands before every message.
+///   strict   whether a splat with a number that is not finite is an error. Else that splat is left out.
+///   fails    if the bytes are not as splat_format says, if the file is cut off, or if no splat is finite.
+///            The message names the property, or the number of the splat, counted from 0.
 SvgResult<SplatFile> parse_splats(std::string bytes, std::string name, bool strict = false);
 
 /// Works as parse_splats(), from a file of any encoding; fails also where it cannot be read.
