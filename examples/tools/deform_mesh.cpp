@@ -22,7 +22,6 @@
 #include "cli/view_choice.hpp"
 #include "files/atomic_file.hpp"
 #include "files/medit_file.hpp"
-#include "files/moved_normals.hpp"
 #include "files/obj_parts.hpp"
 #include "pictures/mesh_picture.hpp"
 
@@ -227,10 +226,6 @@ int deform_figure(const Arguments& given, const ObjFile& figure, MeshControl con
              ", and its faces look inwards; --flip-faces turns the faces over");
     if (jacobians.empty() && !figure.normals.empty() && !folds.unknown.empty())
         note(figure.name + ": its normals turn with the faces: " + folds.unknown);
-    constexpr double notable = 10; // degrees
-    if (const double spread = MovedNormals(figure, {moved, jacobians}).spread(); spread > notable)
-        note(given.out + ": faces share normals that the pose turns apart, by up to " +
-             detail::short_number(spread) + " degrees from their means, which are written");
     OutputFiles outputs;
     const std::string text = to_text(figure, {moved, jacobians});
     outputs.add(given.out).write(given.flips_faces ? with_faces_turned_over(text) : text);

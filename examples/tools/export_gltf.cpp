@@ -535,7 +535,8 @@ int export_figure(const Arguments& given, const Scene& scene) {
         const cageform::Running running{.progress = bar.callback()};
         const bool turns = given.morph && !figure.normals.empty() && coordinates.has_gradients();
         if (turns) (void)coordinates.solve(running.subtask(0, 0.5)); // once for both
-        bound = coordinates.bind(figure.vertices, options, running.subtask(turns ? 0.5 : 0, turns ? 0.7 : 1));
+        bound = coordinates.bind(given.morph ? figure.vertices : joined_places(figure), options,
+                                 running.subtask(turns ? 0.5 : 0, turns ? 0.7 : 1));
         if (turns && bound.report.status == Status::ok) {
             auto bound_axes = coordinates.bind_jacobians(figure.vertices, options, running.subtask(0.7, 1));
             if (!bound_axes)

@@ -163,8 +163,7 @@ std::string why_not(const Arguments& given, const ObjFile& figure, const std::ve
            ": " + cageform::to_string(report.status);
 }
 
-/// A figure whose vertices at one place are one. Files split them where normals or texture coordinates
-/// differ, and equal places have to get equal weights.
+/// A figure whose vertices with one joined_places() are one, so that they get equal weights.
 struct WeldedMesh {
     std::vector<Point3> places;
     std::vector<std::uint32_t> first;                    // #places: a vertex of the file there
@@ -175,8 +174,9 @@ struct WeldedMesh {
 WeldedMesh welded(const ObjFile& figure) {
     WeldedMesh mesh;
     std::map<std::array<double, 3>, std::uint32_t> known;
-    for (std::uint32_t v = 0; v < figure.vertices.size(); ++v) {
-        const Point3& p = figure.vertices[v];
+    const std::vector<Point3> joined = joined_places(figure);
+    for (std::uint32_t v = 0; v < joined.size(); ++v) {
+        const Point3& p = joined[v];
         const auto [at, is_new] = known.insert({{p[0], p[1], p[2]}, std::uint32_t(mesh.places.size())});
         mesh.place_of.push_back(at->second);
         if (!is_new) continue;

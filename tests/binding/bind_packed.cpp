@@ -92,6 +92,7 @@ TEMPLATE_TEST_CASE("pack of coordinates and points makes what bind and pack make
         const cageform::Polygon<T> star(random_star<T>(seed));
         Points2<T> points;
         for (int n = 0; n < 211; ++n) points.push_back(random_inside(star, random, 1e-4));
+        for (int n = 0; n < 90; ++n) points.push_back(points[std::size_t(random.uniform(0, 30))]); // seams
         points.push_back(star[0]);
         points.push_back(T(30) * star[1]);
         points.push_back({std::numeric_limits<T>::quiet_NaN(), T(0)});

@@ -25,19 +25,21 @@ namespace {
 
 const auto formats = {WeightFormat::scalar, WeightFormat::half, WeightFormat::int16, WeightFormat::int8};
 
-/// A random cage with points inside and about it, bound by mean value coordinates.
+/// A random cage with points inside and about it, bound by mean value coordinates. With `most` above 1, random
+/// points are there up to `most` times, and one 50 times.
 template <class T, std::size_t D>
 struct Bound {
     std::vector<Vec<T, D>> handles, points;
     Binding<T, D> binding;
 
-    explicit Bound(std::uint64_t seed) {
+    explicit Bound(std::uint64_t seed, std::size_t most = 1) {
         if constexpr (D == 2) {
             handles = random_star<T>(seed);
             const cageform::Polygon<T> cage(handles);
             Random random(seed + 7);
             for (int i = 0; i < 300; ++i) points.push_back(random_inside(cage, random, 0));
             points.push_back(cage[0]);
+            repeat(seed, most);
             binding = cageform::bind(cageform::MeanValueCoordinates<T, 2>(cage), points).value;
         } else {
             const auto data = random_large_mesh(seed);
@@ -48,9 +50,19 @@ struct Bound {
                     points.push_back(cageform::vec_cast<T>(p));
             }
             points.push_back(handles[0]);
+            repeat(seed, most);
             binding = cageform::bind(cageform::MeanValueCoordinates<T, 3>(mesh), points).value;
         }
         REQUIRE(binding.point_count() == points.size());
+    }
+
+    void repeat(std::uint64_t seed, std::size_t most) {
+        if (most == 1) return;
+        std::mt19937_64 random(seed);
+        const auto single = points;
+        for (const auto& p : single) points.insert(points.end(), random() % most, p);
+        points.insert(points.end(), 49, single[7]);
+        std::shuffle(points.begin(), points.end(), random);
     }
 
     std::vector<double> row(std::size_t i) const {
@@ -211,6 +223,38 @@ TEMPLATE_TEST_CASE("every point keeps its largest weights, within what restoring
     std::vector<char> there(view.points, 0);
     for (std::size_t place = 0; place < view.points; ++place) there[view.order[place]] = 1;
     CHECK(std::count(there.begin(), there.end(), 1) == std::ptrdiff_t(view.points));
+}
+
+TEMPLATE_TEST_CASE("seams stay closed: points at one place keep equal weights, whatever their blocks",
+                   "[pack][sparse][property]", Float2, Double3) {
+    using T = typename TestType::T;
+    constexpr std::size_t D = TestType::D;
+    const auto seed = GENERATE(range(60, 64));
+    CAPTURE(seed);
+    const Bound<T, D> bound(std::uint64_t(seed), 7);
+    Random random(std::uint64_t(seed) + 1);
+    auto pose = bound.handles;
+    for (auto& p : pose) {
+        for (std::size_t k = 0; k < D; ++k) p[k] += T(random.uniform(-1, 1));
+    }
+    double size = 0;
+    for (const auto& p : pose) size = std::fmax(size, std::sqrt(double(dot(p, p))));
+    for (const PackOptions& options :
+         {PackOptions{.largest = D + 1}, PackOptions{.largest = 6, .threshold = 0.02}}) {
+        const auto packed = pack(bound.binding, options);
+        REQUIRE(packed.report.status == Status::ok);
+        const auto moved = cloned(packed.value, pose);
+        std::map<std::array<T, D>, Vec<T, D>> place_of;
+        double apart = 0;
+        for (std::size_t n = 0; n < moved.size(); ++n) {
+            std::array<T, D> at{};
+            for (std::size_t k = 0; k < D; ++k) at[k] = bound.points[n][k];
+            const Vec<T, D> gap = place_of.insert({at, moved[n]}).first->second - moved[n];
+            apart = std::fmax(apart, std::sqrt(double(dot(gap, gap))));
+        }
+        CHECK(place_of.size() < moved.size() / 2);
+        CHECK(apart <= 16 * double(epsilon<T>) * size); // rows are summed in another order
+    }
 }
 
 TEMPLATE_TEST_CASE("more weights, and finer ones, make smaller errors", "[pack][report]", Float3, Double3) {

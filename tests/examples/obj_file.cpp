@@ -330,6 +330,49 @@ TEST_CASE("OBJ files that cannot be read are named", "[examples][obj]") {
     CHECK(to_string(folder.error()) == ".: is a folder");
 }
 
+TEST_CASE("normals that several vertices share are exact at each of them", "[examples][obj]") {
+    const auto seed = GENERATE(seeds(20));
+    CAPTURE(seed);
+    std::mt19937_64 random(static_cast<unsigned>(seed));
+    std::normal_distribution<double> normal;
+    const bool is_affine = seed % 2 == 0;
+    std::string text = cube + "vt 0 0\nf -8/1/-6 -7/1/2 -6//-1\nvn 1 1 0 # last\nf 1//-1 2//7 3\n";
+    if (seed % 3 == 0) text.insert(text.find("vn 0 -1"), " \\\r\n\tg vn\r\n ");
+    const ObjFile file = parsed(text);
+    std::array<Point3, 4> linear, square;
+    for (std::size_t k = 0; k < 4; ++k) {
+        for (std::size_t c = 0; c < 3; ++c) {
+            linear[k][c] = normal(random) + (k == c ? 3 : 0);
+            square[k][c] = is_affine ? 0 : 0.3 * normal(random);
+        }
+    }
+    std::vector<Point3> places;
+    std::vector<Jacobian3> jacobians;
+    for (const Point3& p : file.vertices) {
+        Point3 moved = linear[3];
+        for (std::size_t k = 0; k < 3; ++k) moved = moved + p[k] * linear[k] + (p[k] * p[k]) * square[k];
+        places.push_back(moved);
+        auto& jacobian = jacobians.emplace_back();
+        for (std::size_t k = 0; k < 3; ++k) jacobian[k] = linear[k] + 2 * p[k] * square[k];
+    }
+    const ObjFile again = parsed(to_text(file, {places, jacobians}));
+    CHECK(again.vertices == places);
+    CHECK((again.normals.size() == file.normals.size()) == is_affine);
+    REQUIRE(again.faces.size() == file.faces.size());
+    for (std::size_t f = 0; f < file.faces.size(); ++f) {
+        REQUIRE(again.faces[f].corners.size() == file.faces[f].corners.size());
+        for (std::size_t c = 0; c < file.faces[f].corners.size(); ++c) {
+            const ObjCorner &rest = file.faces[f].corners[c], &now = again.faces[f].corners[c];
+            CHECK(now.vertex == rest.vertex);
+            REQUIRE((now.normal == ObjCorner::none) == (rest.normal == ObjCorner::none));
+            if (rest.normal == ObjCorner::none) continue;
+            const auto expected = moved_normal(jacobians[rest.vertex], file.normals[rest.normal]);
+            REQUIRE(expected);
+            CHECK(distance(again.normals[now.normal], *expected) < 1e-12);
+        }
+    }
+}
+
 TEST_CASE("no text, however broken, ends the OBJ reader", "[examples][obj][fuzz]") {
     const auto seed = GENERATE(seeds(300));
     CAPTURE(seed);

@@ -57,7 +57,8 @@ class Program:
         return [*CLANG, "-O1", "-Wno-c++11-narrowing", "-ferror-limit=0", "-D_GLIBCXX_ASSERTIONS", "-pthread",
                 "-DCATCH_CONFIG_EXTERNAL_INTERFACES", f'-DCAGEFORM_TEST_DATA="{ROOT}/tests/data"',
                 f"-DCAGEFORM_MUTANTS={self.size}", "-include", str(ROOT / "tests/mutants/mutant.hpp"),
-                "-I", str(WORK / "include"), "-I", str(ROOT / "tests"), *EIGEN, *self.flags]
+                "-I", str(WORK / "include"), "-I", str(ROOT / "tests"),
+                "-I", str(ROOT / "examples/support"), *EIGEN, *self.flags]
 
     def build(self, headers, mutants):
         """Compiles all tests as one file until that goes, each time without the mutants at whose lines errors

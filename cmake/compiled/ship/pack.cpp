@@ -7,7 +7,7 @@ namespace cageform::inline CAGEFORM_ABI::detail {
 
 #define CAGEFORM_PACK(T, D)                                                                                  \
     CAGEFORM_COMPILE Result<PackedBinding<T, D>, PackReport> pack_binding(                                   \
-        const BindingView<T, D>&, const PackOptions&, const Running&);                                       \
+        const BindingView<T, D>&, const PackOptions&, const Running&, std::span<const char>);                \
     CAGEFORM_COMPILE Status pack_parts(const FigureBinding<T, D>&, const FigurePackOptions&, const Running&, \
                                        Result<PackedFigure<T, D>, FigurePackReport>&);
 CAGEFORM_PACK(CAGEFORM_T, CAGEFORM_D)

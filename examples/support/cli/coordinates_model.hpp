@@ -25,12 +25,14 @@ make_harmonic(const C& cage, const cageform::HarmonicOptions& options, double th
     cageform::HarmonicOptions refused = options;
     refused.memory_limit = 1; // the estimate that a refusal states takes a small part of a solve
     ChosenCoordinates<typename C::scalar, C::dimension> made = Harmonic<C>(cage, options);
-    const double bytes = double(Harmonic<C>(cage, refused).solve().solver.bytes);
+    const cageform::SolverReport estimate = Harmonic<C>(cage, refused).solve().solver;
+    const double bytes = double(estimate.bytes);
     if (!(bytes > much)) return made;
     const double size = cageform::bounds_of(cage.vertices()).diagonal();
     made.note = "the grid of harmonic coordinates takes about " + detail::short_number(bytes / (1 << 30)) +
-                " GiB, as the cage is " + detail::short_number(thickness) + " thick in the mean and " +
-                detail::short_number(size) + " long; --coordinates mean-value and green need no grid";
+                " GiB for " + detail::short_number(double(estimate.cells)) + " nodes, as the cage is " +
+                detail::short_number(thickness) + " thick in the mean and " + detail::short_number(size) +
+                " long; --coordinates mean-value and green need no grid";
     return made;
 }
 

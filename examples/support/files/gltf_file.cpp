@@ -94,6 +94,35 @@ SvgResult<std::vector<GltfMesh>> gltf_meshes(const ObjFile& file, const ObjParts
     return meshes;
 }
 
+std::vector<Point3> joined_places(const ObjFile& figure) {
+    const double apart = 1e-6 * size_of(figure);
+    if (!(apart > 0) || !std::isfinite(apart)) return figure.vertices;
+    std::vector<Point3> places;
+    std::map<std::array<double, 3>, std::vector<Point3>> known; // by cubes with edges of 2 apart
+    const auto cube = [&](const Point3& p) {
+        std::array<double, 3> lower;
+        for (std::size_t k = 0; k < 3; ++k)
+            lower[k] = std::floor((p[k] - figure.vertices[0][k]) / (2 * apart));
+        return lower;
+    };
+    for (const Point3& p : figure.vertices) {
+        const Point3* joined = nullptr;
+        for (unsigned corner = 0; corner < 8 && joined == nullptr; ++corner) {
+            const auto side = [&](unsigned k) { return (corner >> k & 1u) != 0 ? apart : -apart; };
+            const auto found = known.find(cube(p + Point3{side(0), side(1), side(2)}));
+            if (found == known.end()) continue;
+            for (const Point3& q : found->second) {
+                if (!(std::sqrt(dot(p - q, p - q)) <= apart)) continue;
+                joined = &q;
+                break;
+            }
+        }
+        places.push_back(joined != nullptr ? *joined : p);
+        if (joined == nullptr) known[cube(p)].push_back(p);
+    }
+    return places;
+}
+
 void make_sums_exact(cageform::SkinWeights& skin) {
     constexpr double one = 1 << 24; // multiples of its inverse up to 1 are floats
     for (std::size_t first = 0; first < skin.weights.size(); first += skin.influences) {

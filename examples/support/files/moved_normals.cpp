@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace cageform_examples {
 
@@ -87,28 +86,29 @@ Point3 MovedNormals::of_corner(std::uint32_t vertex, std::uint32_t normal) const
     return own.value_or(normals_[normal]);
 }
 
-double MovedNormals::spread() const {
-    if (moved_.jacobians.empty()) return 0;
-    const std::size_t none = file_.faces.size();
-    std::vector<std::size_t> first(file_.normals.size(), none); // face of a normal
-    std::vector<bool> is_shared(file_.normals.size());
-    for (std::size_t f = 0; f < file_.faces.size(); ++f) {
-        for (const auto& [vertex, normal] : file_.faces[f].corners) {
-            if (normal == ObjCorner::none) continue;
-            if (first[normal] == none) first[normal] = f;
-            if (first[normal] != f) is_shared[normal] = true;
-        }
-    }
-    double largest = 0;
+std::vector<std::vector<std::uint32_t>> MovedNormals::split() const {
+    constexpr double apart = 1e-5; // radians
+    if (moved_.jacobians.empty()) return {};
+    std::vector<std::vector<std::uint32_t>> vertices(normals_.size());
+    std::vector<bool> is_apart(normals_.size());
+    bool is_any = false;
     for (const ObjFace& face : file_.faces) {
         for (const auto& [vertex, normal] : face.corners) {
-            if (normal == ObjCorner::none || !is_shared[normal]) continue;
+            if (normal == ObjCorner::none) continue;
             const Point3 own = of_corner(vertex, normal), across = cross(own, normals_[normal]);
-            largest =
-                std::max(largest, std::atan2(std::sqrt(dot(across, across)), dot(own, normals_[normal])));
+            vertices[normal].push_back(vertex);
+            if (!(std::sqrt(dot(across, across)) > apart * dot(own, normals_[normal]))) continue;
+            is_apart[normal] = is_any = true;
         }
     }
-    return largest * 180 / std::numbers::pi;
+    if (!is_any) return {};
+    for (std::size_t n = 0; n < vertices.size(); ++n) {
+        auto& of_normal = vertices[n];
+        if (!is_apart[n]) of_normal.clear();
+        std::sort(of_normal.begin(), of_normal.end());
+        of_normal.erase(std::unique(of_normal.begin(), of_normal.end()), of_normal.end());
+    }
+    return vertices;
 }
 
 } // namespace cageform_examples

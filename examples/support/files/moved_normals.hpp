@@ -24,9 +24,9 @@ public:
     const std::vector<Point3>& of_file() const { return normals_; } ///< #normals
     Point3 of_corner(std::uint32_t vertex, std::uint32_t normal) const;
 
-    /// The largest angle between a normal of several faces in of_file() and the same normal at a corner, in
-    /// degrees. 0 where Jacobians are not known.
-    double spread() const;
+    /// The vertices of each normal that the Jacobians turn by more than 1e-5 radians away from of_file() at one of
+    /// them, ascending. None where a normal is not turned apart; no list at all where no normal is.
+    std::vector<std::vector<std::uint32_t>> split() const;
 
 private:
     const ObjFile& file_;

@@ -379,14 +379,56 @@ std::string with_faces_turned_over(const std::string& text) {
     return turned.append(text, copied);
 }
 
+/// The text with the corners' normals counted anew: each normal became as many as `split` has vertices of it.
+static std::string with_normals_split(const std::string& text, const ObjFile& file,
+                                      const std::vector<std::vector<std::uint32_t>>& split) {
+    std::vector<std::size_t> first(split.size(), 1); // number of each normal's first
+    for (std::size_t n = 1; n < split.size(); ++n)
+        first[n] = first[n - 1] + std::max<std::size_t>(1, split[n - 1].size());
+    std::string result;
+    result.reserve(text.size());
+    std::size_t copied = 0, line = 0;
+    auto face = file.faces.begin();
+    std::vector<std::string_view> words;
+    for (detail::ObjScanner scanner(text); scanner.next(words, line);) {
+        if (words[0] != "f") continue;
+        for (std::size_t k = 1; k < words.size(); ++k) {
+            const auto& [vertex, normal] = face->corners[k - 1];
+            if (normal == ObjCorner::none) continue;
+            const auto& of_normal = split[normal];
+            const auto own = std::lower_bound(of_normal.begin(), of_normal.end(), vertex) - of_normal.begin();
+            const auto end = std::size_t(words[k].data() - text.data()) + words[k].size();
+            const std::size_t begin = text.rfind('/', end - 1) + 1;
+            result.append(text, copied, begin - copied)
+                .append(std::to_string(first[normal] + std::size_t(own)));
+            copied = end;
+        }
+        ++face;
+    }
+    return result.append(text, copied);
+}
+
 std::string to_text(const ObjFile& file, const MovedVertices& moved) {
     const MovedNormals normals(file, moved);
+    const auto split = normals.split();
     std::string text;
     text.reserve(file.text.size() + 16 * file.numbers.size());
     std::size_t copied = 0, vertex = 0, normal = 0;
     for (const ObjNumbers& numbers : file.numbers) {
         const Point3& rest = numbers.is_normal ? file.normals[normal] : file.vertices[vertex];
-        const Point3& now = numbers.is_normal ? normals.of_file()[normal] : moved.places[vertex];
+        Point3 now = numbers.is_normal ? normals.of_file()[normal] : moved.places[vertex];
+        if (numbers.is_normal && !split.empty() && !split[normal].empty()) {
+            const std::size_t begin = file.text.rfind("vn", numbers.begin[0]);
+            text.append(file.text, copied, begin - copied);
+            copied = begin;
+            for (const std::uint32_t of : split[normal]) {
+                now = normals.of_corner(of, std::uint32_t(normal));
+                if (of == split[normal].back()) break; // it takes the statement's place
+                text += "vn";
+                for (const double x : now.v) detail::append_number(text += ' ', x);
+                text += '\n';
+            }
+        }
         const bool is_left_out =
             !numbers.is_normal && std::binary_search(file.left_out.begin(), file.left_out.end(), vertex);
         ++(numbers.is_normal ? normal : vertex);
@@ -398,7 +440,8 @@ std::string to_text(const ObjFile& file, const MovedVertices& moved) {
             copied = numbers.end[k];
         }
     }
-    return text.append(file.text, copied);
+    text.append(file.text, copied);
+    return split.empty() ? text : with_normals_split(text, file, split);
 }
 
 } // namespace cageform_examples

@@ -220,7 +220,7 @@ struct MovedVertices {
 };
 
 /// The file's text with its vertices and normals moved. A number that has not changed keeps its digits; a new
-/// one has the fewest that give it back.
+/// one has the fewest that give it back. A normal that its vertices' Jacobians turn apart becomes one of each vertex.
 std::string to_text(const ObjFile& file, const MovedVertices& moved);
 inline std::string to_text(const ObjFile& file, std::span<const Point3> places) {
     return to_text(file, MovedVertices{places});

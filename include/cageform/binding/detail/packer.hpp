@@ -28,7 +28,8 @@ namespace detail {
 template <Scalar T, std::size_t D>
 class Packer {
 public:
-    Packer(const BindingView<T, D>& binding, const PackOptions& options, const Running& running)
+    Packer(const BindingView<T, D>& binding, const PackOptions& options, const Running& running,
+           std::span<const char> cut)
         : binding_(binding)
         , options_(options)
         , running_(running)
@@ -37,6 +38,7 @@ public:
         , blocks_(block_count<T>(points_))
         , sparse_((options.largest != 0 && options.largest < handles_) || options.threshold > 0)
         , moments_(binding.handle_view())
+        , cut_(cut.begin(), cut.end())
         , format_(options.format.value_or(WeightFormat::scalar)) {}
 
     Status run(PackedBinding<T, D>& packed, PackReport& report) {
@@ -103,6 +105,8 @@ private:
         order_ = options_.order.empty() ? spatial_order<T, D>(binding_.rest)
                                         : std::vector(options_.order.begin(), options_.order.end());
         if (!detail::is_permutation(order_, points_)) return Status::order_not_a_permutation;
+        if (cut_.empty() && !keeps_distance())
+            cut_ = cut_points<T>(order_, [this](std::uint32_t a, std::uint32_t b) { return is_less(a, b); });
         if (keeps_distance()) square_loss_ = std::make_unique<const SquareLoss<D>>(moments_, loss_);
         Status status =
             for_each_block(blocks_, running_.subtask(0, 0.7), [this](std::size_t begin, std::size_t end) {
@@ -113,6 +117,30 @@ private:
         return status;
     }
 
+    /// Orders points by place, then by weights.
+    bool is_less(std::uint32_t a, std::uint32_t b) const {
+        if (const int order = compare_places<D>(binding_.rest, a, b); order != 0) return order < 0;
+        for (std::size_t h = 0; h < handles_; ++h) {
+            const T x = binding_.weights(a, h), y = binding_.weights(b, h);
+            if (x != y) return x < y;
+        }
+        return false;
+    }
+
+    /// Returns the rows of a point that has a block of its own, with restored sums.
+    PackedRows rows_of_point(std::size_t point) const {
+        const BlockPoints<T> alone{{point}, 1};
+        PackedRows rows = packer_.rows_of(alone, rows_by_size(binding_, moments_, alone, options_).handles);
+        (void)packer_.restore(alone, rows);
+        return rows;
+    }
+    template <class F>
+    void for_each_cut_lane(const BlockPoints<T>& points, const F& f) const {
+        for (std::size_t lane = 0; lane < points.count && !cut_.empty(); ++lane) {
+            if (cut_[points.index[lane]] != 0) f(lane, rows_of_point(points.index[lane]));
+        }
+    }
+
     void choose_rows(std::size_t block) {
         Piece& piece = pieces_[block];
         const BlockPoints<T> points = points_of(block);
@@ -120,6 +148,12 @@ private:
             RowsBySize rows = rows_by_size(binding_, moments_, points, options_);
             piece.handles = std::move(rows.handles);
             piece.added = rows.added;
+            for_each_cut_lane(points, [&piece](std::size_t, const PackedRows& own) {
+                std::vector<std::uint32_t> both;
+                std::set_union(piece.handles.begin(), piece.handles.end(), own.handles.begin(),
+                               own.handles.end(), std::back_inserter(both));
+                piece.handles = std::move(both);
+            });
         }
         if (!keeps_distance()) return;
         for (const WeightFormat format :
@@ -318,6 +352,12 @@ private:
             rows = packer_.rows_of(points, piece.handles);
         }
         piece.change = packer_.restore(points, rows);
+        for_each_cut_lane(points, [&rows](std::size_t lane, const PackedRows& own) {
+            for (std::size_t r = 0, k = 0; r < rows.handles.size(); ++r) {
+                const bool is_own = k < own.handles.size() && own.handles[k] == rows.handles[r];
+                rows.weights[r * lanes + lane] = is_own ? own.weights[k++ * lanes] : 0;
+            }
+        });
         return rows;
     }
 
@@ -364,6 +404,8 @@ private:
     std::size_t handles_, points_, blocks_;
     bool sparse_; ///< weights are limited by number or size
     Moments<D> moments_;
+    std::vector<char>
+        cut_; ///< by point: it shares a place with a point of another block. Or empty: none does
     WeightLoss<D> loss_;
     BlockPacker<T, D> packer_{binding_, moments_, loss_};
     std::unique_ptr<const SquareLoss<D>> square_loss_; ///< if a distance is kept
@@ -375,12 +417,13 @@ private:
 
 template <class T, std::size_t D>
 Result<PackedBinding<T, D>, PackReport> pack_binding(const BindingView<T, D>& binding,
-                                                     const PackOptions& options, const Running& running) {
+                                                     const PackOptions& options, const Running& running,
+                                                     std::span<const char> cut) {
     Result<PackedBinding<T, D>, PackReport> result;
     result.report.points = binding.point_count();
     result.report.handles = binding.handle_count();
     run_into(result.report,
-             [&] { return Packer<T, D>(binding, options, running).run(result.value, result.report); });
+             [&] { return Packer<T, D>(binding, options, running, cut).run(result.value, result.report); });
     return result;
 }
 

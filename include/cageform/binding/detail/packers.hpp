@@ -8,9 +8,11 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
+///   cut  the points that share a place with a point of another block (cut_points), if they are known
 template <class T, std::size_t D>
 Result<PackedBinding<T, D>, PackReport> pack_binding(const BindingView<T, D>& binding,
-                                                     const PackOptions& options, const Running& running);
+                                                     const PackOptions& options, const Running& running,
+                                                     std::span<const char> cut = {});
 
 template <class T, std::size_t D>
 Status pack_parts(const FigureBinding<T, D>& figure, const FigurePackOptions& options, const Running& running,

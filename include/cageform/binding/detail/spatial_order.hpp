@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <numeric>
+#include <span>
 #include <vector>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
@@ -49,6 +50,43 @@ std::vector<std::uint32_t> spatial_order(const BlockView<const T>& points) {
         ranges.push_back({middle, end});
     }
     return order;
+}
+
+/// Orders points by place: negative, zero or positive. Points that are not finite come last.
+///
+///   at  at(point, axis)
+template <std::size_t D, class At>
+int compare_places(const At& at, std::size_t a, std::size_t b) {
+    for (std::size_t k = 0; k < D; ++k) {
+        const auto x = at(a, k), y = at(b, k);
+        if (is_finite(x) != is_finite(y)) return is_finite(x) ? -1 : 1;
+        if (is_finite(x) && x != y) return x < y ? -1 : 1;
+    }
+    return 0;
+}
+
+/// Tells which points share a place with a point of another block, by point; nothing if none does. Their
+/// weights must not depend on the rest of the block. O(n log n).
+///
+///   less  less(a, b): a strict order of points, in which points that share a place are equivalent
+template <Scalar T, class Less>
+std::vector<char> cut_points(std::span<const std::uint32_t> order, const Less& less) {
+    const auto lanes = std::uint32_t(lane_count<T>);
+    std::vector<std::uint32_t> position(order.size()), sorted(order.begin(), order.end());
+    for (std::uint32_t n = 0; n < order.size(); ++n) position[order[n]] = n;
+    std::sort(sorted.begin(), sorted.end(), less);
+    std::vector<char> cut(order.size(), 0);
+    bool any = false;
+    for (std::size_t begin = 0, end = 0; begin < sorted.size(); begin = end) {
+        bool one_block = true;
+        for (end = begin + 1; end < sorted.size() && !less(sorted[begin], sorted[end]); ++end)
+            one_block = one_block && position[sorted[end]] / lanes == position[sorted[begin]] / lanes;
+        if (one_block) continue;
+        any = true;
+        for (std::size_t n = begin; n < end; ++n) cut[sorted[n]] = 1;
+    }
+    if (!any) cut.clear();
+    return cut;
 }
 
 /// Returns whether an order names each of `count` points once.

@@ -79,6 +79,11 @@ private:
         result.report.packed.distances.resize(points_.size());
         auto pack = pack_options();
         if (pack.figure_hash == 0) pack.figure_hash = hash_memory(std::span<const Vec<T, D>>(points_));
+        const auto at = [this](std::size_t i, std::size_t k) { return points_[i][k]; };
+        std::vector<char> cut; // of all points: a batch does not see the others
+        if (sparse_ && options_.pack.tolerance == 0)
+            cut = cut_points<T>(
+                order_, [&at](std::uint32_t a, std::uint32_t b) { return compare_places<D>(at, a, b) < 0; });
         Binding<T, D> recycled;
         for (std::size_t n = 0; n < batches(); ++n) {
             const std::size_t first = n * together_, count = (std::min)(together_, points_.size() - first);
@@ -93,7 +98,10 @@ private:
             std::vector<std::uint32_t> as_it_is(sparse_ ? count : 0);
             std::iota(as_it_is.begin(), as_it_is.end(), 0u);
             pack.order = as_it_is;
-            auto packed = pack_binding(bound.value.view(), pack, in_batch.subtask(0.5, 1));
+            std::vector<char> of_batch;
+            for (std::size_t k = 0; k < count && !cut.empty(); ++k)
+                of_batch.push_back(cut[order_[first + k]]);
+            auto packed = pack_binding(bound.value.view(), pack, in_batch.subtask(0.5, 1), of_batch);
             add(packed.report, first, result.report.packed);
             if (packed.report.status != Status::ok) return result.report.packed.status = packed.report.status;
             batches_.push_back(std::move(packed.value));

@@ -21,8 +21,9 @@ public:
     using Corrections = std::span<const typename StencilTable<D>::Handle>;
 
     template <class Data>
-    GridErrors(const grid::CutTree<D>& tree, const grid::TreeNodes<D>& nodes, const Data& data)
-        : GridErrors(tree, nodes, data, [](Stencil&, Stencil&, const Vec<double, D>&, double) {
+    GridErrors(const grid::CutTree<D>& tree, const grid::TreeNodes<D>& nodes, const Data& data,
+               const Running& running)
+        : GridErrors(tree, nodes, data, running, [](Stencil&, Stencil&, const Vec<double, D>&, double) {
             return std::array<Corrections, 2>{};
         }) {}
     ///   data     the cage's BoundaryData
@@ -30,13 +31,14 @@ public:
     ///            it may change the weights of nodes
     template <class Data, class Correct>
     GridErrors(const grid::CutTree<D>& tree, const grid::TreeNodes<D>& nodes, const Data& data,
-               const Correct& correct) {
+               const Running& running, const Correct& correct) {
         constexpr std::uint32_t most = 1000;
         const std::uint32_t step = 1 + tree.cells().leaves() / most;
         std::uint32_t count = 0;
         tree.cells().for_each_leaf([&](const Cell& leaf) {
             if (tree.state(leaf.number) == grid::CellState::out || leaf.number == 0) return;
             if (count++ % step != 0) return;
+            report_progress(running, double(count) / double(tree.cells().leaves()));
             const auto middle = leaf.middle();
             const auto facets = tree.facets(leaf.number);
             if (!tree.is_inside(middle)) return;

@@ -73,7 +73,8 @@ struct HarmonicOptions {
     /// 3D 8 … 1024. `accuracy` is then ignored.
     std::size_t resolution = 0;
     /// In bytes. A solve that needs more on one thread (hierarchy and block, with `solve` also the kept
-    /// functions) is refused before it starts. The default is 8 GiB, 1 GiB where addresses have 32 bits.
+    /// functions) is refused before it starts; SolverReport::cells and bytes then estimate it. The default
+    /// is 8 GiB, 1 GiB where addresses have 32 bits.
     std::size_t memory_limit = std::size_t{1} << (sizeof(std::size_t) > 4 ? 33 : 30);
     MultigridOptions multigrid{};
 

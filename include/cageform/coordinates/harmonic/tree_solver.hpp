@@ -128,6 +128,7 @@ public:
             return Status::grid_too_coarse;
         }
         if (!cage || !cage->refine(accuracy, most, leaves, running.subtask(0.05, 0.3))) {
+            report.cells = std::size_t((std::min)(leaves, 9e18));
             report.bytes = std::size_t((std::min)(bytes_of_leaf * leaves, 9e18));
             const double more = (std::max)(1.0, leaves / plan.leaves(accuracy)); // than planned
             report.sufficient_accuracy = plan.sufficient_accuracy(accuracy, 0.5 * most / more);
@@ -152,8 +153,8 @@ public:
         , max_cycles_(problem.options.multigrid.max_cycles)
         , order_(cage_->cage().vertices().first(problem.handles), width)
         , near_(near_field_of(*cage_, problem))
-        , multigrid_(cage_->tree(), cage_->nodes(), links(running.subtask(0, 0.7)), running.subtask(0.7, 1))
-        , errors_(grid_errors()) {}
+        , multigrid_(cage_->tree(), cage_->nodes(), links(running.subtask(0, 0.7)), running.subtask(0.7, 0.9))
+        , errors_(grid_errors(running.subtask(0.9, 1))) {}
 
     SolverMemory memory() const noexcept {
         std::size_t bytes = // NOLINT(misc-const-correctness): added to in space
@@ -295,7 +296,7 @@ private:
     }
     /// Returns the share of a row below which double layers are dropped: a hundredth of the accuracy.
     double least_layer() const noexcept { return 0.01 * tolerance_ / of_accuracy; }
-    detail::GridErrors<D> grid_errors() const {
+    detail::GridErrors<D> grid_errors(const Running& running) const {
         if constexpr (D == 3) {
             if (near_) {
                 using Errors = detail::GridErrors<D>;
@@ -317,10 +318,10 @@ private:
                         });
                     return std::array<typename Errors::Corrections, 2>{found[0], found[1]};
                 };
-                return {cage_->tree(), cage_->nodes(), ordered_data(), correct};
+                return {cage_->tree(), cage_->nodes(), ordered_data(), running, correct};
             }
         }
-        return {cage_->tree(), cage_->nodes(), ordered_data()};
+        return {cage_->tree(), cage_->nodes(), ordered_data(), running};
     }
     /// Adds the stencils of points first … last − 1, with their corrections. The points of a leaf are
     /// corrected from one place of it, so that weights do not depend on other points.

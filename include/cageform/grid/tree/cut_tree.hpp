@@ -157,7 +157,7 @@ template <std::size_t D>
 void balance(CutTree<D>& tree, const Running& running = {}) {
     std::size_t looks = 0;
     const auto counts = [&](std::uint32_t cell) {
-        if (++looks % 1000000 == 0) detail::report_progress(running, 0); // how many follow is not known
+        if (++looks % 65536 == 0) detail::report_progress(running, 0); // how many follow is not known
         return tree.state(cell) != CellState::out;
     };
     balance(tree.cells(), counts, [&](const typename CellTree<D>::Cell& leaf) { tree.split(leaf); });

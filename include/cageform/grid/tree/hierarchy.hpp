@@ -164,7 +164,7 @@ private:
             }
         };
         LevelRows rows =
-            joined(in_runs<LevelRows>(running.subtask(0.4, 1), fine.size(), 1024, [&] { return make_rows; }));
+            joined_runs<LevelRows>(running.subtask(0.4, 1), fine.size(), 1024, [&] { return make_rows; });
         rows.shrink_to_fit();
         return rows;
     }

@@ -57,9 +57,11 @@ inline LevelRows transposed(const LevelRows& matrix, std::size_t columns) {
     return t;
 }
 
-/// Joins parts in their order, by Part::append.
-template <class Part>
-Part joined(std::vector<Part> parts) {
+/// Makes parts as in_runs() does, and joins them in their order, by Part::append.
+template <class Part, class WorkOf>
+Part joined_runs(const Running& running, std::size_t count, std::size_t least, const WorkOf& work_of) {
+    auto parts = in_runs<Part>(running.subtask(0, 0.9), count, least, work_of);
+    const Running joining = running.subtask(0.9, 1);
     Part whole;
     for (std::size_t n = 0; n < parts.size(); ++n) {
         if (n == 0) {
@@ -67,6 +69,7 @@ Part joined(std::vector<Part> parts) {
         } else {
             whole.append(std::exchange(parts[n], {}));
         }
+        report_progress(joining, double(n) / double(parts.size()));
     }
     return whole;
 }
@@ -149,7 +152,7 @@ private:
 inline TreeEquations galerkin(const TreeEquations& fine, const LevelRows& p, std::size_t coarse,
                               const Running& running = {}) {
     const LevelRows r = transposed(p, coarse);
-    return joined(in_runs<TreeEquations>(running, coarse, 1024, [&] { return GalerkinRows(fine, p, r); }));
+    return joined_runs<TreeEquations>(running, coarse, 1024, [&] { return GalerkinRows(fine, p, r); });
 }
 
 } // namespace cageform::inline CAGEFORM_ABI::detail

@@ -391,9 +391,9 @@ namespace grid {
 template <std::size_t D, class Data = detail::HatData<D>, class Near = detail::NoNearField>
 TreeLinks links_of(const CutTree<D>& tree, const TreeNodes<D>& nodes, const Data& data = {},
                    const Near& near_field = {}, const Running& running = {}) {
-    TreeLinks links = detail::joined(detail::in_runs<TreeLinks>(running, nodes.count(), 2048, [&] {
+    TreeLinks links = detail::joined_runs<TreeLinks>(running, nodes.count(), 2048, [&] {
         return detail::LinkMaker<D, Data, Near>(tree, nodes, data, near_field);
-    }));
+    });
     detail::sort_data(links.data);
     links.equations.neighbours.shrink_to_fit();
     return links;

@@ -105,6 +105,27 @@ private:
 /// A corner nearer to the boundary than this, in units of the tree, or within a bone, is no node.
 inline constexpr double on_facet_distance = 1e-6;
 
+/// Sorts numbers: runs of 2^20 in parallel, then merges of two. Reports after each run and merge.
+template <class Key>
+void sort_in_runs(Buffer<Key>& keys, const Running& running) {
+    const std::size_t count = keys.size();
+    std::size_t length = (std::max)(std::size_t{1} << 20, count / 256 + 1); // of a run
+    const auto sort = [&](std::size_t begin, std::size_t end, Key&) {
+        std::sort(keys.begin() + begin, keys.begin() + end);
+    };
+    (void)detail::in_runs<Key>(running.subtask(0, 0.5), count, length, [&] { return sort; });
+    const Running merging = running.subtask(0.5, 1);
+    const double passes = std::ceil(std::log2((std::max)(1.0, double(count) / double(length))));
+    for (double done = 0; length < count; length *= 2) {
+        for (std::size_t begin = 0; begin + length < count; begin += 2 * length) {
+            const std::size_t end = (std::min)(begin + 2 * length, count);
+            std::inplace_merge(keys.begin() + begin, keys.begin() + begin + length, keys.begin() + end);
+            done += double(end - begin) / double(count) / passes;
+            detail::report_progress(merging, (std::min)(done, 1.0));
+        }
+    }
+}
+
 /// Returns the nodes of a tree: the distinct corners, inside the domain, of all leaves that are not
 /// outside. A corner of an inside leaf is inside without a test. Other corners are tested in
 /// integer arithmetic.
@@ -113,7 +134,11 @@ TreeNodes<D> nodes_of(const CutTree<D>& tree, const Running& running = {}) {
     using Key = typename TreeNodes<D>::Key;
     using Cell = typename CellTree<D>::Cell;
     Buffer<Key> corners; // twice the key, plus 1 if the boundary cuts the leaf
+    const Running listing = running.subtask(0, 0.2);
+    std::size_t leaves = 0;
     tree.cells().for_each_leaf([&](const Cell& leaf) {
+        if (++leaves % 65536 == 0)
+            detail::report_progress(listing, double(leaves) / double(tree.cells().leaves()));
         const CellState state = tree.state(leaf.number);
         if (state == CellState::out) return;
         for (std::size_t n = 0; n < CellTree<D>::children; ++n) {
@@ -122,7 +147,7 @@ TreeNodes<D> nodes_of(const CutTree<D>& tree, const Running& running = {}) {
             corners.push_back(2 * TreeNodes<D>::key(corner) + (state == CellState::cut ? 1 : 0));
         }
     });
-    std::sort(corners.begin(), corners.end());
+    sort_in_runs(corners, running.subtask(0.2, 0.5));
     const auto is_inside = [&](Key key) {
         const auto index = TreeNodes<D>::index_of(key);
         std::array<std::int64_t, D> line{};
@@ -143,7 +168,8 @@ TreeNodes<D> nodes_of(const CutTree<D>& tree, const Running& running = {}) {
         }
     };
     Buffer<Key> keys;
-    for (const auto& part : detail::in_runs<Buffer<Key>>(running, corners.size(), 4096, [&] { return keep; }))
+    const Running testing = running.subtask(0.5, 1);
+    for (const auto& part : detail::in_runs<Buffer<Key>>(testing, corners.size(), 4096, [&] { return keep; }))
         keys.append(part.begin(), part.end());
     return TreeNodes<D>(std::move(keys));
 }
