@@ -28,7 +28,8 @@ using Point3 = cageform::Vec<double, 3>;
 /// The text for --help.
 inline constexpr const char* obj_format =
     "OBJ files can have faces of any number of corners, and negative indices. v, vn and\n"
-    "f are read, and all other lines are copied as they are; glTF files get objects,\n"
+    "f are read, and all other lines are copied as they are. A normal of several vertices\n"
+    "is divided where a pose turns it apart. glTF files get objects,\n"
     "materials, textures and the colours of vertices (v x y z r g b, from 0 to 1, sRGB).\n"
     "Numbers have to be finite. Curves and binary files are not supported, nor more than\n"
     "4,294,967,294 vertices.\n"

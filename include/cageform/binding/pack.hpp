@@ -57,7 +57,7 @@ namespace cageform::inline CAGEFORM_ABI {
 template <Scalar T, std::size_t D>
 Result<PackedBinding<T, D>, PackReport> pack(const BindingView<T, D>& binding,
                                              const PackOptions& options = {}, const Running& running = {}) {
-    return detail::pack_binding(binding, options, running);
+    return detail::pack_binding(binding, options, running, {});
 }
 template <Scalar T, std::size_t D>
 Result<PackedBinding<T, D>, PackReport> pack(const Binding<T, D>& binding, const PackOptions& options = {},

@@ -104,7 +104,7 @@ Status pack_parts(const FigureBinding<T, D>& figure, const FigurePackOptions& op
     const bool own_tolerance = vectors > 0 && options.tangent_tolerance != 0;
     if (own_tolerance && how.tolerance == 0) // makes it sparse, so that tangents can use its order
         how.threshold = (std::max)(how.threshold, (std::numeric_limits<double>::min)());
-    auto points = pack_binding(figure.points.view(), how, subtask(0));
+    auto points = pack_binding(figure.points.view(), how, subtask(0), {});
     how.threshold = options.weights.threshold;
     report.points = std::move(points.report);
     report.culprit = FigureTags::points;
@@ -120,7 +120,7 @@ Status pack_parts(const FigureBinding<T, D>& figure, const FigurePackOptions& op
     std::array<PackedBinding<T, D>, D - 1> tangents;
     for (std::size_t k = 0; k < vectors; ++k) {
         report.culprit = k == 0 ? FigureTags::tangents : FigureTags::bitangents;
-        auto packed = pack_binding(figure.tangents[k].view(), how, subtask(k + 1));
+        auto packed = pack_binding(figure.tangents[k].view(), how, subtask(k + 1), {});
         report.vectors[k] = std::move(packed.report);
         if (report.vectors[k].status != Status::ok) return report.vectors[k].status;
         tangents[k] = std::move(packed.value);

@@ -12,7 +12,7 @@ namespace cageform::inline CAGEFORM_ABI::detail {
 template <class T, std::size_t D>
 Result<PackedBinding<T, D>, PackReport> pack_binding(const BindingView<T, D>& binding,
                                                      const PackOptions& options, const Running& running,
-                                                     std::span<const char> cut = {});
+                                                     std::span<const char> cut);
 
 template <class T, std::size_t D>
 Status pack_parts(const FigureBinding<T, D>& figure, const FigurePackOptions& options, const Running& running,

@@ -38,7 +38,7 @@ public:
         auto bound = bind(coordinates, points_, options_.bind, running.subtask(0, 0.5));
         result.report.bound = std::move(bound.report);
         if (result.report.bound.status != Status::ok) return result.report.bound.status;
-        auto packed = pack_binding(bound.value.view(), pack_options(), running.subtask(0.5, 1));
+        auto packed = pack_binding(bound.value.view(), pack_options(), running.subtask(0.5, 1), {});
         result.report.packed = std::move(packed.report);
         result.value = std::move(packed.value);
         return result.report.packed.status;
