@@ -24,15 +24,14 @@ bool follows(std::size_t angle) {
 
 /// The angles of a line; empty, or why there are none.
 std::string parse_angles(std::string_view line, HandPose& pose) {
-    const auto columns = std::size_t(std::count(line.begin(), line.end(), ',')) + 1;
-    if (columns != hand_angle_count)
-        return std::to_string(columns) + " numbers where a pose has " + std::to_string(hand_angle_count);
+    const auto cells = detail::cells_of(line, hand_angle_count);
+    if (cells.size() != hand_angle_count)
+        return std::to_string(cells.size()) + " numbers where a pose has " + std::to_string(hand_angle_count);
     for (std::size_t i = 0; i < hand_angle_count; ++i) {
-        const std::string_view field = line.substr(0, line.find(','));
-        if (follows(i) && detail::trim(field).empty()) {
+        if (follows(i) && cells[i].empty()) {
             pose[i] = pose[i - 1] * 2 / 3;
         } else {
-            const std::string why = detail::parse_number(detail::trim(field), pose[i]);
+            const std::string why = detail::parse_number(cells[i], pose[i]);
             if (!why.empty()) return why;
         }
         const auto& range = hand_angle_ranges[i];
@@ -41,21 +40,20 @@ std::string parse_angles(std::string_view line, HandPose& pose) {
                    ", but its range is from " + detail::short_number(range.least) + " to " +
                    detail::short_number(range.most);
         }
-        line.remove_prefix(std::min(field.size() + 1, line.size()));
     }
     return {};
 }
 
 SvgResult<std::vector<HandPose>> load_poses(const std::string& path) {
-    const auto file = read_file(path);
+    const auto file = read_text(path);
     if (!file) return file.error();
     std::vector<HandPose> poses;
+    detail::RowFilter rows;
     std::string_view rest = *file, line;
     for (std::size_t number = 1; take_line(rest, line); ++number) {
-        const std::string_view text = detail::trim(line);
-        if (text.empty() || text.front() == '#') continue;
-        const std::string why = parse_angles(text, poses.emplace_back());
-        if (!why.empty()) return SvgError{path + ":" + std::to_string(number) + ": " + why};
+        if (!rows.take(line)) continue;
+        const std::string why = parse_angles(line, poses.emplace_back());
+        if (!why.empty()) return detail::row_fault(path, number, line, why);
     }
     if (poses.empty()) return SvgError{path + ": holds no pose"};
     if (poses.size() > 16)

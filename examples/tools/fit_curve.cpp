@@ -136,7 +136,7 @@ std::string plain(const Json::exception& error) {
 }
 
 Json read_json(const std::string& path) {
-    const auto text = read_file(path);
+    const auto text = read_text(path);
     if (!text) throw Refused(to_string(text.error()));
     if (text->empty()) throw Refused(path + ": is empty");
     try {

@@ -62,17 +62,9 @@ struct Arguments {
 
 /// A line's bone; the reason where there is none.
 std::string parse_bone(std::string_view line, const std::vector<Bone>& bones, Bone& bone) {
-    const std::string_view row = line;
-    std::vector<std::string_view> fields;
-    for (bool more = true; more;) {
-        const std::size_t end = std::min(line.find(','), line.size());
-        fields.push_back(detail::trim(line.substr(0, end)));
-        more = end < line.size();
-        line.remove_prefix(std::min(end + 1, line.size()));
-    }
+    const auto fields = detail::cells_of(line, 11);
     if (fields.size() != 11)
-        return std::to_string(fields.size()) +
-               " columns, where a bone has 11: name,parent,x,y,z,x,y,z,x,y,z" + detail::separator_fault(row);
+        return std::to_string(fields.size()) + " columns, where a bone has 11: name,parent,x,y,z,x,y,z,x,y,z";
     const auto number_of = [&](std::string_view name) {
         const auto at =
             std::find_if(bones.begin(), bones.end(), [&](const Bone& b) { return b.name == name; });
@@ -94,16 +86,16 @@ std::string parse_bone(std::string_view line, const std::vector<Bone>& bones, Bo
 }
 
 SvgResult<std::vector<Bone>> load_bones(const std::string& path) {
-    const auto file = read_file(path);
+    const auto file = read_text(path);
     if (!file) return file.error();
     std::vector<Bone> bones;
+    detail::RowFilter rows;
     std::string_view text = *file, line;
     for (std::size_t number = 1; take_line(text, line); ++number) {
-        line = detail::trim(line);
-        if (line.empty() || line.front() == '#' || line.starts_with("name,parent,")) continue;
+        if (!rows.take(line)) continue;
         Bone bone;
         const std::string why = parse_bone(line, bones, bone);
-        if (!why.empty()) return SvgError{path + ":" + std::to_string(number) + ": " + why};
+        if (!why.empty()) return detail::row_fault(path, number, line, why);
         bones.push_back(std::move(bone));
     }
     if (bones.empty()) return SvgError{path + ": holds no bones"};

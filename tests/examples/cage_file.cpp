@@ -1,9 +1,14 @@
 #include "files/cage_file.hpp"
 #include "cli/bind_report.hpp"
+#include "cli/pins.hpp"
 #include "files/clip_file.hpp"
+#include "files/marker_file.hpp"
+#include "files/obj_file.hpp"
+#include "files/pose_rows.hpp"
 
 #include "catch.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <filesystem>
@@ -193,6 +198,195 @@ TEST_CASE("points are read in batches, whatever pieces the file comes in", "[exa
     CHECK(all == points);
     REQUIRE(whole);
     CHECK(*whole == text);
+}
+
+using Random = std::mt19937_64;
+
+std::string number_of(Random& random) {
+    return std::to_string(int(random() % 2000) - 1000) + '.' + std::to_string(1 + random() % 99);
+}
+
+std::string row_of(std::size_t count, Random& random) {
+    std::string row = number_of(random);
+    while (--count > 0) row += ',' + number_of(random);
+    return row + '\n';
+}
+
+/// A kind of CSV file: its text, a header that fits it, and what its reader makes of a file, else an error.
+struct Kind {
+    std::string header, text;
+    SvgResult<std::string> (*read)(const std::string& path);
+};
+
+template <std::size_t D>
+SvgResult<std::string> points_in(const std::string& path) {
+    std::ostringstream text;
+    PointReader<D> reader(path);
+    for (std::vector<std::array<double, D>> next; reader.read(next, 1);) {
+        for (const double x : next[0]) text << x << ' ';
+    }
+    if (!reader.error().empty()) return SvgError{reader.error()};
+    return text.str();
+}
+
+std::vector<Kind> kinds(Random& random) {
+    std::string points, poses, clip, pins, keys;
+    for (int n = 0; n < 4; ++n) {
+        points += row_of(2, random);
+        poses += row_of(12, random);
+        clip += "pose," + std::to_string(n) + (n % 2 == 0 ? ",ease\n" : "\n");
+        for (int k = 0; k < 4; ++k) clip += row_of(3, random);
+        pins += row_of(std::array<std::size_t, 3>{4, 5, 4}[random() % 3], random);
+        keys += std::to_string(n / 2.0) + ',' + row_of(3, random);
+        keys.insert(keys.size() - 1, n % 2 == 0 ? ",ease" : ",linear");
+    }
+    std::string markers;
+    for (int n = 0; n < 4; ++n) markers += std::to_string(n) + ".25," + row_of(4, random);
+    return {
+        {"x,y\n", points, points_in<2>},
+        {"u,v\n", points,
+         [](const std::string& path) -> SvgResult<std::string> {
+             const auto blocks = read_cage_csv(path);
+             if (!blocks) return blocks.error();
+             return blocks->size() == 1 ? to_csv(make_cage("c.csv", *blocks)) : "many blocks";
+         }},
+        {"v0 x,v0 y,\"v0, z\",and so on\n", poses,
+         [](const std::string& path) -> SvgResult<std::string> {
+             std::ostringstream text;
+             PoseRows<3> rows(path, std::vector<cageform::Vec<double, 3>>(4), 24);
+             for (PoseRow row; rows.next(row);) {
+                 const auto pose = rows.pose_of(row);
+                 if (!pose) return pose.error();
+                 for (const auto& p : *pose) text << p[0] << ' ' << p[1] << ' ' << p[2] << ' ';
+             }
+             if (!rows.error().empty()) return SvgError{rows.error()};
+             return text.str();
+         }},
+        {"word,time,way\n", "length,4.5\n" + clip,
+         [](const std::string& path) -> SvgResult<std::string> {
+             const auto read = load_pose_clip(path, 4);
+             return read ? SvgResult<std::string>(pose_clip_text(*read, "")) : read.error();
+         }},
+        {"word,number\n", "length,1.5\ncontrol,arm\nvertices,0:0.5,3\npivot,1.5,2.5\n" + keys,
+         [](const std::string& path) -> SvgResult<std::string> {
+             const auto read = load_clip(path, 4);
+             return read ? SvgResult<std::string>(clip_text(*read, "")) : read.error();
+         }},
+        {"x,y,to x,to y\n", pins,
+         [](const std::string& path) -> SvgResult<std::string> {
+             const auto read = load_pins<2>(path, {});
+             if (!read) return read.error();
+             std::ostringstream text;
+             for (const auto& pin : *read)
+                 text << pin.place[0] << ' ' << pin.target[1] << ' ' << (pin.turn ? (*pin.turn)[0] : 0)
+                      << '\n';
+             return text.str();
+         }},
+        {"frame,marker 1 x,marker 1 y,marker 2 x,marker 2 y\n", markers,
+         [](const std::string& path) -> SvgResult<std::string> {
+             const auto read = load_markers(path);
+             return read ? SvgResult<std::string>(clip_text(*read, "")) : read.error();
+         }},
+    };
+}
+
+/// The text as spreadsheets write it.
+std::string decorated(const std::string& text, Random& random) {
+    std::string result = random() % 2 == 0 ? "\xef\xbb\xbf" : "";
+    const bool has_quotes = random() % 2 == 0, has_more = random() % 2 == 0;
+    const std::string end = std::string(has_more ? ",, ," : "") + (random() % 2 == 0 ? "\r\n" : "\n");
+    std::istringstream lines(text);
+    for (std::string line; std::getline(lines, line);) {
+        for (const std::string_view cell : detail::cells_of(line)) {
+            const bool is_quoted = has_quotes || cell.find(',') != cell.npos;
+            result += (is_quoted ? " \"" + std::string(cell) + "\"" : std::string(cell)) + ',';
+        }
+        result.pop_back();
+        result += end;
+    }
+    for (std::size_t n = random() % 3; n > 0; --n) result += end;
+    return result;
+}
+
+TEST_CASE("every CSV file may be as spreadsheets write it, or is refused by name",
+          "[examples][csv][property]") {
+    const auto seed = GENERATE(range(0, 12));
+    CAPTURE(seed);
+    Random random(static_cast<unsigned>(seed));
+    const auto path = (std::filesystem::temp_directory_path() /
+                       ("cageform-csv-" + std::to_string(std::random_device()()) + ".csv"))
+                          .string();
+    const auto read = [&](const Kind& kind, const std::string& text) {
+        std::ofstream(path, std::ios::binary) << text;
+        auto result = kind.read(path);
+        std::filesystem::remove(path);
+        return result;
+    };
+    for (const Kind& kind : kinds(random)) {
+        const auto plain = read(kind, kind.text);
+        if (!plain) FAIL(to_string(plain.error()));
+        REQUIRE(plain->size() > 20);
+        for (const std::string& head : {std::string(), kind.header}) {
+            const std::string text = decorated(head + kind.text, random);
+            INFO(text);
+            const auto result = read(kind, text);
+            if (!result) FAIL(to_string(result.error()));
+            CHECK(*result == *plain);
+        }
+        const auto refused = [&](const std::string& text, const std::string& why) {
+            INFO(text);
+            const auto result = read(kind, text);
+            REQUIRE_FALSE(result);
+            CHECK(to_string(result.error()).find(path) == 0);
+            INFO(to_string(result.error()) << "\ndoes not say " << why);
+            CHECK(to_string(result.error()).find(why) != std::string::npos);
+        };
+        std::string commas = kind.text;
+        std::replace(commas.begin(), commas.end(), ',', ';');
+        refused(commas, "separated by semicolons, and commas are read");
+        std::replace(commas.begin(), commas.end(), '.', ',');
+        refused(commas, "separated by semicolons and has decimal commas");
+        std::replace(commas.begin(), commas.end(), ';', '\t');
+        refused(commas, "separated by tabs and has decimal commas");
+        std::string quoted = "\"";
+        for (const char c : kind.text)
+            quoted += c == ',' ? "\",\"" : c == '\n' ? "\"\n\"" : c == '.' ? "," : std::string(1, c);
+        refused(quoted.substr(0, quoted.size() - 1), "it has decimal commas");
+        std::string wide = "\xff\xfe";
+        for (const char c : kind.text) (wide += c) += '\0';
+        refused(wide, "is UTF-16 text");
+    }
+    std::ofstream(path, std::ios::binary) << "\xfe\xff" << std::string("\0v\0 \0001", 6);
+    const auto mesh = load_obj(path);
+    std::filesystem::remove(path);
+    REQUIRE_FALSE(mesh);
+    CHECK(to_string(mesh.error()) == path + ": is UTF-16 text, and UTF-8 is read: save it as UTF-8");
+}
+
+TEST_CASE("a first row with a number is no header", "[examples][csv]") {
+    for (const char* line : {"x,1", "1.5x,2", "x;2", "nan,y", "-,y", "\"1.5\",y", "?", "control,arm"})
+        CHECK_FALSE(detail::is_header(line));
+    for (const char* line : {"x,y", "\"a b\",", "X;Y", "größe\thöhe", "name,parent,x1"})
+        CHECK(detail::is_header(line));
+}
+
+TEST_CASE("files of a sequence are sorted by their numbers, with signs", "[examples][property]") {
+    const auto seed = GENERATE(range(0, 20));
+    CAPTURE(seed);
+    Random random(static_cast<unsigned>(seed));
+    const bool has_signs = seed % 2 == 0;
+    const std::string before = has_signs ? "n" : std::array{"frame-", "frame_", "2-a-", ""}[random() % 4];
+    const int first = has_signs ? -1 - int(random() % 200) : int(random() % 20);
+    std::vector<std::string> names;
+    for (int n = first; n < first + 20 + int(random() % 300) || n < 2; ++n)
+        names.push_back(before + std::to_string(n) + ".obj");
+    auto sorted = names;
+    std::sort(sorted.begin(), sorted.end());
+    const auto notes = order_by_numbers(sorted);
+    CHECK(sorted == names);
+    CHECK(notes.size() == (std::is_sorted(names.begin(), names.end()) ? 0 : 1));
+    sorted.erase(sorted.begin() + 3);
+    CHECK(order_by_numbers(sorted).size() == 1);
 }
 
 TEST_CASE("a file that cannot be read is no empty file", "[examples][csv]") {

@@ -95,4 +95,8 @@ for signal in INT TERM; do # while it fits
   [ -z "$(find . -name '*.tmp*')" ] && [ ! -e out.glb ] || ok=no
   report $ok "no skeleton is left behind after SIG$signal"
 done
+printf 'low,,0.5,0.5,0.1,0.5,0.5,0.5,0,0,0\nhigh,low,0.5,0.5,0.5,0.5,0.5,0.9,20,0,0\n' >bones.csv
+printf 'bone,parent,"head, x",y,z,x,y,z,x,y,z\r\n"low","",0.5,0.5,0.1,"0.5",0.5,0.5,0,0,0,,\r\n"high","low",0.5,0.5,0.5,0.5,0.5,0.9,20,0,0,,\r\n,,\r\n' >sheet.csv
+for bones in bones sheet; do works "bones of $bones.csv" "$programs/skin_mesh" ../box.obj --bones $bones.csv -o $bones.glb; done
+works "bones as a spreadsheet writes them are the same" cmp bones.glb sheet.glb
 cd .. || exit 1

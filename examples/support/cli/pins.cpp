@@ -136,15 +136,14 @@ SvgResult<std::vector<Pin<D>>> parse_pins(std::string_view text, const std::stri
                                           std::span<const Vec<double, D>> vertices) {
     std::vector<Pin<D>> pins;
     std::size_t number = 0;
+    detail::RowFilter rows;
     for (std::string_view line; take_line(text, line);) {
         ++number;
-        line = detail::trim(line);
-        if (line.empty() || line.front() == '#') continue;
-        if (number == 1 && (detail::is_header(line) || line.starts_with("vertex"))) continue;
+        if (!rows.take(line)) continue;
         Pin<D> pin;
         pin.name = name + ':' + std::to_string(number);
-        const std::string why = read_line<D>(detail::parts_of(line, ','), vertices, pin);
-        if (!why.empty()) return SvgError{pin.name + ": " + why + detail::separator_fault(line)};
+        const std::string why = read_line<D>(detail::cells_of(line), vertices, pin);
+        if (!why.empty()) return detail::row_fault(name, number, line, why);
         pins.push_back(std::move(pin));
     }
     if (pins.empty()) return SvgError{name + ": holds no pins"};
@@ -153,7 +152,7 @@ SvgResult<std::vector<Pin<D>>> parse_pins(std::string_view text, const std::stri
 
 template <std::size_t D>
 SvgResult<std::vector<Pin<D>>> load_pins(const std::string& path, std::span<const Vec<double, D>> vertices) {
-    const auto text = read_file(path);
+    const auto text = read_text(path);
     return text ? parse_pins<D>(*text, path, vertices) : text.error();
 }
 

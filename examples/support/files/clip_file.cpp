@@ -11,12 +11,12 @@
 namespace cageform_examples {
 
 SvgResult<ClipFile> load_clip(const std::string& path, std::size_t vertex_count) {
-    const auto text = read_file(path);
+    const auto text = read_text(path);
     return text ? parse_clip(*text, path, vertex_count) : text.error();
 }
 
 SvgResult<PoseClip> load_pose_clip(const std::string& path, std::size_t vertex_count) {
-    const auto text = read_file(path);
+    const auto text = read_text(path);
     return text ? parse_pose_clip(*text, path, vertex_count) : text.error();
 }
 
@@ -29,6 +29,18 @@ double field_number(const std::vector<std::string_view>& fields, std::size_t k, 
     const std::string fault = k < fields.size() ? detail::parse_number(fields[k], x) : "a number is missing";
     if (why.empty()) why = !fault.empty() ? fault : std::isfinite(x) ? "" : "a number is not finite";
     return x;
+}
+
+/// Returns why a line has too many columns, as one with decimal commas has; otherwise empty.
+std::string fault_of_columns(const std::vector<std::string_view>& fields) {
+    const std::string_view word = fields.front();
+    if (word == "vertices" || word == "time") return {};
+    const bool has_one = word == "length" || word == "control";
+    const bool has_two = word == "late" || word == "ground" || word == "pivot" || word == "pose";
+    const std::size_t most = has_one ? 2 : has_two ? 3 : 5;
+    if (fields.size() <= most) return {};
+    return std::to_string(fields.size()) + " columns, where a line of this kind has " + std::to_string(most) +
+           " at most";
 }
 
 /// "vertices,11:0.5,10"; an empty reason is success.
@@ -101,13 +113,13 @@ SvgResult<ClipFile> parse_clip(std::string_view file, const std::string& path, s
     ClipFile clip;
     clip.name = path;
     std::size_t number = 0;
+    detail::RowFilter rows;
     for (std::string_view line; take_line(file, line);) {
         ++number;
-        const std::string_view text = detail::trim(line);
-        if (text.empty() || text.front() == '#') continue;
-        const auto fields = detail::parts_of(text, ',');
+        if (!rows.take(line)) continue;
+        const auto fields = detail::cells_of(line);
         const std::string_view word = fields.front();
-        std::string why;
+        std::string why = fault_of_columns(fields);
         const auto value = [&](std::size_t k) { return field_number(fields, k, why); };
         if (word == "length") {
             clip.length = value(1);
@@ -134,9 +146,9 @@ SvgResult<ClipFile> parse_clip(std::string_view file, const std::string& path, s
         } else if (word == "pivot") {
             control.pivot = {value(1), value(2)};
         } else if (word != "time") {
-            why = add_row(fields, control);
+            if (why.empty()) why = add_row(fields, control);
         }
-        if (!why.empty()) return SvgError{path + ":" + std::to_string(number) + ": " + why};
+        if (!why.empty()) return detail::row_fault(path, number, line, why);
     }
     if (clip.length == 0) return SvgError{path + ": the line \"length,SECONDS\" is missing"};
     for (const ClipControl& control : clip.controls) {
@@ -191,25 +203,25 @@ SvgResult<PoseClip> parse_pose_clip(std::string_view file, const std::string& pa
         return "the pose before has " + std::to_string(clip.keys.back().places.size()) +
                " vertices, the cage " + std::to_string(vertex_count);
     };
-    const auto finite_number = [](std::string_view field, double& x) {
-        const std::string why = detail::parse_number(detail::trim(field), x);
-        return why.empty() ? detail::single_precision_fault(x) : why;
-    };
+    detail::RowFilter rows;
     for (std::string_view line; take_line(file, line);) {
         ++number;
-        std::string_view text = detail::trim(line);
-        if (text.empty() || text.front() == '#') continue;
-        std::string why;
-        if (text.starts_with("length,")) {
-            why = finite_number(text.substr(7), clip.length);
+        if (!rows.take(line)) continue;
+        const auto fields = detail::cells_of(line);
+        std::string why = fault_of_columns(fields);
+        const auto finite_number = [&] {
+            const double x = field_number(fields, 1, why);
+            if (why.empty()) why = detail::single_precision_fault(x);
+            return x;
+        };
+        if (fields[0] == "length") {
+            clip.length = finite_number();
             if (why.empty() && !(clip.length > 0)) why = "the length is not positive";
-        } else if (text.starts_with("pose,")) {
-            why = count_fault();
-            text.remove_prefix(5);
+        } else if (fields[0] == "pose") {
+            if (why.empty()) why = count_fault();
             PoseKey key;
-            const std::size_t comma = std::min(text.find(','), text.size());
-            if (why.empty()) why = finite_number(text.substr(0, comma), key.time);
-            const std::string_view way = detail::trim(text.substr(std::min(comma + 1, text.size())));
+            key.time = finite_number();
+            const std::string_view way = fields.size() > 2 ? fields[2] : "";
             if (way == "linear")
                 key.way = PoseWay::linear;
             else if (way == "ease")
@@ -224,7 +236,7 @@ SvgResult<PoseClip> parse_pose_clip(std::string_view file, const std::string& pa
             why = "\"pose,TIME\" is missing before";
         } else {
             std::array<double, 3> p{};
-            why = detail::parse_point(text, p);
+            why = detail::parse_point(line, p);
             const auto& [x, y, z] = p;
             for (const double value : p) {
                 if (why.empty()) why = detail::single_precision_fault(value);
@@ -233,7 +245,7 @@ SvgResult<PoseClip> parse_pose_clip(std::string_view file, const std::string& pa
                 why = "more vertices than the cage has, " + std::to_string(vertex_count);
             clip.keys.back().places.push_back({x, y, z});
         }
-        if (!why.empty()) return SvgError{path + ":" + std::to_string(number) + ": " + why};
+        if (!why.empty()) return detail::row_fault(path, number, line, why);
     }
     if (clip.length == 0) return SvgError{path + ": the line \"length,SECONDS\" is missing"};
     if (clip.keys.size() < 2) return SvgError{path + ": holds fewer than two poses"};

@@ -1,5 +1,6 @@
 #include "files/csv.hpp"
 
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <cstdio>
@@ -18,12 +19,65 @@ std::string_view trim(std::string_view text) {
     return text;
 }
 
+/// Returns a hint on a line that cannot be read, or nothing.
 std::string separator_fault(std::string_view line) {
-    // Semicolons or tabs separate numbers where commas are decimal.
-    const bool has_semicolons = line.find(';') != line.npos;
-    if (!has_semicolons && trim(line).find('\t') == line.npos) return {};
-    return std::string("; it is separated by ") + (has_semicolons ? "semicolons" : "tabs") +
-           ", and commas are read";
+    line = trim(line);
+    if (line.starts_with('#')) return {};
+    const auto is_digit = [&](std::size_t k) { return k < line.size() && line[k] >= '0' && line[k] <= '9'; };
+    const auto is_between_numbers = [&](std::size_t k) {
+        const bool has_sign = k + 1 < line.size() && (line[k + 1] == '-' || line[k + 1] == '+');
+        return k > 0 && is_digit(k - 1) && is_digit(k + 1 + std::size_t(has_sign));
+    };
+    std::string_view separators;
+    if (line.find(';') != line.npos) {
+        separators = "semicolons";
+    } else if (line.find('\t') != line.npos) {
+        separators = "tabs";
+    } else {
+        for (std::size_t k = 0; (k = line.find(' ', k)) != line.npos; ++k) {
+            if (is_between_numbers(k)) separators = "blanks";
+        }
+    }
+    // Other separators, or quotes, stand about numbers whose commas are decimal.
+    bool has_decimal_commas = false, is_quoted = false;
+    for (std::size_t k = 0; k < line.size(); ++k) {
+        is_quoted ^= line[k] == '"';
+        if (line[k] == ',' && (is_quoted || !separators.empty()))
+            has_decimal_commas |= is_digit(k + 1) && is_between_numbers(k);
+    }
+    if (separators.empty() && !has_decimal_commas) return {};
+    std::string text = "; it ";
+    if (!separators.empty()) (text += "is separated by ") += separators;
+    if (!has_decimal_commas) return text + ", and commas are read";
+    return text + (separators.empty() ? "has" : " and has") +
+           " decimal commas; commas are read as separators, and points as decimal";
+}
+
+SvgError row_fault(const std::string& name, std::size_t number, std::string_view line,
+                   const std::string& why) {
+    return {name + ":" + std::to_string(number) + ": " + why + separator_fault(line)};
+}
+
+bool take_cell(std::string_view& row, std::string_view& cell) {
+    if (row.data() == nullptr) return false;
+    std::size_t end = row.find(',');
+    const std::size_t begin = std::min(row.find_first_not_of(" \t"), row.size());
+    const bool is_quoted = row.substr(begin).starts_with('"');
+    // A comma after an odd number of quotes is part of the cell.
+    while (is_quoted && end != row.npos &&
+           std::count(row.begin(), row.begin() + std::ptrdiff_t(end), '"') % 2)
+        end = row.find(',', end + 1);
+    cell = trim(row.substr(0, end));
+    row = end == row.npos ? std::string_view{} : row.substr(end + 1);
+    if (is_quoted && cell.size() > 1 && cell.back() == '"') cell = trim(cell.substr(1, cell.size() - 2));
+    return true;
+}
+
+std::vector<std::string_view> cells_of(std::string_view row, std::size_t least) {
+    std::vector<std::string_view> cells;
+    for (std::string_view cell; take_cell(row, cell);) cells.push_back(cell);
+    while (cells.size() > least && cells.back().empty()) cells.pop_back();
+    return cells;
 }
 
 std::vector<std::string_view> parts_of(std::string_view text, char separator) {
@@ -74,9 +128,34 @@ std::string single_precision_fault(double number) {
     return std::string(digits.data(), end) + " is beyond single precision, which ends at 3.4e38";
 }
 
+bool is_empty_row(std::string_view line) {
+    return line.find_first_not_of(", \t") == line.npos;
+}
+
 bool is_header(std::string_view line) {
+    bool has_words = false;
+    for (const std::string_view cell : cells_of(trim(line))) {
+        if (cell == "control") return false; // it begins a part of a clip
+        for (const std::string_view tabbed : parts_of(cell, '\t')) {
+            for (const std::string_view part : parts_of(tabbed, ';')) {
+                const bool has_letter = std::any_of(part.begin(), part.end(), [](unsigned char c) {
+                    return std::isalpha(c) != 0 || c >= 0x80;
+                });
+                double number = 0; // "nan" has letters
+                const bool begins_as_number = part.find_first_of("0123456789+-.") == 0;
+                if (!part.empty() && (!has_letter || begins_as_number || parse_number(part, number).empty()))
+                    return false;
+                has_words |= has_letter;
+            }
+        }
+    }
+    return has_words;
+}
+
+bool RowFilter::take(std::string_view& line) {
     line = trim(line);
-    return !line.empty() && (line.front() == 'x' || line.front() == 'X' || line.front() == '"');
+    if (is_empty_row(line) || line.front() == '#') return false;
+    return !std::exchange(is_first_, false) || !is_header(line);
 }
 
 /// Reads "# chain" or "# point RADIUS"; false for any other comment. An empty reason is success.
@@ -107,25 +186,28 @@ std::string fault_of_count(const CageBlock& block) {
 
 SvgResult<TableSize> read_table(const std::string& path,
                                 const std::function<std::string(std::string_view)>& take) {
-    const auto file = read_file(path);
+    const auto file = read_text(path);
     if (!file) return file.error();
     TableSize size;
     std::string_view text = *file, line;
     while (take_line(text, line)) {
-        if (detail::trim(line).empty() && text.empty()) break;
-        const std::string at = path + ":" + std::to_string(++size.rows) + ": ";
+        // In a table of one column each empty line before the last is a cell.
+        const bool is_end = text.find_first_not_of(size.columns > 1 ? " \t\r\n" : "") == text.npos;
+        if (detail::trim(line).empty() && is_end) break;
+        const auto refuse = [&](const std::string& why) {
+            return detail::row_fault(path, size.rows, line, why);
+        };
+        ++size.rows;
         std::size_t columns = 0;
-        for (bool more = true; more;) {
-            const std::size_t end = std::min(line.find(','), line.size());
-            const std::string why = take(detail::trim(line.substr(0, end)));
+        std::string_view rest = line;
+        for (std::string_view cell; detail::take_cell(rest, cell);) {
+            const std::string why = take(cell);
             ++columns;
-            if (!why.empty()) return SvgError{at + "column " + std::to_string(columns) + ": " + why};
-            more = end < line.size();
-            line.remove_prefix(std::min(end + 1, line.size()));
+            if (!why.empty()) return refuse("column " + std::to_string(columns) + ": " + why);
         }
         if (size.rows > 1 && columns != size.columns) {
-            return SvgError{at + std::to_string(columns) + " columns, and the first line has " +
-                            std::to_string(size.columns)};
+            return refuse(std::to_string(columns) + " columns, and the first line has " +
+                          std::to_string(size.columns));
         }
         size.columns = columns;
     }
@@ -136,18 +218,21 @@ SvgResult<TableSize> read_table(const std::string& path,
 SvgResult<std::vector<CageBlock>> parse_cage_csv(std::string_view file, const std::string& name) {
     std::vector<CageBlock> blocks;
     bool open = false; // whether the next line belongs to the last block
+    detail::RowFilter rows;
     std::size_t number = 0, head = 0;
+    std::string_view text;
     const auto refuse = [&](std::size_t at, const std::string& why) {
-        return SvgError{name + ":" + std::to_string(at) + ": " + why};
+        return detail::row_fault(name, at, text, why);
     };
     const auto end_block = [&] {
         return std::exchange(open, false) ? detail::fault_of_count(blocks.back()) : "";
     };
     for (std::string_view line; take_line(file, line);) {
         ++number;
-        const std::string_view text = detail::trim(line);
+        text = line;
+        const bool is_row = rows.take(text);
         std::string why;
-        if (text.empty()) {
+        if (detail::is_empty_row(text)) {
             why = end_block();
             if (!why.empty()) return refuse(head, why);
         } else if (text.front() == '#') {
@@ -158,7 +243,7 @@ SvgResult<std::vector<CageBlock>> parse_cage_csv(std::string_view file, const st
             blocks.push_back(block);
             open = true;
             head = number;
-        } else if (number > 1 || !detail::is_header(text)) {
+        } else if (is_row) {
             std::array<double, 2> p{};
             why = detail::parse_point(text, p);
             if (!why.empty()) return refuse(number, why);
@@ -175,12 +260,12 @@ SvgResult<std::vector<CageBlock>> parse_cage_csv(std::string_view file, const st
 }
 
 SvgResult<std::vector<CageBlock>> read_cage_csv(const std::string& path) {
-    const auto text = read_file(path);
+    const auto text = read_text(path);
     return text ? parse_cage_csv(*text, path) : text.error();
 }
 
 SvgResult<std::vector<std::string>> read_labels(const std::string& path, std::size_t count) {
-    const auto file = read_file(path);
+    const auto file = read_text(path);
     if (!file) return file.error();
     std::vector<std::string> labels;
     std::map<std::string_view, std::size_t> lines; // of each label

@@ -42,32 +42,49 @@ std::string short_number(double number);
 /// Returns why a number is not finite in single precision; empty if it is.
 std::string single_precision_fault(double number);
 
-/// Returns a hint if a line has semicolons or tabs: "; it is separated by tabs, and commas are read".
-/// Otherwise the text is empty. For messages on a line that cannot be read.
-std::string separator_fault(std::string_view line);
+/// Returns the error "NAME:NUMBER: WHY" on a line of CSV. A hint follows if the line has semicolons, tabs,
+/// blanks or decimal commas: "; it is separated by tabs, and commas are read".
+SvgError row_fault(const std::string& name, std::size_t number, std::string_view line,
+                   const std::string& why);
+
+/// Takes the first cell of a row of CSV, without blanks and quotes around it; false at the end.
+bool take_cell(std::string_view& row, std::string_view& cell);
+
+/// The cells of a row of CSV. Empty cells at its end are left out, but for the first `least` cells.
+std::vector<std::string_view> cells_of(std::string_view row, std::size_t least = 1);
 
 /// "x,y" or "x,y,z"; an empty reason is success.
 template <std::size_t D>
 std::string parse_point(std::string_view line, std::array<double, D>& point) {
     static_assert(D == 2 || D == 3);
-    const auto columns = std::size_t(std::count(line.begin(), line.end(), ',')) + 1;
-    if (columns != D) {
-        return std::to_string(columns) + (columns == 1 ? " column" : " columns") +
-               (D == 2 ? ", but a point in the plane has two: x,y"
-                       : ", but a point in space has three: x,y,z") +
-               separator_fault(line);
+    std::size_t columns = 0, column = 0;
+    std::string why;
+    for (std::string_view cell; take_cell(line, cell);) {
+        if (column < D && why.empty()) why = parse_number(cell, point[column]);
+        if (++column <= D || !cell.empty()) columns = column; // empty cells at the end do not count
     }
-    for (double& number : point) {
-        const std::string_view field = line.substr(0, line.find(','));
-        const std::string why = parse_number(trim(field), number);
-        if (!why.empty()) return why;
-        line.remove_prefix(std::min(field.size() + 1, line.size()));
-    }
-    return {};
+    if (columns == D) return why;
+    return std::to_string(columns) + (columns == 1 ? " column" : " columns") +
+           (D == 2 ? ", but a point in the plane has two: x,y" : ", but a point in space has three: x,y,z");
 }
 
-/// A first line of words, such as "x,y", is a header.
+/// Whether the cells of a line hold no text.
+bool is_empty_row(std::string_view line);
+
+/// A first row of words, such as "x,y", is a header. A row with a number is none, whatever separates its
+/// cells.
 bool is_header(std::string_view line);
+
+/// Tells rows from other lines of a CSV file.
+class RowFilter {
+public:
+    /// Takes the blanks around a line off. Returns false for an empty row, for a line that begins with '#',
+    /// and for a header.
+    bool take(std::string_view& line);
+
+private:
+    bool is_first_ = true;
+};
 
 } // namespace detail
 
@@ -90,11 +107,9 @@ public:
         points.clear();
         std::string_view line;
         while (error_.empty() && points.size() < most && lines_.next(line)) {
-            const std::string_view text = detail::trim(line);
-            if (text.empty() || text.front() == '#' || (lines_.line() == 1 && detail::is_header(text)))
-                continue;
+            if (!rows_.take(line)) continue;
             std::array<double, D> p{};
-            std::string why = detail::parse_point(text, p);
+            std::string why = detail::parse_point(line, p);
             for (const double x : p) {
                 if (why.empty() && std::isfinite(x) && !std::isfinite(T(x)))
                     why = detail::single_precision_fault(x);
@@ -102,7 +117,7 @@ public:
             if (why.empty())
                 points.push_back(p);
             else
-                error_ = path_ + ":" + std::to_string(lines_.line()) + ": " + why;
+                error_ = to_string(detail::row_fault(path_, lines_.line(), line, why));
         }
         if (error_.empty()) error_ = lines_.error();
         return error_.empty() && !points.empty();
@@ -119,6 +134,7 @@ public:
 private:
     std::string path_;
     LineReader lines_;
+    detail::RowFilter rows_;
     std::string error_;
 };
 

@@ -22,8 +22,10 @@ namespace {
 struct NumberedName {
     std::vector<std::string> text;    // before, between and after the numbers
     std::vector<std::string> numbers; // without leading zeros
+    std::vector<bool> is_negative;    // #numbers
 
-    explicit NumberedName(const std::string& name) {
+    ///   has_signs   whether a '-' before a number belongs to the number
+    NumberedName(const std::string& name, bool has_signs) {
         text.emplace_back();
         bool in_number = false;
         for (const char c : name) {
@@ -39,38 +41,59 @@ struct NumberedName {
                 numbers.back() += c;
         }
         if (in_number) text.emplace_back();
+        for (std::size_t k = 0; k < numbers.size(); ++k) {
+            is_negative.push_back(has_signs && text[k].ends_with('-'));
+            if (is_negative[k]) text[k].pop_back();
+        }
     }
     bool operator<(const NumberedName& other) const {
         for (std::size_t k = 0; k < text.size() && k < other.text.size(); ++k) {
             if (text[k] != other.text[k]) return text[k] < other.text[k];
             if (k == numbers.size() || k == other.numbers.size()) break;
             const std::string &a = numbers[k], &b = other.numbers[k];
-            if (a.size() != b.size()) return a.size() < b.size();
-            if (a != b) return a < b;
+            if (is_negative[k] != other.is_negative[k]) return bool(is_negative[k]);
+            if (a != b) return (a.size() != b.size() ? a.size() < b.size() : a < b) != is_negative[k];
         }
         return text.size() < other.text.size();
     }
 };
 
+std::int64_t value_of(const NumberedName& name, std::size_t number) {
+    return (name.is_negative[number] ? -1 : 1) * std::stoll(name.numbers[number]);
+}
+
 /// The step between neighbours that differ in one number; 0 where they differ otherwise.
 std::uint64_t step_between(const NumberedName& a, const NumberedName& b) {
-    std::uint64_t step = 0;
+    std::int64_t step = 0;
     std::size_t differences = 0;
     constexpr std::size_t most_digits = 15;
     for (std::size_t k = 0; a.text == b.text && k < a.numbers.size(); ++k) {
-        if (a.numbers[k] == b.numbers[k]) continue;
+        if (a.numbers[k] == b.numbers[k] && a.is_negative[k] == b.is_negative[k]) continue;
         ++differences;
         if (a.numbers[k].size() > most_digits || b.numbers[k].size() > most_digits) return 0;
-        step = std::stoull(b.numbers[k]) - std::stoull(a.numbers[k]);
+        step = value_of(b, k) - value_of(a, k);
     }
-    return differences == 1 ? step : 0;
+    return differences == 1 ? std::uint64_t(step) : 0;
+}
+
+/// Whether a '-' before numbers is a sign: names that are equal but for numbers have it, and others have not.
+bool has_signs(const std::vector<std::string>& files) {
+    std::set<std::vector<std::string>> texts, without_signs;
+    for (const std::string& file : files) {
+        texts.insert(NumberedName(file, false).text);
+        without_signs.insert(NumberedName(file, true).text);
+    }
+    return without_signs.size() < texts.size();
 }
 
 } // namespace
 
 std::vector<std::string> order_by_numbers(std::vector<std::string>& files) {
-    const auto by_number = [](const std::string& a, const std::string& b) {
-        return NumberedName(a) < NumberedName(b);
+    const auto numbered = [has_signs = has_signs(files)](const std::string& name) {
+        return NumberedName(name, has_signs);
+    };
+    const auto by_number = [&](const std::string& a, const std::string& b) {
+        return numbered(a) < numbered(b);
     };
     std::vector<std::string> notes;
     const bool is_numbered = std::is_sorted(files.begin(), files.end(), by_number);
@@ -83,7 +106,7 @@ std::vector<std::string> order_by_numbers(std::vector<std::string>& files) {
     }
     std::vector<std::uint64_t> steps;
     for (std::size_t k = 1; k < files.size(); ++k)
-        steps.push_back(step_between(NumberedName(files[k - 1]), NumberedName(files[k])));
+        steps.push_back(step_between(numbered(files[k - 1]), numbered(files[k])));
     const std::uint64_t least = *std::min_element(steps.begin(), steps.end());
     for (std::size_t k = 0; least > 0 && k < steps.size(); ++k) {
         if (steps[k] == least) continue;
@@ -188,6 +211,20 @@ SvgResult<std::string> read_file(const std::string& path) {
     return text;
 }
 
+/// Returns why a text cannot be read if it begins as UTF-16; otherwise empty.
+static std::string encoding_fault(std::string_view text) {
+    const std::string_view two = text.substr(0, 2);
+    const bool is_wide = two == "\xff\xfe" || two == "\xfe\xff" || two.find('\0') != two.npos;
+    return is_wide ? ": is UTF-16 text, and UTF-8 is read: save it as UTF-8" : "";
+}
+
+SvgResult<std::string> read_text(const std::string& path) {
+    auto text = read_file(path);
+    const std::string why = text ? encoding_fault(*text) : "";
+    if (!why.empty()) return SvgError{path + why};
+    return text;
+}
+
 bool take_line(std::string_view& text, std::string_view& line) {
     if (text.empty()) return false;
     const std::size_t end = text.find('\n');
@@ -201,6 +238,7 @@ LineReader::LineReader(const std::string& path, std::size_t longest)
     , file_(path)
     , longest_(longest) {
     if (!file_.read(text_)) error_ = file_.error().empty() ? path + ": is empty" : file_.error();
+    if (const std::string why = encoding_fault(text_); !why.empty()) error_ = path + why;
 }
 
 bool LineReader::next(std::string_view& line) {

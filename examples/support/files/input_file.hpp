@@ -55,7 +55,8 @@ private:
 };
 
 /// Sorts the files of a sequence by their numbers. Shell patterns sort names by letters: frame_10 before
-/// frame_2. Three or more files in that order are sorted. Files in any other order keep it.
+/// frame_2. Three or more files in that order are sorted. Files in any other order keep it. A
+/// '-' before a number is a sign if some of the names have no '-' there, as n-1 and n0.
 ///
 ///   returns   notes. One says that files were reordered. Another names the files between which a number is
 ///             missing, if the other numbers rise by one step
@@ -104,6 +105,9 @@ std::string input_at(const std::filesystem::path& path);
 
 /// All bytes of a file, or of a pipe; fails as InputFile does.
 SvgResult<std::string> read_file(const std::string& path);
+
+/// Works as read_file(), for texts: fails also where the file is UTF-16.
+SvgResult<std::string> read_text(const std::string& path);
 
 /// Takes the first line off a text, without its \n; false where the text is empty.
 bool take_line(std::string_view& text, std::string_view& line);

@@ -132,7 +132,7 @@ bool is_lattice_path(std::string_view path) {
 }
 
 SvgResult<std::size_t> lattice_dimension(const std::string& path) {
-    const auto text = read_file(path);
+    const auto text = read_text(path);
     if (!text) return text.error();
     const auto json = parse_json(*text, path);
     if (!json) return json.error();
@@ -168,7 +168,7 @@ SvgResult<LatticeBox<D>> parse_lattice(std::string_view text, const std::string&
 
 template <std::size_t D>
 SvgResult<LatticeBox<D>> load_lattice(const std::string& path) {
-    const auto text = read_file(path);
+    const auto text = read_text(path);
     if (!text) return text.error();
     return parse_lattice<D>(*text, path);
 }

@@ -18,9 +18,9 @@ public:
 
     /// Takes a line; an empty reason is success.
     std::string take(std::string_view line) {
-        const auto fields = detail::parts_of(line, ',');
-        if (fields[0] == "time" && columns_ == 0) return take_names(fields);
+        const auto fields = detail::cells_of(line, columns_);
         if (fields[0] == "late" || fields[0] == "ground") return take_setting(fields);
+        if (columns_ == 0 && detail::is_header(line)) return take_names(fields);
         if (columns_ == 0 && fields.size() % 2 == 0) return "a row is a time, then x,y of every marker";
         if (columns_ == 0) columns_ = fields.size();
         if (fields.size() != columns_) {
@@ -151,16 +151,16 @@ SvgResult<ClipFile> parse_markers(std::string_view text, const std::string& name
     for (std::string_view line; take_line(text, line);) {
         ++number;
         line = detail::trim(line);
-        if (line.empty() || line.front() == '#') continue;
+        if (detail::is_empty_row(line) || line.front() == '#') continue;
         if (const std::string why = reader.take(line); !why.empty())
-            return SvgError{name + ':' + std::to_string(number) + ": " + why};
+            return detail::row_fault(name, number, line, why);
     }
     if (const std::string why = reader.end(); !why.empty()) return SvgError{name + ": " + why};
     return std::move(reader.clip());
 }
 
 SvgResult<ClipFile> load_markers(const std::string& path) {
-    const auto text = read_file(path);
+    const auto text = read_text(path);
     return text ? parse_markers(*text, path) : text.error();
 }
 

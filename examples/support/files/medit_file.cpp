@@ -173,7 +173,7 @@ SvgResult<ObjFile> parse_medit(std::string text, std::string name) {
 
 SvgResult<ObjFile> load_mesh_or_obj(const std::filesystem::path& path) {
     if (ending_of(path) != ".mesh") return load_obj(path);
-    auto text = read_file(path.string());
+    auto text = read_text(path.string());
     return text ? parse_medit(std::move(*text), path.string()) : text.error();
 }
 

@@ -1,7 +1,5 @@
 #include "files/pose_rows.hpp"
 
-#include "files/csv.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -50,7 +48,7 @@ PoseRows<D>::PoseRows(const std::string& path, std::span<const cageform::Vec<dou
     }
     first_ = line;
     constexpr std::array<std::string_view, 6> of_clips{"length", "late", "ground", "control", "pin", "pose"};
-    const std::string_view word = line.substr(0, line.find(','));
+    const std::string_view word = detail::cells_of(line).front();
     if (std::find(of_clips.begin(), of_clips.end(), word) != of_clips.end()) read_clip();
 }
 
@@ -77,9 +75,7 @@ void PoseRows<D>::read_clip() {
 template <std::size_t D>
 bool PoseRows<D>::next_line(std::string_view& line) {
     while (error_.empty() && lines_.next(line)) {
-        line = detail::trim(line);
-        if (!line.empty() && line.front() != '#' && (lines_.line() > 1 || !detail::is_header(line)))
-            return true;
+        if (filter_.take(line)) return true;
     }
     if (error_.empty()) error_ = lines_.error();
     return false;
@@ -123,18 +119,17 @@ SvgResult<typename PoseRows<D>::Pose> PoseRows<D>::pose_of(const PoseRow& row) c
         clip_->sample(clip_->begin() + double(row.row) / rate_, cursor, pose);
         return pose;
     }
-    const auto refuse = [&](const std::string& why) { return SvgError{name_of(row) + ": " + why}; };
-    const auto numbers = std::size_t(std::count(row.text.begin(), row.text.end(), ',')) + 1;
+    const auto refuse = [&](const std::string& why) {
+        return detail::row_fault(path_, row.line, row.text, why);
+    };
+    const auto cells = detail::cells_of(row.text, D * pose.size());
+    const std::size_t numbers = cells.size();
     if (numbers != D * pose.size())
         return refuse(std::to_string(numbers) + (numbers == 1 ? " number" : " numbers") +
                       ", but a pose of the figure's cage has " + std::to_string(D * pose.size()) + ": " +
-                      (D == 3 ? "x,y,z" : "x,y") + " of " + std::to_string(pose.size()) + " vertices" +
-                      detail::separator_fault(row.text));
-    std::string_view rest = row.text;
+                      (D == 3 ? "x,y,z" : "x,y") + " of " + std::to_string(pose.size()) + " vertices");
     for (std::size_t n = 0; n < numbers; ++n) {
-        const std::string_view field = rest.substr(0, rest.find(','));
-        rest.remove_prefix(std::min(field.size() + 1, rest.size()));
-        const std::string why = detail::parse_finite(detail::trim(field), pose[n / D][n % D]);
+        const std::string why = detail::parse_finite(cells[n], pose[n / D][n % D]);
         if (!why.empty()) return refuse("column " + std::to_string(n + 1) + ": " + why);
     }
     return pose;

@@ -4,6 +4,7 @@
 // row at a time, so it may have any length.
 
 #include "files/clip_file.hpp"
+#include "files/csv.hpp"
 #include "files/input_file.hpp"
 #include "svg/path.hpp"
 
@@ -22,8 +23,8 @@ namespace cageform_examples {
 inline constexpr const char* pose_table_format =
     "A table of poses is a CSV file with a pose a line: x,y,z of every vertex of the\n"
     "cage in its order (x,y in the plane), so 3n numbers for n vertices. Empty lines,\n"
-    "lines that begin with # and a first line that begins with x or a quote are no\n"
-    "rows. A clip starts with a line length,SECONDS; row k is its pose after k / rate\n"
+    "lines that begin with # and a first row without a number are no rows. Cells may\n"
+    "stand in quotes. A clip starts with a line length,SECONDS; row k is its pose after k / rate\n"
     "seconds, and the rows end before the clip starts again.\n";
 
 /// A row before its numbers are read.
@@ -75,6 +76,7 @@ private:
     std::vector<cageform::Vec<double, D>> rest_;
     double rate_ = 1;
     LineReader lines_;
+    detail::RowFilter filter_;
     std::optional<std::string> first_; // row of a table, until it is taken
     std::optional<cageform::CageClip<double, D>> clip_;
     std::size_t clip_rows_ = 0, row_ = 0;

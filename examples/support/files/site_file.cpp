@@ -58,13 +58,12 @@ SvgResult<SiteFile<3>> read_site_vertices(const std::string& path) {
 
 SvgResult<std::size_t> site_dimension(const std::string& path) {
     if (!path.ends_with(".csv")) return std::size_t(path.ends_with(".obj") ? 3 : 2);
-    const auto file = read_file(path);
+    const auto file = read_text(path);
     if (!file) return file.error();
+    detail::RowFilter rows;
     std::string_view text = *file, line;
-    for (std::size_t number = 1; take_line(text, line); ++number) {
-        line = detail::trim(line);
-        if (line.empty() || line.front() == '#' || (number == 1 && detail::is_header(line))) continue;
-        return std::size_t(std::count(line.begin(), line.end(), ',') == 2 ? 3 : 2);
+    while (take_line(text, line)) {
+        if (rows.take(line)) return std::size_t(detail::cells_of(line).size() == 3 ? 3 : 2);
     }
     return SvgError{path + ": holds no points"};
 }
@@ -99,18 +98,19 @@ SvgResult<SiteFile<D>> load_site_pose(const std::string& path, const SiteFile<D>
 }
 
 SvgResult<std::vector<double>> load_site_weights(const std::string& path, std::size_t count) {
-    const auto file = read_file(path);
+    const auto file = read_text(path);
     if (!file) return file.error();
     std::vector<double> weights;
+    detail::RowFilter rows;
     std::string_view text = *file, line;
     for (std::size_t number = 1; take_line(text, line); ++number) {
-        line = detail::trim(line);
-        if (line.empty() || line.front() == '#') continue;
+        if (!rows.take(line)) continue;
+        const auto cells = detail::cells_of(line);
         double weight = 0;
-        std::string why = detail::parse_number(line, weight);
+        std::string why = cells.size() > 1 ? "a line has one weight" : detail::parse_number(cells[0], weight);
         if (why.empty() && !(std::isfinite(weight) && weight > 0))
             why = "a weight has to be a number above 0";
-        if (!why.empty()) return SvgError{path + ":" + std::to_string(number) + ": " + why};
+        if (!why.empty()) return detail::row_fault(path, number, line, why);
         weights.push_back(weight);
     }
     if (weights.size() == count) return weights;
