@@ -10,6 +10,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <filesystem>
+#include <fstream>
 #include <numbers>
 #include <random>
 #include <span>
@@ -195,6 +197,69 @@ TEST_CASE("the documented table of statements is that of the code", "[examples][
     REQUIRE(document);
     INFO(statement_table());
     CHECK(document->find("\n\n" + statement_table() + '\n') != std::string::npos);
+}
+
+TEST_CASE("numbers of materials that cannot be used are named, and the defaults are taken",
+          "[examples][obj][property]") {
+    const auto seed = GENERATE(range(0, 40));
+    CAPTURE(seed);
+    std::mt19937_64 random(static_cast<unsigned>(seed));
+    const auto folder =
+        std::filesystem::temp_directory_path() / ("cageform-mtl-" + std::to_string(std::random_device()()));
+    std::filesystem::create_directory(folder);
+    const auto material_of = [&](const std::string& text, std::vector<std::string>& warnings) {
+        std::ofstream(folder / "m.mtl") << "newmtl a\n" << text;
+        const auto file = parse_obj("mtllib m.mtl\nusemtl a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n",
+                                    (folder / "m.obj").string());
+        REQUIRE(file);
+        ObjParts parts = read_parts(*file);
+        warnings = parts.warnings;
+        return parts.materials.at(0);
+    };
+    std::string dirty, clean;
+    std::vector<std::string> expected, warnings, none;
+    std::size_t line = 1;
+    for (const std::string keyword : {"Kd", "Ks", "Ke", "d", "Ns", "Pr", "Pm"}) {
+        const std::size_t count = keyword[0] == 'K' ? 3 : 1;
+        std::vector<std::string> words;
+        for (std::size_t k = 0; k < count; ++k) words.push_back("0." + std::to_string(1 + random() % 9));
+        auto sound = words;
+        const std::size_t at = random() % count;
+        const int fault = int(random() % 6);
+        if (fault == 0) words[at][1] = ',';
+        if (fault == 1) words[at] = std::array{"nan", "inf", "red"}[random() % 3];
+        if (fault == 2 || (fault == 3 && count == 1)) words.resize(count == 3 ? 2 : 0);
+        if (fault == 3 && count == 3) {
+            words.resize(1);
+            sound.assign(3, words[0]);
+        }
+        if (fault == 4) {
+            words[at] = "-2";
+            sound[at] = "0";
+        }
+        const auto statement = [&](const std::vector<std::string>& numbers) {
+            std::string text = keyword;
+            for (const std::string& number : numbers) text += ' ' + number;
+            return text;
+        };
+        dirty += statement(words) + '\n';
+        if (fault > 3 || (fault == 3 && count == 3)) clean += statement(sound) + '\n';
+        ++line;
+        if (fault < 5)
+            expected.push_back((folder / "m.mtl").string() + ':' + std::to_string(line) + ": \"" +
+                               statement(words) + "\": ");
+    }
+    const ObjMaterial is = material_of(dirty, warnings), should = material_of(clean, none);
+    std::filesystem::remove_all(folder);
+    INFO(dirty);
+    CHECK(none.empty());
+    REQUIRE(warnings.size() == expected.size());
+    for (std::size_t k = 0; k < warnings.size(); ++k) CHECK(warnings[k].find(expected[k]) == 0);
+    CHECK(is.colour == should.colour);
+    CHECK(is.emission == should.emission);
+    CHECK(is.opacity == should.opacity);
+    CHECK(is.metallic == should.metallic);
+    CHECK(is.roughness == should.roughness);
 }
 
 TEST_CASE("tangents go along u, and their side is that of v", "[examples][obj][gltf]") {

@@ -90,6 +90,8 @@ const Statement* find_statement(std::string_view keyword) {
     return nullptr;
 }
 
+constexpr double brightest = 1e4, sharpest = 1e6; // the largest numbers of Ke and Ns
+
 double within(double x, double most) {
     return std::isfinite(x) ? std::clamp(x, 0.0, most) : 0;
 }
@@ -99,6 +101,7 @@ double within(double x, double most) {
 struct MaterialText {
     std::string text;
     std::vector<std::string> keywords;
+    std::vector<std::string> faults; ///< of numbers, for warnings
     bool has_colour = false;
     std::optional<double> halo; ///< the number of `d -halo`, which tinyobjloader reads as 0
 };
@@ -116,8 +119,48 @@ bool takes_word(std::string_view option) {
     return false;
 }
 
+/// Checks the numbers of a statement whose numbers are used. Returns what to warn of. Clears a statement that
+/// cannot be read, so that the default is used.
+std::string check_numbers(const std::vector<std::string_view>& words, std::string& statement) {
+    struct Numbers {
+        std::string_view keyword;
+        std::size_t count;
+        double most;
+    };
+    constexpr Numbers all[] = {{"Kd", 3, 1}, {"Ks", 3, 1}, {"Ke", 3, brightest}, {"d", 1, 1},
+                               {"Tr", 1, 1}, {"Pr", 1, 1}, {"Pm", 1, 1},         {"Ns", 1, sharpest}};
+    const auto* const used =
+        std::find_if(std::begin(all), std::end(all), [&](const Numbers& n) { return n.keyword == words[0]; });
+    if (used == std::end(all)) return {};
+    const std::string name = detail::quoted(statement) + ": ";
+    const std::size_t first = words.size() > 2 && words[1] == "-halo" ? 2 : 1;
+    const std::size_t count = std::min(words.size() - first, used->count);
+    std::string why, outside;
+    if (count < used->count)
+        why = count == 0 ? "a number is missing" : std::to_string(count) + " of 3 numbers";
+    const bool is_grey = count == 1 && used->count == 3;
+    for (std::size_t k = 0; k < count; ++k) {
+        const std::string_view word = words[first + k];
+        double number = 0;
+        if (const std::string fault = detail::parse_finite(word, number); !fault.empty()) {
+            statement.clear();
+            why = fault + (word.find(',') != word.npos ? " (decimal commas are not read)" : "");
+            break;
+        }
+        if (number < 0 || number > used->most)
+            outside = detail::quoted(word) + " is not from 0 to " + detail::short_number(used->most);
+    }
+    if (!statement.empty() && is_grey) {
+        for (int k = 0; k < 2; ++k) (statement += ' ') += words[first];
+        return name + why + ": the number is taken for all three";
+    }
+    if (!why.empty()) statement.clear();
+    if (!why.empty()) return name + why + ": the default is used";
+    return outside.empty() ? outside : name + outside + ": the nearest number in this range is used";
+}
+
 /// Divides an MTL file into its materials. A byte order mark is skipped.
-std::vector<MaterialText> materials_in(std::string_view text) {
+std::vector<MaterialText> materials_in(std::string_view text, const std::string& path) {
     std::vector<MaterialText> materials;
     std::vector<std::string_view> words;
     std::size_t line = 1;
@@ -135,15 +178,16 @@ std::vector<MaterialText> materials_in(std::string_view text) {
                 if (!has_word && !detail::parse_number(words[name], number).empty()) break;
             }
         }
-        material.text += words[0];
-        for (; name < words.size(); ++name) (material.text += ' ') += words[name];
-        material.text += '\n';
+        std::string statement(words[0]);
+        for (; name < words.size(); ++name) (statement += ' ') += words[name];
+        if (const std::string why = check_numbers(words, statement); !why.empty())
+            material.faults.push_back(path + ':' + std::to_string(line) + ": " + why);
+        material.text += statement + '\n';
         if (words[0] == "newmtl") continue;
         material.keywords.emplace_back(words[0]);
-        material.has_colour |= words[0] == "Kd";
+        material.has_colour |= statement.starts_with("Kd");
         double number = 0;
-        if (words[0] == "d" && words.size() > 2 && words[1] == "-halo" &&
-            detail::parse_number(words[2], number).empty())
+        if (statement.starts_with("d -halo ") && detail::parse_number(words[2], number).empty())
             material.halo = number;
     }
     return materials;
@@ -153,7 +197,6 @@ std::vector<MaterialText> materials_in(std::string_view text) {
 ObjMaterial taken(const tinyobj::material_t& read, const MaterialText& text) {
     ObjMaterial material;
     material.name = single_spaced(read.name);
-    constexpr double brightest = 1e4;
     double gloss = 0;
     for (std::size_t k = 0; k < 3; ++k) {
         if (text.has_colour) material.colour[k] = within(read.diffuse[k], 1);
@@ -167,7 +210,7 @@ ObjMaterial taken(const tinyobj::material_t& read, const MaterialText& text) {
     } else if (gloss > 0) {
         // The exponent of Blinn and Phong as a roughness: Walter et al., Microfacet models (2007), sec. 5.2,
         // whose alpha is the square of glTF's.
-        material.roughness = std::pow(2 / (within(read.shininess, 1e6) + 2), 0.25);
+        material.roughness = std::pow(2 / (within(read.shininess, sharpest) + 2), 0.25);
     } else {
         material.roughness = 1;
     }
@@ -225,11 +268,12 @@ private:
         if (!path)
             return warn("its materials, " + detail::quoted(name) +
                         ", are not in its folder: a default material is used");
-        const auto text = read_file(path->string());
+        const auto text = read_text(path->string());
         if (!text) return warn(text.error().message);
         if (const std::string_view format = detail::other_format(*text); !format.empty())
             warn(path->string() + " looks like a file of the format " + std::string(format));
-        for (const MaterialText& one : materials_in(*text)) read_material(one, path->parent_path());
+        for (const MaterialText& one : materials_in(*text, path->string()))
+            read_material(one, path->parent_path());
     }
 
     /// Reads each material alone, for tinyobjloader's default of a colour depends on the material before.
@@ -253,7 +297,7 @@ private:
         constexpr std::array<double, 3> black{}, white{1, 1, 1};
         if (!material.texture.empty() && (!text.has_colour || material.colour == black))
             material.colour = white;
-        Library entry{std::move(material), text.keywords};
+        Library entry{std::move(material), text.keywords, text.faults};
         if (!entry.material.opaque_texture) std::erase(entry.keywords, "map_d");
         library_.insert({entry.material.name, std::move(entry)}); // the first of a name
     }
@@ -271,6 +315,8 @@ private:
         if (const auto found = library_.find(name); found != library_.end()) {
             parts_.materials.push_back(found->second.material);
             for (const std::string& keyword : found->second.keywords) count_unused(keyword);
+            const auto& faults = found->second.faults;
+            parts_.warnings.insert(parts_.warnings.end(), faults.begin(), faults.end());
             return;
         }
         if (!name.empty() && !library_.empty())
@@ -305,7 +351,8 @@ private:
     struct Library {
         ObjMaterial material;
         std::vector<std::string>
-            keywords; // of the statements that are not used for `material`, and of others
+            keywords;                    // of the statements that are not used for `material`, and of others
+        std::vector<std::string> faults; // of its numbers
     };
     std::map<std::string, Library> library_;
 };
