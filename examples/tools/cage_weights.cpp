@@ -98,20 +98,19 @@ int run(const Settings& settings, ChosenCoordinates<T, D> coordinates, const Des
     if (const auto error = out.error()) return fail(*error);
 
     cageform::BindOptions options;
-    options.outside = settings.outside == "extend" ? cageform::OutsidePoints::extend
-                      : settings.outside == "keep" ? cageform::OutsidePoints::keep_in_place
-                                                   : cageform::OutsidePoints::nearest_boundary;
+    const bool is_extended = settings.outside == "extend" && coordinates.has_extension();
+    options.outside =
+        is_extended ? cageform::OutsidePoints::extend : cageform::OutsidePoints::nearest_boundary;
     options.falloff = settings.falloff;
-    if (options.falloff > 0 && options.outside == cageform::OutsidePoints::extend &&
-        !coordinates.has_extension())
+    if (options.falloff > 0 && settings.outside == "extend" && !is_extended)
         return fail("--falloff: these coordinates are not defined outside: give --outside nearest");
     options.linear_precision = settings.linear_precision == "restore" ? cageform::LinearPrecision::restore
                                                                       : cageform::LinearPrecision::leave;
     warn_of_closed_gaps(settings.cage_path, coordinates.cage_report());
     if (!coordinates.note.empty()) note(coordinates.note);
     const std::size_t batch = std::clamp<std::size_t>((std::size_t{1} << 22) / handles, 1024, 65536);
-    const bool weights_outside =
-        settings.outside == "nearest" || (settings.outside == "extend" && coordinates.has_extension());
+    const bool weights_outside = settings.outside == "nearest" || is_extended;
+    const double tolerance = coordinates.boundary_tolerance();
     ProgressBar bar("binding");
     const auto progress = bar.callback();
     std::vector<std::array<double, D>> numbers;
@@ -132,8 +131,17 @@ int run(const Settings& settings, ChosenCoordinates<T, D> coordinates, const Des
         points.clear();
         for (const auto& p : numbers)
             points.push_back(std::bit_cast<std::conditional_t<D == 2, Point2, Point3>>(p));
-        const auto [binding, report] = coordinates.bind(points, options);
+        auto [binding, report] = coordinates.bind(points, options);
         if (report.status != cageform::Status::ok) return refuse(report);
+        const auto is_near = [&](std::size_t i) {
+            const auto p = cageform::to_vec<T>(points[i]);
+            return cageform::is_finite(p) && coordinates.distance_from_boundary(p) <= tolerance;
+        };
+        auto& outside = report.outside;
+        const auto near = std::stable_partition(outside.begin(), outside.end(), std::not_fn(is_near));
+        report.on_boundary.insert(report.on_boundary.end(), near, outside.end());
+        outside.erase(near, outside.end());
+        std::sort(report.on_boundary.begin(), report.on_boundary.end());
         if (first) {
             total.solver = report.solver;
             warn_of_coarse_grid(settings.cage_path, total.solver);
@@ -261,7 +269,7 @@ int run_program(int argc, char** argv) {
              "points")
         .one_of({"restore", "leave"})
         .show_default();
-    line.add_flag("--report", settings.report, "print the bind report");
+    line.add_flag("--report", settings.report, "print the bind report, which counts points from 0");
     settings.choice.in_plane = settings.choice.with_sites = settings.choice.with_normals = true;
     settings.choice.in_space = true;
     settings.choice.add_options(line);

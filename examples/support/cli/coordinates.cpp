@@ -247,11 +247,8 @@ OutsideChoice::judge(const ChosenCoordinates<T, D>& coordinates, const cageform:
             p = cageform::vec_cast<T>(points[i] - origin);
         if (cageform::is_finite(p)) largest = std::max(largest, coordinates.distance_from_boundary(p));
     }
-    // A place so near, relative to the size, counts as on the boundary.
-    constexpr double rounding = std::max(1e-12, 4 * double(std::numeric_limits<T>::epsilon()));
-    const double size = point_bounds(coordinates.handles()).diagonal();
-    const bool some =
-        !report.outside.empty() && (!is_told || coordinates.takes_sites || largest > rounding * size);
+    const bool some = !report.outside.empty() &&
+                      (!is_told || coordinates.takes_sites || largest > coordinates.boundary_tolerance());
     std::ostringstream distance;
     distance.precision(2);
     distance << "; the largest distance from the boundary is " << largest;

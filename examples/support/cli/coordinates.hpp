@@ -111,11 +111,27 @@ load_posed_sites(const std::string& path, const std::string& pose_path, const Si
     return posed;
 }
 
+/// Returns the bounds of the handles that are points; vectors of faces are not.
+template <cageform::Scalar T, std::size_t D>
+auto point_bounds(const cageform::HandleView<T, D>& handles) {
+    std::vector<cageform::Vec<T, D>> points;
+    for (std::size_t i = 0; i < handles.count; ++i) {
+        if (handles.is_point(i)) points.push_back(handles.rest[i]);
+    }
+    return cageform::bounds_of(std::span<const cageform::Vec<T, D>>(points));
+}
+
 /// Coordinates of the type that the options name.
 template <cageform::Scalar T, std::size_t D>
 class ChosenCoordinates : public cageform::AnyCoordinates<T, D> {
 public:
     using cageform::AnyCoordinates<T, D>::AnyCoordinates;
+
+    /// Returns the distance within which a place outside counts as on the boundary.
+    double boundary_tolerance() const {
+        constexpr double rounding = std::max(1e-12, 4 * double(std::numeric_limits<T>::epsilon()));
+        return rounding * point_bounds(this->handles()).diagonal();
+    }
 
     bool takes_sites = false; // control points without a cage
     std::string note;         // on the cage's faces and a grid of much memory; empty where there is none
@@ -127,16 +143,6 @@ template <class T>
 ChosenCoordinates<T, 3> make_coordinates(const CoordinatesChoice& choice, const ObjFile& cage);
 template <class T, std::size_t D>
 ChosenCoordinates<T, D> make_coordinates(const CoordinatesChoice& choice, const SiteFile<D>& sites);
-
-/// Returns the bounds of the handles that are points; vectors of faces are not.
-template <cageform::Scalar T, std::size_t D>
-auto point_bounds(const cageform::HandleView<T, D>& handles) {
-    std::vector<cageform::Vec<T, D>> points;
-    for (std::size_t i = 0; i < handles.count; ++i) {
-        if (handles.is_point(i)) points.push_back(handles.rest[i]);
-    }
-    return cageform::bounds_of(std::span<const cageform::Vec<T, D>>(points));
-}
 
 /// Names the edge or face whose vector is a handle, by its vertices: "from vertex 1 to 2"; in space as
 /// an OBJ file counts them, "v 1, v 3, v 2".
