@@ -33,7 +33,6 @@
 
 #include <iomanip>
 #include <iostream>
-#include <map>
 #include <sstream>
 
 namespace {
@@ -76,9 +75,8 @@ SvgResult<std::vector<cageform::PiecewiseCubic<float>>> curves_of(const PoseClip
             pieces.push_back({float(begin), float(c0), float(c1), float(c2), float(c3)});
             for (const double number : {c0, c1, c2, c3}) {
                 if (std::isfinite(float(number))) continue;
-                return SvgError{clip.name + ": vertex " + std::to_string(n / 3 + 1) +
-                                " moves too fast after " + std::to_string(begin) +
-                                " s: single precision cannot represent its curve"};
+                return SvgError{clip.name + ": v " + std::to_string(n / 3 + 1) + " moves too fast after " +
+                                std::to_string(begin) + " s: single precision cannot represent its curve"};
             }
         }
         curves.emplace_back(std::move(pieces), float(clip.length));
@@ -138,23 +136,6 @@ packed_normals(const ChosenCoordinates<float, 3>& coordinates, const std::vector
     auto packed = cageform::pack(bound.value[0], options);
     if (!packed) return SvgError{std::string("normals: ") + cageform::to_string(packed.report.status)};
     return std::move(packed.value);
-}
-
-/// "not stored: 800 of "vt", 2 of "usemtl", 8066 colours": statements that a figure has no part for; empty if
-/// there are none.
-std::string describe_unstored(const ObjFile& file) {
-    std::map<std::string, std::size_t> counts;
-    std::vector<std::string_view> words;
-    std::size_t line = 1;
-    for (detail::ObjScanner scanner(file.text); scanner.next(words, line);) {
-        if (words[0] != "v" && words[0] != "vn" && words[0] != "f") ++counts[std::string(words[0])];
-    }
-    std::string text;
-    for (const auto& [word, count] : counts)
-        text += (text.empty() ? "" : ", ") + std::to_string(count) + " of " + detail::quoted(word);
-    if (!file.colours.empty())
-        text += (text.empty() ? "" : ", ") + std::to_string(file.colours.size()) + " colours";
-    return text.empty() ? text : "not stored: " + text + '\n';
 }
 
 /// Binds, packs and writes. `labels` are of the cage's vertices, or none.
@@ -271,7 +252,8 @@ int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& ca
                   << ", mean " << part.mean_error << '\n';
     }
     if (report.status != Status::ok) return fail(cageform::to_string(report.status));
-    if (given.report) std::cout << describe_unstored(figure);
+    const std::string others = describe_others(figure, {"v", "vn", "f"});
+    if (given.report && !others.empty()) std::cout << "not stored: " << others << '\n';
     if (given.report && !labels.empty()) {
         std::cout << "labels: of "
                   << labels.size() - std::size_t(std::count(labels.begin(), labels.end(), "")) << " of "

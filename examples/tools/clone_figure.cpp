@@ -295,6 +295,10 @@ int run_figure(const Arguments& given, const cageform::PackedFigureView<T, D>& f
             return fail(given.mesh + ": has " + std::to_string(mesh->vertices.size()) +
                         " vertices, the figure " + std::to_string(figure.point_count()) + " points");
         PosedFile file(given.format(), scalar_bytes, *mesh);
+        const std::string others = given.format() == PosedFormat::obj   ? ""
+                                   : given.format() == PosedFormat::npy ? describe_others(*mesh, {"v"})
+                                                                        : describe_others(*mesh, {"v", "f"});
+        if (!others.empty()) note(given.mesh + ": not written: " + others + "; .obj files keep all");
         return write_rows(given, Cloner<T, D>(given, figure, parts, std::move(file)), poses, rows);
     } else {
         return fail("--mesh: " + given.figure + " is a figure in the plane; an OBJ file is in space");

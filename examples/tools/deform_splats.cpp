@@ -251,6 +251,7 @@ std::string words_of(const Arguments& given, const SplatMover& mover, const Spla
     std::string text = "splats: " + std::to_string(splats) + " of degree " +
                        std::to_string(scene.layout.degree()) + ", " + std::to_string(scene.layout.row_bytes) +
                        " bytes each\n";
+    if (!scene.others.empty()) text += "kept as they are: " + scene.others + '\n';
     if (mover.stretch.point != cageform::Extreme::none)
         text += "longest: " + number(mover.stretch.value) + " times its length at rest, splat " +
                 std::to_string(mover.stretch.point) + "\n";

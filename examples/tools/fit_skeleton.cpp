@@ -166,7 +166,8 @@ int run_program(int argc, char** argv) {
                        "rest.obj motion.mdd -o skin.glb --bones 20 --rate 24 --picture skin.png --report"});
     Arguments given;
     line.add("figure", given.rest, "the OBJ file of the figure at rest").required();
-    line.add("frames", given.frames, "OBJ files, one a frame, or one MDD file").required();
+    line.add("frames", given.frames, "OBJ files, one a frame, or one MDD file; messages count frames from 0")
+        .required();
     line.add("-o,--output", given.out, "the file to write: .glb or .gltf")
         .required()
         .ends_with({".glb", ".gltf"});

@@ -80,8 +80,8 @@ SvgResult<Fitted<D>> fitted(const Arguments& given, const Figures<D>& figures,
     if (status != cageform::Status::ok) return SvgError{cageform::to_string(status)};
     const auto number = [](double x) { return detail::short_number(x); };
     std::cout << printable(rest_name) << ": by " << describe(*lattice)
-              << "\nlargest distance: " << number(report.largest) << ", of vertex " << report.farthest + 1
-              << " at (";
+              << "\nlargest distance: " << number(report.largest) << ", of " << (D == 2 ? "point " : "v ")
+              << report.farthest + (D == 2 ? 0 : 1) << " at (";
     for (std::size_t k = 0; k < D; ++k) std::cout << (k == 0 ? "" : ", ") << number(rest[report.farthest][k]);
     std::cout << "); rms: " << number(report.rms)
               << "\npoints of the lattice that move no vertex: " << report.idle.size()

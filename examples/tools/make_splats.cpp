@@ -47,6 +47,8 @@ int run_program(int argc, char** argv) {
     file.write(scene.header_text(scene.size()));
     file.write(scene.rows);
     if (const auto error = outputs.commit()) return fail(*error);
+    if (const std::string others = describe_others(*mesh, {"v", "f"}); !others.empty())
+        note(path + ": not used: " + others);
     std::cout << printable(out) << ": " << scene.size() << " splats of degree " << scene.layout.degree()
               << '\n';
     return 0;

@@ -32,6 +32,9 @@ for kind in v f; do
   report $ok "the figure's own triangles: lines of $kind"
 done
 works "a row as bytes" "$clone" character.figure --poses poses.csv --rows 3:4 -o one/3.ply
+works "a row with a mesh" "$clone" character.figure --poses poses.csv --rows 3:4 --mesh character.obj -o one/mesh.ply
+grep -q "note: character.obj: not written: .*$(grep -c '^vn' character.obj) of \"vn\"" log && ok=yes || ok=no
+report $ok "what a PLY file has no place for"
 works "a row as text" "$clone" character.figure --poses poses.csv --rows 3:4 --ascii -o one/text.ply
 works "a row as an array" "$clone" character.figure --poses poses.csv --rows 3:4 -o one/3.npy
 points=$(grep -c '^v ' character.obj)

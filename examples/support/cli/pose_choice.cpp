@@ -143,8 +143,7 @@ SvgResult<PoseClip> MotionChoice::motion(const ObjFile& cage) const {
     for (std::size_t i = 0; i < posed->size(); ++i) {
         for (const double x : (*posed)[i].v) {
             if (const std::string why = detail::single_precision_fault(x); !why.empty())
-                return SvgError{"the pose of vertex " + std::to_string(i + 1) + " of " + cage.name + ": " +
-                                why};
+                return SvgError{"the pose of v " + std::to_string(i + 1) + " of " + cage.name + ": " + why};
         }
     }
     return PoseClip{"pose",

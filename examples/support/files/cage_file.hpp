@@ -156,7 +156,8 @@ inline constexpr const char* cage_formats =
     "and each subpath is a loop. A polygon is an outline too. In poses all edges are\n"
     "cubics, so vertices are control points, three for each edge: its start and the two\n"
     "that follow. A pose is an outline of the same commands, or of commands of a higher\n"
-    "degree (C in place of L).\n";
+    "degree (C in place of L).\n"
+    "Options and messages count vertices and points from 0, blocks from 1.\n";
 
 /// How the edges of a cage are read.
 enum class CageEdges {

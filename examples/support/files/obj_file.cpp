@@ -10,6 +10,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstring>
+#include <map>
 
 namespace cageform_examples {
 
@@ -286,7 +287,7 @@ SvgResult<ObjFile> parse_obj(std::string text, std::string name, StrayVertices s
 }
 
 SvgResult<ObjFile> load_obj(const std::filesystem::path& path, StrayVertices strays) {
-    auto text = read_file(path.string());
+    auto text = read_text(path.string());
     return text ? parse_obj(std::move(*text), path.string(), strays) : text.error();
 }
 
@@ -298,8 +299,7 @@ std::optional<SvgError> single_precision_fault(const ObjFile& file) {
         const Point3& p = file.vertices[vertex++];
         for (std::size_t k = 0; k < 3; ++k) {
             const std::string why = detail::single_precision_fault(p[k]);
-            if (!why.empty())
-                return SvgError{file.name + ": vertex " + std::to_string(vertex) + ": " + why, line};
+            if (!why.empty()) return SvgError{file.name + ": v " + std::to_string(vertex) + ": " + why, line};
         }
     }
     return std::nullopt;
@@ -360,6 +360,21 @@ std::vector<Point3> counted_from(const Point3& origin, std::span<const Point3> p
     std::vector<Point3> moved(places.begin(), places.end());
     for (Point3& p : moved) p = p - origin;
     return moved;
+}
+
+std::string describe_others(const ObjFile& file, std::initializer_list<std::string_view> keywords) {
+    std::map<std::string_view, std::size_t> counts;
+    std::vector<std::string_view> words;
+    std::size_t line = 1;
+    for (detail::ObjScanner scanner(file.text); scanner.next(words, line);) {
+        if (std::find(keywords.begin(), keywords.end(), words[0]) == keywords.end()) ++counts[words[0]];
+    }
+    std::string text;
+    for (const auto& [word, count] : counts)
+        text += (text.empty() ? "" : ", ") + std::to_string(count) + " of " + detail::quoted(word);
+    if (!file.colours.empty())
+        text += (text.empty() ? "" : ", ") + std::to_string(file.colours.size()) + " colours";
+    return text;
 }
 
 std::string with_faces_turned_over(const std::string& text) {

@@ -15,6 +15,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <initializer_list>
 #include <optional>
 #include <span>
 #include <string>
@@ -226,6 +227,10 @@ std::string to_text(const ObjFile& file, const MovedVertices& moved);
 inline std::string to_text(const ObjFile& file, std::span<const Point3> places) {
     return to_text(file, MovedVertices{places});
 }
+
+/// Names and counts what a file has besides the statements of some keywords: "800 of "vt", 2 of "usemtl",
+/// 8066 colours"; empty if it has nothing else.
+std::string describe_others(const ObjFile& file, std::initializer_list<std::string_view> keywords);
 
 /// An OBJ file's text with the corners of each face in the opposite order.
 std::string with_faces_turned_over(const std::string& text);

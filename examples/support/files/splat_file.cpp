@@ -155,15 +155,8 @@ std::string name_at(const Header& header, std::size_t offset) {
     return {};
 }
 
-/// Splats with a number that is not finite. Infinite opacities are allowed: opaque or transparent splats.
-/// Scales of -inf are allowed: flat splats.
-struct NumberFaults {
-    std::vector<std::size_t> splats; // ascending
-    std::string first;               // "splat 3 (counted from 0): x is not a finite number"
-};
-
-NumberFaults number_faults(const SplatFile& scene, const Header& header) {
-    const SplatLayout& layout = scene.layout;
+/// Where the numbers stand that a pose may change, ascending.
+std::vector<std::size_t> offsets_of(const SplatLayout& layout) {
     std::vector<std::size_t> offsets{layout.opacity};
     for (const auto& some : {std::span<const std::size_t>(layout.place),
                              {layout.colour},
@@ -173,6 +166,34 @@ NumberFaults number_faults(const SplatFile& scene, const Header& header) {
                              {layout.normal}})
         offsets.insert(offsets.end(), some.begin(), some.end());
     std::sort(offsets.begin(), offsets.end());
+    return offsets;
+}
+
+/// Names the other properties of splats, and counts the other elements.
+std::string others_of(const Header& header) {
+    const auto offsets = offsets_of(header.scene.layout);
+    std::string text;
+    const auto add = [&](const std::string& one) { (text += text.empty() ? "" : ", ") += one; };
+    for (const auto& [name, property] : header.properties) {
+        if (!std::binary_search(offsets.begin(), offsets.end(), property.offset)) add(detail::quoted(name));
+    }
+    for (const PlyElement& element : header.elements) {
+        if (element.name != "vertex")
+            add(std::to_string(element.count) + " of " + detail::quoted(element.name));
+    }
+    return text;
+}
+
+/// Splats with a number that is not finite. Infinite opacities are allowed: opaque or transparent splats.
+/// Scales of -inf are allowed: flat splats.
+struct NumberFaults {
+    std::vector<std::size_t> splats; // ascending
+    std::string first;               // "splat 3 (counted from 0): x is not a finite number"
+};
+
+NumberFaults number_faults(const SplatFile& scene, const Header& header) {
+    const SplatLayout& layout = scene.layout;
+    const auto offsets = offsets_of(layout);
     NumberFaults faults;
     for (std::size_t i = 0; i < scene.size(); ++i) {
         const char* const row = scene.rows.data() + i * layout.row_bytes;
@@ -295,6 +316,7 @@ SvgResult<SplatFile> parse_splats(std::string bytes, std::string name, bool stri
     const auto fails = [&](const std::string& why) { return SvgError{name + ": " + why}; };
     if (const std::string why = find_numbers(*header); !why.empty()) return fails(why);
     SplatFile scene = header->scene;
+    scene.others = others_of(*header);
     const std::size_t row = scene.layout.row_bytes;
     const std::uint64_t splats = header->elements[*header->splats].count;
     if (splats == 0) return fails("there is no splat in it");

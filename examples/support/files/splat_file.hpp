@@ -23,8 +23,8 @@ inline constexpr const char* splat_format =
     "logit, the quaternion is w x y z. All other properties and elements are kept, and nx ny\n"
     "nz turn where they are not zero. An opacity may be infinite, and a scale -inf, of a flat\n"
     "splat; splats with other numbers that are not finite are left out, with a warning.\n"
-    "Scenes are written as binary little-endian. Compressed files are not read. A scene is\n"
-    "held in memory: 248 bytes a splat of degree 3.\n";
+    "Scenes are written as binary little-endian. Compressed files are not read. Messages\n"
+    "count splats from 0. A scene is held in memory: 248 bytes a splat of degree 3.\n";
 
 /// One splat, as the file has it.
 struct Splat {
@@ -55,6 +55,7 @@ struct SplatFile {
     SplatLayout layout;
     std::string before, rows, after; // bytes of the elements before the splats, of the splats, and after
     std::string warning;             // of splats that were left out
+    std::string others; // properties and elements that are kept as they are: "label", 1 of "camera"
 
     std::size_t size() const { return rows.size() / layout.row_bytes; }
 
