@@ -4,6 +4,7 @@
 //     adaptive_grid --cage cat_cage.svg --figure cat.svg --accuracy 0.001 -o grid.svg --png
 //     adaptive_grid --cage character_cage.obj --figure character.obj --slice y=0 -o grid.svg --png
 
+#include "cli/auto_cage.hpp"
 #include "cli/bind_report.hpp"
 #include "cli/command_line.hpp"
 #include "cli/coordinates.hpp"
@@ -116,6 +117,7 @@ std::string place(double x, double y, double width, double height) {
 struct Arguments {
     std::string cage, figure, out, slice, zoom;
     bool png = false;
+    bool is_strict = false;
     int png_width = 1200;
     CoordinatesChoice choice;
 };
@@ -158,7 +160,7 @@ SvgResult<Section> in_space(const Arguments& given) {
     section.y_up = true;
     section.cage = cut(cage->vertices, cage->triangles, *slice);
     if (!given.figure.empty()) {
-        const auto figure = load_obj(given.figure);
+        const auto figure = load_mesh_figure(given.figure, given.is_strict);
         if (!figure) return figure.error();
         section.figure = cut(figure->vertices, figure->triangles, *slice);
     }
@@ -261,6 +263,7 @@ int run_program(int argc, char** argv) {
     line.add("--zoom", given.zoom,
              "x,y,width,height: draw only this part of the picture's plane, in the cage's units")
         .check(box_fault);
+    add_strict(line, given.is_strict);
     line.set_footer(std::string(cage_formats) + "\n" + obj_format);
     given.choice.name = "harmonic";
     given.choice.harmonic.accuracy = 1e-3;

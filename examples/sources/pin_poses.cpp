@@ -38,6 +38,7 @@ struct Arguments {
     CoordinatesChoice choice;
     PinChoice pins;
     ViewChoice view;
+    bool is_strict = false;
 };
 
 template <std::size_t D>
@@ -157,7 +158,7 @@ private:
 
 /// Draws the poses of a mesh side by side, in one picture by pins and in another by least moves.
 int draw_in_space(const Arguments& given) {
-    const auto figure = load_obj(given.figure);
+    const auto figure = load_mesh_figure(given.figure, given.is_strict);
     if (!figure) return fail(to_string(figure.error()));
     const auto cage = load_or_make_cage(given.cage, *figure);
     if (!cage) return fail(to_string(cage.error()));
@@ -222,6 +223,7 @@ int run_program(int argc, char** argv) {
     given.choice.in_plane = given.choice.in_space = true;
     given.choice.add_options(line);
     given.view.add_options(line);
+    add_strict(line, given.is_strict);
     line.set_footer(pins_format + std::string("\n") + cage_formats + "\n" + obj_format);
     if (const auto code = line.parse(argc, argv)) return *code;
     given.pins.solving.settled_step = 1e-6;

@@ -315,8 +315,7 @@ int run_program(int argc, char** argv) {
     if (ending_of(given.out) != ending)
         return fail("-o " + given.out + ": the figure " + given.figure + " is written as " + ending);
 
-    const auto figure =
-        ending == ".mesh" ? load_mesh_or_obj(given.figure) : load_mesh_figure(given.figure, given.is_strict);
+    const auto figure = load_mesh_figure(given.figure, given.is_strict, true);
     if (!figure) return fail(to_string(figure.error()));
     if (given.flips_faces && !figure->tetrahedra.empty())
         return fail("--flip-faces: " + figure->name + " holds tetrahedra; only faces are turned over");

@@ -3,6 +3,7 @@
 //     draw_splats scene.ply -o scene.png --view 60,20
 //     draw_splats posed.ply --beside posed.obj -o both.png
 
+#include "cli/auto_cage.hpp"
 #include "cli/command_line.hpp"
 #include "cli/guard.hpp"
 #include "cli/view_choice.hpp"
@@ -33,7 +34,8 @@ int run_program(int argc, char** argv) {
     view.add_options(line);
     line.add("--width", width, "the picture's width in pixels").range(16, 16384).show_default();
     line.add("--height", height, "its height").range(16, 16384).show_default();
-    line.add_flag("--strict", strict, "refuse a scene with a number that is not finite");
+    line.add_flag("--strict", strict,
+                  "refuse a scene with a splat that is to be left out, and a figure with such a vertex");
     line.set_footer(splat_format + std::string("\n") + obj_format);
     if (const auto code = line.parse(argc, argv)) return *code;
 
@@ -42,7 +44,7 @@ int run_program(int argc, char** argv) {
     if (!scene->warning.empty()) warn(scene->warning);
     std::optional<ObjFile> mesh;
     if (!beside.empty()) {
-        auto read = load_obj(beside);
+        auto read = load_mesh_figure(beside, strict);
         if (!read) return fail(to_string(read.error()));
         mesh = std::move(*read);
     }

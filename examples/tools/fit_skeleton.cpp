@@ -7,6 +7,7 @@
 // So engines play whatever moves vertices: cages, lattices, cloth, vertex animations. The method is that of
 // Le and Deng, Smooth skinning decomposition with rigid bones, ACM TOG 31(6), 2012, with changes.
 
+#include "cli/auto_cage.hpp"
 #include "cli/command_line.hpp"
 #include "cli/guard.hpp"
 #include "cli/skeleton_choice.hpp"
@@ -30,6 +31,7 @@ struct Arguments {
     SkeletonChoice choice{.bones = "auto"};
     ViewChoice view;
     bool report = false;
+    bool is_strict = false;
 };
 
 constexpr double default_rate = 30;
@@ -63,10 +65,20 @@ bool ascend(std::span<const double> times) {
     return true;
 }
 
-SvgResult<MddFile> read_frames(Arguments& given, const ObjFile& figure) {
+/// Reads the frames. The figure leaves out, too, what a frame does.
+SvgResult<MddFile> read_frames(Arguments& given, ObjFile& figure) {
     if (given.frames.size() == 1 && ending_of(given.frames[0]) == ".mdd") {
         auto file = load_mdd(given.frames[0], figure.vertices.size());
         if (!file) return file;
+        for (std::size_t t = 0; t < file->frames.size(); ++t) {
+            std::vector<std::size_t> strays;
+            for (std::size_t i = 0; i < figure.vertices.size(); ++i) {
+                if (!cageform::is_finite(file->frames[t][i])) strays.push_back(i);
+            }
+            const std::string name = given.frames[0] + ": frame " + std::to_string(t) + ", ";
+            if (const auto why = leave_out_also(figure, strays, name, given.is_strict); !why.empty())
+                return SvgError{why};
+        }
         turn_axes(given.axes, file->frames);
         if (const double first = file->times.empty() ? 0 : file->times[0]; first < 0 && given.rate == 0) {
             for (double& time : file->times) time -= first;
@@ -86,13 +98,16 @@ SvgResult<MddFile> read_frames(Arguments& given, const ObjFile& figure) {
     for (const std::string& path : given.frames) {
         if (ending_of(path) == ".mdd")
             return SvgError{path + ": one MDD file holds all frames: give it alone, after " + given.rest};
-        auto frame = load_obj(path);
+        auto frame = load_obj(path, strays_of(given.is_strict));
         if (!frame) return frame.error();
         if (frame->vertices.size() != figure.vertices.size()) {
             return SvgError{path + " has " + std::to_string(frame->vertices.size()) + " vertices, " +
                             given.rest + " has " + std::to_string(figure.vertices.size()) +
                             ": a frame is the figure with its vertices moved"};
         }
+        if (const auto why = leave_out_also(figure, frame->left_out, path + ": ", given.is_strict);
+            !why.empty())
+            return SvgError{why};
         if (const auto fault = single_precision_fault(*frame)) return *fault;
         frames.push_back(std::move(frame->vertices));
     }
@@ -107,6 +122,11 @@ int fit_figure(Arguments& given, ObjFile figure) {
     auto read = read_frames(given, figure);
     if (!read) return fail(to_string(read.error()));
     auto& places = read->frames;
+    const std::size_t sound = figure.triangles[0][0]; // vertices that are left out go with it
+    for (const std::size_t vertex : figure.left_out) {
+        figure.vertices[vertex] = figure.vertices[sound];
+        for (auto& frame : places) frame[vertex] = frame[sound];
+    }
     if (places.size() < 2) {
         return fail(given.frames[0] + ": " + std::to_string(places.size()) +
                     (places.size() == 1 ? " frame" : " frames") + ": a motion has two or more");
@@ -194,11 +214,12 @@ int run_program(int argc, char** argv) {
              "bones")
         .ends_with({".png"});
     given.view.add_options(line);
+    add_strict(line, given.is_strict);
     line.add_flag("--report", given.report, "print bones, keys, distances and times");
     line.set_footer(obj_format + std::string("\n") + frames_format);
     if (const auto code = line.parse(argc, argv)) return *code;
 
-    const auto figure = load_obj(given.rest);
+    const auto figure = load_mesh_figure(given.rest, given.is_strict);
     if (!figure) return fail(to_string(figure.error()));
     if (const auto fault = single_precision_fault(*figure)) return fail(to_string(*fault));
     return fit_figure(given, *figure);

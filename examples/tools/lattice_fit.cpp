@@ -25,6 +25,7 @@
 
 #include <chrono>
 #include <iostream>
+#include <limits>
 
 namespace {
 
@@ -35,6 +36,7 @@ struct Arguments {
     double smoothness = cageform::LatticeFitOptions{}.smoothness;
     PoseChoice choice; // holds layers of the lattice at rest
     ViewChoice view;
+    bool is_strict = false;
 };
 
 /// A figure's vertices at rest and posed, and their names.
@@ -126,13 +128,19 @@ int fit_in_space(const Arguments& given) {
     if (ending_of(given.out) != ".obj")
         return fail("-o " + given.out + ": the figure lies in space: write .obj");
     if (const auto why = fault_of_outputs({given.out, given.picture})) return fail(*why);
-    const auto rest = load_obj(given.rest);
+    auto rest = load_mesh_figure(given.rest, given.is_strict);
     if (!rest) return fail(to_string(rest.error()));
-    const auto posed = load_obj(given.posed);
+    const auto posed = load_obj(given.posed, strays_of(given.is_strict));
     if (!posed) return fail(to_string(posed.error()));
+    if (posed->vertices.size() == rest->vertices.size()) {
+        const std::string why = leave_out_also(*rest, posed->left_out, given.posed + ": ", given.is_strict);
+        if (!why.empty()) return fail(why);
+    }
     const auto cage = load_or_make_cage(given.cage, *rest);
     if (!cage) return fail(to_string(cage.error()));
-    const Figures<3> figures{given.rest, given.posed, rest->vertices, posed->vertices};
+    Figures<3> figures{given.rest, given.posed, rest->vertices, posed->vertices};
+    for (const std::size_t vertex : rest->left_out) // fit_lattice skips what is not finite
+        figures.rest[vertex] = Point3{std::numeric_limits<double>::quiet_NaN(), 0, 0};
     const auto fit = fitted(given, figures, cage->lattice);
     if (!fit) return fail(to_string(fit.error()));
     OutputFiles outputs;
@@ -172,6 +180,7 @@ int run_program(int argc, char** argv) {
              "also draw the figure at rest, posed, and by the lattice's pose, to a PNG file (in space)")
         .ends_with({".png"});
     given.view.add_options(line);
+    add_strict(line, given.is_strict);
     line.set_footer(obj_format + std::string("\n") + lattice_format);
     if (const auto code = line.parse(argc, argv)) return *code;
     return ending_of(given.rest) == ".obj" ? fit_in_space(given) : fit_in_plane(given);

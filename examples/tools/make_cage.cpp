@@ -35,6 +35,7 @@ struct Arguments {
     ViewChoice view;
     bool png = false;
     bool quads = false;
+    bool is_strict = false;
     cageform::MakeCageOptions options;
     std::optional<LatticeWord> lattice;
 
@@ -152,7 +153,7 @@ int cage_in_space(const Arguments& given) {
     if (given.options.holes)
         return fail("--holes is for figures in the plane; in space tunnels are always kept");
     if (given.png) return fail("--png: in space the picture is a .png file already");
-    const auto figure = load_obj(given.figure);
+    const auto figure = load_mesh_figure(given.figure, given.is_strict);
     if (!figure) return fail(to_string(figure.error()));
     if (const auto why = fault_of_outputs({given.out, given.picture})) return fail(*why);
     if (given.lattice) {
@@ -277,6 +278,7 @@ int run_program(int argc, char** argv) {
         .ends_with({".svg", ".png"});
     given.view.add_options(line);
     line.add_flag("--png", given.png, "also render the picture, to the same name with .png");
+    add_strict(line, given.is_strict);
     line.set_footer(lattice_format);
     if (const auto code = line.parse(argc, argv)) return *code;
     if (options.shape == cageform::CageShape::box &&

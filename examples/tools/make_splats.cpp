@@ -3,6 +3,7 @@
 //     make_splats character.obj -o scene.ply
 //     make_splats character.obj -o scene.ply --count 1000000 --degree 1 --seed 7
 
+#include "cli/auto_cage.hpp"
 #include "cli/command_line.hpp"
 #include "cli/guard.hpp"
 #include "files/atomic_file.hpp"
@@ -23,6 +24,7 @@ int run_program(int argc, char** argv) {
     std::string path, out;
     SurfaceSplatOptions options;
     std::size_t seed = options.seed;
+    bool is_strict = false;
     line.add("mesh", path, "the OBJ file to cover").required();
     line.add("-o,--output", out, "the PLY file to write").required().ends_with({".ply"});
     line.add("--count", options.count, "the number of splats").range(1, 20000000).show_default();
@@ -30,11 +32,12 @@ int run_program(int argc, char** argv) {
         .range(0, 3)
         .show_default();
     line.add("--seed", seed, "of the random places").show_default();
+    add_strict(line, is_strict);
     line.set_footer(splat_format + std::string("\n") + obj_format);
     if (const auto code = line.parse(argc, argv)) return *code;
     options.seed = seed;
 
-    const auto mesh = load_obj(path);
+    const auto mesh = load_mesh_figure(path, is_strict);
     if (!mesh) return fail(to_string(mesh.error()));
     if (const double area = area_of(*mesh); !(area > 0) || !std::isfinite(area))
         return fail(path + ": its faces have no area to lie on");

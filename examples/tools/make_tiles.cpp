@@ -6,6 +6,7 @@
 // A tile holds neighbouring faces, in the order of the mesh. The points depend on the mesh, their number and
 // --seed, not on the number of tiles: point n is the same, in whichever tile it comes.
 
+#include "cli/auto_cage.hpp"
 #include "cli/command_line.hpp"
 #include "cli/guard.hpp"
 #include "cli/row_range.hpp"
@@ -25,6 +26,7 @@ using namespace cageform_examples;
 struct Arguments {
     std::string mesh, output, rows;
     std::size_t points = 100000, tiles = 1, seed = 1;
+    bool is_strict = false;
 };
 
 /// A number in [0, 1) that depends on `n` alone (Steele, Lea, Flood, Fast Splittable Pseudorandom Number
@@ -106,13 +108,14 @@ int run_program(int argc, char** argv) {
         .required()
         .ends_with({".ply"})
         .check(RowPath::fault);
+    add_strict(line, given.is_strict);
     line.set_footer(obj_format);
     if (const auto code = line.parse(argc, argv)) return *code;
     const RowRange rows = RowRange::of(given.rows.empty() ? ":" : given.rows).value_or(RowRange{});
     const RowPath path(given.output);
     if (!path.has_place() && given.tiles > 1)
         return fail("--output " + given.output + ": write %d in place of the number of a tile");
-    const auto mesh = load_obj(given.mesh);
+    const auto mesh = load_mesh_figure(given.mesh, given.is_strict);
     if (!mesh) return fail(to_string(mesh.error()));
     if (const std::string why = rounding_fault(given.mesh, mesh->vertices); !why.empty()) return fail(why);
     const FacePoints points(*mesh, given.points, given.seed);

@@ -4,6 +4,8 @@
 Laws of programs that move meshes: an affine pose x -> A x + b of the cage takes every vertex to A x + b and every
 normal n to A^-T n, also normals that lean against their faces, at the origin and far from it. A pose that mirrors
 is named, and --flip-faces turns the faces over. The poses are random; their seeds are printed.
+
+Vertices that are no numbers and that no face has change nothing of what a program writes, in any figure or frame.
 """
 import json
 import math
@@ -86,10 +88,10 @@ def read_targets(path):
     return [[x + y for x, y in zip(p, place)] for p in parts[0]], parts[1]
 
 
-def run(*command):
+def run(*command, code=0):
     """Runs a program; what it says."""
     done = subprocess.run([os.path.join(PROGRAMS, command[0]), *command[1:]], capture_output=True, text=True)
-    check(done.returncode == 0, "%s: exit code %d: %s" % (" ".join(command), done.returncode, done.stderr))
+    check(done.returncode == code, "%s: exit code %d: %s" % (" ".join(command), done.returncode, done.stderr))
     return done.stderr
 
 
@@ -159,11 +161,128 @@ def test(seed):
             check(volume("moved.obj") > 0, "the faces look outwards")
 
 
+def drawn(path):
+    """All that a GLB file draws: its nodes, the attributes at all corners of its triangles, and its animations."""
+    data = open(path, "rb").read()
+    size = struct.unpack_from("<I", data, 12)[0]
+    scene, data = json.loads(data[20:20 + size]), data[28 + size:]
+
+    def elements(accessor):
+        a = scene["accessors"][accessor]
+        view = scene["bufferViews"][a["bufferView"]]
+        width = {5121: 1, 5123: 2, 5125: 4, 5126: 4}[a["componentType"]] * {"SCALAR": 1, "VEC3": 3, "VEC4": 4, "MAT4": 16}[a["type"]]
+        begin = view.get("byteOffset", 0) + a.get("byteOffset", 0)
+        return [data[begin + i * view.get("byteStride", width):][:width] for i in range(a["count"])]
+
+    parts = [scene["nodes"]]
+    for mesh in scene["meshes"]:
+        for primitive in mesh["primitives"]:
+            corners = [int.from_bytes(c, "little") for c in elements(primitive["indices"])]
+            for attributes in (primitive["attributes"], *primitive.get("targets", [])):
+                for name in sorted(attributes):
+                    of_vertex = elements(attributes[name])
+                    parts.append([of_vertex[c] for c in corners])
+    for animation in scene.get("animations", []):
+        parts += [elements(sampler[key]) for sampler in animation["samplers"] for key in ("input", "output")]
+    return parts
+
+
+def without_strays(path):
+    """The lines of an OBJ file but for faces and for vertices that are no numbers; and these."""
+    lines = [line for line in open(path) if not line.startswith("f")]
+    strays = [line for line in lines if any(word in line for word in ("n", "#"))]
+    return [line for line in lines if line not in strays], strays
+
+
+def test_strays(seed):
+    draw = random.Random(seed)
+    rings, around = draw.randint(3, 5), draw.randint(5, 8)
+    vertices = [[0, -1, 0]] + [
+        [r * math.cos(t) * math.sin(h), -math.cos(h), r * math.sin(t) * math.sin(h)]
+        for h in (math.pi * n / (rings + 1) for n in range(1, rings + 1))
+        for t, r in ((2 * math.pi * n / around, draw.uniform(0.6, 1)) for n in range(around))] + [[0, 1, 0]]
+    faces = [[0, 1 + n, 1 + (n + 1) % around] for n in range(around)]
+    faces += [[1 + k * around + n, 1 + (k + 1) * around + n, 1 + (k + 1) * around + (n + 1) % around, 1 + k * around + (n + 1) % around]
+              for k in range(rings - 1) for n in range(around)]
+    last = len(vertices) - 1
+    faces += [[last, last - around + (n + 1) % around, last - around + n] for n in range(around)]
+    order = sorted([(n, n) for n in range(len(vertices))] + [(draw.uniform(-1, len(vertices)), None) for _ in range(draw.randint(1, 5))],
+                   key=lambda entry: entry[0])
+    number = {n: k for k, (_, n) in enumerate(order) if n is not None}
+
+    def write(name, points):
+        """The figure, and beside it a figure with strays; they are others in each file, at the same numbers."""
+        for folder in ("clean", "dirty"):
+            with open(os.path.join(folder, name), "w") as file:
+                for _, n in order:
+                    if n is not None:
+                        file.write("v %.17g %.17g %.17g\n" % tuple(points[n]))
+                    elif folder == "dirty":
+                        words = [draw.choice(["nan", "-nan(ind)", "1.#QNAN", "inf", "-inf"]), "1", draw.choice(["nan", "2"])]
+                        file.write("v %s %s %s\n" % tuple(draw.sample(words, 3)))
+                for face in faces:
+                    file.write("f %s\n" % " ".join(str((n if folder == "clean" else number[n]) + 1) for n in face))
+
+    def bent(angle):
+        return [[x, y * math.cos(a) - z * math.sin(a), y * math.sin(a) + z * math.cos(a)] for x, y, z in vertices for a in [angle * (y > 0)]]
+
+    for folder in ("clean", "dirty"):
+        os.makedirs(folder, exist_ok=True)
+    write("figure.obj", vertices)
+    for k in range(4):
+        write("frame_%d.obj" % k, bent(0.2 * k))
+    write_obj("cage.obj", [[1.2 * x for x in corner] for corner in BOX], [], FACES)
+    with open("bones.csv", "w") as file:
+        file.write("lower,,0,-1,0,0,0,0,0,0,0\nupper,lower,0,0,0,0,1,0,0,0,60\n")
+    with open("poses.csv", "w") as file:
+        file.write(",".join("%.17g" % (1.5 * x) for corner in BOX for x in corner) + "\n")
+    run("make_splats", "clean/figure.obj", "-o", "scene.ply", "--count", "50")
+    frames = ["@/frame_%d.obj" % k for k in range(4)]
+    twist = ["--cage", "cage.obj", "--twist", "all:y,-1,1,60"]
+    for words in (["deform_mesh", "@/figure.obj", *twist, "-o", "@/out.obj"],
+                  ["export_gltf", "@/figure.obj", *twist, "--skin", "4", "-o", "@/out.glb"],
+                  ["export_gltf", "@/figure.obj", *twist, "--morph", "-o", "@/out.glb"],
+                  ["export_gltf", "@/figure.obj", *twist, "--bones", "2", "-o", "@/out.glb"],
+                  ["skin_mesh", "@/figure.obj", "--bones", "bones.csv", "-o", "@/out.glb"],
+                  ["fit_skeleton", "@/figure.obj", *frames, "--bones", "2", "-o", "@/out.glb"],
+                  ["make_cage", "@/figure.obj", "--vertices", "16", "-o", "@/out.obj"],
+                  ["make_cage", "@/figure.obj", "--lattice", "3x3x3", "-o", "@/out.lattice.json"],
+                  ["lattice_fit", "@/figure.obj", "@/frame_3.obj", "--cage", "lattice:3x3x3", "-o", "@/out.obj"],
+                  ["make_tiles", "@/figure.obj", "--points", "50", "-o", "@/out.ply"],
+                  ["make_splats", "@/figure.obj", "--count", "50", "-o", "@/out.ply"],
+                  ["draw_splats", "scene.ply", "--beside", "@/figure.obj", "--width", "64", "--height", "64", "-o", "@/out.png"],
+                  ["adaptive_grid", "--cage", "cage.obj", "--figure", "@/figure.obj", "-o", "@/out.svg"],
+                  ["bind_mesh", "@/figure.obj", "--cage", "cage.obj", "-o", "@/out.figure"],
+                  ["clone_figure", "@/out.figure", "--poses", "poses.csv", "--mesh", "@/figure.obj", "-o", "@/out_%d.obj"]):
+        what = " ".join(words)
+        for folder in ("clean", "dirty"):
+            said = run(*(word.replace("@", folder) for word in words))
+            is_named = "vertices are left out, first v" in said and "--strict" in said
+            check(is_named == (folder == "dirty" and words[0] != "clone_figure"), what + ": strays are named: " + said)
+        out = words[-1].replace("%d", "0")
+        if words[0] == "bind_mesh":
+            continue
+        results = [out.replace("@", folder) for folder in ("clean", "dirty")]
+        if words[0] in ("deform_mesh", "clone_figure"):
+            (clean, _), (dirty, strays) = (without_strays(path) for path in results)
+            check(clean == dirty and strays == without_strays("dirty/figure.obj")[1], what + ": places, and the text of strays")
+        elif out.endswith(".glb"):
+            check(drawn(results[0]) == drawn(results[1]), what + ": what is drawn")
+        else:
+            check(open(results[0], "rb").read() == open(results[1], "rb").read(), what + ": bytes")
+        if words[0] != "clone_figure":
+            os.remove(results[1])
+            said = run(*(word.replace("@", "dirty") for word in words), "--strict", code=1)
+            check("not finite" in said and not os.path.exists(results[1]), what + " --strict: " + said)
+
+
 with tempfile.TemporaryDirectory() as folder:
     os.chdir(folder)
     for seed in range(SEED, SEED + COUNT):
         before = faults
         test(seed)
+        if seed % 4 == 0:
+            test_strays(seed)
         if faults > before:
             print("seed", seed)
 print("%d poses from seed %d on, %d faults" % (COUNT, SEED, faults))

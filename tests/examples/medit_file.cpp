@@ -51,6 +51,21 @@ double volume_inside(const ObjFile& file) {
 
 } // namespace
 
+TEST_CASE("a vertex that is not finite is left out where no cell has it", "[medit]") {
+    const std::string dirty =
+        with(with(cube, "Vertices 8", "Vertices 9"), "\nRequired", "\nnan 0 inf 3\nRequired");
+    CHECK(refusal_of(dirty) == "file.mesh: the coordinates of a vertex are not finite (line 12)");
+    const auto file = parse_medit(dirty, "file.mesh", StrayVertices::leave_out);
+    REQUIRE(file);
+    CHECK(file->left_out == std::vector<std::size_t>{8});
+    CHECK(file->tetrahedra == mesh_of(cube).tetrahedra);
+    CHECK(file->vertices[8] == file->vertices[0]);
+    CHECK(to_text(*file, std::vector<Point3>(9, Point3{7, 7, 7})).find("nan 0 inf 3") != std::string::npos);
+    const auto used = parse_medit(with(dirty, "1 7 5 8", "1 7 5 9"), "file.mesh", StrayVertices::leave_out);
+    REQUIRE_FALSE(used);
+    CHECK(to_string(used.error()) == refusal_of(dirty));
+}
+
 TEST_CASE("a mesh of tetrahedra is read with its surface", "[medit]") {
     const ObjFile file = mesh_of(cube);
     REQUIRE(file.vertices.size() == 8);

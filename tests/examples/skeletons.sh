@@ -82,6 +82,14 @@ refuses 'short.mdd: has 30 bytes, but 2 frames of 4 vertices take 112' "$fit" so
 refuses 'long.mdd: has 113 bytes' "$fit" solid.obj long.mdd -o out.glb
 refuses 'huge.mdd: has 8 bytes, but 4294967295 frames' "$fit" solid.obj huge.mdd -o out.glb
 refuses 'nan.mdd: frame 0, v 4: a coordinate is not finite' "$fit" solid.obj nan.mdd -o out.glb
+sed '/^f .*4/d' solid.obj >flat.obj
+works "a vertex that no face has" "$fit" flat.obj nan.mdd -o flat.glb
+grep -q 'warning: nan.mdd: frame 0, 1 of 4 vertices are left out, here and in all other files, first v 4: ' log && ok=yes || ok=no
+report $ok "is left out"
+refuses 'nan.mdd: frame 0, v 4: a coordinate is not finite' "$fit" flat.obj nan.mdd -o out.glb --strict
+printf 'v 0 0 0\nv 0 1 0\nv nan 0 0\nv 0 0 1\n' >no_faces.obj
+refuses 'no_faces.obj: v 3: a coordinate is not finite' "$fit" solid.obj solid.obj no_faces.obj -o out.glb
+refuses 'no_faces.obj: v 3: a coordinate is not finite' "$programs/lattice_fit" solid.obj no_faces.obj --cage lattice:2x2x2 -o out.obj
 refuses 'solid.mdd has 4 vertices, the figure' "$fit" twist_0.obj solid.mdd -o out.glb
 refuses 'nowhere.mdd: no such file' "$fit" solid.obj nowhere.mdd -o out.glb
 refuses 'one MDD file holds all frames: give it alone' "$fit" solid.obj solid.mdd turned.obj -o out.glb

@@ -2,6 +2,7 @@
 #include "cli/guard.hpp"
 
 #include "cli/mesh_cage.hpp"
+#include "files/medit_file.hpp"
 
 #include <cageform/core/threads.hpp>
 #include <cageform/enclose/find_parts.hpp>
@@ -105,8 +106,9 @@ void add_strict(CommandLine& line, bool& is_strict) {
                   "refuse a figure that has a vertex that is not finite, also one that no face has");
 }
 
-SvgResult<ObjFile> load_mesh_figure(const std::string& path, bool is_strict) {
-    auto file = load_obj(path, is_strict ? StrayVertices::refuse : StrayVertices::leave_out);
+SvgResult<ObjFile> load_mesh_figure(const std::string& path, bool is_strict, bool reads_medit) {
+    const StrayVertices strays = strays_of(is_strict);
+    auto file = reads_medit ? load_mesh_or_obj(path, strays) : load_obj(path, strays);
     if (file && !file->left_out.empty()) {
         warn(path + ": " + std::to_string(file->left_out.size()) + " of " +
              std::to_string(file->vertices.size()) + " vertices are left out, first v " +
@@ -114,6 +116,29 @@ SvgResult<ObjFile> load_mesh_figure(const std::string& path, bool is_strict) {
              ": they are not finite, and no face has them; --strict refuses the file");
     }
     return file;
+}
+
+std::string leave_out_also(ObjFile& figure, std::span<const std::size_t> vertices, const std::string& frame,
+                           bool is_strict) {
+    std::vector<std::size_t> added, all;
+    std::set_difference(vertices.begin(), vertices.end(), figure.left_out.begin(), figure.left_out.end(),
+                        std::back_inserter(added));
+    if (added.empty()) return {};
+    std::vector<bool> has_face(figure.vertices.size());
+    for (const auto& triangle : figure.triangles) {
+        for (const std::uint32_t vertex : triangle) has_face[vertex] = true;
+    }
+    for (const std::size_t vertex : added) {
+        if (is_strict || has_face[vertex])
+            return frame + "v " + std::to_string(vertex + 1) + ": a coordinate is not finite";
+    }
+    warn(frame + std::to_string(added.size()) + " of " + std::to_string(figure.vertices.size()) +
+         " vertices are left out, here and in all other files, first v " + std::to_string(added[0] + 1) +
+         ": they are not finite, and no face has them; --strict refuses the file");
+    std::set_union(figure.left_out.begin(), figure.left_out.end(), added.begin(), added.end(),
+                   std::back_inserter(all));
+    figure.left_out = std::move(all);
+    return {};
 }
 
 } // namespace cageform_examples

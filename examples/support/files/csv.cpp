@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <map>
 #include <utility>
 
@@ -98,6 +99,10 @@ std::string quoted(std::string_view word) {
 
 std::string parse_number(std::string_view field, double& number) {
     if (field.starts_with('+')) field.remove_prefix(1);
+    if (field.starts_with("1.#") || field.starts_with("-1.#")) { // 1.#QNAN, 1.#INF of old Windows programs
+        number = std::numeric_limits<double>::quiet_NaN();
+        return {};
+    }
     const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), number);
     if (error == std::errc::result_out_of_range) return "number out of range: " + quoted(field);
     if (error != std::errc{} || end != field.data() + field.size()) return "not a number: " + quoted(field);

@@ -19,8 +19,7 @@ struct MddFile {
 /// of the frames; x, y, z of each vertex in each frame; all of them floats of 4 bytes, big-endian.
 ///
 ///   vertices   of the figure
-///   fails      where it cannot be read, has another number of vertices, is shorter or longer than it says,
-///              or a coordinate is not finite
+///   fails      where it cannot be read, has another number of vertices, or is shorter or longer than it says
 SvgResult<MddFile> load_mdd(const std::string& path, std::size_t vertices);
 
 } // namespace cageform_examples

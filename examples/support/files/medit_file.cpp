@@ -15,10 +15,11 @@ namespace {
 /// Reads sections of a .mesh file: a keyword, how many elements there are, and their numbers.
 class MeditReader {
 public:
-    MeditReader(const std::string& text, ObjFile& file)
+    MeditReader(const std::string& text, ObjFile& file, StrayVertices strays)
         : text_(text)
         , scanner_(text)
-        , file_(file) {}
+        , file_(file)
+        , strays_(strays) {}
 
     /// Returns why it cannot be read, mostly with a line; else a message that is empty.
     SvgError read() {
@@ -74,6 +75,11 @@ private:
             return refuse("vertex index " + std::to_string(index + 1) + " is out of range: the file has " +
                           std::to_string(file_.vertices.size()));
         }
+        refuse_strays_of(file_.tetrahedra);
+        refuse_strays_of(triangles_);
+        refuse_strays_of(quads_);
+        if (!fault_.empty()) return;
+        refuse(detail::place_left_out(file_));
         if (!file_.tetrahedra.empty()) {
             file_.triangles = surface_of(file_.vertices, file_.tetrahedra);
             return;
@@ -122,7 +128,11 @@ private:
             ObjNumbers numbers;
             const std::string why = detail::parse_three_numbers(words, text_, point, numbers);
             if (!why.empty()) return refuse(why);
-            if (!cageform::is_finite(point)) return refuse("the coordinates of a vertex are not finite");
+            if (!cageform::is_finite(point)) {
+                if (strays_ == StrayVertices::refuse) return refuse(detail::vertex_not_finite);
+                file_.left_out.push_back(n);
+                lines_left_out_.push_back(line_);
+            }
             if (!next_number("Vertices", n, count)) return; // the reference
             file_.vertices.push_back(point);
             file_.numbers.push_back(numbers);
@@ -148,10 +158,26 @@ private:
         if (largest.first > 0) largest_.push_back({largest.first - 1, largest.second});
     }
 
+    /// Refuses a vertex that is left out and that a cell has.
+    template <class Cells>
+    void refuse_strays_of(const Cells& cells) {
+        const auto& strays = file_.left_out;
+        for (std::size_t n = 0; n < cells.size() && fault_.empty() && !strays.empty(); ++n) {
+            for (const std::size_t vertex : cells[n]) {
+                const auto found = std::lower_bound(strays.begin(), strays.end(), vertex);
+                if (found == strays.end() || *found != vertex) continue;
+                line_ = lines_left_out_[std::size_t(found - strays.begin())];
+                return refuse(detail::vertex_not_finite);
+            }
+        }
+    }
+
     const std::string& text_;
     detail::ObjScanner scanner_;
     ObjFile& file_;
-    std::vector<std::string_view> words_; // of a line
+    StrayVertices strays_;
+    std::vector<std::size_t> lines_left_out_; // as ObjFile::left_out
+    std::vector<std::string_view> words_;     // of a line
     std::size_t at_ = 0, line_ = 1;
     std::string fault_;
     detail::Triangles triangles_;
@@ -161,20 +187,20 @@ private:
 
 } // namespace
 
-SvgResult<ObjFile> parse_medit(std::string text, std::string name) {
+SvgResult<ObjFile> parse_medit(std::string text, std::string name, StrayVertices strays) {
     ObjFile file;
     file.name = std::move(name);
     if (text.empty()) return SvgError{file.name + ": is empty"};
-    const SvgError fault = MeditReader(text, file).read();
+    const SvgError fault = MeditReader(text, file, strays).read();
     if (!fault.message.empty()) return SvgError{file.name + ": " + fault.message, fault.line};
     file.text = std::move(text);
     return file;
 }
 
-SvgResult<ObjFile> load_mesh_or_obj(const std::filesystem::path& path) {
-    if (ending_of(path) != ".mesh") return load_obj(path);
+SvgResult<ObjFile> load_mesh_or_obj(const std::filesystem::path& path, StrayVertices strays) {
+    if (ending_of(path) != ".mesh") return load_obj(path, strays);
     auto text = read_text(path.string());
-    return text ? parse_medit(std::move(*text), path.string()) : text.error();
+    return text ? parse_medit(std::move(*text), path.string(), strays) : text.error();
 }
 
 detail::Triangles surface_of(std::span<const Point3> vertices,

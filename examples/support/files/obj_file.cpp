@@ -106,14 +106,10 @@ std::string parse_three_numbers(std::span<const std::string_view> words, std::st
                                 ObjNumbers& numbers) {
     if (words.size() < 4) return "three numbers are expected";
     for (std::size_t k = 0; k < 3; ++k) {
-        std::string_view word = words[k + 1];
+        const std::string_view word = words[k + 1];
         numbers.begin[k] = static_cast<std::size_t>(word.data() - text.data());
         numbers.end[k] = numbers.begin[k] + word.size();
-        if (word.starts_with('+')) word.remove_prefix(1);
-        const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), point[k]);
-        if (error == std::errc::result_out_of_range) return "number out of range: " + quoted(words[k + 1]);
-        if (error != std::errc{} || end != word.data() + word.size())
-            return "not a number: " + quoted(words[k + 1]);
+        if (const std::string why = parse_number(word, point[k]); !why.empty()) return why;
     }
     return {};
 }
@@ -131,6 +127,14 @@ Point3 area_vector(const ObjFace& face, std::span<const Point3> vertices) {
         sum = sum + cross(vertices[face.corners[k].vertex] - tip, vertices[face.corners[k + 1].vertex] - tip);
     }
     return sum;
+}
+
+std::string place_left_out(ObjFile& file) {
+    if (file.left_out.size() == file.vertices.size()) return "no vertex has finite coordinates";
+    std::size_t sound = 0; // the first vertex that is finite
+    while (sound < file.left_out.size() && file.left_out[sound] == sound) ++sound;
+    for (const std::size_t i : file.left_out) file.vertices[i] = file.vertices[sound];
+    return {};
 }
 
 /// Whether the triangles of a face look all the way that the face does.
@@ -205,7 +209,6 @@ SvgResult<ObjFile> parse_obj(std::string text, std::string name, StrayVertices s
 
     std::vector<std::string_view> words;
     std::vector<std::size_t> lines_left_out; // as ObjFile::left_out
-    constexpr const char* not_finite = "the coordinates of a vertex are not finite";
     std::size_t line = 1;
     const auto refuse = [&](const std::string& why) {
         const std::string_view format = detail::other_format(file.text);
@@ -221,7 +224,7 @@ SvgResult<ObjFile> parse_obj(std::string text, std::string name, StrayVertices s
         if (!why.empty()) return refuse(why);
         const bool finite = std::isfinite(point[0]) && std::isfinite(point[1]) && std::isfinite(point[2]);
         if (!numbers.is_normal && !finite) {
-            if (strays == StrayVertices::refuse) return refuse(not_finite);
+            if (strays == StrayVertices::refuse) return refuse(detail::vertex_not_finite);
             file.left_out.push_back(file.vertices.size());
             lines_left_out.push_back(line);
         }
@@ -248,13 +251,8 @@ SvgResult<ObjFile> parse_obj(std::string text, std::string name, StrayVertices s
         if (file.has_bytes_as_colours && colour != Point3{1, 1, 1}) colour = (1.0 / 255) * colour;
     }
 
-    if (file.left_out.size() == file.vertices.size())
-        return SvgError{file.name + ": no vertex has finite coordinates"};
-    if (!file.left_out.empty()) {
-        std::size_t sound = 0; // the first vertex that is finite
-        while (sound < file.left_out.size() && file.left_out[sound] == sound) ++sound;
-        for (const std::size_t i : file.left_out) file.vertices[i] = file.vertices[sound];
-    }
+    if (const std::string why = detail::place_left_out(file); !why.empty())
+        return SvgError{file.name + ": " + why};
 
     // Now that all are counted: an index may point forwards.
     const std::array<std::size_t, 2> count{file.vertices.size(), file.normals.size()};
@@ -274,7 +272,7 @@ SvgResult<ObjFile> parse_obj(std::string text, std::string name, StrayVertices s
                                                 std::size_t{face.corners.back().vertex});
             if (found == file.left_out.end() || *found != face.corners.back().vertex) continue;
             line = lines_left_out[std::size_t(found - file.left_out.begin())];
-            return refuse(not_finite);
+            return refuse(detail::vertex_not_finite);
         }
         file.faces.push_back(std::move(face));
         file.face_parts.push_back(part);

@@ -32,7 +32,8 @@ inline constexpr const char* obj_format =
     "f are read, and all other lines are copied as they are. A normal of several vertices\n"
     "is divided where a pose turns it apart. glTF files get objects,\n"
     "materials, textures and the colours of vertices (v x y z r g b, from 0 to 1, sRGB).\n"
-    "Numbers have to be finite. Curves and binary files are not supported, nor more than\n"
+    "Numbers have to be finite, but not those of vertices that no face has. Curves and binary files are not "
+    "supported, nor more than\n"
     "4,294,967,294 vertices.\n"
     "Messages name vertices as the file counts them: v 1, v 2. Options and lists of\n"
     "faults count from 0.\n"
@@ -162,6 +163,11 @@ Point3 area_vector(const ObjFace& face, std::span<const Point3> vertices);
 /// Appends a number with the fewest digits that give it back.
 void append_number(std::string& text, double x);
 
+/// Puts the vertices that are left out at the first that is finite. Returns why it cannot; empty if it can.
+std::string place_left_out(ObjFile& file);
+
+inline constexpr const char* vertex_not_finite = "the coordinates of a vertex are not finite";
+
 using Triangles = std::vector<std::array<std::uint32_t, 3>>;
 
 } // namespace detail
@@ -173,6 +179,9 @@ inline std::string part_group(int number) {
 
 /// The choice for vertices that are not finite and that no face has.
 enum class StrayVertices { refuse, leave_out };
+inline StrayVertices strays_of(bool is_strict) {
+    return is_strict ? StrayVertices::refuse : StrayVertices::leave_out;
+}
 
 /// A file from its text.
 ///
