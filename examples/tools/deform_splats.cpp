@@ -337,7 +337,7 @@ int run_program(int argc, char** argv) {
         .range(0, 1024)
         .show_default()
         .rarely_needed();
-    line.add_flag("--strict", given.strict, "refuse a scene with a number that is not finite");
+    line.add_flag("--strict", given.strict, "refuse a scene with a splat that is to be left out");
     line.add_flag("--report", given.report,
                   "print how many splats there are, what splits, the seconds and the bind report");
     given.control.choice.add_options(line);

@@ -1,3 +1,4 @@
+#include "files/ply_file.hpp"
 #include "files/splat_file.hpp"
 #include "pictures/splat_picture.hpp"
 #include "splats/harmonics.hpp"
@@ -391,8 +392,8 @@ TEST_CASE("a broken scene is named, with what is wrong and where", "[splats]") {
           "scene.ply: line 21: the property \"f_rest_7\" is there twice");
     CHECK(fault_of(with(good, "property float x", "property list uchar int x"))
               .starts_with("scene.ply: line 4: a list"));
-    CHECK(fault_of(with(good, "element vertex 4", "element chunk 4"))
-              .starts_with("scene.ply: line 3: compressed scenes are not read"));
+    CHECK(fault_of(with(good, "float x", "uint packed_position"))
+              .starts_with("scene.ply: is a compressed PLY of SuperSplat: decompress it"));
     CHECK(fault_of(with(good, "element vertex 4", "element face 4")) ==
           "scene.ply: the header has no line element vertex");
     CHECK(fault_of(with(good, "element vertex 4", "element vertex 4\nelement vertex 4")) ==
@@ -433,7 +434,11 @@ TEST_CASE("splats that are not finite are left out and counted, all others keep 
                                                      scene.layout.colour[1], scene.layout.scales[2],
                                                      scene.layout.opacity};
             const std::size_t at = offsets[(i + std::size_t(seed)) % offsets.size()];
-            scene.set(i, at, at == scene.layout.opacity || seed % 3 == 0 ? nan : infinite);
+            const double large = at == scene.layout.place[0] ? 1e30 : at == scene.layout.scales[2] ? 89 : nan;
+            scene.set(i, at,
+                      at == scene.layout.opacity || seed % 3 == 0 ? nan
+                      : seed % 3 == 1                             ? infinite
+                                                                  : large);
             if (bad++ == 0) first = "splat " + std::to_string(i) + " (counted from 0)";
         } else {
             kept += scene.rows.substr(i * scene.layout.row_bytes, scene.layout.row_bytes);
@@ -454,7 +459,7 @@ TEST_CASE("splats that are not finite are left out and counted, all others keep 
     CHECK(fault_of(bytes_of(none)) == "scene.ply: splat 0 (counted from 0): y is not a finite number");
 }
 
-TEST_CASE("scenes of any encoding have the same numbers", "[splats][property]") {
+TEST_CASE("scenes of any encoding and of any type have the same numbers", "[splats][property]") {
     const int seed = GENERATE(range(0, 12));
     CAPTURE(seed);
     Random random(seed);
@@ -463,7 +468,9 @@ TEST_CASE("scenes of any encoding have the same numbers", "[splats][property]") 
     const std::string other = "element face 2\nproperty list uchar int vertex_indices\nend_header\n";
     const std::string header = with(scene.header_text(5), "end_header\n", other);
     const std::string faces = std::string("\2\1\0\0\0\2\0\0\0", 9) + std::string(1, '\0');
-    std::string ascii, big;
+    std::string ascii, big, doubles, header_of_doubles = header;
+    for (std::size_t at = 0; (at = header_of_doubles.find("property float", at)) != std::string::npos;)
+        header_of_doubles.replace(at, 14, "property double");
     for (std::size_t i = 0; i < scene.size(); ++i) {
         for (std::size_t offset = 0; offset < scene.layout.row_bytes; offset += sizeof(float)) {
             const auto number = float(scene.number(i, offset));
@@ -473,13 +480,14 @@ TEST_CASE("scenes of any encoding have the same numbers", "[splats][property]") 
             auto bytes = std::bit_cast<std::array<char, sizeof(float)>>(number);
             std::reverse(bytes.begin(), bytes.end());
             big.append(bytes.data(), bytes.size());
+            append_number(doubles, PlyType::float64, double(number));
         }
         ascii += '\n';
     }
     const auto path = std::filesystem::temp_directory_path() /
                       ("cageform-splats-" + std::to_string(std::random_device()()));
-    const auto read = [&](const std::string& encoding, const std::string& records) {
-        std::ofstream(path, std::ios::binary) << with(header, "binary_little_endian", encoding) << records;
+    const auto read = [&](const std::string& text, const std::string& records) {
+        std::ofstream(path, std::ios::binary) << text << records;
         auto loaded = load_splats(path);
         std::filesystem::remove(path);
         REQUIRE(loaded);
@@ -487,9 +495,11 @@ TEST_CASE("scenes of any encoding have the same numbers", "[splats][property]") 
         CHECK(loaded->after == faces);
         CHECK(loaded->header_text(5) == header);
     };
-    read("binary_little_endian", scene.rows + faces);
-    read("ascii", ascii + "2 1 2\n0\n");
-    read("binary_big_endian", big + std::string("\2\0\0\0\1\0\0\0\2", 9) + std::string(1, '\0'));
+    read(header, scene.rows + faces);
+    read(header_of_doubles, doubles + faces);
+    read(with(header, "binary_little_endian", "ascii"), ascii + "2 1 2\n0\n");
+    read(with(header, "binary_little_endian", "binary_big_endian"),
+         big + std::string("\2\0\0\0\1\0\0\0\2", 9) + std::string(1, '\0'));
 }
 
 TEST_CASE("elements before and after the splats keep their bytes", "[splats]") {

@@ -389,4 +389,38 @@ bool PlyReader::read_line(std::vector<double>* numbers) {
     return true;
 }
 
+std::optional<std::string> little_endian_bytes(PlyReader& reader, const std::vector<PlyElement>& elements) {
+    std::string bytes = "ply\nformat binary_little_endian 1.0\n";
+    for (const std::string& comment : reader.header().comments) bytes += "comment " + comment + '\n';
+    for (const PlyElement& element : elements) {
+        bytes += "element " + element.name + ' ' + std::to_string(element.count) + '\n';
+        for (const PlyProperty& property : element.properties) {
+            bytes += "property ";
+            if (property.count) bytes += std::string("list ") + std::string(name_of(*property.count)) + ' ';
+            bytes += std::string(name_of(property.type)) + ' ' + property.name + '\n';
+        }
+    }
+    bytes += "end_header\n";
+    for (const PlyElement& element : elements) {
+        std::vector<std::string> names;
+        for (const PlyProperty& property : element.properties) names.push_back(property.name);
+        if (!reader.begin(element.name, names)) return std::nullopt;
+        std::vector<double> numbers;
+        while (reader.read(1, numbers) > 0) {
+            std::size_t next = 0;
+            for (const PlyProperty& property : element.properties) {
+                std::size_t count = 1;
+                if (property.count) {
+                    count = std::size_t(numbers[next]);
+                    append_number(bytes, *property.count, numbers[next++]);
+                }
+                for (; count > 0; --count) append_number(bytes, property.type, numbers[next++]);
+            }
+            numbers.clear();
+        }
+        if (!reader.error().empty()) return std::nullopt;
+    }
+    return bytes;
+}
+
 } // namespace cageform_examples

@@ -114,4 +114,9 @@ private:
     std::vector<std::vector<double>> of_record_; // by property
 };
 
+/// Returns a file that reader has just begun as a binary little-endian one; nothing where the reader fails.
+///
+///   elements   those of the header, with the types that the numbers get
+std::optional<std::string> little_endian_bytes(PlyReader& reader, const std::vector<PlyElement>& elements);
+
 } // namespace cageform_examples

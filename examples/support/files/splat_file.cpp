@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <cstring>
 #include <map>
+#include <tuple>
 #include <utility>
 
 namespace cageform_examples {
@@ -42,7 +43,6 @@ std::string read_line(std::string_view line, const std::vector<std::string_view>
     SplatFile& scene = header.scene;
     if (words[0] == "element") {
         if (words.size() != 3) return "an element has a name and a count";
-        if (words[1] == "chunk") return "compressed scenes are not read: export it as an uncompressed PLY";
         PlyElement& element = header.elements.emplace_back();
         element.name = words[1];
         const bool is_splats = element.name == "vertex";
@@ -114,8 +114,19 @@ SvgResult<Header> read_header(std::string_view& bytes, const std::string& name) 
     return fails("the header is cut off: it has no end_header");
 }
 
+/// Whether find_numbers() looks for a property.
+bool is_of_splat(std::string_view property) {
+    constexpr std::string_view names[] = {"x",       "y",     "z",       "nx",     "ny",  "nz",
+                                          "opacity", "f_dc_", "f_rest_", "scale_", "rot_"};
+    return std::any_of(std::begin(names), std::end(names), [&](std::string_view name) {
+        return property == name || (name.ends_with('_') && property.starts_with(name));
+    });
+}
+
 /// Finds the numbers of a splat among the properties; an empty reason is success.
 std::string find_numbers(Header& header) {
+    if (header.properties.contains("packed_position"))
+        return "is a compressed PLY of SuperSplat: decompress it, that is, export it as an uncompressed PLY";
     SplatLayout& layout = header.scene.layout;
     std::string why;
     const auto find = [&](const std::string& property) -> std::size_t {
@@ -184,36 +195,77 @@ std::string others_of(const Header& header) {
     return text;
 }
 
-/// Splats with a number that is not finite. Infinite opacities are allowed: opaque or transparent splats.
-/// Scales of -inf are allowed: flat splats.
+/// Splats that cannot be drawn.
 struct NumberFaults {
     std::vector<std::size_t> splats; // ascending
     std::string first;               // "splat 3 (counted from 0): x is not a finite number"
 };
 
+constexpr double largest_scale = 88; // its exponential is a number of single precision
+
+double farthest_coordinate(const Point3& p) {
+    return std::max({std::fabs(p[0]), std::fabs(p[1]), std::fabs(p[2])});
+}
+
+/// The places near to the splats, by medians of a sample: single precision ends 1e7 sizes away.
+struct NearPlaces {
+    explicit NearPlaces(const SplatFile& scene) {
+        const std::size_t step = scene.size() / 1000 + 1;
+        std::vector<double> numbers;
+        const auto median = [&](const auto& number_of) {
+            numbers.clear();
+            for (std::size_t i = 0; i < scene.size(); i += step) {
+                if (const Point3 place = scene.place(i); cageform::is_finite(place))
+                    numbers.push_back(number_of(place));
+            }
+            const auto half = numbers.begin() + std::ptrdiff_t(numbers.size() / 2);
+            std::nth_element(numbers.begin(), half, numbers.end());
+            return numbers.empty() ? 0.0 : *half;
+        };
+        for (std::size_t k = 0; k < 3; ++k) middle[k] = median([&](const Point3& place) { return place[k]; });
+        const double size = median([&](const Point3& place) { return farthest_coordinate(place - middle); });
+        if (size > 0) reach = 1e7 * size;
+    }
+
+    Point3 middle;
+    double reach = HUGE_VAL; // along each axis
+};
+
+/// Why a number of a splat cannot be drawn; empty where it can. Infinite opacities are allowed: opaque or
+/// transparent splats. Scales of -inf are allowed: flat splats.
+std::string fault_of(const SplatLayout& layout, std::size_t offset, double number, const NearPlaces& nearby) {
+    const auto& [place, scales] = std::tie(layout.place, layout.scales);
+    const bool is_scale = std::find(scales.begin(), scales.end(), offset) != scales.end();
+    if (std::isinf(number) && (offset == layout.opacity || (is_scale && number < 0))) return {};
+    if (!std::isfinite(number)) return " is not a finite number";
+    if (is_scale && number > largest_scale)
+        return " is " + detail::short_number(number) + ": such a splat is beyond single precision";
+    const auto axis = std::size_t(std::find(place.begin(), place.end(), offset) - place.begin());
+    if (axis < 3 && std::fabs(number - nearby.middle[axis]) > nearby.reach)
+        return " is " + detail::short_number(number) + ": it is more than 1e7 sizes from most splats";
+    return {};
+}
+
 NumberFaults number_faults(const SplatFile& scene, const Header& header) {
     const SplatLayout& layout = scene.layout;
     const auto offsets = offsets_of(layout);
+    const NearPlaces nearby(scene);
     NumberFaults faults;
     for (std::size_t i = 0; i < scene.size(); ++i) {
         const char* const row = scene.rows.data() + i * layout.row_bytes;
-        bool finite = true;
+        bool is_usual = farthest_coordinate(scene.place(i) - nearby.middle) <= nearby.reach;
+        for (const std::size_t offset : layout.scales) is_usual &= scene.number(i, offset) <= largest_scale;
         for (const std::size_t offset : offsets) {
             std::uint32_t bits = 0;
             std::memcpy(&bits, row + offset, number_bytes);
-            finite &= (bits & 0x7f800000U) != 0x7f800000U;
+            is_usual &= (bits & 0x7f800000U) != 0x7f800000U;
         }
-        if (finite) continue;
-        for (const std::size_t offset : offsets) {
-            const double number = scene.number(i, offset);
-            const bool is_scale =
-                std::find(layout.scales.begin(), layout.scales.end(), offset) != layout.scales.end();
-            if (std::isfinite(number) || (offset == layout.opacity && std::isinf(number)) ||
-                (is_scale && number == -HUGE_VAL))
-                continue;
+        for (std::size_t n = 0; !is_usual && n < offsets.size(); ++n) {
+            const std::string why = fault_of(layout, offsets[n], scene.number(i, offsets[n]), nearby);
+            if (why.empty()) continue;
             if (faults.splats.empty())
-                faults.first = "splat " + std::to_string(i) +
-                               " (counted from 0): " + name_at(header, offset) + " is not a finite number";
+                faults.first =
+                    "splat " + std::to_string(i) + " (counted from 0): " + name_at(header, offsets[n]) + why;
             faults.splats.push_back(i);
             break;
         }
@@ -354,52 +406,22 @@ SvgResult<SplatFile> parse_splats(std::string bytes, std::string name, bool stri
     return scene;
 }
 
-namespace {
-
-/// The bytes of a PLY file as binary little-endian ones.
-SvgResult<std::string> little_endian(PlyReader& reader) {
-    std::string bytes = "ply\nformat binary_little_endian 1.0\n";
-    for (const std::string& comment : reader.header().comments) bytes += "comment " + comment + '\n';
-    for (const PlyElement& element : reader.header().elements) {
-        bytes += "element " + element.name + ' ' + std::to_string(element.count) + '\n';
-        for (const PlyProperty& property : element.properties) {
-            bytes += "property ";
-            if (property.count) bytes += std::string("list ") + std::string(name_of(*property.count)) + ' ';
-            bytes += std::string(name_of(property.type)) + ' ' + property.name + '\n';
-        }
-    }
-    bytes += "end_header\n";
-    for (const PlyElement& element : reader.header().elements) {
-        std::vector<std::string> names;
-        for (const PlyProperty& property : element.properties) names.push_back(property.name);
-        if (!reader.begin(element.name, names)) return SvgError{reader.error()};
-        std::vector<double> numbers;
-        while (reader.read(1, numbers) > 0) {
-            std::size_t next = 0;
-            for (const PlyProperty& property : element.properties) {
-                std::size_t count = 1;
-                if (property.count) {
-                    count = std::size_t(numbers[next]);
-                    append_number(bytes, *property.count, numbers[next++]);
-                }
-                for (; count > 0; --count) append_number(bytes, property.type, numbers[next++]);
-            }
-            numbers.clear();
-        }
-        if (!reader.error().empty()) return SvgError{reader.error()};
-    }
-    return bytes;
-}
-
-} // namespace
-
 SvgResult<SplatFile> load_splats(const std::filesystem::path& path, bool strict) {
     std::error_code none;
-    if (std::filesystem::is_regular_file(path, none)) { // a pipe is read once, so it has to be little-endian
+    if (std::filesystem::is_regular_file(path, none)) { // a pipe is read once, so it has to be plain
         PlyReader reader(path.string());
-        if (reader.error().empty() && reader.header().encoding != PlyEncoding::little_endian) {
-            auto converted = little_endian(reader);
-            if (!converted) return converted.error();
+        std::vector<PlyElement> elements = reader.header().elements;
+        bool is_plain = reader.header().encoding == PlyEncoding::little_endian;
+        for (PlyElement& element : elements) {
+            for (PlyProperty& property : element.properties) {
+                if (element.name != "vertex" || !is_of_splat(property.name)) continue;
+                is_plain &= property.type == PlyType::float32;
+                property.type = PlyType::float32;
+            }
+        }
+        if (reader.error().empty() && !is_plain) {
+            auto converted = little_endian_bytes(reader, elements);
+            if (!converted) return SvgError{reader.error()};
             return parse_splats(std::move(*converted), path.string(), strict);
         }
     }

@@ -18,13 +18,19 @@ namespace cageform_examples {
 /// The text for --help.
 inline constexpr const char* splat_format =
     "Scenes are PLY files, ASCII or binary, with the element vertex, a splat each. It has the\n"
-    "float properties x y z, f_dc_0 to 2, opacity, scale_0 to 2, rot_0 to 3 and 0, 9, 24 or 45\n"
-    "of f_rest, one channel after the other, in any order. Scales are logarithms, opacity is a\n"
+    "properties x y z, f_dc_0 to 2, opacity, scale_0 to 2, rot_0 to 3 and 0, 9, 24 or 45 of\n"
+    "f_rest, one channel after the other, in any order. Numbers of other types than float\n"
+    "become float, but not in a pipe. Scales are logarithms, opacity is a\n"
     "logit, the quaternion is w x y z. All other properties and elements are kept, and nx ny\n"
     "nz turn where they are not zero. An opacity may be infinite, and a scale -inf, of a flat\n"
-    "splat; splats with other numbers that are not finite are left out, with a warning.\n"
-    "Scenes are written as binary little-endian. Compressed files are not read. Messages\n"
-    "count splats from 0. A scene is held in memory: 248 bytes a splat of degree 3.\n";
+    "splat. Splats with other numbers that are not finite are left out, with a warning. So are
+"
+    "splats that are 1e7 times as far from the middle as half of the splats, and scales
+"
+    "above 88. Scenes are written as binary little-endian. Compressed files are not read.
+"
+    "Messages count splats from 0. A scene is held in memory: 248 bytes a splat of degree 3.
+";
 
 /// One splat, as the file has it.
 struct Splat {
@@ -74,8 +80,8 @@ struct SplatFile {
 /// A scene from the bytes of a binary little-endian file.
 ///
 ///   name     stands before every message.
-///   strict   whether a splat with a number that is not finite is an error. Else that splat is left out.
-///   fails    if the bytes are not as splat_format says, if the file is cut off, or if no splat is finite.
+///   strict   whether a splat that splat_format leaves out is an error.
+///   fails    if the bytes are not as splat_format says, if the file is cut off, or if no splat is left.
 ///            The message names the property, or the number of the splat, counted from 0.
 SvgResult<SplatFile> parse_splats(std::string bytes, std::string name, bool strict = false);
 
