@@ -55,7 +55,7 @@ struct Arguments {
     OutsideChoice outside;
     CoordinatesChoice choice;
     std::size_t memory = 2048, threads = 1; // memory in MB
-    bool json = false;
+    bool json = false, is_strict = false;
 };
 
 /// All that tiles share. Nothing in it changes while they are bound.
@@ -68,6 +68,7 @@ struct Job {
     std::vector<double> poses;
     std::uint64_t parameters = 0; // a hash of all that decides about the bytes beside the points
     std::size_t piece = 0;        // points that are bound at once
+    bool is_strict = false;       // whether a point that is not finite is refused
 };
 
 /// The number of points that are bound at once. It depends on the cage alone, because the bytes depend on it.
@@ -90,6 +91,7 @@ struct Outcome {
     std::uint64_t bytes = 0; // of the figure
     double seconds = 0;
     bool was_done = false;
+    std::uint64_t first_not_finite = 0;
     std::string error; // empty: none
     bool may_pass = false;
 };
@@ -105,7 +107,8 @@ std::string points_at(const std::vector<std::size_t>& points, std::uint64_t firs
 ///   first  the number of its first point in the tile
 std::string fault_of_piece(const Job& job, const cageform::BindReport& report, std::uint64_t first) {
     if (report.status != Status::ok) return describe_mesh_faults(job.cage, report);
-    if (!report.not_finite.empty()) return points_at(report.not_finite, first) + " are not finite in float";
+    if (!report.not_finite.empty() && job.is_strict)
+        return points_at(report.not_finite, first) + " are not finite in float";
     if (!report.outside.empty() && job.outside == "refuse")
         return points_at(report.outside, first) + " lie outside the cage " + job.cage +
                "; use --outside to choose what they do";
@@ -153,6 +156,7 @@ private:
         if (!record || record->parameters_hash != job_.parameters) return false;
         InputFile points(tile_.points);
         if (points.hash_to_end() != record->points_hash) return false;
+        if (record->not_finite > 0 && job_.is_strict) return false;
         outcome_.record = *record;
         outcome_.bytes = std::filesystem::file_size(tile_.output, none);
         return outcome_.was_done = true;
@@ -191,6 +195,9 @@ private:
             return false;
         }
         outcome_.record.outside += bound.report.outside.size();
+        const auto& bad = bound.report.not_finite;
+        if (outcome_.record.not_finite == 0 && !bad.empty()) outcome_.first_not_finite = first + bad[0];
+        outcome_.record.not_finite += bad.size();
         const auto packed = cageform::pack(bound.value, job_.pack);
         if (packed.report.status == Status::format_too_coarse) {
             std::ostringstream least;
@@ -239,6 +246,7 @@ std::string json_of(const Job& job, const Tile& tile, const Outcome& outcome) {
         line["largest_distance_of_cage"] = outcome.record.distance / job.size;
         line["farthest_point"] = outcome.record.farthest;
         line["outside"] = outcome.record.outside;
+        line["not_finite"] = outcome.record.not_finite;
     } else {
         line["error"] = outcome.error;
         line["try_again"] = outcome.may_pass;
@@ -254,6 +262,7 @@ std::string text_of(const Job& job, const Tile& tile, const Outcome& outcome) {
          << outcome.record.distance << " (" << 100 * outcome.record.distance / job.size
          << " % of the cage), ";
     if (outcome.record.outside > 0) line << outcome.record.outside << " outside, ";
+    if (outcome.record.not_finite > 0) line << outcome.record.not_finite << " not finite, ";
     if (outcome.was_done)
         line << "was done";
     else
@@ -273,6 +282,12 @@ int bind_all(const Job& job, const std::vector<Tile>& tiles, std::size_t threads
             if (!outcome.error.empty()) {
                 (void)fail(outcome.error);
                 (outcome.may_pass ? passes : failed) = true;
+            } else if (outcome.record.not_finite > 0 && !outcome.was_done) {
+                warn(tiles[n].points + ": " + std::to_string(outcome.record.not_finite) + " of " +
+                     std::to_string(outcome.record.points) +
+                     " points are not finite in float, first number " +
+                     std::to_string(outcome.first_not_finite) +
+                     " counted from 0: no pose moves them; --strict refuses the file");
             }
             if (json)
                 std::cout << json_of(job, tiles[n], outcome) << std::endl;
@@ -397,6 +412,7 @@ int run_program(int argc, char** argv) {
     line.add("--memory", given.memory, "the most memory to use, in MB; the need is printed beforehand")
         .range(64, 1 << 30)
         .show_default();
+    line.add_flag("--strict", given.is_strict, "refuse a file with a point that is not finite in float");
     line.add_flag(
         "--json", given.json,
         "print a line of JSON for each tile: its row, files, state, seconds, points, bytes, weights a "
@@ -451,6 +467,7 @@ int run_program(int argc, char** argv) {
         job.coordinates = make_coordinates<float>(given.choice, *cage);
     }
     job.outside = given.outside.word;
+    job.is_strict = given.is_strict;
     job.bind = given.outside.bind_options(job.coordinates);
     warn_of_closed_gaps(cage->name, job.coordinates.cage_report());
     if (!job.coordinates.note.empty()) note(job.coordinates.note);

@@ -45,7 +45,7 @@ struct Settings {
     std::string cage_path, points_path, labels_path, out_path, scalar = "double", outside = "extend",
                                                                linear_precision = "restore";
     double falloff = 0;
-    bool report = false;
+    bool report = false, is_strict = false;
     CoordinatesChoice choice;
 };
 
@@ -83,7 +83,7 @@ using Describe = std::function<std::string(const cageform::BindReport&)>;
 
 template <class T, std::size_t D>
 int run(const Settings& settings, ChosenCoordinates<T, D> coordinates, const Describe& describe_faults) {
-    PointReader<D, T> reader(settings.points_path);
+    PointReader<D, T> reader(settings.points_path, settings.is_strict);
     if (!reader.error().empty()) return fail(reader.error());
     const auto refuse = [&](const cageform::BindReport& report) { return fail(describe_faults(report)); };
     cageform::BindReport total;
@@ -118,6 +118,7 @@ int run(const Settings& settings, ChosenCoordinates<T, D> coordinates, const Des
     std::vector<cageform::PointState> states;
     // A first round without points checks the cage even where there are none.
     bool more = true, first = true;
+    std::size_t not_finite = 0, first_not_finite = 0;
     while (more) {
         more = reader.read(numbers, batch);
         if (!reader.error().empty()) return fail(reader.error());
@@ -147,6 +148,9 @@ int run(const Settings& settings, ChosenCoordinates<T, D> coordinates, const Des
             warn_of_coarse_grid(settings.cage_path, total.solver);
         }
         first = false;
+        if (not_finite == 0 && !report.not_finite.empty())
+            first_not_finite = total.points + report.not_finite[0];
+        not_finite += report.not_finite.size();
         states.assign(points.size(), cageform::PointState::inside);
         for (const std::size_t i : report.on_boundary) states[i] = cageform::PointState::on_boundary;
         for (const std::size_t i : report.outside) states[i] = cageform::PointState::outside;
@@ -180,6 +184,12 @@ int run(const Settings& settings, ChosenCoordinates<T, D> coordinates, const Des
         if (progress) progress(reader.fraction());
     }
     if (total.points == 0) return fail(settings.points_path + ": holds no points");
+    if (not_finite > 0) {
+        warn(settings.points_path + ": " + std::to_string(not_finite) + " of " +
+             std::to_string(total.points) + " points are not finite, first number " +
+             std::to_string(first_not_finite) +
+             " counted from 0: their weights are nan; --strict refuses the file");
+    }
     if (const auto error = out.commit()) return fail(*error);
     if (settings.report) std::cout << describe(total);
     return 0;
@@ -270,6 +280,8 @@ int run_program(int argc, char** argv) {
         .one_of({"restore", "leave"})
         .show_default();
     line.add_flag("--report", settings.report, "print the bind report, which counts points from 0");
+    line.add_flag("--strict", settings.is_strict,
+                  "refuse a file with a point that is not finite in --scalar");
     settings.choice.in_plane = settings.choice.with_sites = settings.choice.with_normals = true;
     settings.choice.in_space = true;
     settings.choice.add_options(line);

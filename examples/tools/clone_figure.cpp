@@ -189,8 +189,14 @@ private:
         if (report.collapsed_faces > 0)
             outcome.warning = poses.name_of(row) + ": " + std::to_string(report.collapsed_faces) +
                               " faces of the cage have no area, so that the figure follows them wrongly";
+        std::vector<Vec<T, D>> rest; // where a point is not finite, no pose moves it
         for (std::size_t i = 0; i < points.size() && outcome.fault.empty(); ++i) {
-            if (!is_finite(points[i]))
+            if (is_finite(points[i])) continue;
+            if (rest.empty()) {
+                rest.resize(points.size());
+                (void)clone(figure_, figure_.rest_handles(), rest);
+            }
+            if (is_finite(rest[i]))
                 refuse("point " + std::to_string(i) +
                        " goes beyond the numbers of the figure: the pose is too large");
         }

@@ -281,8 +281,16 @@ for scalar in float double; do
 done
 printf '0,0\n4,0\n4,4\n0,4\n' >square.csv
 printf '1,1\nnan,1\n2,-1e39\n' >huge.csv
-works "points for double" "$weights" --cage square.csv --points huge.csv -o w.csv
-refuses 'huge.csv:3: -1e+39 is beyond single precision, which ends at 3.4e38' "$weights" --cage square.csv --points huge.csv --scalar float -o out.csv
+for scalar in double float; do
+  works "points that are not finite, $scalar" "$weights" --cage square.csv --points huge.csv --scalar $scalar -o w.csv
+  case $scalar in double) bad="1 of 3" last=outside ;; *) bad="2 of 3" last=not_finite ;; esac
+  grep -q "warning: huge.csv: $bad points are not finite, first number 1 counted from 0: their weights are nan; --strict" log &&
+    [ "$(cut -d, -f1 w.csv | tr '\n' ,)" = "status,inside,not_finite,$last," ] && ok=yes || ok=no
+  report $ok "keep their rows, $scalar"
+  refuses 'huge.csv:2: a number is not finite' "$weights" --cage square.csv --points huge.csv --scalar $scalar -o out.csv --strict
+done
+grep -v nan huge.csv >beyond.csv
+refuses 'beyond.csv:2: -1e+39 is beyond single precision, which ends at 3.4e38' "$weights" --cage square.csv --points beyond.csv --scalar float -o out.csv --strict
 refuses 'huge.csv: vertex 2: -1e+39 is beyond single precision' "$weights" --cage huge.csv --points square.csv --scalar float -o out.csv
 awk 'BEGIN { for (i = 0; i < 300000; ++i) printf "7x" }' >long.csv
 refuses 'long.csv:1: ' "$weights" --cage square.csv --points long.csv -o out.csv

@@ -89,7 +89,7 @@ echo 'no points at all' >bad/text.ply
 mkdir bad/folder.ply
 printf 'ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\nend_header\n0 0 0\n0 nan 0\n' >bad/nan.ply
 printf 'ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nend_header\n0 0\n' >bad/flat.ply
-ends 1 'bad/cut.ply: is cut off' bind_tiles bad_out --points 'bad/*.ply' --threads 2
+ends 1 'bad/cut.ply: is cut off' bind_tiles bad_out --points 'bad/*.ply' --threads 2 --strict
 for text in 'bad/text.ply: is no PLY file' 'bad/empty.ply: is no PLY file' 'bad/folder.ply: is a folder' \
   'bad/nan.ply: 1 point, first number 1 counted from 0, are not finite' 'bad/flat.ply: its element vertex has no property z'; do
   grep -qF "$text" log && ok=yes || ok=no
@@ -99,6 +99,14 @@ for n in 0 1 2 3; do cp "one/0$n.figure" "bad/good_$n.figure"; done
 [ "$(ls bad_out)" = "$(cd bad && ls -- *.figure)" ] && ok=yes || ok=no
 for n in 0 1 2 3; do cmp "one/0$n.figure" "bad_out/good_$n.figure" >>log 2>&1 || ok=no; done
 report $ok "the tiles beside broken ones are done"
+works "a point that is not finite" bind_tiles nan --points bad/nan.ply --json
+grep -qF 'warning: bad/nan.ply: 1 of 2 points are not finite in float, first number 1 counted from 0: no pose moves them; --strict' log &&
+  grep -q '"points":2,.*"not_finite":1}' log && ok=yes || ok=no
+report $ok "is counted"
+works "a pose of it" "$programs/clone_figure" nan/nan.figure --poses character_clip.csv --rate 1 --rows 1:2 -o nan/%d.obj
+[ "$(grep -c '^v ' nan/1.obj)" = 2 ] && [ "$(grep '^v ' nan/1.obj | tail -n 1)" = 'v 0 nan 0' ] && ok=yes || ok=no
+report $ok "keeps its row"
+ends 1 'bad/nan.ply: 1 point, first number 1 counted from 0, are not finite' bind_tiles nan --points bad/nan.ply --strict
 ends 1 'lie outside the cage' bind_tiles bad_out --points character_pose.obj --outside refuse
 
 # ---- failures that may pass ----

@@ -92,13 +92,14 @@ private:
 /// skipped.
 ///
 ///   D    2 or 3: the numbers of a line
-///   T    what the points are for: a finite number that T does not hold is refused
+///   T    what the points are for: a strict reader refuses a number that is not finite in T
 template <std::size_t D, class T = double>
 class PointReader {
 public:
     /// On failure `error()` says why.
-    explicit PointReader(const std::string& path)
+    explicit PointReader(const std::string& path, bool is_strict = false)
         : path_(path)
+        , is_strict_(is_strict)
         , lines_(path)
         , error_(lines_.error()) {}
 
@@ -111,7 +112,7 @@ public:
             std::array<double, D> p{};
             std::string why = detail::parse_point(line, p);
             for (const double x : p) {
-                if (why.empty() && std::isfinite(x) && !std::isfinite(T(x)))
+                if (why.empty() && is_strict_ && !std::isfinite(T(x)))
                     why = detail::single_precision_fault(x);
             }
             if (why.empty())
@@ -133,6 +134,7 @@ public:
 
 private:
     std::string path_;
+    bool is_strict_ = false;
     LineReader lines_;
     detail::RowFilter rows_;
     std::string error_;

@@ -27,7 +27,7 @@ struct TileRecord {
     std::uint64_t farthest = 0;   ///< the number of the point of `distance`
     double distance = 0;          ///< the largest that a point is off by, in units of the cage
     double weights_per_point = 0; ///< stored, zeros included
-    double reserved = 0;
+    std::uint64_t not_finite = 0; ///< points that no pose moves
 };
 static_assert(sizeof(TileRecord) == 64);
 
