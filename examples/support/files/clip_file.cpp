@@ -26,8 +26,8 @@ namespace {
 /// already.
 double field_number(const std::vector<std::string_view>& fields, std::size_t k, std::string& why) {
     double x = 0;
-    const std::string fault = k < fields.size() ? detail::parse_number(fields[k], x) : "a number is missing";
-    if (why.empty()) why = !fault.empty() ? fault : std::isfinite(x) ? "" : "a number is not finite";
+    const std::string fault = k < fields.size() ? detail::parse_finite(fields[k], x) : "a number is missing";
+    if (why.empty() && !fault.empty()) why = "column " + std::to_string(k + 1) + ": " + fault;
     return x;
 }
 
@@ -238,8 +238,9 @@ SvgResult<PoseClip> parse_pose_clip(std::string_view file, const std::string& pa
             std::array<double, 3> p{};
             why = detail::parse_point(line, p);
             const auto& [x, y, z] = p;
-            for (const double value : p) {
-                if (why.empty()) why = detail::single_precision_fault(value);
+            for (std::size_t k = 0; k < 3 && why.empty(); ++k) {
+                why = detail::single_precision_fault(p[k]);
+                if (!why.empty()) why = "column " + std::to_string(k + 1) + ": " + why;
             }
             if (why.empty() && clip.keys.back().places.size() == vertex_count)
                 why = "more vertices than the cage has, " + std::to_string(vertex_count);
