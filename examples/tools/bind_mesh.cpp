@@ -187,6 +187,8 @@ int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& ca
         warn(figure.name + ": no pose turns the normals of " + std::to_string(still.size()) +
              " vertices, first " + name_points(figure.vertices, still));
     }
+    if (const std::string pose = first_mirror(figure, bound.value.points, motion); !pose.empty())
+        warn(describe_winding(pose, figure.name, true, false) + " where clone_figure writes them");
     if (!labels.empty()) {
         auto of_handles = labels; // faces have none
         of_handles.resize(bound.value.points.handle_count());

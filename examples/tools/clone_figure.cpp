@@ -10,8 +10,10 @@
 // Exit code 75 says that a disk is full, or another failure that may pass: run the same line again, with
 // --skip-existing to keep what is done. Files appear whole or not at all.
 
+#include "cli/auto_cage.hpp"
 #include "cli/command_line.hpp"
 #include "cli/guard.hpp"
+#include "cli/mesh_cage.hpp"
 #include "cli/progress_bar.hpp"
 #include "cli/row_range.hpp"
 #include "files/atomic_file.hpp"
@@ -38,7 +40,7 @@ struct Arguments {
     std::string figure, poses, rows = ":", mesh, out;
     double rate = 30;
     std::size_t threads = 1;
-    bool ascii = false, skip_existing = false, json = false;
+    bool ascii = false, skip_existing = false, json = false, flips_faces = false;
 
     PosedFormat format() const {
         const std::string ending = ending_of(out);
@@ -99,13 +101,17 @@ MeshParts<T, D> mesh_parts(const cageform::PackedFigureView<T, D>& figure) {
 template <class T, std::size_t D>
 class Cloner {
 public:
+    /// `has_faces`: whether the file does.
     Cloner(const Arguments& given, const cageform::PackedFigureView<T, D>& figure,
-           const MeshParts<T, D>& parts, PosedFile file)
+           const MeshParts<T, D>& parts, PosedFile file, bool has_faces)
         : given_(given)
         , figure_(figure)
         , parts_(parts)
         , file_(std::move(file))
-        , names_(given.out) {}
+        , names_(given.out) {
+        std::vector<Vec<T, D>> points(figure.point_count());
+        if (has_faces && clone(figure, figure.rest_handles(), points) == Status::ok) rest_ = places(points);
+    }
 
     /// Computes and writes a row. Threads call it together.
     Outcome write(const PoseRows<D>& poses, const PoseRow& row) const {
@@ -121,11 +127,15 @@ public:
         const auto points = posed(poses, row, pose, outcome);
         if (!outcome.fault.empty()) return outcome;
         if constexpr (D == 3) {
-            if (outcome.warning.empty() && file_.is_mirrored_by(std::span<const Vec<T, 3>>(points)))
-                outcome.warning =
-                    poses.name_of(row) + ": the pose mirrors the figure: its faces look inwards";
+            if (outcome.warning.empty() && !rest_.empty())
+                outcome.warning = describe_winding(poses.name_of(row), "the figure",
+                                                   is_mirrored(rest_, places(points)), given_.flips_faces);
         }
-        const std::string contents = file_contents(points, pose);
+        Status of_normals = Status::ok;
+        const std::string contents = file_contents(points, pose, of_normals);
+        if (of_normals != Status::ok)
+            outcome.warning =
+                poses.name_of(row) + ": its normals turn with the faces: " + cageform::to_string(of_normals);
         AtomicFile out(outcome.path);
         out.write(contents);
         if (const auto why = out.commit()) {
@@ -141,15 +151,21 @@ public:
 
 private:
     /// Returns the bytes of a file, its points counted from the origin of the mesh's file.
-    std::string file_contents(std::span<const Vec<T, D>> points, std::span<const Vec<T, D>> pose) const {
-        if (parts_.origin == Vec<double, D>{}) return file_.contents(points, jacobians(pose));
-        std::vector<Vec<double, D>> places;
-        for (const auto& p : points) places.push_back(cageform::vec_cast<double>(p) + parts_.origin);
-        return file_.contents(std::span<const Vec<double, D>>(places), jacobians(pose));
+    std::string file_contents(std::span<const Vec<T, D>> points, std::span<const Vec<T, D>> pose,
+                              Status& of_normals) const {
+        if (parts_.origin == Vec<double, D>{}) return file_.contents(points, jacobians(pose, of_normals));
+        return file_.contents(std::span<const Vec<double, D>>(places(points)), jacobians(pose, of_normals));
     }
 
-    /// Returns the Jacobians at all points; none where the file needs none.
-    std::vector<Jacobian3> jacobians(std::span<const Vec<T, D>> pose) const {
+    /// Points counted from the origin of the mesh's file.
+    std::vector<Vec<double, D>> places(std::span<const Vec<T, D>> points) const {
+        std::vector<Vec<double, D>> result;
+        for (const auto& p : points) result.push_back(cageform::vec_cast<double>(p) + parts_.origin);
+        return result;
+    }
+
+    /// Returns the Jacobians at all points; none where the file needs none, or there are none.
+    std::vector<Jacobian3> jacobians(std::span<const Vec<T, D>> pose, Status& status) const {
         std::vector<Jacobian3> result;
         if constexpr (D == 3) {
             if (parts_.frames.empty() || !file_.has_normals()) return result;
@@ -157,7 +173,8 @@ private:
             std::vector<Vec<T, D>> posed(figure_.point_count());
             for (std::size_t n = 0; n < parts_.frames.size(); ++n) {
                 const auto& rest = parts_.frames_at_rest[n];
-                if (clone(parts_.frames[n], pose, posed) != Status::ok) return {};
+                status = clone(parts_.frames[n], pose, posed);
+                if (status != Status::ok) return {};
                 for (std::size_t i = 0; i < posed.size(); ++i) {
                     const Point3 change = cageform::vec_cast<double>(posed[i] - rest[i]); // 0 at rest
                     for (std::size_t k = 0; k < D; ++k)
@@ -208,6 +225,7 @@ private:
     const MeshParts<T, D>& parts_;
     PosedFile file_;
     RowPath names_;
+    std::vector<Vec<double, D>> rest_; // #points, as places(); empty where the file has no faces
 };
 
 void print_line(const PoseRow& row, const Outcome& outcome) {
@@ -284,28 +302,34 @@ int run_figure(const Arguments& given, const cageform::PackedFigureView<T, D>& f
     PoseRows<D> poses(given.poses, rest, given.rate);
     if (!poses.error().empty()) return fail_to_read(poses);
     if (given.mesh.empty()) {
-        const auto triangles = figure.template part_as<std::array<std::uint32_t, 3>>("TRIS");
-        for (const auto& triangle : triangles) {
+        const auto packed = figure.template part_as<std::array<std::uint32_t, 3>>("TRIS");
+        std::vector<std::array<std::uint32_t, 3>> triangles(packed.begin(), packed.end());
+        for (auto& triangle : triangles) {
+            if (given.flips_faces) std::swap(triangle[1], triangle[2]);
             for (const std::uint32_t corner : triangle) {
                 if (corner >= figure.point_count())
                     return fail(given.figure + ": a triangle refers to a point that does not exist");
             }
         }
+        const bool has_faces = !triangles.empty() && given.format() != PosedFormat::npy;
+        if (given.flips_faces && !has_faces)
+            return fail("--flip-faces: " + given.figure + " is written without faces");
         PosedFile file(given.format(), D, scalar_bytes, figure.point_count(), triangles);
-        return write_rows(given, Cloner<T, D>(given, figure, parts, std::move(file)), poses, rows);
+        return write_rows(given, Cloner<T, D>(given, figure, parts, std::move(file), has_faces), poses, rows);
     }
     if constexpr (D == 3) {
-        const auto mesh = load_obj(given.mesh, StrayVertices::leave_out); // bind_mesh warns
+        auto mesh = load_obj(given.mesh, StrayVertices::leave_out); // bind_mesh warns
         if (!mesh) return fail(to_string(mesh.error()));
         if (mesh->vertices.size() != figure.point_count())
             return fail(given.mesh + ": has " + std::to_string(mesh->vertices.size()) +
                         " vertices, the figure " + std::to_string(figure.point_count()) + " points");
+        if (given.flips_faces) *mesh = with_faces_turned_over(std::move(*mesh));
         PosedFile file(given.format(), scalar_bytes, *mesh);
         const std::string others = given.format() == PosedFormat::obj   ? ""
                                    : given.format() == PosedFormat::npy ? describe_others(*mesh, {"v"})
                                                                         : describe_others(*mesh, {"v", "f"});
         if (!others.empty()) note(given.mesh + ": not written: " + others + "; .obj files keep all");
-        return write_rows(given, Cloner<T, D>(given, figure, parts, std::move(file)), poses, rows);
+        return write_rows(given, Cloner<T, D>(given, figure, parts, std::move(file), true), poses, rows);
     } else {
         return fail("--mesh: " + given.figure + " is a figure in the plane; an OBJ file is in space");
     }
@@ -348,6 +372,7 @@ int run_program(int argc, char** argv) {
              "default faces "
              "are the triangles that the figure holds, if it has any");
     line.add("--rate", given.rate, "poses of a clip a second").range(1e-3, 1e6).show_default();
+    add_flip_faces(line, given.flips_faces);
     line.add_flag("--ascii", given.ascii, "write .ply files as text, not as bytes");
     line.add_flag("--skip-existing", given.skip_existing, "leave files alone that are there already");
     line.add_flag("--json", given.json, "print a line of JSON a row: its file, status, bytes and seconds");

@@ -221,14 +221,15 @@ int deform_figure(const Arguments& given, const ObjFile& figure, MeshControl con
         if (!why.empty()) return fail(why);
     }
 
-    if (is_mirrored(figure.vertices, moved) && !given.flips_faces)
-        warn(control.pose.name + ": the pose mirrors " + figure.name + share_of_mirrored(jacobians) +
-             ", and its faces look inwards; --flip-faces turns the faces over");
+    if (const std::string why =
+            describe_winding(control.pose.name, figure.name + share_of_mirrored(jacobians),
+                             is_mirrored(figure.vertices, moved), given.flips_faces);
+        !why.empty())
+        warn(why);
     if (jacobians.empty() && !figure.normals.empty() && !folds.unknown.empty())
         note(figure.name + ": its normals turn with the faces: " + folds.unknown);
     OutputFiles outputs;
-    const std::string text = to_text(figure, {moved, jacobians});
-    outputs.add(given.out).write(given.flips_faces ? with_faces_turned_over(text) : text);
+    outputs.add(given.out).write(to_text(figure, {moved, jacobians}));
     if (!given.control.save_pose.empty()) outputs.add(given.control.save_pose).write(control.saved_pose());
     if (!given.picture.empty()) {
         ObjFile rest_dots, moved_dots;
@@ -292,8 +293,7 @@ int run_program(int argc, char** argv) {
         .show_default()
         .rarely_needed();
     add_strict(line, given.is_strict);
-    line.add_flag("--flip-faces", given.flips_faces,
-                  "write the corners of each face in the opposite order, for a pose that mirrors the figure");
+    add_flip_faces(line, given.flips_faces);
     line.add("-o,--output", given.out, "the file to write, .obj or .mesh as the figure is")
         .required()
         .ends_with({".obj", ".mesh"});
@@ -315,7 +315,7 @@ int run_program(int argc, char** argv) {
     if (ending_of(given.out) != ending)
         return fail("-o " + given.out + ": the figure " + given.figure + " is written as " + ending);
 
-    const auto figure = load_mesh_figure(given.figure, given.is_strict, true);
+    auto figure = load_mesh_figure(given.figure, given.is_strict, true);
     if (!figure) return fail(to_string(figure.error()));
     if (given.flips_faces && !figure->tetrahedra.empty())
         return fail("--flip-faces: " + figure->name + " holds tetrahedra; only faces are turned over");
@@ -328,6 +328,7 @@ int run_program(int argc, char** argv) {
         return fail("there is no vertex " + std::to_string(given.weight) + ": " + given.control.cage +
                     " has " + std::to_string(control->cage.vertices.size()));
     }
+    if (given.flips_faces) *figure = with_faces_turned_over(std::move(*figure));
     return deform_figure(given, *figure, std::move(*control));
 }
 

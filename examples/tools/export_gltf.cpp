@@ -63,7 +63,7 @@ struct Arguments {
     ViewChoice view;
     std::size_t influences = 0; // of a skin whose joints are the cage's vertices; 0: to be found
     double threshold = 0;
-    bool morph = false, report = false, is_strict = false;
+    bool morph = false, report = false, is_strict = false, flips_faces = false;
     CoordinatesChoice choice;
 };
 
@@ -553,15 +553,9 @@ int export_figure(const Arguments& given, const Scene& scene) {
     if (!outside.warning.empty()) warn(outside.warning);
     if (given.report) std::cout << describe(report) << describe_unused(scene.parts);
 
-    for (const PoseKey& key : scene.clip.keys) {
-        std::vector<Point3> moved(figure.vertices.size()), handles(bound.value.handle_count());
-        if (pose_handles(bound.value, key.places, handles).status != Status::ok ||
-            clone(bound.value, handles, moved) != Status::ok || !is_mirrored(figure.vertices, moved))
-            continue;
-        warn(name_of_pose(scene.clip, key.time) + ": the pose mirrors " + figure.name +
-             ", and its faces look inwards");
-        break;
-    }
+    if (const std::string pose = first_mirror(figure, bound.value, scene.clip);
+        !pose.empty() && !given.flips_faces)
+        warn(describe_winding(pose, figure.name, true, false));
 
     GltfDocument document;
     document.json["scene"] = 0;
@@ -714,6 +708,7 @@ int run_program(int argc, char** argv) {
     given.outside.add_options(line);
     given.view.add_options(line);
     add_strict(line, given.is_strict);
+    add_flip_faces(line, given.flips_faces);
     line.add_flag("--report", given.report, "print the bind report and the error of the skin or the bones");
     line.set_footer(
         obj_format +
@@ -742,11 +737,12 @@ int run_program(int argc, char** argv) {
     Scene scene;
     auto figure = load_mesh_figure(given.figure, given.is_strict);
     if (!figure) return fail(to_string(figure.error()));
+    auto cage = load_or_make_cage(given.cage, *figure);
+    if (!cage) return fail(to_string(cage.error()));
+    if (given.flips_faces) *figure = with_faces_turned_over(std::move(*figure));
     scene.parts = read_parts(*figure);
     auto meshes = gltf_meshes(*figure, scene.parts);
     if (!meshes) return fail(to_string(meshes.error()));
-    auto cage = load_or_make_cage(given.cage, *figure);
-    if (!cage) return fail(to_string(cage.error()));
     if (!given.labels.empty()) {
         auto read = read_labels(given.labels, cage->vertices.size());
         if (!read) return fail(to_string(read.error()));

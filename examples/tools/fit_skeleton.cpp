@@ -10,6 +10,7 @@
 #include "cli/auto_cage.hpp"
 #include "cli/command_line.hpp"
 #include "cli/guard.hpp"
+#include "cli/mesh_cage.hpp"
 #include "cli/skeleton_choice.hpp"
 #include "cli/view_choice.hpp"
 #include "files/gltf_skeleton.hpp"
@@ -30,8 +31,7 @@ struct Arguments {
     double rate = 0; // 0: the times of an MDD file, else default_rate
     SkeletonChoice choice{.bones = "auto"};
     ViewChoice view;
-    bool report = false;
-    bool is_strict = false;
+    bool report = false, is_strict = false, flips_faces = false;
 };
 
 constexpr double default_rate = 30;
@@ -114,6 +114,25 @@ SvgResult<MddFile> read_frames(Arguments& given, ObjFile& figure) {
     return MddFile{std::move(frames), {}};
 }
 
+/// Names the first frame that mirrors the figure, and what can be done.
+void warn_of_mirrors(const Arguments& given, const FigureFrames& frames) {
+    const auto mirrors = [&](const auto& frame) { return is_mirrored(frames.rest, frame); };
+    const auto first = std::find_if(frames.places.begin(), frames.places.end(), mirrors);
+    const bool has_all = std::all_of(frames.places.begin(), frames.places.end(), mirrors);
+    const bool is_mdd = frames.files.size() != frames.places.size();
+    if (first == frames.places.end()) return;
+    if (has_all && is_mdd)
+        return warn(frames.files[0] + ": every frame is a mirror image of " + frames.name +
+                    ": of Blender's MDD files, give --axes x,y,-z");
+    const auto number = std::size_t(first - frames.places.begin());
+    const std::string name =
+        is_mdd ? frames.files[0] + ", frame " + std::to_string(number) : frames.files[number];
+    if (given.choice.kind != "stretched")
+        return warn(name + ": the pose mirrors " + frames.name + ", and no bone of --kind " +
+                    given.choice.kind + " does: give --kind stretched and --flip-faces");
+    if (!given.flips_faces) warn(describe_winding(name, frames.name, true, false));
+}
+
 /// Reads the frames, fits, and writes the files.
 int fit_figure(Arguments& given, ObjFile figure) {
     const ObjParts parts = read_parts(figure);
@@ -142,13 +161,7 @@ int fit_figure(Arguments& given, ObjFile figure) {
         frames.times.push_back(double(float(double(frames.times.size()) / rate)));
     if (!ascend(frames.times)) return fail("--rate: so many frames a second are beyond glTF's numbers");
 
-    const bool mirrors = std::all_of(frames.places.begin(), frames.places.end(),
-                                     [&](const auto& frame) { return is_mirrored(frames.rest, frame); });
-    if (mirrors) {
-        warn(given.frames[0] + ": every frame is a mirror image of " + figure.name +
-             (ending_of(given.frames[0]) == ".mdd" ? ": of Blender's MDD files, give --axes x,y,-z"
-                                                   : ", and no bone mirrors"));
-    }
+    warn_of_mirrors(given, frames);
     const auto motion = fit_motion(given.choice, frames);
     if (!motion) return fail(to_string(motion.error()));
     if (motion->loss.share() > StoredLoss::worth_a_warning) {
@@ -215,14 +228,16 @@ int run_program(int argc, char** argv) {
         .ends_with({".png"});
     given.view.add_options(line);
     add_strict(line, given.is_strict);
+    add_flip_faces(line, given.flips_faces);
     line.add_flag("--report", given.report, "print bones, keys, distances and times");
     line.set_footer(obj_format + std::string("\n") + frames_format);
     if (const auto code = line.parse(argc, argv)) return *code;
 
-    const auto figure = load_mesh_figure(given.rest, given.is_strict);
+    auto figure = load_mesh_figure(given.rest, given.is_strict);
     if (!figure) return fail(to_string(figure.error()));
     if (const auto fault = single_precision_fault(*figure)) return fail(to_string(*fault));
-    return fit_figure(given, *figure);
+    if (given.flips_faces) *figure = with_faces_turned_over(std::move(*figure));
+    return fit_figure(given, std::move(*figure));
 }
 
 } // namespace

@@ -296,13 +296,23 @@ TEST_CASE("tangents go along u, and their side is that of v", "[examples][obj][g
 
 TEST_CASE("faces are turned over in the text alone", "[examples][obj]") {
     for (const std::string& text : {cube, everything}) {
-        const ObjFile file = parsed(text), turned = parsed(with_faces_turned_over(text));
-        CHECK(with_faces_turned_over(turned.text) == text);
+        const ObjFile file = parsed(text), turned = with_faces_turned_over(file), read = parsed(turned.text);
+        CHECK(with_faces_turned_over(turned).text == text);
+        CHECK(to_text(turned, file.vertices) == turned.text);
         REQUIRE(turned.faces.size() == file.faces.size());
         for (std::size_t f = 0; f < file.faces.size(); ++f) {
             auto corners = turned.faces[f].corners;
+            CHECK(corners == read.faces[f].corners);
             std::reverse(corners.begin() + 1, corners.end());
             CHECK(corners == file.faces[f].corners);
+        }
+        for (std::size_t k = 0; k < file.numbers.size(); ++k) {
+            CHECK(turned.numbers[k].begin == read.numbers[k].begin);
+            CHECK(turned.numbers[k].end == read.numbers[k].end);
+        }
+        for (std::size_t t = 0; t < file.triangles.size(); ++t) {
+            const auto& [a, b, c] = file.triangles[t];
+            CHECK(turned.triangles[t] == std::array{a, c, b});
         }
     }
 }

@@ -93,6 +93,9 @@ std::vector<std::string> warnings_of(const cageform::MakeCageReport& report,
 template <std::size_t D>
 std::vector<cageform::Vec<double, D>> first_pose(const std::vector<cageform::Vec<double, D>>& rest);
 
+/// Adds --flip-faces, for with_faces_turned_over().
+void add_flip_faces(CommandLine& line, bool& flips_faces);
+
 /// Adds --strict for load_mesh_figure().
 void add_strict(CommandLine& line, bool& is_strict);
 

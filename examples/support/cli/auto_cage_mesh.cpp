@@ -10,9 +10,24 @@
 
 namespace cageform_examples {
 
+namespace {
+
+/// The figure's vertices. Those that no face has say nothing about its extent: they stand at one that a face
+/// has.
+std::vector<Point3> without_strays(const ObjFile& figure) {
+    if (figure.triangles.empty()) return figure.vertices;
+    std::vector<Point3> places(figure.vertices.size(), figure.vertices[figure.triangles[0][0]]);
+    for (const auto& triangle : figure.triangles) {
+        for (const std::uint32_t v : triangle) places[v] = figure.vertices[v];
+    }
+    return places;
+}
+
+} // namespace
+
 SvgResult<AutoCage<ObjFile>> make_cage_for(const ObjFile& figure, const cageform::MakeCageOptions& options,
                                            const cageform::Progress& progress) {
-    const auto made = cageform::make_cage(figure.vertices, figure.triangles, options,
+    const auto made = cageform::make_cage(without_strays(figure), figure.triangles, options,
                                           {.parallel = cageform::ThreadedFor{}, .progress = progress});
     const auto& report = made.report;
     if (!made) {
@@ -83,7 +98,7 @@ SvgResult<AutoCage<ObjFile>> with_quads(const AutoCage<ObjFile>& made, const Obj
 }
 
 SvgResult<ObjFile> make_lattice_for(const ObjFile& figure, const LatticeWord& word, double margin) {
-    auto lattice = lattice_about<3>(word, figure.vertices, margin, figure.name);
+    auto lattice = lattice_about<3>(word, without_strays(figure), margin, figure.name);
     if (!lattice) return lattice.error();
     return lattice_mesh("the lattice about " + figure.name, std::move(*lattice));
 }
@@ -99,6 +114,11 @@ SvgResult<ObjFile> load_or_make_cage(const std::string& word, const ObjFile& fig
     auto made = made_by_word(wanted, figure);
     if (!made) return made.error();
     return std::move(made->cage);
+}
+
+void add_flip_faces(CommandLine& line, bool& flips_faces) {
+    line.add_flag("--flip-faces", flips_faces,
+                  "write the corners of each face in the opposite order, for a pose that mirrors the figure");
 }
 
 void add_strict(CommandLine& line, bool& is_strict) {

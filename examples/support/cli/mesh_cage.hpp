@@ -6,6 +6,8 @@
 #include "files/clip_file.hpp"
 #include "files/obj_file.hpp"
 
+#include <cageform/clone/clone.hpp>
+#include <cageform/clone/pose_handles.hpp>
 #include <cageform/enclose/types/cage_parts.hpp>
 
 #include <cstddef>
@@ -75,5 +77,26 @@ SvgResult<PoseClip> clip_through_poses(const ObjFile& cage, const std::vector<st
 
 /// Returns why `pose` is not a pose of `cage`; empty if it is one.
 std::string pose_difference(const ObjFile& cage, const ObjFile& pose);
+
+/// Describes the faces that look inwards: of a pose that mirrors a figure, or of another one where they are
+/// turned over. Empty if they look outwards.
+std::string describe_winding(const std::string& pose, const std::string& figure, bool is_mirrored,
+                             bool flips_faces);
+
+/// The name of the first pose of a motion that mirrors a figure; empty if there is none.
+template <cageform::Scalar T>
+std::string first_mirror(const ObjFile& figure, const cageform::Binding<T, 3>& bound, const PoseClip& clip) {
+    using cageform::Status;
+    std::vector<cageform::Vec<T, 3>> moved(figure.vertices.size()), handles(bound.handle_count());
+    std::vector<Point3> places(moved.size());
+    for (const PoseKey& key : clip.keys) {
+        if (pose_handles(bound, key.places, handles).status != Status::ok ||
+            clone(bound, handles, moved) != Status::ok)
+            continue;
+        for (std::size_t i = 0; i < moved.size(); ++i) places[i] = cageform::vec_cast<double>(moved[i]);
+        if (is_mirrored(figure.vertices, places)) return name_of_pose(clip, key.time);
+    }
+    return {};
+}
 
 } // namespace cageform_examples

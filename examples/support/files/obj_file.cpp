@@ -375,8 +375,9 @@ std::string describe_others(const ObjFile& file, std::initializer_list<std::stri
     return text;
 }
 
-std::string with_faces_turned_over(const std::string& text) {
-    std::string turned;
+ObjFile with_faces_turned_over(ObjFile file) {
+    const std::string text = std::move(file.text);
+    std::string& turned = file.text = {};
     turned.reserve(text.size());
     std::size_t copied = 0, line = 0;
     std::vector<std::string_view> words;
@@ -389,7 +390,10 @@ std::string with_faces_turned_over(const std::string& text) {
             copied = begin + words[n].size();
         }
     }
-    return turned.append(text, copied);
+    turned.append(text, copied); // no line gets longer, so ObjFile::numbers stay
+    for (ObjFace& face : file.faces) std::reverse(face.corners.begin() + 1, face.corners.end());
+    for (auto& triangle : file.triangles) std::swap(triangle[1], triangle[2]);
+    return file;
 }
 
 /// The text with the corners' normals counted anew: each normal became as many as `split` has vertices of it.

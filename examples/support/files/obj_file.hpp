@@ -241,7 +241,7 @@ inline std::string to_text(const ObjFile& file, std::span<const Point3> places) 
 /// 8066 colours"; empty if it has nothing else.
 std::string describe_others(const ObjFile& file, std::initializer_list<std::string_view> keywords);
 
-/// An OBJ file's text with the corners of each face in the opposite order.
-std::string with_faces_turned_over(const std::string& text);
+/// The file with the corners of each face in the opposite order, in its text too.
+ObjFile with_faces_turned_over(ObjFile file);
 
 } // namespace cageform_examples

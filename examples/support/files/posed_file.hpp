@@ -41,15 +41,6 @@ public:
     /// Whether the file has normals, which Jacobians move.
     bool has_normals() const { return mesh_ != nullptr && !mesh_->normals.empty(); }
 
-    /// Whether a pose mirrors the mesh of the file; false where it has none.
-    template <cageform::Scalar T>
-    bool is_mirrored_by(std::span<const cageform::Vec<T, 3>> points) const {
-        if (mesh_ == nullptr) return false;
-        std::vector<Point3> moved;
-        for (const auto& p : points) moved.push_back(cageform::vec_cast<double>(p));
-        return is_mirrored(mesh_->vertices, moved);
-    }
-
     /// The bytes of a pose. Threads may call it together.
     ///
     ///   points      as many as were said, of the scalar and dimension that were said
