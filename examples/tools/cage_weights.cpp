@@ -81,8 +81,12 @@ SvgResult<std::string> header_line(const std::string& labels_path, std::size_t h
 /// Says what is wrong with the cage, or with the sites.
 using Describe = std::function<std::string(const cageform::BindReport&)>;
 
+/// Binds and writes.
+///
+///   origin   from which the coordinates count places
 template <class T, std::size_t D>
-int run(const Settings& settings, ChosenCoordinates<T, D> coordinates, const Describe& describe_faults) {
+int run(const Settings& settings, ChosenCoordinates<T, D> coordinates, const Describe& describe_faults,
+        const cageform::Vec<double, D>& origin = {}) {
     PointReader<D, T> reader(settings.points_path, settings.is_strict);
     if (!reader.error().empty()) return fail(reader.error());
     const auto refuse = [&](const cageform::BindReport& report) { return fail(describe_faults(report)); };
@@ -130,8 +134,10 @@ int run(const Settings& settings, ChosenCoordinates<T, D> coordinates, const Des
             total.seconds = evaluation.solver.seconds;
         }
         points.clear();
-        for (const auto& p : numbers)
+        for (auto p : numbers) {
+            for (std::size_t k = 0; k < D; ++k) p[k] -= origin[k];
             points.push_back(std::bit_cast<std::conditional_t<D == 2, Point2, Point3>>(p));
+        }
         auto [binding, report] = coordinates.bind(points, options);
         if (report.status != cageform::Status::ok) return refuse(report);
         const auto is_near = [&](std::size_t i) {
@@ -195,12 +201,28 @@ int run(const Settings& settings, ChosenCoordinates<T, D> coordinates, const Des
     return 0;
 }
 
+/// rounding_fault() of points; empty in double precision.
+template <class T, class Point>
+std::string fault_of_place(const Settings& settings, const std::vector<Point>& points) {
+    if (sizeof(T) == 8) return {};
+    std::vector<Point3> places;
+    for (const Point& p : points) {
+        if constexpr (std::is_same_v<Point, Point2>)
+            places.push_back({p.x, p.y, 0});
+        else
+            places.push_back(p);
+    }
+    const std::string why = rounding_fault(settings.cage_path, places);
+    return why.empty() ? why : why + ", or take --scalar double";
+}
+
 /// Reads sites.
 template <class T, std::size_t D>
 int run_with_sites(const Settings& settings) {
     const auto sites = load_sites<D>(settings.cage_path);
     if (!sites) return fail(to_string(sites.error()));
     if (const auto why = single_precision_fault(*sites); !why.empty() && sizeof(T) == 4) return fail(why);
+    if (const auto why = fault_of_place<T>(settings, sites->points); !why.empty()) return fail(why);
     return run(settings, make_coordinates<T>(settings.choice, *sites),
                [&](const auto& report) { return describe_site_faults(*sites, report); });
 }
@@ -221,12 +243,16 @@ int run(const Settings& settings) {
     if (*dimension == 3) {
         if (settings.choice.is_planar() && !is_lattice_path(settings.cage_path))
             return fail(settings.cage_path + ": " + settings.choice.name + " takes a cage in the plane");
-        const auto file = load_mesh_cage(settings.cage_path);
+        auto file = load_mesh_cage(settings.cage_path);
         if (!file) return fail(to_string(file.error()));
         if (const auto fault = single_precision_fault(*file); fault && sizeof(T) == 4)
             return fail(to_string(*fault));
-        return run(settings, make_coordinates<T>(settings.choice, *file),
-                   [&](const auto& report) { return describe_mesh_faults(settings.cage_path, report); });
+        const Point3 origin = sizeof(T) == 4 ? far_origin(*file) : Point3{};
+        file->vertices = counted_from(origin, file->vertices);
+        if (file->lattice) file->lattice->frame.translation = file->lattice->frame.translation - origin;
+        return run(
+            settings, make_coordinates<T>(settings.choice, *file),
+            [&](const auto& report) { return describe_mesh_faults(settings.cage_path, report); }, origin);
     }
     const auto file = load_cage(settings.cage_path, settings.choice.edges());
     if (!file) return fail(to_string(file.error()));
@@ -237,6 +263,7 @@ int run(const Settings& settings) {
                 return fail(settings.cage_path + ": vertex " + std::to_string(i) + ": " + why);
         }
     }
+    if (const auto why = fault_of_place<T>(settings, file->vertices); !why.empty()) return fail(why);
     return run(settings, make_coordinates<T>(settings.choice, *file),
                [&](const auto& report) { return describe_faults(settings.cage_path, report); });
 }

@@ -292,6 +292,11 @@ done
 grep -v nan huge.csv >beyond.csv
 refuses 'beyond.csv:2: -1e+39 is beyond single precision, which ends at 3.4e38' "$weights" --cage square.csv --points beyond.csv --scalar float -o out.csv --strict
 refuses 'huge.csv: vertex 2: -1e+39 is beyond single precision' "$weights" --cage huge.csv --points square.csv --scalar float -o out.csv
+awk -F, '{ printf "%d,%d\n", $1 + 500000, $2 + 4600000 }' square.csv >far.csv
+for type in mean-value sibson; do
+  works "far away, $type" "$weights" --cage far.csv --points far.csv --coordinates $type -o far_weights.csv
+  refuses 'far.csv: is far from the origin: single precision rounds places there' "$weights" --cage far.csv --points far.csv --coordinates $type --scalar float -o out.csv
+done
 awk 'BEGIN { for (i = 0; i < 300000; ++i) printf "7x" }' >long.csv
 refuses 'long.csv:1: ' "$weights" --cage square.csv --points long.csv -o out.csv
 [ "$(wc -c <log)" -lt 300 ] && ok=yes || ok=no
@@ -1068,6 +1073,15 @@ printf '%s\n' 'v 0 0 0' 'v 1 0 0' 'v 0 1 0' 'v 0 0 1' 'f 1 2 3' 'f 1 2 4' >few.o
 works "the fewest vertices in space" "$make_cage" few.obj --vertices auto --volume 40% --margin 10% -o few_cage.obj
 grep -q '^vertices  volume over the tightest  deepest hollow spanned$' log && ok=yes || ok=no
 report $ok "says what each doubling brings in space"
+{ cat few.obj; echo 'v 1e6 -1e6 1e6'; } >few_stray.obj
+for words in '--vertices 20' '--lattice 3x3x3'; do
+  # shellcheck disable=SC2086  # the words are meant to be split
+  works "a cage, $words" "$make_cage" few.obj $words --margin 10% -o few_cage.obj
+  # shellcheck disable=SC2086
+  works "with a vertex that no face has" "$make_cage" few_stray.obj $words --margin 10% -o stray_cage.obj
+  cmp -s few_cage.obj stray_cage.obj && ok=yes || ok=no
+  report $ok "is about what faces have"
+done
 works "quads" "$make_cage" few.obj --vertices 40 --margin 10% --mirror z --quads -o quads.obj --picture quads.png
 grep -qE '^faces: [0-9]+ quads and [0-9]+ triangles; .* % of the triangles were paired, the diagonals of the most warped' log &&
   awk '/^v/ { v++ } /^f/ { cut += NF - 3; if (NF == 5) quads++ } END { exit !(cut == 2 * v - 4 && quads > 19) }' quads.obj && ok=yes || ok=no
