@@ -145,9 +145,9 @@ int run(const Settings& settings, ChosenCoordinates<T, D> coordinates, const Des
             return cageform::is_finite(p) && coordinates.distance_from_boundary(p) <= tolerance;
         };
         auto& outside = report.outside;
-        const auto near = std::stable_partition(outside.begin(), outside.end(), std::not_fn(is_near));
-        report.on_boundary.insert(report.on_boundary.end(), near, outside.end());
-        outside.erase(near, outside.end());
+        const auto first_near = std::stable_partition(outside.begin(), outside.end(), std::not_fn(is_near));
+        report.on_boundary.insert(report.on_boundary.end(), first_near, outside.end());
+        outside.erase(first_near, outside.end());
         std::sort(report.on_boundary.begin(), report.on_boundary.end());
         if (first) {
             total.solver = report.solver;

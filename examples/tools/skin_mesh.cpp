@@ -37,11 +37,13 @@ using Use = GltfDocument::Use;
 constexpr const char* bones_format =
     "A bones file has a line for every bone: its name, its parent, x,y,z of its head,\n"
     "x,y,z of its tail, and x,y,z of its pose. The pose is a turn about the head: the\n"
-    "vector is the axis, and its length is the angle in degrees; 0,0,0 is no turn.\n"
+    "vector is the axis, and its length is the angle in degrees, at most 36000; 0,0,0 is\n"
+    "no turn.\n"
     "Parents come before their children; a bone without a parent leaves that field\n"
     "empty. Lines that begin with # are skipped.\n";
 
 constexpr std::size_t no_parent = ~std::size_t{0};
+constexpr double most_degrees = 36000; // the keys of more turns are too near to each other
 
 struct Bone {
     std::string name;
@@ -59,6 +61,10 @@ struct Arguments {
 };
 
 // ---- the bones ----
+
+double degrees_of(const Bone& bone) {
+    return std::hypot(bone.turn[0], bone.turn[1], bone.turn[2]);
+}
 
 /// A line's bone; the reason where there is none.
 std::string parse_bone(std::string_view line, const std::vector<Bone>& bones, Bone& bone) {
@@ -82,6 +88,10 @@ std::string parse_bone(std::string_view line, const std::vector<Bone>& bones, Bo
         if (why.empty()) why = detail::single_precision_fault(number); // glTF's numbers
         if (!why.empty()) return "column " + std::to_string(3 + n) + ": " + why;
     }
+    if (degrees_of(bone) > most_degrees)
+        return "the bone " + detail::quoted(bone.name) + " turns by " +
+               detail::short_number(degrees_of(bone)) + " degrees, more than " +
+               detail::short_number(most_degrees);
     return {};
 }
 
@@ -104,7 +114,7 @@ SvgResult<std::vector<Bone>> load_bones(const std::string& path) {
 
 /// A turn of a share of the pose's angle, as x, y, z, w.
 std::array<double, 4> quaternion(const Bone& bone, double share) {
-    const double degrees = std::hypot(bone.turn[0], bone.turn[1], bone.turn[2]);
+    const double degrees = degrees_of(bone);
     const double half = share * degrees * std::numbers::pi / 360;
     const double factor = degrees > 0 ? std::sin(half) / degrees : 0;
     return {factor * bone.turn[0], factor * bone.turn[1], factor * bone.turn[2], std::cos(half)};
@@ -245,7 +255,10 @@ StoredLoss loss_of(const ObjFile& figure, std::span<const Point3> right, std::sp
 /// The turn into the pose and back in two seconds, of the bones from node `first` on.
 void add_turns(GltfDocument& document, const std::vector<Bone>& bones, std::size_t first) {
     GltfJson animation = {{"name", "pose"}};
-    constexpr std::size_t keys = 17; // turns are linear between them, and nearly even
+    double largest = 0;
+    for (const Bone& bone : bones) largest = std::max(largest, degrees_of(bone));
+    // Turns are linear between keys, and nearly even; neighbouring keys are at most 36 degrees apart.
+    const std::size_t keys = 16 * std::max<std::size_t>(std::size_t(std::ceil(largest / 180)), 1) + 1;
     std::vector<std::array<float, 1>> times;
     for (std::size_t k = 0; k < keys; ++k) times.push_back({2 * float(k) / float(keys - 1)});
     for (std::size_t b = 0; b < bones.size(); ++b) {

@@ -3,7 +3,8 @@
 
 Laws of programs that move meshes: an affine pose x -> A x + b of the cage takes every vertex to A x + b and every
 normal n to A^-T n, also normals that lean against their faces, at the origin and far from it. A pose that mirrors
-is named, and --flip-faces turns the faces over. The poses are random; their seeds are printed.
+is named, and --flip-faces turns the faces over. Weights in single precision lose nothing far from the origin.
+Rotations of up to 720 degrees have keys that every player shows alike. The poses are random; their seeds are printed.
 
 Vertices that are no numbers and that no face has change nothing of what a program writes, in any figure or frame.
 """
@@ -66,26 +67,33 @@ def read_obj(path, key):
     return [[float(x) for x in line.split()[1:4]] for line in open(path) if line.split()[:1] == [key]]
 
 
-def read_targets(path):
-    """Places and normals of the only mesh of a GLB file with its first target added, and its node's place."""
+def read_glb(path):
+    """The JSON of a GLB file, and a reader of its accessors: `step` elements at a time."""
     data = open(path, "rb").read()
     size = struct.unpack_from("<I", data, 12)[0]
     scene, data = json.loads(data[20:20 + size]), data[28 + size:]
 
-    def vectors(accessor):
+    def vectors(accessor, words="<3f", step=1):
         a = scene["accessors"][accessor]
         view = scene["bufferViews"][a["bufferView"]]
-        begin = view.get("byteOffset", 0) + a.get("byteOffset", 0)
-        return [struct.unpack_from("<3f", data, begin + i * view.get("byteStride", 12)) for i in range(a["count"])]
+        begin, size = view.get("byteOffset", 0) + a.get("byteOffset", 0), struct.calcsize(words) // step
+        return [struct.unpack_from(words, data, begin + i * view.get("byteStride", size)) for i in range(0, a["count"], step)]
 
+    return scene, vectors
+
+
+def read_targets(path):
+    """Places, normals and faces of the only mesh of a GLB file with its first target added, and its node's place."""
+    scene, vectors = read_glb(path)
     primitive = scene["meshes"][0]["primitives"][0]
     node = next(n for n in scene["nodes"] if "mesh" in n)
     place = node.get("translation", [0, 0, 0])
     parts = []
     for key in ("POSITION", "NORMAL"):
-        rest, change = vectors(primitive["attributes"][key]), vectors(primitive["targets"][0][key])
+        rest = vectors(primitive["attributes"][key])
+        change = vectors(primitive["targets"][0][key]) if "targets" in primitive else [[0, 0, 0]] * len(rest)
         parts.append([[x + y for x, y in zip(a, b)] for a, b in zip(rest, change)])
-    return [[x + y for x, y in zip(p, place)] for p in parts[0]], parts[1]
+    return [[x + y for x, y in zip(p, place)] for p in parts[0]], parts[1], vectors(primitive["indices"], "<3H", 3)
 
 
 def run(*command, code=0):
@@ -95,9 +103,11 @@ def run(*command, code=0):
     return done.stderr
 
 
-def volume(path):
-    v = read_obj(path, "v")
-    faces = [[int(w.split("/")[0]) - 1 for w in line.split()[1:]] for line in open(path) if line.startswith("f ")]
+def faces_of(path):
+    return [[int(w.split("/")[0]) - 1 for w in line.split()[1:]] for line in open(path) if line.startswith("f ")]
+
+
+def volume(v, faces):
     return sum(dot(v[f[0]], cross(v[f[k]], v[f[k + 1]])) / 6 for f in faces for k in range(1, len(f) - 1))
 
 
@@ -146,19 +156,86 @@ def test(seed):
                 compare("deform_mesh, " + kind, read_obj("moved.obj", "v"), read_obj("moved.obj", "vn"), right, right_normals, size)
         said = run("export_gltf", "figure.obj", "--cage", "cage.obj", "--pose", "pose.obj", "--morph", "-o", "moved.glb")
         check(("mirrors" in said) == is_mirror, "the message says whether the pose mirrors: " + said)
-        compare("export_gltf --morph", *read_targets("moved.glb"), right, right_normals, size)
-        run("bind_mesh", "figure.obj", "--cage", "cage.obj", "-o", "moved.figure")
+        compare("export_gltf --morph", *read_targets("moved.glb")[:2], right, right_normals, size)
+        said = run("bind_mesh", "figure.obj", "--cage", "cage.obj", "--pose", "pose.obj", "-o", "moved.figure")
+        check(("mirrors" in said) == is_mirror, "the message says whether the pose mirrors: " + said)
         with open("poses.csv", "w") as file:
             for points in (away(box), pose(box)):
                 file.write(",".join("%.17g" % x for p in points for x in p) + "\n")
         run("clone_figure", "moved.figure", "--poses", "poses.csv", "--mesh", "figure.obj", "-o", "clone_%d.obj")
         for row, places, directions in ((0, away(vertices), normals), (1, right, right_normals)):
             compare("clone_figure, row %d" % row, read_obj("clone_%d.obj" % row, "v"), read_obj("clone_%d.obj" % row, "vn"), places, directions, size)
+        with open("points.csv", "w") as file:
+            for p in away(vertices):
+                file.write("%.17g,%.17g,%.17g\n" % tuple(p))
+        run("cage_weights", "--cage", "cage.obj", "--points", "points.csv", "--scalar", "float", "-o", "weights.csv")
+        rows = [[float(x) for x in line.split(",")[1:]] for line in open("weights.csv").readlines()[1:]]
+        off = max(math.dist(p, [dot(w, column) for column in zip(*box)]) for p, w in zip(vertices, rows)) / size
+        check(off <= PLACE_TOLERANCE, "cage_weights, float: sums of weights are off by %g sizes" % off)
         # A closed figure keeps its volume's sign only if the faces of a mirror image are turned over.
-        write_obj("inner.obj", away([[0.5 * x for x in p] for p in box]), [], FACES)
-        run("deform_mesh", "inner.obj", "--cage", "cage.obj", "--pose", "pose.obj", "-o", "moved.obj", *(["--flip-faces"] if is_mirror else []))
-        if offset == [0, 0, 0]:
-            check(volume("moved.obj") > 0, "the faces look outwards")
+        inner, flips = [[0.5 * x for x in p] for p in box], ["--flip-faces"] if is_mirror else []
+        write_obj("inner.obj", away(inner), [], FACES)
+        write_obj("frame.obj", pose(inner), [], FACES)
+        run("deform_mesh", "inner.obj", "--cage", "cage.obj", "--pose", "pose.obj", "-o", "moved.obj", *flips)
+        run("bind_mesh", "inner.obj", "--cage", "cage.obj", "-o", "inner.figure")
+        for mesh in [], ["--mesh", "inner.obj"]:
+            name = "mesh_%d.obj" if mesh else "inner_%d.obj"
+            said = run("clone_figure", "inner.figure", "--poses", "poses.csv", "--rows", "1:2", "-o", name, *mesh)
+            check(("--flip-faces turns" in said) == is_mirror, "the message offers --flip-faces: " + said)
+            run("clone_figure", "inner.figure", "--poses", "poses.csv", "--rows", "1:2", "-o", name, *mesh, *flips)
+        run("export_gltf", "inner.obj", "--cage", "cage.obj", "--pose", "pose.obj", "--morph", "-o", "moved.glb", *flips)
+        stretched = ["fit_skeleton", "inner.obj", "inner.obj", "frame.obj", "--bones", "1", "--kind", "stretched", "-o", "fitted.glb"]
+        said = run(*stretched)
+        check(("frame.obj: the pose mirrors" in said and "--flip-faces turns" in said) == is_mirror, "the mirrored frame is named: " + said)
+        check(("frame.obj: the pose mirrors" in run(*stretched[:-4], "-o", "fitted.glb")) == is_mirror, "rigid bones, too")
+        check("mirror" not in run(*stretched, *flips), "with --flip-faces nothing is left to say")
+        # In the files of export_gltf and fit_skeleton the winding is that of the pose, not of rest.
+        side = -1 if is_mirror else 1
+        rest, _, turned = read_targets("fitted.glb")
+        for what, v, written, sign in (("deform_mesh", read_obj("moved.obj", "v"), faces_of("moved.obj"), 1),
+                                     ("clone_figure", read_obj("inner_1.obj", "v"), faces_of("inner_1.obj"), 1),
+                                     ("clone_figure --mesh", read_obj("mesh_1.obj", "v"), faces_of("mesh_1.obj"), 1),
+                                     ("export_gltf", *read_targets("moved.glb")[::2], 1),
+                                     ("fit_skeleton", rest, turned, side)):
+            near = [[x - y for x, y in zip(p, v[0])] for p in v]
+            check(sign * volume(near, written) > 0, what + ": the faces look outwards in the pose")
+
+
+def rotated(v, axis, angle):
+    c, s = math.cos(angle), math.sin(angle)
+    return [c * x + s * y + (1 - c) * dot(axis, v) * z for x, y, z in zip(v, cross(axis, v), axis)]
+
+
+def keys_of_turns(path):
+    """The rotation keys of a GLB file's only bone that turns."""
+    scene, vectors = read_glb(path)
+    animation = scene["animations"][0]
+    channel = next(c for c in animation["channels"] if c["target"]["path"] == "rotation")
+    return vectors(animation["samplers"][channel["sampler"]]["output"], "<4f")
+
+
+def test_turns(seed):
+    draw = random.Random(seed)
+    axis = unit([draw.gauss(0, 1) for _ in range(3)])
+    degrees = draw.choice([180, 360, 540, 720, draw.uniform(90, 720)])
+    write_obj("solid.obj", BOX, [], FACES)
+    for k in range(4):
+        write_obj("turned_%d.obj" % k, [rotated(p, axis, math.radians(k * degrees)) for p in BOX], [], FACES)
+    run("fit_skeleton", "solid.obj", *["turned_%d.obj" % k for k in range(4)], "--bones", "1", "-o", "turned.glb")
+    with open("bones.csv", "w") as file:
+        file.write("arm,,0,0,-1,0,0,1,%.17g,%.17g,%.17g\n" % tuple(degrees * x for x in axis))
+    run("skin_mesh", "solid.obj", "--bones", "bones.csv", "--see-through", "-o", "skinned.glb")
+    for path in ("turned.glb", "skinned.glb"):
+        if path == "turned.glb" and degrees % 360 == 0:
+            continue  # nothing moves
+        keys = keys_of_turns(path)
+        halves = [math.acos(min(1, dot(unit(a), unit(b)))) for a, b in zip(keys, keys[1:])]
+        # slerp and the chord differ the most near a fifth of the way.
+        ways = max(abs(math.atan2(0.21 * math.sin(h), 0.79 + 0.21 * math.cos(h)) - 0.21 * h) for h in halves)
+        check(max(halves) <= math.radians(45.001) and 2 * ways <= 2e-3, "%s, %g degrees: keys are up to %g degrees apart, the ways %g" %
+              (path, degrees, math.degrees(2 * max(halves)), 2 * ways))
+    turned = math.degrees(sum(halves))  # there and back: half of twice the angle, in halves
+    check(abs(turned - degrees) <= 0.05, "skin_mesh turns by %g degrees, not %g" % (turned, degrees))
 
 
 def drawn(path):
@@ -283,6 +360,7 @@ with tempfile.TemporaryDirectory() as folder:
         test(seed)
         if seed % 4 == 0:
             test_strays(seed)
+            test_turns(seed)
         if faults > before:
             print("seed", seed)
 print("%d poses from seed %d on, %d faults" % (COUNT, SEED, faults))

@@ -125,6 +125,8 @@ for weights in heat harmonic; do
   works "bones, $weights" "$skin" character.obj --bones character.bones.csv --weights $weights -o bones_$weights.glb --picture bones.png --report
   says 'negative cotangent weights: 0'
 done
+echo 'trunk,,0,0.9,0,0,1.4,0,30000,0,30000' >spun.csv
+refuses 'spun.csv:1: the bone "trunk" turns by 42426.4 degrees, more than 36000' "$skin" character.obj --bones spun.csv -o out.glb
 awk -F, -v OFS=, -v CONVFMT=%.17g -v OFMT=%.17g 'NF == 11 && $3 + 0 == $3 { $3 += 500000; $6 += 500000; $4 += 4600000; $7 += 4600000; $5 += 20; $8 += 20 } { print }' \
   character.bones.csv >far_bones.csv
 works "bones far away" "$skin" far_character.obj --bones far_bones.csv -o far_bones.gltf

@@ -13,8 +13,8 @@ namespace cageform::inline CAGEFORM_ABI::detail {
 /// as that allows. With a key in each frame a bone would be at its place whatever its parent does, as local
 /// transforms are those to the parent as it is played. So the errors of a chain do not add up, and the figure
 /// is within the distance when all bones are done. Rotations without tangents keep the distance by slerp, and
-/// those of each bone also by nlerp. Neighbouring keys are at most 90° apart, unless neighbouring frames are
-/// farther apart.
+/// those of each bone also by nlerp. Neighbouring keys are at most 90° apart. Between neighbouring frames
+/// there are keys where slerp and nlerp differ by more than the distance.
 class KeyFitter {
 public:
     using Map = FittedSkeleton<double>::Map;
@@ -93,6 +93,16 @@ private:
             exact_.push_back(path.next(own));
         }
         played_ = exact_;
+        double reach = 0, scale = 0; // of the figure about the joint
+        for (const auto& p : rest_) {
+            const auto d = p - skeleton_.joints[bone];
+            reach = (std::max)(reach, share_ * std::sqrt(dot(d, d)));
+        }
+        for (const NodeTransform& local : exact_) {
+            for (const double x : local.vector(NodeTransform::scale).v)
+                scale = (std::max)(scale, std::fabs(x));
+        }
+        cosine_of_half_step_ = std::cos(0.5 * largest_step(distance_, reach * scale));
         return true;
     }
     const Map& parent(std::size_t t) const { return nodes_[t * skeleton_.bones + skeleton_.parents[bone_]]; }
@@ -174,19 +184,41 @@ private:
     /// chord (nlerp).
     enum class Play { linear, linear_by_chord, cubic };
 
+    /// The angle between rotations up to which slerp and nlerp agree within a distance; at most 90°.
+    static double largest_step(double distance, double radius) {
+        constexpr double right_angle = 1.5707963267948966, least = 1e-4;
+        constexpr double of_cube = 0.00405; // the ways differ by this share of the cube of the angle at most
+        return (std::min)(right_angle, std::cbrt((std::max)(distance, least) / (of_cube * radius)));
+    }
     static double cosine_of_half(const Quaternion<double>& a, const Quaternion<double>& b) {
         return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3];
     }
-    /// Whether rotations of a range differ by more than 90° between two frames. Between keys farther apart,
-    /// nlerp and slerp differ much. The way between keys 180° apart is undefined.
-    bool turns_far(std::size_t from, std::size_t to, const Range& range) const {
-        constexpr double cosine_of_45 = 0.70710678118654752;
+    static constexpr double cosine_of_45 = 0.70710678118654752;
+
+    /// Whether rotations of a range differ by more than an angle between two transforms, by default 90°.
+    /// Between keys farther apart, nlerp and slerp differ much.
+    static bool turns_far(const NodeTransform& a, const NodeTransform& b, const Range& range,
+                          double cosine = cosine_of_45) {
         for (const std::size_t at : {NodeTransform::rotation, NodeTransform::axes}) {
             if (at >= range.begin && at < range.end &&
-                std::fabs(cosine_of_half(exact_[from].turn(at), exact_[to].turn(at))) < cosine_of_45)
+                std::fabs(cosine_of_half(a.turn(at), b.turn(at))) < cosine)
                 return true;
         }
         return false;
+    }
+    /// Stores keys between two frames until slerp and nlerp agree. The middle is the same by both.
+    template <class Store>
+    void halve(double begin, const NodeTransform& a, double end, const NodeTransform& b, const Range& range,
+               const Store& store) const {
+        const auto time = double(float(0.5 * (begin + end))); // files have single precision
+        if (!(begin < time && time < end) || !turns_far(a, b, range, cosine_of_half_step_)) return;
+        NodeTransform middle;
+        for (std::size_t c = range.begin; c < range.end; ++c)
+            middle.values[c] = 0.5 * (a.values[c] + b.values[c]);
+        normalise(middle, range);
+        halve(begin, a, time, middle, range, store);
+        store(time, middle);
+        halve(time, middle, end, b, range, store);
     }
     /// Gives a transform the values of a piece at a frame.
     void play(const Piece& of, Play how, std::size_t t, const Range& range, NodeTransform& local) const {
@@ -222,7 +254,7 @@ private:
         const auto reaches = [&](std::size_t from, std::size_t to) {
             const Piece next = cubic ? piece(from, to, range) : Piece{from, to};
             const std::size_t between = to - from - 1;
-            if (!cubic && between > 0 && turns_far(from, to, range)) return false;
+            if (!cubic && between > 0 && turns_far(exact_[from], exact_[to], range)) return false;
             for (std::size_t n = 0; n < between; ++n) { // from the middle on, where errors are largest
                 const std::size_t t = from + 1 + (between / 2 + n) % between;
                 for (const Play how : ways) {
@@ -279,12 +311,12 @@ private:
         for (std::size_t c = range.begin; c < range.end; ++c) local.values[c] = by.values[c];
         return local;
     }
-    /// Makes keys of a range of values and plays them from now on. store(frame, values, in, out) gets each.
+    /// Makes keys of a range of values and plays them from now on. store(time, values, in, out) gets each.
     template <class Store>
     void fit(const Range& range, double share, const Store& store) {
         if (NodeTransform mean; is_constant(range, share, mean)) {
             hold(range, mean);
-            return store(0, mean, nullptr, nullptr);
+            return store(times_[0], mean, nullptr, nullptr);
         }
         Pieces best = pieces(false, range, share);
         if (tangents_) {
@@ -292,28 +324,31 @@ private:
                 best = std::move(other);
         }
         constexpr std::array<double, NodeTransform::size> none{};
-        NodeTransform last;
-        for (std::size_t k = 0; k <= best.list.size(); ++k) {
-            const std::size_t t = k == 0 ? 0 : best.list[k - 1].to;
-            NodeTransform value = exact_[t];
+        NodeTransform last = exact_[0];
+        const auto store_near = [&](double time, NodeTransform value) { // with the sign of the last key
             for (const std::size_t at : {NodeTransform::rotation, NodeTransform::axes}) {
-                if (best.cubic || k == 0) continue; // cubics follow the path
                 Quaternion<double> q = value.turn(at);
                 if (cosine_of_half(q, last.turn(at)) >= 0) continue;
                 for (double& x : q) x = -x;
                 value.set_turn(at, q);
             }
             last = value;
-            if (best.cubic)
-                store(t, value, k == 0 ? none.data() : best.list[k - 1].in.data(),
+            store(time, value, nullptr, nullptr);
+        };
+        for (std::size_t k = 0; k <= best.list.size(); ++k) {
+            const std::size_t t = k == 0 ? 0 : best.list[k - 1].to, from = k == 0 ? 0 : best.list[k - 1].from;
+            if (best.cubic) { // follows the path
+                store(times_[t], exact_[t], k == 0 ? none.data() : best.list[k - 1].in.data(),
                       k == best.list.size() ? none.data() : best.list[k].out.data());
-            else
-                store(t, value, nullptr, nullptr);
+                continue;
+            }
+            if (t == from + 1) halve(times_[from], exact_[from], times_[t], exact_[t], range, store_near);
+            store_near(times_[t], exact_[t]);
         }
         played_ = std::move(best.played);
     }
     template <class V>
-    void append(Keys::Channel<V>& to, std::size_t at, std::size_t t, const NodeTransform& value,
+    void append(Keys::Channel<V>& to, std::size_t at, double time, const NodeTransform& value,
                 const double* in, const double* out) const {
         constexpr std::size_t size = std::is_same_v<V, Quaternion<double>> ? 4 : 3;
         const auto part = [&](const double* all) {
@@ -321,7 +356,7 @@ private:
             for (std::size_t k = 0; k < size; ++k) result[k] = all[at + k];
             return result;
         };
-        to.times.push_back(times_[t]);
+        to.times.push_back(time);
         to.values.push_back(part(value.values.data()));
         if (in == nullptr) return;
         to.in_tangents.push_back(part(in));
@@ -330,30 +365,30 @@ private:
     void fit_bone(Keys::Bone& to) {
         constexpr double of_translation = 0.4, of_axes = 0.5, of_scale = 0.7; // and what is before it
         using Node = NodeTransform;
-        fit({0, Node::rotation}, of_translation, [&](std::size_t t, const Node& v, auto... tangents) {
-            append(to.translation, 0, t, v, tangents...);
+        fit({0, Node::rotation}, of_translation, [&](double time, const Node& v, auto... tangents) {
+            append(to.translation, 0, time, v, tangents...);
         });
-        const auto take_scale = [&](std::size_t t, const Node& v, auto... tangents) {
-            append(to.scale, Node::scale, t, v, tangents...);
+        const auto take_scale = [&](double time, const Node& v, auto... tangents) {
+            append(to.scale, Node::scale, time, v, tangents...);
         };
-        const auto take_rotation = [&](std::size_t t, const Node& v, auto... tangents) {
-            append(to.rotation, Node::rotation, t, v, tangents...);
+        const auto take_rotation = [&](double time, const Node& v, auto... tangents) {
+            append(to.rotation, Node::rotation, time, v, tangents...);
         };
-        const auto take_axes = [&](std::size_t t, const Node& v, auto... tangents) {
-            append(to.axes, Node::axes, t, v, tangents...);
+        const auto take_axes = [&](double time, const Node& v, auto... tangents) {
+            append(to.axes, Node::axes, time, v, tangents...);
         };
         const Range axes{Node::axes, Node::size};
         NodeTransform standing;
         if (!stands(axes, of_axes, standing) && !is_constant(axes, of_axes, standing)) {
-            fit({Node::rotation, Node::size}, 1, [&](std::size_t t, const Node& v, auto... tangents) {
-                take_rotation(t, v, tangents...);
-                take_scale(t, v, tangents...);
-                take_axes(t, v, tangents...);
+            fit({Node::rotation, Node::size}, 1, [&](double time, const Node& v, auto... tangents) {
+                take_rotation(time, v, tangents...);
+                take_scale(time, v, tangents...);
+                take_axes(time, v, tangents...);
             });
             return;
         }
         hold(axes, standing);
-        take_axes(0, standing, nullptr, nullptr);
+        take_axes(times_[0], standing, nullptr, nullptr);
         fit({Node::scale, Node::axes}, of_scale, take_scale);
         fit({Node::rotation, Node::scale}, 1, take_rotation);
     }
@@ -371,7 +406,7 @@ private:
     const FittedSkeleton<double>& skeleton_;
     const std::vector<Vec<double, 3>>& rest_;
     const std::vector<double>& times_;
-    double distance_, share_;
+    double distance_, share_, cosine_of_half_step_ = 0; ///< the last of the bone
     bool tangents_;
     std::vector<Vec<float, 3>> errors_; ///< #frames · #vertices, in sizes, of the bones that are done
     std::vector<double> used_;          ///< #vertices: the sum of their weights

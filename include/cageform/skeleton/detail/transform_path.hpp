@@ -62,12 +62,18 @@ private:
     static Eigen::Matrix3d matrix(const Quaternion<double>& q) {
         return Eigen::Quaterniond(q[3], q[0], q[1], q[2]).toRotationMatrix();
     }
-    /// Sets a rotation, with the sign that is nearer to the last one.
+    /// Sets a rotation, with the sign that is nearer to the last one. After half a turn neither is: then the
+    /// axis of the way decides, so that steps of half a turn about one axis all go one way.
     void set(NodeTransform& to, std::size_t at, const Eigen::Matrix3d& rotation) const {
         const Eigen::Quaterniond q = Eigen::Quaterniond(rotation).normalized();
         const Quaternion<double> last = last_.turn(at);
         const double along = q.x() * last[0] + q.y() * last[1] + q.z() * last[2] + q.w() * last[3];
-        const double sign = along < 0 ? -1 : 1;
+        const Eigen::Quaterniond step =
+            q * Eigen::Quaterniond(last[3], last[0], last[1], last[2]).conjugate();
+        constexpr double half_turn = 1e-6;
+        const double side =
+            step.vec().dot(Eigen::Vector3d(1, 0.61, 0.37)); // of a plane without coordinate axes
+        const double sign = (std::fabs(along) < half_turn ? side : along) < 0 ? -1 : 1;
         to.set_turn(at, {sign * q.x(), sign * q.y(), sign * q.z(), sign * q.w()});
     }
     /// U S Vᵀ with rotations U and V, whose columns have the order and the signs that bring V nearest to the
