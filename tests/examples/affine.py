@@ -240,21 +240,17 @@ def test_turns(seed):
 
 def drawn(path):
     """All that a GLB file draws: its nodes, the attributes at all corners of its triangles, and its animations."""
-    data = open(path, "rb").read()
-    size = struct.unpack_from("<I", data, 12)[0]
-    scene, data = json.loads(data[20:20 + size]), data[28 + size:]
+    scene, vectors = read_glb(path)
 
     def elements(accessor):
         a = scene["accessors"][accessor]
-        view = scene["bufferViews"][a["bufferView"]]
-        width = {5121: 1, 5123: 2, 5125: 4, 5126: 4}[a["componentType"]] * {"SCALAR": 1, "VEC3": 3, "VEC4": 4, "MAT4": 16}[a["type"]]
-        begin = view.get("byteOffset", 0) + a.get("byteOffset", 0)
-        return [data[begin + i * view.get("byteStride", width):][:width] for i in range(a["count"])]
+        return vectors(accessor, "<%d%s" % ({"SCALAR": 1, "VEC3": 3, "VEC4": 4, "MAT4": 16}[a["type"]],
+                                            {5121: "B", 5123: "H", 5125: "I", 5126: "f"}[a["componentType"]]))
 
     parts = [scene["nodes"]]
     for mesh in scene["meshes"]:
         for primitive in mesh["primitives"]:
-            corners = [int.from_bytes(c, "little") for c in elements(primitive["indices"])]
+            corners = [c for c, in elements(primitive["indices"])]
             for attributes in (primitive["attributes"], *primitive.get("targets", [])):
                 for name in sorted(attributes):
                     of_vertex = elements(attributes[name])
