@@ -283,7 +283,7 @@ printf '0,0\n4,0\n4,4\n0,4\n' >square.csv
 printf '1,1\nnan,1\n2,-1e39\n' >huge.csv
 for scalar in double float; do
   works "points that are not finite, $scalar" "$weights" --cage square.csv --points huge.csv --scalar $scalar -o w.csv
-  case $scalar in double) bad="1 of 3" last=outside ;; *) bad="2 of 3" last=not_finite ;; esac
+  case $scalar in double) bad="1 of 3" last=unreached ;; *) bad="2 of 3" last=not_finite ;; esac
   grep -q "warning: huge.csv: $bad points are not finite, first number 1 counted from 0: their weights are nan; --strict" log &&
     [ "$(cut -d, -f1 w.csv | tr '\n' ,)" = "status,inside,not_finite,$last," ] && ok=yes || ok=no
   report $ok "keep their rows, $scalar"
@@ -687,8 +687,8 @@ huge "$line_of" character.obj
 refuses "huge.obj: v 5: $says_huge, which ends at 3.4e38 (line $line_of)" "$bind" huge.obj --cage character_cage.obj -o out.figure
 refuses "huge.obj: v 5: $says_huge, which ends at 3.4e38 (line $line_of)" "$programs/export_gltf" huge.obj --cage character_cage.obj --skin 4 -o out.glb
 huge 10 "$clip"
-refuses "huge.csv:10: $says_huge" "$bind" character.obj --cage character_cage.obj --clip huge.csv -o out.figure
-refuses "huge.csv:10: $says_huge" "$programs/export_gltf" character.obj --cage character_cage.obj --skin 4 --clip huge.csv -o out.glb
+refuses "huge.csv:10: column 1: $says_huge" "$bind" character.obj --cage character_cage.obj --clip huge.csv -o out.figure
+refuses "huge.csv:10: column 1: $says_huge" "$programs/export_gltf" character.obj --cage character_cage.obj --skin 4 --clip huge.csv -o out.glb
 sed 's/^length,.*/length,1e39/' "$clip" >huge.csv
 refuses 'huge.csv:2: 1e+39 is beyond single precision' "$bind" character.obj --cage character_cage.obj --clip huge.csv -o out.figure
 awk 'BEGIN { print "length,1e-25"; for (k = 0; k < 2; ++k) { print "pose," k * 5e-26; for (i = 0; i < 112; ++i) print k * 1e10 ",1,1" } }' >fast.csv

@@ -54,7 +54,7 @@ double volume_inside(const ObjFile& file) {
 TEST_CASE("a vertex that is not finite is left out where no cell has it", "[medit]") {
     const std::string dirty =
         with(with(cube, "Vertices 8", "Vertices 9"), "\nRequired", "\nnan 0 inf 3\nRequired");
-    CHECK(refusal_of(dirty) == "file.mesh: the coordinates of a vertex are not finite (line 12)");
+    CHECK(refusal_of(dirty) == "file.mesh: the coordinates of a vertex are not finite (line 13)");
     const auto file = parse_medit(dirty, "file.mesh", StrayVertices::leave_out);
     REQUIRE(file);
     CHECK(file->left_out == std::vector<std::size_t>{8});

@@ -98,14 +98,14 @@ std::string quoted(std::string_view word) {
 }
 
 std::string parse_number(std::string_view field, double& number) {
-    if (field.starts_with('+')) field.remove_prefix(1);
+    const std::string_view digits = field.starts_with('+') ? field.substr(1) : field;
     if (field.starts_with("1.#") || field.starts_with("-1.#")) { // 1.#QNAN, 1.#INF of old Windows programs
         number = std::numeric_limits<double>::quiet_NaN();
         return {};
     }
-    const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), number);
+    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
     if (error == std::errc::result_out_of_range) return "number out of range: " + quoted(field);
-    if (error != std::errc{} || end != field.data() + field.size()) return "not a number: " + quoted(field);
+    if (error != std::errc{} || end != digits.data() + digits.size()) return "not a number: " + quoted(field);
     return {};
 }
 
