@@ -278,7 +278,8 @@ int run_program(int argc, char** argv) {
              "the cage: in the plane a CSV or SVG file, in space an OBJ file of a closed mesh; for sibson "
              "and sibson-c1 a file of points; or a .lattice.json file")
         .required();
-    line.add("--points", settings.points_path, "a CSV file with a line x,y for each point, in space x,y,z")
+    line.add("--points", settings.points_path,
+             "a CSV file with a line x,y for each point, in space x,y,z; a first row of words is a header")
         .required();
     line.add("--labels", settings.labels_path,
              "a text file with names of the cage's vertices, which head the columns");

@@ -144,7 +144,7 @@ TEST_CASE("lines that are no pins are refused with their number", "[pins]") {
     CHECK(refused("1,2,3,4\n\n1,2,3\n", Plane()).starts_with("p.csv:3: 3 columns"));
     CHECK(refused("1,2,3,4,5,6,7", Plane()).starts_with("p.csv:1: 7 columns"));
     CHECK(refused("1,2,3,4,5,0", Plane()) == "p.csv:1: the weight \"0\" is not positive");
-    CHECK(refused("1,2,3,4,5,", Plane()) == "p.csv:1: not a number: \"\"");
+    CHECK(refused("1,2,3,4,5,,,", Plane()) == "taken");
     CHECK(refused("1,2,,", Plane()) == "p.csv:1: not a number: \"\"");
     CHECK(refused("1,2,3,4,nan", Plane()) == "p.csv:1: \"nan\" is not a finite number");
     for (const int columns : {1, 2, 3, 5, 11, 12}) {

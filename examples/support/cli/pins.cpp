@@ -78,6 +78,8 @@ std::string read_line(std::span<const std::string_view> fields, std::span<const 
         const std::size_t more = fields.size() - place;
         return fields.size() > place && (more == D || more == D + turn_size || more == D + turn_size + 1);
     };
+    while (!is_known(D) && (D == 2 || !is_known(1)) && fields.size() > 1 && fields.back().empty())
+        fields = fields.first(fields.size() - 1); // a spreadsheet's empty columns
     const std::size_t place = is_known(D) ? D : 1;
     if (place == 1 && (D == 2 || !is_known(1))) {
         return std::to_string(fields.size()) + (fields.size() == 1 ? " column" : " columns") +
@@ -93,7 +95,7 @@ std::string read_line(std::span<const std::string_view> fields, std::span<const 
         if (why.empty()) why = read_numbers(of_turn, turn.v);
         turn = radians * turn;
     }
-    if (why.empty() && rest.size() > turn_size) {
+    if (why.empty() && rest.size() > turn_size && !rest[turn_size].empty()) {
         why = detail::parse_finite(rest[turn_size], pin.weight);
         if (why.empty() && !(pin.weight > 0))
             why = "the weight " + quoted(rest[turn_size]) + " is not positive";
@@ -142,7 +144,7 @@ SvgResult<std::vector<Pin<D>>> parse_pins(std::string_view text, const std::stri
         if (!rows.take(line)) continue;
         Pin<D> pin;
         pin.name = name + ':' + std::to_string(number);
-        const std::string why = read_line<D>(detail::cells_of(line), vertices, pin);
+        const std::string why = read_line<D>(detail::cells_of(line, line.size()), vertices, pin);
         if (!why.empty()) return detail::row_fault(name, number, line, why);
         pins.push_back(std::move(pin));
     }

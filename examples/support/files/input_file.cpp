@@ -211,10 +211,9 @@ SvgResult<std::string> read_file(const std::string& path) {
     return text;
 }
 
-/// Returns why a text cannot be read if it begins as UTF-16; otherwise empty.
+/// Returns why a text cannot be read if it begins with the byte order mark of UTF-16; otherwise empty.
 static std::string encoding_fault(std::string_view text) {
-    const std::string_view two = text.substr(0, 2);
-    const bool is_wide = two == "\xff\xfe" || two == "\xfe\xff" || two.find('\0') != two.npos;
+    const bool is_wide = text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff");
     return is_wide ? ": is UTF-16 text, and UTF-8 is read: save it as UTF-8" : "";
 }
 
