@@ -213,8 +213,9 @@ inline std::size_t joint_sets(const cageform::SkinWeights& skin) {
     return (most + 3) / 4;
 }
 
-/// The places of the vertices, for weights. Files split vertices where normals or texture coordinates differ, and
-/// some round the copies apart. A vertex within 1e-6 of the figure's size from an earlier one has its place.
+/// The places of the vertices, for weights. Files split vertices where normals or texture coordinates
+/// differ, and some round the copies apart. A vertex within 1e-6 of the figure's size from an earlier vertex
+/// has the place of the earlier one.
 std::vector<Point3> joined_places(const ObjFile& figure);
 
 /// Some players read only the first set, four joints a vertex, and normalise its weights. Returns the skin

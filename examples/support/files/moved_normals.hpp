@@ -24,8 +24,8 @@ public:
     const std::vector<Point3>& of_file() const { return normals_; } ///< #normals
     Point3 of_corner(std::uint32_t vertex, std::uint32_t normal) const;
 
-    /// The vertices of each normal that the Jacobians turn by more than 1e-5 radians away from of_file() at one of
-    /// them, ascending. None where a normal is not turned apart; no list at all where no normal is.
+    /// The vertices of each normal, ascending, if the Jacobians turn it apart: at a vertex by more than 1e-5
+    /// radians from of_file(). Other normals have no vertices. No list at all if no normal is turned apart.
     std::vector<std::vector<std::uint32_t>> split() const;
 
 private:

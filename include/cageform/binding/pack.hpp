@@ -19,10 +19,11 @@ namespace cageform::inline CAGEFORM_ABI {
 ///
 /// Points are stored in blocks of one cache line (16 points of float, 8 of double). A block has a
 /// row of weights for every handle that is kept for at least one of its points, so a point keeps
-/// its own largest weights, and also those of the other rows of its block, which cost nothing. Points at one
-/// place that lie in different blocks keep only their own, so that a seam stays closed. Formats other than scalar
-/// round by the scale of each block, and so open a seam by that rounding; a tolerance opens it by less than twice
-/// the tolerance.
+/// its own largest weights, and also those of the other rows of its block, which cost nothing.
+///
+/// Points at one place that lie in different blocks keep only their own weights, so that a seam stays
+/// closed. Formats other than scalar round by the scale of each block, and open a seam by that rounding.
+/// A tolerance opens a seam by at most twice the tolerance.
 ///
 /// PackOptions::tolerance packs by distance. Two measures have two jobs. The square loss δᵀKδ of a change
 /// δ of a point's weights ranks handles and fits weights: it is the mean squared displacement over
