@@ -231,8 +231,8 @@ struct MovedVertices {
 };
 
 /// The file's text with its vertices and normals moved. A number that has not changed keeps its digits; a new
-/// one has the fewest that give it back. A normal that the Jacobians of its vertices turn apart is divided: each
-/// vertex gets its own.
+/// one has the fewest that give it back. A normal that the Jacobians of its vertices turn apart is divided:
+/// each vertex gets its own.
 std::string to_text(const ObjFile& file, const MovedVertices& moved);
 inline std::string to_text(const ObjFile& file, std::span<const Point3> places) {
     return to_text(file, MovedVertices{places});
