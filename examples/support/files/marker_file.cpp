@@ -14,11 +14,15 @@ constexpr double way_back = 0.5; // seconds from the last row to the first, wher
 /// Reads the rows of a file of markers.
 class MarkerReader {
 public:
-    explicit MarkerReader(const std::string& name) { clip_.name = name; }
+    ///   columns   of all rows the most with text: empty cells that follow do not count
+    MarkerReader(const std::string& name, std::size_t columns)
+        : most_columns_(columns) {
+        clip_.name = name;
+    }
 
     /// Takes a line; an empty reason is success.
     std::string take(std::string_view line) {
-        const auto fields = detail::cells_of(line, columns_);
+        const auto fields = detail::cells_of(line, columns_ != 0 ? columns_ : most_columns_);
         if (fields[0] == "late" || fields[0] == "ground") return take_setting(fields);
         if (columns_ == 0 && detail::is_header(line)) return take_names(fields);
         if (columns_ == 0 && fields.size() % 2 == 0) return "a row is a time, then x,y of every marker";
@@ -138,7 +142,7 @@ private:
     }
 
     ClipFile clip_;
-    std::size_t columns_ = 0, times_ = 0;
+    std::size_t most_columns_, columns_ = 0, times_ = 0;
     bool has_rest_ = false;
     double first_ = 0, last_ = 0;
 };
@@ -146,8 +150,12 @@ private:
 } // namespace
 
 SvgResult<ClipFile> parse_markers(std::string_view text, const std::string& name) {
-    MarkerReader reader(name);
-    std::size_t number = 0;
+    std::size_t number = 0, columns = 1;
+    std::string_view all = text;
+    for (std::string_view line; take_line(all, line);) {
+        if (!line.starts_with('#')) columns = std::max(columns, detail::cells_of(line).size() | 1);
+    }
+    MarkerReader reader(name, columns); // a time and pairs: an odd number
     for (std::string_view line; take_line(text, line);) {
         ++number;
         line = detail::trim(line);
