@@ -36,6 +36,8 @@ namespace Cageform
         /// Handles that are vertices of the cage: what clips and PoseHandles take.
         public readonly int Vertices;
         public readonly bool HasNormals, HasTangents;
+        /// The place from which points, handles and clips count: x, y, z. Add it to clones, in double precision.
+        public readonly double[] Origin;
 
         /// Opens the bytes of a file, which are copied.
         public Figure(byte[] bytes) : this(Open(bytes)) { }
@@ -59,6 +61,7 @@ namespace Cageform
             Levels = checked((int)info.levels);
             HasNormals = info.has_normals != 0;
             HasTangents = info.has_tangents != 0;
+            Origin = new[] { info.origin_x, info.origin_y, info.origin_z };
         }
 
         static Handle Open(byte[] bytes)
@@ -368,6 +371,7 @@ namespace Cageform
             internal UIntPtr size, points, handles, vertices, clips, levels;
             internal uint scalar, dimension;
             internal int has_normals, has_tangents, has_labels;
+            internal double origin_x, origin_y, origin_z;
         }
         [StructLayout(LayoutKind.Sequential)]
         internal struct ClipInfo

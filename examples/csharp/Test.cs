@@ -107,6 +107,7 @@ static class Test
         using (var figure = new Figure(Read("figure")))
         {
             Require(figure.Points == 500 && figure.Handles == 8 && figure.Vertices == 8 && figure.Clips == 1 && figure.Levels == 1);
+            Require(figure.Origin[0] == 5e5 && figure.Origin[1] == 4.6e6 && figure.Origin[2] == 0.1);
             Require(figure.HasNormals && figure.HasTangents);
             float[] pose = Floats("pose"), points = new float[1500], normals = new float[1500], tangents = new float[2000];
             figure.Clone(pose, points, normals, tangents);

@@ -20,7 +20,7 @@ binding = coordinates.bind(points, normals, tangents)
 binding.set_labels(['left foot', None, 'hand ✋', None, None, None, None, None])
 low, _ = coordinates.bind(points[:50]).pack()
 clip, _ = cageform.compile_clip([0, 1, 3], np.stack([box, 2 * box, box + 1]))
-figure, _ = binding.pack(tolerance=1e-3, clips={'grow': clip}, levels=[low])
+figure, _ = binding.pack(tolerance=1e-3, clips={'grow': clip}, levels=[low], origin=(5e5, 4.6e6, 0.1))
 samples = cageform.Samples(coordinates)
 
 opened, pins = cageform.open(figure), cageform.Pins(samples)

@@ -429,7 +429,7 @@ class Figures(unittest.TestCase):
         poses = np.stack([SQUARE, SQUARE * (1, 1.5), SQUARE])
         clip, report = cageform.compile_clip([0, 1, 2], poses)
         self.assertEqual((clip.begin, clip.end, clip.vertices), (0, 2, 4))
-        packed, report = binding.pack(tolerance=1e-3, clips={'wave': clip})
+        packed, report = binding.pack(tolerance=1e-3, clips={'wave': clip}, origin=(5e5, 4.6e6 + 0.25))
         self.assertEqual(report.bytes, len(packed))
         self.assertLess(report.distance, 1e-3)
         with tempfile.TemporaryDirectory() as folder:
@@ -437,6 +437,7 @@ class Figures(unittest.TestCase):
             packed.tofile(path)
             for figure in (cageform.open(path), cageform.open(bytes(packed)), cageform.open(packed)):
                 self.assertEqual(figure.labels(), ['foot', '', 'head', ''])
+                self.assertEqual(figure.origin.tolist(), [5e5, 4.6e6 + 0.25])
                 np.testing.assert_array_equal(figure.clone(figure.rest()), points)
                 played = figure.clip('wave')
                 np.testing.assert_allclose(played.sample(1), SQUARE * (1, 1.5))

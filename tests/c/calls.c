@@ -177,6 +177,8 @@ static void test_square(void) {
     pack.tolerance = 1e-3;
     pack.clips = &part;
     pack.clip_count = 1;
+    pack.origin[0] = 500000;
+    pack.origin[1] = -4600000.25;
     CHECK(cageform_pack(binding, &pack, NULL, &packed, &report) == CAGEFORM_OK);
     CHECK(cageform_bytes_view(packed, &data, &bytes) == CAGEFORM_OK && bytes == report.bytes);
 
@@ -191,6 +193,7 @@ static void test_square(void) {
     CHECK(cageform_figure_describe(opened, &info) == CAGEFORM_OK);
     CHECK(info.points == 5 && info.handles == 4 && info.vertices == 4 && info.clips == 1 && info.levels == 0);
     CHECK(info.has_labels && !info.has_normals && !info.has_tangents && info.dimension == 2);
+    CHECK(info.origin[0] == 500000 && info.origin[1] == -4600000.25 && info.origin[2] == 0);
     CHECK(cageform_open_level(opened, 0, NULL, &found) == CAGEFORM_OK);
     CHECK(cageform_free(found) == CAGEFORM_OK);
     CHECK(cageform_open_level(opened, 1, NULL, &found) == CAGEFORM_NOT_A_FIGURE);

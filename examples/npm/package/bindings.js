@@ -278,6 +278,7 @@ export class Binding extends Owner {
       format = 'smallest',
       clips = {},
       levels = [],
+      origin = [],
       progress,
     } = options(chosen, [
       'tolerance',
@@ -288,6 +289,7 @@ export class Binding extends Owner {
       'format',
       'clips',
       'levels',
+      'origin',
       'progress',
     ]);
     const own = {
@@ -296,6 +298,7 @@ export class Binding extends Owner {
       largest: whole(largest, 'largest'),
       reach: number(reach, 'reach'),
       format: choice(FORMATS, format, 'format'),
+      origin: Array.from(origin, x => number(x, 'origin')).slice(0, 3),
     };
     const where = poses === undefined ? null : points(flattened(poses), 'poses', { dimension: this.figure.dimension }),
       told = progressOf(progress);

@@ -237,6 +237,8 @@ export class Scope {
       const place = at + offset;
       if (kind === 'u32') read[field] = data.getUint32(place, true);
       else if (kind === 'i32') read[field] = data.getInt32(place, true);
+      else if (kind === 'f64' && count > 1)
+        read[field] = Array.from({ length: count }, (_, k) => data.getFloat64(place + 8 * k, true));
       else if (kind === 'f64') read[field] = data.getFloat64(place, true);
       else if (kind === 'u8') read[field] = this.engine.text(place);
       else if (kind !== 'u64' && count === 1) read[field] = this.read(kind, place);

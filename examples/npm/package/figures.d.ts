@@ -81,6 +81,8 @@ export class Figure extends Owner {
   readonly hasNormals: boolean;
   readonly hasTangents: boolean;
   readonly hasLabels: boolean;
+  /** The place from which points, handles and clips count: dimension numbers. Add it to clones, in double precision. */
+  readonly origin: readonly number[];
 
   /** The handles at rest: a pose to start from. */
   rest(out?: Array32or64): Array32or64;

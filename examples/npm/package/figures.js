@@ -44,6 +44,7 @@ export class Figure extends Owner {
       hasNormals,
       hasTangents,
       hasLabels,
+      origin,
     } = described(engine, 'cageform_figure_describe', at, 'cageform_figure_info');
     this.#Kind = classOf(scalar);
     Object.assign(this, {
@@ -57,6 +58,7 @@ export class Figure extends Owner {
       hasNormals: hasNormals !== 0,
       hasTangents: hasTangents !== 0,
       hasLabels: hasLabels !== 0,
+      origin: origin.slice(0, dimension),
     });
   }
 

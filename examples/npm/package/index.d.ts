@@ -180,6 +180,8 @@ export interface PackOptions {
   clips?: Readonly<Record<string, Clip>>;
   /** Packed figures of less detail, of the same handles. */
   levels?: readonly (ArrayBuffer | ArrayBufferView)[];
+  /** The place from which points, handles and clips count, for Figure.origin. */
+  origin?: readonly number[];
   progress?: Progress;
 }
 

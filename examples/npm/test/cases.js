@@ -323,11 +323,13 @@ export const tests = [
         tolerance: 1e-3,
         clips: { wave: clip },
         levels: [coarse.bytes],
+        origin: [5e5, 4.6e6 + 0.25],
       });
       assert(packed.bytes === bytes.length && packed.distance <= 1e-3, String(packed));
       const figure = cageform.open(bytes);
       equal(figure.labels().join(), 'Fuß,,head,', 'labels');
       equal(`${figure.clips} ${figure.levels} ${figure.handles} ${figure.points}`, '1 1 4 200', 'counts');
+      equal(figure.origin.join(), '500000,4600000.25', 'origin');
       const wave = figure.clip('wave'),
         by = figure.clip(0);
       equal(wave.name, 'wave', 'name');

@@ -339,6 +339,7 @@ typedef struct cageform_figure_info {
     size_t clips, levels;
     uint32_t scalar, dimension;
     int has_normals, has_tangents, has_labels;
+    double origin[3]; /* from which points, handles and clips count, as packed: add it to clones; else 0 */
 } cageform_figure_info;
 
 /* Opens a packed figure or binding in place; `data` is aligned to 64 bytes and stays as it is while the
@@ -660,6 +661,7 @@ typedef struct cageform_pack_options {
     size_t clip_count;
     const cageform_part* levels;
     size_t level_count;
+    double origin[3]; /* the place from which points, handles and clips count; it is only stored */
 } cageform_pack_options;
 
 /* Packs a figure for cageform_open: the bytes that a game ships. */

@@ -202,7 +202,7 @@ class Binding(Owner):
 
     def pack(self, tolerance: float = 0, threshold: float = 0, largest: int = 0, reach: float = 0,
              poses: Optional[npt.ArrayLike] = None, format: str = 'smallest', clips: Optional[Mapping[str, Clip]] = None,
-             levels: Sequence[Source] = (), threads: Optional[int] = None,
+             levels: Sequence[Source] = (), origin: Sequence[float] = (), threads: Optional[int] = None,
              progress: Progress = None) -> Tuple[Array, Report]:
         """Packs the figure for open, and for games.
 
@@ -214,11 +214,13 @@ class Binding(Owner):
         format     of weights: 'smallest', 'scalar', 'half', 'int16', 'int8'
         clips      Clips by their names
         levels     packed figures of less detail, of the same handles: their files or bytes
+        origin     the place from which points, handles and clips count, for Figure.origin; () is 0
 
         Returns the bytes (#bytes,) as uint8, read-only, at a multiple of 64, and a Report. Their tofile() writes a file.
         """
         options = arrays.struct(_c.cageform_pack_options, tolerance=tolerance, threshold=threshold, largest=largest,
                                 reach=reach, format=arrays.choice(_FORMATS, format, 'format'))
+        options.origin[:len(origin)] = list(origin)
         listed = None if poses is None else arrays.poses(poses, 'poses', '#poses, #handles')
         if listed is not None:
             options.poses = arrays.view(listed)

@@ -25,6 +25,7 @@ class Figure(Owner):
 
     points, handles, vertices (handles that are points), clips, levels: their numbers
     dimension, dtype, has_normals, has_tangents
+    origin: (dimension,) in float64, the place from which points, handles and clips count. Add it to clones.
     """
 
     points: int
@@ -34,6 +35,7 @@ class Figure(Owner):
     clips: int
     levels: int
     dtype: np.dtype[Any]
+    origin: Array
     has_normals: bool
     has_tangents: bool
 
@@ -48,6 +50,7 @@ class Figure(Owner):
         for name in ('points', 'handles', 'vertices', 'dimension', 'clips', 'levels'):
             setattr(its, name, getattr(info, name))
         its.dtype = arrays.dtype_of(info.scalar)
+        its.origin = np.array(info.origin[:its.dimension])
         its.has_normals, its.has_tangents = bool(info.has_normals), bool(info.has_tangents)
         return its
 

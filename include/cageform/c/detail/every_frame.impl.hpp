@@ -215,6 +215,8 @@ cageform_status cageform_figure_describe(const cageform_figure* figure, cageform
         its.has_normals = view.has_normals() ? 1 : 0;
         its.has_tangents = view.has_tangents() ? 1 : 0;
         its.has_labels = view.labels.begin != nullptr ? 1 : 0;
+        const auto origin = view.template part_as<double>("ORIG");
+        if (origin.size() == View::dimension) std::copy(origin.begin(), origin.end(), its.origin);
         return c::write_struct(its, info);
     });
 }

@@ -88,6 +88,9 @@ cageform_status pack_figure(const FigureBinding<T, D>& figure, const cageform_pa
     own.weights.poses = poses;
     own.clips = clips;
     own.levels = levels;
+    const auto origin = std::span(options.origin).template first<D>();
+    const FigurePartData place{"ORIG", std::as_bytes(origin)};
+    if (std::any_of(origin.begin(), origin.end(), [](double x) { return x != 0; })) own.parts = {&place, 1};
     if (options.format != CAGEFORM_FORMAT_SMALLEST)
         own.weights.format = static_cast<WeightFormat>(options.format - CAGEFORM_FORMAT_SCALAR);
     auto made = pack(figure, own, running);
