@@ -372,7 +372,7 @@ faulty_clip 'clip.csv: the last pose is not before the end' 's/length,2/length,1
 faulty_clip 'clip.csv:2: the first pose has to be at time 0' 's/pose,0/pose,0.5/'
 faulty_clip 'clip.csv:11: a pose is not later' 's/pose,1/pose,0/'
 faulty_clip 'clip.csv:11: a pose is smooth, linear or ease, not "hold"' 's/pose,1/pose,1,hold/'
-faulty_clip 'clip.csv:11: a number is not finite' 's/pose,1/pose,nan/'
+faulty_clip 'clip.csv:11: column 2: "nan" is not a finite number' 's/pose,1/pose,nan/'
 faulty_clip 'clip.csv:3: not a number: "q"' '3s/0/q/'
 faulty_clip 'clip.csv:3: 2 columns' '3s/,0$//'
 faulty_clip 'clip.csv:10: the pose before has 7 vertices, the cage 8' 3d
