@@ -188,7 +188,7 @@ int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& ca
              " vertices, first " + name_points(figure.vertices, still));
     }
     if (const std::string pose = first_mirror(figure, bound.value.points, motion); !pose.empty())
-        warn(describe_winding(pose, figure.name, true, false) + " where clone_figure writes them");
+        warn(pose + ": the pose mirrors " + figure.name + "; clone_figure --flip-faces turns the faces over");
     if (!labels.empty()) {
         auto of_handles = labels; // faces have none
         of_handles.resize(bound.value.points.handle_count());

@@ -115,6 +115,7 @@ int run(const Settings& settings, ChosenCoordinates<T, D> coordinates, const Des
     const std::size_t batch = std::clamp<std::size_t>((std::size_t{1} << 22) / handles, 1024, 65536);
     const bool weights_outside = settings.outside == "nearest" || is_extended;
     const double tolerance = coordinates.boundary_tolerance();
+    const auto bounds = point_bounds(coordinates.handles());
     ProgressBar bar("binding");
     const auto progress = bar.callback();
     std::vector<std::array<double, D>> numbers;
@@ -142,7 +143,12 @@ int run(const Settings& settings, ChosenCoordinates<T, D> coordinates, const Des
         if (report.status != cageform::Status::ok) return refuse(report);
         const auto is_near = [&](std::size_t i) {
             const auto p = cageform::to_vec<T>(points[i]);
-            return cageform::is_finite(p) && coordinates.distance_from_boundary(p) <= tolerance;
+            for (std::size_t k = 0; k < D; ++k) { // a distance takes a while
+                if (!(double(p[k]) >= double(bounds.lower[k]) - tolerance &&
+                      double(p[k]) <= double(bounds.upper[k]) + tolerance))
+                    return false;
+            }
+            return coordinates.distance_from_boundary(p) <= tolerance;
         };
         auto& outside = report.outside;
         const auto first_near = std::stable_partition(outside.begin(), outside.end(), std::not_fn(is_near));

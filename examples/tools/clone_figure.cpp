@@ -134,8 +134,8 @@ public:
         Status of_normals = Status::ok;
         const std::string contents = file_contents(points, pose, of_normals);
         if (of_normals != Status::ok)
-            outcome.warning =
-                poses.name_of(row) + ": its normals turn with the faces: " + cageform::to_string(of_normals);
+            outcome.warning += (outcome.warning.empty() ? "" : "; ") + poses.name_of(row) +
+                               ": its normals turn with the faces: " + cageform::to_string(of_normals);
         AtomicFile out(outcome.path);
         out.write(contents);
         if (const auto why = out.commit()) {
@@ -323,13 +323,16 @@ int run_figure(const Arguments& given, const cageform::PackedFigureView<T, D>& f
         if (mesh->vertices.size() != figure.point_count())
             return fail(given.mesh + ": has " + std::to_string(mesh->vertices.size()) +
                         " vertices, the figure " + std::to_string(figure.point_count()) + " points");
+        const bool has_faces = given.format() != PosedFormat::npy;
+        if (given.flips_faces && !has_faces)
+            return fail("--flip-faces: " + given.mesh + " is written without faces");
         if (given.flips_faces) *mesh = with_faces_turned_over(std::move(*mesh));
         PosedFile file(given.format(), scalar_bytes, *mesh);
         const std::string others = given.format() == PosedFormat::obj   ? ""
                                    : given.format() == PosedFormat::npy ? describe_others(*mesh, {"v"})
                                                                         : describe_others(*mesh, {"v", "f"});
         if (!others.empty()) note(given.mesh + ": not written: " + others + "; .obj files keep all");
-        return write_rows(given, Cloner<T, D>(given, figure, parts, std::move(file), true), poses, rows);
+        return write_rows(given, Cloner<T, D>(given, figure, parts, std::move(file), has_faces), poses, rows);
     } else {
         return fail("--mesh: " + given.figure + " is a figure in the plane; an OBJ file is in space");
     }

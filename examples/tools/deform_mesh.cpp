@@ -315,10 +315,10 @@ int run_program(int argc, char** argv) {
     if (ending_of(given.out) != ending)
         return fail("-o " + given.out + ": the figure " + given.figure + " is written as " + ending);
 
-    auto figure = load_mesh_figure(given.figure, given.is_strict, true);
+    auto figure = load_mesh_figure(given.figure, given.is_strict, MeshFormats::obj_or_medit);
     if (!figure) return fail(to_string(figure.error()));
-    if (given.flips_faces && !figure->tetrahedra.empty())
-        return fail("--flip-faces: " + figure->name + " holds tetrahedra; only faces are turned over");
+    if (given.flips_faces && ending == ".mesh")
+        return fail("--flip-faces: " + figure->name + ": only the faces of OBJ files are turned over");
     auto control = read_mesh_control(given.control, *figure, figure->vertices);
     if (!control) return fail(to_string(control.error()));
     if (const std::string why = given.control.save_fault(*control); !why.empty()) return fail(why);

@@ -35,7 +35,7 @@ int run_program(int argc, char** argv) {
     line.add("--width", width, "the picture's width in pixels").range(16, 16384).show_default();
     line.add("--height", height, "its height").range(16, 16384).show_default();
     line.add_flag("--strict", strict,
-                  "refuse a scene with a splat that is to be left out, and a figure with such a vertex");
+                  "refuse a scene or a figure with a splat or a vertex that would be left out");
     line.set_footer(splat_format + std::string("\n") + obj_format);
     if (const auto code = line.parse(argc, argv)) return *code;
 

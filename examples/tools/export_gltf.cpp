@@ -553,9 +553,10 @@ int export_figure(const Arguments& given, const Scene& scene) {
     if (!outside.warning.empty()) warn(outside.warning);
     if (given.report) std::cout << describe(report) << describe_unused(scene.parts);
 
-    if (const std::string pose = first_mirror(figure, bound.value, scene.clip);
-        !pose.empty() && !given.flips_faces)
-        warn(describe_winding(pose, figure.name, true, false));
+    const std::string mirror = first_mirror(figure, bound.value, scene.clip);
+    const std::string winding = describe_winding(mirror.empty() ? scene.clip.name : mirror, figure.name,
+                                                 !mirror.empty(), given.flips_faces);
+    if (!winding.empty()) warn(winding);
 
     GltfDocument document;
     document.json["scene"] = 0;

@@ -65,7 +65,7 @@ bool ascend(std::span<const double> times) {
     return true;
 }
 
-/// Reads the frames. The figure leaves out, too, what a frame does.
+/// Reads the frames. Vertices that a frame leaves out are left out of the figure too.
 SvgResult<MddFile> read_frames(Arguments& given, ObjFile& figure) {
     if (given.frames.size() == 1 && ending_of(given.frames[0]) == ".mdd") {
         auto file = load_mdd(given.frames[0], figure.vertices.size());
@@ -120,10 +120,13 @@ void warn_of_mirrors(const Arguments& given, const FigureFrames& frames) {
     const auto first = std::find_if(frames.places.begin(), frames.places.end(), mirrors);
     const bool has_all = std::all_of(frames.places.begin(), frames.places.end(), mirrors);
     const bool is_mdd = frames.files.size() != frames.places.size();
-    if (first == frames.places.end()) return;
+    if (first == frames.places.end()) {
+        if (given.flips_faces) warn(describe_winding(frames.files[0], frames.name, false, true));
+        return;
+    }
     if (has_all && is_mdd)
         return warn(frames.files[0] + ": every frame is a mirror image of " + frames.name +
-                    ": of Blender's MDD files, give --axes x,y,-z");
+                    "; for an MDD file of Blender give --axes x,y,-z");
     const auto number = std::size_t(first - frames.places.begin());
     const std::string name =
         is_mdd ? frames.files[0] + ", frame " + std::to_string(number) : frames.files[number];

@@ -179,6 +179,9 @@ static void test_square(void) {
     pack.clip_count = 1;
     pack.origin[0] = 500000;
     pack.origin[1] = -4600000.25;
+    pack.origin[1] = NAN;
+    CHECK(cageform_pack(binding, &pack, NULL, &packed, &report) == CAGEFORM_VALUE_NOT_FINITE);
+    pack.origin[1] = -4600000.25;
     CHECK(cageform_pack(binding, &pack, NULL, &packed, &report) == CAGEFORM_OK);
     CHECK(cageform_bytes_view(packed, &data, &bytes) == CAGEFORM_OK && bytes == report.bytes);
 

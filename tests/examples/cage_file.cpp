@@ -351,7 +351,7 @@ TEST_CASE("every CSV file may be as spreadsheets write it, or is refused by name
         std::string quoted = "\"";
         for (const char c : kind.text)
             quoted += c == ',' ? "\",\"" : c == '\n' ? "\"\n\"" : c == '.' ? "," : std::string(1, c);
-        refused(quoted.substr(0, quoted.size() - 1), "it has decimal commas");
+        refused(quoted.substr(0, quoted.size() - 1), "the line has decimal commas");
         std::string wide = "\xff\xfe";
         for (const char c : kind.text) (wide += c) += '\0';
         refused(wide, "is UTF-16 text");

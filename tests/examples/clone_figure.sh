@@ -115,6 +115,7 @@ refuses 'several rows would have one name' "$clone" character.figure --poses pos
 refuses 'write one %06d' "$clone" character.figure --poses poses.csv -o 'out.%s.ply'
 refuses 'does not end with .ply' "$clone" character.figure --poses poses.csv -o 'out.%d.stl'
 refuses '--flip-faces: character.figure is written without faces' "$clone" character.figure --poses poses.csv --flip-faces -o 'out.%d.npy'
+refuses '--flip-faces: character.obj is written without faces' "$clone" character.figure --poses poses.csv --mesh character.obj --flip-faces -o 'out.%d.npy'
 refuses '--ascii: only .ply files' "$clone" character.figure --poses poses.csv --ascii -o 'out.%d.npy'
 refuses 'cannot write missing/out.0.ply: No such file or directory' "$clone" character.figure --poses poses.csv -o 'missing/out.%d.ply'
 refuses '--rate' "$clone" character.figure --poses character_clip.csv --rate 0 "$to"

@@ -1495,6 +1495,7 @@ refuses_markers 'markers.csv:2: a time is not later than the one before it' '0,4
 refuses_markers 'markers.csv:2: not a number: "x"' '0,480,420\n1,x,420\n'
 refuses_markers 'markers.csv:2: not a number: ""' '0,480,420\n1,,420\n'
 refuses_markers 'markers.csv: "marker 2" has no place at rest' '0,480,420,,\n1,480,420,3,4\n'
+refuses_markers 'markers.csv: "2" is never seen' 'time,1,,2,\nrest,480,420,500,420\n0,480,420,,\n1,480,420,,\n'
 refuses_markers 'markers.csv: "b" is never seen' 'time,a,,b,\nrest,480,420,500,420\n0,480,420,,\n1,480,420,,\n'
 refuses_markers 'markers.csv:2: the row of rest is the first' '0,480,420\nrest,480,420\n1,480,420\n'
 refuses_markers 'markers.csv:1: "late" takes an element and seconds' 'late,3\n'
@@ -1518,6 +1519,7 @@ make_box="$programs/make_box"
 works "a box of tetrahedra" "$make_box" -o bar.mesh --cage bar_cage.obj
 grep -qx 'bar.mesh: 425 vertices, 1536 tetrahedra' log && ok=yes || ok=no
 report $ok "tells its size"
+refuses '--flip-faces: bar.mesh: only the faces of OBJ files' "$mesh" bar.mesh --cage bar_cage.obj --pose bar_cage.obj --flip-faces -o out.mesh
 works "a box of one cube" "$make_box" -o cube.mesh --size 1,2,3 --cells 1,1,1
 [ "$(grep -c '^[01] [02] [03] 0$' cube.mesh)" = 8 ] && [ "$(sed -n '/Tetrahedra/{n;p;}' cube.mesh)" = 6 ] && ok=yes || ok=no
 report $ok "has eight corners and six cells"

@@ -48,7 +48,7 @@ works "bones of Blender's axes" "$fit" solid.obj mirror.mdd -o mirror.glb --axes
 cmp -s solid.glb mirror.glb && ok=yes || ok=no
 report $ok "Blender's axes are turned back"
 works "other axes" "$fit" solid.obj mirror.mdd -o mirror.glb --bones 1
-grep -q 'warning: mirror.mdd: every frame is a mirror image of solid.obj: of Blender.s MDD files, give --axes x,y,-z' log && ok=yes || ok=no
+grep -q 'warning: mirror.mdd: every frame is a mirror image of solid.obj; for an MDD file of Blender give --axes x,y,-z' log && ok=yes || ok=no
 report $ok "other axes are noticed"
 head="\\000\\000\\000\\002\\000\\000\\000\\004$i$o"
 frames "$i" >descending.mdd

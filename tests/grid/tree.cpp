@@ -153,6 +153,28 @@ TEST_CASE("balance splits no more than it must", "[grid][tree][property]") {
     check_least<2>(seed);
     if (seed < 3) check_least<3>(seed);
 }
+TEST_CASE("numbers sorted in runs are sorted, and each step is reported", "[grid][tree][property]") {
+    const std::size_t count = GENERATE(0u, 1u, 99u, 100u, 101u, 300u, 499u, 500u, 777u);
+    CAPTURE(count);
+    Random random(count);
+    Buffer<std::uint64_t> numbers;
+    for (std::size_t n = 0; n < count; ++n) numbers.push_back(random.below(count));
+    std::vector<std::uint64_t> expected(numbers.begin(), numbers.end());
+    std::sort(expected.begin(), expected.end());
+    double last = 0;
+    std::size_t reports = 0;
+    const auto progress = [&](double done) {
+        CHECK(done >= last);
+        last = done;
+        ++reports;
+        return true;
+    };
+    cageform::detail::sort_in_runs(numbers, {.progress = progress}, 100);
+    CHECK(std::equal(numbers.begin(), numbers.end(), expected.begin(), expected.end()));
+    const std::size_t runs = (count + 99) / 100;
+    CHECK(reports >= (runs > 0 ? 2 * runs - 1 : 0)); // runs, and the merges that make them one
+}
+
 TEST_CASE("nodes of a tree are found by their place", "[grid][tree][property]") {
     const int seed = GENERATE(range(0, 5));
     check_nodes<1>(seed);

@@ -298,10 +298,11 @@ export class Binding extends Owner {
       largest: whole(largest, 'largest'),
       reach: number(reach, 'reach'),
       format: choice(FORMATS, format, 'format'),
-      origin: Array.from(origin, x => number(x, 'origin')).slice(0, 3),
+      origin: Array.from(origin, x => number(x, 'origin')),
     };
     const where = poses === undefined ? null : points(flattened(poses), 'poses', { dimension: this.figure.dimension }),
       told = progressOf(progress);
+    if (own.origin.length > 3) refuse('origin: at most three numbers are needed');
     if (clips === null || typeof clips !== 'object' || !Array.isArray(levels))
       refuse('clips: an object of clips, levels: an array of bytes is needed');
     const parts = Object.entries(clips).map(([name, clip]) => {

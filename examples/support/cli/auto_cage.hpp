@@ -99,16 +99,19 @@ void add_flip_faces(CommandLine& line, bool& flips_faces);
 /// Adds --strict for load_mesh_figure().
 void add_strict(CommandLine& line, bool& is_strict);
 
-/// Reads a figure, an OBJ file, or also a .mesh file. Vertices that are not finite and that no face has are
-/// left out with a warning; a strict reader refuses them.
-SvgResult<ObjFile> load_mesh_figure(const std::string& path, bool is_strict, bool reads_medit = false);
+enum class MeshFormats { obj, obj_or_medit };
+
+/// Reads a figure. Vertices that are not finite and that no face has are left out with a warning; a strict
+/// reader refuses them.
+SvgResult<ObjFile> load_mesh_figure(const std::string& path, bool is_strict,
+                                    MeshFormats formats = MeshFormats::obj);
 
 /// Adds vertices that are not finite in a frame to those that the figure leaves out, with a warning.
 ///
 ///   vertices  ascend
 ///   frame     its name, before "v 1" in messages
 ///   returns   why a vertex cannot be left out: a face of the figure has it, or the reader is strict; empty
-///             where all are
+///             if all can be left out
 std::string leave_out_also(ObjFile& figure, std::span<const std::size_t> vertices, const std::string& frame,
                            bool is_strict);
 

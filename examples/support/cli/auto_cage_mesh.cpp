@@ -126,9 +126,10 @@ void add_strict(CommandLine& line, bool& is_strict) {
                   "refuse a figure that has a vertex that is not finite, also one that no face has");
 }
 
-SvgResult<ObjFile> load_mesh_figure(const std::string& path, bool is_strict, bool reads_medit) {
+SvgResult<ObjFile> load_mesh_figure(const std::string& path, bool is_strict, MeshFormats formats) {
     const StrayVertices strays = strays_of(is_strict);
-    auto file = reads_medit ? load_mesh_or_obj(path, strays) : load_obj(path, strays);
+    auto file =
+        formats == MeshFormats::obj_or_medit ? load_mesh_or_obj(path, strays) : load_obj(path, strays);
     if (file && !file->left_out.empty()) {
         warn(path + ": " + std::to_string(file->left_out.size()) + " of " +
              std::to_string(file->vertices.size()) + " vertices are left out, first v " +

@@ -163,9 +163,10 @@ std::string pose_difference(const ObjFile& cage, const ObjFile& pose) {
 std::string describe_winding(const std::string& pose, const std::string& figure, bool is_mirrored,
                              bool flips_faces) {
     if (is_mirrored == flips_faces) return {};
-    return pose + ": the pose " + (is_mirrored ? "mirrors " : "does not mirror ") + figure +
-           ", and its faces look inwards" +
-           (is_mirrored ? "; --flip-faces turns the faces over" : " with --flip-faces");
+    return pose + ": the pose " +
+           (is_mirrored
+                ? "mirrors " + figure + ", and its faces look inwards; --flip-faces turns the faces over"
+                : "does not mirror " + figure + ", and with --flip-faces its faces look inwards");
 }
 
 } // namespace cageform_examples

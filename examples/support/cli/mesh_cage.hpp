@@ -78,8 +78,8 @@ SvgResult<PoseClip> clip_through_poses(const ObjFile& cage, const std::vector<st
 /// Returns why `pose` is not a pose of `cage`; empty if it is one.
 std::string pose_difference(const ObjFile& cage, const ObjFile& pose);
 
-/// Describes the faces that look inwards: of a pose that mirrors a figure, or of another one where they are
-/// turned over. Empty if they look outwards.
+/// Returns the warning that faces look inwards: the pose mirrors the figure, or --flip-faces was given for a
+/// pose that does not. Empty if the faces look outwards.
 std::string describe_winding(const std::string& pose, const std::string& figure, bool is_mirrored,
                              bool flips_faces);
 

@@ -47,7 +47,7 @@ std::string separator_fault(std::string_view line) {
             has_decimal_commas |= is_digit(k + 1) && is_between_numbers(k);
     }
     if (separators.empty() && !has_decimal_commas) return {};
-    std::string text = "; it ";
+    std::string text = "; the line ";
     if (!separators.empty()) (text += "is separated by ") += separators;
     if (!has_decimal_commas) return text + ", and commas are read";
     return text + (separators.empty() ? "has" : " and has") +
@@ -65,9 +65,12 @@ bool take_cell(std::string_view& row, std::string_view& cell) {
     const std::size_t begin = std::min(row.find_first_not_of(" \t"), row.size());
     const bool is_quoted = row.substr(begin).starts_with('"');
     // A comma after an odd number of quotes is part of the cell.
-    while (is_quoted && end != row.npos &&
-           std::count(row.begin(), row.begin() + std::ptrdiff_t(end), '"') % 2)
-        end = row.find(',', end + 1);
+    for (std::size_t from = 0, quotes = 0; is_quoted && end != row.npos; end = row.find(',', end + 1)) {
+        quotes += std::size_t(
+            std::count(row.begin() + std::ptrdiff_t(from), row.begin() + std::ptrdiff_t(end), '"'));
+        if (quotes % 2 == 0) break;
+        from = end;
+    }
     cell = trim(row.substr(0, end));
     row = end == row.npos ? std::string_view{} : row.substr(end + 1);
     if (is_quoted && cell.size() > 1 && cell.back() == '"') cell = trim(cell.substr(1, cell.size() - 2));
@@ -204,7 +207,7 @@ SvgResult<TableSize> read_table(const std::string& path,
         };
         ++size.rows;
         std::size_t columns = 0;
-        std::string_view rest = line;
+        std::string_view rest = detail::trim(line);
         for (std::string_view cell; detail::take_cell(rest, cell);) {
             const std::string why = take(cell);
             ++columns;

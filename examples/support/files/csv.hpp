@@ -43,7 +43,7 @@ std::string short_number(double number);
 std::string single_precision_fault(double number);
 
 /// Returns the error "NAME:NUMBER: WHY" on a line of CSV. A hint follows if the line has semicolons, tabs,
-/// blanks or decimal commas: "; it is separated by tabs, and commas are read".
+/// blanks or decimal commas: "; the line is separated by tabs, and commas are read".
 SvgError row_fault(const std::string& name, std::size_t number, std::string_view line,
                    const std::string& why);
 

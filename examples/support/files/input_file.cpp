@@ -76,7 +76,7 @@ std::uint64_t step_between(const NumberedName& a, const NumberedName& b) {
     return differences == 1 ? std::uint64_t(step) : 0;
 }
 
-/// Whether a '-' before numbers is a sign: names that are equal but for numbers have it, and others have not.
+/// Whether a '-' before a number is a sign: some names have it, and names equal but for numbers have it not.
 bool has_signs(const std::vector<std::string>& files) {
     std::set<std::vector<std::string>> texts, without_signs;
     for (const std::string& file : files) {

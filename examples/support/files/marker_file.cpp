@@ -14,7 +14,7 @@ constexpr double way_back = 0.5; // seconds from the last row to the first, wher
 /// Reads the rows of a file of markers.
 class MarkerReader {
 public:
-    ///   columns   of all rows the most with text: empty cells that follow do not count
+    ///   columns   the most columns with text in any row; empty cells after them do not count
     MarkerReader(const std::string& name, std::size_t columns)
         : most_columns_(columns) {
         clip_.name = name;
@@ -24,7 +24,7 @@ public:
     std::string take(std::string_view line) {
         const auto fields = detail::cells_of(line, columns_ != 0 ? columns_ : most_columns_);
         if (fields[0] == "late" || fields[0] == "ground") return take_setting(fields);
-        if (columns_ == 0 && detail::is_header(line)) return take_names(fields);
+        if (columns_ == 0 && (fields[0] == "time" || detail::is_header(line))) return take_names(fields);
         if (columns_ == 0 && fields.size() % 2 == 0) return "a row is a time, then x,y of every marker";
         if (columns_ == 0) columns_ = fields.size();
         if (fields.size() != columns_) {
@@ -153,6 +153,7 @@ SvgResult<ClipFile> parse_markers(std::string_view text, const std::string& name
     std::size_t number = 0, columns = 1;
     std::string_view all = text;
     for (std::string_view line; take_line(all, line);) {
+        line = detail::trim(line);
         if (!line.starts_with('#')) columns = std::max(columns, detail::cells_of(line).size() | 1);
     }
     MarkerReader reader(name, columns); // a time and pairs: an odd number

@@ -79,7 +79,10 @@ private:
         refuse_strays_of(triangles_);
         refuse_strays_of(quads_);
         if (!fault_.empty()) return;
-        refuse(detail::place_left_out(file_));
+        if (const std::string why = detail::place_left_out(file_); !why.empty()) {
+            line_ = 0;
+            return refuse(why);
+        }
         if (!file_.tetrahedra.empty()) {
             file_.triangles = surface_of(file_.vertices, file_.tetrahedra);
             return;

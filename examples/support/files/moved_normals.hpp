@@ -24,8 +24,8 @@ public:
     const std::vector<Point3>& of_file() const { return normals_; } ///< #normals
     Point3 of_corner(std::uint32_t vertex, std::uint32_t normal) const;
 
-    /// The vertices of each normal, ascending, if the Jacobians turn it apart: at a vertex by more than 1e-5
-    /// radians from of_file(). Other normals have no vertices. No list at all if no normal is turned apart.
+    /// Returns for each normal the vertices that use it, ascending, if its direction at one of them differs
+    /// from of_file() by more than 1e-5 radians; else no vertices. Empty if no normal has vertices.
     std::vector<std::vector<std::uint32_t>> split() const;
 
 private:

@@ -396,7 +396,7 @@ ObjFile with_faces_turned_over(ObjFile file) {
     return file;
 }
 
-/// The text with the corners' normals counted anew: each normal became as many as `split` has vertices of it.
+/// The text with new indices of normals at corners. Normal n became max(1, #split[n]) normals.
 static std::string with_normals_split(const std::string& text, const ObjFile& file,
                                       const std::vector<std::vector<std::uint32_t>>& split) {
     std::vector<std::size_t> first(split.size(), 1); // number of each normal's first

@@ -29,12 +29,11 @@ using Point3 = cageform::Vec<double, 3>;
 /// The text for --help.
 inline constexpr const char* obj_format =
     "OBJ files can have faces of any number of corners, and negative indices. v, vn and\n"
-    "f are read, and all other lines are copied as they are. A normal of several vertices\n"
-    "is divided where a pose turns it apart. glTF files get objects,\n"
-    "materials, textures and the colours of vertices (v x y z r g b, from 0 to 1, sRGB).\n"
-    "Numbers have to be finite, but not those of vertices that no face has. Curves and binary files are not "
-    "supported, nor more than\n"
-    "4,294,967,294 vertices.\n"
+    "f are read, and all other lines are copied as they are. If a pose turns a shared\n"
+    "normal differently at its vertices, each vertex gets a normal of its own. glTF files\n"
+    "get objects, materials, textures and the colours of vertices (v x y z r g b, from 0\n"
+    "to 1, sRGB). Numbers have to be finite, except at vertices that no face has. Curves,\n"
+    "binary files and more than 4,294,967,294 vertices are not supported.\n"
     "Messages name vertices as the file counts them: v 1, v 2. Options and lists of\n"
     "faults count from 0.\n"
     "A cage is a closed mesh of any genus, with faces counter-clockwise seen from\n"
@@ -231,8 +230,8 @@ struct MovedVertices {
 };
 
 /// The file's text with its vertices and normals moved. A number that has not changed keeps its digits; a new
-/// one has the fewest that give it back. A normal that the Jacobians of its vertices turn apart is divided:
-/// each vertex gets its own.
+/// one has the fewest that give it back. If the Jacobians turn a shared normal
+/// differently at its vertices, each vertex gets a normal of its own.
 std::string to_text(const ObjFile& file, const MovedVertices& moved);
 inline std::string to_text(const ObjFile& file, std::span<const Point3> places) {
     return to_text(file, MovedVertices{places});

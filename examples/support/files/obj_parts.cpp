@@ -152,7 +152,7 @@ std::string check_numbers(const std::vector<std::string_view>& words, std::strin
     }
     if (!statement.empty() && is_grey) {
         for (int k = 0; k < 2; ++k) (statement += ' ') += words[first];
-        return name + why + ": the number is taken for all three";
+        return name + why + ": the number is taken for all three" + (outside.empty() ? "" : "; " + outside);
     }
     if (!why.empty()) statement.clear();
     if (!why.empty()) return name + why + ": the default is used";
@@ -185,7 +185,7 @@ std::vector<MaterialText> materials_in(std::string_view text, const std::string&
         material.text += statement + '\n';
         if (words[0] == "newmtl") continue;
         material.keywords.emplace_back(words[0]);
-        material.has_colour |= statement.starts_with("Kd");
+        material.has_colour |= words[0] == "Kd" && !statement.empty();
         double number = 0;
         if (statement.starts_with("d -halo ") && detail::parse_number(words[2], number).empty())
             material.halo = number;

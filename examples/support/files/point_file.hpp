@@ -17,7 +17,7 @@ namespace cageform_examples {
 inline constexpr const char* point_file_format =
     "Points are the vertices of PLY and OBJ files (.ply, .obj), and arrays of numpy (.npy)\n"
     "of N x 3 numbers in float32 or float64, in C order. Points that are not finite keep\n"
-    "their numbers, and no pose moves them; a warning counts them.\n";
+    "their place in the order, and no pose moves them. A warning counts them.\n";
 
 /// A file of points that is read from its beginning. Its kind follows from its ending.
 class PointFile {

@@ -119,14 +119,15 @@ bool is_of_splat(std::string_view property) {
     constexpr std::string_view names[] = {"x",       "y",     "z",       "nx",     "ny",  "nz",
                                           "opacity", "f_dc_", "f_rest_", "scale_", "rot_"};
     return std::any_of(std::begin(names), std::end(names), [&](std::string_view name) {
-        return property == name || (name.ends_with('_') && property.starts_with(name));
+        return property == name || (name.ends_with('_') && property.starts_with(name) &&
+                                    property.find_first_not_of("0123456789", name.size()) == property.npos);
     });
 }
 
 /// Finds the numbers of a splat among the properties; an empty reason is success.
 std::string find_numbers(Header& header) {
     if (header.properties.contains("packed_position"))
-        return "is a compressed PLY of SuperSplat: decompress it, that is, export it as an uncompressed PLY";
+        return "is a compressed PLY of SuperSplat: export it as an uncompressed PLY";
     SplatLayout& layout = header.scene.layout;
     std::string why;
     const auto find = [&](const std::string& property) -> std::size_t {

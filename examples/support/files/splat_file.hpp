@@ -19,12 +19,12 @@ namespace cageform_examples {
 inline constexpr const char* splat_format =
     "Scenes are PLY files, ASCII or binary, with the element vertex, a splat each. It has the\n"
     "properties x y z, f_dc_0 to 2, opacity, scale_0 to 2, rot_0 to 3 and 0, 9, 24 or 45 of\n"
-    "f_rest, one channel after the other, in any order. Numbers of other types than float\n"
-    "become float, but not in a pipe. Scales are logarithms, opacity is a logit, the\n"
-    "quaternion is w x y z. All other properties and elements are kept, and nx ny nz turn where\n"
-    "they are not zero. An opacity may be infinite, and a scale -inf, of a flat splat. Splats\n"
-    "with other numbers that are not finite are left out, with a warning. So are splats 1e7\n"
-    "times as far from the middle as half of the splats, and splats with a scale above 88.\n"
+    "f_rest, one channel after the other, in any order. Other types become float; a pipe must\n"
+    "have float properties. Scales are logarithms, opacity is a logit, the quaternion is\n"
+    "w x y z. All other properties and elements are kept, and nx ny nz turn where they are not\n"
+    "zero. An opacity may be infinite, and a scale -inf, of a flat splat. Splats with other\n"
+    "numbers that are not finite are left out, with a warning. So are splats farther from the\n"
+    "median place than 1e7 times the median distance, and those with a scale above 88.\n"
     "Scenes are written as binary little-endian. Compressed files are not read. Messages\n"
     "count splats from 0. A scene is held in memory: 248 bytes a splat of degree 3.\n";
 

@@ -17,7 +17,7 @@
 //     CLPS     uint64 #clips, #clips × FigureClip, the characters of all names, and packed clips
 //              (animate/clip_blob.hpp) that begin at multiples of 64; only if there are clips
 //     LVL1 …   packed figures of the same handles: levels of less detail, up to LVL9
-//     ORIG     D × double, the user's: the place from which points, handles and clips count
+//     ORIG     D × double, optional: the place from which points, handles and clips count
 //     …        the user's, under tags of their own
 //
 // All blobs have the same points in the same order, and the same handles. Version 1 has no clips

@@ -339,7 +339,7 @@ typedef struct cageform_figure_info {
     size_t clips, levels;
     uint32_t scalar, dimension;
     int has_normals, has_tangents, has_labels;
-    double origin[3]; /* from which points, handles and clips count, as packed: add it to clones; else 0 */
+    double origin[3]; /* the place from which points, handles and clips count: add it to clones */
 } cageform_figure_info;
 
 /* Opens a packed figure or binding in place; `data` is aligned to 64 bytes and stays as it is while the

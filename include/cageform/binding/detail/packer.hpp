@@ -9,6 +9,8 @@
 #include <cageform/core/detail/stopwatch.hpp>
 #include <cageform/core/result.hpp>
 
+#include <algorithm>
+#include <iterator>
 #include <memory>
 
 namespace cageform::inline CAGEFORM_ABI {
@@ -127,17 +129,17 @@ private:
         return false;
     }
 
-    /// Returns the rows of a point that has a block of its own, with restored sums.
-    PackedRows rows_of_point(std::size_t point) const {
-        const BlockPoints<T> alone{{point}, 1};
-        PackedRows rows = packer_.rows_of(alone, rows_by_size(binding_, moments_, alone, options_).handles);
-        (void)packer_.restore(alone, rows);
-        return rows;
-    }
+    /// Calls f(lane, rows, change) for each cut point of a block: its rows as in a block of its own, with
+    /// restored sums, and the largest change of a weight by that.
     template <class F>
     void for_each_cut_lane(const BlockPoints<T>& points, const F& f) const {
         for (std::size_t lane = 0; lane < points.count && !cut_.empty(); ++lane) {
-            if (cut_[points.index[lane]] != 0) f(lane, rows_of_point(points.index[lane]));
+            if (cut_[points.index[lane]] == 0) continue;
+            const BlockPoints<T> alone{{points.index[lane]}, 1};
+            PackedRows rows =
+                packer_.rows_of(alone, rows_by_size(binding_, moments_, alone, options_).handles);
+            const Extreme change = packer_.restore(alone, rows);
+            f(lane, rows, change);
         }
     }
 
@@ -148,7 +150,7 @@ private:
             RowsBySize rows = rows_by_size(binding_, moments_, points, options_);
             piece.handles = std::move(rows.handles);
             piece.added = rows.added;
-            for_each_cut_lane(points, [&piece](std::size_t, const PackedRows& own) {
+            for_each_cut_lane(points, [&piece](std::size_t, const PackedRows& own, const Extreme&) {
                 std::vector<std::uint32_t> both;
                 std::set_union(piece.handles.begin(), piece.handles.end(), own.handles.begin(),
                                own.handles.end(), std::back_inserter(both));
@@ -352,7 +354,8 @@ private:
             rows = packer_.rows_of(points, piece.handles);
         }
         piece.change = packer_.restore(points, rows);
-        for_each_cut_lane(points, [&rows](std::size_t lane, const PackedRows& own) {
+        for_each_cut_lane(points, [&](std::size_t lane, const PackedRows& own, const Extreme& change) {
+            piece.change.raise(change);
             for (std::size_t r = 0, k = 0; r < rows.handles.size(); ++r) {
                 const bool is_own = k < own.handles.size() && own.handles[k] == rows.handles[r];
                 rows.weights[r * lanes + lane] = is_own ? own.weights[k++ * lanes] : 0;
@@ -404,8 +407,7 @@ private:
     std::size_t handles_, points_, blocks_;
     bool sparse_; ///< weights are limited by number or size
     Moments<D> moments_;
-    std::vector<char>
-        cut_; ///< by point: it shares a place with a point of another block. Or empty: none does
+    std::vector<char> cut_; ///< by point: whether a point of another block has its place; empty if none has
     WeightLoss<D> loss_;
     BlockPacker<T, D> packer_{binding_, moments_, loss_};
     std::unique_ptr<const SquareLoss<D>> square_loss_; ///< if a distance is kept

@@ -89,6 +89,8 @@ cageform_status pack_figure(const FigureBinding<T, D>& figure, const cageform_pa
     own.clips = clips;
     own.levels = levels;
     const auto origin = std::span(options.origin).template first<D>();
+    if (!std::all_of(origin.begin(), origin.end(), [](double x) { return std::isfinite(x); }))
+        return CAGEFORM_VALUE_NOT_FINITE;
     const FigurePartData place{"ORIG", std::as_bytes(origin)};
     if (std::any_of(origin.begin(), origin.end(), [](double x) { return x != 0; })) own.parts = {&place, 1};
     if (options.format != CAGEFORM_FORMAT_SMALLEST)

@@ -5,6 +5,31 @@
 #include <cageform/grid/tree/cut_tree.hpp>
 
 namespace cageform::inline CAGEFORM_ABI {
+namespace detail {
+
+/// Sorts numbers: runs of `least` or more in parallel, then merges of two. Reports after each run and merge.
+template <class Key>
+void sort_in_runs(Buffer<Key>& keys, const Running& running, std::size_t least = std::size_t{1} << 20) {
+    const std::size_t count = keys.size();
+    std::size_t length = (std::max)(least, count / 256 + 1); // of a run
+    const auto sort = [&](std::size_t begin, std::size_t end, Key&) {
+        std::sort(keys.begin() + begin, keys.begin() + end);
+    };
+    (void)in_runs<Key>(running.subtask(0, 0.5), count, length, [&] { return sort; });
+    const Running merging = running.subtask(0.5, 1);
+    const double passes = std::ceil(std::log2((std::max)(1.0, double(count) / double(length))));
+    for (double done = 0; length < count; length *= 2) {
+        for (std::size_t begin = 0; begin + length < count; begin += 2 * length) {
+            const std::size_t end = (std::min)(begin + 2 * length, count);
+            std::inplace_merge(keys.begin() + begin, keys.begin() + begin + length, keys.begin() + end);
+            done += double(end - begin) / double(count) / passes;
+            report_progress(merging, (std::min)(done, 1.0));
+        }
+    }
+}
+
+} // namespace detail
+
 namespace grid {
 
 /// The nodes, numbered along the Morton curve. Converts between the number and the position of a
@@ -105,27 +130,6 @@ private:
 /// A corner nearer to the boundary than this, in units of the tree, or within a bone, is no node.
 inline constexpr double on_facet_distance = 1e-6;
 
-/// Sorts numbers: runs of 2^20 in parallel, then merges of two. Reports after each run and merge.
-template <class Key>
-void sort_in_runs(Buffer<Key>& keys, const Running& running) {
-    const std::size_t count = keys.size();
-    std::size_t length = (std::max)(std::size_t{1} << 20, count / 256 + 1); // of a run
-    const auto sort = [&](std::size_t begin, std::size_t end, Key&) {
-        std::sort(keys.begin() + begin, keys.begin() + end);
-    };
-    (void)detail::in_runs<Key>(running.subtask(0, 0.5), count, length, [&] { return sort; });
-    const Running merging = running.subtask(0.5, 1);
-    const double passes = std::ceil(std::log2((std::max)(1.0, double(count) / double(length))));
-    for (double done = 0; length < count; length *= 2) {
-        for (std::size_t begin = 0; begin + length < count; begin += 2 * length) {
-            const std::size_t end = (std::min)(begin + 2 * length, count);
-            std::inplace_merge(keys.begin() + begin, keys.begin() + begin + length, keys.begin() + end);
-            done += double(end - begin) / double(count) / passes;
-            detail::report_progress(merging, (std::min)(done, 1.0));
-        }
-    }
-}
-
 /// Returns the nodes of a tree: the distinct corners, inside the domain, of all leaves that are not
 /// outside. A corner of an inside leaf is inside without a test. Other corners are tested in
 /// integer arithmetic.
@@ -147,7 +151,7 @@ TreeNodes<D> nodes_of(const CutTree<D>& tree, const Running& running = {}) {
             corners.push_back(2 * TreeNodes<D>::key(corner) + (state == CellState::cut ? 1 : 0));
         }
     });
-    sort_in_runs(corners, running.subtask(0.2, 0.5));
+    detail::sort_in_runs(corners, running.subtask(0.2, 0.5));
     const auto is_inside = [&](Key key) {
         const auto index = TreeNodes<D>::index_of(key);
         std::array<std::int64_t, D> line{};

@@ -98,9 +98,15 @@ private:
             const auto d = p - skeleton_.joints[bone];
             reach = (std::max)(reach, share_ * std::sqrt(dot(d, d)));
         }
-        for (const NodeTransform& local : exact_) {
-            for (const double x : local.vector(NodeTransform::scale).v)
-                scale = (std::max)(scale, std::fabs(x));
+        for (std::size_t t = 0; t < exact_.size(); ++t) {
+            double of_parent = 1;
+            if (skeleton_.parents[bone] != no_parent) {
+                const auto& axes = parent(t).axes;
+                of_parent = std::sqrt(
+                    (std::max)({dot(axes[0], axes[0]), dot(axes[1], axes[1]), dot(axes[2], axes[2])}));
+            }
+            for (const double x : exact_[t].vector(NodeTransform::scale).v)
+                scale = (std::max)(scale, of_parent * std::fabs(x));
         }
         cosine_of_half_step_ = std::cos(0.5 * largest_step(distance_, reach * scale));
         return true;
@@ -187,7 +193,7 @@ private:
     /// The angle between rotations up to which slerp and nlerp agree within a distance; at most 90°.
     static double largest_step(double distance, double radius) {
         constexpr double right_angle = 1.5707963267948966, least = 1e-4;
-        constexpr double of_cube = 0.00405; // the ways differ by this share of the cube of the angle at most
+        constexpr double of_cube = 0.00405; // slerp and nlerp differ by at most of_cube · angle³
         return (std::min)(right_angle, std::cbrt((std::max)(distance, least) / (of_cube * radius)));
     }
     static double cosine_of_half(const Quaternion<double>& a, const Quaternion<double>& b) {

@@ -62,8 +62,8 @@ private:
     static Eigen::Matrix3d matrix(const Quaternion<double>& q) {
         return Eigen::Quaterniond(q[3], q[0], q[1], q[2]).toRotationMatrix();
     }
-    /// Sets a rotation, with the sign that is nearer to the last one. After half a turn neither is: then the
-    /// axis of the way decides, so that steps of half a turn about one axis all go one way.
+    /// Sets a rotation, with the sign nearer to the last one. After half a turn both signs are equally near:
+    /// then the axis decides. So repeated half turns about one axis go one way.
     void set(NodeTransform& to, std::size_t at, const Eigen::Matrix3d& rotation) const {
         const Eigen::Quaterniond q = Eigen::Quaterniond(rotation).normalized();
         const Quaternion<double> last = last_.turn(at);
@@ -71,8 +71,8 @@ private:
         const Eigen::Quaterniond step =
             q * Eigen::Quaterniond(last[3], last[0], last[1], last[2]).conjugate();
         constexpr double half_turn = 1e-6;
-        const double side =
-            step.vec().dot(Eigen::Vector3d(1, 0.61, 0.37)); // of a plane without coordinate axes
+        const double side = step.vec().dot(
+            Eigen::Vector3d(1, 0.61, 0.37)); // the normal of a plane that holds no coordinate axis
         const double sign = (std::fabs(along) < half_turn ? side : along) < 0 ? -1 : 1;
         to.set_turn(at, {sign * q.x(), sign * q.y(), sign * q.z(), sign * q.w()});
     }
