@@ -393,7 +393,7 @@ TEST_CASE("a broken scene is named, with what is wrong and where", "[splats]") {
     CHECK(fault_of(with(good, "property float x", "property list uchar int x"))
               .starts_with("scene.ply: line 4: a list"));
     CHECK(fault_of(with(good, "float x", "uint packed_position"))
-              .starts_with("scene.ply: is a compressed PLY of SuperSplat: decompress it"));
+              .starts_with("scene.ply: is a compressed PLY of SuperSplat: export it"));
     CHECK(fault_of(with(good, "element vertex 4", "element face 4")) ==
           "scene.ply: the header has no line element vertex");
     CHECK(fault_of(with(good, "element vertex 4", "element vertex 4\nelement vertex 4")) ==
