@@ -129,7 +129,11 @@ public:
         if constexpr (D == 3) {
             if (outcome.warning.empty() && !rest_.empty())
                 outcome.warning = describe_winding(poses.name_of(row), "the figure",
-                                                   is_mirrored(rest_, places(points)), given_.flips_faces);
+                                                   side_of(rest_, places(points)), given_.flips_faces);
+        }
+        if constexpr (D == 3 && std::is_same_v<T, float>) {
+            if (const std::string why = rounding_fault(poses.name_of(row), places(points)); !why.empty())
+                outcome.warning += (outcome.warning.empty() ? "" : "; ") + why;
         }
         Status of_normals = Status::ok;
         const std::string contents = file_contents(points, pose, of_normals);

@@ -223,7 +223,7 @@ int deform_figure(const Arguments& given, const ObjFile& figure, MeshControl con
 
     if (const std::string why =
             describe_winding(control.pose.name, figure.name + share_of_mirrored(jacobians),
-                             is_mirrored(figure.vertices, moved), given.flips_faces);
+                             side_of(figure.vertices, moved), given.flips_faces);
         !why.empty())
         warn(why);
     if (jacobians.empty() && !figure.normals.empty() && !folds.unknown.empty())

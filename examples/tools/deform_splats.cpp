@@ -330,6 +330,7 @@ int run_program(int argc, char** argv) {
                        : detail::quoted(word) + " is neither 0 nor a number from 1.01 to 1e9";
         })
         .show_default("0");
+    given.control.outside.has_splats = true;
     given.control.outside.add_options(line);
     given.control.of_sites.with_weights = false; // they have no gradients
     given.control.of_sites.add_options(line);

@@ -399,6 +399,9 @@ std::string add_targets(GltfDocument& document, const Scene& scene, const Argume
             if (!std::isfinite(float(p[0]) + float(p[1]) + float(p[2])))
                 return scene.figure.name + ": a vertex has left the range of numbers";
         }
+        if (const std::string why = rounding_fault(name_of_pose(scene.clip, motion->keys[k].time), moved);
+            !why.empty())
+            warn(why);
         const bool has_axes = axes[0].point_count() == moved.size();
         auto& turned = jacobians.emplace_back(has_axes ? moved.size() : 0);
         if (has_axes)
@@ -554,8 +557,9 @@ int export_figure(const Arguments& given, const Scene& scene) {
     if (given.report) std::cout << describe(report) << describe_unused(scene.parts);
 
     const std::string mirror = first_mirror(figure, bound.value, scene.clip);
-    const std::string winding = describe_winding(mirror.empty() ? scene.clip.name : mirror, figure.name,
-                                                 !mirror.empty(), given.flips_faces);
+    const std::string winding =
+        describe_winding(mirror.empty() ? scene.clip.name : mirror, figure.name,
+                         mirror.empty() ? side_of(figure.vertices, figure.vertices) : -1, given.flips_faces);
     if (!winding.empty()) warn(winding);
 
     GltfDocument document;

@@ -18,8 +18,10 @@
 #include "pictures/skeleton_picture.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iostream>
+#include <map>
 
 namespace {
 
@@ -121,7 +123,9 @@ void warn_of_mirrors(const Arguments& given, const FigureFrames& frames) {
     const bool has_all = std::all_of(frames.places.begin(), frames.places.end(), mirrors);
     const bool is_mdd = frames.files.size() != frames.places.size();
     if (first == frames.places.end()) {
-        if (given.flips_faces) warn(describe_winding(frames.files[0], frames.name, false, true));
+        const std::string winding = describe_winding(
+            frames.files[0], frames.name, side_of(frames.rest, frames.places[0]), given.flips_faces);
+        if (!winding.empty()) warn(winding);
         return;
     }
     if (has_all && is_mdd)
@@ -132,8 +136,27 @@ void warn_of_mirrors(const Arguments& given, const FigureFrames& frames) {
         is_mdd ? frames.files[0] + ", frame " + std::to_string(number) : frames.files[number];
     if (given.choice.kind != "stretched")
         return warn(name + ": the pose mirrors " + frames.name + ", and no bone of --kind " +
-                    given.choice.kind + " does: give --kind stretched and --flip-faces");
-    if (!given.flips_faces) warn(describe_winding(name, frames.name, true, false));
+                    given.choice.kind + " does: give --kind stretched and --flip-faces" +
+                    (given.flips_faces ? "; now all faces look inwards" : ""));
+    if (!given.flips_faces) warn(describe_winding(name, frames.name, -1, false));
+}
+
+/// Returns the figure at rest. Copies of a vertex that the files round apart get one place there and in each
+/// frame, so that they get equal weights.
+std::vector<Point3> join_copies(const ObjFile& figure, std::vector<std::vector<Point3>>& frames) {
+    const double apart = 2e-6 * size_of(figure);
+    std::vector<Point3> rest = joined_places(figure);
+    std::map<std::array<double, 3>, std::size_t> known;
+    for (std::size_t v = 0; v < rest.size(); ++v) {
+        const std::size_t first = known.insert({{rest[v][0], rest[v][1], rest[v][2]}, v}).first->second;
+        const bool stays = std::all_of(frames.begin(), frames.end(), [&](const auto& frame) {
+            const Point3 gap = frame[v] - frame[first];
+            return std::sqrt(dot(gap, gap)) <= apart;
+        });
+        if (!stays) rest[v] = figure.vertices[v]; // such sheets touch at rest alone
+        for (auto& frame : frames) frame[v] = frame[stays ? first : v];
+    }
+    return rest;
 }
 
 /// Reads the frames, fits, and writes the files.
@@ -157,8 +180,9 @@ int fit_figure(Arguments& given, ObjFile figure) {
     const Point3 origin = far_origin(figure);
     figure.vertices = counted_from(origin, figure.vertices);
     for (auto& frame : places) frame = counted_from(origin, frame);
-    FigureFrames frames{figure.name,       figure.vertices,        figure.triangles,
-                        std::move(places), std::move(read->times), given.frames};
+    const std::vector<Point3> rest = join_copies(figure, places);
+    FigureFrames frames{figure.name, rest, figure.triangles, std::move(places), std::move(read->times),
+                        given.frames};
     const double rate = given.rate > 0 ? given.rate : default_rate;
     while (frames.times.size() < frames.places.size())
         frames.times.push_back(double(float(double(frames.times.size()) / rate)));

@@ -751,6 +751,8 @@ refuses 'the grid takes ' "$mesh" film.obj --cage film.obj --pose film.obj --coo
 grep -q 'more than is allowed (--memory, .*; --coordinates mean-value and green need no grid' log && grep -q 'note: the grid of harmonic coordinates takes about .* GiB for .* nodes, as the cage is 0.* thick in the mean' log && ok=yes || ok=no
 report $ok "and says why, and which coordinates need none"
 refuses '1 of 2 vertices of stray.obj lie outside the cage box.obj, first v 2 (5, 2, 2)' "$mesh" stray.obj --cage box.obj --pose box_pose.obj --outside refuse -o out.obj
+grep -q '; the largest distance from the boundary is [0-9.]*, and the tolerance [0-9.e-]*$' log && ok=yes || ok=no
+report $ok "the distance outside, and the tolerance"
 for type in mean-value harmonic; do
   works "a vertex outside, $type" "$mesh" stray.obj --cage box.obj --pose box_pose.obj --coordinates $type -o auto_$type.obj
   grep -q 'warning: 1 of 2 vertices of stray.obj lie outside the cage box.obj, first v 2 (5, 2, 2); they follow' log && ok=yes || ok=no
@@ -856,7 +858,7 @@ refuses 'give --pose or operations such as --turn, but not both' "$splats" scene
 refuses '--pose is required' "$splats" scene.ply --cage character_cage.obj -o out.ply
 refuses '"1" is neither 0 nor a number from 1.01 to 1e9' "$splats" scene.ply --cage box --split 1 -o out.ply
 printf 'v 9 9 9\nv 10 9 9\nv 9 10 9\nv 9 9 10\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n' >far.obj
-refuses '3000 of 3000 vertices of scene.ply lie outside' "$splats" scene.ply --cage far.obj --pose far.obj -o out.ply
+refuses '3000 of 3000 splats of scene.ply lie outside' "$splats" scene.ply --cage far.obj --pose far.obj -o out.ply
 refuses 'missing/out.ply' "$splats" scene.ply --cage box --move all:1,0,0 -o missing/out.ply
 refuses 'scene.ply: splat 0 (counted from 0) leaves the range of single precision in the pose' "$splats" scene.ply --cage box --scale all:1e60 -o out.ply
 refuses 'out.obj' "$splats" scene.ply --cage box --move all:1,0,0 -o out.obj

@@ -405,6 +405,40 @@ TEST_CASE("OBJ files that cannot be read are named", "[examples][obj]") {
     CHECK(to_string(folder.error()) == ".: is a folder");
 }
 
+TEST_CASE("copies of vertices that a file rounds apart are joined, others never", "[examples][obj]") {
+    const auto seed = GENERATE(seeds(10));
+    CAPTURE(seed);
+    std::mt19937_64 random(static_cast<unsigned>(seed));
+    std::normal_distribution<double> normal;
+    const double size = std::exp(5 * normal(random));
+    const ObjFile single = parsed(cube);
+    ObjFile split = single; // each triangle has vertices of its own
+    split.vertices.clear();
+    split.triangles.clear();
+    std::vector<std::uint32_t> source;
+    for (const auto& triangle : single.triangles) {
+        const auto first = std::uint32_t(source.size());
+        split.triangles.push_back({first, first + 1, first + 2});
+        for (const std::uint32_t v : triangle) {
+            source.push_back(v);
+            Point3& p = split.vertices.emplace_back(size * single.vertices[v]);
+            for (double& x : p.v) x += 1e-7 * size * std::tanh(normal(random));
+        }
+    }
+    if (seed % 2 == 0) { // a sky
+        const auto first = std::uint32_t(source.size());
+        split.triangles.push_back({first, first + 1, first + 2});
+        for (std::uint32_t k = 0; k < 3; ++k) {
+            source.push_back(8 + k);
+            split.vertices.push_back({1e7 * size, k == 1 ? size : 0, k == 2 ? size : 0});
+        }
+    }
+    const auto joined = joined_places(split);
+    for (std::size_t i = 0; i < source.size(); ++i) {
+        for (std::size_t j = 0; j < i; ++j) CHECK((joined[i] == joined[j]) == (source[i] == source[j]));
+    }
+}
+
 TEST_CASE("normals that several vertices share are exact at each of them", "[examples][obj]") {
     const auto seed = GENERATE(seeds(20));
     CAPTURE(seed);

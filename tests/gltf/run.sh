@@ -137,9 +137,17 @@ cmp far_bones.places far_stray.places && report yes stray || report no "a stray 
 awk '/"translation"/ { left = 4 } left-- > 0 && $1 + 0 > 4000000 { far++ } END { exit far != 1 }' far_bones.gltf && report yes far ||
   report no "bones far away: one node alone has a place far from the origin"
 # Vertices that a file splits have the weights of one vertex: each face with vertices of its own, printed 1e-7 apart.
-awk 'BEGIN { srand(59) } function near(x) { return sprintf(" %.9f", x + (rand() - 0.5) * 2e-7) }
+split_faces() { # FILE SEED
+  awk -v seed="$2" 'BEGIN { srand(seed) } function near(x) { return sprintf(" %.9f", x + (rand() - 0.5) * 2e-7) }
   $1 == "v" { v[++n] = $0 } $1 == "f" { f = "f"; for (k = 2; k <= NF; k++) { split($k, a, "/"); split(v[a[1]], p, " "); print "v" near(p[2]) near(p[3]) near(p[4]); f = f " " ++m } faces = faces f "\n" }
-  END { printf "%s", faces }' character.obj >split_character.obj
+  END { printf "%s", faces }' "$1"
+}
+seed=59
+split_faces character.obj $seed >split_character.obj
+for frame in part frames/000 frames/005 frames/010 frames/015; do
+  seed=$((seed + 1))
+  split_faces $frame.obj $seed >"split_$(basename $frame).obj"
+done
 for weights in heat harmonic; do
   works "split vertices, $weights" "$skin" split_character.obj --bones character.bones.csv --weights $weights -o split_$weights.glb
   says_not 'is not closed'
@@ -166,7 +174,8 @@ sys.exit(len(known) < vertices / 2)  # most copies were compared
 END
 }
 works "split vertices, a cage" "$export" split_character.obj $cage $clip --skin 4 -o split_cage.glb
-for weights in heat harmonic cage; do
+works "split vertices, frames" "$programs/fit_skeleton" split_part.obj split_0??.obj --bones 3 --influences 2 -o split_frames.glb
+for weights in heat harmonic cage frames; do
   split_apart split_$weights.glb && report no "equal places have equal weights, $weights" || report yes split
 done
 printf '%s\n' 'left,,-0.2,1,0,-0.6,1,0,0,0,0' 'right,,0.2,1,0,0.6,1,0,0,0,0' >roots.csv
@@ -316,6 +325,10 @@ rm -r ../outside_$$
 sed 's/^mtllib.*/mtllib nowhere.mtl/' parts.obj >lost.obj
 works "materials that are not there" "$export" lost.obj --cage box.obj --skin 4 -o lost.glb
 says 'its materials, "nowhere.mtl", are not in its folder'
+printf 'NEWMTL red\nKD 1 0 0\n' >capitals.mtl
+sed 's/^mtllib.*/mtllib capitals.mtl/' parts.obj >capitals.obj
+works "no material" "$export" capitals.obj --cage box.obj --skin 4 -o capitals.glb
+says 'capitals.mtl defines no material'
 mkdir -p posed
 works "materials of a posed file" "$programs/deform_mesh" parts.obj --cage box.obj --twist all:z,0,4,40 -o posed/parts.obj
 says 'note: posed/parts.obj names its materials as parts.obj does: "parts.mtl"'

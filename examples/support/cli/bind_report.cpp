@@ -1,6 +1,7 @@
 #include "cli/bind_report.hpp"
 
 #include "cli/guard.hpp"
+#include "files/csv.hpp"
 
 #include <algorithm>
 #include <iomanip>
@@ -75,11 +76,8 @@ std::string describe_faults(const std::string& name, const cageform::BindReport&
             text += "; --resolution " + std::to_string(report.solver.sufficient_resolution) + " resolves it";
     }
     if (report.status == cageform::Status::out_of_memory && report.solver.bytes != 0) {
-        std::ostringstream need;
-        need << std::setprecision(2) << std::fixed << ": the grid takes "
-             << double(report.solver.bytes) / (1 << 30)
-             << " GiB, more than is allowed (--memory, by default half of what is free)";
-        text += need.str();
+        text += ": the grid takes " + detail::short_number(double(report.solver.bytes) / (1 << 30)) +
+                " GiB, more than is allowed (--memory, by default half of what is free)";
         if (report.solver.sufficient_resolution != 0)
             text += "; --resolution " + std::to_string(report.solver.sufficient_resolution) + " fits";
         if (report.solver.sufficient_accuracy != 0) {

@@ -230,11 +230,15 @@ OutsideChoice::Verdict
 OutsideChoice::judge(const ChosenCoordinates<T, D>& coordinates, const cageform::BindReport& report,
                      std::span<const std::conditional_t<D == 2, Point2, Point3>> points,
                      const std::string& figure, const std::string& cage) const {
-    const std::string what = D == 2 ? " points of " : " vertices of ";
+    const std::string what = D == 2 ? " points of " : has_splats ? " splats of " : " vertices of ";
+    const auto names_of = [&](const std::vector<std::size_t>& listed) {
+        return has_splats && !listed.empty() ? "splat " + std::to_string(listed[0]) + " (counted from 0)"
+                                             : name_points(points, listed);
+    };
     const std::string found = std::to_string(report.outside.size()) + " of " + std::to_string(report.points) +
                               what + figure + " lie outside the " +
                               (coordinates.takes_sites ? "convex hull of " : "cage ") + cage + ", first " +
-                              name_points(points, report.outside);
+                              names_of(report.outside);
     // The nearest places of many points take a while, so they are found for messages alone.
     double largest = 0;
     const bool is_told = word == "refuse" || (word == "auto" && !cage_is_made && falloff == 0);
@@ -252,6 +256,7 @@ OutsideChoice::judge(const ChosenCoordinates<T, D>& coordinates, const cageform:
     std::ostringstream distance;
     distance.precision(2);
     distance << "; the largest distance from the boundary is " << largest;
+    if (!coordinates.takes_sites) distance << ", and the tolerance " << coordinates.boundary_tolerance();
     if (some && word == "refuse")
         return {found + "; use --outside to choose what they do" + distance.str(), {}};
     if (some && word == "extend" && !coordinates.has_extension())
@@ -259,7 +264,7 @@ OutsideChoice::judge(const ChosenCoordinates<T, D>& coordinates, const cageform:
                     (coordinates.takes_sites ? "" : " the cage"),
                 {}};
     if (!report.unreached.empty()) {
-        return {figure + ": no weights can be computed for " + name_points(points, report.unreached) +
+        return {figure + ": no weights can be computed for " + names_of(report.unreached) +
                     (coordinates.takes_sites     ? ": their weights exceed the range of numbers"
                      : coordinates.closed_form() ? ": they are too far from the cage"
                                                  : ": the grid is too coarse; raise --resolution"),

@@ -209,6 +209,7 @@ struct OutsideChoice {
     bool can_extend = true;    // whether the program can do with weights of points outside
     bool cage_is_made = false; // for the figure: what is outside is not seen
     bool can_fade = true;      // whether the program can do with weights that do not sum to 1
+    bool has_splats = false;   // whether the points are splats, which messages count from 0
     double falloff = 0;        // the distance at which displacements outside have faded; 0: they do not fade
     Point3 origin{};           // in space: where the coordinates' origin lies in the figure's file
 

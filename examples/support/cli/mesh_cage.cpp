@@ -160,9 +160,9 @@ std::string pose_difference(const ObjFile& cage, const ObjFile& pose) {
     return {};
 }
 
-std::string describe_winding(const std::string& pose, const std::string& figure, bool is_mirrored,
-                             bool flips_faces) {
-    if (is_mirrored == flips_faces) return {};
+std::string describe_winding(const std::string& pose, const std::string& figure, int side, bool flips_faces) {
+    const bool is_mirrored = side < 0;
+    if (side == 0 || is_mirrored == flips_faces) return {};
     return pose + ": the pose " +
            (is_mirrored
                 ? "mirrors " + figure + ", and its faces look inwards; --flip-faces turns the faces over"

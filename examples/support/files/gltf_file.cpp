@@ -95,7 +95,17 @@ SvgResult<std::vector<GltfMesh>> gltf_meshes(const ObjFile& file, const ObjParts
 }
 
 std::vector<Point3> joined_places(const ObjFile& figure) {
-    const double apart = 1e-6 * size_of(figure);
+    std::vector<double> edges; // a small part keeps its vertices, however large the rest is
+    for (const auto& triangle : figure.triangles) {
+        for (std::size_t k = 0; k < 3; ++k) {
+            const Point3 edge = figure.vertices[triangle[k]] - figure.vertices[triangle[(k + 1) % 3]];
+            if (const double squared = dot(edge, edge); squared > 0) edges.push_back(squared);
+        }
+    }
+    const auto shorter = edges.begin() + std::ptrdiff_t(edges.size() / 20);
+    std::nth_element(edges.begin(), shorter, edges.end());
+    const double most = edges.empty() ? HUGE_VAL : 0.01 * std::sqrt(*shorter);
+    const double apart = std::min(1e-6 * size_of(figure), most);
     if (!(apart > 0) || !std::isfinite(apart)) return figure.vertices;
     std::vector<Point3> places;
     std::map<std::array<double, 3>, std::vector<Point3>> known; // by cubes with edges of 2 apart

@@ -303,7 +303,7 @@ std::optional<SvgError> single_precision_fault(const ObjFile& file) {
     return std::nullopt;
 }
 
-bool is_mirrored(std::span<const Point3> rest, std::span<const Point3> moved) {
+int side_of(std::span<const Point3> rest, std::span<const Point3> moved) {
     const auto mean_of = [](std::span<const Point3> places) {
         Point3 sum{};
         for (const Point3& p : places) sum = sum + (1 / double(places.size())) * p;
@@ -318,7 +318,7 @@ bool is_mirrored(std::span<const Point3> rest, std::span<const Point3> moved) {
     }
     const auto& [a, b, c] = columns;
     const double volume = dot(a, cross(b, c)), most = std::sqrt(dot(a, a) * dot(b, b) * dot(c, c));
-    return volume < -1e-9 * most;
+    return std::fabs(volume) > 1e-9 * most ? (volume < 0 ? -1 : 1) : 0;
 }
 
 std::vector<Point3> shown_places(std::span<const Point3> places,

@@ -196,9 +196,12 @@ SvgResult<ObjFile> load_obj(const std::filesystem::path& path, StrayVertices str
 /// The first vertex that is beyond single precision, with its line and number; nothing where there is none.
 std::optional<SvgError> single_precision_fault(const ObjFile& file);
 
-/// Whether a pose mirrors a figure: the determinant of the affine map that is nearest to the motion of its
-/// vertices is negative. A figure or a pose that is flat does not.
-bool is_mirrored(std::span<const Point3> rest, std::span<const Point3> moved);
+/// Returns the sign of the determinant of the affine map that is nearest to the motion of the vertices: -1 if
+/// a pose mirrors a figure, 0 if the figure or the pose is flat, else 1.
+int side_of(std::span<const Point3> rest, std::span<const Point3> moved);
+inline bool is_mirrored(std::span<const Point3> rest, std::span<const Point3> moved) {
+    return side_of(rest, moved) < 0;
+}
 
 /// The places of the vertices that faces have, or of all where there is no face. Stray vertices say nothing
 /// about the size of a figure.

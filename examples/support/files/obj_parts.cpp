@@ -272,8 +272,10 @@ private:
         if (!text) return warn(text.error().message);
         if (const std::string_view format = detail::other_format(*text); !format.empty())
             warn(path->string() + " looks like a file of the format " + std::string(format));
-        for (const MaterialText& one : materials_in(*text, path->string()))
-            read_material(one, path->parent_path());
+        const auto materials = materials_in(*text, path->string());
+        if (materials.empty())
+            warn(path->string() + " defines no material (statements newmtl): a default material is used");
+        for (const MaterialText& one : materials) read_material(one, path->parent_path());
     }
 
     /// Reads each material alone, for tinyobjloader's default of a colour depends on the material before.

@@ -404,6 +404,8 @@ SvgResult<SplatFile> parse_splats(std::string bytes, std::string name, bool stri
     remove_rows(scene, faults.splats);
     scene.warning = name + ": " + std::to_string(faults.splats.size()) + " of " + std::to_string(splats) +
                     " splats are left out, first " + faults.first + "; --strict refuses the file";
+    if (!scene.before.empty() || !scene.after.empty())
+        scene.warning += "; other elements keep the numbers of splats that they have";
     return scene;
 }
 
@@ -412,18 +414,25 @@ SvgResult<SplatFile> load_splats(const std::filesystem::path& path, bool strict)
     if (std::filesystem::is_regular_file(path, none)) { // a pipe is read once, so it has to be plain
         PlyReader reader(path.string());
         std::vector<PlyElement> elements = reader.header().elements;
-        bool is_plain = reader.header().encoding == PlyEncoding::little_endian;
+        bool is_plain = reader.header().encoding == PlyEncoding::little_endian, has_doubles = false;
         for (PlyElement& element : elements) {
             for (PlyProperty& property : element.properties) {
                 if (element.name != "vertex" || !is_of_splat(property.name)) continue;
                 is_plain &= property.type == PlyType::float32;
+                has_doubles |= property.type == PlyType::float64;
                 property.type = PlyType::float32;
             }
         }
         if (reader.error().empty() && !is_plain) {
             auto converted = little_endian_bytes(reader, elements);
             if (!converted) return SvgError{reader.error()};
-            return parse_splats(std::move(*converted), path.string(), strict);
+            auto scene = parse_splats(std::move(*converted), path.string(), strict);
+            if (!scene || !has_doubles) return scene;
+            std::vector<Point3> places;
+            for (std::size_t i = 0; i < scene->size(); ++i) places.push_back(scene->place(i));
+            if (const std::string why = rounding_fault(path.string(), places); !why.empty())
+                scene->warning += (scene->warning.empty() ? "" : "; ") + why;
+            return scene;
         }
     }
     auto bytes = read_file(path.string());
