@@ -61,7 +61,7 @@ namespace Cageform
             Levels = checked((int)info.levels);
             HasNormals = info.has_normals != 0;
             HasTangents = info.has_tangents != 0;
-            Origin = new[] { info.origin_x, info.origin_y, info.origin_z };
+            Origin = info.origin;
         }
 
         static Handle Open(byte[] bytes)
@@ -371,7 +371,7 @@ namespace Cageform
             internal UIntPtr size, points, handles, vertices, clips, levels;
             internal uint scalar, dimension;
             internal int has_normals, has_tangents, has_labels;
-            internal double origin_x, origin_y, origin_z;
+            [MarshalAs(UnmanagedType.ByValArray, SizeConst = 3)] internal double[] origin;
         }
         [StructLayout(LayoutKind.Sequential)]
         internal struct ClipInfo
