@@ -407,7 +407,7 @@ private:
     std::size_t handles_, points_, blocks_;
     bool sparse_; ///< weights are limited by number or size
     Moments<D> moments_;
-    std::vector<char> cut_; ///< by point: whether a point of another block has its place; empty if none has
+    std::vector<char> cut_; ///< by point: whether a point of another block has its place; empty if unused
     WeightLoss<D> loss_;
     BlockPacker<T, D> packer_{binding_, moments_, loss_};
     std::unique_ptr<const SquareLoss<D>> square_loss_; ///< if a distance is kept

@@ -65,8 +65,8 @@ int compare_places(const At& at, std::size_t a, std::size_t b) {
     return 0;
 }
 
-/// Tells which points share a place with a point of another block, by point; nothing if none does. Their
-/// weights must not depend on the rest of the block. O(n log n).
+/// Tells which points share a place with a point of another block, by point. Their weights must not depend on
+/// the rest of the block. O(n log n).
 ///
 ///   less  less(a, b): a strict order of points, in which points that share a place are equivalent
 template <Scalar T, class Less>
@@ -76,16 +76,12 @@ std::vector<char> cut_points(std::span<const std::uint32_t> order, const Less& l
     for (std::uint32_t n = 0; n < order.size(); ++n) position[order[n]] = n;
     std::sort(sorted.begin(), sorted.end(), less);
     std::vector<char> cut(order.size(), 0);
-    bool any = false;
     for (std::size_t begin = 0, end = 0; begin < sorted.size(); begin = end) {
         bool one_block = true;
         for (end = begin + 1; end < sorted.size() && !less(sorted[begin], sorted[end]); ++end)
             one_block = one_block && position[sorted[end]] / lanes == position[sorted[begin]] / lanes;
-        if (one_block) continue;
-        any = true;
-        for (std::size_t n = begin; n < end; ++n) cut[sorted[n]] = 1;
+        for (std::size_t n = begin; n < end && !one_block; ++n) cut[sorted[n]] = 1;
     }
-    if (!any) cut.clear();
     return cut;
 }
 
