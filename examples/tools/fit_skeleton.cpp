@@ -137,24 +137,31 @@ void warn_of_mirrors(const Arguments& given, const FigureFrames& frames) {
     if (given.choice.kind != "stretched")
         return warn(name + ": the pose mirrors " + frames.name + ", and no bone of --kind " +
                     given.choice.kind + " does: give --kind stretched and --flip-faces" +
-                    (given.flips_faces ? "; now all faces look inwards" : ""));
+                    (given.flips_faces ? "; --flip-faces alone makes all faces look inwards" : ""));
     if (!given.flips_faces) warn(describe_winding(name, frames.name, -1, false));
 }
 
-/// Returns the figure at rest. Copies of a vertex that the files round apart get one place there and in each
-/// frame, so that they get equal weights.
+/// Returns the figure at rest. Files round copies of a vertex apart. Copies that stay together in all frames
+/// get one place, at rest and in each frame, so that they get equal weights.
 std::vector<Point3> join_copies(const ObjFile& figure, std::vector<std::vector<Point3>>& frames) {
     const double apart = 2e-6 * size_of(figure);
     std::vector<Point3> rest = joined_places(figure);
-    std::map<std::array<double, 3>, std::size_t> known;
+    std::map<std::array<double, 3>, std::vector<std::size_t>> known; // vertices that frames part, by place
     for (std::size_t v = 0; v < rest.size(); ++v) {
-        const std::size_t first = known.insert({{rest[v][0], rest[v][1], rest[v][2]}, v}).first->second;
-        const bool stays = std::all_of(frames.begin(), frames.end(), [&](const auto& frame) {
-            const Point3 gap = frame[v] - frame[first];
-            return std::sqrt(dot(gap, gap)) <= apart;
+        auto& parted = known[{rest[v][0], rest[v][1], rest[v][2]}];
+        const auto first = std::find_if(parted.begin(), parted.end(), [&](std::size_t other) {
+            return std::all_of(frames.begin(), frames.end(), [&](const auto& frame) {
+                const Point3 gap = frame[v] - frame[other];
+                return std::sqrt(dot(gap, gap)) <= apart;
+            });
         });
-        if (!stays) rest[v] = figure.vertices[v]; // such sheets touch at rest alone
-        for (auto& frame : frames) frame[v] = frame[stays ? first : v];
+        if (first == parted.end()) {
+            rest[v] = figure.vertices[v];
+            parted.push_back(v);
+            continue;
+        }
+        rest[v] = rest[*first];
+        for (auto& frame : frames) frame[v] = frame[*first];
     }
     return rest;
 }

@@ -81,7 +81,7 @@ std::string pose_difference(const ObjFile& cage, const ObjFile& pose);
 /// Returns the warning that faces look inwards: the pose mirrors the figure, or --flip-faces was given for a
 /// pose that does not. Empty if the faces look outwards.
 ///
-///   side   side_of() the figure and the pose; nothing is said of what is flat
+///   side   the result of side_of(); 0 (flat) gives no warning
 std::string describe_winding(const std::string& pose, const std::string& figure, int side, bool flips_faces);
 
 /// The name of the first pose of a motion that mirrors a figure; empty if there is none.

@@ -95,7 +95,7 @@ SvgResult<std::vector<GltfMesh>> gltf_meshes(const ObjFile& file, const ObjParts
 }
 
 std::vector<Point3> joined_places(const ObjFile& figure) {
-    std::vector<double> edges; // a small part keeps its vertices, however large the rest is
+    std::vector<double> edges; // so that vertices of a small part are not joined when another part is huge
     for (const auto& triangle : figure.triangles) {
         for (std::size_t k = 0; k < 3; ++k) {
             const Point3 edge = figure.vertices[triangle[k]] - figure.vertices[triangle[(k + 1) % 3]];

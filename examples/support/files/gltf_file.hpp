@@ -214,8 +214,8 @@ inline std::size_t joint_sets(const cageform::SkinWeights& skin) {
 }
 
 /// The places of the vertices, for weights. Files split vertices where normals or texture coordinates
-/// differ, and some round the copies apart. A vertex within 1e-6 of the figure's size from an earlier place
-/// gets that place, if a hundredth of the shorter edges (the 5th percentile) is no less.
+/// differ, and some round the copies apart. A vertex near an earlier place gets that place. Near means within
+/// 1e-6 of the figure's size, and within 1 % of the 5th percentile of edge lengths.
 std::vector<Point3> joined_places(const ObjFile& figure);
 
 /// Some players read only the first set, four joints a vertex, and normalise its weights. Returns the skin

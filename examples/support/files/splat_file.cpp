@@ -405,7 +405,7 @@ SvgResult<SplatFile> parse_splats(std::string bytes, std::string name, bool stri
     scene.warning = name + ": " + std::to_string(faults.splats.size()) + " of " + std::to_string(splats) +
                     " splats are left out, first " + faults.first + "; --strict refuses the file";
     if (!scene.before.empty() || !scene.after.empty())
-        scene.warning += "; other elements keep the numbers of splats that they have";
+        scene.warning += "; numbers of splats in other elements are not updated";
     return scene;
 }
 

@@ -21,9 +21,10 @@ namespace cageform::inline CAGEFORM_ABI {
 /// row of weights for every handle that is kept for at least one of its points, so a point keeps
 /// its own largest weights, and also those of the other rows of its block, which cost nothing.
 ///
-/// Points at one place with equal weights may lie in different blocks. They keep only their own weights,
-/// so that a seam stays closed. Formats other than scalar round by the scale of each block, and open a
-/// seam by that rounding. A tolerance opens a seam by at most twice the tolerance.
+/// Points at one place with equal weights may lie in different blocks. They do not keep the extra weights
+/// that other rows of their blocks offer, so a seam stays closed. Formats other than scalar round by the
+/// scale of each block, and open a seam by that rounding. A tolerance opens a seam by at most twice the
+/// tolerance.
 ///
 /// PackOptions::tolerance packs by distance. Two measures have two jobs. The square loss δᵀKδ of a change
 /// δ of a point's weights ranks handles and fits weights: it is the mean squared displacement over

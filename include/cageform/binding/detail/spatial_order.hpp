@@ -65,8 +65,8 @@ int compare_places(const At& at, std::size_t a, std::size_t b) {
     return 0;
 }
 
-/// Tells which points share a place with a point of another block, by point. Their weights must not depend on
-/// the rest of the block. O(n log n).
+/// Tells which points lie on a seam: they share a place with a point of another block. Their weights must
+/// not depend on the rest of the block. O(n log n).
 ///
 ///   less  less(a, b): a strict order of points, in which points that share a place are equivalent
 template <Scalar T, class Less>
