@@ -27,6 +27,7 @@
 #include "files/clip_file.hpp"
 #include "files/csv.hpp"
 #include "files/figure_parts.hpp"
+#include "files/gltf_file.hpp"
 
 #include <cageform/binding/pack.hpp>
 #include <cageform/pose/pose_samples.hpp>
@@ -143,7 +144,7 @@ int bind_figure(const Arguments& given, const ObjFile& figure, const ObjFile& ca
                 const std::vector<std::string>& labels) {
     if (const auto why = fault_of_outputs({given.out})) return fail(*why);
     const Point3& origin = given.outside.origin;
-    const std::vector<Point3> places = counted_from(origin, figure.vertices);
+    const std::vector<Point3> places = counted_from(origin, joined_places(figure));
     ObjFile cage = cage_of_file;
     cage.vertices = counted_from(origin, cage.vertices);
     if (cage.lattice) cage.lattice->frame.translation = cage.lattice->frame.translation - origin;

@@ -373,7 +373,7 @@ TEST_CASE("what is wrong with an OBJ file is named with its line", "[examples][o
     CHECK(refusal("v 1 2 3,\n") == "file.obj: not a number: \"3,\" (line 1)");
     CHECK(refusal("v 1 2 3abc") == "file.obj: not a number: \"3abc\" (line 1)");
     CHECK(refusal("v 1 2 +") == "file.obj: not a number: \"+\" (line 1)");
-    CHECK(refusal("v 1 2 1e999") == "file.obj: number out of range: \"1e999\" (line 1)");
+    CHECK(refusal("v 1 2 1e999") == "file.obj: the coordinates of a vertex are not finite (line 1)");
     CHECK(refusal("v 1 2 nan") == "file.obj: the coordinates of a vertex are not finite (line 1)");
     CHECK(refusal("v 1 -inf 0") == "file.obj: the coordinates of a vertex are not finite (line 1)");
     CHECK(refusal(three + "vn 0 z 1") == "file.obj: not a number: \"z\" (line 4)");

@@ -222,7 +222,7 @@ TEST_CASE("rows that are no poses are named by their lines", "[examples][rows]")
           "file:2: 4 numbers, but a pose of the figure's cage has 3: x,y,z of 1 vertices");
     CHECK(refusal<2>("1,two\n", 1) == "file:1: column 2: not a number: \"two\"");
     CHECK(refusal<2>("nan,1\n", 1) == "file:1: column 1: \"nan\" is not a finite number");
-    CHECK(refusal<2>("1,1e999\n", 1) == "file:1: column 2: number out of range: \"1e999\"");
+    CHECK(refusal<2>("1,1e999\n", 1) == "file:1: column 2: \"1e999\" is not a finite number");
     CHECK(refusal<2>("1,2\n" + std::string(100000, '7'), 1) == "file:2: the line has more than 66560 bytes");
     CHECK(refusal<3>("\n# a clip\nlength,1\npose,0\n1,2\n", 1) ==
           "file:5: 2 columns, but a point in space has three: x,y,z");

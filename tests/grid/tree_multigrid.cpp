@@ -218,6 +218,38 @@ TEST_CASE("on a refined patch in the plane the order is four", "[grid][tree]") {
     CHECK(errors[2] < 1e-7); // of coefficients in float
 }
 
+TEST_CASE("starts, cycles and refinements of a large grid ask whether to go on", "[grid][tree][progress]") {
+    const std::vector<Vec<double, 2>> square{{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+    const Problem<2> problem(Polygon<double>(square), 10, std::ldexp(1.0, -10), {});
+    const TreeMultigrid<2> multigrid(problem.tree, problem.nodes);
+    auto block = multigrid.make_block();
+    REQUIRE(multigrid.unknowns() > 800000);
+    int asked = 0, most = 1000000;
+    const TreeMultigrid<2>::KeepGoing keep_going = [&] { return ++asked < most; };
+    const auto asked_in = [&](const auto& work) {
+        asked = 0;
+        work();
+        return asked;
+    };
+    const auto start = [&] { multigrid.start(block, 0, 0, keep_going); };
+    const auto cycle = [&] { (void)multigrid.cycle(block, multigrid.width, keep_going); };
+    const auto refine = [&] { multigrid.refine(block, keep_going); };
+    const auto value = [&] { return block.value(multigrid.unknowns() / 2); };
+    CHECK(asked_in(start) >= 6); // sets all values to zero, interpolates
+    const int in_cycle = asked_in(cycle);
+    CHECK(in_cycle >= 15); // three sweeps, restricts, interpolates
+    CHECK(asked_in(refine) >= 6);
+    const auto exact = value();
+    most = 1; // each sweep ends when it asks
+    CHECK(asked_in(cycle) <= 6);
+    CHECK(asked_in(refine) <= 2);
+    most = 1000000; // what was stopped does not matter to the next start
+    start();
+    cycle();
+    refine();
+    CHECK(value() == exact);
+}
+
 /// The slowest of the cycles that reduce the error of functions well above rounding.
 template <std::size_t D>
 double convergence_factor(const Problem<D>& problem) {

@@ -134,7 +134,7 @@ SvgResult<ObjFile> load_mesh_figure(const std::string& path, bool is_strict, Mes
         warn(path + ": " + std::to_string(file->left_out.size()) + " of " +
              std::to_string(file->vertices.size()) + " vertices are left out, first v " +
              std::to_string(file->left_out[0] + 1) +
-             ": they are not finite, and no face has them; --strict refuses the file");
+             ": no face has them, and they are not finite or far from the others; --strict leaves none out");
     }
     return file;
 }

@@ -107,7 +107,10 @@ std::string parse_number(std::string_view field, double& number) {
         return {};
     }
     const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
-    if (error == std::errc::result_out_of_range) return "number out of range: " + quoted(field);
+    if (error == std::errc::result_out_of_range) {
+        number = std::strtod(std::string(digits).c_str(), nullptr); // infinite, or as near as can be to 0
+        return {};
+    }
     if (error != std::errc{} || end != digits.data() + digits.size()) return "not a number: " + quoted(field);
     return {};
 }

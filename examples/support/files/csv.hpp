@@ -27,7 +27,8 @@ std::vector<std::string_view> parts_of(std::string_view text, char separator);
 /// A word of a file for a message: no control characters, and not too much of it.
 std::string quoted(std::string_view word);
 
-/// Anything std::from_chars takes for a number, "nan" and "inf" included; an empty reason is success.
+/// Anything std::from_chars takes for a number, "nan" and "inf" included; an empty reason is success. A
+/// number beyond double precision is infinite, or as near to 0 as double precision allows.
 std::string parse_number(std::string_view field, double& number);
 
 /// Works as parse_number(); fails also where the number is not finite.

@@ -75,11 +75,12 @@ private:
             return refuse("vertex index " + std::to_string(index + 1) + " is out of range: the file has " +
                           std::to_string(file_.vertices.size()));
         }
-        refuse_strays_of(file_.tetrahedra);
-        refuse_strays_of(triangles_);
-        refuse_strays_of(quads_);
+        std::vector<bool> used(file_.vertices.size());
+        take_vertices_of(file_.tetrahedra, used);
+        take_vertices_of(triangles_, used);
+        take_vertices_of(quads_, used);
         if (!fault_.empty()) return;
-        if (const std::string why = detail::place_left_out(file_); !why.empty()) {
+        if (const std::string why = detail::place_left_out(file_, used, strays_); !why.empty()) {
             line_ = 0;
             return refuse(why);
         }
@@ -161,12 +162,13 @@ private:
         if (largest.first > 0) largest_.push_back({largest.first - 1, largest.second});
     }
 
-    /// Refuses a vertex that is left out and that a cell has.
+    /// Marks the vertices that cells have. Refuses one that is left out.
     template <class Cells>
-    void refuse_strays_of(const Cells& cells) {
+    void take_vertices_of(const Cells& cells, std::vector<bool>& used) {
         const auto& strays = file_.left_out;
-        for (std::size_t n = 0; n < cells.size() && fault_.empty() && !strays.empty(); ++n) {
+        for (std::size_t n = 0; n < cells.size() && fault_.empty(); ++n) {
             for (const std::size_t vertex : cells[n]) {
+                used[vertex] = true;
                 const auto found = std::lower_bound(strays.begin(), strays.end(), vertex);
                 if (found == strays.end() || *found != vertex) continue;
                 line_ = lines_left_out_[std::size_t(found - strays.begin())];

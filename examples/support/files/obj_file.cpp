@@ -129,7 +129,20 @@ Point3 area_vector(const ObjFace& face, std::span<const Point3> vertices) {
     return sum;
 }
 
-std::string place_left_out(ObjFile& file) {
+std::string place_left_out(ObjFile& file, const std::vector<bool>& used, StrayVertices strays) {
+    std::vector<Point3> places;
+    for (std::size_t i = 0; i < used.size(); ++i) {
+        if (used[i]) places.push_back(file.vertices[i]);
+    }
+    if (strays == StrayVertices::leave_out && !places.empty()) {
+        const auto box = cageform::bounds_of(std::span<const Point3>(places));
+        const auto near_box = box.widened(1e6 * box.diagonal());
+        file.left_out.clear();
+        for (std::size_t i = 0; i < used.size(); ++i) {
+            const Point3& p = file.vertices[i];
+            if (!used[i] && !(cageform::is_finite(p) && near_box.covers({p, p}))) file.left_out.push_back(i);
+        }
+    }
     if (file.left_out.size() == file.vertices.size()) return "no vertex has finite coordinates";
     std::size_t sound = 0; // the first vertex that is finite
     while (sound < file.left_out.size() && file.left_out[sound] == sound) ++sound;
@@ -251,12 +264,10 @@ SvgResult<ObjFile> parse_obj(std::string text, std::string name, StrayVertices s
         if (file.has_bytes_as_colours && colour != Point3{1, 1, 1}) colour = (1.0 / 255) * colour;
     }
 
-    if (const std::string why = detail::place_left_out(file); !why.empty())
-        return SvgError{file.name + ": " + why};
-
     // Now that all are counted: an index may point forwards.
     const std::array<std::size_t, 2> count{file.vertices.size(), file.normals.size()};
     std::array<std::size_t, 2> so_far{};
+    std::vector<bool> used(file.vertices.size());
     int part = 0;
     for (detail::ObjScanner scanner(file.text); scanner.next(words, line);) {
         if (words[0] == "g") part = detail::part_of(std::span(words).subspan(1));
@@ -268,6 +279,7 @@ SvgResult<ObjFile> parse_obj(std::string text, std::string name, StrayVertices s
         for (const std::string_view word : std::span(words).subspan(1)) {
             const std::string why = detail::parse_corner(word, so_far, count, face.corners.emplace_back());
             if (!why.empty()) return refuse(why);
+            used[face.corners.back().vertex] = true;
             const auto found = std::lower_bound(file.left_out.begin(), file.left_out.end(),
                                                 std::size_t{face.corners.back().vertex});
             if (found == file.left_out.end() || *found != face.corners.back().vertex) continue;
@@ -279,7 +291,8 @@ SvgResult<ObjFile> parse_obj(std::string text, std::string name, StrayVertices s
     }
     if (std::all_of(file.face_parts.begin(), file.face_parts.end(), [](int of) { return of == 0; }))
         file.face_parts.clear();
-    const std::string why = detail::triangulate(file);
+    std::string why = detail::place_left_out(file, used, strays);
+    if (why.empty()) why = detail::triangulate(file);
     if (!why.empty()) return SvgError{file.name + ": " + why};
     return file;
 }

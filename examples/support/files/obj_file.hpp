@@ -68,7 +68,7 @@ struct ObjFile {
     std::vector<Point3> vertices;
     std::vector<Point3> colours;       // #vertices, white where one has none; empty where none has
     bool has_bytes_as_colours = false; // whether some colour was above 1, so that all were taken as 0 to 255
-    std::vector<std::size_t> left_out; // vertices that are not finite; they stand at the first that is
+    std::vector<std::size_t> left_out; // stray vertices; they stand at the first other vertex
     std::vector<Point3> normals;
     std::vector<ObjNumbers> numbers; // in the order of the file
     std::vector<ObjFace> faces;
@@ -79,6 +79,12 @@ struct ObjFile {
     std::vector<std::array<std::uint32_t, 4>> tetrahedra; // of a .mesh file (files/medit_file.hpp)
     std::vector<int> face_parts; // #faces: N of a group part_N, 0 of none; empty where there is no such group
 };
+
+/// The choice for vertices that no face has, and that are not finite or far from the others.
+enum class StrayVertices { refuse, leave_out };
+inline StrayVertices strays_of(bool is_strict) {
+    return is_strict ? StrayVertices::refuse : StrayVertices::leave_out;
+}
 
 namespace detail {
 
@@ -162,8 +168,12 @@ Point3 area_vector(const ObjFace& face, std::span<const Point3> vertices);
 /// Appends a number with the fewest digits that give it back.
 void append_number(std::string& text, double x);
 
-/// Puts the vertices that are left out at the first that is finite. Returns why it cannot; empty if it can.
-std::string place_left_out(ObjFile& file);
+/// Leaves out also the unused vertices that are far from the others, for they would decide the figure's
+/// size. Far means a million times the diagonal of the used vertices' box. Then puts the vertices that are
+/// left out at the first other. Returns why it cannot; empty if it can.
+///
+///   used  #vertices: whether a face or a cell has the vertex
+std::string place_left_out(ObjFile& file, const std::vector<bool>& used, StrayVertices strays);
 
 inline constexpr const char* vertex_not_finite = "the coordinates of a vertex are not finite";
 
@@ -174,12 +184,6 @@ using Triangles = std::vector<std::array<std::uint32_t, 3>>;
 /// The name of the group of faces of a part of a cage.
 inline std::string part_group(int number) {
     return "part_" + std::to_string(number);
-}
-
-/// The choice for vertices that are not finite and that no face has.
-enum class StrayVertices { refuse, leave_out };
-inline StrayVertices strays_of(bool is_strict) {
-    return is_strict ? StrayVertices::refuse : StrayVertices::leave_out;
 }
 
 /// A file from its text.

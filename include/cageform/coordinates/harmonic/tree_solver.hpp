@@ -176,13 +176,16 @@ public:
         SolverReport& report = work.report;
         const std::size_t count = handles_of(group).second;
         report.solves = count;
-        multigrid_.start(block, group * width, cutoff());
+        const typename Multigrid::KeepGoing keep_going = [&work, &report] {
+            return work.keep_going(double(report.multigrid.cycles) / double(report.multigrid.cycles + 4));
+        };
+        multigrid_.start(block, group * width, cutoff(), keep_going);
+        if (!keep_going()) return Status::cancelled;
         double before = 0;
         for (bool refined = !is_refined();;) { // float changes can be small while errors are not
-            if (!work.keep_going(double(report.multigrid.cycles) / double(report.multigrid.cycles + 4)))
-                return Status::cancelled;
-            const double change = multigrid_.cycle(block, count);
+            const double change = multigrid_.cycle(block, count, keep_going);
             ++report.multigrid.cycles;
+            if (!keep_going()) return Status::cancelled;
             // The change of a cycle is the error before it, minus the error that remains. The first
             // cycles gain more than later ones.
             const double gained = before > 0 ? change / before : 0.5;
@@ -196,7 +199,7 @@ public:
                 return Status::not_converged;
             }
             if (is_refined() && report.multigrid.cycles > 1) {
-                multigrid_.refine(block);
+                multigrid_.refine(block, keep_going);
                 refined = true;
             }
         }

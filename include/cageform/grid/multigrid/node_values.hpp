@@ -23,9 +23,6 @@ inline void set_zero(Buffer<NodeRow>& rows, std::size_t begin, std::size_t end) 
     if (begin == end) return; // memset must not receive a null pointer
     std::memset(static_cast<void*>(rows.data() + begin), 0, (end - begin) * sizeof(NodeRow));
 }
-inline void set_zero(Buffer<NodeRow>& rows) noexcept {
-    set_zero(rows, 0, rows.size());
-}
 inline void set_zero(Buffer<NodeRow>& rows, const WorkShare& share) noexcept {
     constexpr std::size_t worth_sharing = 16384; // a megabyte
     share.for_ranges(rows.size(), worth_sharing,

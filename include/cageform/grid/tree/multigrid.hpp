@@ -21,6 +21,8 @@
 #include <cageform/grid/multigrid/node_values.hpp>
 #include <cageform/grid/tree/hierarchy.hpp>
 
+#include <functional>
+
 namespace cageform::inline CAGEFORM_ABI {
 namespace grid {
 
@@ -33,6 +35,9 @@ public:
     static constexpr std::size_t width = detail::functions_together;
     using Values = detail::NodeValues;
     using Row = detail::NodeRow;
+    /// Called some times a second while work goes on. After it returns false, the work ends early, and the
+    /// values of the block mean nothing until the next start.
+    using KeepGoing = std::function<bool()>;
 
     /// The solution of one group of functions and the memory to compute it.
     class Block {
@@ -72,6 +77,8 @@ public:
         std::span<const TreeData> data_;
         std::size_t first_ = 0;
         double cutoff_ = 0;
+        bool is_zero_ = false; ///< the values that are not touched are zero
+        const KeepGoing* keep_going_ = nullptr;
     };
 
     TreeMultigrid(const CutTree<D>& tree, const TreeNodes<D>& nodes)
@@ -104,8 +111,6 @@ public:
             fields.u.resize(level.nodes());
             fields.b.resize(level.nodes());
             fields.flags = Buffer<std::uint8_t>(level.nodes(), 0);
-            detail::set_zero(fields.u);
-            detail::set_zero(fields.b);
         }
         return block;
     }
@@ -120,12 +125,13 @@ public:
     /// all functions are below a thousandth of the cutoff, they become zero. A value that is not
     /// solved for has the relative error of the coarser level. The largest error measured was a
     /// quarter of the cutoff.
-    void start(Block& block, std::size_t first, double cutoff = 0) const {
+    void start(Block& block, std::size_t first, double cutoff = 0, const KeepGoing& keep_going = {}) const {
         const detail::FlushDenormals flush;
+        block.keep_going_ = &keep_going;
         block.first_ = first;
         block.cutoff_ = cutoff;
         block.refined_.clear();
-        for (auto& level : block.levels_) clear(level);
+        clear(block);
         set_data(block);
         const std::size_t coarsest = levels_.size() - 1;
         for (std::uint32_t n = 0; n < levels_[coarsest].nodes(); ++n) block.levels_[coarsest].mark(n, active);
@@ -140,8 +146,9 @@ public:
 
     /// Runs one V(2,1) cycle. Returns the largest change of any of the first `functions`. With a
     /// cutoff, nodes may become active.
-    double cycle(Block& block, std::size_t functions) const {
+    double cycle(Block& block, std::size_t functions, const KeepGoing& keep_going = {}) const {
         const detail::FlushDenormals flush;
+        block.keep_going_ = &keep_going;
         const Simd largest = descend(block, 0);
         if (block.cutoff_ > 0) grow(block, 0);
         detail::NodeRow row;
@@ -152,15 +159,16 @@ public:
     }
 
     /// Moves the functions to double. The residual becomes the right-hand side of the next cycles.
-    void refine(Block& block) const {
+    void refine(Block& block, const KeepGoing& keep_going = {}) const {
         const detail::FlushDenormals flush;
+        block.keep_going_ = &keep_going;
         auto& u = block.levels_[0].u;
         auto& b = block.levels_[0].b;
         if (block.refined_.empty()) block.refined_ = Buffer<Values>(unknowns(), Values{});
-        for (std::uint32_t n = 0; n < unknowns(); ++n) {
+        for_each(block, unknowns(), [&](std::size_t n) {
             for (std::size_t k = 0; k < width; ++k) block.refined_[n][k] += double(u[n][k]);
-        }
-        detail::set_zero(u);
+            Simd(0.0f).store(u[n]);
+        });
         const auto data = [&](std::uint32_t n, Values& sum) {
             for (std::size_t k = 0; k < width; ++k) sum[k] -= diagonal_[n] * block.refined_[n][k];
             for (const auto& [column, weight] : levels_[0].neighbours.of(n)) {
@@ -180,12 +188,12 @@ public:
             rows[std::size_t(at - data_nodes.begin())][handle - block.first_] += double(weight);
         }
         std::size_t next = 0;
-        for (std::uint32_t n = 0; n < unknowns(); ++n) {
+        for_each(block, unknowns(), [&](std::size_t n) {
             Values sum{};
             if (next < data_nodes.size() && data_nodes[next] == n) sum = rows[next++];
-            data(n, sum);
+            data(std::uint32_t(n), sum);
             for (std::size_t k = 0; k < width; ++k) b[n][k] = float(sum[k]);
-        }
+        });
     }
 
 private:
@@ -193,17 +201,33 @@ private:
     static constexpr std::uint8_t active = 1; ///< a flag: the node is solved for
     static constexpr std::size_t coarsest_sweeps = 15, data_sweeps = 2;
 
+    /// Calls f(n) for n < count, in order, and KeepGoing at times; ends early where that says so.
+    template <class F>
+    static void for_each(const Block& block, std::size_t count, const F& f) {
+        constexpr std::size_t together = std::size_t{1} << 18; // some hundredths of a second
+        for (std::size_t begin = 0; begin < count; begin += together) {
+            if (begin > 0 && *block.keep_going_ && !(*block.keep_going_)()) return;
+            const std::size_t end = (std::min)(count, begin + together);
+            for (std::size_t n = begin; n < end; ++n) f(n);
+        }
+    }
+
     // ---- which nodes are solved for -------------------------------------------------------------------
 
-    static void clear(typename Block::Level& level) noexcept {
-        for (const std::uint32_t n : level.touched) {
-            Simd(0.0f).store(level.u[n]);
-            Simd(0.0f).store(level.b[n]);
-            level.flags[n] = 0;
+    static void clear(Block& block) {
+        for (auto& level : block.levels_) {
+            const auto clear_node = [&level](std::size_t n) {
+                Simd(0.0f).store(level.u[n]);
+                Simd(0.0f).store(level.b[n]);
+                level.flags[n] = 0;
+            };
+            if (!block.is_zero_) for_each(block, level.flags.size(), clear_node);
+            for_each(block, level.touched.size(), [&](std::size_t k) { clear_node(level.touched[k]); });
+            level.touched.clear();
+            level.list.clear();
+            level.rim.clear();
         }
-        level.touched.clear();
-        level.list.clear();
-        level.rim.clear();
+        block.is_zero_ = true;
     }
     /// Sets the right-hand sides of all levels: the data of the finest level, restricted to the
     /// others.
@@ -270,7 +294,8 @@ private:
         const float cutoff = cutoff_of(block, l), least = float(1e-3 * block.cutoff_);
         const bool everywhere = block.cutoff_ == 0;
         for (std::size_t k = 0; k < level.with_data; ++k) level.mark(level.touched[k], active);
-        for (std::uint32_t n = 0; n < levels_[l].nodes(); ++n) {
+        for_each(block, levels_[l].nodes(), [&](std::size_t at) {
+            const auto n = std::uint32_t(at);
             bool any = false;
             for (const auto& [column, weight] : levels_[l].interpolation.of(n))
                 any = any || coarse.flags[column] != 0;
@@ -287,7 +312,7 @@ private:
                 if (level.flags[n] != 0) sum.store(level.u[n]);
             }
             if (everywhere) level.mark(n, active);
-        }
+        });
         for (const std::uint32_t n : coarse.touched) Simd(0.0f).store(coarse.u[n]);
         level.rim.clear();
         for (std::uint32_t n = 0; n < levels_[l].nodes() && !everywhere; ++n) {
@@ -341,13 +366,14 @@ private:
     ///
     ///   largest  out: the largest change, if keeps_largest
     template <bool keeps_largest = false>
-    void relax(Block& block, std::size_t l, [[maybe_unused]] Simd* largest = nullptr) const noexcept {
+    void relax(Block& block, std::size_t l, [[maybe_unused]] Simd* largest = nullptr) const {
         auto& at = block.levels_[l];
-        for (const std::uint32_t n : at.list) {
+        for_each(block, at.list.size(), [&](std::size_t k) {
+            const std::uint32_t n = at.list[k];
             const Simd u = sum_about(at, l, n) * Simd(levels_[l].inverse_diagonal[n]);
             if constexpr (keeps_largest) *largest = (detail::max)(*largest, abs(u - Simd::load(at.u[n])));
             u.store(at.u[n]);
-        }
+        });
     }
     /// Relaxes only the nodes next to the boundary, which have data. The prolongation leaves out
     /// the shares of boundary values. That is right for corrections, but take_over applies it to the
@@ -363,33 +389,35 @@ private:
         }
     }
     /// Makes the residual of a level, restricted by Pᵀ, the right-hand side of the next.
-    void restrict_residual(Block& block, std::size_t l) const noexcept {
+    void restrict_residual(Block& block, std::size_t l) const {
         const auto& at = block.levels_[l];
         auto& coarse = block.levels_[l + 1];
         for (const std::uint32_t n : coarse.list) Simd(0.0f).store(coarse.b[n]);
-        for (const std::uint32_t n : at.list) {
+        for_each(block, at.list.size(), [&](std::size_t k) {
+            const std::uint32_t n = at.list[k];
             const Simd r =
                 sum_about(at, l, n) - Simd::load(at.u[n]) * Simd(1 / levels_[l].inverse_diagonal[n]);
             for (const auto& [column, weight] : levels_[l].interpolation.of(n)) {
                 if ((coarse.flags[column] & active) != 0)
                     multiply_add(Simd(weight), r, Simd::load(coarse.b[column])).store(coarse.b[column]);
             }
-        }
+        });
     }
     /// Adds the correction interpolated from the next level. Updates the largest change.
-    void interpolate(Block& block, std::size_t l, Simd& largest) const noexcept {
+    void interpolate(Block& block, std::size_t l, Simd& largest) const {
         auto& at = block.levels_[l];
         const auto& coarse = block.levels_[l + 1].u;
-        for (const std::uint32_t n : at.list) {
+        for_each(block, at.list.size(), [&](std::size_t k) {
+            const std::uint32_t n = at.list[k];
             Simd sum(0.0f);
             for (const auto& [column, weight] : levels_[l].interpolation.of(n))
                 sum = multiply_add(Simd(weight), Simd::load(coarse[column]), sum);
             largest = (detail::max)(largest, abs(sum));
             (Simd::load(at.u[n]) + sum).store(at.u[n]);
-        }
+        });
     }
     /// Runs one V-cycle from a level down. Returns the largest change.
-    Simd descend(Block& block, std::size_t l) const noexcept {
+    Simd descend(Block& block, std::size_t l) const {
         Simd largest(0.0f);
         relax<true>(block, l, &largest);
         if (l + 1 == levels_.size()) {
