@@ -363,6 +363,38 @@ TEST_CASE("a face that crosses itself is reported as folded", "[examples][obj]")
     }
 }
 
+TEST_CASE("a file of another format is told by its first bytes", "[examples][obj]") {
+    std::string binary_stl(84, ' ');
+    binary_stl[80] = 2;
+    std::fill(binary_stl.begin() + 81, binary_stl.end(), '\0');
+    binary_stl.resize(84 + 2 * 50);
+    const std::pair<std::string, std::string_view> files[] = {
+        {binary_stl, "STL"},
+        {"solid cube\nfacet normal 0 0 1\n", "STL"},
+        {"SOLID CUBE\nFACET NORMAL 0 0 1\n", "STL"},
+        {std::string("glTF\2\0\0\0", 8), "glTF"},
+        {R"({"scenes": [], "asset": {"version": "2.0"}})", "glTF"},
+        {"ply\r\nformat ascii 1.0\r\n", "PLY"},
+        {"Kaydara FBX Binary  ", "FBX"},
+        {"; FBX 7.4.0 project file\n", "FBX"},
+        {"COFF\n8 6 12\n", "OFF"},
+        {"#VRML V2.0 utf8\nShape {}\n", "VRML"},
+        {std::string("MM\x20\0\0\0", 6), "3DS"},
+        {"# vtk DataFile Version 3.0\ncube\nASCII\n", "VTK"},
+        {"MeshVersionFormatted 2\n", "Medit"},
+        {"<?xml version=\"1.0\"?>\n<COLLADA/>\n", "XML"},
+        {"\x1f\x8b\x08", "gzip"},
+    };
+    for (const auto& [text, format] : files) {
+        CAPTURE(format);
+        const auto file = parse_obj(text, "mesh.obj");
+        REQUIRE_FALSE(file);
+        CHECK(to_string(file.error()).find("a file of the format " + std::string(format)) !=
+              std::string::npos);
+    }
+    CHECK(parse_obj("# solid\no MM\nv 0 0 0\n", "mesh.obj")); // begins like none of them
+}
+
 TEST_CASE("what is wrong with an OBJ file is named with its line", "[examples][obj]") {
     const std::string three = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
     CHECK(refusal("") == "file.obj: is empty");

@@ -50,7 +50,7 @@ std::string_view other_format(std::string_view text) {
             triangles = triangles << 8 | static_cast<unsigned char>(text[stl_head - 5 + k]);
         if (text.size() == stl_head + std::uint64_t{triangles} * stl_triangle) return "STL";
     }
-    if (begins_with_word("solid")) return "STL";
+    if (begins_with_word("solid") || begins_with_word("SOLID")) return "STL";
     if (begin.starts_with("glTF") || (begin.starts_with('{') && text.find("\"asset\"") != text.npos))
         return "glTF";
     if (begins_with_word("ply")) return "PLY";
@@ -62,6 +62,17 @@ std::string_view other_format(std::string_view text) {
         {"BLENDER", "Blender"},
         {"#usda", "USD"},
         {"PXR-USDC", "USD"},
+        {"#VRML", "VRML"},
+        {"#X3D", "X3D"},
+        {"#Inventor", "Inventor"},
+        {"MM", "3DS"},
+        {"xof ", "DirectX"},
+        {"ISO-10303-21", "STEP"},
+        {"# vtk", "VTK"},
+        {"MeshVersionFormatted", "Medit"},
+        {"$MeshFormat", "Gmsh"},
+        {"%PDF", "PDF"},
+        {"\x89PNG", "PNG"},
         {"<?xml", "XML"},
         {"<!DOCTYPE", "HTML"},
         {"<html", "HTML"},

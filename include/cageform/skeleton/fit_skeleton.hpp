@@ -58,11 +58,9 @@ fit_skeleton(const R& rest, const Frames& frames, const F& faces, const Skeleton
 ///   options       the distance is from where a vertex is by the maps to where it is by the keys, in every
 ///                 frame: measured at the skin, not at the bones, and for all bones together
 ///   returns       keys at some of the frames, with the values there. A channel that may stand still has one.
-///                 Rotations without tangents keep the distance by slerp. The rotations of one bone keep it
-///                 by nlerp, too. In a tree the differences add up: 14 % of the distance were measured.
-///                 Neighbouring rotation keys differ by at most 90°. Between neighbouring frames there
-///                 are keys where slerp and nlerp differ by more than the distance (or 1e-4). Half turns
-///                 about one axis all go one way
+///                 Rotations without tangents keep the distance by slerp and by nlerp. Neighbouring rotation
+///                 keys differ by at most 90°. Between neighbouring frames there are keys where slerp and
+///                 nlerp differ by more than the distance (or 1e-4). Half turns about one axis all go one way
 ///   cost          some O(#vertices · #influences · #frames · log #frames); 1,114 vertices in 33 frames take
 ///                 0.1 s for 20 bones. Memory: 12 bytes · #vertices · #frames
 ///   fails         value_not_finite (the distance, or a negative one; a map; the rest; an ancestor that is

@@ -46,11 +46,11 @@ Status check_skeleton(const FittedSkeleton<T>& skeleton, std::size_t vertices, s
 template <class T>
 void measure_keys(const FittedSkeleton<T>& skeleton, const std::vector<Vec<double, 3>>& rest,
                   std::span<const T> times, double size, const SkeletonKeys<T>& keys,
-                  SkeletonKeysReport& report) {
+                  typename SkeletonKeys<T>::Turn way, SkeletonKeysReport& report) {
     FittedSkeleton<T> played = skeleton;
     played.frames = 1;
     for (std::size_t t = 0; t < times.size(); ++t) {
-        played.maps = keys.maps(skeleton, times[t]);
+        played.maps = keys.maps(skeleton, times[t], way);
         for (std::size_t i = 0; i < rest.size(); ++i) {
             const auto place = vec_cast<T>(rest[i]);
             const auto d = vec_cast<double>(played.place(0, i, place) - skeleton.place(t, i, place));
@@ -83,8 +83,6 @@ Status make_keys(const FittedSkeleton<T>& given, const std::vector<Vec<double, 3
     double size = figure_size(rest);
     if (!(size > 0)) size = 1;
     const std::vector<double> seconds(times.begin(), times.end());
-    KeyFitter fitter(skeleton, rest, seconds, options, size);
-    if (const Status status = fitter.run(running); status != Status::ok) return status;
     const auto copy = [&](auto& to, const auto& from) {
         using V = std::decay_t<decltype(to.values[0])>;
         const auto cast = [](const auto& list) {
@@ -103,14 +101,29 @@ Status make_keys(const FittedSkeleton<T>& given, const std::vector<Vec<double, 3
         result.report.keys += from.times.size();
         result.report.numbers += from.times.size() * (rows * (sizeof(V) / sizeof(T)) + 1);
     };
-    for (const SkeletonKeys<double>::Bone& bone : fitter.keys.bones) {
-        auto& to = result.value.bones.emplace_back();
-        copy(to.translation, bone.translation);
-        copy(to.rotation, bone.rotation);
-        copy(to.scale, bone.scale);
-        copy(to.axes, bone.axes);
+    // In a tree the differences between slerp and nlerp add up. Then the distance is kept by a smaller one;
+    // in the last round a key in each frame keeps any distance.
+    constexpr int rounds = 6;
+    SkeletonKeyOptions smaller = options;
+    for (int round = 0; round < rounds; ++round) {
+        result = {};
+        KeyFitter fitter(skeleton, rest, seconds, smaller, size);
+        const Running of_round = running.subtask(1 - std::ldexp(1, -round), 1 - std::ldexp(0.5, -round));
+        if (const Status status = fitter.run(of_round); status != Status::ok) return status;
+        for (const SkeletonKeys<double>::Bone& bone : fitter.keys.bones) {
+            auto& to = result.value.bones.emplace_back();
+            copy(to.translation, bone.translation);
+            copy(to.rotation, bone.rotation);
+            copy(to.scale, bone.scale);
+            copy(to.axes, bone.axes);
+        }
+        SkeletonKeysReport by_nlerp;
+        measure_keys(given, rest, times, size, result.value, SkeletonKeys<T>::Turn::slerp, result.report);
+        measure_keys(given, rest, times, size, result.value, SkeletonKeys<T>::Turn::nlerp, by_nlerp);
+        const double most = (std::max)(options.max_distance, result.report.max_distance); // also by rounding
+        if (smaller.max_distance == 0 || by_nlerp.max_distance <= most) break;
+        smaller.max_distance *= round + 2 < rounds ? 0.97 * most / by_nlerp.max_distance : 0;
     }
-    measure_keys(given, rest, times, size, result.value, result.report);
     return running.end(Status::ok);
 }
 

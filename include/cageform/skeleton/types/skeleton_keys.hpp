@@ -15,6 +15,10 @@ template <class T>
 struct SkeletonKeys {
     using Map = typename FittedSkeleton<T>::Map;
 
+    /// How players turn between keys without tangents: at constant speed (slerp), as glTF asks, or by
+    /// components, normalised (nlerp), as many do.
+    enum class Turn { slerp, nlerp };
+
     /// Without tangents, values go straight between keys, and rotations turn at constant speed along the
     /// shorter arc (LINEAR). With tangents they are cubics; those of rotations are then normalised
     /// (CUBICSPLINE).
@@ -35,17 +39,17 @@ struct SkeletonKeys {
     std::vector<Bone> bones;
 
     /// Returns a bone's local transform at a time; before the first key and after the last, theirs.
-    Map local(std::size_t bone, T time) const noexcept {
+    Map local(std::size_t bone, T time, Turn way = Turn::slerp) const noexcept {
         const Bone& of = bones[bone];
-        return composed(at(of.translation, time), at(of.rotation, time), at(of.scale, time),
-                        at(of.axes, time));
+        return composed(at(of.translation, time, way), at(of.rotation, time, way), at(of.scale, time, way),
+                        at(of.axes, time, way));
     }
     /// Returns where each bone takes a vertex from its place at rest at a time, as FittedSkeleton::map does
     /// in a frame; #bones.
-    std::vector<Map> maps(const FittedSkeleton<T>& skeleton, T time) const {
+    std::vector<Map> maps(const FittedSkeleton<T>& skeleton, T time, Turn way = Turn::slerp) const {
         std::vector<Map> nodes(bones.size());
         for (std::size_t b = 0; b < bones.size(); ++b) {
-            nodes[b] = local(b, time);
+            nodes[b] = local(b, time, way);
             if (skeleton.parents[b] != FittedSkeleton<T>::no_parent)
                 nodes[b] = nodes[skeleton.parents[b]].after(nodes[b]);
         }
@@ -77,7 +81,7 @@ private:
         return map;
     }
     template <class V>
-    static V at(const Channel<V>& channel, T time) noexcept {
+    static V at(const Channel<V>& channel, T time, Turn way) noexcept {
         const std::vector<T>& times = channel.times;
         if (!(time > times.front())) return channel.values.front();
         if (!(time < times.back())) return channel.values.back();
@@ -89,18 +93,18 @@ private:
         constexpr bool turns = std::is_same_v<V, Quaternion<T>>;
         const T length = times[high] - times[low], t = (time - times[low]) / length, s = 1 - t;
         const V &a = channel.values[low], &b = channel.values[high];
-        if (channel.out_tangents.empty()) {
-            if constexpr (turns)
-                return slerp(a, b, t);
-            else
-                return a + t * (b - a);
+        const bool is_linear = channel.out_tangents.empty();
+        if constexpr (turns) {
+            if (is_linear && way == Turn::slerp) return slerp(a, b, t);
         }
-        const V &out = channel.out_tangents[low], &in = channel.in_tangents[high];
         V result{};
         T square = 0;
         for (std::size_t k = 0; k < (turns ? 4 : 3); ++k) {
-            result[k] = s * s * (1 + 2 * t) * a[k] + t * t * (3 - 2 * t) * b[k] +
-                        length * s * t * (s * out[k] - t * in[k]);
+            result[k] = is_linear
+                            ? a[k] + t * (b[k] - a[k])
+                            : s * s * (1 + 2 * t) * a[k] + t * t * (3 - 2 * t) * b[k] +
+                                  length * s * t *
+                                      (s * channel.out_tangents[low][k] - t * channel.in_tangents[high][k]);
             square += result[k] * result[k];
         }
         for (std::size_t k = 0; turns && k < 4; ++k) result[k] /= std::sqrt(square);
