@@ -54,9 +54,16 @@ void AnimatedSvg::show(std::size_t frame) {
 
 void AnimatedSvg::append_animation(pugi::xml_node node, const std::string& attribute, const std::string& type,
                                    double seconds, const std::string& values) {
-    const std::string element = detail::name_prefix(detail::root_element(node.root())) +
-                                (type.empty() ? "animate" : "animateTransform");
-    pugi::xml_node animation = node.append_child(element.c_str());
+    const pugi::xml_node root = detail::root_element(node.root());
+    const std::string element = detail::name_prefix(root) + (type.empty() ? "animate" : "animateTransform");
+    const bool is_pattern =
+        detail::local_name(node) == "pattern"; // with an element in it, it takes no content
+    pugi::xml_node animation = is_pattern ? node.parent().insert_child_before(element.c_str(), node)
+                                          : node.append_child(element.c_str());
+    if (is_pattern) {
+        detail::set_attribute(animation, detail::reference_name(root).c_str(),
+                              std::string("#") + node.attribute("id").value());
+    }
     animation.append_attribute("attributeName") = attribute.c_str();
     if (!type.empty()) animation.append_attribute("type") = type.c_str();
     if (!type.empty() && type != "translate") animation.append_attribute("additive") = "sum";

@@ -19,18 +19,49 @@ Affine2 from_unit_square(const Box& box) {
     return {box.width(), 0, 0, box.height(), box.x0, box.y0};
 }
 
-/// The name of the attribute that refers to another element, declared where it has a prefix.
-std::string reference_name(pugi::xml_node root) {
-    const char* const space = "http://www.w3.org/1999/xlink";
-    if (!root.attribute("xmlns:xlink")) set_attribute(root, "xmlns:xlink", space);
-    return attribute_text(root, "xmlns:xlink") == space ? "xlink:href" : "href";
+struct InheritedAttribute {
+    const char* name;
+    const char* otherwise; // empty: its absence has a meaning of its own
+};
+
+/// What a gradient or pattern takes from those that it refers to, but for its transform.
+std::vector<InheritedAttribute> inherited_attributes(const std::string& kind) {
+    if (kind == "pattern") {
+        return {{"patternUnits", ""},
+                {"patternContentUnits", ""},
+                {"x", ""},
+                {"y", ""},
+                {"width", ""},
+                {"height", ""},
+                {"viewBox", ""},
+                {"preserveAspectRatio", ""}};
+    }
+    std::vector<InheritedAttribute> all{{"gradientUnits", "objectBoundingBox"}, {"spreadMethod", ""}};
+    if (kind == "linearGradient")
+        all.insert(all.end(), {{"x1", "0%"}, {"y1", "0%"}, {"x2", "100%"}, {"y2", "0%"}});
+    else
+        all.insert(all.end(),
+                   {{"cx", "50%"}, {"cy", "50%"}, {"r", "50%"}, {"fx", ""}, {"fy", ""}, {"fr", ""}});
+    return all;
 }
 
-/// For a key: transforms in all frames.
-std::string written(const std::vector<Affine2>& transforms) {
-    std::string text;
-    for (const Affine2& transform : transforms) text += ' ' + write_transform(transform);
-    return text;
+/// Whether an attribute of a gradient is about more than its stops.
+bool places_colours(const std::string& kind, std::string_view name) {
+    const auto all = inherited_attributes(kind);
+    return is_reference(name) || name == "gradientTransform" ||
+           std::any_of(all.begin(), all.end(), [&](const auto& each) { return each.name == name; });
+}
+
+/// Whether it has stops or a tile, rather than those of another one.
+bool has_content(pugi::xml_node server) {
+    const bool is_pattern = local_name(server) == "pattern";
+    return bool(server.find_child([&](pugi::xml_node child) {
+        return is_pattern ? child.type() == pugi::node_element : local_name(child) == "stop";
+    }));
+}
+
+const char* transform_name(const PaintServer& server) {
+    return server.is_pattern ? "patternTransform" : "gradientTransform";
 }
 
 double fraction_or_number(const std::string& text, double otherwise) {
@@ -70,7 +101,7 @@ std::optional<PaintServer> PaintFollower::find(const std::string& value) {
         node = next.starts_with('#') ? ids_.find(next.substr(1)) : pugi::xml_node();
     }
     if (server.chain.empty()) return std::nullopt;
-    const char* const name = server.is_pattern ? "patternTransform" : "gradientTransform";
+    const char* const name = transform_name(server);
     const auto transform = parse_transform(chain_text(server, name));
     if (!transform) {
         warnings.push_back(label(document_, server.chain.front()) + ": " + name + ": " +
@@ -90,80 +121,104 @@ void PaintFollower::follow(const DrawnShape& shape, const char* property, const 
     if (!server) return;
     if (rest.empty() || moved.front().empty()) return;
 
-    // Where the paint goes by itself: nowhere, or with the box.
     const auto from_rest = inverse(from_unit_square(rest));
     if (server->of_box && !from_rest) return;
-    double missed = 0;
-    for (std::size_t f = 0; f < local.size(); ++f) {
-        const Affine2 by_itself =
-            server->of_box ? compose(from_unit_square(moved[f]), *from_rest) : Affine2();
-        for (const Point2& p : rest.corners()) {
-            const Point2 a = apply(shape.to_root, apply(local[f], p));
-            const Point2 b = apply(shape.to_root, apply(by_itself, p));
-            missed = std::max(missed, std::hypot(a.x - b.x, a.y - b.y));
-        }
-    }
-    if (!(missed > tolerance_)) return;
-
-    std::vector<Affine2> transforms;
-    for (std::size_t f = 0; f < local.size(); ++f) {
-        Affine2 map = local[f];
-        if (!server->is_pattern && server->of_box) {
-            const auto from_moved = inverse(from_unit_square(moved[f])); // nothing without an area
-            if (!from_moved && transforms.empty()) return;
-            if (!from_moved) {
-                transforms.push_back(transforms.back());
-                continue;
+    // Whether paint goes where it is to go, by maps in user space or in units of the box.
+    const auto goes_right = [&](bool of_box, const auto& map_of) {
+        for (std::size_t n = 0; n < local.size(); ++n) {
+            const std::size_t f = (n + local.size() / 2) % local.size(); // motions often begin at rest
+            const Affine2 placed =
+                of_box ? compose(from_unit_square(moved[f]), compose(map_of(f), *from_rest)) : map_of(f);
+            for (const Point2& p : rest.corners()) {
+                const Point2 a = apply(shape.to_root, apply(local[f], p));
+                const Point2 b = apply(shape.to_root, apply(placed, p));
+                if (!(std::hypot(a.x - b.x, a.y - b.y) <= tolerance_)) return false;
             }
-            map = compose(*from_moved, compose(map, from_unit_square(rest)));
         }
-        transforms.push_back(compose(map, server->transform));
+        return true;
+    };
+    if (goes_right(server->of_box, [](std::size_t) { return Affine2(); })) return;
+
+    const bool in_box = server->of_box && !server->is_pattern; // a copied pattern is in user space
+    std::vector<Affine2> maps;
+    for (std::size_t f = 0; f < local.size(); ++f) {
+        const auto from_moved = inverse(from_unit_square(moved[f])); // nothing without an area
+        if (in_box && !from_moved && maps.empty()) return;
+        maps.push_back(!in_box      ? local[f]
+                       : from_moved ? compose(*from_moved, compose(local[f], from_unit_square(rest)))
+                                    : maps.back());
     }
-    const std::string fresh = server->is_pattern ? copy_of_pattern(*server, std::move(transforms), rest)
-                                                 : copy_of_gradient(*server, std::move(transforms));
-    if (!fresh.empty()) styles_.set(shape.node, property, with_referenced_id(value, fresh));
+    std::vector<Copy>& copies = copies_[attribute_text(server->chain.front(), "id")];
+    const Box tile = server->is_pattern && (server->of_box || content_is_of_box(*server)) ? rest : Box();
+    auto copy = std::find_if(copies.begin(), copies.end(), [&](const Copy& each) {
+        return each.tile.corners() == tile.corners() &&
+               goes_right(in_box, [&](std::size_t f) { return each.maps[f]; });
+    });
+    if (copy == copies.end()) {
+        const pugi::xml_node node =
+            server->is_pattern ? copy_of_pattern(*server, rest) : copy_of_gradient(*server);
+        AnimatedSvg::Track track{node, transform_name(*server), {}, {}};
+        for (const Affine2& map : maps) track.maps.push_back(compose(map, server->transform));
+        tracks_.push_back(std::move(track));
+        copy = copies.insert(copy, {attribute_text(node, "id"), std::move(maps), tile});
+    }
+    styles_.set(shape.node, property, with_referenced_id(value, copy->id));
 }
 
-pugi::xml_node PaintFollower::add_copy(pugi::xml_node original) {
-    const std::string id = attribute_text(original, "id");
+pugi::xml_node PaintFollower::add_copy(const Server& server) {
+    const pugi::xml_node original = server.chain.front();
     pugi::xml_node copy = original.parent().insert_child_after(original.name(), original);
-    ids_.name(copy, id);
-    set_attribute(copy, reference_name(root_element(document_.xml)).c_str(), '#' + escaped(id));
-    return copy;
-}
-
-std::string PaintFollower::copy_of_gradient(const Server& gradient, std::vector<Affine2> transforms) {
-    pugi::xml_node original = gradient.chain.front();
-    std::string& copy_id = copies_[attribute_text(original, "id") + written(transforms)];
-    if (!copy_id.empty()) return copy_id;
-    const pugi::xml_node copy = add_copy(original);
-    copy_id = attribute_text(copy, "id");
-    tracks_.push_back({copy, "gradientTransform", {}, std::move(transforms)});
-    return copy_id;
-}
-
-/// A pattern's tile in units of the box is written in user space, where the transform applies.
-std::string PaintFollower::copy_of_pattern(const Server& pattern, std::vector<Affine2> transforms,
-                                           const Box& rest) {
-    pugi::xml_node original = pattern.chain.front();
-    const std::string id = attribute_text(original, "id");
-    std::string key = id + written(transforms);
-    if (pattern.of_box) key += ' ' + write_transform(from_unit_square(rest));
-    std::string& copy_id = copies_[key];
-    if (!copy_id.empty()) return copy_id;
-    pugi::xml_node copy = add_copy(original); // which has no content of its own, and so the original's
-    copy_id = attribute_text(copy, "id");
+    ids_.name(copy, attribute_text(original, "id"));
     for (const pugi::xml_attribute attribute : original.attributes()) {
         if (!is_reference(attribute.name()) && !copy.attribute(attribute.name())) copy.append_copy(attribute);
     }
-    tracks_.push_back({copy, "patternTransform", {}, std::move(transforms)});
+    for (const auto& [name, otherwise] : inherited_attributes(local_name(original))) {
+        const std::string text = chain_text(server, name);
+        const std::string& value = text.empty() ? otherwise : text;
+        if (!value.empty()) set_attribute(copy, name, escaped(value));
+    }
+    return copy;
+}
+
+pugi::xml_node PaintFollower::copy_of_gradient(const Server& gradient) {
+    pugi::xml_node copy = add_copy(gradient);
+    const auto owner = std::find_if(gradient.chain.begin(), gradient.chain.end(), has_content);
+    if (owner != gradient.chain.end()) refer(copy, stops_of(*owner));
+    return copy;
+}
+
+/// Some programs let a gradient take nothing but stops from another one, which then has to have no place.
+std::string PaintFollower::stops_of(pugi::xml_node gradient) {
+    const std::string kind = local_name(gradient), id = attribute_text(gradient, "id");
+    const auto places = [&](pugi::xml_attribute each) { return places_colours(kind, each.name()); };
+    if (!gradient.find_attribute(places)) return id;
+    std::string& stops = stops_[id];
+    if (!stops.empty()) return stops;
+    pugi::xml_node holder = gradient.parent().insert_copy_after(gradient, gradient);
+    while (const pugi::xml_attribute each = holder.find_attribute(places)) holder.remove_attribute(each);
+    for (pugi::xml_node node = holder; node; node = next_node(node, holder)) node.remove_attribute("id");
+    return stops = ids_.name(holder, id + "-stops");
+}
+
+void PaintFollower::refer(pugi::xml_node node, const std::string& id) {
+    set_attribute(node, reference_name(root_element(document_.xml)).c_str(), '#' + escaped(id));
+}
+
+bool PaintFollower::content_is_of_box(const Server& pattern) const {
+    return chain_text(pattern, "viewBox").empty() &&
+           chain_text(pattern, "patternContentUnits") == "objectBoundingBox";
+}
+
+/// A pattern's tile in units of the box is written in user space, where the transform applies. The content is
+/// that of the original: a pattern without elements takes it from the one that it refers to.
+pugi::xml_node PaintFollower::copy_of_pattern(const Server& pattern, const Box& rest) {
+    pugi::xml_node copy = add_copy(pattern);
+    const auto owner = std::find_if(pattern.chain.begin(), pattern.chain.end(), has_content);
+    if (owner != pattern.chain.end()) refer(copy, attribute_text(*owner, "id"));
 
     const auto number = [&](const char* name) { return fraction_or_number(chain_text(pattern, name), 0); };
     const double width = number("width");
     const double height = number("height");
-    const std::string view = chain_text(pattern, "viewBox");
-    const bool content_of_box =
-        view.empty() && chain_text(pattern, "patternContentUnits") == "objectBoundingBox";
     double across = 1; // user units of the tile
     double down = 1;
     if (pattern.of_box) {
@@ -175,14 +230,14 @@ std::string PaintFollower::copy_of_pattern(const Server& pattern, std::vector<Af
         set_attribute(copy, "height", format_number(down * height, 12));
         set_attribute(copy, "patternUnits", "userSpaceOnUse");
     }
-    if (content_of_box) { // a viewBox scales it as the box would
+    if (content_is_of_box(pattern)) { // a viewBox scales it as the box would
         const double w = pattern.of_box ? width : width / rest.width();
         const double h = pattern.of_box ? height : height / rest.height();
         set_attribute(copy, "viewBox", "0 0 " + format_number(w, 15) + ' ' + format_number(h, 15));
         set_attribute(copy, "preserveAspectRatio", "none");
         set_attribute(copy, "patternContentUnits", "userSpaceOnUse");
     }
-    return copy_id;
+    return copy;
 }
 
 namespace {

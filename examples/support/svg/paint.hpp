@@ -25,7 +25,8 @@ struct PaintServer {
 
 /// Makes paint follow the shapes. Where a gradient or pattern, as it is written, would not go where the
 /// best affine map of its shape takes it, the shape gets a copy of it with that map, and an id of its
-/// own. A copy refers to the original, so stops and tiles are not repeated.
+/// own. Shapes for which the same map is right share a copy. A copy has all attributes itself; it refers to
+/// other elements only for stops and for the content of tiles, which are not repeated.
 class PaintFollower {
 public:
     using Tracks = std::vector<AnimatedSvg::Track>;
@@ -51,12 +52,23 @@ public:
 private:
     using Server = PaintServer;
 
+    struct Copy {
+        std::string id;
+        std::vector<Affine2> maps; // in every frame, before the original's transform
+        Box tile;                  // at rest, of a pattern that is in units of it
+    };
+
     std::optional<PaintServer> find(const std::string& value);
     void follow(const DrawnShape& shape, const char* property, const std::string& value,
                 const std::vector<Affine2>& local, const Box& rest, const std::vector<Box>& moved);
-    std::string copy_of_pattern(const Server& pattern, std::vector<Affine2> transforms, const Box& rest);
-    pugi::xml_node add_copy(pugi::xml_node original);
-    std::string copy_of_gradient(const Server& gradient, std::vector<Affine2> transforms);
+    /// A copy that has all that the original has or takes from others, but neither transform nor content.
+    pugi::xml_node add_copy(const Server& server);
+    pugi::xml_node copy_of_gradient(const Server& gradient);
+    pugi::xml_node copy_of_pattern(const Server& pattern, const Box& rest);
+    /// The id of a gradient that has the stops of this one and nothing else.
+    std::string stops_of(pugi::xml_node gradient);
+    void refer(pugi::xml_node node, const std::string& id);
+    bool content_is_of_box(const Server& pattern) const;
     std::string chain_text(const Server& server, const char* name) const;
 
     SvgDocument& document_;
@@ -64,7 +76,8 @@ private:
     IdTable& ids_;
     double tolerance_; // in root user space
     Tracks& tracks_;
-    std::map<std::string, std::string> copies_; // by what they are of, and how they were moved
+    std::map<std::string, std::vector<Copy>> copies_; // by the id of what they are of
+    std::map<std::string, std::string> stops_;        // by the id of the gradient that has them
 };
 
 /// The box that a mask or filter of a drawing lies about, in the user space of the element that refers

@@ -79,6 +79,12 @@ void set_attribute(pugi::xml_node node, const char* name, const std::string& raw
     node.attribute(name).set_value(raw.c_str());
 }
 
+std::string reference_name(pugi::xml_node root) {
+    const char* const space = "http://www.w3.org/1999/xlink";
+    if (!root.attribute("xmlns:xlink")) set_attribute(root, "xmlns:xlink", space);
+    return attribute_text(root, "xmlns:xlink") == space ? "xlink:href" : "href";
+}
+
 std::string escaped(std::string_view text) {
     std::string result;
     for (const char c : text) {

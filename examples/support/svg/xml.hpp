@@ -30,6 +30,9 @@ std::string unescaped(std::string_view raw);
 /// Whether an attribute of this name refers to another element or file: href, with a prefix or not.
 bool is_reference(std::string_view attribute);
 
+/// The name of the attribute that refers to another element, declared where it has a prefix.
+std::string reference_name(pugi::xml_node root);
+
 /// Text as it stands between the quotes of an attribute.
 std::string escaped(std::string_view text);
 
