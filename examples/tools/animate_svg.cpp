@@ -66,6 +66,7 @@ struct Settings {
     PinChoice pins;
     bool report = false;
     double seconds = 2;
+    std::size_t size_limit = 0; // bytes of what is played; 0: none
     std::vector<std::string> films;
     std::size_t width = 800; // of films
     double rate = 0;         // 0: as fast as what is written can be played
@@ -175,6 +176,32 @@ SvgResult<std::string> tracks_of(const Settings& settings, const FigureControl& 
     return markers_text(tracks, file, "Points of a figure through its motion");
 }
 
+/// What is played, as a file.
+struct PlayedFile {
+    std::string text;
+    std::size_t keys = 0;
+    double tolerance = 0;
+};
+
+/// Plays a drawing within the size limit, by key frames within `tolerance` or the least of its doubles that is
+/// enough.
+///
+///   most    the largest tolerance to try
+///   fails   where that is not enough
+SvgResult<PlayedFile> played_file(AnimatedSvg& drawing, const Settings& settings, double seconds,
+                                  double tolerance, double most) {
+    PlayedFile file;
+    for (file.tolerance = tolerance;; file.tolerance *= 2) {
+        file.keys = drawing.play(seconds, file.tolerance);
+        file.text = to_text(drawing.document);
+        if (settings.size_limit == 0 || file.text.size() <= settings.size_limit) return file;
+        if (2 * file.tolerance > most)
+            return SvgError{settings.out + ": has " + std::to_string(file.text.size()) +
+                            " bytes with key frames within " + detail::short_number(file.tolerance) +
+                            " units, more than --size-limit " + std::to_string(settings.size_limit)};
+    }
+}
+
 /// Returns why the options do not go together; empty if they do.
 std::string fault_of(const Settings& settings) {
     const bool has_operations = !settings.operations.operations.empty();
@@ -183,6 +210,7 @@ std::string fault_of(const Settings& settings) {
     const int motions = int(!settings.clip.empty()) + int(!settings.markers.empty()) +
                         int(settings.pins.is_given()) + int(!settings.pose.empty() || has_operations);
     if (motions > 1) return "give only one of --clip, --markers, pins, and a pose";
+    if (settings.size_limit != 0 && ending_of(settings.out) != ".svg") return "--size-limit is for SVG files";
     if (settings.save_tracks.empty() != settings.tracked.empty())
         return "--track and --save-tracks go together";
     return {};
@@ -270,6 +298,7 @@ int animate(const Settings& settings, const SvgDocument& document, const CageFil
         return to_text(drawing.document);
     };
     OutputFiles outputs;
+    std::string size; // of what is played
     // Stills and films first, by their places; then what moves.
     const std::size_t stills = still_count_of(settings);
     for (std::size_t n = 0; n < stills; ++n)
@@ -290,13 +319,17 @@ int animate(const Settings& settings, const SvgDocument& document, const CageFil
     }
     if (!settings.out.empty()) {
         drawing.show(0);
-        drawing.play(file.length);
         if (ground) {
             ground.remove_attribute("transform");
             AnimatedSvg::append_animation(ground, "transform", "translate", file.length,
                                           "0 0;" + format_number(passed, 2) + " 0");
         }
-        outputs.add(settings.out).write(to_text(drawing.document));
+        const auto played = played_file(drawing, settings, file.length, options.tolerance,
+                                        0.02 * std::hypot(view->width, view->height));
+        if (!played) return fail(to_string(played.error()));
+        outputs.add(settings.out).write(played->text);
+        size = ", " + std::to_string(played->text.size()) + " bytes, " + std::to_string(played->keys) +
+               " key frames of attributes, within " + detail::short_number(played->tolerance) + " units";
     }
     if (!settings.save_clip.empty())
         outputs.add(settings.save_clip)
@@ -309,7 +342,8 @@ int animate(const Settings& settings, const SvgDocument& document, const CageFil
     if (const auto error = outputs.commit()) return fail(*error);
     std::cout << printable(settings.out.empty() ? settings.films.front() : settings.out) << ": " << frames
               << " frames of " << file.length << " s, " << drawing.report.segments << " segments, "
-              << drawing.report.points << " points bound, clip of " << clip->bytes() << " bytes\n";
+              << drawing.report.points << " points bound, clip of " << clip->bytes() << " bytes" << size
+              << '\n';
     return 0;
 }
 
@@ -353,11 +387,17 @@ int run_program(int argc, char** argv) {
             return rate == 0 || (rate >= 1 && rate <= 240) ? "" : text + " is not 0 nor from 1 to 240";
         })
         .show_default();
-    line.add("--flatness", settings.options.tolerance,
-             "the largest distance between drawn and exact curves, in user units; 0 means 1/5000 of the "
-             "picture's diagonal")
+    line.add(
+            "--flatness", settings.options.tolerance,
+            "the largest distance between drawn and exact curves, in user units, and from a frame to what is "
+            "played between key frames; 0 means 1/5000 of the picture's diagonal")
         .range(0.0, 1e100)
         .show_default();
+    line.add("--size-limit", settings.size_limit,
+             "the most bytes of an SVG: fewer key frames and digits are written until it fits; the distance "
+             "that "
+             "this takes, up to 1/50 of the diagonal, is printed")
+        .range(1, 1000000000);
     line.add_flag("--fit", settings.options.fit,
                   "enlarge the viewBox and the size of the picture so that all frames fit");
     line.add_flag(

@@ -205,26 +205,239 @@ TEST_CASE("a frame is what a still of its pose shows", "[examples][svg_document]
     }
 }
 
-TEST_CASE("what is played begins and ends with the first frame", "[examples][svg_document][animate]") {
-    const auto waves = random_waves(7);
-    AnimatedSvg moving = animated(drawing, waves);
-    moving.play(2.5);
-    std::size_t animations = 0;
-    for (const auto& track : moving.tracks) {
-        for (const pugi::xml_node child : track.node.children()) {
-            const std::string kind = detail::local_name(child);
-            if (!kind.starts_with("animate")) continue;
-            ++animations;
-            const std::string values = child.attribute("values").value();
-            CHECK(std::count(values.begin(), values.end(), ';') == frame_count);
-            CHECK(values.substr(0, values.find(';')) == values.substr(values.rfind(';') + 1));
-            CHECK(std::string_view(child.attribute("dur").value()) == "2.5s");
+namespace {
+
+std::vector<double> flat(const Path& path) {
+    std::vector<double> numbers;
+    for (const Subpath& subpath : path) {
+        numbers.insert(numbers.end(), {subpath.start.x, subpath.start.y});
+        for (const Segment& s : subpath.segments)
+            for (const Point2& p : {s.p1, s.p2, s.p3}) numbers.insert(numbers.end(), {p.x, p.y});
+    }
+    return numbers;
+}
+
+std::vector<std::string> parts_of(const std::string& text) {
+    std::vector<std::string> parts(1);
+    for (const char c : text) {
+        if (c == ';')
+            parts.emplace_back();
+        else
+            parts.back() += c;
+    }
+    return parts;
+}
+
+/// The height of a CSS easing curve, found by bisection.
+double eased(const std::vector<double>& controls, double time) {
+    const auto at = [&](double t, std::size_t axis) {
+        const double u = 1 - t;
+        return 3 * u * u * t * controls[axis] + 3 * u * t * t * controls[axis + 2] + t * t * t;
+    };
+    double low = 0, high = 1;
+    for (int n = 0; n < 60; ++n) (at((low + high) / 2, 0) < time ? low : high) = (low + high) / 2;
+    return at(low, 1);
+}
+
+/// The numbers of an animation at a share of its time, as SMIL has them.
+std::vector<double> played(pugi::xml_node animation, double time) {
+    const auto values = parts_of(animation.attribute("values").value());
+    std::vector<double> times;
+    for (std::size_t k = 0; k < values.size(); ++k) times.push_back(double(k) / double(values.size() - 1));
+    if (animation.attribute("keyTimes")) {
+        times.clear();
+        for (const auto& each : parts_of(animation.attribute("keyTimes").value()))
+            times.push_back(std::stod(each));
+    }
+    REQUIRE(times.size() == values.size());
+    const auto numbers = [&](std::size_t k) {
+        if (std::string_view(animation.attribute("attributeName").value()) != "d")
+            return *parse_numbers(values[k]);
+        const auto path = parse_path_data(values[k]);
+        REQUIRE(path);
+        return flat(*path);
+    };
+    if (values.size() == 1) return numbers(0);
+    std::size_t k = 0;
+    while (k + 2 < times.size() && times[k + 1] <= time) ++k;
+    double share = (time - times[k]) / (times[k + 1] - times[k]);
+    if (animation.attribute("keySplines")) {
+        CHECK(std::string_view(animation.attribute("calcMode").value()) == "spline");
+        const auto splines = parts_of(animation.attribute("keySplines").value());
+        REQUIRE(splines.size() + 1 == values.size());
+        share = eased(*parse_numbers(splines[k]), share);
+    }
+    auto from = numbers(k);
+    const auto to = numbers(k + 1);
+    REQUIRE(from.size() == to.size());
+    for (std::size_t i = 0; i < from.size(); ++i) from[i] += share * (to[i] - from[i]);
+    return from;
+}
+
+/// One wave that goes through others smoothly and comes back.
+std::vector<Wave> smooth_waves(unsigned seed, std::size_t frames) {
+    const auto ends = random_waves(seed);
+    std::vector<Wave> waves;
+    for (std::size_t f = 0; f < frames; ++f) {
+        const double turn = 2 * 3.14159265358979 * double(f) / double(frames);
+        const double shares[] = {(1 - std::cos(turn)) / 2, std::sin(turn) / 2, std::sin(2 * turn) / 4};
+        Wave wave{{}, 0, 0.1};
+        for (std::size_t n = 0; n < 3; ++n) {
+            const auto& [map, height, pace] = ends[n];
+            wave.map.a += shares[n] * (map.a - 1);
+            wave.map.b += shares[n] * map.b;
+            wave.map.c += shares[n] * map.c;
+            wave.map.d += shares[n] * (map.d - 1);
+            wave.map.e += shares[n] * map.e;
+            wave.map.f += shares[n] * map.f;
+            wave.height += shares[n] * height;
+        }
+        waves.push_back(wave);
+    }
+    return waves;
+}
+
+/// The animations of an element: in it, or beside it where it takes its content from another one.
+std::vector<pugi::xml_node> animations_of(pugi::xml_node node, const std::string& attribute) {
+    std::vector<pugi::xml_node> found;
+    const std::string id = std::string("#") + node.attribute("id").value();
+    for (const pugi::xml_node parent : {node, node.parent()}) {
+        for (const pugi::xml_node child : parent.children()) {
+            const bool is_for_it = parent == node || detail::reference_of(child) == id;
+            if (is_for_it && child.attribute("attributeName").value() == attribute) found.push_back(child);
         }
     }
-    CHECK(animations >= moving.tracks.size());
+    return found;
+}
+
+} // namespace
+
+TEST_CASE("what is played shows every frame within the tolerance",
+          "[examples][svg_document][animate][property]") {
+    const unsigned seed = GENERATE(1u, 2u, 3u, 4u, 5u, 6u);
+    CAPTURE(seed);
+    constexpr std::size_t frames = 48;
+    const double tolerance = GENERATE(0.02, 0.3);
+    AnimatedSvg moving = animated(drawing, smooth_waves(seed, frames), {.tolerance = 0.02});
+    moving.play(1, 7); // which the next call undoes
+    const std::size_t keys = moving.play(2.5, tolerance);
+    std::size_t animations = 0;
+    for (const auto& track : moving.tracks) {
+        const auto all = animations_of(track.node, track.attribute);
+        REQUIRE_FALSE(all.empty());
+        animations += all.size();
+        for (const pugi::xml_node each : all)
+            CHECK(std::string_view(each.attribute("dur").value()) == "2.5s");
+        double farthest = 0;
+        for (std::size_t f = 0; f <= frames; ++f) {
+            const double time = double(f) / frames;
+            const std::size_t n = f % frames; // ends as it begins
+            const auto far = [&](double x, double y) {
+                farthest = std::max(farthest, track.scale * std::hypot(x, y));
+            };
+            if (!track.numbers.empty()) far(played(all.front(), time)[0] - track.numbers[n], 0);
+            if (!track.paths.empty()) {
+                const auto shown = played(all.front(), time), exact = flat(track.paths[n]);
+                REQUIRE(shown.size() <= exact.size()); // a closing line is left out
+                std::size_t i = 0;
+                for (const Subpath& subpath : track.paths[n]) {
+                    for (std::size_t k = 0; k < 6 * subpath.segments.size() + 2 && i < shown.size();
+                         k += 2, i += 2)
+                        far(shown[i] - exact[i], shown[i + 1] - exact[i + 1]);
+                }
+            }
+            if (track.maps.empty()) continue;
+            Affine2 product;
+            for (const pugi::xml_node each : all) {
+                const auto numbers = played(each, time);
+                std::string step = each.attribute("type").value();
+                step += '(' + format_number(numbers[0], 17);
+                if (numbers.size() > 1) step += ' ' + format_number(numbers[1], 17);
+                product = compose(product, *parse_transform(step + ')'));
+            }
+            for (const Point2& place : track.places) {
+                const Point2 p = apply(product, place), q = apply(track.maps[n], place);
+                far(p.x - q.x, p.y - q.y);
+            }
+        }
+        CAPTURE(track.attribute, animations);
+        CHECK(farthest < 1.05 * tolerance); // times and curves are written with five digits
+    }
+    CHECK(keys < animations * frames * (tolerance < 0.1 ? 2 : 1) / 3);
     CHECK(by_id(moving.document, "f").child("animateTransform"));
-    CHECK(by_id(moving.document, "g").child("animateTransform"));
     CHECK(by_id(moving.document, "a").child("animate"));
+}
+
+TEST_CASE("a pose there and back takes three key frames", "[examples][svg_document][animate]") {
+    const FrameDeformer there_and_back = [](std::span<const Point2> in, std::span<const std::size_t>,
+                                            std::span<Point2> out) {
+        for (std::size_t n = 0; n < out.size(); ++n) {
+            const auto f = double(n / in.size());
+            const double share = eased({0.42, 0, 0.58, 1}, std::min(f, 60 - f) / 30);
+            const Point2 p = in[n % in.size()];
+            out[n] = {p.x + share * (40 + 5 * std::sin(0.1 * p.y)), p.y - share * 0.004 * p.x * p.x};
+        }
+        return true;
+    };
+    auto moving_or_not =
+        animate(parsed(R"(<svg viewBox="0 0 100 100"><path id="a" d="M5 5C40 0 60 90 95 95L90 50z"/></svg>)"),
+                there_and_back, 60, {.tolerance = 0.001});
+    REQUIRE(moving_or_not);
+    AnimatedSvg& moving = *moving_or_not;
+    CHECK(moving.play(1, 0.001) == 3);
+    const auto animation = by_id(moving.document, "a").child("animate");
+    CHECK(std::string_view(animation.attribute("keyTimes").value()) == "0;0.5;1");
+    for (const std::string& curve : parts_of(animation.attribute("keySplines").value())) {
+        const auto numbers = parse_numbers(curve);
+        REQUIRE(numbers);
+        REQUIRE(numbers->size() == 4);
+        for (const auto& [n, value] : {std::pair(0, 0.42), {1, 0.0}, {2, 0.58}, {3, 1.0}})
+            CHECK((*numbers)[std::size_t(n)] == Approx(value).epsilon(0).margin(0.002));
+    }
+}
+
+TEST_CASE("what moves by one affine map is moved by a transform", "[examples][svg_document][animate]") {
+    const Affine2 turned{0.8, 0.6, -0.6, 0.8, 30, -10}, stretched{1.5, 0, 0, 0.7, 3, 4};
+    struct Case {
+        const char* content;
+        Affine2 map;
+        double height; // of waves
+        bool is_carried;
+    };
+    const std::string shapes =
+        R"(<rect x="20" y="20" width="9" height="8" fill="red"/><circle cx="40" cy="30" r="6"/>)";
+    const auto [content, map, height, is_carried] = GENERATE_COPY(values<Case>({
+        {"<g id='g' transform='rotate(9)'>$</g>", stretched, 0, true},
+        {"<g id='g'><g>$</g>$</g>", turned, 0, true},
+        {"<g id='g' stroke='red' stroke-width='3'>$</g>", turned, 0, true},
+        {"<g id='g' stroke='red' stroke-width='3'>$</g>", stretched, 0, false}, // strokes keep their width
+        {"<g id='g' stroke='red' stroke-width='.001'>$</g>", stretched, 0, true},
+        {"<g id='g' stroke='red' stroke-width='.001' stroke-dasharray='1'>$</g>", turned, 0, false},
+        {"<g id='g'>$</g>", turned, 3, false},
+        {"<clipPath id='c'><circle r='30'/></clipPath><g id='g'><g clip-path='url(#c)'>$</g></g>", turned, 0,
+         false},
+        {"<marker id='m'/><g id='g' marker-end='url(#m)'>$</g>", turned, 0, false},
+        {"<g id='g' style='transform:rotate(9deg)'>$</g>", turned, 0, false},
+    }));
+    std::string text = R"(<svg viewBox="0 0 100 100">)" + std::string(content) + "</svg>";
+    for (std::size_t at = 0; (at = text.find('$')) != std::string::npos;) text.replace(at, 1, shapes);
+    CAPTURE(text);
+    AnimatedSvg moving = animated(text, {Wave{}, Wave{map, height, 0.1}, Wave{}});
+    const auto group = by_id(moving.document, "g");
+    moving.show(1);
+    const auto rect = group.find_node([](pugi::xml_node n) { return detail::local_name(n) == "rect"; });
+    CHECK(bool(rect) == is_carried);
+    if (!is_carried) return;
+    moving.play(1, 1e-3);
+    CHECK(moving.tracks.size() == 1);
+    CHECK(group.child("animateTransform"));
+    const SvgDocument rest = parsed(text);
+    const auto own = parse_transform(by_id(rest, "g").attribute("transform").value());
+    moving.show(1);
+    const auto now = parse_transform(group.attribute("transform").value());
+    REQUIRE(now);
+    const Point2 p = apply(*now, {25, 26}), q = apply(compose(map, *own), {25, 26});
+    CHECK(std::hypot(p.x - q.x, p.y - q.y) < 1e-6);
 }
 
 TEST_CASE("the picture holds all frames when asked", "[examples][svg_document][animate][fit]") {

@@ -300,6 +300,53 @@ TEST_CASE("written path data reads back as the same path", "[examples][svg_path]
     CHECK(write_path_data(again, 17) == write_path_data(path, 17));
 }
 
+TEST_CASE("short path data has every place within half of its last digit", "[examples][svg_path][property]") {
+    const unsigned seed = GENERATE(range(0u, 40u));
+    CAPTURE(seed);
+    std::mt19937 random(seed);
+    const auto in = [&](double most) { return std::uniform_real_distribution<double>(-most, most)(random); };
+    const auto point = [&] { return Point2{in(seed % 3 == 0 ? 0.2 : 300), in(30)}; };
+    const int decimals = int(seed % 4);
+    Path path;
+    for (unsigned n = 0; n <= seed % 3; ++n) {
+        PathBuilder builder;
+        builder.move_to(point());
+        for (unsigned k = 0; k < 9; ++k)
+            random() % 2 == 0 ? builder.line_to(point()) : builder.cubic_to(point(), point(), point());
+        if (random() % 2 == 0) builder.close();
+        path.push_back(builder.take().front());
+    }
+    const std::string text = write_short_path_data(path, decimals);
+    CAPTURE(text);
+    CHECK(text.size() < write_path_data(path, decimals).size());
+    const Path again = parsed(text);
+    REQUIRE(again.size() == path.size());
+    const double half = 0.5000001 * std::pow(10, -decimals);
+    const auto check = [&](const Point2& p, const Point2& q) {
+        CHECK(std::abs(p.x - q.x) <= half);
+        CHECK(std::abs(p.y - q.y) <= half);
+    };
+    for (std::size_t k = 0; k < path.size(); ++k) {
+        check(path[k].start, again[k].start);
+        CHECK(path[k].closed == again[k].closed);
+        // A closing line that rounding makes a point is none.
+        REQUIRE(again[k].segments.size() + (path[k].closed ? 1 : 0) >= path[k].segments.size());
+        for (std::size_t i = 0; i < again[k].segments.size(); ++i) {
+            const Segment &s = path[k].segments[i], &t = again[k].segments[i];
+            if (s.degree == 3) check(s.p1, t.p1), check(s.p2, t.p2);
+            check(s.p3, t.p3);
+        }
+    }
+    // The same pieces get the same commands.
+    Path other = path;
+    for (Subpath& subpath : other) subpath.segments[3] = {{0, 0}, {0, 0}, {0, 0}, subpath.segments[3].degree};
+    const auto commands = [](std::string data) {
+        std::erase_if(data, [](char c) { return c < 'A'; });
+        return data;
+    };
+    CHECK(commands(write_short_path_data(other, decimals)) == commands(text));
+}
+
 TEST_CASE("transforms", "[examples][svg_path][transform]") {
     const Point2 p{3, 5};
     CHECK(affine("") == Affine2());

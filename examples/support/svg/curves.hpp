@@ -90,16 +90,19 @@ public:
 
     /// A path in a frame.
     Path path(std::size_t index, std::size_t frame) const {
-        Path path;
-        for (std::size_t k = paths_[index].first; k < paths_[index].second; ++k) {
-            const PlacedSubpath& subpath = subpaths_[k];
-            path.push_back({start_of(k, frame), {}, subpath.closed});
-            const auto before = [](const Piece& piece, std::size_t curve) { return piece.curve < curve; };
-            for (auto piece = std::lower_bound(pieces_.begin(), pieces_.end(), subpath.first, before);
-                 piece != pieces_.end() && piece->curve < subpath.end; ++piece)
-                path.back().segments.push_back(piece->result[frame]);
-        }
-        return path;
+        return in_pieces(
+            index, [&](std::size_t k) { return start_of(k, frame); },
+            [&](const Piece& piece) { return piece.result[frame]; });
+    }
+
+    /// A path at rest, in the pieces that it has in all frames.
+    Path rest(std::size_t index) const {
+        return in_pieces(
+            index, [&](std::size_t k) { return subpaths_[k].start; },
+            [&](const Piece& piece) {
+                const auto& [from, s, layer] = curves_[piece.curve];
+                return part_of(from, s, piece.from, piece.to);
+            });
     }
 
     /// How a path has moved until a frame, from its first samples.
@@ -130,6 +133,19 @@ private:
         std::vector<Segment> result; // in every frame, once settled
         bool settled = false;
     };
+
+    Path in_pieces(std::size_t index, const auto& start, const auto& segment) const {
+        Path path;
+        for (std::size_t k = paths_[index].first; k < paths_[index].second; ++k) {
+            const PlacedSubpath& subpath = subpaths_[k];
+            path.push_back({start(k), {}, subpath.closed});
+            const auto before = [](const Piece& piece, std::size_t curve) { return piece.curve < curve; };
+            for (auto piece = std::lower_bound(pieces_.begin(), pieces_.end(), subpath.first, before);
+                 piece != pieces_.end() && piece->curve < subpath.end; ++piece)
+                path.back().segments.push_back(segment(*piece));
+        }
+        return path;
+    }
 
     static double distance(const Point2& a, const Point2& b) { return std::hypot(a.x - b.x, a.y - b.y); }
 

@@ -1,3 +1,4 @@
+#include "svg/affine_parts.hpp"
 #include "svg/curves.hpp"
 #include "svg/paint.hpp"
 #include "svg/walk.hpp"
@@ -16,19 +17,24 @@ int decimals_for(const Affine2& to_root, double tolerance) {
     return enough;
 }
 
-/// Moves a text or an image as a whole: its transform is P⁻¹ best P before its own one, where P is that of
-/// what it stands in.
+/// Moves an element as a whole: its transform is P⁻¹ best P before its own one, where P is that of what it
+/// stands in.
 ///
 ///   best   of every frame
-void carry(const DrawnShape& shape, const std::vector<Affine2>& best,
+///   box    of what it holds, in its own user space
+void carry(pugi::xml_node node, const Affine2& to_root, const std::vector<Affine2>& best, const Box& box,
            std::vector<AnimatedSvg::Track>& tracks) {
-    const auto own = parse_transform(attribute_text(shape.node, "transform"));
+    const auto own = parse_transform(attribute_text(node, "transform"));
     if (!own) return;
-    AnimatedSvg::Track track{shape.node, "transform", {}, {}};
-    for (const Affine2& map : best) {
-        const Affine2 local = compose(compose(shape.from_root, map), shape.to_root);
-        track.maps.push_back(compose(*own, local));
-    }
+    const auto from_root = inverse(to_root), before = inverse(*own);
+    if (!from_root || !before) return;
+    const auto corners = box.corners();
+    AnimatedSvg::Track track{.node = node,
+                             .attribute = "transform",
+                             .scale = largest_scale(compose(to_root, *before)),
+                             .places = {corners.begin(), corners.end()}};
+    for (const Affine2& map : best)
+        track.maps.push_back(compose(*own, compose(compose(*from_root, map), to_root)));
     tracks.push_back(std::move(track));
 }
 
@@ -147,14 +153,14 @@ public:
         }
         if (!moved()) return std::nullopt;
         if (const auto error = look_at_frames(curves)) return error;
-        return write();
+        return write(curves);
     }
 
     bool moved() const { return std::find(moves_.begin(), moves_.end(), true) != moves_.end(); }
 
 private:
-    struct Moved { // a shape in every frame
-        std::vector<std::string> data;
+    struct Moved {                 // a shape in every frame
+        std::vector<Path> paths;   // in its own user space
         std::vector<Affine2> maps; // the best; where there is none, that of the frame before
         std::vector<Box> boxes;    // in its own user space
         bool has_map = false, gains_inside = false;
@@ -205,12 +211,10 @@ private:
                 moved.has_map = moved.has_map || best;
                 moved.maps.push_back(best ? *best : moved.maps.empty() ? Affine2() : moved.maps.back());
                 if (shape.is_box || shape.is_extent) continue;
-                const Path local = transformed(shape.path, shape.from_root);
+                Path local = transformed(shape.path, shape.from_root);
                 if (!in_range(local)) return error_at(work_, shape.node, "coordinates out of range");
-                const int decimals =
-                    options_.decimals >= 0 ? options_.decimals : decimals_for(shape.to_root, tolerance_);
-                moved.data.push_back(write_path_data(local, decimals));
                 moved.boxes.push_back(bounds(local));
+                moved.paths.push_back(std::move(local));
                 moved.gains_inside = moved.gains_inside || (!has_inside_at_rest[i] && has_inside(shape.path));
             }
             for (std::size_t r = 0; r < rest_.references.size(); ++r) {
@@ -230,22 +234,37 @@ private:
         return std::nullopt;
     }
 
-    std::optional<SvgError> write() {
+    std::optional<SvgError> write(const CurveDeformer& curves) {
+        std::vector<bool> carried(rest_.shapes.size());
+        if (frames_ > 1) {
+            for (const AffinePart& part : affine_parts(rest_, styles_, curves, frames_, tolerance_)) {
+                carry(part.node, part.to_root, part.maps, part.box, result_.tracks);
+                std::fill(carried.begin() + std::ptrdiff_t(part.first),
+                          carried.begin() + std::ptrdiff_t(part.end), true);
+            }
+        }
         PaintFollower paint(work_, styles_, ids_, tolerance_, result_.tracks);
         for (std::size_t i = 0; i < rest_.shapes.size(); ++i) {
             const DrawnShape& shape = rest_.shapes[i];
             Moved& moved = moved_[i];
-            if (!moves_[i] || shape.is_extent) continue;
+            if (!moves_[i] || shape.is_extent || carried[i]) continue;
             if (shape.is_box) {
-                if (moved.has_map) carry(shape, moved.maps, result_.tracks);
+                if (moved.has_map)
+                    carry(shape.node, shape.to_root, moved.maps, boxes_at_rest_[i], result_.tracks);
                 continue;
             }
             settle_markers(work_, styles_, shape, result_.report.warnings);
             if (moved.gains_inside) styles_.set(shape.node, "fill", "none");
             if (moved.has_map && !shape.clips)
                 paint.follow(shape, moved.maps, boxes_at_rest_[i], moved.boxes);
-            write_shape(shape.node, moved.data.front());
-            result_.tracks.push_back({shape.node, "d", std::move(moved.data), {}});
+            write_shape(shape.node, {}); // show() writes the data
+            result_.tracks.push_back({.node = shape.node,
+                                      .attribute = "d",
+                                      .scale = largest_scale(shape.to_root),
+                                      .paths = std::move(moved.paths),
+                                      .decimals = options_.decimals >= 0
+                                                      ? options_.decimals
+                                                      : decimals_for(shape.to_root, tolerance_)});
         }
         auto& warnings = result_.report.warnings;
         follow_regions(work_, rest_, regions_, result_.tracks, warnings);

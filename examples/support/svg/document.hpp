@@ -142,6 +142,7 @@ struct DrawnShape {
     double miter_limit = 4;
     bool has_miters = true;       // stroke-linejoin
     bool has_square_caps = false; // stroke-linecap
+    bool has_dashes = false;      // stroke-dasharray
     bool even_odd = false;        // fill-rule
     bool is_visible = true;       // visibility
     bool is_transparent = false;  // itself or what it stands in
@@ -206,14 +207,24 @@ SvgResult<std::vector<Point2>> figure_vertices(const SvgDocument& document);
 SvgResult<DeformReport> deform(SvgDocument& document, const Deformer& deformer,
                                const DeformOptions& options = {});
 
+/// When an animation has which value: attributes, empty where an animation goes steadily.
+struct AnimationTiming {
+    std::string times = {}, splines = {};
+    bool adds = false; // to the animations before it
+};
+
 /// A document whose attributes change from frame to frame. It shows the first.
 struct AnimatedSvg {
-    /// An attribute in every frame: as text, or as a transform.
+    /// An attribute in every frame: as numbers, transforms or paths.
     struct Track {
         pugi::xml_node node;
         std::string attribute;
-        std::vector<std::string> texts;
-        std::vector<Affine2> maps;
+        double scale = 1; // from the attribute's units to those of the root, at most
+        std::vector<double> numbers = {};
+        std::vector<Affine2> maps = {};
+        std::vector<Point2> places = {}; // of maps: corners about all that they move
+        std::vector<Path> paths = {};
+        int decimals = 6; // of numbers and paths where a frame is shown
     };
 
     SvgDocument document;
@@ -224,15 +235,22 @@ struct AnimatedSvg {
     void show(std::size_t frame);
 
     /// Adds the animations that play all frames, equally far apart, again and again: the first comes after
-    /// the last.
-    void play(double seconds);
+    /// the last. They replace those of an earlier call.
+    ///
+    ///   tolerance   in user units of the root: key frames are left out as long as no frame shows anything
+    ///               farther than this from its place
+    ///   returns     the number of key frames, of all attributes
+    std::size_t play(double seconds, double tolerance);
 
     /// Adds one animation, without end, to an element.
-    ///   type     of a transform: translate, or rotate, skewX or scale, which then follow those before;
-    ///            else empty
+    ///   type     of a transform: translate, rotate, skewX or scale; else empty
     ///   values   with semicolons between them
-    static void append_animation(pugi::xml_node node, const std::string& attribute, const std::string& type,
-                                 double seconds, const std::string& values);
+    static pugi::xml_node append_animation(pugi::xml_node node, const std::string& attribute,
+                                           const std::string& type, double seconds, const std::string& values,
+                                           const AnimationTiming& timing = {});
+
+private:
+    std::vector<pugi::xml_node> animations_; // that play() has added
 };
 
 /// Works as deform(), in several frames. The pieces of a path are the same in all; the picture fits all

@@ -157,10 +157,22 @@ void PaintFollower::follow(const DrawnShape& shape, const char* property, const 
     if (copy == copies.end()) {
         const pugi::xml_node node =
             server->is_pattern ? copy_of_pattern(*server, rest) : copy_of_gradient(*server);
-        AnimatedSvg::Track track{node, transform_name(*server), {}, {}};
+        AnimatedSvg::Track track{.node = node, .attribute = transform_name(*server), .scale = 0};
         for (const Affine2& map : maps) track.maps.push_back(compose(map, server->transform));
+        copy = copies.insert(copy, {attribute_text(node, "id"), std::move(maps), tile, tracks_.size()});
         tracks_.push_back(std::move(track));
-        copy = copies.insert(copy, {attribute_text(node, "id"), std::move(maps), tile});
+    }
+    AnimatedSvg::Track& track = tracks_[copy->track];
+    const Affine2 back = inverse(server->transform).value_or(Affine2());
+    Box all; // before the transform
+    for (const Point2& p : (in_box ? Box{0, 0, 1, 1} : rest).corners()) all.add(apply(back, p));
+    for (const Point2& p : track.places) all.add(p);
+    const auto corners = all.corners();
+    track.places.assign(corners.begin(), corners.end());
+    for (const Box& box : moved) {
+        const double scale =
+            largest_scale(shape.to_root) * (in_box ? std::max(box.width(), box.height()) : 1);
+        track.scale = std::max(track.scale, scale);
     }
     styles_.set(shape.node, property, with_referenced_id(value, copy->id));
 }
@@ -341,8 +353,9 @@ void write(const Region& region) {
 }
 
 /// A light in user space goes where the map takes its place in the plane, and what it points at.
-///   maps   of every frame; where there is none, the light stays where it was in the frame before
-void move_light(pugi::xml_node light, const std::vector<std::optional<Affine2>>& maps,
+///   maps    of every frame; where there is none, the light stays where it was in the frame before
+///   scale   to root user space
+void move_light(pugi::xml_node light, const std::vector<std::optional<Affine2>>& maps, double scale,
                 std::vector<AnimatedSvg::Track>& tracks) {
     for (const auto& [x, y] : {std::pair("x", "y"), std::pair("pointsAtX", "pointsAtY")}) {
         if (!light.attribute(x) && !light.attribute(y)) continue;
@@ -352,12 +365,13 @@ void move_light(pugi::xml_node light, const std::vector<std::optional<Affine2>>&
         };
         const Point2 rest{to_number(x), to_number(y)};
         Point2 moved = rest;
-        AnimatedSvg::Track along{light, x, {}, {}}, down{light, y, {}, {}};
+        AnimatedSvg::Track along{.node = light, .attribute = x, .scale = scale}, down = along;
+        down.attribute = y;
         for (const auto& map : maps) {
             const Point2 there = map ? apply(*map, rest) : moved;
             if (std::isfinite(there.x + there.y)) moved = there;
-            along.texts.push_back(format_number(moved.x, 6));
-            down.texts.push_back(format_number(moved.y, 6));
+            along.numbers.push_back(moved.x);
+            down.numbers.push_back(moved.y);
         }
         tracks.push_back(std::move(along));
         tracks.push_back(std::move(down));
@@ -386,7 +400,7 @@ void follow_primitives(const SvgDocument& document, const Subject& subject, cons
             if (shared || !subject.maps.front()) {
                 warnings.push_back(label(document, light) + ": stays where it is");
             } else {
-                move_light(light, subject.maps, tracks);
+                move_light(light, subject.maps, largest_scale(subject.reference.to_root), tracks);
             }
         }
     }

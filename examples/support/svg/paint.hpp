@@ -56,6 +56,7 @@ private:
         std::string id;
         std::vector<Affine2> maps; // in every frame, before the original's transform
         Box tile;                  // at rest, of a pattern that is in units of it
+        std::size_t track = 0;
     };
 
     std::optional<PaintServer> find(const std::string& value);

@@ -20,6 +20,17 @@ SvgError error_in_text(std::string why, std::string_view text, std::size_t posit
     return {std::move(why), line, before.size() - line_start + 1};
 }
 
+Segment part_of(const Point2& from, const Segment& s, double first, double last) {
+    const auto blossom = [&](double a, double b, double c) { // de Casteljau, with a parameter a step
+        const auto mix = [](const Point2& p, const Point2& q, double t) {
+            return Point2{(1 - t) * p.x + t * q.x, (1 - t) * p.y + t * q.y};
+        };
+        const Point2 p = mix(from, s.p1, a), q = mix(s.p1, s.p2, a), r = mix(s.p2, s.p3, a);
+        return mix(mix(p, q, b), mix(q, r, b), c);
+    };
+    return {blossom(first, first, last), blossom(first, last, last), blossom(last, last, last), s.degree};
+}
+
 std::size_t pieces_of(const Point2& from, const Segment& s, double tolerance) {
     if (s.is_line()) return 1;
     // A cubic is no farther from its chord than 3/4 of its larger second difference.
@@ -430,6 +441,51 @@ std::string write_path_data(const Path& path, int decimals) {
         if (subpath.closed) text += "Z ";
     }
     if (!text.empty()) text.pop_back();
+    return text;
+}
+
+std::string write_short_path_data(const Path& path, int decimals) {
+    const double unit = std::pow(10.0, decimals);
+    std::string text;
+    Point2 at; // in last digits, rounded as all places are, so that steps do not add up errors
+    char last = 0;
+    const auto put = [&](char command, std::initializer_list<Point2> points) {
+        const bool repeats = command == last && (command == 'l' || command == 'c');
+        bool parted = !repeats && !(command == 'l' && last == 'm'); // by the command
+        if (parted) text += command;
+        bool has_point = false; // the number before
+        Point2 end = at;
+        for (const Point2& p : points) {
+            end = {std::round(p.x * unit), std::round(p.y * unit)};
+            for (const double step : {end.x - at.x, end.y - at.y}) {
+                std::string number = format_number(step / unit, decimals);
+                if (number.starts_with("0.")) number.erase(0, 1);
+                if (number.starts_with("-0.")) number.erase(1, 1);
+                if (!parted && number[0] != '-' && !(number[0] == '.' && has_point)) text += ' ';
+                text += number;
+                parted = false;
+                has_point = number.find_first_of(".e") != std::string::npos;
+            }
+        }
+        at = end;
+        last = command;
+    };
+    for (const Subpath& subpath : path) {
+        put(text.empty() ? 'M' : 'm', {subpath.start});
+        const Point2 start = at;
+        for (std::size_t i = 0; i < subpath.segments.size(); ++i) {
+            const Segment& s = subpath.segments[i];
+            if (s.is_line() && subpath.closed && i + 1 == subpath.segments.size()) break;
+            if (s.is_line())
+                put('l', {s.p3});
+            else
+                put('c', {s.p1, s.p2, s.p3});
+        }
+        if (!subpath.closed) continue;
+        text += 'z';
+        last = 'z';
+        at = start;
+    }
     return text;
 }
 

@@ -89,6 +89,9 @@ inline Point2 place_on(const Point2& from, const Segment& s, double t) {
             a * from.y + b * s.p1.y + c * s.p2.y + d * s.p3.y};
 }
 
+/// The part of a curve from one parameter to another.
+Segment part_of(const Point2& from, const Segment& s, double first, double last);
+
 /// Returns the number of pieces, equal in t, into which a curve has to be cut so that none is farther than
 /// `tolerance` from its chord; at most 1000.
 std::size_t pieces_of(const Point2& from, const Segment& s, double tolerance);
@@ -282,5 +285,11 @@ std::string format_number(double value, int decimals);
 
 /// Path data with M, L, C and Z, absolute; a last line back to the start is left to Z.
 std::string write_path_data(const Path& path, int decimals);
+
+/// Path data in few bytes: relative commands, the last line back to a start always left to Z. Paths of the same
+/// pieces get the same commands. No place is off by more than half of the last digit.
+///
+///   decimals   0 to 15
+std::string write_short_path_data(const Path& path, int decimals);
 
 } // namespace cageform_examples

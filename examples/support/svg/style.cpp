@@ -45,7 +45,7 @@ bool is_read(std::string_view property) {
           "filter",    "marker",          "marker-start",   "marker-mid",        "marker-end",
           "display",   "overflow",        "font-size",      "text-anchor",       "transform",
           "fill-rule", "stroke-linejoin", "stroke-linecap", "stroke-miterlimit", "visibility",
-          "opacity"}) {
+          "opacity",   "stroke-dasharray"}) {
         if (property == known) return true;
     }
     return false;

@@ -73,6 +73,8 @@ void ShapeCollector::inherit_outline(const Values& values, DrawnShape& style) {
     take("fill-rule", "evenodd", style.even_odd);
     take("stroke-linecap", "square", style.has_square_caps);
     take("visibility", "visible", style.is_visible);
+    const std::string dashes = text_of(values, "stroke-dasharray");
+    if (!dashes.empty()) style.has_dashes = dashes != "none";
     const std::string join = text_of(values, "stroke-linejoin");
     if (!join.empty()) style.has_miters = join != "round" && join != "bevel";
     const auto limit = parse_length(text_of(values, "stroke-miterlimit"), 1);
@@ -104,6 +106,8 @@ bool ShapeCollector::visit(pugi::xml_node node, const Place& parent) {
                       : is_fixed(kind) ? add_fixed(node, kind, place)
                       : kind == "svg"  ? visit_svg(node, values, place)
                                        : visit_children(node, place);
+    if (is_group(kind) && kind != "svg")
+        drawing.groups.push_back({node, place.to_root, first, drawing.shapes.size()});
     return good && visit_references(node, values, place, first);
 }
 

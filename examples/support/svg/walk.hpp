@@ -25,10 +25,18 @@ struct Reference {
     std::size_t first_inside = 0, end_inside = 0; // the shapes of the clip path
 };
 
+/// An element that holds shapes [first, end).
+struct Group {
+    pugi::xml_node node;
+    Affine2 to_root;
+    std::size_t first = 0, end = 0;
+};
+
 /// The drawn shapes of a document.
 struct Drawing {
     std::vector<DrawnShape> shapes; // in document order, clip paths and masks after what they belong to
     std::vector<Reference> references;
+    std::vector<Group> groups;                // each after those in it
     std::vector<pugi::xml_node> flat_circles; // without a radius, which draw nothing
 };
 

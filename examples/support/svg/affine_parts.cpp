@@ -1,0 +1,134 @@
+#include "svg/affine_parts.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace cageform_examples {
+
+namespace detail {
+
+namespace {
+
+constexpr std::size_t few_numbers = 40; // a transform that moves takes some 600 bytes
+
+bool is_in(pugi::xml_node node, pugi::xml_node group) {
+    while (node && node != group) node = node.parent();
+    return bool(node);
+}
+
+/// Calls `visit` with the control points of two paths of the same pieces.
+void visit_pairs(const Path& a, const Path& b, const auto& visit) {
+    for (std::size_t k = 0; k < a.size(); ++k) {
+        visit(a[k].start, b[k].start);
+        for (std::size_t i = 0; i < a[k].segments.size(); ++i) {
+            const Segment &s = a[k].segments[i], &t = b[k].segments[i];
+            visit(s.p1, t.p1);
+            visit(s.p2, t.p2);
+            visit(s.p3, t.p3);
+        }
+    }
+}
+
+class PartFinder {
+public:
+    PartFinder(const Drawing& rest, const StyleSheets& styles, const CurveDeformer& curves,
+               std::size_t frames, double tolerance)
+        : rest_(rest)
+        , styles_(styles)
+        , curves_(curves)
+        , frames_(frames)
+        , tolerance_(tolerance)
+        , taken_(rest.shapes.size()) {
+        for (std::size_t i = 0; i < rest.shapes.size(); ++i) paths_.push_back(curves.rest(i));
+    }
+
+    std::vector<AffinePart> run() {
+        for (auto group = rest_.groups.rbegin(); group != rest_.groups.rend();
+             ++group) // the outer ones first
+            add({group->node, group->to_root, group->first, group->end});
+        for (std::size_t i = 0; i < rest_.shapes.size(); ++i) {
+            const DrawnShape& shape = rest_.shapes[i];
+            if (!shape.is_box) add({shape.node, shape.to_root, i, i + 1}); // boxes have maps of their own
+        }
+        return std::move(parts_);
+    }
+
+private:
+    void add(AffinePart part) {
+        if (part.first == part.end || taken_[part.first] || !can_be(part)) return;
+        part.maps.resize(frames_);
+        bool moves = false;
+        for (std::size_t n = 0; n < frames_; ++n) {
+            const std::size_t f = (n + frames_ / 2) % frames_; // motions often begin at rest
+            Motion motion;
+            for (std::size_t i = part.first; i < part.end; ++i) motion.add(curves_.motion(i, f));
+            const auto best = motion.best_map();
+            if (!best || !is_right(part, *best, f)) return;
+            part.maps[f] = *best;
+            moves = moves || motion.moved();
+        }
+        if (!moves) return;
+        const auto from_root = inverse(part.to_root);
+        for (std::size_t i = part.first; i < part.end; ++i) {
+            part.box.add(bounds(paths_[i], *from_root));
+            taken_[i] = true;
+        }
+        parts_.push_back(std::move(part));
+    }
+
+    bool can_be(const AffinePart& part) const {
+        std::size_t numbers = 0;
+        for (std::size_t i = part.first; i < part.end; ++i) {
+            const DrawnShape& shape = rest_.shapes[i];
+            if (taken_[i] || shape.level != 0 || shape.is_extent || shape.marks_ends ||
+                shape.marks_vertices || (shape.has_dashes && shape.stroke != "none") ||
+                !is_in(shape.node, part.node))
+                return false;
+            for (const Subpath& subpath : paths_[i]) {
+                for (const Segment& s : subpath.segments) numbers += s.is_line() ? 2 : 6;
+            }
+        }
+        return (numbers >= few_numbers || part.end - part.first > 1) && inverse(part.to_root) &&
+               styles_.value(part.node, "transform").source <= StyleValue::Source::attribute &&
+               std::none_of(rest_.references.begin(), rest_.references.end(),
+                            [&](const Reference& r) { return is_in(r.node, part.node); });
+    }
+
+    bool is_right(const AffinePart& part, const Affine2& map, std::size_t frame) const {
+        const double most = largest_scale(map), least = std::abs(map.a * map.d - map.b * map.c) / most;
+        for (std::size_t i = part.first; i < part.end; ++i) {
+            const DrawnShape& shape = rest_.shapes[i];
+            const double half_width =
+                shape.stroke == "none" ? 0 : shape.stroke_width / 2 * largest_scale(shape.to_root);
+            const double left = tolerance_ - half_width * std::max(most - 1, 1 - least);
+            bool good = left >= 0;
+            if (!good) return false;
+            visit_pairs(paths_[i], curves_.path(i, frame), [&](const Point2& p, const Point2& moved) {
+                const Point2 q = apply(map, p);
+                good = good && std::hypot(q.x - moved.x, q.y - moved.y) <= left;
+            });
+            if (!good) return false;
+        }
+        return true;
+    }
+
+    const Drawing& rest_; // but for its paths
+    const StyleSheets& styles_;
+    const CurveDeformer& curves_;
+    std::size_t frames_;
+    double tolerance_;
+    std::vector<Path> paths_; // at rest
+    std::vector<bool> taken_;
+    std::vector<AffinePart> parts_;
+};
+
+} // namespace
+
+std::vector<AffinePart> affine_parts(const Drawing& rest, const StyleSheets& styles,
+                                     const CurveDeformer& curves, std::size_t frames, double tolerance) {
+    return PartFinder(rest, styles, curves, frames, tolerance).run();
+}
+
+} // namespace detail
+
+} // namespace cageform_examples

@@ -1,0 +1,32 @@
+#pragma once
+
+// Parts of a drawing that one affine map moves: in an animation they need no paths.
+
+#include "svg/curves.hpp"
+#include "svg/style.hpp"
+#include "svg/walk.hpp"
+
+#include <vector>
+
+namespace cageform_examples {
+
+namespace detail {
+
+/// An element that is moved as a whole: shapes [first, end).
+struct AffinePart {
+    pugi::xml_node node;
+    Affine2 to_root;
+    std::size_t first = 0, end = 0;
+    std::vector<Affine2> maps = {}; // in every frame, in root user space
+    Box box = {};                   // at rest, in its own user space
+};
+
+/// The largest groups and shapes in the picture itself for which one affine map is right in every frame, up to
+/// the tolerance, strokes included. What has markers, a clip path, a mask or a filter, or a text on a path, is
+/// in none; nor is a shape alone whose path takes fewer bytes than a transform.
+std::vector<AffinePart> affine_parts(const Drawing& rest, const StyleSheets& styles,
+                                     const CurveDeformer& curves, std::size_t frames, double tolerance);
+
+} // namespace detail
+
+} // namespace cageform_examples
