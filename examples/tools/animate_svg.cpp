@@ -176,15 +176,14 @@ SvgResult<std::string> tracks_of(const Settings& settings, const FigureControl& 
     return markers_text(tracks, file, "Points of a figure through its motion");
 }
 
-/// What is played, as a file.
+/// An animation as a file.
 struct PlayedFile {
     std::string text;
     std::size_t keys = 0;
     double tolerance = 0;
 };
 
-/// Plays a drawing within the size limit, by key frames within `tolerance` or the least of its doubles that is
-/// enough.
+/// Plays a drawing within the size limit, by key frames within `tolerance`, which is doubled until they fit.
 ///
 ///   most    the largest tolerance to try
 ///   fails   where that is not enough

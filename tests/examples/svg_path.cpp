@@ -337,7 +337,7 @@ TEST_CASE("short path data has every place within half of its last digit", "[exa
             check(s.p3, t.p3);
         }
     }
-    // The same pieces get the same commands.
+    // Equal pieces get equal commands.
     Path other = path;
     for (Subpath& subpath : other) subpath.segments[3] = {{0, 0}, {0, 0}, {0, 0}, subpath.segments[3].degree};
     const auto commands = [](std::string data) {

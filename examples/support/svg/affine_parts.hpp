@@ -21,9 +21,9 @@ struct AffinePart {
     Box box = {};                   // at rest, in its own user space
 };
 
-/// The largest groups and shapes in the picture itself for which one affine map is right in every frame, up to
-/// the tolerance, strokes included. What has markers, a clip path, a mask or a filter, or a text on a path, is
-/// in none; nor is a shape alone whose path takes fewer bytes than a transform.
+/// The largest groups and shapes for which one affine map is right in every frame, up to the tolerance,
+/// strokes included. None has content of clip paths or masks, markers, a clip path, a mask, a filter, or
+/// letters on paths. A shape alone is left out where its path takes fewer bytes than a transform.
 std::vector<AffinePart> affine_parts(const Drawing& rest, const StyleSheets& styles,
                                      const CurveDeformer& curves, std::size_t frames, double tolerance);
 

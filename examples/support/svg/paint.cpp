@@ -24,7 +24,7 @@ struct InheritedAttribute {
     const char* otherwise; // empty: its absence has a meaning of its own
 };
 
-/// What a gradient or pattern takes from those that it refers to, but for its transform.
+/// The attributes that a gradient or pattern takes from those it refers to, but for its transform.
 std::vector<InheritedAttribute> inherited_attributes(const std::string& kind) {
     if (kind == "pattern") {
         return {{"patternUnits", ""},

@@ -286,8 +286,8 @@ std::string format_number(double value, int decimals);
 /// Path data with M, L, C and Z, absolute; a last line back to the start is left to Z.
 std::string write_path_data(const Path& path, int decimals);
 
-/// Path data in few bytes: relative commands, the last line back to a start always left to Z. Paths of the same
-/// pieces get the same commands. No place is off by more than half of the last digit.
+/// Path data in few bytes: relative commands, and a last line back to the start is always left to Z. Paths
+/// of equal pieces get equal commands. No coordinate is off by more than half of the last digit.
 ///
 ///   decimals   0 to 15
 std::string write_short_path_data(const Path& path, int decimals);
