@@ -1,7 +1,8 @@
 #!/bin/sh
 # Usage: sh tests/nightly.sh
 # Runs for hours: all tests, the tables of waves among them; a check of each header alone; all rooms under sanitizers;
-# thousands of icons; 200 mutants of the headers. Prints the commands that failed, and then exits with 1.
+# thousands of icons; drawings in Chromium and Inkscape; 200 mutants of the headers. Prints the commands that failed, and
+# then exits with 1.
 set -u
 cd "$(dirname "$0")/.." || exit 1
 failed=
@@ -16,6 +17,8 @@ campaign sh tests/run.sh asan
 campaign sh tests/icons/run.sh
 campaign sh tests/icons/cages.sh
 campaign sh tests/icons/frames.sh
+campaign sh cmake/install_packages.sh chromium inkscape
+campaign /usr/bin/python3 -B tests/drawings/run.py build/examples --inkscape
 campaign /usr/bin/python3 tests/mutants/run.py
 [ -z "$failed" ] && exit 0
 echo "Failed:$failed"
