@@ -1,15 +1,16 @@
 #!/usr/bin/env python3
 """Usage: run.py PROGRAMS [--inkscape] [--keep FOLDER] [NAME…]
 
-Poses each drawing of corpus.txt, or those named, by affine maps of its cage. Chromium must draw what it draws of the
-input under that map: at rest, posed by deform_svg, and played by animate_svg at three times. At least 99.5 % of the pixels
-must be within 8/255. With --inkscape the rest and the pose are also drawn by Inkscape. --keep keeps all files and pictures.
+Poses each drawing of corpus.txt, or those named, by affine maps of its cage. Chromium must draw it as it draws the
+input under that map: at rest, posed by deform_svg, and played by animate_svg at three times. At least 99.5 % of the
+pixels must be within 8/255. With --inkscape rest and pose are also drawn by Inkscape. --keep writes all files and
+pictures to a new folder.
 
 "## NAME" begins a drawing. "## NAME rigid" poses it without scale, as strokes keep their width, and letters their
 shape. Between that line and the drawing can stand:
 
     warns: WORDS                 each warning of the programs has these words; without this line there is none
-    differs: COLUMN…: REASON     these columns are not as they should be; a drawing that is now right must lose the line
+    differs: COLUMN…: REASON     these columns are wrong. A drawing that a repair sets right must lose the line
 """
 import base64
 import json
@@ -25,12 +26,14 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path.insert(0, os.path.join(HERE, "..", "..", "examples", "page"))
 from browser import Browser  # noqa: E402
 
-SIDE, ACROSS, LIMIT = 200, 10, 0.005  # pixels of a drawing, drawings in a row of a sheet, the share of pixels that may differ
+SIDE, ACROSS = 200, 10  # pixels of a drawing, drawings in a row of a sheet
+LIMIT = 0.005  # the share of pixels that may differ
 SVG = "http://www.w3.org/2000/svg"
 FRAME = '<svg xmlns="%s" xmlns:xlink="http://www.w3.org/1999/xlink" viewBox="0 0 200 200">\n%%s</svg>\n' % SVG
-PICTURE = "data:image/png;base64,iVBORw0KGgoAAAANSUhEUgAAAAMAAAACCAIAAAASFvFNAAAAGUlEQVR42mM4YGBgAMYMDw4oKCxYkKDQAABJtAeBbqYPLAAAAABJRU5ErkJggg=="
+PICTURE = ("data:image/png;base64,iVBORw0KGgoAAAANSUhEUgAAAAMAAAACCAIAAAASFvFNAAAAGUlEQVR42mM4YGBgAMYMDw4oKCxYkKDQ"
+           "AABJtAeBbqYPLAAAAABJRU5ErkJggg==")
 CAGE = [(-20, -20), (220, -20), (220, 220), (-20, 220)]
-POSES = {0.5: (6, -4, 25, 1.1, 0.75), 1: (-5, 7, -16, 0.8, 1.2), 1.5: (2, 5, 130, 1, 0.9)}  # x, y, degrees, scales; by time
+POSES = {0.5: (6, -4, 25, 1.1, 0.75), 1: (-5, 7, -16, 0.8, 1.2), 1.5: (2, 5, 130, 1, 0.9)}  # by time; see matrix()
 SHEET = """<!DOCTYPE html><html data-ready="yes"><style>body { margin: 0 }
 body > * { float: left; overflow: hidden; width: SIDEpx; height: SIDEpx }</style><script>
 const stills = urls => Promise.all(urls.map(url => {
@@ -87,6 +90,14 @@ def write(path, text):
         file.write(text)
 
 
+def read(path):
+    """The text of a file, or nothing where a program refused to write it."""
+    if not os.path.exists(path):
+        return ""
+    with open(path, encoding="utf-8") as file:
+        return file.read()
+
+
 def write_motions():
     """The cage, a pose and a motion, both rigid and not."""
     write("cage.csv", "".join("%g,%g\n" % p for p in CAGE))
@@ -109,20 +120,20 @@ class Drawing:
         self.name, *marks = head.split("\n")[0].split()
         self.is_rigid = "rigid" in marks
         self.warns = "".join(re.findall(r"^warns: (.*)", head, re.M))
-        self.differs = {column for columns in re.findall(r"^differs: (.*?):", head, re.M) for column in columns.split()}
+        self.differs = " ".join(re.findall(r"^differs: (.*?):", head, re.M)).split()
         body = body.replace("PICTURE", PICTURE)
         self.text = body if re.search(r"<(\w+:)?svg[^>]* xmlns", body) else FRAME % body
         self.off, self.said = {}, []
 
     def under(self, m):
         """The input under a map."""
-        opened = re.sub(r"<(\w+:)?svg\b[^>]*>", lambda tag: '%s<g xmlns="%s" transform="matrix(%s)">' % (tag[0], SVG, " ".join("%.9g" % x for x in m)),
-                        self.text, count=1)
+        group = '<g xmlns="%s" transform="matrix(%s)">' % (SVG, " ".join("%.9g" % x for x in m))
+        opened = re.sub(r"<(\w+:)?svg\b[^>]*>", lambda root: root[0] + group, self.text, count=1)
         return re.sub(r"(</(\w+:)?svg>\s*)$", r"</g>\1", opened)
 
     def run(self, program, ending, *words):
-        done = subprocess.run([os.path.join(PROGRAMS, program), self.name + ".svg", "--cage", "cage.csv", "-o", self.name + ending, *words],
-                              capture_output=True, text=True)
+        command = [os.path.join(PROGRAMS, program), self.name + ".svg", "--cage", "cage.csv", *words]
+        done = subprocess.run(command + ["-o", self.name + ending], capture_output=True, text=True)
         for line in done.stderr.splitlines():
             said = line.partition(": ")[2] if done.returncode else line.partition(": warning: ")[2]
             if said and said not in self.said:
@@ -136,9 +147,8 @@ class Drawing:
         self.run("deform_svg", ".rest.svg", "--pose", "cage.csv")
         self.run("deform_svg", ".affine.svg", "--pose", kind + ".pose.csv")
         self.run("animate_svg", ".animated.svg", "--clip", kind + ".clip.csv", "--rate", "4")
-        self.off["warnings"] = not self.said if self.warns else 0
-        if not self.warns or any(self.warns not in said for said in self.said):
-            self.off["warnings"] = bool(self.said)
+        others = [said for said in self.said if self.warns not in said]
+        self.off["warnings"] = bool(others) or bool(self.said) != bool(self.warns)
 
 
 def compare(browser, drawings, inkscape):
@@ -149,7 +159,7 @@ def compare(browser, drawings, inkscape):
         if seconds is None:
             browser.run("stills(%s)" % json.dumps(["file://%s/%s" % (os.getcwd(), path) for path in paths]))
         else:
-            browser.run("films(%s, %g)" % (json.dumps([open(path, encoding="utf-8").read() if os.path.exists(path) else "" for path in paths]), seconds))
+            browser.run("films(%s, %g)" % (json.dumps([read(path) for path in paths]), seconds))
         browser.frames()
         shot = browser.call("Page.captureScreenshot", {"format": "png"})["data"]
         browser.run("read('%s', 'data:image/png;base64,%s')" % (ending, shot))
@@ -182,8 +192,9 @@ def compare(browser, drawings, inkscape):
         left = [path for drawing in drawings for pair in columns.values() for ending in pair
                 for path in [drawing.name + ending] if os.path.exists(path + ".svg")]
         while left:  # Inkscape ends at a drawing that crashes it
-            subprocess.run(["inkscape", "--export-type=png", "--export-width=%d" % SIDE, "--export-height=%d" % SIDE, "--export-background=white",
-                            "--export-background-opacity=1", *(path + ".svg" for path in left)], capture_output=True)
+            subprocess.run(["inkscape", "--export-type=png", "--export-width=%d" % SIDE, "--export-height=%d" % SIDE,
+                            "--export-background=white", "--export-background-opacity=1",
+                            *(path + ".svg" for path in left)], capture_output=True)
             left = [path for path in left if not os.path.exists(path + ".png")][1:]
         for column, pair in columns.items():
             for ending in pair:
@@ -193,15 +204,17 @@ def compare(browser, drawings, inkscape):
 
 def main(words):
     """Returns the number of faults and of marks that are out of date."""
+    named = [word for word in words if word != "--inkscape"]
     inkscape = "--inkscape" in words
     for program in ["chromium"] + inkscape * ["inkscape"]:
         if not shutil.which(program):
             print("skipped: no", program)
             sys.exit(77)
-    with open(os.path.join(HERE, "corpus.txt"), encoding="utf-8") as file:
-        drawings = [Drawing(text) for text in re.split(r"^## ", file.read(), flags=re.M)[1:]]
-    named = [word for word in words if not word.startswith("--")]
+    corpus = read(os.path.join(HERE, "corpus.txt"))
+    drawings = [Drawing(text) for text in re.split(r"^## ", corpus, flags=re.M)[1:]]
     drawings = [drawing for drawing in drawings if not named or drawing.name in named]
+    if not drawings:
+        sys.exit("no drawing has such a name")
     write_motions()
     for drawing in drawings:
         drawing.write()
@@ -212,12 +225,12 @@ def main(words):
         browser.close()
     faults = 0
     for drawing in drawings:
-        wrong = {column for column, off in drawing.off.items() if off > LIMIT}
         print("%-30s" % drawing.name, *("%s %.4f " % pair for pair in drawing.off.items()))
-        for column in sorted(wrong ^ (drawing.differs & set(drawing.off))):
-            print("FAILED: %s: %s %s" % (drawing.name, column, "is wrong" if column in wrong else "is right, and corpus.txt says that it differs"),
-                  *drawing.said, sep="\n    ")
-            faults += 1
+        for column, off in drawing.off.items():
+            if (off > LIMIT) != (column in drawing.differs):
+                why = "is wrong" if off > LIMIT else "is right, and corpus.txt says that it differs"
+                print("FAILED: %s: %s %s" % (drawing.name, column, why), *drawing.said, sep="\n    ")
+                faults += 1
     print("%d drawings, %d faults" % (len(drawings), faults))
     return faults
 
@@ -229,7 +242,7 @@ if __name__ == "__main__":
         if "--keep" in words:
             at = words.index("--keep")
             folder = words[at + 1]
-            os.makedirs(folder, exist_ok=True)
+            os.makedirs(folder)
             del words[at:at + 2]
         os.chdir(folder)
         sys.exit(main(words) > 0)
