@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Usage: run.py PROGRAMS [--inkscape] [--keep FOLDER] [NAME…]
+"""Usage: run.py PROGRAMS [--inkscape] [--mark] [--keep FOLDER] [NAME…]
 
 Poses each drawing of corpus.txt, or those named, by affine maps of its cage. Chromium must draw it as it draws the
 input under that map: at rest, posed by deform_svg, and played by animate_svg at three times. At least 99.5 % of the
@@ -10,7 +10,9 @@ pictures to a new folder.
 shape. Between that line and the drawing can stand:
 
     warns: WORDS                 each warning of the programs has these words; without this line there is none
-    differs: COLUMN…: REASON     these columns are wrong. A drawing that a repair sets right must lose the line
+    differs: COLUMN…: REASON     these columns are wrong; another column that is wrong fails, and one of these that is right
+
+--mark takes the columns that are now right out of these lines. Columns that are newly wrong get a line without a reason.
 """
 import base64
 import json
@@ -151,6 +153,18 @@ class Drawing:
         self.off["warnings"] = bool(others) or bool(self.said) != bool(self.warns)
 
 
+def mark(corpus, drawing):
+    """The corpus with the columns of a drawing that are wrong now."""
+    def remaining(line):
+        kept = [c for c in line[1].split() if drawing.off.get(c, 1) > LIMIT]
+        return "differs: %s: %s\n" % (" ".join(kept), line[2]) if kept else ""
+
+    head = re.search(r"^## %s( .*)?\n([a-z].*\n)*" % drawing.name, corpus, re.M)
+    marked = re.sub(r"^differs: (.*?): (.*)\n", remaining, head[0], flags=re.M)
+    new = [c for c, off in drawing.off.items() if off > LIMIT and c not in drawing.differs]
+    return corpus.replace(head[0], marked + ("differs: %s: ?\n" % " ".join(new) if new else ""))
+
+
 def compare(browser, drawings, inkscape):
     """Draws sheets of all drawings, and enters which share of the pixels is off."""
     def sheet(ending, seconds=None):
@@ -204,13 +218,14 @@ def compare(browser, drawings, inkscape):
 
 def main(words):
     """Returns the number of faults and of marks that are out of date."""
-    named = [word for word in words if word != "--inkscape"]
+    named = [word for word in words if word not in ("--inkscape", "--mark")]
     inkscape = "--inkscape" in words
     for program in ["chromium"] + inkscape * ["inkscape"]:
         if not shutil.which(program):
             print("skipped: no", program)
             sys.exit(77)
-    corpus = read(os.path.join(HERE, "corpus.txt"))
+    path = os.path.join(HERE, "corpus.txt")
+    corpus = read(path)
     drawings = [Drawing(text) for text in re.split(r"^## ", corpus, flags=re.M)[1:]]
     drawings = [drawing for drawing in drawings if not named or drawing.name in named]
     if not drawings:
@@ -231,6 +246,10 @@ def main(words):
                 why = "is wrong" if off > LIMIT else "is right, and corpus.txt says that it differs"
                 print("FAILED: %s: %s %s" % (drawing.name, column, why), *drawing.said, sep="\n    ")
                 faults += 1
+        if "--mark" in words:
+            corpus = mark(corpus, drawing)
+    if "--mark" in words:
+        write(path, corpus)
     print("%d drawings, %d faults" % (len(drawings), faults))
     return faults
 
