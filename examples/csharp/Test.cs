@@ -106,7 +106,7 @@ static class Test
     {
         using (var figure = new Figure(Read("figure")))
         {
-            Require(figure.Points == 500 && figure.Handles == 8 && figure.Vertices == 8 && figure.Clips == 1 && figure.Levels == 1);
+            Require(figure.Points == 500 && figure.Handles == 8 && figure.Vertices == 8 && figure.Clips == 2 && figure.Levels == 1);
             Require(figure.Origin[0] == 5e5 && figure.Origin[1] == 4.6e6 && figure.Origin[2] == 0.1);
             Require(figure.HasNormals && figure.HasTangents);
             float[] pose = Floats("pose"), points = new float[1500], normals = new float[1500], tangents = new float[2000];
@@ -165,6 +165,15 @@ static class Test
             player.Sample(1.5, vertices);
             Require(vertices.SequenceEqual(Floats("sampled")));
             Require(Refused(() => player.Sample(double.NaN, vertices)).Code != 0);
+            using (var late = figure.Play("late")) // floats cannot tell its times apart
+            {
+                Require(late.Begin == 70000.5);
+                for (int k = 0; k < 30; ++k)
+                {
+                    late.Sample(70000.5 + k / 500.0, vertices);
+                    Require(Math.Abs(vertices[0] - (k - 1)) < 1e-3);
+                }
+            }
             Throws<ArgumentException>(() => figure.Play("walk"));
             var points = new float[150];
             Require(level.Points == 50);

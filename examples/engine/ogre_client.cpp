@@ -98,7 +98,7 @@ public:
     std::span<const Vec3> pose() const {
         return std::span(pose_).first(cageform_examples::vertices_of(figure_));
     }
-    float length() const { return parts_.clip.end(); }
+    float length() const { return float(parts_.clip.end()); }
 
     /// Moves the cage to a time of the clip, which begins again at its end. Faces that are handles go
     /// along.

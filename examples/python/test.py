@@ -153,6 +153,9 @@ class Arrays(unittest.TestCase):
                 (ValueError, r'axes.*\(2, 3\)', lambda: cageform.Cage.lattice(3, (0, 0), np.zeros((2, 3)))),
                 (ValueError, r'poses.*\(3, #vertices', lambda: cageform.compile_clip([0, 1, 2], np.zeros((2, 4, 2)))),
                 (TypeError, 'Coordinates.bind', cageform.Binding),
+                (ValueError, r'poses\[1\] has 6 numbers, poses\[0\] 8$', lambda: cageform.compile_clip([0, 1], [SQUARE, SQUARE[:3]])),
+                (ValueError, r'poses\[1\]\[2\] has 3 numbers, poses\[1\]\[0\] 2$',
+                 lambda: cageform.compile_clip([0, 1], [[(0, 0), (1, 0), (1, 1)], [(0, 0), (1, 0), (1, 1, 1)]])),
                 (errors.PoseSizeDiffers, '', lambda: figure.clone(np.zeros((3, 2)))),
                 (errors.PoseNotFinite, '', lambda: figure.clone(np.full((4, 2), np.nan))),
                 (errors.LoopsDoNotMatch, 'do not add up', lambda: cageform.Coordinates(cageform.Cage.polygon(SQUARE, [5]))),
@@ -429,6 +432,11 @@ class Figures(unittest.TestCase):
         poses = np.stack([SQUARE, SQUARE * (1, 1.5), SQUARE])
         clip, report = cageform.compile_clip([0, 1, 2], poses)
         self.assertEqual((clip.begin, clip.end, clip.vertices), (0, 2, 4))
+        late = 70000.5 + np.arange(30) / 500  # float32 cannot tell these times apart
+        played, _ = cageform.compile_clip(late, [SQUARE + k for k in range(30)], keys='linear')
+        self.assertEqual(played.begin, late[0])
+        for k, time in enumerate(late):
+            np.testing.assert_allclose(played.sample(time), SQUARE + k, atol=1e-3)
         packed, report = binding.pack(tolerance=1e-3, clips={'wave': clip}, origin=(5e5, 4.6e6 + 0.25))
         self.assertEqual(report.bytes, len(packed))
         self.assertLess(report.distance, 1e-3)

@@ -183,10 +183,9 @@ void play(const cageform::CageClipView<T, D>& clip) {
     const Array<cageform::Lanes<T>> memory(clip.cursor_rows(), cageform::Lanes<T>());
     const Array<Vec<T, D>> pose(clip.vertex_count(), Vec<T, D>{});
     auto cursor = clip.make_cursor(std::span<cageform::Lanes<T>>(memory.data(), memory.size()));
-    const T begin = clip.begin(), length = clip.end() - begin;
-    for (const T part : {T(0), T(0.01), T(0.02), T(1), T(0.5), T(0.49), T(0.1), T(3), T(-2), T(1e9), T(-1e9),
-                         T(0.3), T(0.31)}) {
-        const T time = begin + part * length;
+    const double begin = clip.begin(), length = clip.end() - begin;
+    for (const double part : {0.0, 0.01, 0.02, 1.0, 0.5, 0.49, 0.1, 3.0, -2.0, 1e9, -1e9, 0.3, 0.31}) {
+        const double time = begin + part * length;
         if (cageform::is_finite(time)) clip.sample(time, cursor, {pose.data(), pose.size()});
     }
 }

@@ -300,7 +300,7 @@ export class Binding extends Owner {
       format: choice(FORMATS, format, 'format'),
       origin: Array.from(origin, x => number(x, 'origin')),
     };
-    const where = poses === undefined ? null : points(flattened(poses), 'poses', { dimension: this.figure.dimension }),
+    const where = poses === undefined ? null : points(flattened(poses, 'poses'), 'poses', { dimension: this.figure.dimension }),
       told = progressOf(progress);
     if (own.origin.length > 3) refuse('origin: at most three numbers are needed');
     if (clips === null || typeof clips !== 'object' || !Array.isArray(levels))

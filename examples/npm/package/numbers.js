@@ -34,10 +34,18 @@ export function points(given, name, { dimension, Kind = null }) {
   return { numbers, dimension, count: numbers.length / dimension };
 }
 
-/** Returns one row of the numbers of arrays of arrays. */
-export function flattened(given) {
+/** Returns one row of the numbers of arrays of arrays; each array has as many as the first beside it. */
+export function flattened(given, name) {
   if (!Array.isArray(given) || !isList(given[0])) return given;
-  return given.map(row => (isList(row) ? Array.from(flattened(row)) : row)).flat();
+  const rows = given.map((row, k) => (isList(row) ? Array.from(flattened(row, `${name}[${k}]`)) : [row]));
+  for (const [k, { length }] of rows.entries()) {
+    if (length !== rows[0].length)
+      throw new CageformError(
+        'counts_do_not_match',
+        `${name}[${k}] has ${length} numbers, ${name}[0] ${rows[0].length}`,
+      );
+  }
+  return rows.flat();
 }
 
 /** Returns the array to be written: the caller's, which has to have this size, or a new one. */

@@ -51,7 +51,7 @@ export function compileClip(times, poses, chosen) {
       after: choice(ENDS, after, 'after'),
       scalar: scalarOf(scalarClass(scalar)),
     };
-  const all = points(flattened(poses), 'poses', { dimension: dimensionOf(dimension) }),
+  const all = points(flattened(poses, 'poses'), 'poses', { dimension: dimensionOf(dimension) }),
     told = progressOf(progress);
   const { bytes, report } = engine.scoped(scope => {
     const to = scope.newReport();

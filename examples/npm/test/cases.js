@@ -304,6 +304,20 @@ export const tests = [
   },
 
   {
+    name: 'keys that float32 cannot tell apart by their times',
+    run({ cageform }) {
+      const late = 70000.5,
+        times = Array.from({ length: 30 }, (x, k) => late + k / 500),
+        poses = times.map((time, k) => [k, 0, 0, -k]);
+      for (const scalar of ['float32', 'float64']) {
+        const { clip } = cageform.compileClip(times, poses, { dimension: 2, scalar, keys: 'linear' });
+        assert(clip.begin === late && Math.abs(clip.end - times[29]) < 1e-7, `${clip.begin} to ${clip.end}`);
+        times.forEach((time, k) => assert(difference(clip.sample(time), poses[k]) < 1e-3, `${scalar}, key ${k}`));
+      }
+    },
+  },
+
+  {
     name: 'a figure file: labels, clips, levels',
     run({ cageform }) {
       const random = randomOf(5),
@@ -673,6 +687,21 @@ export const tests = [
       );
       no('keys_not_ascending', () => compileClip([1, 0], [CUBE, CUBE]));
       no('counts_do_not_match', () => compileClip([0, 1, 2], [CUBE, CUBE]));
+      const square = [
+        [0, 0],
+        [1, 0],
+        [1, 1],
+      ];
+      for (const [words, poses] of [
+        ['poses[2] has 4 numbers, poses[0] 6', [square, square.flat(), [0, 0, 1, 1], square]],
+        ['poses[1] has 8 numbers, poses[0] 6', [square, [...square, [0, 1]]]],
+        ['poses[1][2] has 3 numbers, poses[1][0] 2', [square, [[0, 0], [1, 0], [1, 1, 1]]]],
+        ['poses[3] has 1 numbers, poses[0] 6', [square, square, square, 7]],
+      ]) {
+        const times = poses.map((row, k) => k);
+        const { message } = refused(cageform, 'counts_do_not_match', () => compileClip(times, poses, { dimension: 2 }));
+        equal(message.split(': ').pop(), words, 'a row of another length');
+      }
       no('object_of_another_kind', () => new Samples(figure));
       no('object_of_another_kind', () => new Pins(space));
       no('argument_refused', () => new cageform.Figure());

@@ -17,6 +17,8 @@ struct CageClipView {
 
     CurveBankView<T> bank; ///< #vertices · D curves, the coordinates of a vertex adjacent
     T first_time = 0, last_time = 0;
+    /// From here the times of the bank, first_time and last_time count; far from zero T has few digits.
+    double origin = 0;
     Extrapolation before = Extrapolation::constant, after = Extrapolation::constant;
     /// 3 · #curves: all slopes at the first time, all slopes at the last, all rises between them;
     /// empty if no extrapolation uses them.
@@ -25,8 +27,8 @@ struct CageClipView {
     bool moves = false; ///< whether `motion` applies
 
     std::size_t vertex_count() const noexcept { return bank.size() / D; }
-    T begin() const noexcept { return first_time; }
-    T end() const noexcept { return last_time; }
+    double begin() const noexcept { return origin + double(first_time); }
+    double end() const noexcept { return origin + double(last_time); }
 
     /// The size of a cursor's memory, in Lanes<T> of 64 bytes each.
     std::size_t cursor_rows() const noexcept { return bank.cursor_rows() + block_count<T>(bank.size()); }
@@ -43,11 +45,11 @@ struct CageClipView {
     }
 
     /// Writes the cage's vertices at a time to `pose` (#vertices), the input of `clone`.
-    void sample(T time, Cursor& cursor, std::span<Vec<T, D>> pose) const noexcept {
+    void sample(double time, Cursor& cursor, std::span<Vec<T, D>> pose) const noexcept {
         CAGEFORM_ASSERT(pose.size() >= vertex_count(), "a place for every vertex");
         CAGEFORM_ASSERT(cursor.memory().size() >= cursor_rows(), "a cursor of this clip");
         if (bank.size() == 0) return;
-        const auto folded = fold_time(time, first_time, last_time, before, after);
+        const auto folded = fold_time(static_cast<T>(time - origin), first_time, last_time, before, after);
         const std::span<T> values(cursor.memory()[bank.cursor_rows()].v, bank.size());
         bank.sample(folded.time, cursor, values);
         if (folded.cycles != 0 || folded.beyond != 0) {
@@ -59,7 +61,7 @@ struct CageClipView {
         for (std::size_t i = 0; i < vertex_count(); ++i) {
             for (std::size_t k = 0; k < D; ++k) pose[i][k] = values[i * D + k];
         }
-        if (moves) motion.apply(time, pose.first(vertex_count()));
+        if (moves) motion.apply(static_cast<T>(time), pose.first(vertex_count()));
     }
 };
 
@@ -79,10 +81,12 @@ public:
     CageClip() = default;
 
     /// `curves`: #vertices · D, the coordinates of a vertex adjacent, each with pieces. The clip
-    /// lasts from the first begin of a curve to the last end. It is extrapolated as a whole.
+    /// lasts from the first begin of a curve to the last end. It is extrapolated as a whole. Times of the
+    /// curves count from `origin`, those of a rigid motion do not.
     CageClip(std::span<const PiecewiseCubic<T>> curves, Extrapolation before = Extrapolation::constant,
-             Extrapolation after = Extrapolation::constant)
+             Extrapolation after = Extrapolation::constant, double origin = 0)
         : bank_(curves)
+        , origin_(origin)
         , before_(before)
         , after_(after) {
         CAGEFORM_ASSERT(curves.size() % D == 0, "D curves a vertex");
@@ -106,23 +110,24 @@ public:
     }
 
     CageClipView<T, D> view() const noexcept {
-        return {bank_.view(), begin_, end_, before_, after_, ends_, motion_.view(), moves_};
+        return {bank_.view(), begin_, end_, origin_, before_, after_, ends_, motion_.view(), moves_};
     }
 
     std::size_t vertex_count() const noexcept { return bank_.size() / D; }
-    T begin() const noexcept { return begin_; }
-    T end() const noexcept { return end_; }
+    double begin() const noexcept { return view().begin(); }
+    double end() const noexcept { return view().end(); }
     std::size_t bytes() const noexcept { return bank_.bytes(); } ///< of memory
     Cursor make_cursor() const { return view().make_cursor(); }
 
     /// Writes the cage's vertices at a time to `pose` (#vertices), the input of `clone`.
-    void sample(T time, Cursor& cursor, std::span<Vec<T, D>> pose) const noexcept {
+    void sample(double time, Cursor& cursor, std::span<Vec<T, D>> pose) const noexcept {
         view().sample(time, cursor, pose);
     }
 
 private:
     CurveBank<T> bank_;
-    T begin_ = 0, end_ = 0;
+    T begin_ = 0, end_ = 0; // count from origin_
+    double origin_ = 0;
     Extrapolation before_ = Extrapolation::constant, after_ = Extrapolation::constant;
     std::vector<T> ends_;
     RigidMotion<T, D> motion_;

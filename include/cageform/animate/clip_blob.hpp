@@ -2,7 +2,8 @@
 //
 // Numbers have the byte order of the machine that made it, which a tag records. Every table begins at
 // a multiple of 64 bytes; there are offsets, no pointers. T is the clip's scalar, D its dimension. A
-// curve of n pieces has n + 1 knots: the begins of its pieces, and the end of the last one.
+// curve of n pieces has n + 1 knots: the begins of its pieces, and the end of the last one. Knots, begin
+// and end count from the header's origin; the motion's times do not.
 //
 //     ClipHeader
 //     curves        #curves × BankCurve: the coordinates of a vertex are adjacent
@@ -79,6 +80,7 @@ public:
     /// Packs a clip exactly, without quantising. Throws std::bad_alloc if memory runs out.
     explicit PackedClip(const CageClipView<T, D>& clip) {
         ClipHeader header;
+        header.version = clip.origin != 0 ? ClipHeader::current_version : 1;
         header.scalar_bytes = sizeof(T);
         header.dimension = D;
         header.before = std::uint32_t(clip.before);
@@ -88,6 +90,7 @@ public:
         header.steps = clip.bank.steps.size();
         header.begin = double(clip.first_time);
         header.end = double(clip.last_time);
+        header.origin = clip.origin;
         header.motion = clip.moves ? 1 : 0;
         PackedMotion<T, D> motion;
         motion.pivot = clip.motion.pivot;

@@ -18,6 +18,8 @@
 #include <cageform/core/running.hpp>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -44,7 +46,8 @@ Result<Track<T>, CompileReport> compile(const R& keys, const TrackOptions& optio
 
 /// Compiles key frames to a clip, curve by curve, in parallel if `running` says so.
 ///
-///   curves   #vertices · D ranges of keys; the coordinates of a vertex are adjacent
+///   curves   #vertices · D ranges of keys; the coordinates of a vertex are adjacent. Where the
+///            first time is farther from zero than the clip is long, times count from there in T
 ///   options  the extrapolation applies to the clip as a whole. Without a tolerance, the result
 ///            does not depend on the unit of length; set one for a figure that moves far
 ///   fails    input_malformed if the number of curves is no multiple of D; as `compile`
@@ -59,13 +62,26 @@ Result<CageClip<T, D>, CompileReport> compile(const R& curves, const TrackOption
         std::vector<Result<Track<T>, CompileReport>> tracks(keys.size());
         TrackOptions of_tracks = options;
         of_tracks.tolerance = options.tolerance.value_or(detail::pixel_of_clip<D>(keys));
+        double first = std::numeric_limits<double>::infinity(), last = -first;
+        for (const auto& of_curve : keys) {
+            if (of_curve.empty()) continue;
+            first = (std::min)(first, of_curve.front().time);
+            last = (std::max)(last, of_curve.back().time);
+        }
+        const double origin = std::fabs(first) > last - first ? first : 0; // 0 where one is not finite
         // A track may take seconds if its pieces are coupled.
         const std::size_t step = std::max<std::size_t>(keys.size() / 50, 16);
         for (std::size_t begin = 0; begin < keys.size(); begin += step) {
             const std::size_t count = (std::min)(step, keys.size() - begin);
             detail::in_parallel(running, count, 1, [&](std::size_t b, std::size_t e) {
-                for (std::size_t k = begin + b; k < begin + e; ++k)
-                    tracks[k] = compile<T>(keys[k], of_tracks);
+                for (std::size_t k = begin + b; k < begin + e; ++k) {
+                    std::vector<Key> counted(keys[k].begin(), keys[k].end());
+                    for (Key& key : counted) {
+                        for (double* time : {&key.time, &key.in_handle[0], &key.out_handle[0]})
+                            *time -= origin;
+                    }
+                    tracks[k] = compile<T>(counted, of_tracks);
+                }
             });
             if (!running.keep_going(double(begin + count) / double(keys.size()))) return Status::cancelled;
         }
@@ -81,7 +97,7 @@ Result<CageClip<T, D>, CompileReport> compile(const R& curves, const TrackOption
             result.report.sup_error = (std::max)(result.report.sup_error, report.sup_error);
             compiled.push_back(std::move(track.curve));
         }
-        result.value = CageClip<T, D>(compiled, options.before, options.after);
+        result.value = CageClip<T, D>(compiled, options.before, options.after, origin);
         return Status::ok;
     });
     return result;

@@ -39,9 +39,25 @@ def index_of(number: int) -> Optional[int]:
     return None if number == _NO_INDEX else number
 
 
+def _count(given: Any) -> int:
+    return sum(map(_count, given)) if hasattr(given, '__len__') else 1
+
+
+def _refuse_uneven(given: Any, name: str) -> None:
+    """Names the first of nested lists that has not as many numbers as the first beside it."""
+    for k, row in enumerate(given if hasattr(given, '__len__') else ()):
+        if _count(row) != _count(given[0]):
+            raise ValueError('%s[%d] has %d numbers, %s[0] %d' % (name, k, _count(row), name, _count(given[0])))
+        _refuse_uneven(row, '%s[%d]' % (name, k))
+
+
 def numbers(given: npt.ArrayLike, name: str) -> Array:
     """Returns an array of real numbers of any type and shape."""
-    array = np.asarray(given)
+    try:
+        array = np.asarray(given)
+    except ValueError:
+        _refuse_uneven(given, name)
+        raise
     if array.dtype.kind not in 'fiu' and array.size:
         raise TypeError('%s: real numbers, not %s' % (name, array.dtype))
     return array

@@ -49,6 +49,7 @@ CageClipView<T, D> view_clip(const std::byte* data, const ClipHeader& header) no
     find(view.ends, header.ends, 3 * header.curves);
     view.first_time = static_cast<T>(header.begin);
     view.last_time = static_cast<T>(header.end);
+    view.origin = header.origin;
     view.before = static_cast<Extrapolation>(header.before);
     view.after = static_cast<Extrapolation>(header.after);
     view.moves = header.motion != 0;
@@ -164,7 +165,8 @@ template <Scalar T, std::size_t D>
 Status check_clip(const std::byte* data, const ClipHeader& header) noexcept {
     bool sound = is_extrapolation(header.before) && is_extrapolation(header.after) &&
                  header.curves % D == 0 && (D == 3 || header.turns == 0) &&
-                 (header.motion != 0 || (header.tracks == 0 && header.turns == 0));
+                 (header.motion != 0 || (header.tracks == 0 && header.turns == 0)) &&
+                 is_finite(header.origin);
     for (const std::uint64_t count :
          {header.curves, header.pieces, header.steps, header.tracks, header.turns})
         sound = sound && count <= 0xFFFFFFFFu;

@@ -12,7 +12,7 @@ namespace cageform::inline CAGEFORM_ABI {
 /// The first 192 bytes of a packed clip. Offsets are in bytes from its beginning.
 struct ClipHeader {
     static constexpr std::uint64_t magic_number = 0x70696C6365676163u; // "cageclip" in little endian
-    static constexpr std::uint32_t current_version = 1;
+    static constexpr std::uint32_t current_version = 2;                ///< 1 where the origin is 0
 
     std::uint64_t magic = magic_number;
     std::uint32_t version = current_version;
@@ -22,11 +22,11 @@ struct ClipHeader {
     std::uint32_t scalar_bytes = 0, dimension = 0;
     std::uint32_t before = 0, after = 0; ///< Extrapolation
     std::uint64_t curves = 0, pieces = 0, steps = 0;
-    double begin = 0, end = 0; ///< times, representable in T
+    double begin = 0, end = 0; ///< times, representable in T; as all of the curves' they count from `origin`
     std::uint64_t curve_table = 0, knot_table = 0, piece_table = 0, step_table = 0, entry_table = 0, ends = 0;
     std::uint64_t motion = 0, tracks = 0, turns = 0; ///< tracks: #track_pieces, turns: #rotations
     std::uint64_t track_begins = 0, track_pieces = 0, rotations = 0;
-    std::uint64_t padding = 0;
+    double origin = 0;
 };
 static_assert(sizeof(ClipHeader) == 192);
 

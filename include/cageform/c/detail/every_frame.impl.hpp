@@ -365,8 +365,8 @@ cageform_status cageform_player_describe(const cageform_player* player, cageform
         using Playing = std::remove_cvref_t<decltype(playing)>;
         cageform_clip_info its{};
         its.vertices = playing.clip.vertex_count();
-        its.begin = double(playing.clip.begin());
-        its.end = double(playing.clip.end());
+        its.begin = playing.clip.begin();
+        its.end = playing.clip.end();
         its.scalar = c::scalar_code<Playing>;
         its.dimension = Playing::dimension;
         its.name = player->name.data();
@@ -384,9 +384,9 @@ cageform_status cageform_player_sample(cageform_player* player, double time, cag
         using T = typename Playing::scalar;
         return c::with_points<T, Playing::dimension>(pose, [&](const auto& out) {
             if (out.size() < playing.pose.size()) return c::code_of(cageform::Status::output_too_small);
-            const T at = static_cast<T>(time);
-            if (!cageform::is_finite(at)) return c::code_of(cageform::Status::value_not_finite);
-            playing.clip.sample(at, playing.cursor, playing.pose);
+            if (!cageform::is_finite(static_cast<T>(time)))
+                return c::code_of(cageform::Status::value_not_finite);
+            playing.clip.sample(time, playing.cursor, playing.pose);
             for (std::size_t i = 0; i < playing.pose.size(); ++i) out.store(i, playing.pose[i]);
             return cageform_status(CAGEFORM_OK);
         });
