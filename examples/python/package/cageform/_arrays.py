@@ -45,10 +45,12 @@ def _count(given: Any) -> int:
 
 def _refuse_uneven(given: Any, name: str) -> None:
     """Names the first of nested lists that has not as many numbers as the first beside it."""
-    for k, row in enumerate(given if hasattr(given, '__len__') else ()):
-        if _count(row) != _count(given[0]):
-            raise ValueError('%s[%d] has %d numbers, %s[0] %d' % (name, k, _count(row), name, _count(given[0])))
+    rows = list(given) if hasattr(given, '__len__') else []
+    for k, row in enumerate(rows):
         _refuse_uneven(row, '%s[%d]' % (name, k))
+    for k, row in enumerate(rows):
+        if _count(row) != _count(rows[0]):
+            raise ValueError('%s[%d] has %d numbers, %s[0] %d' % (name, k, _count(row), name, _count(rows[0])))
 
 
 def numbers(given: npt.ArrayLike, name: str) -> Array:

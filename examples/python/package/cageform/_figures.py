@@ -220,9 +220,10 @@ def compile_clip(times: npt.ArrayLike, poses: npt.ArrayLike, tolerance: float = 
     Returns a Clip and a Report.
     """
     given = arrays.doubles(times, 'times', None, 'pose')
-    if np.ndim(poses) == 3 and np.shape(poses)[0] != len(given):
-        raise ValueError('poses: an array of shape (%d, #vertices, dimension), not %s' % (len(given), np.shape(poses)))
-    listed = arrays.poses(poses, 'poses', '#times, #vertices')
+    posed = arrays.numbers(poses, 'poses')
+    if posed.ndim == 3 and len(posed) != len(given):
+        raise ValueError('poses: an array of shape (%d, #vertices, dimension), not %s' % (len(given), posed.shape))
+    listed = arrays.poses(posed, 'poses', '#times, #vertices')
     options = arrays.struct(_c.cageform_clip_options, tolerance=tolerance, pack_tolerance=pack_tolerance,
                             keys=arrays.choice(_KEYS, keys, 'keys'), before=arrays.choice(_ENDS, before, 'before'),
                             after=arrays.choice(_ENDS, after, 'after'), scalar=arrays.scalar_of(dtype))
