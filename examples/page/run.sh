@@ -79,7 +79,7 @@ done
   packed $work/page.wasm
   printf '\n};\n'
   cat examples/support/wasm/host.js
-  for part in engine path safe_svg figure cage kinds field clip pins plane_pins view app pointer timeline save mesh mesh_pins main; do cat $page/js/$part.js; done
+  for part in engine read path safe_svg figure cage kinds field clip pins plane_pins view app pointer timeline save mesh mesh_pins keep main; do cat $page/js/$part.js; done
 } >$work/page.js
 
 # hash FILE: what a content security policy knows a script or style by

@@ -16,6 +16,7 @@ from cages import take_cage_pictures, test_any_order, test_curved, test_kinds, t
 from hostile import hostile_svg
 from pins import test_pins
 from support import BUILT, DATA, PROGRAMS, TYPES, Page, check, compare_pictures, farthest, native_places, pairs, read_csv
+from work import test_closed, test_encodings, test_rules, test_without_store, test_work
 
 # These parts of SVG are hard to get right: arcs, flags without spaces, use, nested transforms, percentages, styles, text.
 HARD_SVG = '''<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink" viewBox="-20 -10 240 180" width="120mm">
@@ -33,7 +34,7 @@ HARD_SVG = '''<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3
 
 def test_opening(page, path):
     size = os.path.getsize(path)
-    check(size < 1.3e6, 'the page has %d bytes' % size)
+    check(size < 1.4e6, 'the page has %d bytes' % size)
     ready = page.run('page.readyAfter')
     page.frames()  # the browser notes a paint once it is on the screen
     paint = page.run("Math.max(0, ...performance.getEntriesByType('paint').map(e => e.startTime))")
@@ -536,6 +537,7 @@ def test_animation(page, folder, path):
           const places = page.cloneFigure(0, page.clip.poseAt(%r, page.cage.rest, page.engine)).slice();
           return page.figure.shapes.filter(s => s.outline).map(s => numbersIn(pathData(s, places, page.figure.decimals)));
         })()""" % time_shown)
+        page.wait('page.keeper.isSaved')
         page.call('Page.navigate', {'url': 'file://' + saved})
         page.wait("document.documentElement.localName === 'svg' && document.readyState === 'complete'")
         shown = page.run("""(() => {
@@ -916,9 +918,14 @@ def main():
             test_sessions(page)
             test_stepping(page)
             test_reading(page, folder)
+            test_encodings(page, folder)
+            test_closed(page, folder)
+            test_rules(page, first_seed)
             test_animation(page, folder, path)
             test_first_scene(path)
             test_keyboard(path, folder)
+            test_work(path, folder, out)
+            test_without_store(path, folder)
             test_pins(path, folder, out, quick)
             if not quick:
                 test_growth(page, 10000)

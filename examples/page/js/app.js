@@ -143,6 +143,7 @@ class App {
     }
     this.drawPins();
     this.tell();
+    this.keeper?.look();
   }
 
   // ---- pins ----

@@ -3,12 +3,21 @@
 const TYPE_NAMES = ['Mean value', 'Harmonic', 'Green', 'Sibson', 'Lattice', 'Curved Green'];
 const LATTICE_TYPE = 4, CURVED_TYPE = 5;
 
-/** Returns the bytes of gzip data in base64. */
-async function unpack(text) {
-  const packed = Uint8Array.from(atob(text), c => c.charCodeAt(0));
-  const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream('gzip'));
-  return new Uint8Array(await new Response(stream).arrayBuffer());
+/** Returns the bytes of gzip data; null if there are more than `most`. */
+async function unpacked(packed, most = Infinity) {
+  const reader = new Blob([packed]).stream().pipeThrough(new DecompressionStream('gzip')).getReader(), parts = [];
+  let size = 0;
+  for (let part = await reader.read(); !part.done; part = await reader.read()) {
+    parts.push(part.value);
+    size += part.value.length;
+    if (size <= most) continue;
+    reader.cancel();
+    return null;
+  }
+  return new Uint8Array(await new Blob(parts).arrayBuffer());
 }
+/** Returns the bytes of gzip data in base64. */
+const unpack = text => unpacked(Uint8Array.from(atob(text), c => c.charCodeAt(0)));
 
 class Engine {
   /** The library in an instance of its own; `onProgress` gets the fraction done of long computations. */

@@ -4,8 +4,6 @@
 // the move, the cubic through these four points replaces the piece, so lines bend and curves stay smooth.
 
 const NOT_DRAWN = 'defs,clipPath,mask,pattern,marker,symbol,filter,linearGradient,radialGradient';
-const PAINT = ['fill', 'fill-opacity', 'fill-rule', 'stroke', 'stroke-width', 'stroke-opacity', 'stroke-linecap', 'stroke-linejoin',
-  'stroke-miterlimit', 'stroke-dasharray', 'stroke-dashoffset', 'opacity', 'marker-start', 'marker-mid', 'marker-end'];
 const MOST_POINTS = 400000;  // per figure; with more, a frame takes seconds
 const MANY_POINTS = 60000;  // with more, pieces get longer
 
@@ -16,17 +14,24 @@ function svgElement(name, attributes = {}, parent = null) {
   return element;
 }
 
+/** Returns the shadow tree of an element, into which nothing of the page's style goes: a drawing has only its own. */
+function closedTree(host) {
+  host.classList.add('closed');
+  for (const name of document.styleSheets[0].cssRules[0].style) if (name.startsWith('--')) host.style.setProperty(name, 'initial'); // the page's own variables
+  return host.shadowRoot ?? host.attachShadow({ mode: 'open' });
+}
+
 /** Copies attributes and style, except some attributes. The style is set by script, which the page's policy allows. */
 function copyLook(from, to, left) {
   for (const { name, namespaceURI, value } of from.attributes) if (name !== 'style' && !left.test(name)) to.setAttributeNS(namespaceURI, name, value);
   to.style.cssText = from.style.cssText;
 }
 
-/** Replaces `use` elements by copies of their targets; readSafeSvg() has counted these. */
-function expandUses(root) {
+/** Replaces `use` elements by copies of their targets, which readSafeSvg() has counted. */
+function expandUses(root, trees) {
   for (let uses = drawnUses(root); uses.length > 0; uses = drawnUses(root)) {
     for (const use of uses) {
-      const href = use.getAttribute('href') ?? '', target = href.startsWith('#') && root.querySelector('#' + CSS.escape(href.slice(1)));
+      const target = trees.get(use.getAttribute('href')?.slice(1))?.firstElementChild;
       const group = svgElement('g');
       copyLook(use, group, /^(x|y|width|height|href)$/);
       const x = lengthOf(use, 'x'), y = lengthOf(use, 'y');
@@ -39,11 +44,11 @@ function expandUses(root) {
 const drawnUses = root => [...root.querySelectorAll('use')].filter(use => !use.closest(NOT_DRAWN));
 /** Returns a copy of the target of a `use`; a symbol becomes a nested picture, as large as the `use` says. */
 function usedCopy(use, target) {
-  if (target.localName !== 'symbol' && target.localName !== 'svg') return target.cloneNode(true);
+  if (target.localName !== 'symbol' && target.localName !== 'svg') return document.importNode(target, true);
   const copy = svgElement('svg', { overflow: 'visible' });
   copyLook(target, copy, /^overflow$/);
   for (const name of ['width', 'height']) if (use.hasAttribute(name)) copy.setAttribute(name, use.getAttribute(name));
-  copy.append(...target.cloneNode(true).childNodes);
+  copy.append(...document.importNode(target, true).childNodes);
   return copy;
 }
 
@@ -74,17 +79,16 @@ const distance = (a, b) => Math.hypot(a[0] - b[0], a[1] - b[1]);
 class Figure {
   /** Reads the text of an SVG document; throws a sentence if it is not one, or draws nothing. */
   constructor(text, name) {
-    const { root, css } = readSafeSvg(text, name);
+    const { root, css, trees } = readSafeSvg(text, name);
     this.name = name;
     this.css = css;
-    this.sheet = sheetOf(css.replaceAll(':root', ':host')); // for the shadow trees that the figure is shown in
+    this.sheet = sheetOf(css); // for the shadow trees that the figure is shown in
     this.root = document.importNode(root, true);
-    const stage = document.getElementById('stage');
-    const shadow = (stage.shadowRoot ?? stage.attachShadow({ mode: 'open' }));
+    const shadow = closedTree(document.getElementById('stage'));
     shadow.adoptedStyleSheets = [this.sheet];
     shadow.replaceChildren(this.root);
     try {
-      expandUses(this.root);
+      expandUses(this.root, trees);
       this.readShapes();
     } finally {
       shadow.replaceChildren();
@@ -129,7 +133,7 @@ class Figure {
       miter: style.strokeLinejoin === 'miter' ? parseFloat(style.strokeMiterlimit) : 0,
       square: style.strokeLinecap === 'square',
       marker: style.markerMid,
-      paint: PAINT.map(name => [name, style.getPropertyValue(name)]), // style sheets may select by a shape's kind
+      paint: { fill: style.fill, stroke: style.stroke },
       corners: outline.flatMap(({ start, segments }) => [start, ...segments.map(s => s.to)]),
     };
   }
@@ -160,7 +164,6 @@ class Figure {
       const geometry = /^(x|y|width|height|rx|ry|cx|cy|r|x1|y1|x2|y2|points)$/;
       copyLook(element, path, geometry);
       path.append(...element.childNodes);
-      path.style.cssText += shape.paint.map(([name, value]) => `;${name}:${value}`).join('');
       element.replaceWith(path);
       return path;
     });
@@ -168,7 +171,7 @@ class Figure {
       const own = twin.get(element).cloneNode(true);
       own.id = `${element.id}-${index}-${paint}`;
       twin.get(element).after(own);
-      targets[index].style.setProperty(paint, `url("#${own.id}")`);
+      targets[index].style.setProperty(paint, `url("#${own.id}")`, 'important');
       return { own, shape: this.shapes[index], base };
     });
     const marks = this.shapes.map((shape, i) => shape.outline && shape.marker !== 'none' ? markVertices(shape, targets[i]) : null);
@@ -210,7 +213,7 @@ function isShown(element, known) {
 function userSpaceGradients(root, shape, index) {
   if (!shape.outline) return [];
   return ['fill', 'stroke'].flatMap(paint => {
-    const id = /^url\("?#([^")]*)"?\)/.exec(shape.paint.find(([name]) => name === paint)[1])?.[1];
+    const id = /^url\("?#([^")]*)"?\)/.exec(shape.paint[paint])?.[1];
     const element = id && root.querySelector('#' + CSS.escape(id));
     if (!element || !/^(linear|radial)Gradient$/.test(element.localName)) return [];
     const inherited = name => { // attributes come from the gradients that it refers to

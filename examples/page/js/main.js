@@ -9,22 +9,59 @@ const nextFrame = () => new Promise(done => requestAnimationFrame(() => setTimeo
 
 // ---- figures ----
 
-/** Opens a dropped or chosen file, and makes its cage with make_cage. */
+/** Opens a dropped or chosen file beside the others, and makes its cage with make_cage. */
 async function openFile(app, file) {
   await attempt(app, async () => {
-    const name = file.name.replace(/\.(svg|obj)$/i, '');
-    if (/\.obj$/i.test(file.name)) return openMesh(app, name, parseObj(await file.text(), file.name));
-    const figure = new Figure(await file.text(), name);
+    const [, name, kind] = /^(.*?)(?:\.(svgz?|obj))?(?:\.gz)?$/is.exec(file.name), { text, note } = await readText(file);
+    if (/obj/i.test(kind)) return openMesh(app, name, parseObj(text, file.name), note);
+    const figure = new Figure(text, name), key = crypto.randomUUID();
     const cage = await makeCage(app, 'makeCage', figure.drawnSegments(), wantedVertices());
-    showFigure(app, 'drawing', { figure, cage });
-    app.say(`${name}: ${tellMade(cage, cage.rest.length / 2)}, ${cage.clearance.toPrecision(3)} from what is drawn at least`);
+    showFigure(app, key, { figure, cage });
+    addFile(app, key, { name, text, isMesh: false });
+    app.say(`${name}: ${tellMade(cage, cage.rest.length / 2)}, ${cage.clearance.toPrecision(3)} from what is drawn at least${note}`);
   });
 }
-async function openMesh(app, name, mesh) {
+/** Shows a mesh in a new cage: beside the others, or in place of what it is `key` of. */
+async function openMesh(app, name, mesh, note = '', key = crypto.randomUUID()) {
   const vertices = Math.max(8, Math.min(400, Math.round(Number(byId('mesh-count').value)) || 112));
   const cage = await makeCage(app, 'makeShell', mesh, vertices);
-  showSpace(app, 'mesh', { name, mesh, cage });
-  app.say(`${name}: ${tellMade(cage, cage.vertices.length / 3)}`);
+  showSpace(app, key, { name, mesh, cage });
+  addFile(app, key, { name, text: mesh.text, isMesh: true });
+  app.say(`${name}: ${tellMade(cage, cage.vertices.length / 3)}${note}`);
+}
+async function openFiles(app, files) {
+  for (const file of [...files]) await openFile(app, file);
+}
+/** Gives an opened file a button, and keeps it. */
+function addFile(app, key, { name, text, isMesh }) {
+  if (!app.files.has(key)) {
+    const titles = [...app.files.values()].map(file => file.title), titleOf = n => n === 1 ? name : `${name} (${n})`;
+    let n = 1;
+    while (titles.includes(titleOf(n))) ++n;
+    app.files.set(key, { name, text, isMesh, title: titleOf(n), opened: Date.now() });
+    addFileButton(app, key);
+  }
+  app.keeper.change(key);
+  markFigure(app);
+}
+function addFileButton(app, key) {
+  const button = document.createElement('button');
+  button.dataset.figure = key;
+  button.textContent = app.files.get(key).title;
+  button.onclick = () => chooseFigure(app, key);
+  byId('files').append(button);
+}
+/** Closes the opened file that is shown. */
+async function closeFile(app) {
+  const { current: key, sessions, history: { earlier } } = shownOwner(app);
+  if (earlier.length > 0 && !confirm(`Close ${app.files.get(key).title}? Its pose and undo are lost.`)) return;
+  app.files.delete(key);
+  document.querySelector(`[data-figure="${key}"]`).remove();
+  if (isInSpace()) app.mesh.current = undefined;
+  await chooseFigure(app, isInSpace() ? app.current : 'cat');
+  sessions.delete(key);
+  app.kept.delete(key);
+  app.keeper.forget(key);
 }
 const wantedVertices = () => Math.max(4, Math.min(80, Math.round(Number(byId('count').value)) || 24));
 const tellMade = ({ milliseconds }, count) =>
@@ -56,14 +93,9 @@ function showFigure(app, name, session) {
   showPlane(app);
 }
 function markFigure(app) {
-  const shown = isInSpace() ? app.mesh.current : app.current;
-  for (const button of document.querySelectorAll('#figures button')) button.classList.toggle('chosen', button.dataset.figure === shown);
-  for (const [name, title] of [['drawing', (app.current === 'drawing' ? app : app.sessions.get('drawing'))?.figure.name],
-    ['mesh', (app.mesh.current === 'mesh' ? app.mesh : app.mesh.sessions.get('mesh'))?.name]]) {
-    const button = document.querySelector(`[data-figure=${name}]`);
-    button.hidden = !title;
-    button.textContent = title ?? '';
-  }
+  const { current: shown } = shownOwner(app);
+  byId('close').hidden = !app.files.has(shown);
+  for (const button of document.querySelectorAll('#figures [data-figure]')) button.classList.toggle('chosen', button.dataset.figure === shown);
   for (const id of ['mesh-pose', 'mesh-dance']) byId(id).disabled = shown !== 'character';
   markHistory(app);
 }
@@ -94,16 +126,20 @@ function dance(app, isOn) {
   byId('mesh-dance').setAttribute('aria-pressed', isOn);
   app.mesh.toggleDance(isOn);
 }
-/** Shows a figure as it was left; the project's own figures have their own cages. */
-async function chooseFigure(app, name) {
+/** Shows a figure as it was left, also before the page was loaded again; the project's own figures have their own cages. */
+async function chooseFigure(app, key) {
   await attempt(app, async () => {
-    if (name === 'character' || name === 'mesh') {
-      const isNew = name !== app.mesh.current;
-      return showSpace(app, name, isNew ? app.mesh.sessions.get(name) ?? await readCharacter(DATA.character) : null);
+    const file = app.files.get(key), kept = app.kept.get(key);
+    app.kept.delete(key);
+    if (kept) withClips(kept);
+    if (file?.isMesh || key === 'character') {
+      if (key === app.mesh.current) return showSpace(app, key, null);
+      return showSpace(app, key, app.mesh.sessions.get(key) ??
+        { ...file ? { mesh: parseObj(file.text, file.name) } : await readCharacter(DATA.character), ...kept });
     }
-    if (name === app.current) return showPlane(app);
-    showFigure(app, name, app.sessions.get(name) ??
-      { figure: new Figure(DATA[name].figure, name), cage: cageOfSvg(DATA[name].cage) });
+    if (key === app.current) return showPlane(app);
+    showFigure(app, key, app.sessions.get(key) ?? { ...file ? { figure: new Figure(file.text, file.name) }
+      : { figure: new Figure(DATA[key].figure, key), cage: cageOfSvg(DATA[key].cage) }, ...kept });
   });
 }
 function chooseTypes(app, word) {
@@ -118,7 +154,7 @@ function chooseKind(app, name) {
 }
 async function openCage(app, file) {
   await attempt(app, async () => {
-    const cage = readCage(await file.text(), file.name);
+    const cage = readCage((await readText(file)).text, file.name);
     app.pause();
     if (app.isEditing) toggle(app, 'edit', 'isEditing');
     app.changeKind(cage.kind ?? 'polygon', kindOf(cage).settled(app.engine, cage));
@@ -206,6 +242,7 @@ function connectButtons(app) {
       app.redraw();
     },
     'fit-view': () => (isInSpace() ? app.mesh : app).fit(),
+    close: () => closeFile(app),
     more: () => byId('more').setAttribute('aria-expanded', byId('bar').classList.toggle('open')),
     weights: () => toggle(app, 'weights', 'showsWeights'),
     cage: () => toggle(app, 'cage', 'showsCage'),
@@ -235,7 +272,7 @@ function connectButtons(app) {
     'save-clip': () => saveClip(app),
     'mesh-pose': () => poseMesh(app, app.mesh.examplePose),
     'mesh-dance': () => dance(app, byId('mesh-dance').getAttribute('aria-pressed') !== 'true'),
-    'mesh-make': () => openMesh(app, app.mesh.name, app.mesh.mesh),
+    'mesh-make': () => openMesh(app, app.mesh.name, app.mesh.mesh, '', app.files.has(app.mesh.current) ? app.mesh.current : undefined),
     'mesh-gpu': () => { app.mesh.cloneTime = 0; toggleMesh(app); },
     'save-obj': () => saveObj(app.mesh),
     'save-glb': () => saveGlb(app.mesh),
@@ -372,9 +409,9 @@ function connectDrops(app) {
   addEventListener('drop', event => {
     event.preventDefault();
     mark(false);
-    if (event.dataTransfer.files[0]) openFile(app, event.dataTransfer.files[0]);
+    openFiles(app, event.dataTransfer.files);
   });
-  byId('open').onchange = event => { if (event.target.files[0]) openFile(app, event.target.files[0]); event.target.value = ''; };
+  byId('open').onchange = event => { openFiles(app, event.target.files); event.target.value = ''; };
 }
 
 /** Moves the first scene until the user touches anything; does nothing for users who prefer less motion. */
@@ -401,6 +438,11 @@ async function startPage() {
   app.mesh.onDrag = () => dance(app, false);
   app.history.onChange = app.mesh.history.onChange = () => markHistory(app);
   app.onCage = () => markKind(app);
+  app.keeper = new Keeper(app);
+  const { files, states, shown } = await app.keeper.open();
+  app.files = new Map([...files].sort(([, a], [, b]) => a.opened - b.opened));
+  app.kept = states;
+  for (const key of app.files.keys()) addFileButton(app, key);
   app.hinted = 0; // how many hints have been followed
   app.pinDrag.onMoved = app.mesh.pinDrag.onMoved = () => { ++app.hinted; };
   connectButtons(app);
@@ -410,9 +452,14 @@ async function startPage() {
   chooseTypes(app, '1');
   setMode(app, 'figure');
   await chooseFigure(app, 'cat');
+  if (!app.figure) await chooseFigure(app, 'cat'); // without what was kept
+  if (shown) {
+    await app.keeper.put([['shown', '']]).catch(() => {}); // a figure that the browser cannot bear is not shown again
+    await chooseFigure(app, shown);
+  }
   app.draw();
   app.timeline.update();
-  playFirstScene(app);
+  if (files.size + states.size === 0) playFirstScene(app);
   window.page = app; // for tests and for the console
   app.readyAfter = performance.now();
   document.documentElement.dataset.ready = 'yes';

@@ -132,12 +132,13 @@ class MeshView {
 
   /** Shows a mesh, as new or as it was left; the previous one is kept. */
   leave(current, session) {
-    if (this.current && this.current !== current) {
-      const { name, mesh, cage, pose, pins, examplePose, dance, history: { earlier, later } } = this;
-      this.sessions.set(this.current, { name, mesh, cage, pose, pins, examplePose, dance, earlier, later });
-    }
+    if (this.current && this.current !== current) this.sessions.set(this.current, this.session());
     this.show(session);
     this.current = current;
+  }
+  session() {
+    const { name, mesh, cage, pose, pins, examplePose, dance, history: { earlier, later } } = this;
+    return { name, mesh, cage, pose, pins, examplePose, dance, earlier, later };
   }
   /** Binds a mesh to its cage; throws if this is not possible. */
   show({ name, mesh, cage, pose = cage.vertices.slice(), pins = null, examplePose = null, dance = null, earlier = [], later = [] }) {
@@ -301,6 +302,7 @@ class MeshView {
     this.drawCage(width, height);
     this.drawPins(this.project(...this.middle, width, height)[2]);
     this.tell();
+    this.app.keeper.look();
   }
 
   /** Returns the matrices of an orbit about the character. */

@@ -41,20 +41,76 @@ function safeDeclarations(style) {
   return Array.from(style, name => [name, style.getPropertyValue(name).trim(), style.getPropertyPriority(name)])
     .filter(([name, value]) => SAFE_PROPERTY.test(name) && isSafeValue(value) && !(name.startsWith('--') && /url\s*\(/i.test(value)));
 }
-/** Returns the safe parts of style rules; other rules (fonts, imports, animations) are left out. */
-function safeRules(rules) {
-  return Array.from(rules, rule => {
-    if (rule instanceof CSSMediaRule) return `@media ${rule.conditionText} {\n${safeRules(rule.cssRules)}\n}`;
-    if (!(rule instanceof CSSStyleRule) || /:has\(/i.test(rule.selectorText)) return '';
-    const declarations = safeDeclarations(rule.style).map(([name, value, priority]) => `${name}: ${value}${priority && ' !' + priority};`);
-    return `${rule.selectorText} { ${declarations.join(' ')} }`;
-  }).filter(text => text).join('\n');
+/** Returns the safe parts of style rules, { media, selector, declarations } each; others (fonts, imports, animations) are left out. */
+function safeRules(rules, media = []) {
+  return Array.from(rules).flatMap(rule => {
+    if (rule instanceof CSSMediaRule) return safeRules(rule.cssRules, [...media, rule.conditionText]);
+    if (!(rule instanceof CSSStyleRule) || /:has\(|:host/i.test(rule.selectorText)) return [];
+    const declarations = safeDeclarations(rule.style).map(([name, value, priority]) => `${name}: ${value}${priority && ' !' + priority};`).join(' ');
+    return selectorsIn(rule.selectorText).map(selector => ({ media, selector, declarations }));
+  });
 }
+const textOfRule = ({ media, selector, declarations }) => media.reduceRight((text, query) => `@media ${query} {\n${text}\n}`, `${selector} { ${declarations} }`);
+
+/** Splits a list of selectors at its commas, not at those in brackets or strings. */
+function selectorsIn(list) {
+  const all = [''];
+  let depth = 0;
+  for (const [token] of list.matchAll(/"(?:[^"\\]|\\.)*"|\\.|[^"\\]/gs)) {
+    depth += '(['.includes(token) ? 1 : ')]'.includes(token) ? -1 : 0;
+    if (token === ',' && depth === 0) all.push(''); else all[all.length - 1] += token;
+  }
+  return all.map(selector => selector.trim());
+}
+
+/** Returns the specificity of a selector as one number: of ids, then of classes, then of kinds. */
+function specificityOf(selector) {
+  let text = selector.replace(/\\([0-9a-f]{1,6}\s?|.)/gi, 'x').replace(/\[("[^"]*"|[^"\]])*\]/g, '.x').replace(/[\w-*]*\|/g, '');
+  for (let before = ''; text !== before;) { // functions, the inner ones first
+    before = text;
+    text = text.replace(/:([\w-]+)\(([^()]*)\)/, (all, name, inside) => {
+      const list = /^(is|not)$/.test(name) ? inside : /^nth-(last-)?child$/.test(name) ? /\sof\s(.*)/.exec(inside)?.[1] ?? '' : '';
+      const most = Math.max(0, ...list.split(',').map(specificityOf)), own = /^(is|not|where)$/.test(name) ? '' : '.x';
+      return own + '#x'.repeat(most / 1e6) + '.x'.repeat(most / 1e3 % 1e3) + '::x'.repeat(most % 1e3);
+    });
+  }
+  const count = pattern => (text.match(pattern) ?? []).length;
+  return 1e6 * count(/#/g) + 1e3 * (count(/\./g) + count(/(?<!:):(?!:)/g)) + count(/::/g) + count(/(?<=^|[\s>+~])[^\s.#:>+~*]/g);
+}
+
 /** Makes a style sheet from a text by script, so that no policy against styles in documents forbids it. */
 function sheetOf(text) {
   const sheet = new CSSStyleSheet();
   sheet.replaceSync(text);
   return sheet;
+}
+
+/** Returns copies of the targets of `use`, by their names, each in a tree of its own, in which rules are matched. */
+function useTrees(root) {
+  const trees = new Map();
+  for (const use of root.querySelectorAll('use')) {
+    const id = use.getAttribute('href')?.slice(1), target = id && root.querySelector('#' + CSS.escape(id));
+    if (!target || trees.has(id)) continue;
+    trees.set(id, new DocumentFragment());
+    trees.get(id).append(target.cloneNode(true));
+  }
+  return trees;
+}
+/** Returns the text of rules, of which each has a class of its own, which its elements in some trees get; they are in the order in which
+ *  they win. So they go with their elements where these become other kinds, or have copies. Those of classes and ids alone do that anyway. */
+function textOfRules(trees, rules) {
+  if (rules.every(({ selector }) => /^([.#][\w-]+)+$/.test(selector))) return rules.map(textOfRule).join('\n');
+  const find = selector => trees.flatMap(tree => [...tree.querySelectorAll(selector)]);
+  const given = new Map(find('*').map(element => [element, [element.getAttribute('class') ?? '']])), taken = [...given.values()].join(' ');
+  let prefix = 'rule-';
+  while (taken.includes(prefix)) prefix = '_' + prefix;
+  const ordered = rules.map(rule => [specificityOf(rule.selector), rule]).sort(([a], [b]) => a - b).flatMap(([, rule], n) => {
+    const found = find(rule.selector), name = prefix + n;
+    for (const element of found) given.get(element).push(name);
+    return found.length > 0 ? { ...rule, selector: '.' + name } : /:(:|hover|active|focus)/.test(rule.selector) ? rule : [];
+  });
+  for (const [element, names] of given) if (names.length > 1) element.setAttribute('class', names.join(' ').trim());
+  return ordered.map(textOfRule).join('\n');
 }
 
 /** Returns a data URI of a picture with the type that its first bytes show; null if they show none, or the picture is too large. */
@@ -120,12 +176,12 @@ function copySafe(from, parent, rules, depth) {
   if (depth > DEEPEST) throw new Error('elements are nested too deeply');
   const kind = notAside(from.localName);
   if (from.namespaceURI !== SVG_NS || !SAFE_ELEMENTS.has(kind)) return null;
-  const isStyle = kind === 'style', to = parent.ownerDocument.createElementNS(SVG_NS, isStyle ? 'metadata' : kind);
+  const isStyle = kind === 'style', to = (parent.ownerDocument ?? parent).createElementNS(SVG_NS, isStyle ? 'metadata' : kind);
   parent.append(to);
   if (isStyle) { // an empty element keeps its place, for selectors that count
     const media = from.getAttribute('media'), type = from.getAttribute('type');
     if (type && type !== 'text/css') return to;
-    rules.push(safeRules(sheetOf(media && isSafeValue(media) ? `@media ${media} {${from.textContent}}` : from.textContent).cssRules));
+    rules.push(...safeRules(sheetOf(media && isSafeValue(media) ? `@media ${media} {${from.textContent}}` : from.textContent).cssRules));
     return to;
   }
   copyAttributes(from, to);
@@ -217,15 +273,15 @@ function parseSvg(text) {
   return root.localName === 'svg' && root.namespaceURI === SVG_NS && !root.querySelector('parsererror') ? root : null;
 }
 
-/** Returns the safe part of an SVG document: { root, css }. Throws a sentence if it is not SVG, or draws too much. */
+/** Returns the safe part of an SVG document: { root, css, trees }, the last of the targets of `use`. Throws a sentence if it is not SVG, or draws too much. */
 function readSafeSvg(text, name) {
   const parsed = parseSvg(withNamespaces(text)) ?? parseSvg(text);
   if (!parsed) throw new Error(name + ' is not an SVG document');
-  const inert = document.implementation.createDocument(null, 'holder'), rules = [];
+  const inert = document.implementation.createDocument(null, null), rules = [];
   try {
-    const root = copySafe(parsed, inert.documentElement, rules, 0), css = rules.filter(text => text).join('\n');
+    const root = copySafe(parsed, inert, rules, 0), trees = useTrees(root), css = textOfRules([inert, ...trees.values()], rules);
     new InstanceCount(root, css).of(root);
-    return { root, css };
+    return { root, css, trees };
   } catch (error) {
     throw new Error(`${name} cannot be shown: ${error.message}`);
   }

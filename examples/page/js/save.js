@@ -22,7 +22,10 @@ function posedCopy(app, poses) {
     ...(view.length === 4 ? [[view[0], view[1]], [view[0] + view[2], view[1] + view[3]]] : [])]);
   const [width, height] = [box[2] - box[0], box[3] - box[1]];
   root.setAttribute('viewBox', `${box[0]} ${box[1]} ${width} ${height}`);
-  for (const name of ['width', 'height', 'x', 'y', 'style']) root.removeAttribute(name);
+  for (const name of ['width', 'height', 'x', 'y']) {
+    root.removeAttribute(name);
+    root.style.removeProperty(name);
+  }
   if (figure.css) {
     const style = svgElement('style');
     style.textContent = figure.css;

@@ -9,7 +9,7 @@ class View {
     this.div.className = 'view';
     this.div.dataset.type = type;
     const host = document.createElement('div');
-    this.shadow = host.attachShadow({ mode: 'open' });
+    this.shadow = closedTree(host);
     this.field = document.createElement('canvas');
     this.field.className = 'field-canvas';
     this.overlay = svgElement('svg', { class: 'overlay' });
@@ -23,8 +23,7 @@ class View {
   rebuild() {
     this.copy = this.app.figure.makeCopy();
     const { root } = this.copy;
-    root.setAttribute('width', '100%');
-    root.setAttribute('height', '100%');
+    for (const name of ['width', 'height']) root.style.setProperty(name, '100%', 'important');
     root.setAttribute('preserveAspectRatio', 'xMidYMid meet');
     root.style.overflow = 'visible';
     this.shadow.adoptedStyleSheets = [this.app.figure.sheet];
