@@ -216,6 +216,30 @@ def test_work(path, folder, out):
         check(page.run('page.figure.name') == 'tower', 'one that was changed only after a question')
         page.run('window.confirm = () => true; 0')
         page.click('#close')
+        choose('boat')
+        for kind in ('lattice', 'curved'):
+            page.click('[data-cage=%s]' % kind)
+            page.run("setMode(page, 'cage')")
+            page.drag_vertex(3, -20, 25)
+            kept = state(page)
+            page.wait('page.keeper.isSaved')
+            reload(page)
+            check(page.run('page.cage.kind') == kind and state(page) == kept, 'a cage of the kind %s is kept' % kind)
+        while not page.run("document.getElementById('undo').disabled"):
+            page.click('#undo')
+        check(page.run('!page.cage.kind && page.pose.every((x, i) => x === page.cage.rest[i])'), 'and the way back to the polygon at rest')
+        paths = [os.path.join(folder, name + '.svg') for name in ('mast', 'oar')]
+        for each in paths:
+            with open(each, 'w') as file:
+                file.write(BOAT)
+        page.drop(paths)
+        page.drop([os.path.join(folder, 'tower.svg')])
+        page.wait("page.figure.name === 'tower'")
+        check(page.run(titles) == 'boat,mast,oar,tower', 'files dropped at once, or while one is opened, all open')
+        for _ in range(3):
+            page.click('#close')
+            page.run("document.querySelector('#files button:last-child').click()")
+            page.frames()
         page.click('[data-figure=character]')
         page.wait('page.mesh.current === "character"')
         page.click('#mesh-pose')

@@ -29,8 +29,9 @@ async function openMesh(app, name, mesh, note = '', key = crypto.randomUUID()) {
   addFile(app, key, { name, text: mesh.text, isMesh: true });
   app.say(`${name}: ${tellMade(cage, cage.vertices.length / 3)}${note}`);
 }
-async function openFiles(app, files) {
-  for (const file of [...files]) await openFile(app, file);
+/** Opens files one after the other, as make_cage makes one cage at a time. */
+function openFiles(app, files) {
+  for (const file of files) app.opening = Promise.resolve(app.opening).then(() => openFile(app, file));
 }
 /** Gives an opened file a button, and keeps it. */
 function addFile(app, key, { name, text, isMesh }) {
