@@ -37,10 +37,13 @@ using namespace cageform_examples;
 
 /// All that bounds what a document draws.
 SvgResult<std::vector<Point2>> control_points(const SvgDocument& figure) {
-    const auto all = shapes(figure);
+    SvgDocument work = detail::copy_of(figure);
+    std::vector<std::string> told_later; // when the figure is moved
+    const auto all = detail::drawn_shapes(work, told_later);
     if (!all) return all.error();
     std::vector<Point2> points;
-    for (const SvgShape& shape : *all) {
+    for (const detail::DrawnShape& shape : *all) {
+        if (shape.level > 0) continue;
         for (const Subpath& subpath : shape.path) {
             points.push_back(subpath.start);
             for (const Segment& s : subpath.segments) points.insert(points.end(), {s.p1, s.p2, s.p3});

@@ -187,7 +187,10 @@ refuses 'empty.svg' "$deform" "$cat" --cage empty.svg --pose "$pose" -o out.svg
 refuses 'open path' "$deform" "$cat" --cage open.svg --pose "$pose" -o out.svg
 refuses 'cross' "$deform" "$cat" --cage bow_tie.svg --pose bow_tie.svg -o out.svg
 refuses 'cross' "$deform" "$cat" --cage bow_tie.svg --pose bow_tie.svg --coordinates harmonic -o out.svg
-refuses 'line' "$deform" malformed.svg --cage "$cage" --pose "$pose" -o out.svg
+works "a path that cannot be read to its end" "$deform" malformed.svg --cage "$cage" --pose "$pose" -o read.svg
+grep -q 'warning: malformed.svg: path: d at 2:12: expected a command letter (line 1)' log && grep -q ' d="M[^?"]*"' read.svg && ok=yes || ok=no
+report $ok "it is drawn up to the fault, which is named"
+refuses 'malformed.svg: path: d at 2:12: expected a command letter (line 1)' "$deform" "$cat" --cage malformed.svg --pose "$pose" -o out.svg
 refuses 'unclosed.svg' "$deform" unclosed.svg --cage "$cage" --pose "$pose" -o out.svg
 refuses 'text.svg' "$deform" text.svg --cage "$cage" --pose "$pose" -o out.svg
 refuses 'the pose has a loop of 3 vertices, the cage' "$deform" "$cat" --cage "$cage" --pose "$data/man_pose.svg" -o out.svg
@@ -218,6 +221,21 @@ sed 's|<text> </text>|<use href="#d" x="2" y="8"/>|' letters.svg >used.svg
 works "a text that is used, as paths" "$deform" used.svg --text-as-paths --cage picture_cage.csv --pose picture_pose.csv -o out.svg
 grep -q 'transform="translate(2 8)"><g class="cageform-text"><path d="M' out.svg && ! grep -q 'keeps its letters' log && ok=yes || ok=no
 report $ok "the copy's letters become paths"
+# letters in lists of places stand where letters alone would
+drawn_letters() { # NAME TEXTS   prints the outlines
+  svg "$1" "<g font-size='20'>$2</g>"
+  works "letters, $1" "$deform" "$1" --text-as-paths --cage wide_cage.csv --pose wide_cage.csv -o letters_out.svg
+  grep -o ' d="[^"]*"' letters_out.svg | sed 's/ d="//; s/"/ /' | tr -d '\n' | tr M '\n' | sort
+}
+printf '%s\n' -9,-9 150,-9 150,59 -9,59 >wide_cage.csv
+[ "$(drawn_letters listed.svg '<text x="5 25
+  50,70" y="20 30">  a&amp;  <tspan y="40" dx="3 4">bc</tspan>d <tspan dx="2 5">e f</tspan> </text>')" = "$(drawn_letters alone.svg \
+  '<text x="5" y="20">a</text><text x="25" y="30">&amp;</text><text x="73" y="40">b<tspan dx="4">c</tspan>d <tspan dx="2">e</tspan><tspan dx="5">&#x200b;&#160;f</tspan></text>')" ] && ok=yes || ok=no
+report $ok "lists of places"
+svg turned.svg '<text y="20" rotate="9 20">ab</text>'
+works "turned letters" "$deform" turned.svg --text-as-paths --cage wide_cage.csv --pose wide_cage.csv -o letters_out.svg
+grep -q 'warning: text (line 1): rotate and textLength are left out' log && ok=yes || ok=no
+report $ok "turned letters are named"
 mkdir -p no_programs
 refuses 'letters.svg: texts cannot become paths: rsvg-convert (librsvg2-bin) is not installed' \
   env PATH=no_programs "$deform" letters.svg --text-as-paths --cage picture_cage.csv --pose picture_pose.csv -o out.svg
@@ -237,6 +255,59 @@ sed 's|</svg>|<path d="M 60 40 L 160 40 L 160 90 Z"/></svg>|' "$cat" >beside.svg
 works "points outside" "$deform" beside.svg --cage "$cage" --pose "$pose" -o outside.svg
 [ "$(grep -c 'lie outside the cage.*they follow the extension of the coordinates' log)" = 1 ] && ok=yes || ok=no
 report $ok "one warning of points outside"
+# A figure is judged as a whole: the result of no element depends on the others, the verdict not on their order.
+# Small shapes inside need no more points than at first, large ones outside do.
+for seed in 1 2; do
+  awk -v seed=$seed 'BEGIN {
+    srand(seed)
+    for (i = 0; i < 24; ++i) {
+      far = i % 8 == 7; size = far ? 30 : 1
+      printf "<path id=\"p%d\"%s d=\"M%.2f %.2f", i, i % 5 == 0 ? " fill=\"none\"" : "", far ? -10 + 10 * rand() : 10 + 80 * rand(), far ? -5 + 10 * rand() : 10 + 80 * rand()
+      for (k = 0; k < 3; ++k) printf "q%.2f %.2f %.2f %.2f", size * rand(), size * (rand() - 0.5), size * rand(), size * (rand() - 0.5)
+      print "z\"/>"
+    }
+  }' >in_order
+  sort -t '"' -k 5 in_order >shuffled
+  sed '1!G;h;$!d' in_order >reversed
+  for size in 5,95 45,55; do
+    low=${size%,*} high=${size#*,}
+    printf '%s\n' $low,$low $high,$low $high,$high $low,$high >frame.csv
+    for type in mean-value harmonic green; do
+      for order in in_order shuffled reversed; do
+        { echo '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 100 100">'; cat $order; echo '</svg>'; } >ordered.svg
+        rm -f ordered_out.svg
+        "$deform" ordered.svg --cage frame.csv --move 0:-9,-20 --coordinates $type -o ordered_out.svg >log 2>&1
+        { echo $?; sed 's/, first [^;]*;/;/; s/, first .*: is it/: is it/' log; } >$order.verdict
+        if [ -f ordered_out.svg ]; then grep '^<path' ordered_out.svg; fi | sort >$order.result
+      done
+      cmp -s in_order.verdict shuffled.verdict && cmp -s in_order.verdict reversed.verdict &&
+        cmp -s in_order.result shuffled.result && cmp -s in_order.result reversed.result && ok=yes || ok=no
+      report $ok "any order of elements, $type, $size, $seed"
+      case $size in 5,*) verdict='^0' ;; *) verdict='^1' ;; esac
+      head -1 in_order.verdict | grep -q "$verdict" && ok=yes || ok=no
+      report $ok "most of the figure is in, or out: $type, $size, $seed"
+      [ $size = 5,95 ] || continue
+      case $type in harmonic) policy=nearest ;; *) policy=extend ;; esac
+      for n in 3 8 17; do
+        { echo '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 100 100">'; sed -n ${n}p in_order; echo '</svg>'; } >ordered.svg
+        works "an element alone" "$deform" ordered.svg --cage frame.csv --move 0:-9,-20 --coordinates $type --outside $policy -o ordered_out.svg
+        grep -qxF "$(grep '^<path' ordered_out.svg)" in_order.result && ok=yes || ok=no
+        report $ok "the same alone, $type, $n, $seed"
+      done
+    done
+  done
+done
+# What is not seen may lie outside.
+printf '%s\n' 0,0 20,0 20,20 0,20 >frame.csv
+for hidden in 'fill="none"' 'visibility="hidden"' 'opacity="0"' 'fill="transparent"' 'fill="#12345600"' 'fill-opacity="0"' \
+  'style="fill:none; stroke:red; stroke-opacity:0"' 'fill="none" stroke="red" stroke-width="0"'; do
+  svg hidden.svg "<rect x='5' y='5' width='9' height='9'/><rect width='90' height='40' $hidden/>"
+  works "hidden outside: $hidden" "$deform" hidden.svg --cage frame.csv --turn 0:9 --outside refuse -o hidden_out.svg
+  [ ! -s log ] && ok=yes || ok=no
+  report $ok "nothing is said of it"
+done
+svg shown.svg "<rect x='5' y='5' width='9' height='9'/><rect width='90' height='40'/>"
+refuses 'of shown.svg lie outside' "$deform" shown.svg --cage frame.csv --turn 0:9 --outside refuse -o out.svg
 for policy in keep nearest extend; do
   works "outside: $policy" "$deform" "$cat" --cage "$data/man_cage.svg" --pose "$data/man_pose.svg" --outside $policy -o kept.svg
 done

@@ -74,7 +74,7 @@ std::vector<Wave> random_waves(unsigned seed) {
 }
 
 FrameDeformer by(const std::vector<Wave>& waves) {
-    return [&waves](std::span<const Point2> in, std::span<const std::size_t>, std::span<Point2> out) {
+    return [&waves](std::span<const Point2> in, std::span<const PointRole>, std::span<Point2> out) {
         for (std::size_t f = 0; f < waves.size(); ++f) {
             std::transform(in.begin(), in.end(), out.begin() + std::ptrdiff_t(f * in.size()), waves[f]);
         }
@@ -369,7 +369,7 @@ TEST_CASE("what is played shows every frame within the tolerance",
 }
 
 TEST_CASE("a pose there and back takes three key frames", "[examples][svg_document][animate]") {
-    const FrameDeformer there_and_back = [](std::span<const Point2> in, std::span<const std::size_t>,
+    const FrameDeformer there_and_back = [](std::span<const Point2> in, std::span<const PointRole>,
                                             std::span<Point2> out) {
         for (std::size_t n = 0; n < out.size(); ++n) {
             const auto f = double(n / in.size());
@@ -459,7 +459,7 @@ TEST_CASE("what moves in no frame stays as it was written", "[examples][svg_docu
     const SvgDocument document = parsed(drawing);
     const auto rest = animate(
         document,
-        [](std::span<const Point2> in, std::span<const std::size_t>, std::span<Point2> out) {
+        [](std::span<const Point2> in, std::span<const PointRole>, std::span<Point2> out) {
             for (std::size_t i = 0; i < out.size(); ++i) out[i] = in[i % in.size()];
             return true;
         },
@@ -472,9 +472,9 @@ TEST_CASE("what moves in no frame stays as it was written", "[examples][svg_docu
 TEST_CASE("a layer is what its element holds", "[examples][svg_document][animate]") {
     const std::string text =
         R"(<svg viewBox="0 0 9 9"><g id="late"><rect id="a" width="1" height="1"/></g><rect id="b" width="1" height="1"/></svg>)";
-    const FrameDeformer by_layer = [](std::span<const Point2> in, std::span<const std::size_t> layers,
+    const FrameDeformer by_layer = [](std::span<const Point2> in, std::span<const PointRole> roles,
                                       std::span<Point2> out) {
-        for (std::size_t i = 0; i < in.size(); ++i) out[i] = {in[i].x + 3 * double(layers[i]), in[i].y};
+        for (std::size_t i = 0; i < in.size(); ++i) out[i] = {in[i].x + 3 * double(roles[i].layer), in[i].y};
         return true;
     };
     const auto moved = animate(parsed(text), by_layer, 1, {.layers = {"late"}});

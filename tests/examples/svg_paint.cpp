@@ -613,6 +613,21 @@ TEST_CASE("texts and images move as a whole", "[examples][svg_document][paint]")
     CHECK(result.report.warnings.size() == 2);
 }
 
+TEST_CASE("a text in a clip path moves as a whole", "[examples][svg_document][clip]") {
+    const Affine2 pose{0, 2, -2, 0, 90, 10};
+    const Result result =
+        deformed(svg(R"x(<clipPath id="c"><text transform="scale(3)" x="4" y="9">words</text></clipPath>
+            <rect width="50" height="40" clip-path="url(#c)"/>)x"),
+                 by(pose));
+    const pugi::xml_node text = by_id(result.document, "c").child("text");
+    const auto map = parse_transform(text.attribute("transform").value());
+    REQUIRE(map);
+    CHECK(distance(apply(*map, {4, 9}), apply(pose, {12, 27})) < 1e-6);
+    CHECK(distance(apply(*map, {7, 2}), apply(pose, {21, 6})) < 1e-6);
+    REQUIRE(result.report.warnings.size() == 1);
+    CHECK(result.report.warnings[0].find("moves and turns as a whole") != std::string::npos);
+}
+
 TEST_CASE("images in copies are written once and move as the image would", "[examples][svg_document][use]") {
     const std::string bytes(3000, 'A');
     const std::string text = svg(

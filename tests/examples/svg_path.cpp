@@ -261,6 +261,38 @@ TEST_CASE("path data: errors tell line, column and reason", "[examples][svg_path
     CHECK(to_string(path_error("M0 0\nX")) == "expected a command letter (line 2, column 1)");
 }
 
+TEST_CASE("path data: what stands before a fault is read", "[examples][svg_path][error][property]") {
+    const unsigned seed = GENERATE(range(1u, 9u));
+    CAPTURE(seed);
+    std::mt19937 random(seed);
+    const auto numbers = [&](int count) {
+        std::string text;
+        for (int k = 0; k < count; ++k) text += ' ' + std::to_string(int(random() % 200) - 100);
+        return text;
+    };
+    const std::vector<std::pair<char, int>> commands = {{'L', 2}, {'l', 2}, {'H', 1}, {'v', 1},
+                                                        {'C', 6}, {'c', 6}, {'S', 4}, {'Q', 4},
+                                                        {'T', 2}, {'z', 0}, {'m', 2}};
+    std::string before = "M1 2";
+    for (int k = 0; k < 12; ++k) {
+        const auto [letter, count] = commands[random() % commands.size()];
+        const std::string rest = k % 3 == 0 && count > 0 ? numbers(count) : ""; // more of the same
+        before += letter + numbers(count) + (letter == 'm' ? "" : rest);
+        const std::string whole = write_path_data(*parse_path_data(before), 9);
+        for (const std::string& fault :
+             {std::string("L x 9 9"), "C" + numbers(5) + "z", "A1 1 0 2 0 5 5" + numbers(2), std::string("#"),
+              std::string(","), "Q" + numbers(3) + "L" + numbers(2)}) {
+            const std::string text = before + fault + 'L' + numbers(2);
+            CAPTURE(text);
+            const auto read = read_path_data(text);
+            CHECK(read.fault);
+            CHECK(write_path_data(read.path, 9) == whole);
+            CHECK_FALSE(parse_path_data(text));
+        }
+    }
+    CHECK(read_path_data("M0 0L1e308 0l1e308 0").path.empty());
+}
+
 TEST_CASE("numbers are written short and read back", "[examples][svg_path][number]") {
     CHECK(format_number(0, 3) == "0");
     CHECK(format_number(-0.0, 3) == "0");

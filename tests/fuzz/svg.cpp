@@ -113,7 +113,7 @@ bool wave(std::span<const Point2> in, std::span<Point2> out) {
 }
 
 /// At rest, waved, and twice as far.
-bool three_frames(std::span<const Point2> in, std::span<const std::size_t>, std::span<Point2> out) {
+bool three_frames(std::span<const Point2> in, std::span<const PointRole>, std::span<Point2> out) {
     std::copy(in.begin(), in.end(), out.begin());
     (void)wave(in, out.subspan(in.size(), in.size()));
     return wave(out.subspan(in.size(), in.size()), out.subspan(2 * in.size()));

@@ -271,7 +271,7 @@ OutsideChoice::judge(const ChosenCoordinates<T, D>& coordinates, const cageform:
                 {}};
     }
     if (!some || word != "auto" || cage_is_made || falloff > 0) return {};
-    if (2 * report.outside.size() > report.points && !coordinates.takes_sites)
+    if (!of_part && 2 * report.outside.size() > report.points && !coordinates.takes_sites)
         return {found + ": is it the cage of another figure? Use --outside to choose what they do" +
                     distance.str(),
                 {}};

@@ -208,6 +208,7 @@ struct OutsideChoice {
     bool with_sites = false;   // whether the program takes control points without a cage
     bool can_extend = true;    // whether the program can do with weights of points outside
     bool cage_is_made = false; // for the figure: what is outside is not seen
+    bool of_part = false;      // whether the points are a part of a figure: most of them may lie outside
     bool can_fade = true;      // whether the program can do with weights that do not sum to 1
     bool has_splats = false;   // whether the points are splats, which messages count from 0
     double falloff = 0;        // the distance at which displacements outside have faded; 0: they do not fade

@@ -104,30 +104,36 @@ std::string pose_faults(const FigureControl& control, const CageFile& cage) {
 
 namespace {
 
-/// Binds batches of points and moves them to all frames.
+/// Binds batches of points and moves them to all frames. The first batch stands for the whole: whether it
+/// lies in the cage is judged by its painted points. Of the points between them each is judged alone.
 class BatchMover {
 public:
-    BatchMover(const std::string& figure, const FigureControl& control, const OutsideChoice& outside)
+    BatchMover(const std::string& figure, const FigureControl& control, OutsideChoice outside)
         : figure_(figure)
         , control_(control)
-        , outside_(outside) {
-        options_ = outside.bind_options(control.coordinates);
+        , outside_(std::move(outside)) {
+        options_ = outside_.bind_options(control.coordinates);
     }
 
     /// False where it cannot be done: see `failure`.
-    bool move(std::span<const Point2> in, std::span<const std::size_t> layers, std::span<Point2> out) {
+    bool move(std::span<const Point2> in, std::span<const PointRole> roles, std::span<Point2> out) {
         const auto& coordinates = control_.coordinates;
         const auto [binding, bound] = coordinates.bind(in, options_);
         if (bound.status != cageform::Status::ok) {
             failure = control_.describe_faults(bound);
             return false;
         }
-        auto verdict = outside_.judge(coordinates, bound, in, figure_, control_.name);
+        cageform::BindReport painted = bound;
+        painted.points = std::size_t(
+            std::count_if(roles.begin(), roles.end(), [](const PointRole& role) { return role.is_painted; }));
+        std::erase_if(painted.outside, [&](std::size_t i) { return !roles[i].is_painted; });
+        auto verdict = outside_.judge(coordinates, painted, in, figure_, control_.name);
         failure = std::move(verdict.fault);
         if (!failure.empty()) return false;
-        if (first.points == 0) { // of all points, not of those between them
+        if (first.points == 0) {
             first = bound;
             warning = std::move(verdict.warning);
+            outside_.of_part = true;
         }
         std::vector<Point2> moved(control_.poses.size() == control_.frames ? 0 : in.size());
         for (std::size_t i = 0; i < control_.poses.size(); ++i) {
@@ -135,7 +141,7 @@ public:
             const auto target = out.subspan(frame * in.size(), in.size());
             if (!clone(binding, i, frame, moved.empty() ? target : std::span(moved))) return false;
             for (std::size_t k = 0; k < moved.size(); ++k) {
-                if (layers[k] == layer) target[k] = moved[k];
+                if (roles[k].layer == layer) target[k] = moved[k];
             }
         }
         return true;
@@ -168,7 +174,7 @@ private:
 
     const std::string& figure_;
     const FigureControl& control_;
-    const OutsideChoice& outside_;
+    OutsideChoice outside_;
     cageform::BindOptions options_;
 };
 
@@ -189,8 +195,8 @@ SvgResult<MovedFigure> move_figure(const SvgDocument& document, const std::strin
         warn_of_coarse_grid(control.name, evaluation.solver);
     }
     BatchMover mover(figure, control, outside);
-    const FrameDeformer deformer = [&](std::span<const Point2> in, std::span<const std::size_t> layers,
-                                       std::span<Point2> out) { return mover.move(in, layers, out); };
+    const FrameDeformer deformer = [&](std::span<const Point2> in, std::span<const PointRole> roles,
+                                       std::span<Point2> out) { return mover.move(in, roles, out); };
     auto drawing = animate(document, deformer, control.frames, options);
     if (!drawing) return mover.failure.empty() ? drawing.error() : SvgError{mover.failure};
     if (mover.first.points != 0) result.bound = mover.first;
@@ -215,9 +221,11 @@ SvgResult<std::vector<std::vector<Point2>>> move_points(const std::vector<Point2
                                                         const std::string& figure,
                                                         const FigureControl& control,
                                                         const OutsideChoice& outside) {
-    BatchMover mover(figure, control, outside);
+    OutsideChoice of_part = outside;
+    of_part.of_part = true;
+    BatchMover mover(figure, control, std::move(of_part));
     std::vector<Point2> moved(control.frames * points.size());
-    if (!mover.move(points, std::vector<std::size_t>(points.size()), moved)) return SvgError{mover.failure};
+    if (!mover.move(points, std::vector<PointRole>(points.size()), moved)) return SvgError{mover.failure};
     if (!mover.warning.empty()) warn(mover.warning);
     std::vector<std::vector<Point2>> frames;
     for (auto at = moved.begin(); at != moved.end(); at += std::ptrdiff_t(points.size()))

@@ -132,17 +132,14 @@ SvgResult<DrawnFigure> drawn_figure(const SvgDocument& document) {
     detail::IdTable ids(detail::root_element(work.xml));
     const auto drawing = detail::walk(work, styles, ids, {.boxes = true}, ignored);
     if (!drawing) return drawing.error();
-    const auto shows = [](const detail::DrawnShape& shape) {
-        return shape.level == 0 && detail::is_painted(shape) && shape.is_visible && !shape.is_transparent;
-    };
     // Shapes beside the page are not seen, unless all lie there.
     const auto page = detail::page_of(work);
     const auto is_on_page = [&](const detail::DrawnShape& shape) {
-        return shows(shape) && !detail::painted_box(shape, {}).within(page).empty();
+        return detail::is_seen(shape) && !detail::painted_box(shape, {}).within(page).empty();
     };
     const auto& all = drawing->shapes;
     const bool any = std::any_of(all.begin(), all.end(), is_on_page);
-    const auto counts = [&](const auto& shape) { return any ? is_on_page(shape) : shows(shape); };
+    const auto counts = [&](const auto& shape) { return any ? is_on_page(shape) : detail::is_seen(shape); };
     detail::Box box;
     for (const auto& shape : all) {
         if (counts(shape)) box.add(detail::bounds(shape.path));

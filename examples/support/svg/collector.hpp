@@ -50,13 +50,16 @@ private:
     };
 
     bool fail(pugi::xml_node node, const std::string& why);
-    bool fail_in(pugi::xml_node node, const std::string& attribute, const SvgError& error);
+    /// Warns of what is left out, or fails where the walk is strict.
+    bool leave_out(const SvgError& fault);
     void warn(pugi::xml_node node, const std::string& why);
     static std::string text_of(const Values& values, std::string_view property);
     static void inherit(const Values& values, Place& place);
     static void inherit_outline(const Values& values, DrawnShape& style);
     bool visit(pugi::xml_node node, const Place& parent);
     bool visit_children(pugi::xml_node node, const Place& place);
+    /// Removes a transform that cannot be read: browsers take none.
+    bool drop_bad_transform(pugi::xml_node node);
     bool apply_transform(pugi::xml_node node, const Values& values, Affine2& to_root);
 
     // ---- nested svg ----
@@ -92,10 +95,14 @@ private:
                          Reference& reference);
     /// Turns units of the box into user space.
     static void to_user_space(pugi::xml_node content, const char* units, const Affine2& unit_square);
-    bool visit_content(pugi::xml_node content, pugi::xml_node target, const Place& place);
+    /// Visits a clip path or mask of shapes from `first` on. One that clips it in turn has their user space
+    /// and box, as in browsers.
+    bool visit_content(pugi::xml_node content, pugi::xml_node target, const Place& place, std::size_t first);
 
     // ---- shapes ----
     double length(pugi::xml_node node, const char* name, double whole, double otherwise);
+    /// The element's path, with warnings of what is left out of it; nothing where the walk has failed.
+    std::optional<Path> path_of(pugi::xml_node node, const Place& place);
     bool add_shape(pugi::xml_node node, const Place& place);
     /// Curves whose control points lie on their ends are lines, run through at another speed.
     static void straighten(Path& path);

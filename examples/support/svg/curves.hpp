@@ -50,8 +50,8 @@ public:
         , report_(report) {}
 
     /// False if the deformer stopped or gave a point out of range: see `failure()`.
-    ///   layers   of each path, for the deformer
-    bool run(const std::vector<Path>& paths, const std::vector<std::size_t>& layers) {
+    ///   roles   of each path, for the deformer
+    bool run(const std::vector<Path>& paths, const std::vector<PointRole>& roles) {
         for (std::size_t i = 0; i < paths.size(); ++i) {
             paths_.push_back({subpaths_.size(), subpaths_.size() + paths[i].size()});
             for (const Subpath& subpath : paths[i]) {
@@ -60,10 +60,11 @@ public:
                 for (const Segment& s : subpath.segments) {
                     const std::size_t places = frames_ * (steps(from, s) + 1);
                     pieces_.push_back({curves_.size(), 0, 1, 0, std::vector<Point2>(places), {}, false});
-                    curves_.push_back({from, s, layers[i]});
+                    curves_.push_back({from, s, roles[i]});
                     from = s.p3;
                 }
-                subpaths_.push_back({subpath.start, layers[i], subpath.closed, first, curves_.size()});
+                subpaths_.push_back({subpath.start, roles[i], subpath.closed, subpath.has_closing_line, first,
+                                     curves_.size()});
             }
         }
         starts_.resize(frames_ * subpaths_.size());
@@ -71,7 +72,7 @@ public:
         record_motions();
         for (std::size_t f = 0; f < frames_; ++f) {
             for (std::size_t k = 0; k < subpaths_.size(); ++k) {
-                const auto& [start, layer, closed, first, end] = subpaths_[k];
+                const auto& [start, role, closed, has_closing_line, first, end] = subpaths_[k];
                 for (std::size_t i = first; i < end; ++i) {
                     samples_of(pieces_[i], f).front() =
                         i == first ? start_of(k, f) : samples_of(pieces_[i - 1], f).back();
@@ -95,12 +96,36 @@ public:
             [&](const Piece& piece) { return piece.result[frame]; });
     }
 
+    /// A path in a frame by one cubic for each segment that was drawn, which leaves and arrives as the
+    /// moved segment does: its vertices are the author's.
+    Path path_of_vertices(std::size_t index, std::size_t frame) const {
+        Path path;
+        for (std::size_t k = paths_[index].first; k < paths_[index].second; ++k) {
+            const PlacedSubpath& subpath = subpaths_[k];
+            path.push_back({start_of(k, frame), {}, subpath.closed});
+            std::vector<Segment>& segments = path.back().segments;
+            each_piece(subpath, [&](const Piece& piece) {
+                const Segment& s = piece.result[frame];
+                const bool goes_on = piece.from > 0 || curves_[piece.curve].rest.goes_on;
+                if (goes_on) {
+                    segments.back() = {segments.back().p1, s.p2, s.p3};
+                } else {
+                    segments.push_back(s);
+                }
+            });
+            // Z draws the line that it has added, and no other one.
+            if (subpath.closed && !segments.empty())
+                segments.back().degree = subpath.has_closing_line ? 1 : 3;
+        }
+        return path;
+    }
+
     /// A path at rest, in the pieces that it has in all frames.
     Path rest(std::size_t index) const {
         return in_pieces(
             index, [&](std::size_t k) { return subpaths_[k].start; },
             [&](const Piece& piece) {
-                const auto& [from, s, layer] = curves_[piece.curve];
+                const auto& [from, s, role] = curves_[piece.curve];
                 return part_of(from, s, piece.from, piece.to);
             });
     }
@@ -114,13 +139,13 @@ private:
     struct Curve {
         Point2 p0;
         Segment rest;
-        std::size_t layer = 0;
+        PointRole role;
     };
 
     struct PlacedSubpath {
         Point2 start; // at rest
-        std::size_t layer = 0;
-        bool closed = false;
+        PointRole role;
+        bool closed = false, has_closing_line = false;
         std::size_t first = 0, end = 0; // its curves
     };
 
@@ -139,12 +164,16 @@ private:
         for (std::size_t k = paths_[index].first; k < paths_[index].second; ++k) {
             const PlacedSubpath& subpath = subpaths_[k];
             path.push_back({start(k), {}, subpath.closed});
-            const auto before = [](const Piece& piece, std::size_t curve) { return piece.curve < curve; };
-            for (auto piece = std::lower_bound(pieces_.begin(), pieces_.end(), subpath.first, before);
-                 piece != pieces_.end() && piece->curve < subpath.end; ++piece)
-                path.back().segments.push_back(segment(*piece));
+            each_piece(subpath, [&](const Piece& piece) { path.back().segments.push_back(segment(piece)); });
         }
         return path;
+    }
+
+    void each_piece(const PlacedSubpath& subpath, const auto& visit) const {
+        const auto before = [](const Piece& piece, std::size_t curve) { return piece.curve < curve; };
+        for (auto piece = std::lower_bound(pieces_.begin(), pieces_.end(), subpath.first, before);
+             piece != pieces_.end() && piece->curve < subpath.end; ++piece)
+            visit(*piece);
     }
 
     static double distance(const Point2& a, const Point2& b) { return std::hypot(a.x - b.x, a.y - b.y); }
@@ -177,11 +206,11 @@ private:
     /// Deforms the samples 1, 1 + stride, ... of every piece not settled; of stride 1 the starts too.
     bool sample(std::size_t stride) {
         std::vector<Point2> in;
-        std::vector<std::size_t> layers;
+        std::vector<PointRole> roles;
         if (stride == 1) {
             for (const PlacedSubpath& subpath : subpaths_) {
                 in.push_back(subpath.start);
-                layers.push_back(subpath.layer);
+                roles.push_back(subpath.role);
             }
         }
         for (const Piece& piece : pieces_) {
@@ -192,7 +221,7 @@ private:
                 const double t = piece.from + (piece.to - piece.from) *
                                                   (static_cast<double>(i) / static_cast<double>(n - 1));
                 in.push_back(place_on(curve.p0, curve.rest, t));
-                layers.push_back(curve.layer);
+                roles.push_back(curve.role);
             }
         }
         if (in.empty()) return true;
@@ -204,7 +233,7 @@ private:
         std::vector<Point2> out(frames_ * in.size());
         report_.points += in.size();
         report_.batches += 1;
-        if (!deformer_(in, layers, out)) {
+        if (!deformer_(in, roles, out)) {
             failure_ = "the deformation was stopped";
             return false;
         }

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 namespace cageform_examples {
 
@@ -94,19 +95,42 @@ void grow_view_box(pugi::xml_node root, const ViewBox& view, const Box& to) {
     grow("height", to.height() / view.height);
 }
 
-/// Markers stand at vertices, and the path written has others.
-void settle_markers(const SvgDocument& document, const StyleSheets& styles, const DrawnShape& shape,
-                    std::vector<std::string>& warnings) {
-    const std::string kind = local_name(shape.node);
-    const bool has_none = kind == "rect" || kind == "circle" || kind == "ellipse";
-    if (has_none && (shape.marks_ends || shape.marks_vertices)) {
-        for (const char* property : {"marker-start", "marker-mid", "marker-end"}) {
-            styles.set(shape.node, property, "none");
-        }
-    } else if (shape.marks_vertices) {
-        warnings.push_back(label(document, shape.node) +
-                           ": its markers are drawn at all vertices, also at added ones");
+void drop_markers(const StyleSheets& styles, pugi::xml_node node) {
+    for (const char* property : {"marker", "marker-start", "marker-mid", "marker-end"})
+        styles.set(node, property, "none");
+}
+
+/// Adds a path after another that has its style, but shows its markers alone. Paints stay, since markers may
+/// take them.
+pugi::xml_node add_marked_path(const StyleSheets& styles, pugi::xml_node node) {
+    pugi::xml_node marked = node.parent().insert_child_after(node.name(), node);
+    for (const pugi::xml_attribute attribute : node.attributes()) {
+        if (std::string_view(attribute.name()) != "id") marked.append_copy(attribute);
     }
+    for (const auto& [property, value] : styles.values(node)) { // rules may ask for the id
+        if (value.source == StyleValue::Source::sheet) styles.set(marked, property, value.text);
+    }
+    for (const char* property : {"fill-opacity", "stroke-opacity"}) styles.set(marked, property, "0");
+    return marked;
+}
+
+/// Whether a map is more than a turn and a scale, so that it makes an ellipse of a pen.
+bool is_skewed(const Affine2& map) {
+    const double largest = largest_scale(map);
+    return largest * largest > (1 + 1e-6) * std::abs(map.a * map.d - map.b * map.c);
+}
+
+/// The turn, or mirroring turn, about a place that is nearest to a map: its polar factor. The identity for
+/// one that does not turn.
+Affine2 turn_of(const Affine2& map, const Point2& centre) {
+    const double side = map.a * map.d < map.b * map.c ? -1 : 1;
+    const double x = map.a + side * map.d, y = map.b - side * map.c, length = std::hypot(x, y);
+    if (!(length > 0) || (side > 0 && x > 0 && std::abs(y) <= 1e-9 * length)) return {};
+    Affine2 turn{x / length, y / length, -side * y / length, side * x / length, 0, 0};
+    const Point2 there = apply(turn, centre);
+    turn.e = centre.x - there.x;
+    turn.f = centre.y - there.y;
+    return turn;
 }
 
 /// A deformation on its way: what is known of every shape in every frame.
@@ -138,14 +162,14 @@ public:
                                               "\" refers to an element and is not read");
         }
         rest_ = std::move(*rest);
-        const auto layers = layers_of(rest_.shapes);
-        if (!layers) return layers.error();
+        const auto roles = roles_of(rest_.shapes);
+        if (!roles) return roles.error();
         std::vector<Path> paths;
         paths.reserve(rest_.shapes.size());
         for (const DrawnShape& shape : rest_.shapes) paths.push_back(shape.path);
         CurveDeformer curves(deformer_, frames_, tolerance_, diagonal_, options_.max_halvings,
                              result_.report);
-        if (!curves.run(paths, *layers)) return SvgError{work_.name + ": " + curves.failure()};
+        if (!curves.run(paths, *roles)) return SvgError{work_.name + ": " + curves.failure()};
         result_.report.shapes = paths.size();
         moves_.resize(paths.size());
         for (std::size_t i = 0; i < paths.size(); ++i) {
@@ -159,22 +183,25 @@ public:
     bool moved() const { return std::find(moves_.begin(), moves_.end(), true) != moves_.end(); }
 
 private:
-    struct Moved {                 // a shape in every frame
-        std::vector<Path> paths;   // in its own user space
-        std::vector<Affine2> maps; // the best; where there is none, that of the frame before
-        std::vector<Box> boxes;    // in its own user space
-        bool has_map = false, gains_inside = false;
+    struct Moved {                  // a shape in every frame
+        std::vector<Path> paths;    // in its own user space
+        std::vector<Path> marked;   // the same by the author's vertices, of one that has markers there
+        std::vector<Affine2> maps;  // the best; where there is none, that of the frame before
+        std::vector<Affine2> turns; // of its pen, where a skewed map makes it an ellipse
+        std::vector<Box> boxes;     // in its own user space
+        bool has_map = false, gains_inside = false, pen_stays = false;
     };
 
-    /// The layer of every shape; fails where a layer has none.
-    SvgResult<std::vector<std::size_t>> layers_of(const std::vector<DrawnShape>& shapes) const {
-        std::vector<std::size_t> layers(shapes.size());
+    /// The role of every shape's points; fails where a layer has no shape.
+    SvgResult<std::vector<PointRole>> roles_of(const std::vector<DrawnShape>& shapes) const {
+        std::vector<PointRole> roles(shapes.size());
+        for (std::size_t i = 0; i < shapes.size(); ++i) roles[i].is_painted = is_seen(shapes[i]);
         for (std::size_t n = 0; n < options_.layers.size(); ++n) {
             bool found = false;
             for (std::size_t i = 0; i < shapes.size(); ++i) {
                 for (pugi::xml_node up = shapes[i].node; up; up = up.parent()) {
                     if (attribute_text(up, "id") != options_.layers[n]) continue;
-                    layers[i] = n + 1;
+                    roles[i].layer = n + 1;
                     found = true;
                 }
             }
@@ -182,7 +209,7 @@ private:
                 return SvgError{work_.name + ": the figure has no shape in \"" + options_.layers[n] + '"'};
             }
         }
-        return layers;
+        return roles;
     }
 
     std::optional<SvgError> look_at_frames(const CurveDeformer& curves) {
@@ -190,6 +217,8 @@ private:
         moved_.resize(shapes.size());
         regions_.resize(rest_.references.size());
         std::vector<bool> has_inside_at_rest;
+        std::set<std::size_t> referring; // by hash: their user space is that of what they refer to
+        for (const Reference& reference : rest_.references) referring.insert(reference.node.hash_value());
         for (const DrawnShape& shape : shapes) {
             has_inside_at_rest.push_back(has_inside(shape.path));
             boxes_at_rest_.push_back(bounds(shape.path, shape.from_root));
@@ -211,10 +240,24 @@ private:
                 moved.has_map = moved.has_map || best;
                 moved.maps.push_back(best ? *best : moved.maps.empty() ? Affine2() : moved.maps.back());
                 if (shape.is_box || shape.is_extent) continue;
-                Path local = transformed(shape.path, shape.from_root);
+                Affine2 from_root = shape.from_root;
+                if (shape.stroke != "none" && !shape.clips && is_skewed(shape.to_root)) {
+                    const Box& box = boxes_at_rest_[i];
+                    const Point2 centre{(box.x0 + box.x1) / 2, (box.y0 + box.y1) / 2};
+                    Affine2 turn = turn_of(moved.maps.back(), apply(shape.to_root, centre));
+                    if (referring.count(shape.node.hash_value()) != 0) {
+                        moved.pen_stays = moved.pen_stays || !(turn == Affine2());
+                        turn = {};
+                    }
+                    moved.turns.push_back(turn);
+                    from_root = compose(from_root, *inverse(turn));
+                }
+                Path local = transformed(shape.path, from_root);
                 if (!in_range(local)) return error_at(work_, shape.node, "coordinates out of range");
                 moved.boxes.push_back(bounds(local));
                 moved.paths.push_back(std::move(local));
+                if (shape.marks_vertices)
+                    moved.marked.push_back(transformed(curves.path_of_vertices(i, f), from_root));
                 moved.gains_inside = moved.gains_inside || (!has_inside_at_rest[i] && has_inside(shape.path));
             }
             for (std::size_t r = 0; r < rest_.references.size(); ++r) {
@@ -253,18 +296,22 @@ private:
                     carry(shape.node, shape.to_root, moved.maps, boxes_at_rest_[i], result_.tracks);
                 continue;
             }
-            settle_markers(work_, styles_, shape, result_.report.warnings);
+            if (moved.pen_stays)
+                result_.report.warnings.push_back(
+                    label(work_, shape.node) + ": its stroke does not turn, as a transform skews it and it "
+                                               "has a clip path, a mask or a filter");
+            for (std::size_t f = 0; f < moved.turns.size(); ++f) // the rest of the map, in its user space
+                moved.maps[f] = compose(*inverse(moved.turns[f]), moved.maps[f]);
             if (moved.gains_inside) styles_.set(shape.node, "fill", "none");
             if (moved.has_map && !shape.clips)
                 paint.follow(shape, moved.maps, boxes_at_rest_[i], moved.boxes);
-            write_shape(shape.node, {}); // show() writes the data
-            result_.tracks.push_back({.node = shape.node,
-                                      .attribute = "d",
-                                      .scale = largest_scale(shape.to_root),
-                                      .paths = std::move(moved.paths),
-                                      .decimals = options_.decimals >= 0
-                                                      ? options_.decimals
-                                                      : decimals_for(shape.to_root, tolerance_)});
+            const std::string kind = local_name(shape.node);
+            const bool takes_markers = kind != "rect" && kind != "circle" && kind != "ellipse";
+            const bool adds_vertices = takes_markers && shape.marks_vertices && has_other_vertices(moved);
+            if (adds_vertices) write_path(add_marked_path(styles_, shape.node), i, std::move(moved.marked));
+            if (adds_vertices || (!takes_markers && (shape.marks_ends || shape.marks_vertices)))
+                drop_markers(styles_, shape.node);
+            write_path(shape.node, i, std::move(moved.paths));
         }
         auto& warnings = result_.report.warnings;
         follow_regions(work_, rest_, regions_, result_.tracks, warnings);
@@ -272,6 +319,30 @@ private:
         fit();
         result_.show(0);
         return std::nullopt;
+    }
+
+    /// Whether the path that is written has other vertices than the author's.
+    static bool has_other_vertices(const Moved& moved) {
+        for (std::size_t f = 0; f < moved.paths.size(); ++f) {
+            if (write_path_data(moved.paths[f], 17) != write_path_data(moved.marked[f], 17)) return true;
+        }
+        return false;
+    }
+
+    void write_path(pugi::xml_node node, std::size_t index, std::vector<Path> paths) {
+        const DrawnShape& shape = rest_.shapes[index];
+        const std::vector<Affine2>& turns = moved_[index].turns;
+        const auto turned = [](const Affine2& map) { return !(map == Affine2()); };
+        if (std::any_of(turns.begin(), turns.end(), turned))
+            carry(node, shape.to_root, turns, boxes_at_rest_[index], result_.tracks);
+        write_shape(node, {}); // show() writes the data
+        result_.tracks.push_back({.node = node,
+                                  .attribute = "d",
+                                  .scale = largest_scale(shape.to_root),
+                                  .paths = std::move(paths),
+                                  .decimals = options_.decimals >= 0
+                                                  ? options_.decimals
+                                                  : decimals_for(shape.to_root, tolerance_)});
     }
 
     void fit() {
@@ -322,7 +393,7 @@ SvgResult<AnimatedSvg> animate(const SvgDocument& document, const FrameDeformer&
 
 SvgResult<DeformReport> deform(SvgDocument& document, const Deformer& deformer,
                                const DeformOptions& options) {
-    const FrameDeformer one_frame = [&](std::span<const Point2> in, std::span<const std::size_t>,
+    const FrameDeformer one_frame = [&](std::span<const Point2> in, std::span<const PointRole>,
                                         std::span<Point2> out) { return deformer(in, out); };
     auto deformed = animate(document, one_frame, 1, options);
     if (!deformed) return deformed.error();

@@ -153,7 +153,8 @@ SvgResult<std::vector<SvgShape>> read_shapes(const SvgDocument& document, bool a
     std::vector<std::string> ignored;
     const StyleSheets styles(root_element(work.xml));
     IdTable ids(root_element(work.xml));
-    auto drawing = walk(work, styles, ids, {.follow_references = false, .as_cage = as_cage}, ignored);
+    auto drawing =
+        walk(work, styles, ids, {.follow_references = false, .as_cage = as_cage, .is_strict = true}, ignored);
     if (!drawing) return drawing.error();
     std::vector<SvgShape> shapes;
     shapes.reserve(drawing->shapes.size());

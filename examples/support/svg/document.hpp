@@ -15,9 +15,15 @@
 // and of masks are enlarged to hold the moved shapes; lights of filters follow. A nested svg or a used
 // symbol that clips becomes a group with a clip path.
 //
-// Unchanged: the width of strokes, and lengths and angles in filters (of a blur, of an offset). Markers
-// are drawn at all vertices, also at added ones; shapes under a transform without inverse stay;
-// transforms given by CSS are not read. Warnings name these last three cases.
+// Unchanged: the width of strokes, and lengths and angles in filters (of a blur, of an offset). Shapes
+// under a transform without inverse stay; transforms given by CSS are not read. Warnings name these two
+// cases. Where a transform makes an ellipse of a stroke's pen, the pen turns with the shape.
+//
+// Markers stand at the vertices of the file. A path that gets more has a second one after it, which has
+// the markers and no paint.
+//
+// What cannot be read of an attribute is left out, as browsers do, with a warning. Cages and poses are
+// read strictly: there it is an error.
 //
 // Style sheets: where a <style> selects shapes by type ("rect"), all shapes of that type get a class
 // ("cageform-rect") and the selector names the class instead, so that it still matches after the
@@ -67,11 +73,17 @@ struct SvgShape {
 /// a pure function of the point: curves meet because the same point always goes to the same place.
 using Deformer = std::function<bool(std::span<const Point2> in, std::span<Point2> out)>;
 
+/// What a point belongs to.
+struct PointRole {
+    std::size_t layer = 0;  // as DeformOptions::layers has them
+    bool is_painted = true; // else of a clip path or a mask, or of what is hidden, transparent or unpainted
+};
+
 /// Works as Deformer, into several frames: out[f * in.size() + i] is where point i is in frame f.
 ///
-///   layers   of each point, as DeformOptions::layers has them
-using FrameDeformer = std::function<bool(std::span<const Point2> in, std::span<const std::size_t> layers,
-                                         std::span<Point2> out)>;
+///   roles   of each point
+using FrameDeformer =
+    std::function<bool(std::span<const Point2> in, std::span<const PointRole> roles, std::span<Point2> out)>;
 
 struct DeformOptions {
     double tolerance =
@@ -139,6 +151,7 @@ struct DrawnShape {
     std::string fill = "black"; // as CSS has them here, inherited
     std::string stroke = "none";
     double stroke_width = 1; // in its own user space
+    double fill_opacity = 1, stroke_opacity = 1;
     double miter_limit = 4;
     bool has_miters = true;       // stroke-linejoin
     bool has_square_caps = false; // stroke-linecap
@@ -167,7 +180,8 @@ void write_shape(pugi::xml_node node, const std::string& data);
 
 } // namespace detail
 
-/// All drawn shapes in document order, uses expanded, without what is in clip paths and masks.
+/// All drawn shapes in document order, uses expanded, without what is in clip paths and masks. Fails where an
+/// attribute cannot be read: of a cage or a pose every corner counts.
 SvgResult<std::vector<SvgShape>> shapes(const SvgDocument& document);
 
 /// A cage: the loops of the first shape that is made of closed polygons only, in root user space.
@@ -202,8 +216,8 @@ SvgResult<std::vector<Point2>> figure_vertices(const SvgDocument& document);
 ///              have to be halved, at most 1 + max_halvings times
 ///   accuracy   every sample of a deformed curve is within the tolerance of the path written, before the
 ///              rounding to `decimals`; features narrower than a 64th of the viewBox's diagonal may be missed
-///   fails      on malformed attributes of a drawn shape, cyclic uses, points out of range, or when the
-///              deformer returns false
+///   fails      where copies are too many or nested too deeply, on points out of range, or when the deformer
+///              returns false
 SvgResult<DeformReport> deform(SvgDocument& document, const Deformer& deformer,
                                const DeformOptions& options = {});
 

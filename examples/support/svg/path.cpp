@@ -55,7 +55,7 @@ Path transformed(Path path, const Affine2& map) {
     for (Subpath& subpath : path) {
         subpath.start = apply(map, subpath.start);
         for (Segment& s : subpath.segments) {
-            s = {apply(map, s.p1), apply(map, s.p2), apply(map, s.p3), s.degree};
+            for (Point2* const p : {&s.p1, &s.p2, &s.p3}) *p = apply(map, *p);
         }
     }
     return path;
@@ -154,11 +154,13 @@ public:
         : scan_(text)
         , builder_(most_turn) {}
 
-    SvgResult<Path> read() {
-        for (scan_.skip_space(); !scan_.at_end(); scan_.skip_space()) {
-            if (!read_command()) return scan_.error();
+    ReadPath read() {
+        ReadPath result;
+        for (scan_.skip_space(); !scan_.at_end() && !result.fault; scan_.skip_space()) {
+            if (!read_command()) result.fault = scan_.error();
         }
-        return builder_.take();
+        if (builder_.finite()) result.path = builder_.take();
+        return result;
     }
 
 private:
@@ -299,8 +301,14 @@ private:
 
 } // namespace detail
 
-SvgResult<Path> parse_path_data(std::string_view text, double most_turn) {
+ReadPath read_path_data(std::string_view text, double most_turn) {
     return detail::PathReader(text, most_turn).read();
+}
+
+SvgResult<Path> parse_path_data(std::string_view text, double most_turn) {
+    ReadPath read = read_path_data(text, most_turn);
+    if (read.fault) return std::move(*read.fault);
+    return std::move(read.path);
 }
 
 SvgResult<std::vector<double>> parse_numbers(std::string_view text) {

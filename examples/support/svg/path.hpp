@@ -62,7 +62,8 @@ struct Segment {
     Point2 p1;
     Point2 p2;
     Point2 p3;
-    unsigned degree = 3; // as it was drawn: 1 to 3
+    unsigned degree = 3;  // as it was drawn: 1 to 3
+    bool goes_on = false; // with the arc that the segment before it is of
 
     bool is_line() const { return degree == 1; }
 };
@@ -204,6 +205,7 @@ public:
                 i + 1 == count ? end : Point2{middle.x + on_ellipse.x, middle.y + on_ellipse.y};
             add({current_.x + leave.x, current_.y + leave.y}, {next.x - arrive.x, next.y - arrive.y}, next,
                 3);
+            path_.back().segments.back().goes_on = i > 0;
         }
     }
 
@@ -270,6 +272,14 @@ inline bool is_letter(char c) {
 ///               a sum of relative steps leaves it; nothing of a malformed path is returned
 ///   most_turn   of an arc for one cubic
 SvgResult<Path> parse_path_data(std::string_view text, double most_turn = arc_of_figure);
+
+/// Works as parse_path_data(), and returns the path up to a fault, which is what browsers draw; of a path
+/// that leaves the range of numbers nothing.
+struct ReadPath {
+    Path path;
+    std::optional<SvgError> fault;
+};
+ReadPath read_path_data(std::string_view text, double most_turn = arc_of_figure);
 
 /// Numbers parted by white space with at most one comma, as in `points` and `viewBox`.
 SvgResult<std::vector<double>> parse_numbers(std::string_view text);

@@ -13,6 +13,23 @@ constexpr std::size_t max_svg_copies = 1'000'000; // nodes copied for `use` and 
 
 // ---- use ----
 
+namespace {
+
+void drop_use_attributes(pugi::xml_node use) {
+    std::vector<std::string> dropped = {"x", "y", "width", "height"};
+    for (const pugi::xml_attribute attribute : use.attributes()) {
+        if (is_reference(attribute.name())) dropped.emplace_back(attribute.name());
+    }
+    for (const std::string& name : dropped) use.remove_attribute(name.c_str());
+}
+
+void use_becomes_group(pugi::xml_node use) {
+    drop_use_attributes(use);
+    use.set_name((name_prefix(use) + 'g').c_str());
+}
+
+} // namespace
+
 pugi::xml_node ShapeCollector::used_element(pugi::xml_node use) {
     const std::string reference = reference_of(use);
     const pugi::xml_node target =
@@ -24,7 +41,8 @@ pugi::xml_node ShapeCollector::used_element(pugi::xml_node use) {
     bool cyclic = std::find(active_.begin(), active_.end(), target) != active_.end();
     for (pugi::xml_node node = use; node; node = node.parent()) cyclic = cyclic || node == target;
     if (cyclic) {
-        fail(use, "uses itself through \"" + reference + '"');
+        warn(use, "uses itself through \"" + reference + "\" and is not drawn");
+        use_becomes_group(use); // an empty one: a use in a copy no longer uses itself
         return {};
     }
     const std::string kind = local_name(target);
@@ -64,6 +82,7 @@ std::size_t ShapeCollector::expanded_size(pugi::xml_node top, int depth) {
 bool ShapeCollector::visit_use(pugi::xml_node use, const Place& parent) {
     const pugi::xml_node target = used_element(use);
     if (!target) return !error_;
+    if (!drop_bad_transform(use)) return false;
     const double x = length(use, "x", parent.viewport.width, 0);
     const double y = length(use, "y", parent.viewport.height, 0);
     std::string transform = use.attribute("transform").value();
@@ -75,22 +94,11 @@ bool ShapeCollector::visit_use(pugi::xml_node use, const Place& parent) {
                                                   : use_to_group(use, target, transform, parent);
 }
 
-namespace {
-
-void drop_use_attributes(pugi::xml_node use) {
-    std::vector<std::string> dropped = {"x", "y", "width", "height"};
-    for (const pugi::xml_attribute attribute : use.attributes()) {
-        if (is_reference(attribute.name())) dropped.emplace_back(attribute.name());
-    }
-    for (const std::string& name : dropped) use.remove_attribute(name.c_str());
-}
-
-} // namespace
-
 bool ShapeCollector::replace_use(pugi::xml_node use, pugi::xml_node target, std::string transform,
                                  const Place& parent) {
     drop_use_attributes(use);
     pugi::xml_node copy = use.parent().insert_copy_after(target, use);
+    keep_places(document_, target, document_, copy);
     drop_ids(copy);
     transform += std::string(transform.empty() ? "" : " ") + copy.attribute("transform").value();
     for (const pugi::xml_attribute attribute : use.attributes()) {
@@ -107,10 +115,10 @@ bool ShapeCollector::use_to_group(pugi::xml_node use, pugi::xml_node target, con
     const std::string kind = local_name(target);
     const std::string width = use.attribute("width").value();
     const std::string height = use.attribute("height").value();
-    drop_use_attributes(use);
+    use_becomes_group(use);
     if (!transform.empty()) set_attribute(use, "transform", transform);
-    use.set_name((name_prefix(use) + 'g').c_str());
     pugi::xml_node copy = use.append_copy(target);
+    keep_places(document_, target, document_, copy);
     drop_ids(copy);
     share_images(copy);
     if (kind == "svg" || kind == "symbol") {
@@ -193,7 +201,8 @@ bool ShapeCollector::visit_reference(const char* property, const std::string& id
                                      Reference& reference) {
     pugi::xml_node target = reference.target;
     if (std::find(active_.begin(), active_.end(), target) != active_.end()) {
-        return fail(reference.node, "refers to itself through \"#" + id + '"');
+        warn(reference.node, "refers to itself through \"#" + id + "\", which is left out");
+        return true;
     }
     const bool clip = local_name(target) == "clipPath";
     const char* const units = clip ? "clipPathUnits" : "maskContentUnits";
@@ -218,13 +227,15 @@ bool ShapeCollector::visit_reference(const char* property, const std::string& id
                 return fail(reference.node, "the clip paths of this file expand to too many elements");
             }
             content = target.parent().insert_copy_after(target, target);
+            keep_places(document_, target, document_, content);
             drop_ids(content);
             content_id = ids_.name(content, id);
         }
+        if (!drop_bad_transform(content)) return false;
         if (of_box) to_user_space(content, units, unit_square);
         claims.push_back({to_root, content_id, drawing.shapes.size(), 0});
         const std::size_t index = claims.size() - 1;
-        if (!visit_content(content, target, place)) return false;
+        if (!visit_content(content, target, place, reference.first)) return false;
         std::vector<Claim>& grown = claims_[target.hash_value()];
         grown[index].end = drawing.shapes.size();
         claim = grown.begin() + static_cast<std::ptrdiff_t>(index);
@@ -243,15 +254,16 @@ void ShapeCollector::to_user_space(pugi::xml_node content, const char* units, co
     set_attribute(content, units, "userSpaceOnUse");
     const std::string map = write_transform(unit_square, 17);
     if (local_name(content) == "clipPath") {
-        const std::string own = content.attribute("transform").value();
-        return set_attribute(content, "transform", own.empty() ? map : map + ' ' + own);
+        const std::string own = content.attribute("transform").value(); // applies after the box's map
+        return set_attribute(content, "transform", own.empty() ? map : own + ' ' + map);
     }
     pugi::xml_node group = content.append_child((name_prefix(content) + 'g').c_str());
     while (content.first_child() != group) group.append_move(content.first_child());
     set_attribute(group, "transform", map);
 }
 
-bool ShapeCollector::visit_content(pugi::xml_node content, pugi::xml_node target, const Place& place) {
+bool ShapeCollector::visit_content(pugi::xml_node content, pugi::xml_node target, const Place& place,
+                                   std::size_t first) {
     Place inner;
     inner.to_root = place.to_root;
     inner.viewport = place.viewport;
@@ -266,8 +278,7 @@ bool ShapeCollector::visit_content(pugi::xml_node content, pugi::xml_node target
     const Values values = styles_.values(content);
     if (clip && !apply_transform(content, values, inner.to_root)) return false;
     active_.push_back(target);
-    const std::size_t first = drawing.shapes.size();
-    const bool good = visit_children(content, inner) && visit_references(content, values, inner, first);
+    const bool good = visit_children(content, inner) && visit_references(content, values, place, first);
     active_.pop_back();
     return good;
 }

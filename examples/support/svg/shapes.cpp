@@ -123,47 +123,49 @@ SvgResult<double> length_of(const SvgDocument& document, pugi::xml_node node, co
     return error_in(document, node, name, value.error());
 }
 
-/// Reads one element; the first error stays.
+/// Reads one element.
 class ShapeReader {
 public:
-    ShapeReader(const SvgDocument& document, pugi::xml_node node, const Viewport& viewport, double most_turn)
+    ShapeReader(const SvgDocument& document, pugi::xml_node node, const Viewport& viewport,
+                std::vector<SvgError>& faults, double most_turn)
         : document_(document)
         , node_(node)
         , viewport_(viewport)
+        , faults_(faults)
         , most_turn_(most_turn) {}
 
-    SvgResult<Path> read() {
+    Path read() {
         const std::string kind = local_name(node_);
         if (kind == "path") {
             const std::string data = attribute_text(node_, "d");
-            auto parsed = parse_path_data(trimmed(data) == "none" ? std::string_view() : data, most_turn_);
-            if (!parsed) return error_in(document_, node_, "d", parsed.error());
-            return parsed;
+            auto read = read_path_data(trimmed(data) == "none" ? std::string_view() : data, most_turn_);
+            if (read.fault) faults_.push_back(error_in(document_, node_, "d", *read.fault));
+            return std::move(read.path);
         }
         if (kind == "polygon" || kind == "polyline") return points_path(kind == "polygon");
-        Path path = kind == "line" ? line() : kind == "rect" ? rect() : ellipse(kind == "circle");
-        if (error_) return *error_;
-        return path;
+        return kind == "line" ? line() : kind == "rect" ? rect() : ellipse(kind == "circle");
     }
 
 private:
     double length(const char* name, double whole, double otherwise) {
         const auto value = length_of(document_, node_, name, whole, otherwise);
         if (value) return *value;
-        if (!error_) error_ = value.error();
+        faults_.push_back(value.error());
         return otherwise;
     }
     double across(const char* name, double otherwise) { return length(name, viewport_.width, otherwise); }
     double down(const char* name, double otherwise) { return length(name, viewport_.height, otherwise); }
 
-    SvgResult<Path> points_path(bool closed) const {
+    Path points_path(bool closed) {
         const auto numbers = parse_numbers(attribute_text(node_, "points"));
-        if (!numbers) return error_in(document_, node_, "points", numbers.error());
-        if (numbers->size() % 2 != 0) {
-            return error_at(document_, node_, "points: the number of coordinates is odd");
+        if (!numbers) { // browsers draw none of them
+            faults_.push_back(error_in(document_, node_, "points", numbers.error()));
+            return {};
         }
+        if (numbers->size() % 2 != 0)
+            faults_.push_back(error_at(document_, node_, "points: the number of coordinates is odd"));
         PathBuilder builder;
-        for (std::size_t i = 0; i < numbers->size(); i += 2) {
+        for (std::size_t i = 0; i + 1 < numbers->size(); i += 2) {
             const Point2 p{(*numbers)[i], (*numbers)[i + 1]};
             i == 0 ? builder.move_to(p) : builder.line_to(p);
         }
@@ -232,13 +234,13 @@ private:
     const SvgDocument& document_;
     pugi::xml_node node_;
     Viewport viewport_;
+    std::vector<SvgError>& faults_;
     double most_turn_;
-    std::optional<SvgError> error_;
 };
 
-SvgResult<Path> shape_path(const SvgDocument& document, pugi::xml_node node, const Viewport& viewport,
-                           double most_turn) {
-    return ShapeReader(document, node, viewport, most_turn).read();
+Path shape_path(const SvgDocument& document, pugi::xml_node node, const Viewport& viewport,
+                std::vector<SvgError>& faults, double most_turn) {
+    return ShapeReader(document, node, viewport, faults, most_turn).read();
 }
 
 void write_shape(pugi::xml_node node, const std::string& data) {

@@ -63,9 +63,10 @@ std::string write_transform(const Affine2& map, int digits = 10);
 /// A shape's path in its own user space, drawn from SVG's starting points in its direction; empty where
 /// the shape is not drawn because a size is zero.
 ///
+///   faults      gets those of its attributes: what cannot be read is left out, as browsers do
 ///   most_turn   of an arc for one cubic
-SvgResult<Path> shape_path(const SvgDocument& document, pugi::xml_node node, const Viewport& viewport,
-                           double most_turn = arc_of_figure);
+Path shape_path(const SvgDocument& document, pugi::xml_node node, const Viewport& viewport,
+                std::vector<SvgError>& faults, double most_turn = arc_of_figure);
 
 /// The decimals of a path in a shape's own user space that make rounding a twentieth of a tolerance in root
 /// user space.

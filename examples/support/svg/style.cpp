@@ -41,11 +41,11 @@ std::string_view without_comments_before(std::string_view text) {
 /// Tests whether deforming or making a cage reads a property.
 bool is_read(std::string_view property) {
     for (const std::string_view known :
-         {"fill",      "stroke",          "stroke-width",   "clip-path",         "mask",
-          "filter",    "marker",          "marker-start",   "marker-mid",        "marker-end",
-          "display",   "overflow",        "font-size",      "text-anchor",       "transform",
-          "fill-rule", "stroke-linejoin", "stroke-linecap", "stroke-miterlimit", "visibility",
-          "opacity",   "stroke-dasharray"}) {
+         {"fill",      "stroke",           "stroke-width",   "clip-path",         "mask",
+          "filter",    "marker",           "marker-start",   "marker-mid",        "marker-end",
+          "display",   "overflow",         "font-size",      "text-anchor",       "transform",
+          "fill-rule", "stroke-linejoin",  "stroke-linecap", "stroke-miterlimit", "visibility",
+          "opacity",   "stroke-dasharray", "fill-opacity",   "stroke-opacity"}) {
         if (property == known) return true;
     }
     return false;

@@ -11,6 +11,7 @@
 #include <iterator>
 #include <map>
 #include <memory>
+#include <sstream>
 #include <utility>
 
 namespace cageform_examples {
@@ -88,6 +89,92 @@ std::optional<std::size_t> number_of(const std::string& fill) {
     return number;
 }
 
+/// The lists of places of an element in a text, each for its letters one by one.
+struct PlaceLists {
+    static constexpr std::array names{"x", "y", "dx", "dy"};
+    std::array<std::vector<std::string>, names.size()> values;
+    std::size_t passed = 0; // letters
+};
+
+/// Takes the lists of an element from it.
+PlaceLists take_lists(pugi::xml_node node) {
+    PlaceLists lists;
+    for (std::size_t k = 0; k < lists.names.size(); ++k) {
+        std::string text = attribute_text(node, lists.names[k]);
+        std::replace(text.begin(), text.end(), ',', ' ');
+        std::istringstream words(text);
+        for (std::string word; words >> word;) lists.values[k].push_back(word);
+        node.remove_attribute(lists.names[k]);
+    }
+    return lists;
+}
+
+/// The bytes of the letter that a text begins with: a character reference, or a character in UTF-8.
+std::size_t letter_bytes(std::string_view text) {
+    const std::size_t end = text.front() == '&' ? text.find(';') : std::string_view::npos;
+    if (end != std::string_view::npos) return end + 1;
+    std::size_t count = 1;
+    while (count < text.size() && (text[count] & 0xc0) == 0x80) ++count;
+    return count;
+}
+
+/// Gives letters that have a place in a list a <tspan> of their own: the renderer reads the first of a list.
+///
+///   open         the elements that hold the node, from the text on
+///   last_space   that is the last letter and, as others after it, collapses; none at first
+void place_letters(pugi::xml_node node, std::vector<PlaceLists>& open, pugi::xml_node& last_space) {
+    constexpr const char* kept_space = "&#x200b;&#160;&#x200b;"; // one alone has no width there
+    const std::string prefix = name_prefix(node);
+    pugi::xml_node says = node;
+    while (says && !says.attribute("xml:space")) says = says.parent();
+    const bool preserves = attribute_text(says, "xml:space") == "preserve";
+    open.push_back(take_lists(node));
+    for (pugi::xml_node child = node.first_child(); child;) {
+        const pugi::xml_node next = child.next_sibling();
+        const bool is_raw = child.type() == pugi::node_cdata;
+        if (child.type() == pugi::node_element) place_letters(child, open, last_space);
+        const std::string text = is_raw ? escaped(child.value()) : child.value();
+        const bool is_text = is_raw || child.type() == pugi::node_pcdata;
+        for (std::string_view rest = is_text ? text : std::string_view(); !rest.empty();) {
+            std::string letter(rest.substr(0, letter_bytes(rest)));
+            rest.remove_prefix(letter.size());
+            const bool is_blank_letter = is_blank(letter);
+            const bool is_first = open.front().passed == 0;
+            if (is_blank_letter && (last_space || is_first) && !preserves) continue;
+            pugi::xml_node part;
+            for (std::size_t k = 0; k < PlaceLists::names.size(); ++k) {
+                const auto has = [k](const PlaceLists& lists) {
+                    return lists.passed < lists.values[k].size();
+                };
+                const auto inmost = std::find_if(open.rbegin(), open.rend(), has);
+                if (inmost == open.rend()) continue;
+                if (!part) part = node.insert_child_before((prefix + "tspan").c_str(), child);
+                set_attribute(part, PlaceLists::names[k], inmost->values[k][inmost->passed]);
+            }
+            if (part) append_style(part, "fill:inherit!important;stroke:none!important");
+            pugi::xml_node to = part ? part.append_child(pugi::node_pcdata)
+                                     : node.insert_child_before(pugi::node_pcdata, child);
+            to.set_value(is_blank_letter ? kept_space : letter.c_str());
+            last_space = is_blank_letter && !preserves ? to : pugi::xml_node();
+            for (PlaceLists& lists : open) ++lists.passed;
+        }
+        if (is_text) node.remove_child(child);
+        child = next;
+    }
+    open.pop_back();
+}
+
+/// Whether the letters of a text have places in lists. Letters on a path have others.
+bool has_lists(pugi::xml_node text) {
+    const auto on_path = [](pugi::xml_node node) { return local_name(node) == "textPath"; };
+    const auto lists = [](pugi::xml_node node) {
+        return std::any_of(PlaceLists::names.begin(), PlaceLists::names.end(), [&](const char* name) {
+            return trimmed(attribute_text(node, name)).find_first_of(" ,\t\n\r") != std::string_view::npos;
+        });
+    };
+    return (lists(text) || text.find_node(lists)) && !text.find_node(on_path);
+}
+
 /// Leaves of a document its texts and what they stand in, and paints every element of a text in a colour of
 /// its own. The picture shows three times the viewBox, in about 4096 pixels.
 void strip_to_texts(SvgDocument& document, const ViewBox& view, std::vector<DrawnText>& texts) {
@@ -107,6 +194,10 @@ void strip_to_texts(SvgDocument& document, const ViewBox& view, std::vector<Draw
                     "fill:" + colour_of(colour++) +
                         "!important;fill-opacity:1!important;stroke:none!important;opacity:1!important");
             }
+            std::vector<PlaceLists> open;
+            pugi::xml_node last_space;
+            if (has_lists(node)) place_letters(node, open, last_space);
+            if (last_space) last_space.set_value("");
         }
         const bool keeps = is_group(kind) || kind == "style" || node.type() != pugi::node_element;
         if (is_group(kind)) {
@@ -284,6 +375,12 @@ SvgResult<std::size_t> text_to_paths(SvgDocument& document, std::vector<std::str
         text.node.remove_attribute(number_attribute);
         const auto [first, end] = drawn->outlines_of(n);
         if (first != end) {
+            const auto places_letters = [](pugi::xml_node node) {
+                return node.attribute("rotate") || node.attribute("textLength");
+            };
+            if (places_letters(text.node) || text.node.find_node(places_letters))
+                warnings.push_back(label(work, text.node) +
+                                   ": rotate and textLength are left out in its outlines");
             replace_text(text, drawn->outlines, tolerance);
             ++count;
         } else if (drawn->seen[n]) {

@@ -15,6 +15,8 @@ namespace cageform_examples {
 ///
 ///   returns   how many texts became outlines, copies by <use> included; those in clip paths, not displayed,
 ///             or of which nothing was drawn stay, the last with a warning
+///   places    the lists x, y, dx and dy hold for every letter; rotate and textLength are left out, with a
+///             warning
 ///   fails     where rsvg-convert is not installed or cannot read the document, which is then unchanged
 SvgResult<std::size_t> text_to_paths(SvgDocument& document, std::vector<std::string>& warnings);
 

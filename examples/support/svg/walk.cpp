@@ -1,4 +1,5 @@
 #include "svg/collector.hpp"
+#include "svg/css_colour.hpp"
 #include "svg/curves.hpp"
 
 #include <algorithm>
@@ -26,9 +27,14 @@ bool ShapeCollector::fail(pugi::xml_node node, const std::string& why) {
     return false;
 }
 
-bool ShapeCollector::fail_in(pugi::xml_node node, const std::string& attribute, const SvgError& error) {
-    if (!error_) error_ = error_in(document_, node, attribute, error);
-    return false;
+bool ShapeCollector::leave_out(const SvgError& fault) {
+    if (options_.is_strict) {
+        if (!error_) error_ = fault;
+        return false;
+    }
+    const std::string text = to_string(fault) + "; what cannot be read is left out, as in browsers";
+    if (std::find(warnings.begin(), warnings.end(), text) == warnings.end()) warnings.push_back(text);
+    return true;
 }
 
 void ShapeCollector::warn(pugi::xml_node node, const std::string& why) {
@@ -79,8 +85,13 @@ void ShapeCollector::inherit_outline(const Values& values, DrawnShape& style) {
     if (!join.empty()) style.has_miters = join != "round" && join != "bevel";
     const auto limit = parse_length(text_of(values, "stroke-miterlimit"), 1);
     if (limit && *limit >= 1) style.miter_limit = *limit;
-    const auto opacity = parse_length(text_of(values, "opacity"), 1);
-    if (opacity && *opacity <= 0) style.is_transparent = true; // what it holds too
+    const auto opacity = [&](std::string_view property) {
+        return parse_length(text_of(values, property), 1);
+    };
+    if (const auto value = opacity("fill-opacity")) style.fill_opacity = *value;
+    if (const auto value = opacity("stroke-opacity")) style.stroke_opacity = *value;
+    if (const auto value = opacity("opacity"); value && *value <= 0)
+        style.is_transparent = true; // what it holds too
 }
 
 bool ShapeCollector::visit(pugi::xml_node node, const Place& parent) {
@@ -120,9 +131,17 @@ bool ShapeCollector::visit_children(pugi::xml_node node, const Place& place) {
     return true;
 }
 
-bool ShapeCollector::apply_transform(pugi::xml_node node, const Values& values, Affine2& to_root) {
+bool ShapeCollector::drop_bad_transform(pugi::xml_node node) {
     const auto map = parse_transform(attribute_text(node, "transform"));
-    if (!map) return fail_in(node, "transform", map.error());
+    if (map) return true;
+    const SvgError fault = error_in(document_, node, "transform", map.error());
+    node.remove_attribute("transform");
+    return leave_out(fault);
+}
+
+bool ShapeCollector::apply_transform(pugi::xml_node node, const Values& values, Affine2& to_root) {
+    if (!drop_bad_transform(node)) return false;
+    const auto map = parse_transform(attribute_text(node, "transform"));
     to_root = compose(to_root, *map);
     if (!text_of(values, "transform").empty()) warn(node, "a transform in a style is not read");
     return true;
@@ -200,7 +219,10 @@ bool ShapeCollector::clip(pugi::xml_node group, const Box& box, const Place& pla
 bool ShapeCollector::enter_view_box(pugi::xml_node node, Affine2& to_root, Viewport& viewport) {
     if (!node.attribute("viewBox")) return true;
     const auto v = parse_numbers(attribute_text(node, "viewBox"));
-    if (!v || v->size() != 4) return fail(node, "viewBox is not four numbers");
+    if (!v || v->size() != 4) {
+        node.remove_attribute("viewBox");
+        return leave_out(error_at(document_, node, "viewBox is not four numbers"));
+    }
     const Viewport box{(*v)[2], (*v)[3]};
     if (!(box.width > 0 && box.height > 0)) return true; // nothing is drawn, so nothing matters
     double sx = viewport.width / box.width;
@@ -222,16 +244,23 @@ bool ShapeCollector::enter_view_box(pugi::xml_node node, Affine2& to_root, Viewp
 double ShapeCollector::length(pugi::xml_node node, const char* name, double whole, double otherwise) {
     const auto value = length_of(document_, node, name, whole, otherwise);
     if (value) return *value;
-    if (!error_) error_ = value.error();
+    leave_out(value.error());
     return otherwise;
 }
 
-bool ShapeCollector::add_shape(pugi::xml_node node, const Place& place) {
-    auto path = shape_path(document_, node, place.viewport, options_.as_cage ? arc_of_cage : arc_of_figure);
-    if (!path) {
-        error_ = path.error();
-        return false;
+std::optional<Path> ShapeCollector::path_of(pugi::xml_node node, const Place& place) {
+    std::vector<SvgError> faults;
+    Path path =
+        shape_path(document_, node, place.viewport, faults, options_.as_cage ? arc_of_cage : arc_of_figure);
+    for (const SvgError& fault : faults) {
+        if (!leave_out(fault)) return std::nullopt;
     }
+    return path;
+}
+
+bool ShapeCollector::add_shape(pugi::xml_node node, const Place& place) {
+    auto path = path_of(node, place);
+    if (!path) return false;
     if (!path->empty()) return add(node, std::move(*path), place);
     if (local_name(node) == "circle") drawing.flat_circles.push_back(node);
     return true;
@@ -269,15 +298,17 @@ bool ShapeCollector::add(pugi::xml_node node, Path path, const Place& place, boo
     shape.from_root = *from_root;
     shape.is_box = is_box;
     shape.path = transformed(std::move(path), place.to_root);
-    if (!in_range(shape.path)) return fail(node, "coordinates out of range");
+    if (!in_range(shape.path)) return leave_out(error_at(document_, node, "coordinates out of range"));
     drawing.shapes.push_back(std::move(shape));
     return true;
 }
 
 bool ShapeCollector::add_fixed(pugi::xml_node node, const std::string& kind, const Place& place) {
-    const bool boxes = options_.boxes && !place.style.clips;
     const auto on_path = [](pugi::xml_node part) { return local_name(part) == "textPath"; };
-    if (boxes && kind == "text" && node.find_node(on_path)) return add_text_paths(node, place);
+    const bool has_path = kind == "text" && node.find_node(on_path);
+    // A clip path may hold a text, but not a copy of its path.
+    const bool boxes = options_.boxes && !(place.style.clips && (kind != "text" || has_path));
+    if (boxes && has_path) return add_text_paths(node, place);
     const Box box = boxes ? (kind == "text" ? text_box(node, place) : image_box(node, place)) : Box();
     if (error_) return false;
     if (box.empty() && kind == "text" && is_blank(node.text().get()) && !node.child("tspan")) return true;
@@ -374,11 +405,9 @@ bool ShapeCollector::add_text_path(pugi::xml_node text_path, const Place& place)
     const pugi::xml_node target =
         reference.starts_with('#') ? ids_.find(reference.substr(1)) : pugi::xml_node();
     if (!target || !is_shape(local_name(target))) return true; // nothing is drawn
-    const auto path = shape_path(document_, target, place.viewport);
+    const auto path = path_of(target, place);
+    if (!path || !drop_bad_transform(target)) return false;
     const auto own = parse_transform(attribute_text(target, "transform"));
-    if (!path) error_ = path.error();
-    if (!own) return fail_in(target, "transform", own.error());
-    if (error_) return false;
     if (path->empty()) return true;
     Place there = place;
     there.to_root = compose(place.to_root, *own);
@@ -484,8 +513,22 @@ Box bounds(const std::vector<DrawnShape>& shapes, std::size_t first, std::size_t
     return box;
 }
 
+namespace {
+
+bool shows(const std::string& paint, double opacity) {
+    const auto colour = parse_colour(paint);
+    return paint != "none" && opacity > 0 && !(colour && colour->alpha <= 0);
+}
+
+} // namespace
+
 bool is_painted(const DrawnShape& shape) {
-    return shape.is_box || shape.fill != "none" || shape.stroke != "none";
+    return shape.is_box || shows(shape.fill, shape.fill_opacity) ||
+           (shape.stroke_width > 0 && shows(shape.stroke, shape.stroke_opacity));
+}
+
+bool is_seen(const DrawnShape& shape) {
+    return shape.level == 0 && is_painted(shape) && shape.is_visible && !shape.is_transparent;
 }
 
 Box painted_box(const DrawnShape& shape, const Affine2& map) {

@@ -44,6 +44,7 @@ struct WalkOptions {
     bool follow_references = true; // list what clip paths and masks hold, leave out what is not displayed
     bool boxes = false;            // list text and images too, with their boxes
     bool as_cage = false;          // divide arcs as a cage's, and leave all curves as they are drawn
+    bool is_strict = false;        // fail where an attribute cannot be read; else leave it out and warn
 };
 
 /// Walks a document, which is changed on the way, without changing what it shows: every `use` becomes a
@@ -56,8 +57,11 @@ SvgResult<Drawing> walk(SvgDocument& document, const StyleSheets& styles, IdTabl
 Box bounds(const std::vector<DrawnShape>& shapes, std::size_t first, std::size_t end, int level,
            const Affine2& map);
 
-/// Whether it shows: has a fill or a stroke.
+/// Whether it has a fill or a stroke that is not transparent.
 bool is_painted(const DrawnShape& shape);
+
+/// Whether it shows in the picture itself: is painted, not hidden and not transparent.
+bool is_seen(const DrawnShape& shape);
 
 /// The box of what is painted of it, strokes included (but for the tips of mitred corners), after a map.
 Box painted_box(const DrawnShape& shape, const Affine2& map);

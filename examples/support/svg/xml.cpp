@@ -175,18 +175,22 @@ std::string IdTable::name(pugi::xml_node node, const std::string& stem) {
     return id;
 }
 
+void keep_places(const SvgDocument& from, pugi::xml_node original, SvgDocument& to, pugi::xml_node copy) {
+    pugi::xml_node node = copy;
+    for (pugi::xml_node rest = original; rest && node; rest = next_node(rest, original)) {
+        const auto line = from.lines.find(rest.hash_value());
+        if (line != from.lines.end()) to.lines[node.hash_value()] = line->second;
+        const auto box = from.text_boxes.find(rest.hash_value());
+        if (box != from.text_boxes.end()) to.text_boxes[node.hash_value()] = box->second;
+        node = next_node(node, copy);
+    }
+}
+
 SvgDocument copy_of(const SvgDocument& document) {
     SvgDocument copy;
     copy.name = document.name;
     copy.xml.reset(document.xml);
-    pugi::xml_node to = copy.xml;
-    for (pugi::xml_node from = document.xml; from && to; from = next_node(from, document.xml)) {
-        const auto line = document.lines.find(from.hash_value());
-        if (line != document.lines.end()) copy.lines[to.hash_value()] = line->second;
-        const auto box = document.text_boxes.find(from.hash_value());
-        if (box != document.text_boxes.end()) copy.text_boxes[to.hash_value()] = box->second;
-        to = next_node(to, copy.xml);
-    }
+    keep_places(document, document.xml, copy, copy.xml);
     return copy;
 }
 

@@ -43,6 +43,9 @@ void add_class(pugi::xml_node node, const std::string& name);
 std::string reference_of(pugi::xml_node node);
 void set_reference(pugi::xml_node node, const std::string& id); ///< of all attributes that refer
 
+/// Gives a copy of an element, or of a document, the lines and the boxes of texts of its original.
+void keep_places(const SvgDocument& from, pugi::xml_node original, SvgDocument& to, pugi::xml_node copy);
+
 /// Returns a label such as: rect "wall" (line 12).
 std::string label(const SvgDocument& document, pugi::xml_node node);
 
