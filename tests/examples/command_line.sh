@@ -297,7 +297,7 @@ for seed in 1 2; do
     done
   done
 done
-# What is not seen may lie outside.
+# Elements that are not seen may lie outside.
 printf '%s\n' 0,0 20,0 20,20 0,20 >frame.csv
 for hidden in 'fill="none"' 'visibility="hidden"' 'opacity="0"' 'fill="transparent"' 'fill="#12345600"' 'fill-opacity="0"' \
   'style="fill:none; stroke:red; stroke-opacity:0"' 'fill="none" stroke="red" stroke-width="0"'; do

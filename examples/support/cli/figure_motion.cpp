@@ -105,7 +105,7 @@ std::string pose_faults(const FigureControl& control, const CageFile& cage) {
 namespace {
 
 /// Binds batches of points and moves them to all frames. The first batch stands for the whole: whether it
-/// lies in the cage is judged by its painted points. Of the points between them each is judged alone.
+/// lies in the cage is judged by its painted points. Each of the later points is judged alone.
 class BatchMover {
 public:
     BatchMover(const std::string& figure, const FigureControl& control, OutsideChoice outside)

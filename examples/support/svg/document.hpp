@@ -22,7 +22,7 @@
 // Markers stand at the vertices of the file. A path that gets more has a second one after it, which has
 // the markers and no paint.
 //
-// What cannot be read of an attribute is left out, as browsers do, with a warning. Cages and poses are
+// The part of an attribute that cannot be read is left out, as browsers do, with a warning. Cages and poses are
 // read strictly: there it is an error.
 //
 // Style sheets: where a <style> selects shapes by type ("rect"), all shapes of that type get a class
@@ -73,7 +73,7 @@ struct SvgShape {
 /// a pure function of the point: curves meet because the same point always goes to the same place.
 using Deformer = std::function<bool(std::span<const Point2> in, std::span<Point2> out)>;
 
-/// What a point belongs to.
+/// The role of a point in the drawing.
 struct PointRole {
     std::size_t layer = 0;  // as DeformOptions::layers has them
     bool is_painted = true; // else of a clip path or a mask, or of what is hidden, transparent or unpainted
