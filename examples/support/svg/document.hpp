@@ -22,8 +22,8 @@
 // Markers stand at the vertices of the file. A path that gets more has a second one after it, which has
 // the markers and no paint.
 //
-// The part of an attribute that cannot be read is left out, as browsers do, with a warning. Cages and poses are
-// read strictly: there it is an error.
+// The part of an attribute that cannot be read is left out, as browsers do, with a warning. Cages and poses
+// are read strictly: there it is an error.
 //
 // Style sheets: where a <style> selects shapes by type ("rect"), all shapes of that type get a class
 // ("cageform-rect") and the selector names the class instead, so that it still matches after the
