@@ -114,7 +114,7 @@ Affine2 server_to_root(const SvgDocument& document, std::string_view property, c
                        const char* units) {
     SvgDocument copy = detail::copy_of(document);
     const pugi::xml_node root = detail::root_element(copy.xml);
-    const detail::StyleSheets styles(root);
+    detail::StyleSheets styles(copy);
     detail::IdTable ids(root);
     std::vector<std::string> ignored;
     const auto drawing = detail::walk(copy, styles, ids, {}, ignored);
@@ -250,7 +250,7 @@ TEST_CASE("patterns follow affine maps of their shapes exactly",
     const auto tile_to_root = [](const SvgDocument& document) {
         SvgDocument copy = detail::copy_of(document);
         const pugi::xml_node root = detail::root_element(copy.xml);
-        const detail::StyleSheets styles(root);
+        detail::StyleSheets styles(copy);
         detail::IdTable ids(root);
         std::vector<std::string> ignored;
         const auto drawing = detail::walk(copy, styles, ids, {}, ignored);
@@ -385,10 +385,9 @@ TEST_CASE("motions without an affine map", "[examples][svg_document][paint]") {
 
 TEST_CASE("which value of a property wins", "[examples][svg_document][style]") {
     const auto fill = [](std::string_view css, std::string_view element) {
-        const SvgDocument document =
-            parsed(svg("<style>" + std::string(css) + "</style><g class='outer'><a>" + std::string(element) +
-                       "</a></g>"));
-        const detail::StyleSheets styles(detail::root_element(document.xml));
+        SvgDocument document = parsed(svg("<style>" + std::string(css) + "</style><g class='outer'><a>" +
+                                          std::string(element) + "</a></g>"));
+        const detail::StyleSheets styles(document);
         return styles
             .value(document.xml.find_node(
                        [](pugi::xml_node node) { return detail::local_name(node) == "path"; }),
@@ -664,9 +663,9 @@ TEST_CASE("what has no inside is not filled when it is bent", "[examples][svg_do
         R"(<line x1="10" y1="20" x2="90" y2="40" stroke="red"/>)", R"(<path d="M10 20L90 40" fill="tan"/>)",
         R"(<polyline points="10,20 50,30 90,40"/>)", R"(<path style="fill:tan" d="M10 20H90M10 30V90"/>)");
     CAPTURE(shape);
-    const Result line = deformed(svg(shape), bend);
+    Result line = deformed(svg(shape), bend);
     const auto all = line.document.xml.document_element().child("path");
-    const detail::StyleSheets styles(detail::root_element(line.document.xml));
+    const detail::StyleSheets styles(line.document);
     CHECK(styles.value(all, "fill").text == "none");
     const Result area = deformed(svg(R"(<path d="M10 20L90 40 50 90" fill="tan"/>)"), bend);
     CHECK(area.text.find("fill=\"tan\"") != std::string::npos);

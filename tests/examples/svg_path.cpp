@@ -445,6 +445,12 @@ TEST_CASE("lengths and lists of numbers", "[examples][svg_path][length]") {
     CHECK(length("2em") == 32);
     CHECK(length("2ex") == 16);
     CHECK(length("1e2") == 100);
+    CHECK(length("calc(25% + 50px)", 200) == 100);
+    CHECK(length(" Calc( (1in - 2*3px) / 4 + -1.5px*calc(2) )") == 19.5);
+    for (const char* odd :
+         {"calc(1px", "calc()", "calc(1px 2px)", "calc(1/0)", "(3px)", "calc(1px +)", "calc 1", "calc(2)px"})
+        CHECK_FALSE(parse_length(odd, 1));
+    CHECK_FALSE(parse_length("calc" + std::string(100'000, '('), 1));
     CHECK(length("1e2em") == 1600);
     CHECK_FALSE(parse_length("", 1));
     CHECK_FALSE(parse_length("px", 1));

@@ -73,6 +73,19 @@ constexpr std::array pieces{
     "</style>",
     ".k{fill:url(#l)}",
     "g > .k, * #a rect{stroke:url(#r)!important;display:inline}",
+    "rect ~ :not(.k, g + [width^='3' i]):nth-last-of-type(-2n + 3):hover{fill:red;transform:rotate(9deg)}",
+    "*{x:1em;rx:20%;d:path('M1 2h3');transform-origin:right 3px;scale:2;--own:url(#a)}",
+    "@media print{rect{translate:3px}}@supports(a){}",
+    R"x( style="width:calc(2px*(1 + 3%))")x",
+    R"x( style="transform:skew(9deg,.1turn)translate3d(1px,2%,0);transform-box:fill-box;transform-origin:top")x",
+    R"x( clip-path="inset(10% 1px round 3px / 20%) fill-box")x",
+    R"x( style="clip-path:polygon(evenodd,0 0,100% 1em,50% 9px)")x",
+    R"x( fill="context-stroke" stroke="context-fill")x",
+    R"x(<!DOCTYPE svg [<!ENTITY e "<g>&f;</g>"><!ENTITY f '<rect width="3" height="&h;"/>'><!ENTITY h "2">]>)x",
+    "&e;",
+    "&h;",
+    R"x( xmlns="http://www.w3.org/2000/svg" xmlns:s="http://www.w3.org/2000/svg")x",
+    R"x(<s:g><rect width="3" height="4"/></s:g>)x",
     "@media print{",
     "/*",
     "*/",
@@ -172,7 +185,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         REQUIRE(parse_svg(text, "frame.svg"));
     }
     if (frames) {
-        frames->play(1);
+        frames->play(1, 0.01);
         REQUIRE(parse_svg(to_text(frames->document), "played.svg"));
     }
     if (!report) {

@@ -266,13 +266,14 @@ void print_warnings(std::span<const std::string> warnings) {
         if (kind == kinds.end()) kind = kinds.insert(kinds.end(), {std::move(who), std::move(text), 0});
         ++kind->count;
     }
-    for (std::size_t i = 0; i < std::min(kinds.size(), most_listed); ++i) {
+    constexpr std::size_t most_kinds = 100; // a drawing may have many properties that are not known
+    for (std::size_t i = 0; i < std::min(kinds.size(), most_kinds); ++i) {
         const auto& [who, text, count] = kinds[i];
         const std::string more = count > 1 ? " and " + std::to_string(count - 1) + " more" : "";
         warn(who.empty() ? text : who + more + ": " + text);
     }
-    if (kinds.size() > most_listed)
-        warn("and " + std::to_string(kinds.size() - most_listed) + " more kinds of warnings");
+    if (kinds.size() > most_kinds)
+        warn("and " + std::to_string(kinds.size() - most_kinds) + " more kinds of warnings");
 }
 
 } // namespace cageform_examples

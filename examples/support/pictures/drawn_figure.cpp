@@ -128,7 +128,7 @@ Box page_of(const SvgDocument& document) {
 SvgResult<DrawnFigure> drawn_figure(const SvgDocument& document) {
     SvgDocument work = detail::copy_of(document);
     std::vector<std::string> ignored;
-    const detail::StyleSheets styles(detail::root_element(work.xml));
+    detail::StyleSheets styles(work);
     detail::IdTable ids(detail::root_element(work.xml));
     const auto drawing = detail::walk(work, styles, ids, {.boxes = true}, ignored);
     if (!drawing) return drawing.error();

@@ -19,7 +19,7 @@ namespace detail {
 /// See walk().
 class ShapeCollector {
 public:
-    ShapeCollector(SvgDocument& document, const StyleSheets& styles, IdTable& ids, const WalkOptions& options)
+    ShapeCollector(SvgDocument& document, StyleSheets& styles, IdTable& ids, const WalkOptions& options)
         : document_(document)
         , styles_(styles)
         , ids_(ids)
@@ -31,7 +31,7 @@ public:
     std::vector<std::string> warnings;
 
 private:
-    using Values = std::map<std::string, StyleValue, std::less<>>;
+    using Values = StyleSheets::Values;
 
     /// The properties that an element inherits from its ancestors.
     struct Place {
@@ -39,8 +39,9 @@ private:
         Viewport viewport;
         int depth = 0;
         DrawnShape style; // all but its geometry
-        double font_size = 16;
         std::string text_anchor = "start";
+        std::string context_fill = "none"; // of the `use` that it is a copy for
+        std::string context_stroke = "none";
     };
 
     struct Claim { // a clip path or mask whose content is deformed under this transform
@@ -53,14 +54,13 @@ private:
     /// Warns of what is left out, or fails where the walk is strict.
     bool leave_out(const SvgError& fault);
     void warn(pugi::xml_node node, const std::string& why);
-    static std::string text_of(const Values& values, std::string_view property);
     static void inherit(const Values& values, Place& place);
     static void inherit_outline(const Values& values, DrawnShape& style);
     bool visit(pugi::xml_node node, const Place& parent);
     bool visit_children(pugi::xml_node node, const Place& place);
     /// Removes a transform that cannot be read: browsers take none.
     bool drop_bad_transform(pugi::xml_node node);
-    bool apply_transform(pugi::xml_node node, const Values& values, Affine2& to_root);
+    bool apply_transform(pugi::xml_node node, Affine2& to_root);
 
     // ---- nested svg ----
     /// A nested svg clips what it holds. One that cuts nothing no longer does; one that does becomes a
@@ -82,6 +82,8 @@ private:
     /// Makes a group of `use`, with the copy inside.
     bool use_to_group(pugi::xml_node use, pugi::xml_node target, const std::string& transform,
                       const Place& parent);
+    /// Writes the paints of the `use` where a copy asks for them; returns the element's values.
+    Values take_context_paint(pugi::xml_node node, const Place& place);
     /// Images in a copy become uses of one definition each, so that their bytes are not repeated.
     void share_images(pugi::xml_node copy);
     bool count_copies(pugi::xml_node top);
@@ -91,6 +93,8 @@ private:
 
     // ---- clip paths, masks and filters (svg_references.cpp) ----
     bool visit_references(pugi::xml_node node, const Values& values, const Place& place, std::size_t first);
+    /// Makes a clip path of a basic shape of CSS that an element is clipped by, if it is.
+    bool make_clip_path(pugi::xml_node node, const Values& values, const Place& place, std::size_t first);
     bool visit_reference(const char* property, const std::string& id, const Place& place,
                          Reference& reference);
     /// Turns units of the box into user space.
@@ -100,14 +104,15 @@ private:
     bool visit_content(pugi::xml_node content, pugi::xml_node target, const Place& place, std::size_t first);
 
     // ---- shapes ----
-    double length(pugi::xml_node node, const char* name, double whole, double otherwise);
+    double length(pugi::xml_node node, const char* name, const Viewport& viewport, double whole,
+                  double otherwise);
     /// The element's path, with warnings of what is left out of it; nothing where the walk has failed.
     std::optional<Path> path_of(pugi::xml_node node, const Place& place);
     bool add_shape(pugi::xml_node node, const Place& place);
     /// Curves whose control points lie on their ends are lines, run through at another speed.
     static void straighten(Path& path);
     bool add(pugi::xml_node node, Path path, const Place& place, bool is_box = false);
-    bool add_fixed(pugi::xml_node node, const std::string& kind, const Place& place);
+    bool add_fixed(pugi::xml_node node, const std::string& kind, Place place);
     /// The paths that a text's letters stand on, which are shapes: where one is not drawn in the text's own
     /// user space, the text gets a copy.
     bool add_text_paths(pugi::xml_node text, const Place& place);
@@ -122,7 +127,7 @@ private:
     Box text_box(pugi::xml_node text, const Place& place);
 
     SvgDocument& document_;
-    const StyleSheets& styles_;
+    StyleSheets& styles_;
     IdTable& ids_;
     WalkOptions options_;
     std::set<std::size_t> symbols_;                              // copies of symbols, by their hash

@@ -143,7 +143,7 @@ public:
         , frames_(frames)
         , options_(options)
         , result_(result)
-        , styles_(root_element(work.xml))
+        , styles_(work)
         , ids_(root_element(work.xml)) {}
 
     /// Nothing, or why not. `moved()` is false where nothing has moved, and the document then is to stay as
@@ -155,12 +155,10 @@ public:
         diagonal_ = std::hypot(view_.width, view_.height);
         const bool given = options_.tolerance > 0 && std::isfinite(options_.tolerance);
         tolerance_ = given ? options_.tolerance : 2e-5 * diagonal_;
+        styles_.report.look_at(work_);
         auto rest = walk(work_, styles_, ids_, {.boxes = true}, result_.report.warnings);
         if (!rest) return rest.error();
-        for (const std::string& rule : styles_.unread) {
-            result_.report.warnings.push_back("style sheet: \"" + rule +
-                                              "\" refers to an element and is not read");
-        }
+        for (std::string& line : styles_.report.lines()) result_.report.warnings.push_back(std::move(line));
         rest_ = std::move(*rest);
         const auto roles = roles_of(rest_.shapes);
         if (!roles) return roles.error();
@@ -173,6 +171,8 @@ public:
         result_.report.shapes = paths.size();
         moves_.resize(paths.size());
         for (std::size_t i = 0; i < paths.size(); ++i) {
+            const auto& carrier = rest_.shapes[i].carrier;
+            moves_[i] = carrier && moves_[*carrier];
             for (std::size_t f = 0; f < frames_ && !moves_[i]; ++f) moves_[i] = curves.motion(i, f).moved();
         }
         if (!moved()) return std::nullopt;
@@ -252,6 +252,10 @@ private:
                     moved.turns.push_back(turn);
                     from_root = compose(from_root, *inverse(turn));
                 }
+                if (shape.carrier && moves_[*shape.carrier]) { // goes before the text's own motion
+                    const auto undone = inverse(moved_[*shape.carrier].maps.back());
+                    from_root = compose(from_root, undone ? *undone : Affine2());
+                }
                 Path local = transformed(shape.path, from_root);
                 if (!in_range(local)) return error_at(work_, shape.node, "coordinates out of range");
                 moved.boxes.push_back(bounds(local));
@@ -317,6 +321,7 @@ private:
         follow_regions(work_, rest_, regions_, result_.tracks, warnings);
         warnings.insert(warnings.end(), paint.warnings.begin(), paint.warnings.end());
         fit();
+        styles_.settle(warnings);
         result_.show(0);
         return std::nullopt;
     }
@@ -366,7 +371,7 @@ private:
     std::size_t frames_;
     const DeformOptions& options_;
     AnimatedSvg& result_;
-    const StyleSheets styles_;
+    StyleSheets styles_;
     IdTable ids_;
     ViewBox view_;
     double diagonal_ = 0, tolerance_ = 0;
@@ -384,7 +389,6 @@ SvgResult<AnimatedSvg> animate(const SvgDocument& document, const FrameDeformer&
                                const DeformOptions& options) {
     AnimatedSvg result;
     result.document = detail::copy_of(document);
-    detail::adapt_style_sheets(result.document, result.report.warnings);
     detail::DocumentMover mover(result.document, deformer, frames, options, result);
     if (auto error = mover.run()) return std::move(*error);
     if (!mover.moved()) result.document = detail::copy_of(document);

@@ -11,12 +11,127 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <functional>
+#include <map>
+#include <optional>
 #include <sstream>
 #include <system_error>
 #include <utility>
 #include <vector>
 
 namespace cageform_examples {
+
+namespace detail {
+
+/// The entities that a document type defines in the file, as raw text.
+std::map<std::string, std::string, std::less<>> entities_of(const pugi::xml_document& xml) {
+    std::map<std::string, std::string, std::less<>> entities;
+    for (const pugi::xml_node node : xml.children()) {
+        if (node.type() != pugi::node_doctype) continue;
+        const std::string_view text = node.value();
+        constexpr std::string_view begin = "<!ENTITY";
+        for (std::size_t at = text.find(begin); at != std::string_view::npos; at = text.find(begin, at)) {
+            at += begin.size();
+            const auto words = words_of(text.substr(at, 256)); // "%" is one of the document type itself
+            const std::size_t open = text.find_first_of("\"'>", at);
+            if (open == std::string_view::npos || words.size() < 2 || text[open] == '>') continue;
+            const std::size_t close = text.find(text[open], open + 1);
+            if (close == std::string_view::npos) break;
+            const bool is_here = trimmed(text.substr(at, open - at)) == words.front(); // not in another file
+            if (is_here)
+                entities.try_emplace(std::string(words.front()), text.substr(open + 1, close - open - 1));
+            at = close;
+        }
+    }
+    return entities;
+}
+
+/// Puts the entities of the document type in the place of their names.
+class EntityExpander {
+public:
+    explicit EntityExpander(const pugi::xml_document& xml)
+        : entities_(entities_of(xml)) {}
+
+    /// Nothing, or why not.
+    std::optional<std::string> expand(pugi::xml_node root) {
+        if (entities_.empty()) return std::nullopt;
+        for (pugi::xml_node node = root; node && !fault_;) {
+            for (pugi::xml_attribute attribute : node.attributes()) {
+                const std::string text = expanded(attribute.value(), 0);
+                if (text != attribute.value()) attribute.set_value(text.c_str());
+            }
+            const std::string text =
+                node.type() == pugi::node_pcdata ? expanded(node.value(), 0) : node.value();
+            if (text == node.value()) {
+                node = next_node(node, root);
+                continue;
+            }
+            pugi::xml_document part; // elements of an entity, and text
+            const std::string whole = "<part>" + text + "</part>";
+            const unsigned flags = pugi::parse_cdata | pugi::parse_comments | pugi::parse_ws_pcdata;
+            if (!part.load_buffer(whole.data(), whole.size(), flags))
+                return "an entity is not XML: " + text.substr(0, 60);
+            pugi::xml_node last = node;
+            for (const pugi::xml_node child : part.first_child().children())
+                last = node.parent().insert_copy_after(child, last);
+            const pugi::xml_node next = node_after(last, root);
+            node.parent().remove_child(node);
+            node = next;
+        }
+        return fault_;
+    }
+
+private:
+    std::string expanded(std::string_view text, int depth) {
+        std::string result;
+        while (!text.empty()) {
+            const std::size_t plain = std::min(text.find('&'), text.size());
+            result += text.substr(0, plain);
+            text.remove_prefix(plain);
+            const std::size_t end = std::min(text.find(';'), text.size());
+            const std::string_view name = text.empty() ? text : text.substr(1, end - 1);
+            const auto found = entities_.find(name);
+            if (found == entities_.end()) {
+                result += text.substr(0, 1);
+                text.remove_prefix(std::min<std::size_t>(1, text.size()));
+                continue;
+            }
+            size_ += found->second.size();
+            if (depth > 20 || size_ > std::size_t{1} << 24) {
+                fault_ = "the entity \"" + std::string(name) + "\" expands to too much";
+                return {};
+            }
+            result += expanded(found->second, depth + 1);
+            if (fault_) return {};
+            text.remove_prefix(end + 1);
+        }
+        return result;
+    }
+
+    std::map<std::string, std::string, std::less<>> entities_;
+    std::size_t size_ = 0; // of all that was put in
+    std::optional<std::string> fault_;
+};
+
+/// Gives elements of SVG under another prefix the root's, where both mean SVG.
+void unify_prefixes(pugi::xml_node root) {
+    constexpr std::string_view space = "http://www.w3.org/2000/svg";
+    const std::string prefix = name_prefix(root);
+    const auto means_svg = [&](pugi::xml_node node, const std::string& its) {
+        const std::string name = its.empty() ? "xmlns" : "xmlns:" + its.substr(0, its.size() - 1);
+        while (node && !node.attribute(name.c_str())) node = node.parent();
+        return node && attribute_text(node, name.c_str()) == space;
+    };
+    for (pugi::xml_node node = root; node; node = next_node(node, root)) {
+        if (node.type() != pugi::node_element) continue;
+        const std::string name = node.name();
+        const std::string its = name.substr(0, name.find(':') + 1); // npos + 1 is zero
+        if (its == prefix || !means_svg(node, its) || !means_svg(node, prefix)) continue;
+        node.set_name((prefix + name.substr(its.size())).c_str());
+    }
+}
+
+} // namespace detail
 
 SvgResult<SvgDocument> parse_svg(std::string_view text, std::string name) {
     SvgDocument document;
@@ -42,6 +157,8 @@ SvgResult<SvgDocument> parse_svg(std::string_view text, std::string name) {
 
     const pugi::xml_node root = detail::root_element(document.xml);
     if (!root) return refuse("not XML: there is no element");
+    if (const auto fault = detail::EntityExpander(document.xml).expand(root)) return refuse(*fault);
+    detail::unify_prefixes(root);
     for (const pugi::xml_node node : document.xml.children()) {
         const bool stray = node.type() == pugi::node_pcdata && !detail::is_blank(node.value());
         if (stray || node.type() == pugi::node_cdata) return refuse("not XML: text outside the root element");
@@ -151,7 +268,7 @@ namespace detail {
 SvgResult<std::vector<SvgShape>> read_shapes(const SvgDocument& document, bool as_cage = false) {
     SvgDocument work = copy_of(document);
     std::vector<std::string> ignored;
-    const StyleSheets styles(root_element(work.xml));
+    StyleSheets styles(work);
     IdTable ids(root_element(work.xml));
     auto drawing =
         walk(work, styles, ids, {.follow_references = false, .as_cage = as_cage, .is_strict = true}, ignored);

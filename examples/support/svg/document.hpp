@@ -16,8 +16,9 @@
 // symbol that clips becomes a group with a clip path.
 //
 // Unchanged: the width of strokes, and lengths and angles in filters (of a blur, of an offset). Shapes
-// under a transform without inverse stay; transforms given by CSS are not read. Warnings name these two
-// cases. Where a transform makes an ellipse of a stroke's pen, the pen turns with the shape.
+// under a transform without inverse stay. Warnings name these, and every property, attribute and element
+// that is not known or would have to change with a pose and does not (properties.hpp). Where a transform
+// makes an ellipse of a stroke's pen, the pen turns with the shape.
 //
 // Markers stand at the vertices of the file. A path that gets more has a second one after it, which has
 // the markers and no paint.
@@ -25,9 +26,9 @@
 // The part of an attribute that cannot be read is left out, as browsers do, with a warning. Cages and poses
 // are read strictly: there it is an error.
 //
-// Style sheets: where a <style> selects shapes by type ("rect"), all shapes of that type get a class
-// ("cageform-rect") and the selector names the class instead, so that it still matches after the
-// element became a path. Classes outweigh types, so next to other classes a warning is given.
+// Style sheets stay as they are, but for geometry and transforms, which become attributes. Where other
+// rules apply to an element than did (a rect has become a path, a copy stands elsewhere), its style
+// attribute has what the rules gave it before.
 
 #include "svg/path.hpp"
 
@@ -153,17 +154,18 @@ struct DrawnShape {
     double stroke_width = 1; // in its own user space
     double fill_opacity = 1, stroke_opacity = 1;
     double miter_limit = 4;
-    bool has_miters = true;       // stroke-linejoin
-    bool has_square_caps = false; // stroke-linecap
-    bool has_dashes = false;      // stroke-dasharray
-    bool even_odd = false;        // fill-rule
-    bool is_visible = true;       // visibility
-    bool is_transparent = false;  // itself or what it stands in
-    bool marks_ends = false;      // has markers at its start or end
-    bool marks_vertices = false;  // has markers between
-    int level = 0;                // of clip paths and masks that it stands in; 0 is the picture itself
-    bool clips = false;           // stands in a clip path
-    bool is_box = false;          // text or an image
+    bool has_miters = true;             // stroke-linejoin
+    bool has_square_caps = false;       // stroke-linecap
+    bool has_dashes = false;            // stroke-dasharray
+    bool even_odd = false;              // fill-rule
+    bool is_visible = true;             // visibility
+    bool is_transparent = false;        // itself or what it stands in
+    bool marks_ends = false;            // has markers at its start or end
+    bool marks_vertices = false;        // has markers between
+    int level = 0;                      // of clip paths and masks that it stands in; 0 is the picture itself
+    bool clips = false;                 // stands in a clip path
+    bool is_box = false;                // text or an image
+    std::optional<std::size_t> carrier; // the text that it holds letters of, which has others beside them
     bool is_extent = false; // about where letters stand on a path: says how far they reach, is not written
 };
 
@@ -171,9 +173,6 @@ struct DrawnShape {
 /// every `use` becomes a group with a copy, and clip paths and masks needed under several transforms are
 /// copied.
 SvgResult<std::vector<DrawnShape>> drawn_shapes(SvgDocument& document, std::vector<std::string>& warnings);
-
-/// See the head of this file.
-void adapt_style_sheets(SvgDocument& document, std::vector<std::string>& warnings);
 
 /// Makes the element a <path> of this data; `d` takes the place of the first attribute it replaces.
 void write_shape(pugi::xml_node node, const std::string& data);

@@ -63,6 +63,12 @@ Path transformed(Path path, const Affine2& map) {
 
 namespace detail {
 
+std::string lowered(std::string_view text) {
+    std::string result(text);
+    for (char& c : result) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+    return result;
+}
+
 /// Reads tokens from left to right and remembers the first failure with its place.
 class Scanner {
 public:
@@ -376,35 +382,105 @@ SvgResult<Affine2> parse_transform(std::string_view text) {
     return result;
 }
 
-SvgResult<double> parse_length(std::string_view text, double whole) {
+namespace detail {
+
+/// Reads a length, or a calc() of lengths and numbers.
+class LengthReader {
+public:
+    LengthReader(std::string_view text, double whole, double em, double root_em)
+        : scan_(text)
+        , units_{{{"", 1},
+                  {"px", 1},
+                  {"pt", 96.0 / 72},
+                  {"pc", 16},
+                  {"mm", 96 / 25.4},
+                  {"cm", 96 / 2.54},
+                  {"in", 96},
+                  {"q", 96 / 101.6},
+                  {"em", em},
+                  {"ex", em / 2},
+                  {"rem", root_em},
+                  {"%", whole / 100}}} {}
+
+    SvgResult<double> read() {
+        double value = 0;
+        if (!factor(value, 0)) return scan_.error();
+        const std::size_t end = scan_.position();
+        const std::string rest(scan_.rest());
+        scan_.skip_space();
+        if (!scan_.at_end()) scan_.fail_at(end, "unknown unit \"" + rest + '"');
+        if (scan_.at_end() && std::isfinite(value)) return value;
+        scan_.fail_at(0, "length out of range");
+        return scan_.error();
+    }
+
+private:
     struct Unit {
         std::string_view name;
         double size;
     };
-    const std::array<Unit, 10> units = {{{"", 1},
-                                         {"px", 1},
-                                         {"pt", 96.0 / 72},
-                                         {"pc", 16},
-                                         {"mm", 96 / 25.4},
-                                         {"cm", 96 / 2.54},
-                                         {"in", 96},
-                                         {"em", 16},
-                                         {"ex", 8},
-                                         {"%", whole / 100}}};
-    detail::Scanner scan(text);
-    double value = 0;
-    scan.skip_space();
-    if (!scan.number(value)) return scan.error();
-    std::string_view unit = scan.rest();
-    while (!unit.empty() && detail::is_space(unit.back())) unit.remove_suffix(1);
-    for (const Unit& known : units) {
-        if (unit != known.name) continue;
-        if (std::isfinite(value * known.size)) return value * known.size;
-        scan.fail_at(0, "length out of range");
-        return scan.error();
+
+    bool factor(double& value, int depth) {
+        constexpr int max_depth = 20; // of brackets; reading them is recursive
+        scan_.skip_space();
+        const std::size_t begin = scan_.position();
+        const bool named = lowered(scan_.word()) == "calc";
+        if (scan_.peek() == '(' && (named || depth > 0) && depth < max_depth) {
+            scan_.advance();
+            if (!sum(value, depth + 1)) return false;
+            if (scan_.peek() != ')') return scan_.fail("expected )");
+            scan_.advance();
+            return true;
+        }
+        if (scan_.position() != begin) return scan_.fail_at(begin, "expected a number");
+        if (!scan_.number(value)) return false;
+        const std::size_t end = scan_.position();
+        std::string unit = lowered(scan_.word());
+        if (scan_.peek() == '%' && unit.empty()) {
+            unit = '%';
+            scan_.advance();
+        }
+        for (const Unit& known : units_) {
+            if (unit != known.name) continue;
+            value *= known.size;
+            return true;
+        }
+        return scan_.fail_at(end, "unknown unit \"" + unit + '"');
     }
-    scan.fail("unknown unit \"" + std::string(unit) + "\"");
-    return scan.error();
+
+    /// Parts with one of two operations between them; `combine` is told whether it is the second.
+    template <class Part, class Combine>
+    bool chain(double& value, std::string_view operations, const Part& part, const Combine& combine) {
+        if (!part(value)) return false;
+        for (scan_.skip_space(); operations.find(scan_.peek()) != std::string_view::npos && !scan_.at_end();
+             scan_.skip_space()) {
+            const bool inverts = scan_.peek() == operations.back();
+            scan_.advance();
+            double next = 0;
+            if (!part(next)) return false;
+            value = combine(value, next, inverts);
+        }
+        return true;
+    }
+
+    bool sum(double& value, int depth) {
+        const auto product = [&](double& part) {
+            return chain(
+                part, "*/", [&](double& one) { return factor(one, depth); },
+                [](double a, double b, bool divides) { return divides ? a / b : a * b; });
+        };
+        return chain(value, "+-", product,
+                     [](double a, double b, bool minus) { return minus ? a - b : a + b; });
+    }
+
+    Scanner scan_;
+    std::array<Unit, 12> units_;
+};
+
+} // namespace detail
+
+SvgResult<double> parse_length(std::string_view text, double whole, double em, double root_em) {
+    return detail::LengthReader(text, whole, em, root_em).read();
 }
 
 std::string format_number(double value, int decimals) {

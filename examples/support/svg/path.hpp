@@ -264,6 +264,9 @@ inline bool is_letter(char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
 }
 
+/// A text with its ASCII letters in lower case.
+std::string lowered(std::string_view text);
+
 } // namespace detail
 
 /// Path data as absolute subpaths of cubics; empty text is an empty path.
@@ -287,8 +290,11 @@ SvgResult<std::vector<double>> parse_numbers(std::string_view text);
 /// A `transform` attribute as one map; the functions are those of SVG 1.1, angles in degrees.
 SvgResult<Affine2> parse_transform(std::string_view text);
 
-/// A length in user units: 96 to the inch; a percentage is of `whole`; an em is taken as 16, an ex as 8.
-SvgResult<double> parse_length(std::string_view text, double whole);
+/// A length in user units, or a calc() of some: 96 to the inch; a percentage is of `whole`; an ex is half of
+/// an em.
+///
+///   em, root_em   the size of the font of the element and of the root
+SvgResult<double> parse_length(std::string_view text, double whole, double em = 16, double root_em = 16);
 
 /// The shortest text that reads back as `value` rounded to `decimals` digits after the point (0 to 17).
 std::string format_number(double value, int decimals);

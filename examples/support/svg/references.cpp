@@ -1,6 +1,7 @@
 // Expands references: used elements become copies; clip paths, masks and filters are listed.
 
 #include "svg/collector.hpp"
+#include "svg/css_geometry.hpp"
 
 #include <algorithm>
 #include <array>
@@ -83,8 +84,8 @@ bool ShapeCollector::visit_use(pugi::xml_node use, const Place& parent) {
     const pugi::xml_node target = used_element(use);
     if (!target) return !error_;
     if (!drop_bad_transform(use)) return false;
-    const double x = length(use, "x", parent.viewport.width, 0);
-    const double y = length(use, "y", parent.viewport.height, 0);
+    const double x = length(use, "x", parent.viewport, parent.viewport.width, 0);
+    const double y = length(use, "y", parent.viewport, parent.viewport.height, 0);
     std::string transform = use.attribute("transform").value();
     if (x != 0 || y != 0) {
         transform += transform.empty() ? "" : " ";
@@ -99,6 +100,7 @@ bool ShapeCollector::replace_use(pugi::xml_node use, pugi::xml_node target, std:
     drop_use_attributes(use);
     pugi::xml_node copy = use.parent().insert_copy_after(target, use);
     keep_places(document_, target, document_, copy);
+    styles_.stand_alone(copy);
     drop_ids(copy);
     transform += std::string(transform.empty() ? "" : " ") + copy.attribute("transform").value();
     for (const pugi::xml_attribute attribute : use.attributes()) {
@@ -119,6 +121,7 @@ bool ShapeCollector::use_to_group(pugi::xml_node use, pugi::xml_node target, con
     if (!transform.empty()) set_attribute(use, "transform", transform);
     pugi::xml_node copy = use.append_copy(target);
     keep_places(document_, target, document_, copy);
+    styles_.stand_alone(copy);
     drop_ids(copy);
     share_images(copy);
     if (kind == "svg" || kind == "symbol") {
@@ -130,10 +133,29 @@ bool ShapeCollector::use_to_group(pugi::xml_node use, pugi::xml_node target, con
         copy.set_name((name_prefix(copy) + "svg").c_str());
         symbols_.insert(copy.hash_value());
     }
+    Place place = parent;
+    Place own = parent;
+    const Values values = take_context_paint(use, own);
+    inherit(values, own);
+    place.context_fill = own.style.fill;
+    place.context_stroke = own.style.stroke;
     active_.push_back(target);
-    const bool good = visit(use, parent);
+    const bool good = visit(use, place);
     active_.pop_back();
     return good;
+}
+
+StyleSheets::Values ShapeCollector::take_context_paint(pugi::xml_node node, const Place& place) {
+    Values values = styles_.values(node);
+    for (const char* property : {"fill", "stroke"}) {
+        const std::string paint = text_of(values, property);
+        if (paint != "context-fill" && paint != "context-stroke") continue;
+        const std::string& context = paint == "context-fill" ? place.context_fill : place.context_stroke;
+        styles_.set(node, property, context);
+        values[property].text = context;
+        if (!referenced_id(context).empty()) warn(node, paint + " is taken in the box of each shape");
+    }
+    return values;
 }
 
 void ShapeCollector::share_images(pugi::xml_node copy) {
@@ -180,6 +202,8 @@ bool ShapeCollector::visit_references(pugi::xml_node node, const Values& values,
                                       std::size_t first) {
     if (!options_.follow_references) return true;
     const std::size_t end = drawing.shapes.size();
+    if (make_clip_path(node, values, place, first))
+        return visit_references(node, styles_.values(node), place, first);
     const auto good = [&](const char* property, const char* kind) {
         const std::string id = referenced_id(text_of(values, property));
         const pugi::xml_node target = id.empty() ? pugi::xml_node() : ids_.find(id);
@@ -195,6 +219,43 @@ bool ShapeCollector::visit_references(pugi::xml_node node, const Values& values,
         return true;
     };
     return good("clip-path", "clipPath") && good("mask", "mask") && good("filter", "filter");
+}
+
+bool ShapeCollector::make_clip_path(pugi::xml_node node, const Values& values, const Place& place,
+                                    std::size_t first) {
+    const std::string value = text_of(values, "clip-path");
+    if (value.empty() || value == "none" || value.starts_with("url(")) return false;
+    Box fill, stroke;
+    bool has_text = false, has_tips = false;
+    const auto from_root = inverse(place.to_root);
+    for (std::size_t i = first; from_root && i < drawing.shapes.size(); ++i) {
+        const DrawnShape& shape = drawing.shapes[i];
+        if (shape.level != place.style.level) continue;
+        const Box box = bounds(shape.path, *from_root), painted = painted_box(shape, *from_root);
+        fill.add(box);
+        stroke.add(box);
+        stroke.add(painted);
+        has_text = has_text || local_name(shape.node) == "text"; // whose box the fonts of the viewer make
+        has_tips = has_tips ||
+                   (shape.has_miters && local_name(shape.node).starts_with('p') && !box.contains(painted));
+    }
+    if (fill.empty()) return false; // nothing is drawn
+    const auto shape = has_text ? std::nullopt : parse_basic_shape(value, fill, stroke, place.viewport);
+    if (shape && has_tips && value.find("fill-box") == std::string::npos) {
+        warn(node, "clip-path: the box of its stroke is taken without the tips of mitred corners");
+    }
+    if (!shape) {
+        warn(node, "the property \"clip-path\" is not deformed: " + value.substr(0, 60));
+        return false;
+    }
+    const std::string prefix = name_prefix(node);
+    pugi::xml_node clip_path = node.parent().insert_child_before((prefix + "clipPath").c_str(), node);
+    const std::string id = ids_.name(clip_path, "cageform-clip");
+    pugi::xml_node path = clip_path.append_child((prefix + "path").c_str());
+    set_attribute(path, "d", shape->data);
+    if (shape->even_odd) set_attribute(path, "clip-rule", "evenodd");
+    styles_.set(node, "clip-path", "url(#" + id + ')');
+    return true;
 }
 
 bool ShapeCollector::visit_reference(const char* property, const std::string& id, const Place& place,
@@ -276,7 +337,7 @@ bool ShapeCollector::visit_content(pugi::xml_node content, pugi::xml_node target
     const bool clip = local_name(content) == "clipPath";
     inner.style.clips = place.style.clips || clip;
     const Values values = styles_.values(content);
-    if (clip && !apply_transform(content, values, inner.to_root)) return false;
+    if (clip && !apply_transform(content, inner.to_root)) return false;
     active_.push_back(target);
     const bool good = visit_children(content, inner) && visit_references(content, values, place, first);
     active_.pop_back();

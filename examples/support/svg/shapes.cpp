@@ -114,13 +114,22 @@ std::string write_transform(const Affine2& map, int digits) {
     return text + format_number(map.e, of_shift) + ' ' + format_number(map.f, of_shift) + ')';
 }
 
-SvgResult<double> length_of(const SvgDocument& document, pugi::xml_node node, const char* name, double whole,
-                            double otherwise) {
+SvgResult<double> length_of(const SvgDocument& document, pugi::xml_node node, const char* name,
+                            const Viewport& viewport, double whole, double otherwise) {
     const std::string text = attribute_text(node, name);
     if (is_blank(text) || trimmed(text) == "auto") return otherwise;
-    const auto value = parse_length(text, whole);
+    const auto value = parse_length(text, whole, viewport.em, viewport.root_em);
     if (value) return *value;
     return error_in(document, node, name, value.error());
+}
+
+void add_ellipse(PathBuilder& builder, const Point2& centre, double rx, double ry) {
+    builder.move_to({centre.x + rx, centre.y});
+    builder.arc_to(rx, ry, 0, false, true, {centre.x, centre.y + ry});
+    builder.arc_to(rx, ry, 0, false, true, {centre.x - rx, centre.y});
+    builder.arc_to(rx, ry, 0, false, true, {centre.x, centre.y - ry});
+    builder.arc_to(rx, ry, 0, false, true, {centre.x + rx, centre.y});
+    builder.close();
 }
 
 /// Reads one element.
@@ -148,7 +157,7 @@ public:
 
 private:
     double length(const char* name, double whole, double otherwise) {
-        const auto value = length_of(document_, node_, name, whole, otherwise);
+        const auto value = length_of(document_, node_, name, viewport_, whole, otherwise);
         if (value) return *value;
         faults_.push_back(value.error());
         return otherwise;
@@ -222,12 +231,7 @@ private:
         if (ry < 0) ry = rx;
         if (!(rx > 0 && ry > 0)) return {};
         PathBuilder builder(most_turn_);
-        builder.move_to({centre.x + rx, centre.y});
-        builder.arc_to(rx, ry, 0, false, true, {centre.x, centre.y + ry});
-        builder.arc_to(rx, ry, 0, false, true, {centre.x - rx, centre.y});
-        builder.arc_to(rx, ry, 0, false, true, {centre.x, centre.y - ry});
-        builder.arc_to(rx, ry, 0, false, true, {centre.x + rx, centre.y});
-        builder.close();
+        add_ellipse(builder, centre, rx, ry);
         return builder.take();
     }
 

@@ -22,16 +22,18 @@ bool is_shape(const std::string& kind);
 bool is_group(const std::string& kind);
 bool is_fixed(const std::string& kind); ///< drawn, but no shape
 
-/// The size that percentages refer to.
+/// The sizes that percentages refer to, and those of the font.
 struct Viewport {
     double width = 0;
     double height = 0;
+    double em = 16;
+    double root_em = 16;
     double diagonal() const { return std::sqrt((width * width + height * height) / 2); }
 };
 
 /// An attribute as a length in user units, `otherwise` where there is none.
-SvgResult<double> length_of(const SvgDocument& document, pugi::xml_node node, const char* name, double whole,
-                            double otherwise);
+SvgResult<double> length_of(const SvgDocument& document, pugi::xml_node node, const char* name,
+                            const Viewport& viewport, double whole, double otherwise);
 
 /// Empty where x0 > x1.
 struct Box {
@@ -59,6 +61,8 @@ double largest_scale(const Affine2& map);
 
 /// matrix(…), to `digits` significant digits of its largest entries.
 std::string write_transform(const Affine2& map, int digits = 10);
+
+void add_ellipse(PathBuilder& builder, const Point2& centre, double rx, double ry);
 
 /// A shape's path in its own user space, drawn from SVG's starting points in its direction; empty where
 /// the shape is not drawn because a size is zero.

@@ -1,12 +1,12 @@
 #include "svg/style.hpp"
 
-#include "svg/shapes.hpp"
 #include "svg/xml.hpp"
 
 #include <algorithm>
-#include <functional>
+#include <initializer_list>
 #include <set>
 #include <tuple>
+#include <utility>
 
 namespace cageform_examples {
 
@@ -38,21 +38,19 @@ std::string_view without_comments_before(std::string_view text) {
     return text;
 }
 
-/// Tests whether deforming or making a cage reads a property.
-bool is_read(std::string_view property) {
-    for (const std::string_view known :
-         {"fill",      "stroke",           "stroke-width",   "clip-path",         "mask",
-          "filter",    "marker",           "marker-start",   "marker-mid",        "marker-end",
-          "display",   "overflow",         "font-size",      "text-anchor",       "transform",
-          "fill-rule", "stroke-linejoin",  "stroke-linecap", "stroke-miterlimit", "visibility",
-          "opacity",   "stroke-dasharray", "fill-opacity",   "stroke-opacity"}) {
-        if (property == known) return true;
+/// A text with spaces in place of its comments, so that places in it are those of the text.
+std::string without_comments(std::string_view css) {
+    std::string text(css);
+    for (std::size_t at = 0; at < css.size();) {
+        const std::size_t end = std::max(after_token(css, at), at + 1);
+        if (css.substr(at).starts_with("/*")) {
+            std::replace_if(
+                text.begin() + static_cast<std::ptrdiff_t>(at),
+                text.begin() + static_cast<std::ptrdiff_t>(end), [](char c) { return c != '\n'; }, ' ');
+        }
+        at = end;
     }
-    return false;
-}
-
-bool is_name_character(char c) {
-    return is_letter(c) || is_digit(c) || c == '-' || c == '_' || (c & 0x80) != 0;
+    return text;
 }
 
 constexpr int max_media_depth = 30; // of blocks of @media inside each other; reading them is recursive
@@ -61,7 +59,7 @@ constexpr int max_media_depth = 30; // of blocks of @media inside each other; re
 bool is_for_screens(std::string_view prelude) {
     constexpr std::string_view media = "@media";
     if (!prelude.starts_with(media)) return false;
-    prelude = without_comments_before(prelude.substr(media.size()));
+    prelude = trimmed(prelude.substr(media.size()));
     if (prelude.empty()) return true;
     for (std::size_t from = 0; from <= prelude.size();) {
         const std::size_t comma = std::min(prelude.find(',', from), prelude.size());
@@ -87,7 +85,8 @@ std::vector<Declaration> declarations(std::string_view text) {
                 Declaration next{without_comments_before(text.substr(begin, colon - begin)),
                                  trimmed(text.substr(colon + 1, at - colon - 1))};
                 const std::size_t mark = next.value.rfind('!');
-                if (mark != std::string_view::npos && trimmed(next.value.substr(mark + 1)) == "important") {
+                if (mark != std::string_view::npos &&
+                    lowered(trimmed(next.value.substr(mark + 1))) == "important") {
                     next.value = trimmed(next.value.substr(0, mark));
                     next.important = true;
                 }
@@ -123,7 +122,28 @@ std::string with_referenced_id(std::string_view value, const std::string& id) {
     return at == std::string::npos ? "url(#" + id + ')' : result.replace(at + 1, old.size(), id);
 }
 
-StyleSheets::StyleSheets(pugi::xml_node root) {
+std::string property_name(std::string_view written) {
+    return written.starts_with("--") ? std::string(written) : lowered(written);
+}
+
+namespace {
+
+/// The size in a value of `font`, such as: bold 12px/1.5 serif. "inherit" where there is none.
+std::string size_in_font(std::string_view font) {
+    for (const std::string_view word : words_of(font)) {
+        const std::string_view size = word.substr(0, word.find('/'));
+        if (!is_digit(size.back()) && parse_length(size, 1)) return std::string(size); // a number is a weight
+    }
+    return "inherit";
+}
+
+const char* const rules_mark = "cageform-rules"; // attribute of an element: which of StyleSheets::marked_
+
+} // namespace
+
+StyleSheets::StyleSheets(SvgDocument& document)
+    : document_(document) {
+    const pugi::xml_node root = root_element(document.xml);
     for (pugi::xml_node node = root; node; node = next_node(node, root)) {
         if (local_name(node) != "style") continue;
         std::string css;
@@ -131,30 +151,71 @@ StyleSheets::StyleSheets(pugi::xml_node root) {
             if (text.type() == pugi::node_pcdata) css += unescaped(text.value());
             if (text.type() == pugi::node_cdata) css += text.value();
         }
-        read(css, 0);
+        sheets_.push_back({node, css, without_comments(css)});
     }
+    for (std::size_t i = 0; i < sheets_.size(); ++i) {
+        const std::string media = attribute_text(sheets_[i].node, "media");
+        read(i, 0, sheets_[i].text.size(), !is_for_screens("@media " + media), 0);
+    }
+    if (rules_.empty()) return;
     std::sort(rules_.begin(), rules_.end(), [](const Rule& a, const Rule& b) { // later blocks win
-        return std::tie(a.specificity, a.declarations) < std::tie(b.specificity, b.declarations);
+        return std::tie(a.selector.specificity, a.block) < std::tie(b.selector.specificity, b.block);
     });
-    for (std::size_t i = 0; i < rules_.size(); ++i) {
-        const Compound& last = rules_[i].selector.back();
-        const std::string key = !last.id.empty()        ? '#' + last.id
-                                : !last.classes.empty() ? '.' + last.classes.front()
-                                                        : last.type;
-        by_key_[key].push_back(i);
+    for (std::size_t i = 0; i < rules_.size(); ++i) by_key_[rules_[i].selector.key()].push_back(i);
+    read_.reset(document.xml);
+    const pugi::xml_node top = root_element(read_);
+    for (pugi::xml_node node = top; node; node = next_node(node, top)) {
+        if (node.type() != pugi::node_element) continue;
+        elements_.push_back(node);
+        marked_.push_back(matching(node));
+    }
+    std::size_t number = 0;
+    for (pugi::xml_node node = root; node; node = next_node(node, root)) {
+        if (node.type() == pugi::node_element) set_attribute(node, rules_mark, std::to_string(number++));
     }
 }
 
-void StyleSheets::read(std::string_view css, int depth) {
+void StyleSheets::stand_alone(pugi::xml_node copy) {
+    const auto mark_of = [&](pugi::xml_node node) {
+        const pugi::xml_attribute mark = node.attribute(rules_mark);
+        return mark ? mark.as_ullong() : elements_.size();
+    };
+    const std::size_t top = mark_of(copy);
+    if (top >= elements_.size()) return;
+    for (pugi::xml_node node = copy; node; node = next_node(node, copy)) {
+        const std::size_t element = mark_of(node);
+        if (element >= elements_.size()) continue; // new, or in a copy already
+        const auto [place, fresh] = alone_.try_emplace({top, element}, marked_.size());
+        if (fresh) marked_.push_back(matching(elements_[element], elements_[top]));
+        set_attribute(node, rules_mark, std::to_string(place->second));
+    }
+}
+
+std::string StyleSheets::place_of(std::size_t sheet, std::string_view part) const {
+    const std::string& text = sheets_[sheet].text;
+    const std::size_t line = line_of(document_, sheets_[sheet].node);
+    const auto lines = std::count(text.data(), part.data(), '\n');
+    return to_string(SvgError{"style", line == 0 ? 0 : line + static_cast<std::size_t>(lines), 0});
+}
+
+void StyleSheets::read(std::size_t sheet, std::size_t from, std::size_t end, bool conditional, int depth) {
+    const std::string_view css = std::string_view(sheets_[sheet].text).substr(0, end);
     const auto to_any_of = [&](std::size_t at, std::string_view ends) {
         while (at < css.size() && ends.find(css[at]) == std::string_view::npos) at = after_token(css, at);
         return std::min(at, css.size());
     };
-    for (std::size_t at = 0; at < css.size();) {
+    const auto is_any_of = [](std::string_view prelude, std::initializer_list<std::string_view> names) {
+        return std::any_of(names.begin(), names.end(), [&](auto name) { return prelude.starts_with(name); });
+    };
+    for (std::size_t at = from; at < css.size();) {
         const std::size_t open = to_any_of(at, "{;");
-        const std::string_view prelude = without_comments_before(css.substr(at, open - at));
+        const std::string_view prelude = trimmed(css.substr(at, open - at));
         if (open == css.size() || css[open] == ';') {
-            at = open + 1; // such as @import
+            if (prelude.starts_with("@import")) {
+                report.add(place_of(sheet, prelude),
+                           '"' + std::string(prelude.substr(0, 60)) + "\" is not read");
+            }
+            at = open + 1;
             continue;
         }
         std::size_t close = to_any_of(open + 1, "{}");
@@ -163,148 +224,121 @@ void StyleSheets::read(std::string_view css, int depth) {
             if (open_blocks == 0) break;
             close = to_any_of(close + 1, "{}");
         }
-        const std::string_view body = css.substr(open + 1, close - std::min(open + 1, close));
         at = close + 1;
-        if (is_for_screens(prelude) && depth < max_media_depth) {
-            read(body, depth + 1);
-            continue;
-        }
-        bool good = !prelude.starts_with('@');
-        std::vector<Set> block;
-        for (const Declaration& d : good ? declarations(body) : std::vector<Declaration>()) {
-            if (is_read(d.property)) {
-                block.push_back({std::string(d.property), std::string(d.value), d.important});
-            }
-        }
-        if (good && block.empty()) continue;
-        if (good) {
-            blocks_.push_back(std::move(block));
-            for (std::size_t from = 0; from <= prelude.size();) {
-                const std::size_t comma = std::min(prelude.find(',', from), prelude.size());
-                good = add_rule(trimmed(prelude.substr(from, comma - from)), blocks_.size() - 1) && good;
-                from = comma + 1;
-            }
-        }
-        if (!good && body.find("url(") != std::string_view::npos && !prelude.starts_with("@font-face")) {
-            unread.emplace_back(prelude.substr(0, 60));
+        if (!prelude.starts_with('@')) {
+            read_rule(sheet, prelude, css.substr(open + 1, close - std::min(open + 1, close)), conditional);
+        } else if (prelude.starts_with("@media") && depth < max_media_depth) {
+            read(sheet, open + 1, close, conditional || !is_for_screens(prelude), depth + 1);
+        } else if (!is_any_of(prelude,
+                              {"@font-", "@page", "@keyframes", "@-", "@property", "@counter-style"})) {
+            report.add(place_of(sheet, prelude), '"' + std::string(prelude.substr(0, 60)) + "\" is not read");
         }
     }
 }
 
-bool StyleSheets::add_rule(std::string_view text, std::size_t block) {
-    Rule rule;
-    rule.declarations = block;
-    bool child = false;
-    for (std::size_t at = 0; at < text.size();) {
-        if (is_space(text[at]) || text[at] == '>') {
-            child = child || text[at] == '>';
-            ++at;
-            continue;
+void StyleSheets::read_rule(std::size_t sheet, std::string_view prelude, std::string_view body,
+                            bool conditional) {
+    bool complete = true;
+    auto selectors = parse_selectors(prelude, complete);
+    const auto is_conditional = [&](const Selector& s) { return conditional || s.has_state; };
+    const bool applies = complete && std::none_of(selectors.begin(), selectors.end(), is_conditional);
+    const std::string name = '"' + std::string(prelude.substr(0, 60)) + '"';
+    Block block{name, place_of(sheet, prelude), {}};
+    for (const Declaration& d : declarations(body)) {
+        const std::string property = property_name(d.property);
+        const std::string place = place_of(sheet, d.property);
+        report.declare(place, property, d.value);
+        if (!applies && d.value.find("url(") != std::string_view::npos) {
+            report.add(place, name + " refers to an element and is not read");
         }
-        Compound compound;
-        compound.child = child;
-        child = false;
-        while (at < text.size() && !is_space(text[at]) && text[at] != '>') {
-            const char kind = text[at];
-            const bool marked = kind == '.' || kind == '#';
-            std::size_t end = at + (marked || kind == '*' ? 1 : 0);
-            const std::size_t begin = end;
-            while (kind != '*' && end < text.size() && is_name_character(text[end])) ++end;
-            const std::string name(text.substr(begin, end - begin));
-            if (kind != '*' && name.empty()) return false; // [attribute], :state, + and so on
-            if (kind == '.') compound.classes.push_back(name);
-            if (kind == '#') compound.id = name;
-            if (kind != '*' && !marked) compound.type = name;
-            rule.specificity += kind == '#' ? 1'000'000 : kind == '.' ? 1'000 : kind == '*' ? 0 : 1;
-            at = end;
+        if (use_of(property) == PropertyUse::placing) {
+            if (!applies)
+                report.add(place, "the property \"" + property + "\" of " + name + " is not deformed");
+            if (!applies) continue;
+            const std::string& text = sheets_[sheet].text;
+            const auto begin = static_cast<std::size_t>(d.property.data() - text.data());
+            const auto value = static_cast<std::size_t>(d.value.data() - text.data());
+            const auto after = static_cast<std::size_t>(body.data() - text.data()) + body.size();
+            placing_.push_back(
+                {sheet, begin, std::min(text.find(';', value + d.value.size()), after - 1) + 1});
         }
-        rule.selector.push_back(std::move(compound));
+        block.sets.push_back({property, std::string(d.value), d.important});
     }
-    if (rule.selector.empty() || rule.selector.size() > 64) return false;
-    rules_.push_back(std::move(rule));
-    return true;
-}
-
-bool StyleSheets::matches(const Compound& compound, pugi::xml_node node) {
-    if (!compound.type.empty() && compound.type != local_name(node)) return false;
-    if (!compound.id.empty() && compound.id != attribute_text(node, "id")) return false;
-    if (compound.classes.empty()) return true;
-    const std::string classes = ' ' + attribute_text(node, "class") + ' ';
-    return std::all_of(compound.classes.begin(), compound.classes.end(), [&](const std::string& name) {
-        const std::size_t at = classes.find(name);
-        for (std::size_t k = at; k != std::string::npos; k = classes.find(name, k + 1)) {
-            if (is_space(classes[k - 1]) && is_space(classes[k + name.size()])) return true;
-        }
-        return false;
-    });
-}
-
-bool StyleSheets::matches(const std::vector<Compound>& selector, pugi::xml_node node) {
-    if (!matches(selector.back(), node)) return false;
-    if (selector.size() == 1) return true;
-    std::vector<pugi::xml_node> line; // from the element to the root
-    for (; node.type() == pugi::node_element; node = node.parent()) line.push_back(node);
-    // from the root on: which compounds match at the parent, and which at any element above
-    std::vector<bool> parent(selector.size()), above(selector.size());
-    for (std::size_t k = line.size(); k-- > 0;) {
-        std::vector<bool> here(selector.size());
-        for (std::size_t i = 0; i < selector.size(); ++i) {
-            const bool before = i == 0 || (selector[i].child ? parent[i - 1] : above[i - 1]);
-            here[i] = before && matches(selector[i], line[k]);
-        }
-        if (k == 0) return here.back();
-        for (std::size_t i = 0; i < selector.size(); ++i) above[i] = above[i] || here[i];
-        parent = std::move(here);
+    if (block.sets.empty()) return;
+    for (Selector& selector : selectors) {
+        const bool state = is_conditional(selector);
+        rules_.push_back({std::move(selector), blocks_.size(), state});
     }
-    return false;
+    blocks_.push_back(std::move(block));
 }
 
-std::map<std::string, StyleValue, std::less<>> StyleSheets::values(pugi::xml_node node) const {
+StyleSheets::Rules StyleSheets::matching(pugi::xml_node node, pugi::xml_node top) const {
+    Rules rules;
+    const auto look_up = [&](const std::string& key) {
+        const auto found = by_key_.find(key);
+        if (found == by_key_.end()) return;
+        for (const std::size_t rule : found->second) {
+            if (rules_[rule].selector.matches(node, top)) rules.push_back(rule);
+        }
+    };
+    look_up("");
+    look_up(local_name(node));
+    if (node.attribute("id")) look_up('#' + attribute_text(node, "id"));
+    const std::string classes = attribute_text(node, "class");
+    for (const std::string_view name : words_of(classes)) look_up('.' + std::string(name));
+    std::sort(rules.begin(), rules.end());
+    rules.erase(std::unique(rules.begin(), rules.end()), rules.end());
+    return rules;
+}
+
+const StyleSheets::Rules& StyleSheets::rules_of(pugi::xml_node node) const {
+    static const Rules none;
+    const pugi::xml_attribute number = node.attribute(rules_mark);
+    return number && number.as_ullong() < marked_.size() ? marked_[number.as_ullong()] : none;
+}
+
+StyleSheets::Values StyleSheets::cascade(const Rules& rules, pugi::xml_node node, bool all) const {
     using Source = StyleValue::Source;
-    std::map<std::string, StyleValue, std::less<>> result;
-    for (const pugi::xml_attribute attribute : node.attributes()) {
-        const std::string_view name = attribute.name();
-        if (is_read(name) && name != "transform") {
-            result[attribute.name()] = {std::string(trimmed(unescaped(attribute.value()))), Source::attribute,
-                                        false};
-        }
-    }
+    Values result;
     const auto set = [&](const std::string& property, std::string value, Source source, bool important) {
+        const PropertyUse use = use_of(property);
+        if (!all && use != PropertyUse::read && use != PropertyUse::placing) return;
         StyleValue& old = result[property];
         if (!old.important || important) old = {std::move(value), source, important};
     };
-    if (!rules_.empty()) {
-        std::vector<std::size_t> candidates;
-        const auto look_up = [&](const std::string& key) {
-            const auto found = by_key_.find(key);
-            if (found == by_key_.end()) return;
-            for (const std::size_t rule : found->second) {
-                if (matches(rules_[rule].selector, node)) candidates.push_back(rule);
-            }
-        };
-        look_up("");
-        look_up(local_name(node));
-        if (node.attribute("id")) look_up('#' + attribute_text(node, "id"));
-        const std::string classes = attribute_text(node, "class");
-        for (std::string_view rest = trimmed(classes); !rest.empty(); rest = trimmed(rest)) {
-            const auto size =
-                std::size_t(std::find_if(rest.begin(), rest.end(), is_space) - rest.begin()); // one class
-            look_up('.' + std::string(rest.substr(0, size)));
-            rest.remove_prefix(size);
-        }
-        std::sort(candidates.begin(), candidates.end());
-        for (const std::size_t rule : candidates) {
-            for (const Set& d : blocks_[rules_[rule].declarations]) {
-                set(d.property, d.value, Source::sheet, d.important);
-            }
-        }
+    const auto give = [&](const std::string& property, const std::string& value, Source source,
+                          bool important) {
+        set(property, value, source, important);
+        if (property == "font") set("font-size", size_in_font(value), source, important);
+    };
+    for (const std::size_t rule : rules) {
+        if (rules_[rule].conditional) continue;
+        for (const Set& d : blocks_[rules_[rule].block].sets)
+            give(d.property, d.value, Source::sheet, d.important);
     }
     for (const Declaration& d : declarations(node.attribute("style").value())) {
-        if (is_read(d.property)) {
-            set(std::string(d.property), unescaped(d.value), Source::style, d.important);
-        }
+        give(property_name(d.property), unescaped(d.value), Source::style, d.important);
     }
     return result;
+}
+
+StyleSheets::Values StyleSheets::values(pugi::xml_node node) const {
+    Values result = cascade(rules_of(node), node, false);
+    for (const pugi::xml_attribute attribute : node.attributes()) {
+        if (use_of(attribute.name()) != PropertyUse::read) continue;
+        result.try_emplace(attribute.name(), StyleValue{std::string(trimmed(unescaped(attribute.value()))),
+                                                        StyleValue::Source::attribute, false});
+    }
+    return result;
+}
+
+void append_declaration(pugi::xml_node node, const std::string& property, const std::string& text,
+                        bool important) {
+    const std::string style = node.attribute("style").value();
+    const std::string_view end = trimmed(style);
+    const std::string part = end.empty() || end.ends_with(';') ? "" : ";";
+    set_attribute(node, "style",
+                  style + part + property + ':' + escaped(text) + (important ? "!important" : ""));
 }
 
 StyleValue StyleSheets::value(pugi::xml_node node, std::string_view property) const {
@@ -329,100 +363,78 @@ void StyleSheets::set(pugi::xml_node node, const std::string& property, const st
                                  std::string(style).replace(begin, d->value.size(), escaped(text)));
         }
     }
-    const std::string_view end = trimmed(style);
-    const std::string part = end.empty() || end.ends_with(';') ? "" : ";";
-    set_attribute(node, "style",
-                  style + part + property + ':' + escaped(text) + (old.important ? "!important" : ""));
+    append_declaration(node, property, text, old.important);
 }
 
-/// Replaces type selectors "rect" by ".cageform-rect" for the given types, in the selectors of a style
-/// sheet only; `met` receives the types found, and "." or "#" where classes or ids are selected too.
-std::string replace_type_selectors(std::string_view css, const std::set<std::string>& types,
-                                   std::set<std::string>& met) {
-    const auto is_name = [](char c) {
-        return is_letter(c) || is_digit(c) || c == '-' || c == '_' || (c & 0x80) != 0;
-    };
-    std::string result;
-    bool in_declarations = false;
-    bool at_rule = false;     // between @ and its block
-    std::string_view at_name; // of the last one
-    char before = ' ';        // the last character that was not in a comment
-    for (std::size_t i = 0; i < css.size();) {
-        std::size_t end = i + 1;
-        if (css.substr(i).starts_with("/*")) {
-            end = std::min(css.find("*/", i + 2), css.size() - 2) + 2;
-            result += css.substr(i, end - i);
-            i = end;
-            continue;
-        }
-        while (is_name(css[i]) && end < css.size() && is_name(css[end])) ++end;
-        const std::string word(css.substr(i, end - i));
-        const bool selector = !in_declarations && !at_rule;
-        const bool type =
-            is_space(before) || std::string_view(">+~,;({}").find(before) != std::string_view::npos;
-        if (selector && type && types.count(word) != 0) {
-            met.insert(word);
-            result += ".cageform-";
-        } else if (word == "@") {
-            at_rule = selector;
-            std::size_t stop = end;
-            while (stop < css.size() && is_name(css[stop])) ++stop;
-            at_name = css.substr(end, stop - end);
-        } else if (word == "{") {
-            in_declarations = !at_rule || at_name == "font-face" || at_name == "page";
-            at_rule = false;
-        } else if (word == "}") {
-            in_declarations = false;
-        } else if (word == ";") {
-            at_rule = false;
-        }
-        if (selector && (word == "." || word == "#")) met.insert(word);
-        result += word;
-        before = css[end - 1];
-        i = end;
+void StyleSheets::remove_placing() {
+    std::sort(placing_.begin(), placing_.end(),
+              [](const Removed& a, const Removed& b) { return a.begin > b.begin; });
+    std::set<std::size_t> changed;
+    for (const Removed& part : placing_) {
+        sheets_[part.sheet].css.erase(part.begin, part.end - part.begin);
+        changed.insert(part.sheet);
     }
-    return result;
+    for (const std::size_t i : changed) {
+        const Sheet& sheet = sheets_[i];
+        const auto is_text = [](pugi::xml_node child) {
+            return child.type() == pugi::node_pcdata || child.type() == pugi::node_cdata;
+        };
+        pugi::xml_node first = sheet.node.find_child(is_text);
+        first.set_value((first.type() == pugi::node_cdata ? sheet.css : escaped(sheet.css)).c_str());
+        for (pugi::xml_node child = first.next_sibling(); child;) {
+            const pugi::xml_node next = child.next_sibling();
+            if (is_text(child)) child.parent().remove_child(child);
+            child = next;
+        }
+    }
+    for (Block& block : blocks_) {
+        std::erase_if(block.sets, [](const Set& d) { return use_of(d.property) == PropertyUse::placing; });
+    }
+    placing_.clear();
 }
 
-void adapt_style_sheets(SvgDocument& document, std::vector<std::string>& warnings) {
-    std::set<std::string> types = {"use"};
-    for (const auto& [name, attributes] : shape_attributes()) types.insert(name);
-    adapt_style_sheets(document, types, warnings);
-}
-
-void adapt_style_sheets(SvgDocument& document, const std::set<std::string>& types,
-                        std::vector<std::string>& warnings) {
-    const pugi::xml_node root = root_element(document.xml);
-    bool changes = false;
+void StyleSheets::settle(std::vector<std::string>& warnings) const {
+    if (rules_.empty()) return;
+    const pugi::xml_node root = root_element(document_.xml);
+    std::vector<std::pair<pugi::xml_node, const Rules*>> elements;
     for (pugi::xml_node node = root; node; node = next_node(node, root)) {
-        const std::string kind = local_name(node);
-        changes = changes || (kind != "path" && types.count(kind) != 0);
+        if (node.type() == pugi::node_element) elements.emplace_back(node, &rules_of(node));
     }
-    if (!changes) return; // all shapes are paths already
-
-    std::set<std::string> met;
-    for (pugi::xml_node node = root; node; node = next_node(node, root)) {
-        if (local_name(node) != "style") continue;
-        for (pugi::xml_node text : node.children()) {
-            if (text.type() != pugi::node_pcdata && text.type() != pugi::node_cdata) continue;
-            const std::string css = replace_type_selectors(text.value(), types, met);
-            text.set_value(css.c_str());
-            if (css.find("of-type") != std::string::npos) {
-                warnings.push_back(label(document, node) + ": \"of-type\" counts the types after the change");
-            }
+    for (auto& [node, before] : elements) node.remove_attribute(rules_mark);
+    std::set<std::size_t> lost;
+    std::vector<Rules> now;
+    now.reserve(elements.size());
+    for (const auto& [node, before] : elements) now.push_back(matching(node));
+    for (std::size_t i = 0; i < elements.size(); ++i) {
+        const auto& [node, before] = elements[i];
+        if (*before == now[i]) continue;
+        settle(node, *before, now[i]);
+        for (const std::size_t rule : *before) {
+            const bool gone = !std::binary_search(now[i].begin(), now[i].end(), rule);
+            const Block& block = blocks_[rules_[rule].block];
+            if (!gone || !rules_[rule].conditional || !lost.insert(rule).second) continue;
+            warnings.push_back(block.place + ": " + block.name + " no longer applies to " +
+                               label(document_, node));
         }
     }
-    const bool uses = root.find_node([](pugi::xml_node node) { return local_name(node) == "use"; });
-    if (met.erase("#") != 0 && uses) {
-        warnings.emplace_back("style sheet: rules by id do not reach the copies of used elements");
-    }
-    if (met.erase(".") != 0 && !met.empty()) {
-        warnings.emplace_back(
-            "style sheet: rules by type became rules by class, and have the same specificity as these");
-    }
-    for (pugi::xml_node node = root; node; node = next_node(node, root)) {
-        const std::string kind = local_name(node);
-        if (met.count(kind) != 0) add_class(node, "cageform-" + kind);
+}
+
+void StyleSheets::settle(pugi::xml_node node, const Rules& before, const Rules& now) const {
+    const Values wanted = cascade(before, node, true), given = cascade(now, node, true);
+    Values either = wanted;
+    either.insert(given.begin(), given.end());
+    std::string shorthand;
+    for (const auto& [property, any] : either) {
+        const auto found = wanted.find(property), other = given.find(property);
+        const StyleValue was = found == wanted.end() ? StyleValue() : found->second;
+        const StyleValue is = other == given.end() ? StyleValue() : other->second;
+        const bool same = was.text == is.text && was.important == is.important;
+        if (same && (shorthand.empty() || !property.starts_with(shorthand + '-'))) continue;
+        std::string text = was.text;
+        if (text.empty()) text = attribute_text(node, property.c_str());
+        if (text.empty()) text = neutral_value(property);
+        append_declaration(node, property, text, was.important || is.important);
+        if (property == "font" || property == "marker" || property == "text-decoration") shorthand = property;
     }
 }
 

@@ -3,13 +3,15 @@
 // CSS in SVG documents: the style attribute, style sheets, and which value of a property wins.
 
 #include "svg/document.hpp"
+#include "svg/properties.hpp"
+#include "svg/selector.hpp"
 
 #include <cstddef>
 #include <map>
-#include <set>
 #include <string>
 #include <string_view>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 namespace cageform_examples {
@@ -33,6 +35,13 @@ std::string referenced_id(std::string_view value);
 /// Returns a value with another id in its url(#id). Text after it, such as a fallback colour, stays.
 std::string with_referenced_id(std::string_view value, const std::string& id);
 
+/// Adds a declaration to a style attribute.
+void append_declaration(pugi::xml_node node, const std::string& property, const std::string& text,
+                        bool important);
+
+/// A property's name as the tables have it: in lower case, but for those of an author ("--ink").
+std::string property_name(std::string_view written);
+
 /// The value that an element is given for a property, not inherited, and where it stands.
 struct StyleValue {
     enum class Source { none, attribute, sheet, style };
@@ -41,18 +50,23 @@ struct StyleValue {
     bool important = false;
 };
 
-/// The values of the properties that matter to a deformation (paints, references, markers, sizes of text).
+/// The values that style sheets, style attributes and attributes give the elements of a document.
 ///
-/// Style sheets whose selectors consist of types, classes, ids, "*", " " and ">". Blocks of @media are
-/// read if they apply to every screen. Rules with other selectors and other blocks are ignored; `unread`
-/// names those that would set a reference to an element.
+/// Every element is marked, in an attribute that its copies keep, with the rules that apply to it as the
+/// document was read. These are what it is given later too, whatever becomes of its kind, its attributes and
+/// its place. settle() makes this true for other programs.
+///
+/// Blocks of @media apply if they do on every screen. Rules under other conditions, and for states such as
+/// :hover, stay in their sheet and apply to nothing here.
 class StyleSheets {
 public:
-    explicit StyleSheets(pugi::xml_node root);
+    using Values = std::map<std::string, StyleValue, std::less<>>;
 
-    /// All that the element is given: `!important`, then the style attribute, then rules by their
-    /// specificity and order, then attributes, as in CSS.
-    std::map<std::string, StyleValue, std::less<>> values(pugi::xml_node node) const;
+    explicit StyleSheets(SvgDocument& document);
+
+    /// The values that an element is given and the deformation reads: `!important`, then the style
+    /// attribute, then rules by their specificity and order, then attributes, as in CSS.
+    Values values(pugi::xml_node node) const;
 
     /// One of these.
     StyleValue value(pugi::xml_node node, std::string_view property) const;
@@ -60,39 +74,66 @@ public:
     /// Writes a value that wins, in place of the one that did.
     void set(pugi::xml_node node, const std::string& property, const std::string& text) const;
 
-    std::vector<std::string> unread;
+    /// The copy for a `use` has the rules that apply to what it is a copy of, by itself: nothing around it
+    /// counts, as in SVG 2.
+    void stand_alone(pugi::xml_node copy);
+
+    /// Whether a sheet has properties of geometry or about transforms.
+    bool places_elements() const { return !placing_.empty(); }
+    /// Takes these out of the sheets, where attributes say the same.
+    void remove_placing();
+
+    /// Removes the marks. Where other rules apply to an element than did when the document was read, its
+    /// style attribute receives what it lost, and what undoes the new. New elements have had no rules.
+    ///   warnings   name rules under conditions that have lost elements
+    void settle(std::vector<std::string>& warnings) const;
+
+    UnappliedReport report; // properties that are not applied, rules that are not read
 
 private:
-    struct Compound { // such as path.a.b#c
-        std::string type, id;
-        std::vector<std::string> classes;
-        bool child = false; // of what the compound before it matches, not any descendant
-    };
-    struct Rule {
-        std::vector<Compound> selector;
-        std::size_t specificity = 0;
-        std::size_t declarations = 0; // which of blocks_
-    };
     struct Set {
         std::string property, value;
         bool important = false;
     };
+    struct Block {
+        std::string name, place; // its selectors, and the line
+        std::vector<Set> sets;
+    };
+    struct Rule {
+        Selector selector;
+        std::size_t block = 0; // which of blocks_
+        bool conditional = false;
+    };
+    struct Sheet {
+        pugi::xml_node node;
+        std::string css;  // unescaped
+        std::string text; // without comments
+    };
+    struct Removed { // part of a sheet's text
+        std::size_t sheet = 0, begin = 0, end = 0;
+    };
+    using Rules = std::vector<std::size_t>; // ascending indices of rules_
 
-    void read(std::string_view css, int depth);
-    bool add_rule(std::string_view selector, std::size_t block);
-    static bool matches(const Compound& compound, pugi::xml_node node);
-    static bool matches(const std::vector<Compound>& selector, pugi::xml_node node);
+    void read(std::size_t sheet, std::size_t from, std::size_t end, bool conditional, int depth);
+    void read_rule(std::size_t sheet, std::string_view prelude, std::string_view body, bool conditional);
+    std::string place_of(std::size_t sheet, std::string_view part) const;
+    Rules matching(pugi::xml_node node, pugi::xml_node top = {}) const;
+    const Rules& rules_of(pugi::xml_node node) const;
+    /// The values of sheets and of the style attribute, of all properties or of those that are read.
+    Values cascade(const Rules& rules, pugi::xml_node node, bool all) const;
+    void settle(pugi::xml_node node, const Rules& before, const Rules& now) const;
 
-    std::vector<std::vector<Set>> blocks_;
+    SvgDocument& document_;
+    std::vector<Sheet> sheets_;
+    std::vector<Block> blocks_;
     std::vector<Rule> rules_; // by specificity and order
-    std::unordered_map<std::string, std::vector<std::size_t>>
-        by_key_; // rules by what their last compound asks for
+    std::unordered_map<std::string, Rules> by_key_;
+    std::vector<Rules> marked_;                                        // by an element's mark
+    pugi::xml_document read_;                                          // the document as it was read
+    std::vector<pugi::xml_node> elements_;                             // of it, by their marks
+    std::map<std::pair<std::size_t, std::size_t>, std::size_t> alone_; // marks, by those of top and element
+    std::vector<Removed> placing_;
 };
-
-/// Replaces selectors of these types by classes, see the head of svg_document.hpp. Nothing changes where
-/// there is no element of them.
-void adapt_style_sheets(SvgDocument& document, const std::set<std::string>& types,
-                        std::vector<std::string>& warnings);
 
 } // namespace detail
 

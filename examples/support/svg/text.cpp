@@ -45,12 +45,12 @@ std::optional<SvgError> expand_used_texts(SvgDocument& document, std::vector<std
             root.find_node([&](pugi::xml_node node) { return local_name(node) == kind; }));
     };
     if (!has("text") || !has("use")) return std::nullopt;
-    adapt_style_sheets(document, warnings);
-    const StyleSheets styles(root);
+    StyleSheets styles(document);
     IdTable ids(root);
     std::vector<std::string> given_later; // when the document is deformed
     const auto drawing = walk(document, styles, ids, {.boxes = true}, given_later);
     if (!drawing) return drawing.error();
+    styles.settle(warnings);
     return std::nullopt;
 }
 
@@ -204,11 +204,7 @@ void strip_to_texts(SvgDocument& document, const ViewBox& view, std::vector<Draw
             append_style(node, "opacity:1!important;clip-path:none!important;mask:none!important;"
                                "filter:none!important;overflow:visible!important");
         }
-        if (text || !keeps || kind == "style") { // not into it
-            pugi::xml_node last = node;
-            while (last != root && !last.next_sibling()) last = last.parent();
-            next = last == root ? pugi::xml_node() : last.next_sibling();
-        }
+        if (text || !keeps || kind == "style") next = node_after(node, root); // not into it
         if (!text && !keeps) node.parent().remove_child(node);
         node = next;
     }
@@ -316,7 +312,7 @@ SvgResult<DrawnTexts> draw_texts(SvgDocument& document, const ViewBox& view) {
     std::vector<std::string> ignored; // the deformation, which walks the same document, gives them again
 
     SvgDocument probe = copy_of(document); // for the transforms: the walk changes it
-    const StyleSheets styles(root_element(probe.xml));
+    StyleSheets styles(probe);
     IdTable ids(root_element(probe.xml));
     const auto drawing = walk(probe, styles, ids, {.boxes = true}, ignored);
     if (!drawing) return drawing.error();
@@ -337,7 +333,7 @@ SvgResult<DrawnTexts> draw_texts(SvgDocument& document, const ViewBox& view) {
     auto picture = parse_svg(*written, "rsvg-convert");
     if (!picture) return picture.error();
     const auto size = view_box(*picture);
-    const StyleSheets none(root_element(picture->xml));
+    StyleSheets none(*picture);
     IdTable its_ids(root_element(picture->xml));
     const auto outline = walk(*picture, none, its_ids, {.follow_references = false}, ignored);
     if (!size || !outline) return SvgError{document.name + ": rsvg-convert wrote no outlines"};
@@ -365,7 +361,7 @@ SvgResult<std::size_t> text_to_paths(SvgDocument& document, std::vector<std::str
     if (!view) return view.error();
     SvgDocument work = copy_of(document);
     if (const auto error = expand_used_texts(work, warnings)) return *error;
-    adapt_style_sheets(work, {"text", "tspan"}, warnings);
+    const StyleSheets styles(work);
     auto drawn = draw_texts(work, *view);
     if (!drawn) return drawn.error();
     const double tolerance = 2e-5 * std::hypot(view->width, view->height);
@@ -387,6 +383,7 @@ SvgResult<std::size_t> text_to_paths(SvgDocument& document, std::vector<std::str
             warnings.push_back(label(work, text.node) + ": rsvg-convert draws no letters for it");
         }
     }
+    styles.settle(warnings);
     if (count > 0) document = std::move(work);
     return count;
 }

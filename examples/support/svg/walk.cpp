@@ -1,5 +1,6 @@
 #include "svg/collector.hpp"
 #include "svg/css_colour.hpp"
+#include "svg/css_geometry.hpp"
 #include "svg/curves.hpp"
 
 #include <algorithm>
@@ -15,9 +16,11 @@ std::optional<SvgError> ShapeCollector::collect() {
     const auto view = view_box(document_);
     if (!view) return view.error();
     Place place;
-    place.viewport = {view->width, view->height};
+    place.viewport.width = view->width;
+    place.viewport.height = view->height;
     const Values values = styles_.values(root);
     inherit(values, place);
+    place.viewport.root_em = place.viewport.em;
     if (visit_children(root, place)) visit_references(root, values, place, 0);
     return error_;
 }
@@ -41,11 +44,6 @@ void ShapeCollector::warn(pugi::xml_node node, const std::string& why) {
     warnings.push_back(label(document_, node) + ": " + why);
 }
 
-std::string ShapeCollector::text_of(const Values& values, std::string_view property) {
-    const auto found = values.find(property);
-    return found == values.end() || found->second.text == "inherit" ? std::string() : found->second.text;
-}
-
 void ShapeCollector::inherit(const Values& values, Place& place) {
     const auto take = [&](std::string_view property, std::string& to) {
         const std::string text = text_of(values, property);
@@ -63,11 +61,10 @@ void ShapeCollector::inherit(const Values& values, Place& place) {
     take_marker("marker-mid", place.style.marks_vertices);
     take_marker("marker-start", place.style.marks_ends);
     take_marker("marker-end", place.style.marks_ends);
-    const double diagonal = place.viewport.diagonal();
-    const auto stroke = parse_length(text_of(values, "stroke-width"), diagonal);
+    Viewport& view = place.viewport;
+    view.em = font_size(values, view);
+    const auto stroke = parse_length(text_of(values, "stroke-width"), view.diagonal(), view.em, view.root_em);
     if (stroke && *stroke >= 0) place.style.stroke_width = *stroke;
-    const auto font = parse_length(text_of(values, "font-size"), place.font_size);
-    if (font && *font > 0) place.font_size = *font;
     inherit_outline(values, place.style);
 }
 
@@ -103,7 +100,7 @@ bool ShapeCollector::visit(pugi::xml_node node, const Place& parent) {
     if (!is_blank(node.attribute("requiredExtensions").value())) return true; // nobody draws it
 
     // Pages and hidden layers need not lie in the cage. To be read (a cage, say) a shape may be hidden.
-    const Values values = styles_.values(node);
+    const Values values = take_context_paint(node, parent);
     if (options_.follow_references && text_of(values, "display") == "none") {
         warn(node, "is not displayed and stays as it is");
         return true;
@@ -111,7 +108,7 @@ bool ShapeCollector::visit(pugi::xml_node node, const Place& parent) {
     Place place = parent;
     ++place.depth;
     inherit(values, place);
-    if (!apply_transform(node, values, place.to_root)) return false;
+    if (!apply_transform(node, place.to_root)) return false;
     const std::size_t first = drawing.shapes.size();
     const bool good = is_shape(kind)   ? add_shape(node, place)
                       : is_fixed(kind) ? add_fixed(node, kind, place)
@@ -139,11 +136,10 @@ bool ShapeCollector::drop_bad_transform(pugi::xml_node node) {
     return leave_out(fault);
 }
 
-bool ShapeCollector::apply_transform(pugi::xml_node node, const Values& values, Affine2& to_root) {
+bool ShapeCollector::apply_transform(pugi::xml_node node, Affine2& to_root) {
     if (!drop_bad_transform(node)) return false;
     const auto map = parse_transform(attribute_text(node, "transform"));
     to_root = compose(to_root, *map);
-    if (!text_of(values, "transform").empty()) warn(node, "a transform in a style is not read");
     return true;
 }
 
@@ -151,10 +147,11 @@ bool ShapeCollector::apply_transform(pugi::xml_node node, const Values& values, 
 
 bool ShapeCollector::visit_svg(pugi::xml_node node, const Values& values, Place& place) {
     const Viewport outer = place.viewport;
-    const double x = length(node, "x", outer.width, 0);
-    const double y = length(node, "y", outer.height, 0);
-    const Viewport size{length(node, "width", outer.width, outer.width),
-                        length(node, "height", outer.height, outer.height)};
+    const double x = length(node, "x", outer, outer.width, 0);
+    const double y = length(node, "y", outer, outer.height, 0);
+    Viewport size = outer;
+    size.width = length(node, "width", outer, outer.width, outer.width);
+    size.height = length(node, "height", outer, outer.height, outer.height);
     Affine2 inside{1, 0, 0, 1, x, y};
     place.viewport = size;
     if (!enter_view_box(node, inside, place.viewport)) return false;
@@ -223,7 +220,9 @@ bool ShapeCollector::enter_view_box(pugi::xml_node node, Affine2& to_root, Viewp
         node.remove_attribute("viewBox");
         return leave_out(error_at(document_, node, "viewBox is not four numbers"));
     }
-    const Viewport box{(*v)[2], (*v)[3]};
+    Viewport box = viewport;
+    box.width = (*v)[2];
+    box.height = (*v)[3];
     if (!(box.width > 0 && box.height > 0)) return true; // nothing is drawn, so nothing matters
     double sx = viewport.width / box.width;
     double sy = viewport.height / box.height;
@@ -241,8 +240,9 @@ bool ShapeCollector::enter_view_box(pugi::xml_node node, Affine2& to_root, Viewp
 
 // ---- shapes ----
 
-double ShapeCollector::length(pugi::xml_node node, const char* name, double whole, double otherwise) {
-    const auto value = length_of(document_, node, name, whole, otherwise);
+double ShapeCollector::length(pugi::xml_node node, const char* name, const Viewport& viewport, double whole,
+                              double otherwise) {
+    const auto value = length_of(document_, node, name, viewport, whole, otherwise);
     if (value) return *value;
     leave_out(value.error());
     return otherwise;
@@ -303,12 +303,16 @@ bool ShapeCollector::add(pugi::xml_node node, Path path, const Place& place, boo
     return true;
 }
 
-bool ShapeCollector::add_fixed(pugi::xml_node node, const std::string& kind, const Place& place) {
-    const auto on_path = [](pugi::xml_node part) { return local_name(part) == "textPath"; };
-    const bool has_path = kind == "text" && node.find_node(on_path);
+bool ShapeCollector::add_fixed(pugi::xml_node node, const std::string& kind, Place place) {
+    const auto is_path = [](pugi::xml_node part) { return local_name(part) == "textPath"; };
+    const bool has_path = kind == "text" && node.find_node(is_path);
     // A clip path may hold a text, but not a copy of its path.
     const bool boxes = options_.boxes && !(place.style.clips && (kind != "text" || has_path));
-    if (boxes && has_path) return add_text_paths(node, place);
+    const bool on_paths = boxes && has_path;
+    const bool beside = std::any_of(node.begin(), node.end(), [&](pugi::xml_node part) {
+        return !is_path(part) && !(is_blank(part.value()) && is_blank(part.text().get()));
+    });
+    if (on_paths && !beside) return add_text_paths(node, place);
     const Box box = boxes ? (kind == "text" ? text_box(node, place) : image_box(node, place)) : Box();
     if (error_) return false;
     if (box.empty() && kind == "text" && is_blank(node.text().get()) && !node.child("tspan")) return true;
@@ -324,7 +328,10 @@ bool ShapeCollector::add_fixed(pugi::xml_node node, const std::string& kind, con
         if (!(p == outline.current())) outline.line_to(p);
     }
     outline.close();
-    return add(node, outline.take(), place, true);
+    const std::size_t carrier = drawing.shapes.size();
+    if (!add(node, outline.take(), place, true)) return false;
+    if (drawing.shapes.size() > carrier) place.style.carrier = carrier;
+    return !on_paths || add_text_paths(node, place);
 }
 
 // ---- text on paths ----
@@ -413,7 +420,7 @@ bool ShapeCollector::add_text_path(pugi::xml_node text_path, const Place& place)
     there.to_root = compose(place.to_root, *own);
     there.style.fill = there.style.stroke = "none";
     there.style.marks_ends = there.style.marks_vertices = false;
-    if (!is_drawn_under(target, there.to_root)) {
+    if (place.style.carrier || !is_drawn_under(target, there.to_root)) {
         if (!count_copies(target))
             return fail(text_path, "the texts of this file expand to too many elements");
         pugi::xml_node text = text_path;
@@ -432,7 +439,7 @@ bool ShapeCollector::add_reach(pugi::xml_node text_path, const Path& path, Place
     const std::vector<PlaceAlong> places = places_along(path);
     const std::string letters = unescaped(trimmed(text_path.text().get()));
     const double whole = places.back().length;
-    const double width = 0.6 * place.font_size * static_cast<double>(letters.size());
+    const double width = 0.6 * place.viewport.em * static_cast<double>(letters.size());
     const auto offset = parse_length(attribute_text(text_path, "startOffset"), whole);
     const double at = offset ? *offset : 0;
     const double from = place.text_anchor == "end"      ? at - width
@@ -442,7 +449,7 @@ bool ShapeCollector::add_reach(pugi::xml_node text_path, const Path& path, Place
                                  : part_of(places, std::max(from, 0.0), std::min(from + width, whole));
     if (reach.empty()) return true;
     place.style.stroke = "currentColor";
-    place.style.stroke_width = 1.6 * place.font_size;
+    place.style.stroke_width = 1.6 * place.viewport.em;
     place.style.is_extent = true;
     return add(text_path, std::move(reach), place);
 }
@@ -450,10 +457,10 @@ bool ShapeCollector::add_reach(pugi::xml_node text_path, const Path& path, Place
 Box ShapeCollector::image_box(pugi::xml_node node, const Place& place) {
     const auto shared = uses_of_images_.find(node.hash_value());
     if (shared != uses_of_images_.end()) node = shared->second;
-    const double x = length(node, "x", place.viewport.width, 0);
-    const double y = length(node, "y", place.viewport.height, 0);
-    const double width = length(node, "width", place.viewport.width, 0);
-    const double height = length(node, "height", place.viewport.height, 0);
+    const double x = length(node, "x", place.viewport, place.viewport.width, 0);
+    const double y = length(node, "y", place.viewport, place.viewport.height, 0);
+    const double width = length(node, "width", place.viewport, place.viewport.width, 0);
+    const double height = length(node, "height", place.viewport, place.viewport.height, 0);
     return width > 0 && height > 0 ? Box{x, y, x + width, y + height} : Box();
 }
 
@@ -465,12 +472,12 @@ Box ShapeCollector::text_box(pugi::xml_node text, const Place& place) {
     }
     Box box;
     Point2 at;
-    double size = place.font_size;
+    double size = place.viewport.em;
     for (pugi::xml_node node = text; node; node = next_node(node, text)) {
         if (node.type() == pugi::node_element) {
             const auto x = parse_numbers(attribute_text(node, "x"));
             const auto y = parse_numbers(attribute_text(node, "y"));
-            const auto font = parse_length(styles_.value(node, "font-size").text, place.font_size);
+            const auto font = parse_length(styles_.value(node, "font-size").text, place.viewport.em);
             if (x && !x->empty()) at.x = x->front();
             if (y && !y->empty()) at.y = y->front();
             if (font && *font > 0) size = *font;
@@ -488,8 +495,9 @@ Box ShapeCollector::text_box(pugi::xml_node text, const Place& place) {
     return box;
 }
 
-SvgResult<Drawing> walk(SvgDocument& document, const StyleSheets& styles, IdTable& ids,
-                        const WalkOptions& options, std::vector<std::string>& warnings) {
+SvgResult<Drawing> walk(SvgDocument& document, StyleSheets& styles, IdTable& ids, const WalkOptions& options,
+                        std::vector<std::string>& warnings) {
+    place_by_attributes(document, styles);
     ShapeCollector collector(document, styles, ids, options);
     if (std::optional<SvgError> error = collector.collect()) return *error;
     warnings.insert(warnings.end(), collector.warnings.begin(), collector.warnings.end());
@@ -497,10 +505,11 @@ SvgResult<Drawing> walk(SvgDocument& document, const StyleSheets& styles, IdTabl
 }
 
 SvgResult<std::vector<DrawnShape>> drawn_shapes(SvgDocument& document, std::vector<std::string>& warnings) {
-    const StyleSheets styles(root_element(document.xml));
+    StyleSheets styles(document);
     IdTable ids(root_element(document.xml));
     auto drawing = walk(document, styles, ids, {}, warnings);
     if (!drawing) return drawing.error();
+    styles.settle(warnings);
     return std::move(drawing->shapes);
 }
 

@@ -9,7 +9,10 @@ namespace cageform_examples {
 namespace detail {
 
 pugi::xml_node next_node(pugi::xml_node node, pugi::xml_node top) {
-    if (node.first_child()) return node.first_child();
+    return node.first_child() ? node.first_child() : node_after(node, top);
+}
+
+pugi::xml_node node_after(pugi::xml_node node, pugi::xml_node top) {
     while (node != top && !node.next_sibling()) node = node.parent();
     return node == top ? pugi::xml_node() : node.next_sibling();
 }
@@ -39,6 +42,22 @@ std::string_view trimmed(std::string_view text) {
     while (!text.empty() && is_space(text.front())) text.remove_prefix(1);
     while (!text.empty() && is_space(text.back())) text.remove_suffix(1);
     return text;
+}
+
+std::vector<std::string_view> words_of(std::string_view text) {
+    std::vector<std::string_view> words;
+    for (text = trimmed(text); !text.empty(); text = trimmed(text)) {
+        const auto size =
+            static_cast<std::size_t>(std::find_if(text.begin(), text.end(), is_space) - text.begin());
+        words.push_back(text.substr(0, size));
+        text.remove_prefix(size);
+    }
+    return words;
+}
+
+bool has_word(std::string_view text, std::string_view word) {
+    const auto words = words_of(text);
+    return std::find(words.begin(), words.end(), word) != words.end();
 }
 
 std::string unescaped(std::string_view raw) {
@@ -101,12 +120,6 @@ std::string escaped(std::string_view text) {
     return result;
 }
 
-void add_class(pugi::xml_node node, const std::string& name) {
-    const std::string old = node.attribute("class").value();
-    if ((' ' + old + ' ').find(' ' + name + ' ') != std::string::npos) return;
-    set_attribute(node, "class", old.empty() ? name : old + ' ' + name);
-}
-
 bool is_reference(std::string_view attribute) {
     return attribute == "href" || attribute.ends_with(":href");
 }
@@ -126,7 +139,6 @@ std::string reference_of(pugi::xml_node node) {
     return reference;
 }
 
-/// The line of the nearest enclosing element that stood in the file; zero if none is known.
 std::size_t line_of(const SvgDocument& document, pugi::xml_node node) {
     for (; node; node = node.parent()) {
         const auto found = document.lines.find(node.hash_value());

@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 #include <unordered_map>
+#include <vector>
 
 namespace cageform_examples {
 
@@ -17,12 +18,20 @@ constexpr int max_svg_depth = 1000; // of nested elements; the walk is recursive
 /// The node after `node` in document order within `top`, or none.
 pugi::xml_node next_node(pugi::xml_node node, pugi::xml_node top);
 
+/// The node after `node` and all that it holds.
+pugi::xml_node node_after(pugi::xml_node node, pugi::xml_node top);
+
 /// The element's name without the prefix; empty for what is not SVG's, or no element.
 std::string local_name(pugi::xml_node node);
 
 bool is_blank(std::string_view text);
 
 std::string_view trimmed(std::string_view text);
+
+/// The words of a text that white space parts.
+std::vector<std::string_view> words_of(std::string_view text);
+
+bool has_word(std::string_view text, std::string_view word);
 
 /// Replaces character references and the five entities of XML; others, from a doctype, are left.
 std::string unescaped(std::string_view raw);
@@ -36,15 +45,14 @@ std::string reference_name(pugi::xml_node root);
 /// Text as it stands between the quotes of an attribute.
 std::string escaped(std::string_view text);
 
-/// Adds a class to the element's, once.
-void add_class(pugi::xml_node node, const std::string& name);
-
 /// The value of href, or of xlink:href whatever the prefix; empty if there is none.
 std::string reference_of(pugi::xml_node node);
 void set_reference(pugi::xml_node node, const std::string& id); ///< of all attributes that refer
 
 /// Gives a copy of an element, or of a document, the lines and the boxes of texts of its original.
 void keep_places(const SvgDocument& from, pugi::xml_node original, SvgDocument& to, pugi::xml_node copy);
+/// The line of the nearest enclosing element that stood in the file; zero if none is known.
+std::size_t line_of(const SvgDocument& document, pugi::xml_node node);
 
 /// Returns a label such as: rect "wall" (line 12).
 std::string label(const SvgDocument& document, pugi::xml_node node);

@@ -1,0 +1,584 @@
+#include "svg/css_geometry.hpp"
+
+#include "svg/xml.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+namespace cageform_examples {
+
+namespace detail {
+
+namespace {
+
+using Values = StyleSheets::Values;
+
+/// A word of a value, or a function with the words between its brackets.
+struct CssItem {
+    std::string name; // in lower case
+    std::vector<std::string> words;
+    bool is_function = false;
+};
+
+/// The items of a value; nothing where a bracket stays open. Commas part words as spaces do.
+std::optional<std::vector<CssItem>> css_items(std::string_view text) {
+    std::vector<CssItem> items;
+    std::string word;
+    int brackets = 0;
+    char quote = 0;
+    for (const char c : std::string(text) + ' ') {
+        const bool parts = quote == 0 && (is_space(c) || c == ',') && brackets <= 1;
+        const bool closes = quote == 0 && c == ')' && brackets == 1;
+        if ((parts || closes) && !word.empty()) {
+            if (brackets == 0) {
+                items.push_back({lowered(word), {}, false});
+            } else {
+                items.back().words.push_back(word);
+            }
+            word.clear();
+        }
+        if (quote == 0 && c == ')' && --brackets < 0) return std::nullopt;
+        if (quote == 0 && c == '(' && ++brackets == 1) {
+            items.push_back({lowered(word), {}, true});
+            word.clear();
+            continue;
+        }
+        if (parts || closes) continue;
+        if (c == '"' || c == '\'') quote = quote == 0 ? c : quote == c ? '\0' : quote;
+        word += c;
+    }
+    if (brackets != 0 || quote != 0) return std::nullopt;
+    return items;
+}
+
+std::optional<double> length_in(const std::string& word, double whole, const Viewport& view) {
+    const auto value = parse_length(word, whole, view.em, view.root_em);
+    return value ? std::optional<double>(*value) : std::nullopt;
+}
+
+/// In degrees.
+std::optional<double> angle_of(const std::string& word) {
+    const std::size_t unit = std::min(word.find_first_not_of("+-.0123456789eE"), word.size());
+    const std::string name = lowered(word.substr(unit));
+    const auto number = parse_numbers(word.substr(0, unit));
+    if (!number || number->size() != 1) return std::nullopt;
+    for (const auto& [known, degrees] :
+         {std::pair("", 1.0), std::pair("deg", 1.0), std::pair("grad", 0.9), std::pair("turn", 360.0),
+          std::pair("rad", 180 / std::numbers::pi)}) {
+        if (name == known) return number->front() * degrees;
+    }
+    return std::nullopt;
+}
+
+/// A factor of scale: a number or a percentage.
+std::optional<double> factor_of(const std::string& word) {
+    const auto value = parse_length(word, 1);
+    const bool plain = !word.empty() && (is_digit(word.back()) || word.back() == '.' || word.back() == '%');
+    return value && plain ? std::optional<double>(*value) : std::nullopt;
+}
+
+/// A place in a box, from one or two words such as "left", "30%", "2em"; further words are of depth.
+std::optional<Point2> position_in(std::vector<std::string> words, const Box& box, const Viewport& view) {
+    if (words.empty() || words.size() > 3) return std::nullopt;
+    for (std::string& word : words) word = lowered(word);
+    const auto is = [](const std::string& word, const char* first, const char* last) {
+        return word == first || word == last;
+    };
+    if (words.size() == 1) words.emplace_back("center");
+    if (is(words[0], "top", "bottom") || is(words[1], "left", "right")) std::swap(words[0], words[1]);
+    const auto along = [&](const std::string& word, const char* first, const char* last, double from,
+                           double size) {
+        const std::string length = word == first      ? "0%"
+                                   : word == last     ? "100%"
+                                   : word == "center" ? "50%"
+                                                      : word;
+        auto value = length_in(length, size, view);
+        if (value) *value += from;
+        return value;
+    };
+    const auto x = along(words[0], "left", "right", box.x0, box.width());
+    const auto y = along(words[1], "top", "bottom", box.y0, box.height());
+    return x && y ? std::optional(Point2{*x, *y}) : std::nullopt;
+}
+
+/// A function of a transform of CSS as one of the attribute of SVG.
+std::optional<std::string> transform_function(const CssItem& item, const Box& box, const Viewport& view) {
+    std::string name = item.name;
+    const std::vector<std::string>& words = item.words;
+    std::vector<double> numbers;
+    const bool moves = name.starts_with("translate");
+    const bool turns = name.starts_with("rotate") || name.starts_with("skew");
+    for (std::size_t i = 0; i < words.size(); ++i) {
+        const bool across = name == "translatey" || i == 1;
+        const auto value = moves   ? length_in(words[i], across ? box.height() : box.width(), view)
+                           : turns ? angle_of(words[i])
+                                   : factor_of(words[i]);
+        if (!value) return std::nullopt;
+        numbers.push_back(*value);
+    }
+    const auto is_of = [&](const char* form, std::size_t count) {
+        return name == form && numbers.size() == count;
+    };
+    const auto become = [&](const char* form, std::vector<double> with) {
+        name = form;
+        numbers = std::move(with);
+    };
+    if (is_of("translatex", 1)) become("translate", {numbers[0], 0});
+    if (is_of("translatey", 1)) become("translate", {0, numbers[0]});
+    if (is_of("translate3d", 3)) become("translate", {numbers[0], numbers[1]});
+    if (is_of("scalex", 1)) become("scale", {numbers[0], 1});
+    if (is_of("scaley", 1)) become("scale", {1, numbers[0]});
+    if (is_of("rotatez", 1)) become("rotate", {numbers[0]});
+    if (is_of("skewx", 1)) become("skewX", {numbers[0]});
+    if (is_of("skewy", 1)) become("skewY", {numbers[0]});
+    if (is_of("skew", 1)) become("skewX", {numbers[0]});
+    if (is_of("skew", 2)) {
+        const auto slope = [](double degrees) { return std::tan(degrees * std::numbers::pi / 180); };
+        become("matrix", {1, slope(numbers[1]), slope(numbers[0]), 1, 0, 0});
+    }
+    std::string text = name + '(';
+    for (const double number : numbers) text += format_number(number, 17) + ' ';
+    return text + ')';
+}
+
+/// A value of `transform`, or of translate, rotate or scale: then the name of the function.
+std::optional<Affine2> css_transform(std::string_view value, const char* name, const Box& box,
+                                     const Viewport& view) {
+    if (value.empty() || lowered(value) == "none") return Affine2();
+    const auto items =
+        css_items(name == nullptr ? std::string(value) : name + ('(' + std::string(value) + ')'));
+    if (!items) return std::nullopt;
+    std::string text;
+    for (const CssItem& item : *items) {
+        const auto function = item.is_function ? transform_function(item, box, view) : std::nullopt;
+        if (!function) return std::nullopt;
+        text += *function;
+    }
+    const auto map = parse_transform(text);
+    return map ? std::optional<Affine2>(*map) : std::nullopt;
+}
+
+/// See place_by_attributes().
+class Placer {
+public:
+    Placer(SvgDocument& document, StyleSheets& styles)
+        : document_(document)
+        , styles_(styles)
+        , ids_(root_element(document.xml)) {}
+
+    void run() {
+        const pugi::xml_node root = root_element(document_.xml);
+        if (!styles_.places_elements() && !any_style_places(root)) return;
+        const auto view = view_box(document_);
+        Viewport viewport;
+        if (view) {
+            viewport.width = view->width;
+            viewport.height = view->height;
+        }
+        const Values values = styles_.values(root);
+        viewport.em = viewport.root_em = font_size(values, viewport);
+        keep_in_style(root, values);
+        for (const pugi::xml_node child : root.children()) visit(child, viewport, 0);
+        styles_.remove_placing();
+    }
+
+private:
+    static bool any_style_places(pugi::xml_node root) {
+        for (pugi::xml_node node = root; node; node = next_node(node, root)) {
+            if (node.attribute("transform-origin") || node.attribute("transform-box")) return true;
+            for (const Declaration& d : declarations(node.attribute("style").value())) {
+                if (use_of(property_name(d.property)) == PropertyUse::placing) return true;
+            }
+        }
+        return false;
+    }
+
+    void visit(pugi::xml_node node, const Viewport& parent, int depth) {
+        if (node.type() != pugi::node_element || depth > max_svg_depth) return;
+        Values values = styles_.values(node);
+        const std::string kind = local_name(node);
+        Viewport view = parent;
+        view.em = font_size(values, parent);
+        if (!kind.empty()) take_geometry(node, kind, values);
+        Viewport inside = view;
+        const auto box = parse_numbers(attribute_text(node, "viewBox"));
+        if (box && box->size() == 4) {
+            inside.width = (*box)[2];
+            inside.height = (*box)[3];
+        }
+        for (const pugi::xml_node child : node.children()) visit(child, inside, depth + 1);
+        if (!kind.empty()) take_transform(node, kind, values, view);
+        keep_in_style(node, values);
+    }
+
+    /// Writes what the attributes do not say.
+    static void keep_in_style(pugi::xml_node node, const Values& values) {
+        drop_from_style(node);
+        for (const auto& [property, value] : values) {
+            if (use_of(property) != PropertyUse::placing || value.source < StyleValue::Source::sheet)
+                continue;
+            append_declaration(node, property, value.text, value.important);
+        }
+    }
+
+    static void drop_from_style(pugi::xml_node node) {
+        std::string style = node.attribute("style").value();
+        const auto all = declarations(style);
+        bool changed = false;
+        std::string rest;
+        for (const Declaration& d : all) {
+            if (use_of(property_name(d.property)) == PropertyUse::placing) {
+                changed = true;
+                continue;
+            }
+            rest += (rest.empty() ? "" : ";") + std::string(d.property) + ':' + std::string(d.value) +
+                    (d.important ? "!important" : "");
+        }
+        if (!changed) return;
+        if (rest.empty()) {
+            node.remove_attribute("style");
+        } else {
+            set_attribute(node, "style", rest);
+        }
+    }
+
+    void report(pugi::xml_node node, const std::string& property, const std::string& value) {
+        styles_.report.add(label(document_, node), "the property \"" + property + "\" is not deformed",
+                           value);
+    }
+
+    /// Properties that become attributes go from `values`.
+    void take_geometry(pugi::xml_node node, const std::string& kind, Values& values) {
+        static const std::vector<const char*> of_box{"x", "y", "width", "height"}, of_place{"x", "y"}, none;
+        const auto shape = shape_attributes().find(kind);
+        const bool has_place = kind == "use" || kind == "svg"; // browsers differ in the size of these
+        const auto& names = shape != shape_attributes().end()            ? shape->second
+                            : kind == "image" || kind == "foreignObject" ? of_box
+                            : has_place                                  ? of_place
+                                                                         : none;
+        for (const std::string name : {"x", "y", "width", "height", "cx", "cy", "r", "rx", "ry", "d"}) {
+            const auto found = values.find(name);
+            if (found == values.end()) continue;
+            const bool has_name = std::find(names.begin(), names.end(), name) != names.end();
+            const std::string text = found->second.text;
+            const bool is_sum = lowered(text).starts_with("calc"); // no attribute of an image has one
+            const auto written = name == "d"                                   ? path_data(text)
+                                 : is_sum && shape == shape_attributes().end() ? std::nullopt
+                                                                               : length_text(text);
+            if ((has_name && !written) || (has_place && (name == "width" || name == "height"))) {
+                report(node, name, text);
+                continue;
+            }
+            if (has_name) set_attribute(node, name.c_str(), escaped(*written));
+            values.erase(found);
+        }
+    }
+
+    static std::optional<std::string> length_text(const std::string& text) {
+        if (lowered(text) == "auto" || parse_length(text, 1)) return text;
+        return std::nullopt;
+    }
+
+    static std::optional<std::string> path_data(const std::string& text) {
+        if (lowered(text) == "none") return "";
+        const auto items = css_items(text);
+        const bool is_path =
+            items && items->size() == 1 && items->front().name == "path" && items->front().words.size() == 1;
+        if (!is_path) return std::nullopt;
+        const std::string& quoted = items->front().words.front();
+        if (quoted.size() < 2 || (quoted.front() != '"' && quoted.front() != '\'')) return std::nullopt;
+        return quoted.substr(1, quoted.size() - 2);
+    }
+
+    void take_transform(pugi::xml_node node, const std::string& kind, Values& values, const Viewport& view) {
+        const bool is_drawn =
+            is_group(kind) || is_shape(kind) || is_fixed(kind) || kind == "use" || kind == "clipPath";
+        constexpr std::array maps{"translate", "rotate", "scale", "transform"};
+        constexpr std::array about{"transform-origin", "transform-box"};
+        const auto given = [&](const char* name) {
+            const std::string text = text_of(values, name);
+            return text.empty() && name != maps.back() ? attribute_text(node, name) : text;
+        };
+        const bool has_map =
+            std::any_of(maps.begin(), maps.end(), [&](const char* name) { return values.count(name) != 0; });
+        const bool turns_about = !given("transform-origin").empty() && node.attribute("transform");
+        if (!has_map && !turns_about) return;
+        const auto map = is_drawn ? whole_transform(node, values, given, view) : std::nullopt;
+        if (!map) {
+            for (const char* name : maps) {
+                if (values.count(name) != 0) report(node, name, values.find(name)->second.text);
+            }
+            if (!has_map) report(node, "transform-origin", given("transform-origin"));
+            return;
+        }
+        node.remove_attribute("transform");
+        if (!(*map == Affine2())) set_attribute(node, "transform", write_transform(*map, 17));
+        for (const char* name : about) node.remove_attribute(name);
+        for (const char* name : maps) values.erase(name);
+        for (const char* name : about) values.erase(name);
+    }
+
+    template <class Given>
+    std::optional<Affine2> whole_transform(pugi::xml_node node, const Values& values, const Given& given,
+                                           const Viewport& view) {
+        const std::string kind = given("transform-box");
+        const bool of_view = kind.empty() || kind == "view-box";
+        const std::string origin = given("transform-origin");
+        Box box;
+        if (of_view) box = {0, 0, view.width, view.height};
+        if (kind == "fill-box" || kind == "content-box") box = object_box(node, view, 0);
+        if ((!of_view && kind != "fill-box" && kind != "content-box") || box.empty()) return std::nullopt;
+        const Point2 start = of_view ? Point2{0, 0} : Point2{box.x0, box.y0};
+        const auto items = css_items(origin);
+        if (!items) return std::nullopt;
+        std::vector<std::string> words;
+        for (const CssItem& item : *items) words.push_back(item.name);
+        const auto about = words.empty() ? std::optional(start) : position_in(words, box, view);
+        if (!about) return std::nullopt;
+        Affine2 map{1, 0, 0, 1, about->x, about->y};
+        for (const char* name : {"translate", "rotate", "scale"}) {
+            const auto part = css_transform(text_of(values, name), name, box, view);
+            if (!part) return std::nullopt;
+            map = compose(map, *part);
+        }
+        const auto attribute = parse_transform(attribute_text(node, "transform"));
+        if (!attribute) return std::nullopt; // the walk says why
+        const auto own = values.count("transform") != 0
+                             ? css_transform(text_of(values, "transform"), nullptr, box, view)
+                             : std::optional<Affine2>(*attribute);
+        if (!own) return std::nullopt;
+        return compose(compose(map, *own), {1, 0, 0, 1, -about->x, -about->y});
+    }
+
+    /// The box of what an element draws, in its user space; empty where it is not known.
+    Box object_box(pugi::xml_node node, const Viewport& view, int depth) {
+        const std::string kind = local_name(node);
+        Box box;
+        if (++looked_at_ > 1'000'000) return box; // uses of uses
+        if (is_shape(kind)) {
+            std::vector<SvgError> told_by_the_walk;
+            return bounds(shape_path(document_, node, view, told_by_the_walk));
+        }
+        if (kind == "image") {
+            const auto size = [&](const char* name, double whole) {
+                return length_in(attribute_text(node, name), whole, view).value_or(0);
+            };
+            const double x = size("x", view.width), y = size("y", view.height);
+            return {x, y, x + size("width", view.width), y + size("height", view.height)};
+        }
+        if (kind == "use" && depth < max_svg_depth) {
+            const std::string reference = reference_of(node);
+            const pugi::xml_node target =
+                reference.starts_with('#') ? ids_.find(reference.substr(1)) : pugi::xml_node();
+            const bool shifts = node.attribute("x") || node.attribute("y"); // browsers differ
+            const auto own = parse_transform(attribute_text(target, "transform"));
+            const Box inner = own && !shifts ? object_box(target, view, depth + 1) : box;
+            if (inner.empty()) return box;
+            for (const Point2& p : inner.corners()) box.add(apply(*own, p));
+            return box;
+        }
+        if ((kind != "g" && kind != "a" && kind != "switch") || depth > max_svg_depth) return box;
+        for (const pugi::xml_node child : node.children()) {
+            const auto own = parse_transform(attribute_text(child, "transform"));
+            const Box inner = object_box(child, view, depth + 1);
+            if (!own || inner.empty()) continue;
+            for (const Point2& p : inner.corners()) box.add(apply(*own, p));
+        }
+        return box;
+    }
+
+    SvgDocument& document_;
+    StyleSheets& styles_;
+    const IdTable ids_;
+    std::size_t looked_at_ = 0;
+};
+
+} // namespace
+
+std::string text_of(const Values& values, std::string_view property) {
+    const auto found = values.find(property);
+    return found == values.end() || found->second.text == "inherit" ? std::string() : found->second.text;
+}
+
+double font_size(const Values& values, const Viewport& parent) {
+    const auto size = parse_length(text_of(values, "font-size"), parent.em, parent.em, parent.root_em);
+    return size && *size > 0 ? *size : parent.em;
+}
+
+void place_by_attributes(SvgDocument& document, StyleSheets& styles) {
+    Placer(document, styles).run();
+}
+
+// ---- basic shapes ----
+
+namespace {
+
+/// Reads the words of one basic shape, in a box.
+class BasicShapeReader {
+public:
+    BasicShapeReader(const CssItem& item, const Box& box, const Viewport& view)
+        : words_(item.words)
+        , box_(box)
+        , view_(view) {}
+
+    std::optional<BasicShape> read(const std::string& name) {
+        if (name == "polygon") return polygon();
+        if (name == "path") return path();
+        PathBuilder builder;
+        const bool good = name == "inset"
+                              ? inset(builder)
+                              : (name == "circle" || name == "ellipse") && ellipse(builder, name == "circle");
+        if (!good || at_ < words_.size()) return std::nullopt;
+        return BasicShape{write_path_data(builder.take(), 9), false};
+    }
+
+private:
+    bool next(double whole, double& to) {
+        const auto value = at_ < words_.size() ? length_in(words_[at_], whole, view_) : std::nullopt;
+        if (value) to = *value;
+        at_ += value ? 1 : 0;
+        return value.has_value();
+    }
+
+    bool take(std::string_view word) {
+        if (at_ >= words_.size() || lowered(words_[at_]) != word) return false;
+        ++at_;
+        return true;
+    }
+
+    std::optional<BasicShape> polygon() {
+        BasicShape shape;
+        shape.even_odd = take("evenodd");
+        if (!shape.even_odd) take("nonzero");
+        while (at_ < words_.size()) {
+            double x = 0, y = 0;
+            if (!next(box_.width(), x) || !next(box_.height(), y)) return std::nullopt;
+            shape.data += (shape.data.empty() ? "M" : " L") + format_number(box_.x0 + x, 9) + ' ' +
+                          format_number(box_.y0 + y, 9);
+        }
+        shape.data += "Z";
+        return shape.data == "Z" ? std::nullopt : std::optional(shape);
+    }
+
+    std::optional<BasicShape> path() {
+        BasicShape shape;
+        shape.even_odd = take("evenodd");
+        if (!shape.even_odd) take("nonzero");
+        if (at_ + 1 != words_.size() || words_[at_].size() < 2) return std::nullopt;
+        const auto parsed = parse_path_data(std::string_view(words_[at_]).substr(1, words_[at_].size() - 2));
+        if (!parsed) return std::nullopt;
+        shape.data = write_path_data(transformed(*parsed, {1, 0, 0, 1, box_.x0, box_.y0}), 9);
+        return shape;
+    }
+
+    /// From one to four lengths for the four sides, or corners, as in margin.
+    bool four(std::array<double, 4>& to, const std::array<double, 4>& whole) {
+        const std::size_t first = at_;
+        std::size_t count = 0;
+        while (count < 4 && next(whole[count], to[count])) ++count;
+        for (std::size_t k = count; count > 0 && k < 4; ++k) { // a percentage may be of another side
+            at_ = first + (k == 3 && count > 1 ? 1 : 0);
+            next(whole[k], to[k]);
+        }
+        at_ = first + count;
+        return count > 0;
+    }
+
+    bool inset(PathBuilder& builder) {
+        const double w = box_.width(), h = box_.height();
+        std::array<double, 4> side{}, rx{}, ry{};
+        if (!four(side, {h, w, h, w})) return false;
+        if (take("round")) {
+            const std::size_t first = at_;
+            if (!four(rx, {w, w, w, w})) return false;
+            if (!take("/")) at_ = first; // the same, of the other side
+            if (!four(ry, {h, h, h, h})) return false;
+        }
+        const Box inner{box_.x0 + side[3], box_.y0 + side[0], box_.x1 - side[1], box_.y1 - side[2]};
+        if (inner.empty()) return true;
+        double fit = 1; // radii that meet are made smaller, all by the same
+        for (const auto& [size, a, b] :
+             {std::tuple(inner.width(), rx[0], rx[1]), std::tuple(inner.width(), rx[2], rx[3]),
+              std::tuple(inner.height(), ry[1], ry[2]), std::tuple(inner.height(), ry[3], ry[0])}) {
+            if (a + b > size) fit = std::min(fit, size / (a + b));
+        }
+        const auto corners = std::array<Point2, 4>{
+            {{inner.x0, inner.y0}, {inner.x1, inner.y0}, {inner.x1, inner.y1}, {inner.x0, inner.y1}}};
+        for (std::size_t k = 0; k < 4; ++k) { // clockwise
+            const double x = fit * rx[k], y = fit * ry[k];
+            const double sx = k == 0 || k == 3 ? 1 : -1, sy = k < 2 ? 1 : -1;
+            const Point2 upright{corners[k].x, corners[k].y + sy * y},
+                flat{corners[k].x + sx * x, corners[k].y};
+            const Point2 from = k % 2 == 0 ? upright : flat, to = k % 2 == 0 ? flat : upright;
+            if (k == 0) builder.move_to(from);
+            if (!(builder.current() == from)) builder.line_to(from);
+            if (x > 0 && y > 0) builder.arc_to(x, y, 0, false, true, to);
+        }
+        builder.close();
+        return true;
+    }
+
+    bool ellipse(PathBuilder& builder, bool circle) {
+        std::vector<std::string> radii;
+        while (at_ < words_.size() && lowered(words_[at_]) != "at") radii.push_back(lowered(words_[at_++]));
+        Point2 centre{(box_.x0 + box_.x1) / 2, (box_.y0 + box_.y1) / 2};
+        if (take("at")) {
+            const auto place =
+                position_in({words_.begin() + static_cast<std::ptrdiff_t>(at_), words_.end()}, box_, view_);
+            if (!place) return false;
+            centre = *place;
+            at_ = words_.size();
+        }
+        if (radii.empty()) radii.assign(circle ? 1 : 2, "closest-side");
+        if (radii.size() != (circle ? 1U : 2U)) return false;
+        const std::array<double, 2> x{std::abs(centre.x - box_.x0), std::abs(box_.x1 - centre.x)};
+        const std::array<double, 2> y{std::abs(centre.y - box_.y0), std::abs(box_.y1 - centre.y)};
+        const auto radius = [&](const std::string& word, std::vector<double> sides, double whole) {
+            if (word == "closest-side") return std::optional(*std::min_element(sides.begin(), sides.end()));
+            if (word == "farthest-side") return std::optional(*std::max_element(sides.begin(), sides.end()));
+            return length_in(word, whole, view_);
+        };
+        const Viewport size{box_.width(), box_.height()};
+        const auto rx = circle ? radius(radii[0], {x[0], x[1], y[0], y[1]}, size.diagonal())
+                               : radius(radii[0], {x[0], x[1]}, size.width);
+        const auto ry = circle ? rx : radius(radii[1], {y[0], y[1]}, size.height);
+        if (!rx || !ry) return false;
+        if (!(*rx > 0 && *ry > 0)) return true; // nothing is left
+        add_ellipse(builder, centre, *rx, *ry);
+        return true;
+    }
+
+    const std::vector<std::string>& words_;
+    std::size_t at_ = 0;
+    const Box& box_;
+    const Viewport& view_;
+};
+
+} // namespace
+
+std::optional<BasicShape> parse_basic_shape(std::string_view text, const Box& fill, const Box& stroke,
+                                            const Viewport& viewport) {
+    const auto items = css_items(text);
+    if (!items) return std::nullopt;
+    Box box = stroke; // where no box is named
+    const CssItem* shape = nullptr;
+    for (const CssItem& item : *items) {
+        if (item.is_function && shape == nullptr) {
+            shape = &item;
+        } else if (item.name == "fill-box" || item.name == "content-box" || item.name == "padding-box") {
+            box = fill;
+        } else if (item.name == "view-box") {
+            box = {0, 0, viewport.width, viewport.height};
+        } else if (item.name != "stroke-box" && item.name != "border-box" && item.name != "margin-box") {
+            return std::nullopt;
+        }
+    }
+    if (shape == nullptr) return std::nullopt;
+    return BasicShapeReader(*shape, box, viewport).read(shape->name);
+}
+
+} // namespace detail
+
+} // namespace cageform_examples

@@ -1,0 +1,43 @@
+#pragma once
+
+// Geometry and transforms that CSS gives: they become attributes, which the rest of the reader knows.
+
+#include "svg/shapes.hpp"
+#include "svg/style.hpp"
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace cageform_examples {
+
+namespace detail {
+
+/// A value that is given and not "inherit"; else empty.
+std::string text_of(const StyleSheets::Values& values, std::string_view property);
+
+/// The size of an element's font.
+///
+///   parent   has that of the element it stands in
+double font_size(const StyleSheets::Values& values, const Viewport& parent);
+
+/// Writes as attributes what style attributes and sheets say of the geometry and the transforms of all
+/// elements but the root, and takes it out of these. A `transform` then has all of transform, translate,
+/// rotate, scale, transform-origin and transform-box. Values that cannot be read stay, and are reported.
+void place_by_attributes(SvgDocument& document, StyleSheets& styles);
+
+/// A basic shape, as clip-path has them: circle(), ellipse(), inset(), polygon(), path().
+struct BasicShape {
+    std::string data; // of a path
+    bool even_odd = false;
+};
+
+/// Nothing where the text is none, or not one that is read.
+///
+///   box    that its lengths refer to: of the geometry, or with the stroke around it
+std::optional<BasicShape> parse_basic_shape(std::string_view text, const Box& fill, const Box& stroke,
+                                            const Viewport& viewport);
+
+} // namespace detail
+
+} // namespace cageform_examples

@@ -1,0 +1,211 @@
+#include "svg/properties.hpp"
+
+#include "svg/style.hpp"
+#include "svg/xml.hpp"
+
+#include <algorithm>
+#include <array>
+#include <set>
+#include <unordered_map>
+
+namespace cageform_examples {
+
+namespace detail {
+
+namespace {
+
+constexpr std::string_view placing_names =
+    "x y width height cx cy r rx ry d transform transform-origin transform-box translate rotate scale";
+
+constexpr std::string_view read_names = R"(
+clip-path display fill fill-opacity fill-rule filter font-size marker marker-end marker-mid marker-start mask
+opacity overflow stroke stroke-dasharray stroke-linecap stroke-linejoin stroke-miterlimit stroke-opacity
+stroke-width text-anchor visibility)";
+
+constexpr std::string_view kept_names = R"(
+alignment-baseline animation-composition animation-delay animation-direction animation-duration
+animation-fill-mode animation-iteration-count animation-play-state animation-range animation-timeline
+animation-timing-function backface-visibility background background-attachment background-clip
+background-color background-image background-origin background-position background-repeat background-size
+baseline-shift baseline-source block-size border border-bottom border-collapse border-color border-left
+border-radius border-right border-spacing border-style border-top border-width bottom box-shadow box-sizing
+caret-color clear clip clip-rule color color-interpolation color-interpolation-filters color-profile
+color-rendering color-scheme contain content cursor direction dominant-baseline enable-background
+flex flex-direction float flood-color flood-opacity font font-family font-feature-settings
+font-kerning font-language-override font-optical-sizing font-palette font-size-adjust font-stretch
+font-style font-synthesis font-variant font-variant-alternates font-variant-caps font-variant-east-asian
+font-variant-ligatures font-variant-numeric font-variant-position font-variation-settings font-weight
+forced-color-adjust glyph-orientation-horizontal glyph-orientation-vertical hyphens image-rendering
+inline-size inset isolation kerning left letter-spacing lighting-color line-break line-height margin
+margin-bottom margin-left margin-right margin-top mask-clip mask-composite mask-mode mask-origin
+mask-position mask-repeat mask-size mask-type max-height max-width min-height min-width mix-blend-mode
+object-fit object-position offset-anchor offset-distance offset-position offset-rotate orphans outline
+outline-color outline-offset outline-style outline-width overflow-wrap overflow-x overflow-y padding
+padding-bottom padding-left padding-right padding-top page paint-order perspective-origin pointer-events
+position print-color-adjust quotes right shape-image-threshold shape-margin shape-outside shape-padding
+shape-rendering solid-color solid-opacity src stop-color stop-opacity stroke-dashoffset
+tab-size text-align text-align-all text-align-last text-combine-upright text-decoration
+text-decoration-color text-decoration-fill text-decoration-line text-decoration-skip-ink
+text-decoration-stroke text-decoration-style text-decoration-thickness text-indent text-orientation
+text-overflow text-rendering text-shadow text-size-adjust text-transform text-underline-offset
+text-underline-position top touch-action transform-style transition-behavior transition-delay
+transition-duration transition-timing-function unicode-bidi user-select vector-effect vertical-align
+white-space white-space-collapse widows will-change word-break word-spacing word-wrap writing-mode z-index
+-inkscape-font-specification -inkscape-stroke -inkscape-text-align -moz-osx-font-smoothing -moz-user-select
+-ms-user-select -webkit-font-smoothing -webkit-tap-highlight-color -webkit-text-size-adjust
+-webkit-transform-origin -webkit-user-select)";
+
+constexpr std::string_view not_applied_names = R"(
+all animation animation-name backdrop-filter mask-border mask-image offset offset-path perspective
+shape-inside shape-subtract transition transition-property zoom -webkit-animation -webkit-clip-path
+-webkit-mask -webkit-mask-image -webkit-transform -webkit-transition -moz-transform -ms-transform
+-o-transform)";
+
+constexpr std::string_view not_inherited_names = R"(
+clip-path:none display:inline filter:none mask:none opacity:1 overflow:visible mix-blend-mode:normal
+isolation:auto stop-color:black stop-opacity:1 flood-color:black flood-opacity:1 vector-effect:none
+text-decoration:none alignment-baseline:auto baseline-shift:baseline animation:none transition:none
+mask-type:luminance)";
+
+constexpr std::string_view attribute_names = R"(
+accent-height accumulate additive alphabetic amplitude arabic-form ascent attributeName attributeType
+azimuth baseFrequency baseProfile bbox begin bias by calcMode cap-height class clipPathUnits
+contentScriptType contentStyleType crossorigin cy data decoding descent diffuseConstant divisor download dur
+dx dy edgeMode elevation end exponent externalResourcesRequired fetchpriority filterRes filterUnits font fr
+from fx fy g1 g2 glyph-name glyphRef gradientTransform gradientUnits hanging height horiz-adv-x
+horiz-origin-x horiz-origin-y href hreflang id ideographic in in2 intercept k k1 k2 k3 k4 kernelMatrix
+kernelUnitLength keyPoints keySplines keyTimes lang lengthAdjust limitingConeAngle local markerHeight
+markerUnits markerWidth maskContentUnits maskUnits mathematical max media method min mode name nonce
+numOctaves offset operator order orient orientation origin overline-position overline-thickness panose-1
+path pathLength patternContentUnits patternTransform patternUnits ping points pointsAtX pointsAtY pointsAtZ
+preserveAlpha preserveAspectRatio primitiveUnits radius refX refY referrerpolicy rel repeatCount repeatDur
+requiredExtensions requiredFeatures requiredFonts requiredFormats restart result role rotate seed side slope
+spacing specularConstant specularExponent spreadMethod startOffset stdDeviation stemh stemv stitchTiles
+strikethrough-position strikethrough-thickness string style surfaceScale systemLanguage tabindex tableValues
+target targetX targetY textLength title to type u1 u2 underline-position underline-thickness unicode
+unicode-range units-per-em v-alphabetic v-hanging v-ideographic v-mathematical values version vert-adv-y
+vert-origin-x vert-origin-y viewBox viewTarget width widths x-height x1 x2 xChannelSelector xmlns y1 y2
+yChannelSelector z zoomAndPan)";
+
+constexpr std::string_view element_names = R"(
+a altGlyph altGlyphDef altGlyphItem animate animateColor animateMotion animateTransform circle clipPath
+color-profile cursor defs desc discard ellipse feBlend feColorMatrix feComponentTransfer feComposite
+feConvolveMatrix feDiffuseLighting feDisplacementMap feDistantLight feDropShadow feFlood feFuncA feFuncB
+feFuncG feFuncR feGaussianBlur feImage feMerge feMergeNode feMorphology feOffset fePointLight
+feSpecularLighting feSpotLight feTile feTurbulence filter font font-face font-face-format font-face-name
+font-face-src font-face-uri foreignObject g glyph glyphRef hkern image line linearGradient link marker mask
+metadata missing-glyph mpath path pattern polygon polyline radialGradient rect script set solidColor stop
+style svg switch symbol text textPath title tref tspan use view vkern)";
+
+std::set<std::string_view> set_of(std::string_view list) {
+    const auto words = words_of(list);
+    return {words.begin(), words.end()};
+}
+
+/// The property that an element animates and that the deformation moves; empty for others.
+std::string animated_property(pugi::xml_node node, const std::string& kind) {
+    if (kind == "animateMotion" || kind == "animateTransform") return "the transform";
+    const std::string name = attribute_text(node, "attributeName");
+    if (kind != "animate" && kind != "set") return {};
+    constexpr std::array lists{"points", "x1", "y1", "x2", "y2", "viewBox", "href", "xlink:href"};
+    const bool moves = std::find(lists.begin(), lists.end(), name) != lists.end();
+    return moves || use_of(name) == PropertyUse::placing ? name : std::string();
+}
+
+} // namespace
+
+PropertyUse use_of(std::string_view property) {
+    static const std::unordered_map<std::string_view, PropertyUse> table = [] {
+        std::unordered_map<std::string_view, PropertyUse> uses;
+        const auto put = [&](std::string_view list, PropertyUse use) {
+            for (const std::string_view word : words_of(list)) uses[word] = use;
+        };
+        put(placing_names, PropertyUse::placing);
+        put(read_names, PropertyUse::read);
+        put(kept_names, PropertyUse::kept);
+        put(not_applied_names, PropertyUse::not_applied);
+        return uses;
+    }();
+    const auto found = table.find(property);
+    return found == table.end() ? PropertyUse::unknown : found->second;
+}
+
+std::string neutral_value(const std::string& property) {
+    for (const std::string_view word : words_of(not_inherited_names)) {
+        if (word.starts_with(property + ':')) return std::string(word.substr(property.size() + 1));
+    }
+    return use_of(property) == PropertyUse::unknown ? "unset" : "inherit";
+}
+
+void UnappliedReport::add(const std::string& where, const std::string& what, std::string_view value) {
+    Place& place = places_[what];
+    if (place.count++ > 0) return;
+    place.first = where;
+    place.value = value.substr(0, 60);
+    order_.push_back(what);
+}
+
+void UnappliedReport::declare(const std::string& where, std::string_view property, std::string_view value) {
+    switch (use_of(property)) {
+    case PropertyUse::unknown:
+        return add(where, "the property \"" + std::string(property) + "\" is not known and stays as it is");
+    case PropertyUse::not_applied:
+        if (value == "none" || value == "auto" || value == "0" || value == "initial") return;
+        return add(where, "the property \"" + std::string(property) + "\" is not deformed", value);
+    default: return;
+    }
+}
+
+void UnappliedReport::look_at(const SvgDocument& document) {
+    static const std::set<std::string_view> known_elements = set_of(element_names);
+    for (const pugi::xml_node node : document.xml.children()) {
+        if (node.type() != pugi::node_pi || std::string_view(node.name()) != "xml-stylesheet") continue;
+        add(node.name(), "another file is not read", node.value());
+    }
+    const pugi::xml_node root = root_element(document.xml);
+    for (pugi::xml_node node = root; node;) {
+        const std::string kind = local_name(node);
+        const bool foreign = kind.empty() || kind.find(':') != std::string::npos;
+        const bool known = known_elements.count(kind) != 0;
+        if (!foreign) look_at(document, node, kind);
+        if (!foreign && !known) add(label(document, node), kind + " is not deformed and stays as it is");
+        const bool opaque = !known || kind == "foreignObject" || kind == "metadata" || kind == "script";
+        node = opaque ? node_after(node, root) : next_node(node, root);
+    }
+}
+
+void UnappliedReport::look_at(const SvgDocument& document, pugi::xml_node node, const std::string& kind) {
+    static const std::set<std::string_view> known_attributes = set_of(attribute_names);
+    const auto tell = [&](std::string_view property, std::string_view value) {
+        const PropertyUse use = use_of(property);
+        if (use != PropertyUse::unknown && use != PropertyUse::not_applied) return;
+        declare(label(document, node), property, unescaped(value));
+    };
+    for (const pugi::xml_attribute attribute : node.attributes()) {
+        const std::string_view name = attribute.name();
+        const bool foreign = name.find(':') != std::string_view::npos || name.starts_with("data-") ||
+                             name.starts_with("aria-") || name.starts_with("on") ||
+                             name.starts_with("cageform-"); // a mark of ours
+        if (!foreign && known_attributes.count(name) == 0) tell(name, attribute.value());
+    }
+    for (const Declaration& d : declarations(node.attribute("style").value())) {
+        tell(property_name(d.property), d.value);
+    }
+    const std::string animated = animated_property(node, kind);
+    if (!animated.empty()) add(label(document, node), kind + " is not deformed: it animates " + animated);
+}
+
+std::vector<std::string> UnappliedReport::lines() const {
+    std::vector<std::string> all;
+    for (const std::string& what : order_) {
+        const Place& place = places_.at(what);
+        const std::string value = place.value.empty() ? "" : ": " + place.value;
+        const std::string more = place.count > 1 ? " (" + std::to_string(place.count) + " times)" : "";
+        all.push_back(place.first + ": " + what + value + more);
+    }
+    return all;
+}
+
+} // namespace detail
+
+} // namespace cageform_examples

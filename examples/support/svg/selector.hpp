@@ -1,0 +1,59 @@
+#pragma once
+
+// Selectors of CSS: which elements a rule applies to, and its rank.
+
+#include <pugixml.hpp>
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace cageform_examples {
+
+namespace detail {
+
+struct SimpleSelector;
+
+/// Simple selectors that one element has to meet, such as rect.wall:first-child
+struct CompoundSelector {
+    char combinator = ' '; // to the compound before: ' ', '>', '+' or '~'
+    std::vector<SimpleSelector> parts;
+};
+
+/// A selector without commas, such as: g > rect.wall:not([width="6"])
+struct Selector {
+    std::vector<CompoundSelector> compounds;
+    std::size_t specificity = 0;
+    bool has_state = false; // asks for a state such as :hover, which no picture at rest has
+
+    /// Whether it selects an element, where elements are in the states it asks for.
+    ///
+    ///   top   what is around and beside this element is not looked at; nothing: all of the document is
+    bool matches(pugi::xml_node node, pugi::xml_node top = {}) const;
+
+    /// "#id", ".class" or the type, one that its elements have; empty where they need none.
+    std::string key() const;
+};
+
+struct SimpleSelector {
+    enum class Kind { type, id, class_name, attribute, any_of, none_of, nth, root, empty, state };
+    Kind kind = Kind::type;
+    std::string name, value; // of an attribute; or the name alone
+    char comparison = 0;     // of an attribute's value: '=', '~', '|', '^', '$', '*'; 0: none
+    bool ignores_case = false;
+    std::vector<Selector> list;             // of any_of and none_of
+    bool of_type = false, from_end = false; // of nth: the (step · n + offset)th child
+    int step = 0, offset = 1;
+};
+
+/// A list of selectors with commas between them. Those that are not read are left out: pseudo-elements,
+/// pseudo-classes other than structural ones, states, :not, :is and :where.
+///
+///   complete   receives whether all were read
+std::vector<Selector> parse_selectors(std::string_view text, bool& complete);
+
+} // namespace detail
+
+} // namespace cageform_examples

@@ -1,0 +1,576 @@
+// CSS in drawings: which rules apply, geometry and transforms that rules give, and what is not applied.
+#include "svg/document.hpp"
+#include "svg/style.hpp"
+#include "svg/walk.hpp"
+#include "svg/xml.hpp"
+
+#include "catch.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <random>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace svg_style_tests {
+
+using namespace cageform_examples;
+
+namespace {
+
+std::string svg(std::string_view content) {
+    return R"(<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 200 100">)" + std::string(content) +
+           "</svg>";
+}
+
+SvgDocument parsed(std::string_view text) {
+    auto document = parse_svg(text, "test.svg");
+    INFO(text);
+    REQUIRE(document);
+    return std::move(*document);
+}
+
+struct Result {
+    SvgDocument document;
+    std::string text;
+    std::vector<std::string> warnings;
+};
+
+Result deformed(std::string_view text, const Affine2& pose) {
+    SvgDocument document = parsed(text);
+    const auto report = deform(document,
+                               [&](std::span<const Point2> in, std::span<Point2> out) {
+                                   std::transform(in.begin(), in.end(), out.begin(),
+                                                  [&](const Point2& p) { return apply(pose, p); });
+                                   return true;
+                               },
+                               {.decimals = 9});
+    INFO(text);
+    INFO((report ? std::string() : to_string(report.error())));
+    REQUIRE(report);
+    std::string written = to_text(document);
+    return {std::move(document), std::move(written), report->warnings};
+}
+
+/// The shapes of a drawing in root user space, after a map.
+std::string drawn(std::string_view text, const Affine2& map = {}) {
+    const auto all = shapes(parsed(text));
+    INFO(text);
+    INFO((all ? std::string() : to_string(all.error())));
+    REQUIRE(all);
+    std::string result;
+    for (const SvgShape& shape : *all) result += write_path_data(transformed(shape.path, map), 3) + '\n';
+    return result;
+}
+
+pugi::xml_node by_name(const SvgDocument& document, const char* name) {
+    return document.xml.find_node([&](pugi::xml_node node) { return detail::local_name(node) == name; });
+}
+
+const Affine2 slanted{0.9, 0.4, -0.3, 1.2, 7, -5};
+
+class Random {
+public:
+    explicit Random(unsigned seed)
+        : engine_(seed) {}
+    std::size_t below(std::size_t n) { return engine_() % n; }
+    double number(double from, double to) {
+        return from + (to - from) * double(engine_()) / double(std::mt19937::max());
+    }
+    std::string any_of(const std::vector<std::string>& texts) { return texts[below(texts.size())]; }
+
+private:
+    std::mt19937 engine_;
+};
+
+} // namespace
+
+TEST_CASE("selectors find what CSS says, and rank as CSS says", "[examples][svg_style][selector]") {
+    const SvgDocument document =
+        parsed(svg(R"x(<g id="g" class="outer one"><rect id="r" class="a b" width="6"/>
+        <circle id="c" data-kind="Big round" lang="de-CH"/>
+        <path id="p" class="a"/><path id="q"/><g id="e"/></g>)x"));
+    const detail::IdTable ids(detail::root_element(document.xml));
+    const auto found = [&](std::string_view text) {
+        bool complete = false;
+        std::string result;
+        for (const detail::Selector& selector : detail::parse_selectors(text, complete)) {
+            for (const char* id : {"g", "r", "c", "p", "q", "e"}) {
+                if (selector.matches(ids.find(id))) result += id;
+            }
+        }
+        return complete ? result : "?";
+    };
+    const auto rank = [](std::string_view text) {
+        bool complete = false;
+        const auto all = detail::parse_selectors(text, complete);
+        return all.size() == 1 ? all.front().specificity : 0;
+    };
+    struct Case {
+        std::string_view text, found;
+        std::size_t rank; // ids, classes, types in decimals
+    };
+    for (const Case& c : std::vector<Case>{{"path", "pq", 1},
+                                           {"*", "grcpqe", 0},
+                                           {"#r", "r", 1000000},
+                                           {".a.b", "r", 2000},
+                                           {".A", "", 1000},
+                                           {"svg|path.a", "p", 1001},
+                                           {"[width]", "r", 1000},
+                                           {"rect[width='6']", "r", 1001},
+                                           {"[width=\"60\"]", "", 1000},
+                                           {"[data-kind~=round]", "c", 1000},
+                                           {"[data-kind='big ROUND' i]", "c", 1000},
+                                           {"[lang|=de]", "c", 1000},
+                                           {"[id^=r]", "r", 1000},
+                                           {"[class$=ne]", "g", 1000},
+                                           {"[class*=' ']", "gr", 1000},
+                                           {"[class*='']", "", 1000},
+                                           {"g path", "pq", 2},
+                                           {"svg > path", "", 2},
+                                           {"g>path", "pq", 2},
+                                           {"rect + circle", "c", 2},
+                                           {"rect + path", "", 2},
+                                           {"rect ~ path", "pq", 2},
+                                           {"svg rect ~ path + g", "e", 4},
+                                           {":root > g > :first-child", "r", 2001},
+                                           {"path:first-of-type", "p", 1001},
+                                           {"path:last-of-type", "q", 1001},
+                                           {":last-child", "ge", 1000},
+                                           {":only-child", "g", 1000},
+                                           {"rect:only-of-type", "r", 1001},
+                                           {":nth-child(2n)", "cq", 1000},
+                                           {":nth-child( odd )", "grpe", 1000},
+                                           {":nth-child(-n + 2)", "grc", 1000},
+                                           {":nth-last-child(2)", "q", 1000},
+                                           {"path:nth-of-type(2)", "q", 1001},
+                                           {"path:nth-last-of-type(2)", "p", 1001},
+                                           {":empty", "rcpqe", 1000},
+                                           {"path:not(.a)", "q", 1001},
+                                           {":not(path, #g)", "rce", 1000000},
+                                           {":is(rect, #q)", "rq", 1000000},
+                                           {":where(#r, .a)", "rp", 0},
+                                           {"g :not(rect + *):not(g)", "rpq", 3},
+                                           {"path:not(:hover)", "pq", 1001},
+                                           {"\\70 ath", "pq", 1},
+                                           {"#\\72", "r", 1000000},
+                                           {"path::before", "?", 0},
+                                           {":unheard(2)", "?", 0},
+                                           {"path >", "?", 0},
+                                           {"> path", "?", 0},
+                                           {"a[", "?", 0},
+                                           {"a)", "?", 0}}) {
+        CAPTURE(c.text);
+        CHECK(found(c.text) == c.found);
+        if (c.found != "?") CHECK(rank(c.text) == c.rank);
+    }
+    CHECK(found("rect, circle , .a:first-child") == "rcr");
+    bool complete = false;
+    const auto states = detail::parse_selectors("path:hover, path:not(:focus)", complete);
+    CHECK((states[0].has_state && !states[1].has_state && complete));
+    // as many ways to match as a hostile file likes, and no match
+    std::string deep = "<g>", selector = "x";
+    for (int i = 0; i < 300; ++i) deep += "<g>";
+    for (int i = 0; i < 60; ++i) selector += i % 2 == 0 ? " g" : " > g";
+    for (int i = 0; i < 300; ++i) deep += "</g>";
+    CHECK(deformed(svg("<style>" + selector + "{fill:red}</style>" + deep + "</g><path d='M0 0h1v1z'/>"),
+                   slanted)
+              .warnings.empty());
+}
+
+TEST_CASE("what becomes of elements changes nothing of what rules give them",
+          "[examples][svg_style][property]") {
+    const auto seed = GENERATE(range(0, 60));
+    CAPTURE(seed);
+    Random random(static_cast<unsigned>(seed));
+    const std::vector<std::string> kinds{"rect", "circle", "path", "g", "polygon", "ellipse"};
+    const std::vector<std::string> parts{"rect",
+                                         "path",
+                                         "circle",
+                                         ".a",
+                                         ".b",
+                                         "#i3",
+                                         "*",
+                                         "[width]",
+                                         "[r='7']",
+                                         "[class~=a]",
+                                         ":first-child",
+                                         "path:not(.a)",
+                                         "g",
+                                         "ellipse.b",
+                                         ":nth-of-type(2)",
+                                         ":nth-child(3)",
+                                         ":is(rect,.b)",
+                                         "[d]",
+                                         ":where(#i1)"};
+    const std::vector<std::string> properties{"fill",       "stroke",    "opacity",
+                                              "visibility", "fill-rule", "stroke-width"};
+    const auto declaration = [&] {
+        const std::string property = random.any_of(properties);
+        const std::string value = property == "fill" || property == "stroke"
+                                      ? random.any_of({"red", "tan", "none"})
+                                  : property == "fill-rule"  ? random.any_of({"evenodd", "nonzero"})
+                                  : property == "visibility" ? random.any_of({"hidden", "visible"})
+                                                             : random.any_of({".5", "2", ".25"});
+        return property + ':' + value + (random.below(5) == 0 ? "!important" : "");
+    };
+    std::string css, content;
+    for (int n = 0; n < 8; ++n) {
+        css += random.any_of(parts) + random.any_of({"", "", " ", ">", "+", "~"});
+        css += random.any_of({"*", "rect", ".a", "path", "g *"}) + '{' + declaration() + ';' + declaration() +
+               '}';
+    }
+    for (int n = 0; n < 12; ++n) {
+        const std::string kind = random.any_of(kinds);
+        content += '<' + kind + " id='i" + std::to_string(n) + "' class='" +
+                   random.any_of({"", "a", "b", "a b"}) + "' " +
+                   random.any_of({"", "fill='blue'", "opacity='.75'", "stroke='black' stroke-width='3'"});
+        if (random.below(3) == 0) content += " style='" + declaration() + "'";
+        const std::map<std::string, std::string> shape{
+            {"rect", " width='9' height='4'/>"},    {"circle", " r='7'/>"},
+            {"ellipse", " rx='7' ry='2'/>"},        {"path", " d='M1 2h3v4z'/>"},
+            {"polygon", " points='0,0 4,0 4,4'/>"}, {"g", "><rect class='b' width='2' height='2'/></g>"}};
+        content += shape.at(kind);
+    }
+    const std::string text = svg("<style>" + css + "</style>" + content);
+    CAPTURE(text);
+    SvgDocument before = parsed(text);
+    Result after = deformed(text, slanted);
+    CAPTURE(after.text);
+    CHECK(after.text.find("cageform-") == std::string::npos); // no mark is left
+    const detail::StyleSheets old(before), fresh(after.document);
+    const pugi::xml_node root = detail::root_element(before.xml);
+    pugi::xml_node now = detail::root_element(after.document.xml);
+    for (pugi::xml_node was = root; was; was = detail::next_node(was, root)) {
+        REQUIRE(now);
+        CAPTURE(was.name(), detail::attribute_text(was, "id"));
+        for (const std::string& property : properties) {
+            CAPTURE(property);
+            const auto neutral = [&](std::string value) {
+                return value == detail::neutral_value(property) ? std::string() : value;
+            };
+            CHECK(neutral(fresh.value(now, property).text) == neutral(old.value(was, property).text));
+        }
+        now = detail::next_node(now, detail::root_element(after.document.xml));
+    }
+}
+
+TEST_CASE("rules keep their effect on copies and new elements", "[examples][svg_style]") {
+    // a copy has the rules of what it is a copy of, as if that stood alone
+    const std::string defs =
+        R"(<defs><g id="g" class="box"><path id="p" class="k" d="M0 0h9v9z"/></g></defs>)";
+    const auto copy_of = [&](const std::string& css, const std::string& id) {
+        Result copy =
+            deformed(svg("<style>" + css + "</style>" + defs + "<use href='#" + id + "'/>"), slanted);
+        const pugi::xml_node group = detail::root_element(copy.document.xml).last_child();
+        return detail::attribute_text(group, "style") + '|' +
+               detail::attribute_text(group.first_child(), "style") + '|' +
+               detail::attribute_text(group.first_child().first_child(), "style");
+    };
+    CHECK(copy_of("use{opacity:.5} g > path{fill:red} svg path{stroke:tan}", "p") ==
+          "opacity:.5|fill:inherit;stroke:inherit|");
+    CHECK(copy_of("#p{fill:red} .k:first-child{opacity:.5}", "p") == "|fill:red|");
+    CHECK(copy_of("g{opacity:.5} .box > .k{fill:red} defs .k{stroke:tan}", "g") == "opacity:1||");
+    CHECK(copy_of("g g path{fill:red} #g > #p:nth-child(1){stroke:tan}", "g") == "||fill:inherit;stroke:tan");
+    // a rule under a condition that loses an element is named; one that does not is left alone
+    const std::string shapes = "<rect width='9' height='9'/><path class='k' d='M1 1h2v2z'/>";
+    const Result lost =
+        deformed(svg("<style>rect:hover{fill:red}\n.k:hover{fill:red}\n@media print{rect{fill:tan}}"
+                     "</style>" +
+                     shapes),
+                 slanted);
+    REQUIRE(lost.warnings.size() == 2);
+    CHECK(lost.warnings[0] == "style (line 3): \"rect\" no longer applies to path (line 3)");
+    Result print = deformed(svg("<style media='print'>path{fill:red}</style><path d='M1 1h2v2z'/>"), slanted);
+    CHECK(detail::StyleSheets(print.document).value(by_name(print.document, "path"), "fill").text.empty());
+    CHECK(lost.warnings[1] == "style (line 1): \"rect:hover\" no longer applies to path (line 3)");
+    // what has not moved is as it was
+    const std::string still = svg(R"(<style>rect{fill:red;x:5px}</style><rect width="9" height="9"/>)");
+    CHECK(deformed(still, {}).text == still);
+    for (const std::string_view odd :
+         {"/*", "/", "@", "rect", "{", "}", "rect{", "rect{/*", "@media{rect", "", "rect{x:", "rect{x:1px",
+          "rect{x:;y:2px", "<![CDATA[rect{x:1px}]]>"}) {
+        CAPTURE(odd);
+        const Result result =
+            deformed(svg("<style>" + std::string(odd) + "</style><rect width='1' height='1'/>"), slanted);
+        CHECK(to_text(parsed(result.text)) == result.text);
+    }
+}
+
+TEST_CASE("geometry and transforms by CSS are those by attributes", "[examples][svg_style][geometry]") {
+    struct Case {
+        std::string css, by_css, by_attributes;
+    };
+    const std::string rect = R"(<rect x="20" y="30" width="40" height="10")";
+    const auto about = [](const std::string& x, const std::string& y, const std::string& map) {
+        return " transform='translate(" + x + ' ' + y + ") " + map + " translate(-" + x + " -" + y + ")'";
+    };
+    const auto cases = std::vector<Case>{
+        {".k{x:1px;y:2px;width:30px;height:40px;rx:4px}", "<rect class='k' rx='9'/>",
+         "<rect x='1' y='2' width='30' height='40' rx='4'/>"},
+        {"", "<rect style='width:25%;height:1in!important' height='2'/>", "<rect width='50' height='96'/>"},
+        {"circle{cx:3px;cy:4px;r:5px}", "<circle r='9'/>", "<circle cx='3' cy='4' r='5'/>"},
+        {"", "<ellipse style='cx:3px;cy:4px;rx:5px;ry:2px'/>", "<ellipse cx='3' cy='4' rx='5' ry='2'/>"},
+        {"", "<path d='M0 0' style=\"d:path('M1 2 L9 9')\"/>", "<path d='M1 2 L9 9'/>"},
+        {"path{d:path(\"M1 2C1 3 2 4 9 9\")}", "<path/>", "<path d='M1 2C1 3 2 4 9 9'/>"},
+        {"", "<path d='M0 0' style='d:none'/>", ""},
+        {".u{x:5px;y:6px}", "<defs><path id='p' d='M0 0h9'/></defs><use class='u' href='#p'/>",
+         "<path d='M5 6h9'/>"},
+        {"", rect + " style='transform:rotate(30deg)'/>", rect + " transform='rotate(30)'/>"},
+        {"g{transform:translate(10px,5%) scale(2)}", "<g transform='scale(9)'>" + rect + "/></g>",
+         "<g transform='translate(10 5) scale(2)'>" + rect + "/></g>"},
+        {"", rect + " style='transform:translateX(1em) rotate(.25turn) skewX(20deg) scaleY(50%)'/>",
+         rect + " transform='translate(16 0) rotate(90) skewX(20) scale(1 .5)'/>"},
+        {"", rect + " style='transform:skew(10deg,20deg) matrix(1,2,3,4,5,6)'/>",
+         rect + " transform='matrix(1 .36397 .176327 1 0 0) matrix(1 2 3 4 5 6)'/>"},
+        {"", rect + " transform='rotate(20)' transform-origin='15 25'/>",
+         rect + about("15", "25", "rotate(20)") + "/>"},
+        {"", rect + " transform='rotate(20)' style='transform-origin:50% bottom'/>",
+         rect + about("100", "100", "rotate(20)") + "/>"},
+        {"", rect + " style='transform:scale(2);transform-origin:center;transform-box:fill-box'/>",
+         rect + about("40", "35", "scale(2)") + "/>"},
+        {"", "<g style='rotate:90deg;transform-origin:right top;transform-box:fill-box'>" + rect + "/></g>",
+         "<g " + about("60", "30", "rotate(90)") + '>' + rect + "/></g>"},
+        {"",
+         rect + " style='translate:10% 3px;rotate:40grad;scale:2 "
+                ".5;transform:skewX(9deg);transform-origin:left'/>",
+         rect + about("0", "50", "translate(20 3) rotate(36) scale(2 .5) skewX(9)") + "/>"},
+        {"", "<g font-size='10'><rect x='2em' y='1ex' width='3rem' style='height:2em;font-size:150%'/></g>",
+         "<rect x='30' y='7.5' width='48' height='30'/>"},
+        {".f{font:bold 10px/2 serif;font-size:5px}",
+         "<g style='font:700 20px serif'><rect x='1em' width='3em' height='9'/>"
+         "<rect class='f' width='3em' height='9'/></g>",
+         "<rect x='20' width='60' height='9'/><rect width='15' height='9'/>"},
+        {"",
+         "<defs><g id='d'>" + rect +
+             "/></g></defs><use href='#d' style='rotate:90deg;transform-box:fill-box;"
+             "transform-origin:left top'/>",
+         "<g " + about("20", "30", "rotate(90)") + "><g>" + rect + "/></g></g>"},
+        {"svg{font-size:8px}", "<rect x='1cm' y='1pc' width='3rem' height='40q'/>",
+         "<rect x='37.795' y='16' width='24' height='37.795'/>"}};
+    for (const Case& c : cases) {
+        const std::string text = svg("<style>" + c.css + "</style>" + c.by_css);
+        CAPTURE(text);
+        CHECK(drawn(text) == drawn(svg(c.by_attributes)));
+        const Result moved = deformed(text, slanted); // and no rule draws it back
+        CAPTURE(moved.text);
+        CHECK(drawn(moved.text) == drawn(svg(c.by_attributes), slanted));
+        CHECK(moved.warnings.empty());
+    }
+    // what a sheet says of geometry is gone from it, all else is not
+    const Result moved =
+        deformed(svg("<style>/* x:1 */ rect { fill:red; x: 5px ; stroke:tan;width:9px }</style>"
+                     "<rect height='4'/>"),
+                 slanted);
+    CHECK(moved.text.find("<style>/* x:1 */ rect { fill:red;  stroke:tan;}</style>") != std::string::npos);
+    // it stays where it cannot be read, and is named
+    const Result kept =
+        deformed(svg("<style>rect{x:max(1px, 2px)}</style><rect width='9' height='9'/>\n"
+                     "<g style='transform:rotate3d(1,1,1,9deg)'/><g style='offset-path:none'/>"
+                     "<rect width='2' height='2' style='translate:1px;transform-box:stroke-box'/>"),
+                 slanted);
+    REQUIRE(kept.warnings.size() == 3);
+    CHECK(kept.warnings[0] == "rect (line 1): the property \"x\" is not deformed: max(1px, 2px) (2 times)");
+    CHECK(kept.warnings[1] == "g (line 2): the property \"transform\" is not deformed: rotate3d(1,1,1,9deg)");
+    CHECK(kept.warnings[2] == "rect (line 2): the property \"translate\" is not deformed: 1px");
+    CHECK(kept.text.find("x:max(1px, 2px)") != std::string::npos);
+}
+
+TEST_CASE("basic shapes clip as paths do", "[examples][svg_style][clip]") {
+    const std::string box = "<rect x='20' y='30' width='40' height='20'";
+    const auto clips = [&](const std::string& shape, const std::string& path) {
+        const std::string by_shape = svg(box + " clip-path='" + shape + "'/>");
+        const std::string by_path =
+            svg("<clipPath id='c'><path d='" + path + "'/></clipPath>" + box + " clip-path='url(#c)'/>");
+        const auto clip_of = [](const std::string& text) {
+            const Result moved = deformed(text, slanted);
+            const std::string data =
+                detail::attribute_text(by_name(moved.document, "clipPath").first_child(), "d");
+            CHECK(moved.warnings.empty());
+            return write_path_data(*parse_path_data(data), 3);
+        };
+        CAPTURE(by_shape);
+        CHECK(clip_of(by_shape) == clip_of(by_path));
+    };
+    clips("polygon(50% 0, 100% 100%,0 100%)", "M40 30L60 50L20 50Z");
+    clips("polygon(evenodd, 1px 2px,2em 2px,1px 50%)", "M21 32L52 32L21 40Z");
+    clips("inset(1px)", "M21 31H59V49H21Z");
+    clips("inset(10% 5px 2px)", "M25 32H55V48H25Z");
+    clips("inset(0 round 4px)",
+          "M20 34A4 4 0 0 1 24 30H56A4 4 0 0 1 60 34V46A4 4 0 0 1 56 50H24A4 4 0 0 1 20 46Z");
+    clips("inset(0 round 50% / 25%)",
+          "M20 35A20 5 0 0 1 40 30A20 5 0 0 1 60 35V45A20 5 0 0 1 40 50A20 5 0 0 1 20 45Z");
+    clips("circle()", "M50 40A10 10 0 0 1 40 50A10 10 0 0 1 30 40A10 10 0 0 1 40 30A10 10 0 0 1 50 40Z");
+    clips("circle(5px at left 25%)",
+          "M25 35A5 5 0 0 1 20 40A5 5 0 0 1 15 35A5 5 0 0 1 20 30A5 5 0 0 1 25 35Z");
+    clips("ellipse(25% farthest-side at 30px 5px) fill-box",
+          "M60 35A10 15 0 0 1 50 50A10 15 0 0 1 40 35A10 15 0 0 1 50 20A10 15 0 0 1 60 35Z");
+    clips("path(\"M1 2h3v4z\")", "M21 32h3v4z");
+    clips("circle(3px at 4px 5px) view-box", "M7 5A3 3 0 0 1 4 8A3 3 0 0 1 1 5A3 3 0 0 1 4 2A3 3 0 0 1 7 5Z");
+    CHECK(deformed(svg(box + " style='stroke:red;stroke-width:4;clip-path:inset(0)'/>"), {1, 0, 0, 1, 1, 0})
+              .text.find("<path d=\"M19 28 L63 28 L63 52 L19 52 Z\"/>") != std::string::npos);
+    for (const std::string_view odd :
+         {"circle(", "polygon(1px)", "inset()", "ellipse(1px)", "path(x)", "xywh(0 0 1px 1px)",
+          "circle(1px at)", "polygon()", "fill-box", "inset(1px round)", "()", "')"}) {
+        CAPTURE(odd);
+        const Result left = deformed(svg(box + " clip-path=\"" + std::string(odd) + "\"/>"), slanted);
+        REQUIRE(left.warnings.size() == 1);
+        CHECK(left.warnings[0].find("the property \"clip-path\" is not deformed: " + std::string(odd)) !=
+              std::string::npos);
+    }
+}
+
+TEST_CASE("entities and prefixes mean what they stand for", "[examples][svg_style][entities]") {
+    const std::string text = R"x(<!DOCTYPE svg [<!ENTITY n "http://www.w3.org/2000/svg"> <!ENTITY size '40'>
+<!ENTITY box "<rect width='&size;' height='5'/>"><!ENTITY two '&box;<g fill="red">&box;</g>'>
+<!ENTITY % own "9"><!ENTITY far SYSTEM "other.svg"><!ENTITY loop "&loop;">]>
+<svg xmlns="&n;" viewBox="0 0 &size; 9">a&two;b
+<path style="fill:&#x72;ed" d="M0 0h&size;"/>&far;&none;</svg>)x";
+    const Result moved = deformed(text, slanted);
+    const std::string plain =
+        svg("<rect width='40' height='5'/><rect width='40' height='5'/><path d='M0 0h40'/>");
+    CHECK(drawn(text) == drawn(plain));
+    CHECK(drawn(moved.text) == drawn(plain, slanted));
+    CHECK(moved.text.find("<!ENTITY size '40'>") != std::string::npos);
+    CHECK(moved.text.find("fill:&#x72;ed") != std::string::npos);
+    CHECK(moved.text.find("&far;&none;") != std::string::npos);
+    std::string laughs = "<!DOCTYPE svg [<!ENTITY a0 'ha'>";
+    for (int i = 1; i < 40; ++i) {
+        const std::string before = "&a" + std::to_string(i - 1) + ';';
+        laughs += "<!ENTITY a" + std::to_string(i) + " '" + before + before + "'>";
+    }
+    for (const std::string& bad :
+         {laughs + "]><svg>&a19;&a20;&a21;&a22;</svg>", laughs + "]><svg a='&a39;'/>",
+          std::string("<!DOCTYPE svg [<!ENTITY l '&l;'>]><svg>&l;</svg>"),
+          std::string("<!DOCTYPE svg [<!ENTITY l '<g>'>]><svg>&l;</svg>")}) {
+        const auto refused = parse_svg(bad, "bad.svg");
+        REQUIRE_FALSE(refused);
+        CHECK(refused.error().message.find("entity") != std::string::npos);
+    }
+
+    const std::string space = "http://www.w3.org/2000/svg", line = "line x2='9' y2='4'/>";
+    for (const std::string& mixed :
+         {"<svg xmlns='" + space + "' xmlns:s='" + space + "'><s:g><s:" + line + "</s:g><" + line + "</svg>",
+          "<s:svg xmlns:s='" + space + "'><g xmlns='" + space + "'><" + line + "</g><s:" + line + "</s:svg>",
+          "<svg xmlns='" + space + "'><q:" + line.substr(0, line.size() - 2) + " xmlns:q='" + space + "'/><" +
+              line + "<o:" + line.substr(0, line.size() - 2) + " xmlns:o='other'/></svg>"}) {
+        CAPTURE(mixed);
+        const std::string once = "M0 0 L9 4\n";
+        CHECK(drawn(mixed) == once + once);
+    }
+}
+
+TEST_CASE("copies take the paints of what uses them", "[examples][svg_style][use]") {
+    const std::string defs =
+        R"(<defs><g id="i"><path d="M0 0h9v9z" fill="context-fill"/><g stroke="context-fill">
+<path d="M1 1h2v2z" fill="context-stroke"/></g></g><use id="u" href="#i" fill="context-stroke"/></defs>)";
+    const Result moved = deformed(svg(defs + "<g fill='red'><use href='#i' stroke='tan'/></g>"), slanted);
+    const pugi::xml_node copy =
+        detail::root_element(moved.document.xml).last_child().first_child().first_child();
+    CHECK(std::string_view(copy.child("path").attribute("fill").value()) == "red");
+    CHECK(std::string_view(copy.child("g").attribute("stroke").value()) == "red");
+    CHECK(std::string_view(copy.child("g").child("path").attribute("fill").value()) == "tan");
+    const Result twice = deformed(svg(defs + "<use href='#u' style='fill:red;stroke:tan'/>"), slanted);
+    CHECK(std::string_view(by_name(twice.document, "defs")
+                               .next_sibling()
+                               .find_node([](pugi::xml_node node) { return node.attribute("d"); })
+                               .attribute("fill")
+                               .value()) == "tan");
+}
+
+TEST_CASE("letters beside a path stay beside it", "[examples][svg_style][text]") {
+    const std::string path = "<path id='p' d='M30 50C50 30 80 30 90 50'/>";
+    const Result moved = deformed(
+        svg(path + "<text x='30' y='20'>before <textPath href='#p'>on it</textPath> after</text>"), slanted);
+    CAPTURE(moved.text);
+    const pugi::xml_node text = by_name(moved.document, "text");
+    const auto map = parse_transform(detail::attribute_text(text, "transform"));
+    REQUIRE(map);
+    const Point2 corner = apply(*map, {30, 20}), there = apply(slanted, {30, 20});
+    CHECK(std::hypot(corner.x - there.x, corner.y - there.y) < 1e-4);
+    const std::string id = detail::reference_of(text.child("textPath")).substr(1);
+    CHECK(id != "p");
+    const detail::IdTable ids(detail::root_element(moved.document.xml));
+    const auto on_path = parse_path_data(detail::attribute_text(ids.find(id), "d"));
+    REQUIRE(on_path);
+    CHECK(write_path_data(transformed(*on_path, *map), 2) ==
+          write_path_data(transformed(*parse_path_data("M30 50C50 30 80 30 90 50"), slanted), 2));
+}
+
+TEST_CASE("what is not applied is named", "[examples][svg_style][warnings]") {
+    const Result moved = deformed(R"(<?xml-stylesheet href="a.css"?>)" + svg(R"x(<style>
+@import url(more.css);
+@keyframes spin { to { transform: none } }
+.s { animation: spin 2s; fill: red; -x-ink: 3; --own: 1 }
+@supports (d: none) { path { fill: red } }
+@media (max-width: 9px) { path { translate: 3px } }
+</style>
+<rect class="s" width="9" height="9" style="Offset-Path:none;-x-ink:4;offset-path:path('M0 0')"/>
+<path d="M1 1h2v2z" zorble="3" data-x="1" onclick="x" aria-label="b"><animate attributeName="d" values=""/>
+<animate attributeName="fill" values="red"/><animateTransform/><set attributeName="points"/></path>
+<flowRoot><flowRegion><rect unheard="1"/></flowRegion></flowRoot><g transition="x 2s" animation="none"/>
+<sodipodi:namedview zoom="3"/><foreignObject width="1" height="1"><p xmlns="h" odd="1"/></foreignObject>)x"),
+                                  slanted);
+    const std::vector<std::string> expected{
+        "foreignObject (line 12): is not deformed; it moves and turns as a whole",
+        "style (line 2): \"@import url(more.css)\" is not read",
+        "style (line 4): the property \"animation\" is not deformed: spin 2s",
+        "style (line 4): the property \"-x-ink\" is not known and stays as it is (2 times)",
+        "style (line 4): the property \"--own\" is not known and stays as it is",
+        "style (line 5): \"@supports (d: none)\" is not read",
+        "style (line 6): the property \"translate\" of \"path\" is not deformed",
+        "xml-stylesheet: another file is not read: href=\"a.css\"",
+        "rect (line 8): the property \"offset-path\" is not deformed: path('M0 0')",
+        "path (line 9): the property \"zorble\" is not known and stays as it is",
+        "animate (line 9): animate is not deformed: it animates d",
+        "animateTransform (line 10): animateTransform is not deformed: it animates the transform",
+        "set (line 10): set is not deformed: it animates points",
+        "flowRoot (line 11): flowRoot is not deformed and stays as it is",
+        "g (line 11): the property \"transition\" is not deformed: x 2s"};
+    for (std::size_t i = 0; i < std::max(expected.size(), moved.warnings.size()); ++i) {
+        CHECK((i < moved.warnings.size() ? moved.warnings[i] : "") ==
+              (i < expected.size() ? expected[i] : ""));
+    }
+}
+
+TEST_CASE("no unknown property is silent", "[examples][svg_style][warnings][fuzz]") {
+    const auto seed = GENERATE(range(0, 100));
+    CAPTURE(seed);
+    Random random(static_cast<unsigned>(seed));
+    const std::string letters = "abcdefghijklmnopqrstuvwxyz";
+    std::map<std::string, int> counts;
+    std::string content;
+    const auto name = [&] {
+        std::string made = random.any_of({"", "-", "-webkit-", "-inkscape-", "--", "fill-", "stroke-", "x"});
+        for (std::size_t n = 3 + random.below(6); n > 0; --n) made += letters[random.below(letters.size())];
+        return made;
+    };
+    while (counts.size() < 6) {
+        const std::string property = name();
+        if (property.starts_with("on") || detail::use_of(property) != detail::PropertyUse::unknown) continue;
+        if (counts[property] != 0) continue;
+        for (std::size_t n = 1 + random.below(3); n > 0; --n) {
+            ++counts[property];
+            const std::string path = "<path d='M1 1h2v2z' ";
+            switch (random.below(property.starts_with('-') ? 2 : 3)) {
+            case 0: content += path + "style='fill:red;" + property + ": 1px'/>\n"; break;
+            case 1: content += "<style>.none, path{" + property + ":2}</style>\n" + path + "/>"; break;
+            default: content += path + property + "='3'/>\n"; break;
+            }
+        }
+    }
+    const auto warnings = deformed(svg(content), slanted).warnings;
+    CHECK(warnings.size() == counts.size());
+    for (const auto& [property, count] : counts) {
+        CAPTURE(content, property);
+        const std::string times = count > 1 ? " (" + std::to_string(count) + " times)" : "";
+        const std::string end =
+            "): the property \"" + property + "\" is not known and stays as it is" + times;
+        CHECK(std::count_if(warnings.begin(), warnings.end(),
+                            [&](const std::string& each) { return each.ends_with(end); }) == 1);
+    }
+}
+
+} // namespace svg_style_tests
