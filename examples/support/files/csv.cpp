@@ -179,7 +179,7 @@ bool parse_block_head(std::string_view comment, CageBlock& block, std::string& w
     if (block.kind == CageBlock::Kind::chain)
         why = rest.empty() ? "" : "\"# chain\" stands alone on its line";
     else
-        why = rest.empty() ? "the radius is missing: \"# point RADIUS\"" : parse_number(rest, block.radius);
+        why = rest.empty() ? "the radius is missing: \"# point RADIUS\"" : parse_finite(rest, block.radius);
     return true;
 }
 
