@@ -39,6 +39,21 @@ void carry(pugi::xml_node node, const Affine2& to_root, const std::vector<Affine
     tracks.push_back(std::move(track));
 }
 
+/// Puts an element that is carried into a group that has its clip path and mask, whose shapes move by
+/// themselves.
+void leave_clips_behind(const StyleSheets& styles, pugi::xml_node node) {
+    pugi::xml_node group = node.parent().insert_child_before((name_prefix(node) + 'g').c_str(), node);
+    for (const char* property : {"clip-path", "mask"}) {
+        const std::string value = styles.value(node, property).text;
+        if (referenced_id(value).empty()) continue;
+        styles.set(group, property, value);
+        styles.set(node, property, "none");
+    }
+    if (const auto own = node.attribute("transform")) group.append_copy(own); // a clip path lies under it
+    node.remove_attribute("transform");
+    group.append_move(node);
+}
+
 /// Whether a path that is filled shows: a line has no inside, and what it is bent to must not get one.
 bool has_inside(const Path& path) {
     return std::any_of(path.begin(), path.end(), [](const Subpath& subpath) {
@@ -296,6 +311,11 @@ private:
             Moved& moved = moved_[i];
             if (!moves_[i] || shape.is_extent || carried[i]) continue;
             if (shape.is_box) {
+                const auto is_its = [&](const Reference& of) {
+                    return of.node == shape.node && local_name(of.target) != "filter";
+                };
+                if (std::any_of(rest_.references.begin(), rest_.references.end(), is_its))
+                    leave_clips_behind(styles_, shape.node);
                 if (moved.has_map)
                     carry(shape.node, shape.to_root, moved.maps, boxes_at_rest_[i], result_.tracks);
                 continue;

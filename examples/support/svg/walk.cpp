@@ -405,9 +405,23 @@ Path part_of(const std::vector<PlaceAlong>& places, double from, double to) {
     return part.take();
 }
 
+/// A new <defs> before the text that an element is part of.
+pugi::xml_node add_defs_before_text(pugi::xml_node text) {
+    while (local_name(text) != "text") text = text.parent();
+    return text.parent().insert_child_before((name_prefix(text) + "defs").c_str(), text);
+}
+
 } // namespace
 
 bool ShapeCollector::add_text_path(pugi::xml_node text_path, const Place& place) {
+    if (const std::string data = attribute_text(text_path, "path"); !data.empty()) { // wins over href
+        pugi::xml_node path =
+            add_defs_before_text(text_path).append_child((name_prefix(text_path) + "path").c_str());
+        set_attribute(path, "d", escaped(data));
+        const std::string id = ids_.name(path, "text-path");
+        set_attribute(text_path, reference_name(root_element(document_.xml)).c_str(), '#' + id);
+        text_path.remove_attribute("path");
+    }
     const std::string reference = reference_of(text_path);
     const pugi::xml_node target =
         reference.starts_with('#') ? ids_.find(reference.substr(1)) : pugi::xml_node();
@@ -423,10 +437,7 @@ bool ShapeCollector::add_text_path(pugi::xml_node text_path, const Place& place)
     if (place.style.carrier || !is_drawn_under(target, there.to_root)) {
         if (!count_copies(target))
             return fail(text_path, "the texts of this file expand to too many elements");
-        pugi::xml_node text = text_path;
-        while (local_name(text) != "text") text = text.parent();
-        pugi::xml_node defs = text.parent().insert_child_before((name_prefix(text) + "defs").c_str(), text);
-        pugi::xml_node copy = defs.append_copy(target);
+        pugi::xml_node copy = add_defs_before_text(text_path).append_copy(target);
         const std::string id = ids_.name(copy, reference.substr(1));
         set_reference(text_path, id);
         if (!add(copy, *path, there)) return false;
