@@ -286,6 +286,14 @@ TEST_CASE("rules keep their effect on copies and new elements", "[examples][svg_
     Result print = deformed(svg("<style media='print'>path{fill:red}</style><path d='M1 1h2v2z'/>"), slanted);
     CHECK(detail::StyleSheets(print.document).value(by_name(print.document, "path"), "fill").text.empty());
     CHECK(lost.warnings[1] == "style (line 1): \"rect:hover\" no longer applies to path (line 3)");
+    const Result words =
+        deformed(svg("<style>g{path{fill:red}}@supports(d:none){rect{fill:tan}}p{height:9px}</style>"
+                     "<foreignObject width='9' height='9'><p xmlns='h' style='width:5px'/></foreignObject>"
+                     "<rect width='9' height='9'/>"),
+                 slanted);
+    CHECK(words.warnings.back() == "style (line 1): \"g\" has rules in it and is not read");
+    CHECK(words.text.find("<p xmlns=\"h\" style=\"height:9px;width:5px\"/>") != std::string::npos);
+    CHECK(words.text.find("style=\"fill:tan\"") != std::string::npos);
     // what has not moved is as it was
     const std::string still = svg(R"(<style>rect{fill:red;x:5px}</style><rect width="9" height="9"/>)");
     CHECK(deformed(still, {}).text == still);
@@ -504,7 +512,7 @@ TEST_CASE("what is not applied is named", "[examples][svg_style][warnings]") {
 @import url(more.css);
 @keyframes spin { to { transform: none } }
 .s { animation: spin 2s; fill: red; -x-ink: 3; --own: 1 }
-@supports (d: none) { path { fill: red } }
+@layer low { path { fill: red } }
 @media (max-width: 9px) { path { translate: 3px } }
 </style>
 <rect class="s" width="9" height="9" style="Offset-Path:none;-x-ink:4;offset-path:path('M0 0')"/>
@@ -519,7 +527,7 @@ TEST_CASE("what is not applied is named", "[examples][svg_style][warnings]") {
         "style (line 4): the property \"animation\" is not deformed: spin 2s",
         "style (line 4): the property \"-x-ink\" is not known and stays as it is (2 times)",
         "style (line 4): the property \"--own\" is not known and stays as it is",
-        "style (line 5): \"@supports (d: none)\" is not read",
+        "style (line 5): \"@layer low\" is not read",
         "style (line 6): the property \"translate\" of \"path\" is not deformed",
         "xml-stylesheet: another file is not read: href=\"a.css\"",
         "rect (line 8): the property \"offset-path\" is not deformed: path('M0 0')",

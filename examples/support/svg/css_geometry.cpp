@@ -180,7 +180,7 @@ public:
         const Values values = styles_.values(root);
         viewport.em = viewport.root_em = font_size(values, viewport);
         keep_in_style(root, values);
-        for (const pugi::xml_node child : root.children()) visit(child, viewport, 0);
+        for (const pugi::xml_node child : root.children()) visit(child, viewport, false, 0);
         styles_.remove_placing();
     }
 
@@ -195,10 +195,10 @@ private:
         return false;
     }
 
-    void visit(pugi::xml_node node, const Viewport& parent, int depth) {
+    void visit(pugi::xml_node node, const Viewport& parent, bool foreign, int depth) {
         if (node.type() != pugi::node_element || depth > max_svg_depth) return;
         Values values = styles_.values(node);
-        const std::string kind = local_name(node);
+        const std::string kind = foreign ? std::string() : local_name(node);
         Viewport view = parent;
         view.em = font_size(values, parent);
         if (!kind.empty()) take_geometry(node, kind, values);
@@ -208,7 +208,8 @@ private:
             inside.width = (*box)[2];
             inside.height = (*box)[3];
         }
-        for (const pugi::xml_node child : node.children()) visit(child, inside, depth + 1);
+        for (const pugi::xml_node child : node.children())
+            visit(child, inside, foreign || kind == "foreignObject", depth + 1);
         if (!kind.empty()) take_transform(node, kind, values, view);
         keep_in_style(node, values);
     }

@@ -341,7 +341,14 @@ private:
         follow_regions(work_, rest_, regions_, result_.tracks, warnings);
         warnings.insert(warnings.end(), paint.warnings.begin(), paint.warnings.end());
         fit();
+        // Where elements are animated, the animations will be their last children.
+        std::vector<pugi::xml_node> animations;
+        const std::string name = name_prefix(root_element(work_.xml)) + "animate";
+        for (const auto& track : result_.tracks) {
+            if (frames_ > 1) animations.push_back(pugi::xml_node(track.node).append_child(name.c_str()));
+        }
         styles_.settle(warnings);
+        for (pugi::xml_node animation : animations) animation.parent().remove_child(animation);
         result_.show(0);
         return std::nullopt;
     }

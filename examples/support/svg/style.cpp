@@ -229,6 +229,9 @@ void StyleSheets::read(std::size_t sheet, std::size_t from, std::size_t end, boo
             read_rule(sheet, prelude, css.substr(open + 1, close - std::min(open + 1, close)), conditional);
         } else if (prelude.starts_with("@media") && depth < max_media_depth) {
             read(sheet, open + 1, close, conditional || !is_for_screens(prelude), depth + 1);
+        } else if (prelude.starts_with("@supports") && prelude.find("not") == std::string_view::npos &&
+                   depth < max_media_depth) { // browsers support what drawings ask for
+            read(sheet, open + 1, close, conditional, depth + 1);
         } else if (!is_any_of(prelude,
                               {"@font-", "@page", "@keyframes", "@-", "@property", "@counter-style"})) {
             report.add(place_of(sheet, prelude), '"' + std::string(prelude.substr(0, 60)) + "\" is not read");
@@ -244,6 +247,10 @@ void StyleSheets::read_rule(std::size_t sheet, std::string_view prelude, std::st
     const bool applies = complete && std::none_of(selectors.begin(), selectors.end(), is_conditional);
     const std::string name = '"' + std::string(prelude.substr(0, 60)) + '"';
     Block block{name, place_of(sheet, prelude), {}};
+    if (body.find('{') != std::string_view::npos) {
+        report.add(block.place, name + " has rules in it and is not read");
+        return;
+    }
     for (const Declaration& d : declarations(body)) {
         const std::string property = property_name(d.property);
         const std::string place = place_of(sheet, d.property);
