@@ -299,7 +299,7 @@ TEST_CASE("rules keep their effect on copies and new elements", "[examples][svg_
     CHECK(deformed(still, {}).text == still);
     for (const std::string_view odd :
          {"/*", "/", "@", "rect", "{", "}", "rect{", "rect{/*", "@media{rect", "", "rect{x:", "rect{x:1px",
-          "rect{x:;y:2px", "<![CDATA[rect{x:1px}]]>"}) {
+          "rect{x:;y:2px", "rect{a\"b='c':d}", "<![CDATA[rect{x:1px}]]>"}) {
         CAPTURE(odd);
         const Result result =
             deformed(svg("<style>" + std::string(odd) + "</style><rect width='1' height='1'/>"), slanted);
@@ -419,6 +419,9 @@ TEST_CASE("basic shapes clip as paths do", "[examples][svg_style][clip]") {
     clips("circle(3px at 4px 5px) view-box", "M7 5A3 3 0 0 1 4 8A3 3 0 0 1 1 5A3 3 0 0 1 4 2A3 3 0 0 1 7 5Z");
     CHECK(deformed(svg(box + " style='stroke:red;stroke-width:4;clip-path:inset(0)'/>"), {1, 0, 0, 1, 1, 0})
               .text.find("<path d=\"M19 28 L63 28 L63 52 L19 52 Z\"/>") != std::string::npos);
+    const Result whole =
+        deformed("<svg viewBox='0 0 90 90' style='clip-path:circle(9px)'>" + box + "/></svg>", slanted);
+    CHECK(detail::root_element(whole.document.xml).child("clipPath")); // a document has one root
     for (const std::string_view odd :
          {"circle(", "polygon(1px)", "inset()", "ellipse(1px)", "path(x)", "xywh(0 0 1px 1px)",
           "circle(1px at)", "polygon()", "fill-box", "inset(1px round)", "()", "')"}) {

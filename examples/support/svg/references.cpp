@@ -249,7 +249,10 @@ bool ShapeCollector::make_clip_path(pugi::xml_node node, const Values& values, c
         return false;
     }
     const std::string prefix = name_prefix(node);
-    pugi::xml_node clip_path = node.parent().insert_child_before((prefix + "clipPath").c_str(), node);
+    const std::string kind = prefix + "clipPath";
+    pugi::xml_node clip_path = node == root_element(node)
+                                   ? node.prepend_child(kind.c_str())
+                                   : node.parent().insert_child_before(kind.c_str(), node);
     const std::string id = ids_.name(clip_path, "cageform-clip");
     pugi::xml_node path = clip_path.append_child((prefix + "path").c_str());
     set_attribute(path, "d", shape->data);

@@ -77,7 +77,7 @@ private:
         std::string result;
         while (at_ < text_.size()) {
             const char c = peek();
-            if (is_letter(c) || is_digit(c) || c == '-' || c == '_' || (c & 0x80) != 0) {
+            if (is_name_character(c)) {
                 result += c;
                 ++at_;
             } else if (c == '\\' && at_ + 1 < text_.size()) {

@@ -310,6 +310,7 @@ StyleSheets::Values StyleSheets::cascade(const Rules& rules, pugi::xml_node node
     const auto set = [&](const std::string& property, std::string value, Source source, bool important) {
         const PropertyUse use = use_of(property);
         if (!all && use != PropertyUse::read && use != PropertyUse::placing) return;
+        if (!std::all_of(property.begin(), property.end(), is_name_character)) return; // nothing to browsers
         StyleValue& old = result[property];
         if (!old.important || important) old = {std::move(value), source, important};
     };

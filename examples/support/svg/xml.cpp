@@ -44,6 +44,10 @@ std::string_view trimmed(std::string_view text) {
     return text;
 }
 
+bool is_name_character(char c) {
+    return is_letter(c) || is_digit(c) || c == '-' || c == '_' || (c & 0x80) != 0;
+}
+
 std::vector<std::string_view> words_of(std::string_view text) {
     std::vector<std::string_view> words;
     for (text = trimmed(text); !text.empty(); text = trimmed(text)) {

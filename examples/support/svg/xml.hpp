@@ -28,6 +28,9 @@ bool is_blank(std::string_view text);
 
 std::string_view trimmed(std::string_view text);
 
+/// Whether it may stand in a name of CSS.
+bool is_name_character(char c);
+
 /// The words of a text that white space parts.
 std::vector<std::string_view> words_of(std::string_view text);
 
