@@ -85,7 +85,7 @@ std::vector<std::string> split(const std::string& text) {
 std::vector<double> numbers(const std::string& option, const std::string& text, std::size_t count) {
     std::vector<double> result;
     for (const std::string& part : split(text)) {
-        const std::string why = detail::parse_number(part, result.emplace_back());
+        const std::string why = detail::parse_finite(part, result.emplace_back());
         if (!why.empty()) throw Refused(option + ": " + why);
     }
     if (count != 0 && result.size() != count) {

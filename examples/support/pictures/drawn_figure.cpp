@@ -127,10 +127,10 @@ Box page_of(const SvgDocument& document) {
 
 SvgResult<DrawnFigure> drawn_figure(const SvgDocument& document) {
     SvgDocument work = detail::copy_of(document);
-    std::vector<std::string> ignored;
+    std::vector<std::string> warnings;
     detail::StyleSheets styles(work);
     detail::IdTable ids(detail::root_element(work.xml));
-    const auto drawing = detail::walk(work, styles, ids, {.boxes = true}, ignored);
+    const auto drawing = detail::walk(work, styles, ids, {.boxes = true}, warnings);
     if (!drawing) return drawing.error();
     // Shapes beside the page are not seen, unless all lie there.
     const auto page = detail::page_of(work);
@@ -149,7 +149,10 @@ SvgResult<DrawnFigure> drawn_figure(const SvgDocument& document) {
     for (const auto& shape : all) {
         if (counts(shape)) detail::add_shape(shape, tolerance, figure);
     }
-    if (figure.segments.empty()) return SvgError{document.name + " paints nothing that a cage could enclose"};
+    if (figure.segments.empty()) {
+        return SvgError{document.name + " paints nothing that a cage could enclose" +
+                        (warnings.empty() ? "" : "; " + warnings[0])};
+    }
     return figure;
 }
 

@@ -126,6 +126,7 @@ PropertyUse use_of(std::string_view property) {
         put(not_applied_names, PropertyUse::not_applied);
         return uses;
     }();
+    if (property.starts_with("--")) return PropertyUse::kept; // an author's, for var()
     const auto found = table.find(property);
     return found == table.end() ? PropertyUse::unknown : found->second;
 }
@@ -146,6 +147,8 @@ void UnappliedReport::add(const std::string& where, const std::string& what, std
 }
 
 void UnappliedReport::declare(const std::string& where, std::string_view property, std::string_view value) {
+    if (property == "filter" && value.find("drop-shadow(") != std::string_view::npos)
+        add(where, "the offset of drop-shadow() is not deformed", value);
     switch (use_of(property)) {
     case PropertyUse::unknown:
         return add(where, "the property \"" + std::string(property) + "\" is not known and stays as it is");
@@ -178,7 +181,8 @@ void UnappliedReport::look_at(const SvgDocument& document, pugi::xml_node node, 
     static const std::set<std::string_view> known_attributes = set_of(attribute_names);
     const auto tell = [&](std::string_view property, std::string_view value) {
         const PropertyUse use = use_of(property);
-        if (use != PropertyUse::unknown && use != PropertyUse::not_applied) return;
+        const bool tells = use == PropertyUse::unknown || use == PropertyUse::not_applied;
+        if (!tells && property != "filter") return;
         declare(label(document, node), property, unescaped(value));
     };
     for (const pugi::xml_attribute attribute : node.attributes()) {
@@ -191,6 +195,14 @@ void UnappliedReport::look_at(const SvgDocument& document, pugi::xml_node node, 
     for (const Declaration& d : declarations(node.attribute("style").value())) {
         tell(property_name(d.property), d.value);
     }
+    const auto is_zero = [&](const char* name) {
+        const std::string text = attribute_text(node, name);
+        return text.empty() ? kind == "feOffset" : text == "0";
+    };
+    if ((kind == "feOffset" || kind == "feDropShadow") && !(is_zero("dx") && is_zero("dy")))
+        add(label(document, node), "the offset of " + kind + " is not deformed");
+    if (kind == "marker" && !attribute_text(node, "orient").starts_with("auto"))
+        add(label(document, node), "a marker keeps its direction, as its orient is not \"auto\"");
     const std::string animated = animated_property(node, kind);
     if (!animated.empty()) add(label(document, node), kind + " is not deformed: it animates " + animated);
 }
