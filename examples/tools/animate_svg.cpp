@@ -386,16 +386,15 @@ int run_program(int argc, char** argv) {
             return rate == 0 || (rate >= 1 && rate <= 240) ? "" : text + " is not 0 nor from 1 to 240";
         })
         .show_default();
-    line.add(
-            "--flatness", settings.options.tolerance,
-            "the largest distance between drawn and exact curves, in user units, and from a frame to what is "
-            "played between key frames; 0 means 1/5000 of the picture's diagonal")
+    line.add("--flatness", settings.options.tolerance,
+             "the largest error in user units, of drawn curves and of frames between key frames; 0 means "
+             "1/5000 of the picture's diagonal")
         .range(0.0, 1e100)
         .show_default();
-    line.add("--size-limit", settings.size_limit,
-             "the most bytes of an SVG: fewer key frames and digits are written until it fits; the distance "
-             "that "
-             "this takes, up to 1/50 of the diagonal, is printed")
+    line.add(
+            "--size-limit", settings.size_limit,
+            "the most bytes of an SVG: the error is doubled until the file fits, up to 1/50 of the diagonal, "
+            "and printed")
         .range(1, 1000000000);
     line.add_flag("--fit", settings.options.fit,
                   "enlarge the viewBox and the size of the picture so that all frames fit");

@@ -812,7 +812,7 @@ for coordinates in mean-value harmonic; do
     report $ok "moves with the face, $coordinates, $outside"
   done
 done
-grep -q 'warning: rounded.obj: 1 of 3 vertices are left out, first v 3: no face has them, and they are not finite or far from the others; --strict' log &&
+grep -q 'warning: rounded.obj: 1 of 3 vertices are left out, first v 3: no face uses them, and they are not finite or very far away; with --strict' log &&
   tail -n 1 rounded_moved.obj | grep -qx 'v nan 1 1' && ok=yes || ok=no
 report $ok "a vertex that is no number stays as it is"
 refuses 'rounded.obj: the coordinates of a vertex are not finite (line 3)' "$mesh" rounded.obj --cage box.obj --pose wider.obj --strict -o out.obj
@@ -2409,8 +2409,6 @@ works "a cat that walks and keeps angles" "$animate" "$cat" --cage "$cage" --cli
 works "a cat that walks" "$animate" "$cat" --cage "$cage" --clip "$data/cat_walk.csv" --rate 12 -o walk.svg --stills still_ --still-count 2
 [ "$(grep -c '<animate ' walk.svg)" -ge 1 ] && [ -s still_01.svg ] && [ -s still_02.svg ] && ok=yes || ok=no
 report $ok "the walk and two stills are there"
-grep -q '<animateTransform attributeName="gradientTransform"' walk.svg && ok=yes || ok=no
-report $ok "gradients are animated"
 grep -q 'gradientTransform="matrix' still_02.svg && ok=yes || ok=no
 report $ok "gradients follow in stills"
 sed 's|</svg>|<path d="M -900 0 L -800 0 L -800 50 Z"/></svg>|' "$cat" >stray.svg

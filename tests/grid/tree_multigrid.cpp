@@ -243,6 +243,9 @@ TEST_CASE("starts, cycles and refinements of a large grid ask whether to go on",
     most = 1; // each sweep ends when it asks
     CHECK(asked_in(cycle) <= 6);
     CHECK(asked_in(refine) <= 2);
+    CHECK(asked_in(start) <= 40);
+    block = multigrid.make_block();
+    CHECK(asked_in(start) <= 40);
     most = 1000000; // what was stopped does not matter to the next start
     start();
     cycle();

@@ -36,7 +36,7 @@ int fewest_decimals(double sensitivity, double tolerance) {
 struct Ease {
     double handle = handles.front(), first = handle, second = 1 - handle;
 
-    /// Thirds, where heights are those of any cubic, and those of CSS' ease-in-out.
+    /// 1/3: any cubic in time. 0.42: the ease-in-out of CSS.
     static constexpr std::array<double, 2> handles{1.0 / 3, 0.42};
 
     bool is_steady() const { return std::abs(first - handle) + std::abs(second - 1 + handle) < 1e-3; }

@@ -58,6 +58,9 @@ private:
     static void inherit_outline(const Values& values, DrawnShape& style);
     bool visit(pugi::xml_node node, const Place& parent);
     bool visit_children(pugi::xml_node node, const Place& place);
+    /// Visits what a <switch> chooses from. Each child goes into a group, so that the paths and clip paths
+    /// that it needs can stand beside it.
+    bool visit_choices(pugi::xml_node node, Place place);
     /// Removes a transform that cannot be read: browsers take none.
     bool drop_bad_transform(pugi::xml_node node);
     bool apply_transform(pugi::xml_node node, Affine2& to_root);

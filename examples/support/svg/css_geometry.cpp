@@ -58,6 +58,12 @@ std::optional<double> length_in(const std::string& word, double whole, const Vie
     return value ? std::optional<double>(*value) : std::nullopt;
 }
 
+/// Whether a number that is not zero has no unit: browsers do not take it for a length or an angle of CSS.
+bool lacks_unit(const std::string& word) {
+    const auto number = parse_numbers(word);
+    return number && number->size() == 1 && number->front() != 0;
+}
+
 /// In degrees.
 std::optional<double> angle_of(const std::string& word) {
     const std::size_t unit = std::min(word.find_first_not_of("+-.0123456789eE"), word.size());
@@ -115,7 +121,7 @@ std::optional<std::string> transform_function(const CssItem& item, const Box& bo
         const auto value = moves   ? length_in(words[i], across ? box.height() : box.width(), view)
                            : turns ? angle_of(words[i])
                                    : factor_of(words[i]);
-        if (!value) return std::nullopt;
+        if (!value || ((moves || turns) && lacks_unit(words[i]))) return std::nullopt;
         numbers.push_back(*value);
     }
     const auto is_of = [&](const char* form, std::size_t count) {
@@ -264,8 +270,10 @@ private:
             if (found == values.end()) continue;
             const bool has_name = std::find(names.begin(), names.end(), name) != names.end();
             const std::string text = found->second.text;
+            const bool is_faulty = (name == "width" || name == "height") && lacks_unit(text);
             const bool is_sum = lowered(text).starts_with("calc"); // no attribute of an image has one
             const auto written = name == "d"                                   ? path_data(text)
+                                 : is_faulty                                   ? std::nullopt
                                  : is_sum && shape == shape_attributes().end() ? std::nullopt
                                                                                : length_text(text);
             if ((has_name && !written) || (has_place && (name == "width" || name == "height"))) {
@@ -404,6 +412,14 @@ std::string text_of(const Values& values, std::string_view property) {
 }
 
 double font_size(const Values& values, const Viewport& parent) {
+    constexpr std::pair<std::string_view, double> sizes[] = {
+        {"xx-small", 9}, {"x-small", 10}, {"small", 13},    {"medium", 16},
+        {"large", 18},   {"x-large", 24}, {"xx-large", 32}, {"xxx-large", 48}};
+    const std::string name = lowered(text_of(values, "font-size"));
+    for (const auto& [known, size] : sizes) {
+        if (name == known) return size;
+    }
+    if (name == "smaller" || name == "larger") return parent.em * (name == "larger" ? 1.2 : 1 / 1.2);
     const auto size = parse_length(text_of(values, "font-size"), parent.em, parent.em, parent.root_em);
     return size && *size > 0 ? *size : parent.em;
 }

@@ -84,7 +84,7 @@ std::vector<Box> seen(const Drawing& drawing, const std::vector<DrawnShape>& sha
     std::vector<Box> boxes;
     boxes.reserve(shapes.size());
     for (const DrawnShape& shape : shapes) {
-        boxes.push_back(shape.level == 0 ? painted_box(shape, {}) : Box());
+        boxes.push_back(is_seen(shape) ? painted_box(shape, {}) : Box());
     }
     for (const Reference& r : drawing.references) {
         if (r.level != 0 || local_name(r.target) != "clipPath" || r.first_inside == r.end_inside) continue;
@@ -347,9 +347,9 @@ private:
         for (const auto& track : result_.tracks) {
             if (frames_ > 1) animations.push_back(pugi::xml_node(track.node).append_child(name.c_str()));
         }
+        result_.show(0); // rules may ask for what attributes say
         styles_.settle(warnings);
         for (pugi::xml_node animation : animations) animation.parent().remove_child(animation);
-        result_.show(0);
         return std::nullopt;
     }
 

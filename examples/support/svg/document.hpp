@@ -15,9 +15,10 @@
 // and of masks are enlarged to hold the moved shapes; lights of filters follow. A nested svg or a used
 // symbol that clips becomes a group with a clip path.
 //
-// Unchanged: the width of strokes, and lengths and angles in filters (of a blur, of an offset). Shapes
-// under a transform without inverse stay. Warnings name these, and every property, attribute and element
-// that is not known or would have to change with a pose and does not (properties.hpp). Where a transform
+// Unchanged: the width of strokes, and lengths in filters, such as the radius of a blur. Shapes under a
+// transform without inverse stay, offsets in filters and markers of a fixed direction do not turn. Warnings
+// name these, and every property, attribute and element that is not known or would have to change with a
+// pose and does not (properties.hpp). Where a transform
 // makes an ellipse of a stroke's pen, the pen turns with the shape.
 //
 // Markers stand at the vertices of the file. A path that gets more has a second one after it, which has
@@ -232,7 +233,7 @@ struct AnimatedSvg {
     struct Track {
         pugi::xml_node node;
         std::string attribute;
-        double scale = 1; // from the attribute's units to those of the root, at most
+        double scale = 1; // upper bound of the factor from the attribute's units to root units
         std::vector<double> numbers = {};
         std::vector<Affine2> maps = {};
         std::vector<Point2> places = {}; // of maps: corners about all that they move
@@ -250,8 +251,8 @@ struct AnimatedSvg {
     /// Adds the animations that play all frames, equally far apart, again and again: the first comes after
     /// the last. They replace those of an earlier call.
     ///
-    ///   tolerance   in user units of the root: key frames are left out as long as no frame shows anything
-    ///               farther than this from its place
+    ///   tolerance   the largest distance, in root units, between a played frame and the exact one; key
+    ///               frames that this allows are left out
     ///   returns     the number of key frames, of all attributes
     std::size_t play(double seconds, double tolerance);
 

@@ -137,14 +137,14 @@ void PaintFollower::follow(const DrawnShape& shape, const char* property, const 
         }
         return true;
     };
-    if (goes_right(server->of_box, [](std::size_t) { return Affine2(); })) return;
+    const bool fills_box = server->of_box && !server->is_pattern; // tiles keep what they hold in user space
+    if (goes_right(fills_box, [](std::size_t) { return Affine2(); })) return;
 
-    const bool in_box = server->of_box && !server->is_pattern; // a copied pattern is in user space
     std::vector<Affine2> maps;
     for (std::size_t f = 0; f < local.size(); ++f) {
         const auto from_moved = inverse(from_unit_square(moved[f])); // nothing without an area
-        if (in_box && !from_moved && maps.empty()) return;
-        maps.push_back(!in_box      ? local[f]
+        if (fills_box && !from_moved && maps.empty()) return;
+        maps.push_back(!fills_box   ? local[f]
                        : from_moved ? compose(*from_moved, compose(local[f], from_unit_square(rest)))
                                     : maps.back());
     }
@@ -152,7 +152,7 @@ void PaintFollower::follow(const DrawnShape& shape, const char* property, const 
     const Box tile = server->is_pattern && (server->of_box || content_is_of_box(*server)) ? rest : Box();
     auto copy = std::find_if(copies.begin(), copies.end(), [&](const Copy& each) {
         return each.tile.corners() == tile.corners() &&
-               goes_right(in_box, [&](std::size_t f) { return each.maps[f]; });
+               goes_right(fills_box, [&](std::size_t f) { return each.maps[f]; });
     });
     if (copy == copies.end()) {
         const pugi::xml_node node =
@@ -165,13 +165,13 @@ void PaintFollower::follow(const DrawnShape& shape, const char* property, const 
     AnimatedSvg::Track& track = tracks_[copy->track];
     const Affine2 back = inverse(server->transform).value_or(Affine2());
     Box all; // before the transform
-    for (const Point2& p : (in_box ? Box{0, 0, 1, 1} : rest).corners()) all.add(apply(back, p));
+    for (const Point2& p : (fills_box ? Box{0, 0, 1, 1} : rest).corners()) all.add(apply(back, p));
     for (const Point2& p : track.places) all.add(p);
     const auto corners = all.corners();
     track.places.assign(corners.begin(), corners.end());
     for (const Box& box : moved) {
         const double scale =
-            largest_scale(shape.to_root) * (in_box ? std::max(box.width(), box.height()) : 1);
+            largest_scale(shape.to_root) * (fills_box ? std::max(box.width(), box.height()) : 1);
         track.scale = std::max(track.scale, scale);
     }
     styles_.set(shape.node, property, with_referenced_id(value, copy->id));

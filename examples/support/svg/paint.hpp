@@ -25,8 +25,8 @@ struct PaintServer {
 
 /// Makes paint follow the shapes. Where a gradient or pattern, as it is written, would not go where the
 /// best affine map of its shape takes it, the shape gets a copy of it with that map, and an id of its
-/// own. Shapes for which the same map is right share a copy. A copy has all attributes itself; it refers to
-/// other elements only for stops and for the content of tiles, which are not repeated.
+/// own. Shapes for which the same map is right share a copy. A copy has all attributes resolved. It refers
+/// to another element only for stops or for the content of tiles.
 class PaintFollower {
 public:
     using Tracks = std::vector<AnimatedSvg::Track>;

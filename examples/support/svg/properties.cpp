@@ -147,7 +147,8 @@ void UnappliedReport::add(const std::string& where, const std::string& what, std
 }
 
 void UnappliedReport::declare(const std::string& where, std::string_view property, std::string_view value) {
-    if (property == "filter" && value.find("drop-shadow(") != std::string_view::npos)
+    const auto has = [value](std::string_view part) { return value.find(part) != std::string_view::npos; };
+    if (property == "filter" && has("drop-shadow("))
         add(where, "the offset of drop-shadow() is not deformed", value);
     switch (use_of(property)) {
     case PropertyUse::unknown:
@@ -155,6 +156,9 @@ void UnappliedReport::declare(const std::string& where, std::string_view propert
     case PropertyUse::not_applied:
         if (value == "none" || value == "auto" || value == "0" || value == "initial") return;
         return add(where, "the property \"" + std::string(property) + "\" is not deformed", value);
+    case PropertyUse::read:
+        if (!has("var(") || property == "fill" || property == "stroke") return; // colours, nearly always
+        return add(where, "the property \"" + std::string(property) + "\" is not read", value);
     default: return;
     }
 }
@@ -181,8 +185,8 @@ void UnappliedReport::look_at(const SvgDocument& document, pugi::xml_node node, 
     static const std::set<std::string_view> known_attributes = set_of(attribute_names);
     const auto tell = [&](std::string_view property, std::string_view value) {
         const PropertyUse use = use_of(property);
-        const bool tells = use == PropertyUse::unknown || use == PropertyUse::not_applied;
-        if (!tells && property != "filter") return;
+        if (use == PropertyUse::placing || use == PropertyUse::kept) return;
+        if (use == PropertyUse::read && value.find('(') == std::string_view::npos) return;
         declare(label(document, node), property, unescaped(value));
     };
     for (const pugi::xml_attribute attribute : node.attributes()) {

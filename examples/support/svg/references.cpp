@@ -129,7 +129,7 @@ bool ShapeCollector::use_to_group(pugi::xml_node use, pugi::xml_node target, con
         if (!height.empty()) set_attribute(copy, "height", height);
     }
     if (kind == "symbol") {
-        for (const char* name : {"x", "y", "refX", "refY"}) copy.remove_attribute(name);
+        for (const char* name : {"refX", "refY"}) copy.remove_attribute(name);
         copy.set_name((name_prefix(copy) + "svg").c_str());
         symbols_.insert(copy.hash_value());
     }

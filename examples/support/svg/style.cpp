@@ -108,11 +108,14 @@ std::vector<Declaration> declarations(std::string_view text) {
 std::string referenced_id(std::string_view value) {
     const std::size_t url = value.find("url(");
     if (url == std::string_view::npos) return {};
-    const std::size_t begin = value.find_first_not_of(" \"'", url + 4);
-    if (begin == std::string_view::npos || value[begin] != '#') return {};
-    const std::size_t end = value.find_first_of(" \"')", begin);
-    return std::string(end == std::string_view::npos ? std::string_view()
-                                                     : value.substr(begin + 1, end - begin - 1));
+    std::size_t begin = value.find_first_not_of(' ', url + 4);
+    if (begin == std::string_view::npos) return {};
+    const bool is_quoted = value[begin] == '"' || value[begin] == '\'';
+    const std::string ends = is_quoted ? std::string(1, value[begin++]) : " )";
+    if (begin == value.size() || value[begin] != '#') return {};
+    const std::size_t end = value.find_first_of(ends, begin);
+    return end == std::string_view::npos ? std::string()
+                                         : std::string(value.substr(begin + 1, end - begin - 1));
 }
 
 std::string with_referenced_id(std::string_view value, const std::string& id) {
@@ -251,6 +254,7 @@ void StyleSheets::read_rule(std::size_t sheet, std::string_view prelude, std::st
         report.add(block.place, name + " has rules in it and is not read");
         return;
     }
+    if (!complete) report.add(block.place, name + " has a selector that is not read");
     for (const Declaration& d : declarations(body)) {
         const std::string property = property_name(d.property);
         const std::string place = place_of(sheet, d.property);

@@ -97,7 +97,10 @@ bool ShapeCollector::visit(pugi::xml_node node, const Place& parent) {
     if (parent.depth >= max_svg_depth) return fail(node, "elements are nested too deeply");
     if (kind == "use") return visit_use(node, parent);
     if (!is_group(kind) && !is_shape(kind) && !is_fixed(kind)) return true;
-    if (!is_blank(node.attribute("requiredExtensions").value())) return true; // nobody draws it
+    const std::string_view extensions = trimmed(node.attribute("requiredExtensions").value());
+    const bool known = extensions.empty() || extensions == "http://www.w3.org/1999/xhtml" ||
+                       extensions == "http://www.w3.org/1998/Math/MathML";
+    if (!known) return true; // nobody draws it
 
     // Pages and hidden layers need not lie in the cage. To be read (a cage, say) a shape may be hidden.
     const Values values = take_context_paint(node, parent);
@@ -120,9 +123,31 @@ bool ShapeCollector::visit(pugi::xml_node node, const Place& parent) {
 }
 
 bool ShapeCollector::visit_children(pugi::xml_node node, const Place& place) {
+    if (options_.follow_references && local_name(node) == "switch") return visit_choices(node, place);
     for (pugi::xml_node child = node.first_child(); child;) {
         const pugi::xml_node next = child.next_sibling();
         if (!visit(child, place)) return false;
+        child = next;
+    }
+    return true;
+}
+
+bool ShapeCollector::visit_choices(pugi::xml_node node, Place place) {
+    constexpr std::array conditions{"systemLanguage", "requiredExtensions", "requiredFeatures"};
+    for (pugi::xml_node child = node.first_child(); child;) {
+        const pugi::xml_node next = child.next_sibling();
+        const std::string kind = local_name(child);
+        if (is_group(kind) || is_shape(kind) || is_fixed(kind) || kind == "use") {
+            pugi::xml_node group = node.insert_child_before((name_prefix(node) + 'g').c_str(), child);
+            for (const char* name : conditions) {
+                if (const auto condition = child.attribute(name)) group.append_copy(condition);
+                child.remove_attribute(name);
+            }
+            const bool is_chosen = !group.first_attribute();
+            group.append_move(child);
+            if (!visit(group, place)) return false;
+            if (is_chosen) place.style.is_transparent = true; // the others are not drawn
+        }
         child = next;
     }
     return true;
@@ -420,6 +445,7 @@ bool ShapeCollector::add_text_path(pugi::xml_node text_path, const Place& place)
         set_attribute(path, "d", escaped(data));
         const std::string id = ids_.name(path, "text-path");
         set_attribute(text_path, reference_name(root_element(document_.xml)).c_str(), '#' + id);
+        set_reference(text_path, id);
         text_path.remove_attribute("path");
     }
     const std::string reference = reference_of(text_path);

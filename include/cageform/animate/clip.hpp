@@ -17,7 +17,7 @@ struct CageClipView {
 
     CurveBankView<T> bank; ///< #vertices · D curves, the coordinates of a vertex adjacent
     T first_time = 0, last_time = 0;
-    /// From here the times of the bank, first_time and last_time count; far from zero T has few digits.
+    /// The time that the bank, first_time and last_time are relative to, as T is inexact far from zero.
     double origin = 0;
     Extrapolation before = Extrapolation::constant, after = Extrapolation::constant;
     /// 3 · #curves: all slopes at the first time, all slopes at the last, all rises between them;

@@ -201,33 +201,37 @@ private:
     static constexpr std::uint8_t active = 1; ///< a flag: the node is solved for
     static constexpr std::size_t coarsest_sweeps = 15, data_sweeps = 2;
 
-    /// Calls f(n) for n < count, in order, and KeepGoing at times; ends early where that says so.
+    /// Calls f(n) for n < count, in order, and KeepGoing at times. Returns false if that ended it early.
     template <class F>
-    static void for_each(const Block& block, std::size_t count, const F& f) {
+    static bool for_each(const Block& block, std::size_t count, const F& f) {
         constexpr std::size_t together = std::size_t{1} << 18; // some hundredths of a second
         for (std::size_t begin = 0; begin < count; begin += together) {
-            if (begin > 0 && *block.keep_going_ && !(*block.keep_going_)()) return;
+            if (begin > 0 && *block.keep_going_ && !(*block.keep_going_)()) return false;
             const std::size_t end = (std::min)(count, begin + together);
             for (std::size_t n = begin; n < end; ++n) f(n);
         }
+        return true;
     }
 
     // ---- which nodes are solved for -------------------------------------------------------------------
 
     static void clear(Block& block) {
+        bool whole = true;
         for (auto& level : block.levels_) {
             const auto clear_node = [&level](std::size_t n) {
                 Simd(0.0f).store(level.u[n]);
                 Simd(0.0f).store(level.b[n]);
                 level.flags[n] = 0;
             };
-            if (!block.is_zero_) for_each(block, level.flags.size(), clear_node);
-            for_each(block, level.touched.size(), [&](std::size_t k) { clear_node(level.touched[k]); });
+            if (!block.is_zero_) whole = for_each(block, level.flags.size(), clear_node) && whole;
+            whole = for_each(block, level.touched.size(),
+                             [&](std::size_t k) { clear_node(level.touched[k]); }) &&
+                    whole;
             level.touched.clear();
             level.list.clear();
             level.rim.clear();
         }
-        block.is_zero_ = true;
+        block.is_zero_ = whole;
     }
     /// Sets the right-hand sides of all levels: the data of the finest level, restricted to the
     /// others.
