@@ -156,6 +156,8 @@ class Arrays(unittest.TestCase):
                 (ValueError, r'poses\[1\] has 6 numbers, poses\[0\] 8$', lambda: cageform.compile_clip([0, 1], [SQUARE, SQUARE[:3]])),
                 (ValueError, r'poses\[1\]\[2\] has 3 numbers, poses\[1\]\[0\] 2$',
                  lambda: cageform.compile_clip([0, 1], [[(0, 0), (1, 0), (1, 1)], [(0, 0), (1, 0), (1, 1, 1)]])),
+                (ValueError, r'points\[1\] has 1 numbers, points\[0\] 2$', lambda: coordinates.bind([('ab', 'c'), (b'de',)])),
+                (ValueError, r'points\[1\] has 1 numbers, points\[0\] 2$', lambda: coordinates.bind([(np.array(1.), 2), (np.array(3.),)])),
                 (errors.PoseSizeDiffers, '', lambda: figure.clone(np.zeros((3, 2)))),
                 (errors.PoseNotFinite, '', lambda: figure.clone(np.full((4, 2), np.nan))),
                 (errors.LoopsDoNotMatch, 'do not add up', lambda: cageform.Coordinates(cageform.Cage.polygon(SQUARE, [5]))),

@@ -39,13 +39,17 @@ def index_of(number: int) -> Optional[int]:
     return None if number == _NO_INDEX else number
 
 
+def _is_list(given: Any) -> bool:
+    return hasattr(given, '__len__') and not isinstance(given, (str, bytes)) and bool(getattr(given, 'ndim', 1))
+
+
 def _count(given: Any) -> int:
-    return sum(map(_count, given)) if hasattr(given, '__len__') else 1
+    return sum(map(_count, given)) if _is_list(given) else 1
 
 
 def _refuse_uneven(given: Any, name: str) -> None:
     """Names the first of nested lists that has not as many numbers as the first beside it."""
-    rows = list(given) if hasattr(given, '__len__') else []
+    rows = list(given) if _is_list(given) else []
     for k, row in enumerate(rows):
         _refuse_uneven(row, '%s[%d]' % (name, k))
     for k, row in enumerate(rows):
