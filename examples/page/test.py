@@ -256,6 +256,15 @@ def test_expansion(page, folder):
         check(re.match(name + ' cannot be shown: "#[a-z0-9]+" expands', said) and page.run('page.figure.name') == before, '%s (%.2f s)' % (said, time.time() - start))
     deep = '<svg xmlns="http://www.w3.org/2000/svg">' + '<g>' * 2000 + '</g>' * 2000 + '</svg>'
     check('too deeply' in page.run('try { new Figure(%s, "deep"); "" } catch (error) { error.message }' % json.dumps(deep)), 'so are 2000 levels of groups')
+    nested = ''.join('<g id="h%d">' % k for k in range(190)) + '<path d="M0 0h5v5z"/>' * 500 + '</g>' * 190 + ''.join('<use href="#h%d"/>' % k for k in range(190))
+    said, copies = page.run('''(() => {
+      const { cloneNode } = Node.prototype;
+      let copies = 0;
+      Node.prototype.cloneNode = function (isDeep) { ++copies; return cloneNode.call(this, isDeep); };
+      try { new Figure(%s, 'nested'); } catch (error) { return [error.message, copies]; } finally { Node.prototype.cloneNode = cloneNode; }
+      return ['shown', copies];
+    })()''' % json.dumps('<svg xmlns="http://www.w3.org/2000/svg">%s</svg>' % nested))
+    check('expands' in said and copies == 0, '190 nested groups, each used, are counted before any is copied: %s, %d copies' % (said, copies))
 
 
 class Elsewhere(http.server.BaseHTTPRequestHandler):
@@ -300,7 +309,7 @@ window.feed = async (seed, text) => {
     outcome = 'refused';
     if (error instanceof TypeError || error instanceof RangeError || error.message.includes('undefined')) faults.push(error.stack);
   }
-  for (let k = 0; k < 4; ++k) await nextFrame(); // what is slow to paint holds the frames behind it up
+  for (let k = 0; k < 4; ++k) await new Promise(done => requestAnimationFrame(() => setTimeout(done))); // what is slow to paint holds the frames behind it up
   const spent = performance.now() - start - cageTime;
   if (outcome === 'shown') {
     const saved = posedSvg(page).text, root = parseSvg(saved);

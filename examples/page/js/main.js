@@ -4,9 +4,6 @@ const byId = id => document.getElementById(id);
 
 const isInSpace = () => document.body.classList.contains('in-space');
 
-/** Lets the browser draw before a long computation. */
-const nextFrame = () => new Promise(done => requestAnimationFrame(() => setTimeout(done)));
-
 // ---- figures ----
 
 /** Opens a dropped or chosen file beside the others, and makes its cage with make_cage. */

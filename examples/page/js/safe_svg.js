@@ -89,8 +89,8 @@ function sheetOf(text) {
 function useTrees(root) {
   const trees = new Map();
   for (const use of root.querySelectorAll('use')) {
-    const id = use.getAttribute('href')?.slice(1), target = id && root.querySelector('#' + CSS.escape(id));
-    if (!target || trees.has(id)) continue;
+    const id = use.getAttribute('href')?.slice(1), target = id && !trees.has(id) && root.querySelector('#' + CSS.escape(id));
+    if (!target) continue;
     trees.set(id, new DocumentFragment());
     trees.get(id).append(target.cloneNode(true));
   }
@@ -279,7 +279,9 @@ function readSafeSvg(text, name) {
   if (!parsed) throw new Error(name + ' is not an SVG document');
   const inert = document.implementation.createDocument(null, null), rules = [];
   try {
-    const root = copySafe(parsed, inert, rules, 0), trees = useTrees(root), css = textOfRules([inert, ...trees.values()], rules);
+    const root = copySafe(parsed, inert, rules, 0);
+    new InstanceCount(root, '').of(root); // before targets of `use` are copied
+    const trees = useTrees(root), css = textOfRules([inert, ...trees.values()], rules);
     new InstanceCount(root, css).of(root);
     return { root, css, trees };
   } catch (error) {
