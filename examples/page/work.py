@@ -156,6 +156,9 @@ def test_work(path, folder, out):
         page.frames(4)
     try:
         check(not reload(page), 'a page without work is left without a question')
+        kept = page.run('''page.keeper.put([['state', 'plain'], 1], [['state', 'unkept'], () => {}]).then(() => 'kept', error => error.name)
+          .then(async said => said + ' ' + await answerOf(page.keeper.store.transaction('work').objectStore('work').count(['state', 'plain'])))''')
+        check(kept == 'DataCloneError 0', 'of values that are put together all are kept or none: ' + kept)
         drop(page, folder, 'tower.svg', TOWER)
         page.frames(6)
         page.wait('page.pinDrag.isPrepared')

@@ -39,7 +39,12 @@ class Keeper {
   /** Puts values, [[kind, key], value] each, into the store, all or none; undefined takes one out. */
   async put(...entries) {
     const transaction = this.store.transaction('work', 'readwrite'), work = transaction.objectStore('work');
-    for (const [key, value] of entries) if (value === undefined) work.delete(key); else work.put(value, key);
+    try {
+      for (const [key, value] of entries) if (value === undefined) work.delete(key); else work.put(value, key);
+    } catch (error) { // a value cannot be kept; those before it would stay
+      transaction.abort();
+      throw error;
+    }
     await new Promise((done, failed) => {
       transaction.oncomplete = done;
       transaction.onabort = () => failed(transaction.error);
@@ -96,7 +101,7 @@ const shownOwner = app => isInSpace() ? app.mesh : app;
 /** Returns who has a figure that has been shown. */
 const ownerOf = (app, key) => [app, app.mesh].find(({ current, sessions }) => current === key || sessions.has(key));
 
-/** Makes clips of what the store returns for them, which has lost its class. */
+/** Restores the class Clip, which the store does not keep. */
 function withClips(state) {
   for (const part of [state, ...state.earlier, ...state.later])
     for (const { clip } of [part, ...Object.values(part.kinds ?? {})]) if (clip) Object.setPrototypeOf(clip, Clip.prototype);
