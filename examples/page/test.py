@@ -572,8 +572,8 @@ def test_animation(page, folder, path):
             file.writelines(line for line in open(source) if not line.startswith(('late', 'ground')))
         subprocess.run([PROGRAMS + 'animate_svg', DATA + 'cat.svg', '--cage', DATA + 'cat_cage.svg', '--clip', own, '-o', prefix + '.svg',
                         '--coordinates', 'mean-value', '--stills', prefix, '--still-count', '6'], check=True, stdout=subprocess.DEVNULL)
-        stills.append([[float(x) for d in re.findall(r'\sd="([^"]*)"', open(prefix + '%02d.svg' % k).read()) for x in re.findall(r'-?[\d.]+', d)]
-                       for k in range(1, 6)])
+        moved = [re.findall(r'\s(?:d|transform)="([^"]*)"', open(prefix + '%02d.svg' % k).read()) for k in range(1, 6)]
+        stills.append([[float(x) for text in texts for x in re.findall(r'-?[\d.]+(?:e-?\d+)?', text)] for texts in moved])
     error = max(abs(a - b) for one, other in zip(*stills) for a, b in zip(one, other))
     check(error < 0.11, 'animate_svg plays the key frames saved as its own: %.3f off, it writes one digit' % error)
 
