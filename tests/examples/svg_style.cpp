@@ -529,7 +529,6 @@ TEST_CASE("what is not applied is named", "[examples][svg_style][warnings]") {
         "style (line 2): \"@import url(more.css)\" is not read",
         "style (line 4): the property \"animation\" is not deformed: spin 2s",
         "style (line 4): the property \"-x-ink\" is not known and stays as it is (2 times)",
-        "style (line 4): the property \"--own\" is not known and stays as it is",
         "style (line 5): \"@layer low\" is not read",
         "style (line 6): the property \"translate\" of \"path\" is not deformed",
         "xml-stylesheet: another file is not read: href=\"a.css\"",
