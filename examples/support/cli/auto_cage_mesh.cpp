@@ -134,7 +134,8 @@ SvgResult<ObjFile> load_mesh_figure(const std::string& path, bool is_strict, Mes
         warn(path + ": " + std::to_string(file->left_out.size()) + " of " +
              std::to_string(file->vertices.size()) + " vertices are left out, first v " +
              std::to_string(file->left_out[0] + 1) +
-             ": no face uses them, and they are not finite or very far away; with --strict they are kept or refused");
+             ": no face uses them, and they are not finite or very far away; with --strict they are kept or "
+             "refused");
     }
     return file;
 }

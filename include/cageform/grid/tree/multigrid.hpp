@@ -224,9 +224,9 @@ private:
                 level.flags[n] = 0;
             };
             if (!block.is_zero_) whole = for_each(block, level.flags.size(), clear_node) && whole;
-            whole = for_each(block, level.touched.size(),
-                             [&](std::size_t k) { clear_node(level.touched[k]); }) &&
-                    whole;
+            whole =
+                for_each(block, level.touched.size(), [&](std::size_t k) { clear_node(level.touched[k]); }) &&
+                whole;
             level.touched.clear();
             level.list.clear();
             level.rim.clear();
