@@ -96,9 +96,10 @@ TEST_CASE("selectors find what CSS says, and rank as CSS says", "[examples][svg_
     const auto found = [&](std::string_view text) {
         bool complete = false;
         std::string result;
+        std::size_t steps = 1'000'000;
         for (const detail::Selector& selector : detail::parse_selectors(text, complete)) {
             for (const char* id : {"g", "r", "c", "p", "q", "e"}) {
-                if (selector.matches(ids.find(id))) result += id;
+                if (selector.matches(ids.find(id), steps)) result += id;
             }
         }
         return complete ? result : "?";
@@ -177,6 +178,56 @@ TEST_CASE("selectors find what CSS says, and rank as CSS says", "[examples][svg_
     for (int i = 0; i < 300; ++i) deep += "</g>";
     CHECK(deformed(svg("<style>" + selector + "{fill:red}</style>" + deep + "</g><path d='M0 0h1v1z'/>"),
                    slanted)
+              .warnings.empty());
+}
+
+TEST_CASE("rules that take too long to match are told and not read", "[examples][svg_style][selector]") {
+    const auto repeated = [](std::string_view part, std::size_t count) {
+        std::string all;
+        for (; count > 0; --count) all += part;
+        return all;
+    };
+    const std::string path = "<path class='k' d='M0 0h1v1z'/>", many = repeated(path, 40'000);
+    const std::string deep = repeated("<g>", 60) + path + repeated("</g>", 60);
+    const auto warnings = [&](const std::string& rule, const std::string& content) {
+        const std::string style = "<style>" + rule + "{translate:3px}path{translate:1px}</style>";
+        const Result moved = deformed(svg(style + content), {});
+        const bool is_read = moved.text.find("translate:1px") == std::string::npos; // it became an attribute
+        CHECK(is_read == moved.warnings.empty());
+        return moved.warnings;
+    };
+    const std::vector<std::string> told{"style: its rules take too long to match and are not read"};
+    for (const std::string word : {":is(", ":where(", ":not("}) {
+        std::string nested = "x";
+        for (int i = 0; i < 7; ++i) nested = word + nested + " *)";
+        CAPTURE(nested);
+        CHECK(warnings(nested + " z", deep).empty());
+        CHECK(warnings(word + "z " + nested + " * * * *)", deep + many).size() <= 1); // it ends
+    }
+    CHECK(warnings("z ~ *", many) == told);
+    CHECK(warnings("*:nth-child(2n)", many) == told);
+    CHECK(warnings(repeated("z ~ .k,", 5) + "z ~ .k", repeated("<g/><!---->", 9'000) + many) == told);
+    CHECK(warnings("*:nth-child(7)", many).empty()); // what a drawing may well have
+    CHECK(warnings(".k:first-child", many).empty());
+}
+
+TEST_CASE("at-rules and media are read in any case of letters", "[examples][svg_style]") {
+    const std::string rule = "{rect{height:9px}}", rect = "<rect width='3' height='1'/>";
+    const auto applies = [&](const std::string& style) {
+        return drawn(svg(style + rect)) == drawn(svg("<rect width='3' height='9'/>"));
+    };
+    for (const std::string at : {"@MEDIA Screen", "@Media print, ALL", "@media", "@SUPPORTS (d:none)",
+                                 "@Supports (font-family: notable)", "@supports (--knot: 1)"}) {
+        CAPTURE(at);
+        CHECK(applies("<style>" + at + rule + "</style>"));
+    }
+    for (const std::string at : {"@MEDIA PRINT", "@SUPPORTS NOT (d:none)", "@supports (not (d:none))",
+                                 "@Supports (d:none) and (NOT (d:none))", "@FONT-FACE", "@KeyFrames a"}) {
+        CAPTURE(at);
+        CHECK_FALSE(applies("<style>" + at + rule + "</style>"));
+    }
+    CHECK(applies("<style media='SCREEN'>rect{height:9px}</style>"));
+    CHECK(deformed(svg("<style>@FONT-FACE{src:x}@KEYFRAMES a{to{x:1px}}</style>" + rect), slanted)
               .warnings.empty());
 }
 
@@ -455,11 +506,28 @@ TEST_CASE("entities and prefixes mean what they stand for", "[examples][svg_styl
     for (const std::string& bad :
          {laughs + "]><svg>&a19;&a20;&a21;&a22;</svg>", laughs + "]><svg a='&a39;'/>",
           std::string("<!DOCTYPE svg [<!ENTITY l '&l;'>]><svg>&l;</svg>"),
-          std::string("<!DOCTYPE svg [<!ENTITY l '<g>'>]><svg>&l;</svg>")}) {
+          std::string("<!DOCTYPE svg [<!ENTITY l '<g>'>]><svg>&l;</svg>"),
+          std::string("<!DOCTYPE svg [<!ENTITY l '<'><!ENTITY m 'a&l;'>]><svg a='&m;'/>")}) {
         const auto refused = parse_svg(bad, "bad.svg");
         REQUIRE_FALSE(refused);
         CHECK(refused.error().message.find("entity") != std::string::npos);
     }
+
+    const std::string own =
+        "<!DOCTYPE svg [<!ENTITY lt '&#38;#60;'><!ENTITY gt '&#62;'><!ENTITY amp '&#38;#38;'>"
+        "<!ENTITY apos '&#39;'><!ENTITY quot '&#34;'><!ENTITY x 'y'>]>";
+    const std::string kept = "<svg a=\"&lt;&amp;&quot;\">a &lt; &gt; &apos; ";
+    CHECK(to_text(parsed(own + kept + "&x;</svg>")) == own + kept + "y</svg>");
+    CHECK(to_text(parsed(own + "<svg a=\"&x\">&x</svg>")).ends_with("<svg a=\"&x\">&x</svg>"));
+    const std::string unknown = std::string(300'000, '&') + ';'; // each was looked up to the end
+    CHECK(to_text(parsed(own + "<svg>" + unknown + "</svg>")).ends_with(unknown + "</svg>"));
+    std::string open = "<!DOCTYPE svg [", nested;
+    for (int i = 0; i < 60'000; ++i) open += "<!ENTITY ", nested += "<b:g>";
+    for (int i = 0; i < 60'000; ++i) open += '>';
+    CHECK(parse_svg(open + "]><svg/>", "open.svg"));
+    for (int i = 0; i < 60'000; ++i) nested += "</b:g>";
+    const auto too_deep = parse_svg("<svg xmlns:b='x'>" + nested + "</svg>", "deep.svg");
+    CHECK((!too_deep && too_deep.error().message.find("nested too deeply") != std::string::npos));
 
     const std::string space = "http://www.w3.org/2000/svg", line = "line x2='9' y2='4'/>";
     for (const std::string& mixed :

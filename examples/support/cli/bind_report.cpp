@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <iomanip>
 #include <sstream>
+#include <unordered_map>
 #include <vector>
 
 namespace cageform_examples {
@@ -257,14 +258,15 @@ void print_warnings(std::span<const std::string> warnings) {
         std::size_t count = 0;
     };
     std::vector<Kind> kinds;
+    std::unordered_map<std::string, std::size_t> places; // in kinds, by text
     for (const std::string& warning : warnings) {
         const std::size_t end = warning.find("): "); // of a label: rect "wall" (line 12)
         const bool has_label = end != std::string::npos;
         std::string who = has_label ? warning.substr(0, end + 1) : "",
                     text = has_label ? warning.substr(end + 3) : warning;
-        auto kind = std::find_if(kinds.begin(), kinds.end(), [&](const Kind& k) { return k.text == text; });
-        if (kind == kinds.end()) kind = kinds.insert(kinds.end(), {std::move(who), std::move(text), 0});
-        ++kind->count;
+        const auto [place, is_new] = places.try_emplace(text, kinds.size());
+        if (is_new) kinds.push_back({std::move(who), std::move(text), 0});
+        ++kinds[place->second].count;
     }
     constexpr std::size_t most_kinds = 100; // a drawing may have many properties that are not known
     for (std::size_t i = 0; i < std::min(kinds.size(), most_kinds); ++i) {

@@ -10,6 +10,7 @@
 #include <string>
 #include <string_view>
 #include <unordered_map>
+#include <unordered_set>
 #include <vector>
 
 namespace cageform_examples {
@@ -140,6 +141,7 @@ private:
     std::unordered_map<std::size_t, pugi::xml_node> uses_of_images_; // definitions, by the hash of their use
     std::size_t copies_ = 0;
     std::unordered_map<std::size_t, std::size_t> expanded_sizes_; // by the element's hash
+    std::unordered_set<std::string> left_out_;                    // the warnings of leave_out()
     std::optional<SvgError> error_;
 };
 

@@ -21,9 +21,10 @@ std::string text_of(const StyleSheets::Values& values, std::string_view property
 ///   parent   has that of the element it stands in
 double font_size(const StyleSheets::Values& values, const Viewport& parent);
 
-/// Writes as attributes what style attributes and sheets say of the geometry and the transforms of all
-/// elements but the root, and takes it out of these. A `transform` then has all of transform, translate,
-/// rotate, scale, transform-origin and transform-box. Values that cannot be read stay, and are reported.
+/// Moves geometry and transforms from style attributes and sheets to attributes, for all elements but the
+/// root. A `transform` then has all of transform, translate,
+/// rotate, scale, transform-origin and transform-box. Values that cannot be read stay, with a
+/// warning.
 void place_by_attributes(SvgDocument& document, StyleSheets& styles);
 
 /// A basic shape, as clip-path has them: circle(), ellipse(), inset(), polygon(), path().

@@ -23,6 +23,8 @@ namespace cageform_examples {
 
 namespace detail {
 
+constexpr std::size_t most_of_entity = 256; // bytes of a name that is looked for, so that reading is linear
+
 /// The entities that a document type defines in the file, as raw text.
 std::map<std::string, std::string, std::less<>> entities_of(const pugi::xml_document& xml) {
     std::map<std::string, std::string, std::less<>> entities;
@@ -32,17 +34,20 @@ std::map<std::string, std::string, std::less<>> entities_of(const pugi::xml_docu
         constexpr std::string_view begin = "<!ENTITY";
         for (std::size_t at = text.find(begin); at != std::string_view::npos; at = text.find(begin, at)) {
             at += begin.size();
-            const auto words = words_of(text.substr(at, 256)); // "%" is one of the document type itself
-            const std::size_t open = text.find_first_of("\"'>", at);
-            if (open == std::string_view::npos || words.size() < 2 || text[open] == '>') continue;
+            const std::string_view head = text.substr(at, most_of_entity);
+            const auto words = words_of(head); // "%" is one of the document type itself
+            const std::size_t length = head.find_first_of("\"'>");
+            if (length == std::string_view::npos || words.size() < 2 || head[length] == '>') continue;
+            const std::size_t open = at + length;
             const std::size_t close = text.find(text[open], open + 1);
             if (close == std::string_view::npos) break;
-            const bool is_here = trimmed(text.substr(at, open - at)) == words.front(); // not in another file
+            const bool is_here = trimmed(head.substr(0, length)) == words.front(); // not in another file
             if (is_here)
                 entities.try_emplace(std::string(words.front()), text.substr(open + 1, close - open - 1));
             at = close;
         }
     }
+    for (const char* name : {"lt", "gt", "amp", "quot", "apos"}) entities.erase(name); // XML defines them
     return entities;
 }
 
@@ -57,11 +62,11 @@ public:
         if (entities_.empty()) return std::nullopt;
         for (pugi::xml_node node = root; node && !fault_;) {
             for (pugi::xml_attribute attribute : node.attributes()) {
-                const std::string text = expanded(attribute.value(), 0);
+                const std::string text = expanded(attribute.value(), true);
                 if (text != attribute.value()) attribute.set_value(text.c_str());
             }
             const std::string text =
-                node.type() == pugi::node_pcdata ? expanded(node.value(), 0) : node.value();
+                node.type() == pugi::node_pcdata ? expanded(node.value(), false) : node.value();
             if (text == node.value()) {
                 node = next_node(node, root);
                 continue;
@@ -82,26 +87,31 @@ public:
     }
 
 private:
-    std::string expanded(std::string_view text, int depth) {
+    std::string expanded(std::string_view text, bool is_attribute, int depth = 0) {
         std::string result;
         while (!text.empty()) {
             const std::size_t plain = std::min(text.find('&'), text.size());
             result += text.substr(0, plain);
             text.remove_prefix(plain);
-            const std::size_t end = std::min(text.find(';'), text.size());
-            const std::string_view name = text.empty() ? text : text.substr(1, end - 1);
-            const auto found = entities_.find(name);
+            const std::size_t end = text.substr(0, most_of_entity).find(';');
+            const auto found =
+                end == std::string_view::npos ? entities_.end() : entities_.find(text.substr(1, end - 1));
             if (found == entities_.end()) {
                 result += text.substr(0, 1);
                 text.remove_prefix(std::min<std::size_t>(1, text.size()));
                 continue;
             }
-            size_ += found->second.size();
-            if (depth > 20 || size_ > std::size_t{1} << 24) {
-                fault_ = "the entity \"" + std::string(name) + "\" expands to too much";
+            const auto& [name, value] = *found;
+            size_ += value.size();
+            if (is_attribute && value.find('<') != std::string::npos) { // as the rules of XML ask
+                fault_ = "the entity \"" + name + "\" in an attribute has a <";
                 return {};
             }
-            result += expanded(found->second, depth + 1);
+            if (depth > 20 || size_ > std::size_t{1} << 24) {
+                fault_ = "the entity \"" + name + "\" expands to too much";
+                return {};
+            }
+            result += expanded(value, is_attribute, depth + 1);
             if (fault_) return {};
             text.remove_prefix(end + 1);
         }
@@ -158,7 +168,6 @@ SvgResult<SvgDocument> parse_svg(std::string_view text, std::string name) {
     const pugi::xml_node root = detail::root_element(document.xml);
     if (!root) return refuse("not XML: there is no element");
     if (const auto fault = detail::EntityExpander(document.xml).expand(root)) return refuse(*fault);
-    detail::unify_prefixes(root);
     for (const pugi::xml_node node : document.xml.children()) {
         const bool stray = node.type() == pugi::node_pcdata && !detail::is_blank(node.value());
         if (stray || node.type() == pugi::node_cdata) return refuse("not XML: text outside the root element");
@@ -199,6 +208,7 @@ SvgResult<SvgDocument> parse_svg(std::string_view text, std::string name) {
         }
         node = next;
     }
+    detail::unify_prefixes(root); // looks at all that an element stands in, which is not much now
     for (const pugi::xml_node node : document.xml.children()) {
         const bool states = node.type() == pugi::node_declaration && node.attribute("encoding");
         if (states && !utf8) node.attribute("encoding").set_value("UTF-8");

@@ -20,10 +20,16 @@ bool is_element(pugi::xml_node node) {
     return node.type() == pugi::node_element;
 }
 
-pugi::xml_node element_beside(pugi::xml_node node, bool after) {
+/// Counts steps down. Returns whether any are left.
+bool spend(std::size_t& steps, std::size_t cost = 1) {
+    steps -= std::min(steps, cost);
+    return steps != 0;
+}
+
+pugi::xml_node element_beside(pugi::xml_node node, bool after, std::size_t& steps) {
     do node = after ? node.next_sibling() : node.previous_sibling();
-    while (node && !is_element(node));
-    return node;
+    while (node && !is_element(node) && spend(steps));
+    return spend(steps) ? node : pugi::xml_node();
 }
 
 class SelectorReader {
@@ -274,40 +280,49 @@ bool meets_comparison(std::string value, const SimpleSelector& part) {
     }
 }
 
-bool is_nth(const SimpleSelector& part, pugi::xml_node node, pugi::xml_node top) {
+bool is_nth(const SimpleSelector& part, pugi::xml_node node, pugi::xml_node top, std::size_t& steps) {
     const std::string_view name = node.name();
     long long place = 1;
-    for (pugi::xml_node other = node == top ? pugi::xml_node() : element_beside(node, part.from_end); other;
-         other = element_beside(other, part.from_end)) {
+    const auto next = [&](pugi::xml_node from) { return element_beside(from, part.from_end, steps); };
+    for (pugi::xml_node other = node == top ? pugi::xml_node() : next(node); other; other = next(other)) {
         if (!part.of_type || other.name() == name) ++place;
+        if (part.step == 0 && place > part.offset) return false;
     }
     const long long beyond = place - part.offset;
     return part.step == 0 ? beyond == 0 : beyond % part.step == 0 && beyond / part.step >= 0;
 }
 
-bool meets(const SimpleSelector& part, pugi::xml_node node, pugi::xml_node top) {
+bool meets(const SimpleSelector& part, pugi::xml_node node, pugi::xml_node top, std::size_t& steps) {
     using Kind = SimpleSelector::Kind;
     const auto any_of_list = [&] {
         return std::any_of(part.list.begin(), part.list.end(),
-                           [&](const Selector& each) { return each.matches(node, top); });
+                           [&](const Selector& each) { return each.matches(node, steps, top); });
     };
+    constexpr std::size_t letters_of_step = 16;
     switch (part.kind) {
     case Kind::type: return type_of(node) == part.name;
     case Kind::id: return attribute_text(node, "id") == part.name;
-    case Kind::class_name: return has_word(attribute_text(node, "class"), part.name);
+    case Kind::class_name: {
+        const std::string names = attribute_text(node, "class");
+        return spend(steps, names.size() / letters_of_step) && has_word(names, part.name);
+    }
     case Kind::attribute: {
         const pugi::xml_attribute attribute = node.attribute(part.name.c_str());
-        return attribute && meets_comparison(unescaped(attribute.value()), part);
+        if (!attribute) return false;
+        const std::string value = unescaped(attribute.value());
+        return spend(steps, value.size() / letters_of_step) && meets_comparison(value, part);
     }
     case Kind::any_of: return any_of_list();
     case Kind::none_of: // an element at rest has no state
-        return std::none_of(part.list.begin(), part.list.end(),
-                            [&](const Selector& each) { return !each.has_state && each.matches(node, top); });
-    case Kind::nth: return is_nth(part, node, top) && (part.list.empty() || any_of_list());
+        return std::none_of(part.list.begin(), part.list.end(), [&](const Selector& each) {
+            return !each.has_state && each.matches(node, steps, top);
+        });
+    case Kind::nth: return is_nth(part, node, top, steps) && (part.list.empty() || any_of_list());
     case Kind::root: return !is_element(node.parent());
     case Kind::empty:
-        return !node.find_child([](pugi::xml_node child) {
-            return is_element(child) || child.type() == pugi::node_pcdata || child.type() == pugi::node_cdata;
+        return !node.find_child([&](pugi::xml_node child) {
+            return !spend(steps) || is_element(child) || child.type() == pugi::node_pcdata ||
+                   child.type() == pugi::node_cdata;
         });
     default: return true;
     }
@@ -317,21 +332,22 @@ bool meets(const SimpleSelector& part, pugi::xml_node node, pugi::xml_node top) 
 enum class Match { yes, no, no_sibling, never };
 
 Match match(const std::vector<CompoundSelector>& compounds, std::size_t last, pugi::xml_node node,
-            pugi::xml_node top) {
+            pugi::xml_node top, std::size_t& steps) {
+    if (!spend(steps, 1 + compounds[last].parts.size())) return Match::never;
     const CompoundSelector& compound = compounds[last];
     const bool met = std::all_of(compound.parts.begin(), compound.parts.end(),
-                                 [&](const SimpleSelector& part) { return meets(part, node, top); });
+                                 [&](const SimpleSelector& part) { return meets(part, node, top, steps); });
     if (!met) return Match::no;
     if (last == 0) return Match::yes;
     const bool beside = compound.combinator == '+' || compound.combinator == '~';
     const bool nearest = compound.combinator == '+' || compound.combinator == '>';
     const auto next = [&] {
         if (node == top) return false;
-        node = beside ? element_beside(node, false) : node.parent();
+        node = beside ? element_beside(node, false, steps) : node.parent();
         return is_element(node);
     };
     while (next()) {
-        const Match result = match(compounds, last - 1, node, top);
+        const Match result = match(compounds, last - 1, node, top, steps);
         if (nearest || result == Match::yes || result == Match::never) return result;
         if (beside && result == Match::no_sibling) return result;
     }
@@ -340,8 +356,8 @@ Match match(const std::vector<CompoundSelector>& compounds, std::size_t last, pu
 
 } // namespace
 
-bool Selector::matches(pugi::xml_node node, pugi::xml_node top) const {
-    return match(compounds, compounds.size() - 1, node, top) == Match::yes;
+bool Selector::matches(pugi::xml_node node, std::size_t& steps, pugi::xml_node top) const {
+    return match(compounds, compounds.size() - 1, node, top, steps) == Match::yes;
 }
 
 std::string Selector::key() const {

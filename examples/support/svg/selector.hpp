@@ -5,7 +5,6 @@
 #include <pugixml.hpp>
 
 #include <cstddef>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -28,10 +27,11 @@ struct Selector {
     std::size_t specificity = 0;
     bool has_state = false; // asks for a state such as :hover, which no picture at rest has
 
-    /// Whether it selects an element, where elements are in the states it asks for.
+    /// Whether the selector matches the element. Every state that it asks for counts as met.
     ///
-    ///   top   what is around and beside this element is not looked at; nothing: all of the document is
-    bool matches(pugi::xml_node node, pugi::xml_node top = {}) const;
+    ///   steps   that matching may take, counted down; the answer means nothing once they are zero
+    ///   top     the element outside which nothing is looked at
+    bool matches(pugi::xml_node node, std::size_t& steps, pugi::xml_node top = {}) const;
 
     /// "#id", ".class" or the type, one that its elements have; empty where they need none.
     std::string key() const;
@@ -48,8 +48,8 @@ struct SimpleSelector {
     int step = 0, offset = 1;
 };
 
-/// A list of selectors with commas between them. Those that are not read are left out: pseudo-elements,
-/// pseudo-classes other than structural ones, states, :not, :is and :where.
+/// Reads a list of selectors with commas between them.
+/// Reads structural pseudo-classes, states, :not, :is and :where. A selector with anything else is left out.
 ///
 ///   complete   receives whether all were read
 std::vector<Selector> parse_selectors(std::string_view text, bool& complete);

@@ -55,15 +55,15 @@ std::string without_comments(std::string_view css) {
 
 constexpr int max_media_depth = 30; // of blocks of @media inside each other; reading them is recursive
 
-/// Whether it opens a block of @media that every screen takes: of no type, or of "all" or "screen".
-bool is_for_screens(std::string_view prelude) {
-    constexpr std::string_view media = "@media";
-    if (!prelude.starts_with(media)) return false;
-    prelude = trimmed(prelude.substr(media.size()));
-    if (prelude.empty()) return true;
-    for (std::size_t from = 0; from <= prelude.size();) {
-        const std::size_t comma = std::min(prelude.find(',', from), prelude.size());
-        std::string_view query = trimmed(prelude.substr(from, comma - from));
+constexpr std::size_t most_steps = 30'000'000; // of matching rules when a document is read: about a second
+
+/// Whether every screen meets a list of queries: it is empty, or one of them is "all" or "screen".
+bool is_for_screens(std::string_view written) {
+    const std::string queries = lowered(trimmed(written));
+    if (queries.empty()) return true;
+    for (std::size_t from = 0; from <= queries.size();) {
+        const std::size_t comma = std::min(queries.find(',', from), queries.size());
+        std::string_view query = trimmed(std::string_view(queries).substr(from, comma - from));
         if (query.starts_with("only ")) query = trimmed(query.substr(5));
         if (query == "all" || query == "screen") return true;
         from = comma + 1;
@@ -145,7 +145,8 @@ const char* const rules_mark = "cageform-rules"; // attribute of an element: whi
 } // namespace
 
 StyleSheets::StyleSheets(SvgDocument& document)
-    : document_(document) {
+    : document_(document)
+    , steps_(most_steps) {
     const pugi::xml_node root = root_element(document.xml);
     for (pugi::xml_node node = root; node; node = next_node(node, root)) {
         if (local_name(node) != "style") continue;
@@ -158,7 +159,7 @@ StyleSheets::StyleSheets(SvgDocument& document)
     }
     for (std::size_t i = 0; i < sheets_.size(); ++i) {
         const std::string media = attribute_text(sheets_[i].node, "media");
-        read(i, 0, sheets_[i].text.size(), !is_for_screens("@media " + media), 0);
+        read(i, 0, sheets_[i].text.size(), !is_for_screens(media), 0);
     }
     if (rules_.empty()) return;
     std::sort(rules_.begin(), rules_.end(), [](const Rule& a, const Rule& b) { // later blocks win
@@ -170,8 +171,16 @@ StyleSheets::StyleSheets(SvgDocument& document)
     for (pugi::xml_node node = top; node; node = next_node(node, top)) {
         if (node.type() != pugi::node_element) continue;
         elements_.push_back(node);
-        marked_.push_back(matching(node));
+        marked_.push_back(matching(node, {}));
     }
+    if (steps_ == 0) {
+        report.add("style", "its rules take too long to match and are not read");
+        rules_.clear();
+        elements_.clear();
+        placing_.clear();
+        return;
+    }
+    steps_ = 2 * most_steps; // for copies, and for settle()
     std::size_t number = 0;
     for (pugi::xml_node node = root; node; node = next_node(node, root)) {
         if (node.type() == pugi::node_element) set_attribute(node, rules_mark, std::to_string(number++));
@@ -189,7 +198,7 @@ void StyleSheets::stand_alone(pugi::xml_node copy) {
         const std::size_t element = mark_of(node);
         if (element >= elements_.size()) continue; // new, or in a copy already
         const auto [place, fresh] = alone_.try_emplace({top, element}, marked_.size());
-        if (fresh) marked_.push_back(matching(elements_[element], elements_[top]));
+        if (fresh) marked_.push_back(matching(elements_[element], marked_[element], elements_[top]));
         set_attribute(node, rules_mark, std::to_string(place->second));
     }
 }
@@ -207,14 +216,16 @@ void StyleSheets::read(std::size_t sheet, std::size_t from, std::size_t end, boo
         while (at < css.size() && ends.find(css[at]) == std::string_view::npos) at = after_token(css, at);
         return std::min(at, css.size());
     };
-    const auto is_any_of = [](std::string_view prelude, std::initializer_list<std::string_view> names) {
-        return std::any_of(names.begin(), names.end(), [&](auto name) { return prelude.starts_with(name); });
+    const auto is_any_of = [](std::string_view rule, std::initializer_list<std::string_view> names) {
+        return std::any_of(names.begin(), names.end(), [&](auto name) { return rule.starts_with(name); });
     };
+    constexpr std::string_view media = "@media";
     for (std::size_t at = from; at < css.size();) {
         const std::size_t open = to_any_of(at, "{;");
         const std::string_view prelude = trimmed(css.substr(at, open - at));
+        std::string rule = lowered(prelude.substr(0, prelude.starts_with('@') ? prelude.size() : 0));
         if (open == css.size() || css[open] == ';') {
-            if (prelude.starts_with("@import")) {
+            if (rule.starts_with("@import")) {
                 report.add(place_of(sheet, prelude),
                            '"' + std::string(prelude.substr(0, 60)) + "\" is not read");
             }
@@ -228,15 +239,17 @@ void StyleSheets::read(std::size_t sheet, std::size_t from, std::size_t end, boo
             close = to_any_of(close + 1, "{}");
         }
         at = close + 1;
-        if (!prelude.starts_with('@')) {
+        std::replace_if(
+            rule.begin(), rule.end(), [](char c) { return c == '(' || c == ')'; }, ' ');
+        if (rule.empty()) {
             read_rule(sheet, prelude, css.substr(open + 1, close - std::min(open + 1, close)), conditional);
-        } else if (prelude.starts_with("@media") && depth < max_media_depth) {
-            read(sheet, open + 1, close, conditional || !is_for_screens(prelude), depth + 1);
-        } else if (prelude.starts_with("@supports") && prelude.find("not") == std::string_view::npos &&
+        } else if (rule.starts_with(media) && depth < max_media_depth) {
+            const bool always = is_for_screens(prelude.substr(media.size()));
+            read(sheet, open + 1, close, conditional || !always, depth + 1);
+        } else if (rule.starts_with("@supports") && !has_word(rule, "not") &&
                    depth < max_media_depth) { // browsers support what drawings ask for
             read(sheet, open + 1, close, conditional, depth + 1);
-        } else if (!is_any_of(prelude,
-                              {"@font-", "@page", "@keyframes", "@-", "@property", "@counter-style"})) {
+        } else if (!is_any_of(rule, {"@font-", "@page", "@keyframes", "@-", "@property", "@counter-style"})) {
             report.add(place_of(sheet, prelude), '"' + std::string(prelude.substr(0, 60)) + "\" is not read");
         }
     }
@@ -283,13 +296,14 @@ void StyleSheets::read_rule(std::size_t sheet, std::string_view prelude, std::st
     blocks_.push_back(std::move(block));
 }
 
-StyleSheets::Rules StyleSheets::matching(pugi::xml_node node, pugi::xml_node top) const {
+StyleSheets::Rules StyleSheets::matching(pugi::xml_node node, const Rules& otherwise,
+                                         pugi::xml_node top) const {
     Rules rules;
     const auto look_up = [&](const std::string& key) {
         const auto found = by_key_.find(key);
         if (found == by_key_.end()) return;
         for (const std::size_t rule : found->second) {
-            if (rules_[rule].selector.matches(node, top)) rules.push_back(rule);
+            if (rules_[rule].selector.matches(node, steps_, top)) rules.push_back(rule);
         }
     };
     look_up("");
@@ -297,6 +311,7 @@ StyleSheets::Rules StyleSheets::matching(pugi::xml_node node, pugi::xml_node top
     if (node.attribute("id")) look_up('#' + attribute_text(node, "id"));
     const std::string classes = attribute_text(node, "class");
     for (const std::string_view name : words_of(classes)) look_up('.' + std::string(name));
+    if (steps_ == 0) return otherwise;
     std::sort(rules.begin(), rules.end());
     rules.erase(std::unique(rules.begin(), rules.end()), rules.end());
     return rules;
@@ -344,13 +359,15 @@ StyleSheets::Values StyleSheets::values(pugi::xml_node node) const {
     return result;
 }
 
-void append_declaration(pugi::xml_node node, const std::string& property, const std::string& text,
-                        bool important) {
+void append_style(pugi::xml_node node, const std::string& text) {
     const std::string style = node.attribute("style").value();
     const std::string_view end = trimmed(style);
-    const std::string part = end.empty() || end.ends_with(';') ? "" : ";";
-    set_attribute(node, "style",
-                  style + part + property + ':' + escaped(text) + (important ? "!important" : ""));
+    set_attribute(node, "style", style + (end.empty() || end.ends_with(';') ? "" : ";") + text);
+}
+
+void append_declaration(pugi::xml_node node, const std::string& property, const std::string& text,
+                        bool important) {
+    append_style(node, property + ':' + escaped(text) + (important ? "!important" : ""));
 }
 
 StyleValue StyleSheets::value(pugi::xml_node node, std::string_view property) const {
@@ -416,7 +433,9 @@ void StyleSheets::settle(std::vector<std::string>& warnings) const {
     std::set<std::size_t> lost;
     std::vector<Rules> now;
     now.reserve(elements.size());
-    for (const auto& [node, before] : elements) now.push_back(matching(node));
+    for (const auto& [node, before] : elements) now.push_back(matching(node, *before));
+    if (steps_ == 0)
+        warnings.push_back("style: its rules take too long to match; others may apply to changed elements");
     for (std::size_t i = 0; i < elements.size(); ++i) {
         const auto& [node, before] = elements[i];
         if (*before == now[i]) continue;

@@ -35,7 +35,8 @@ std::string referenced_id(std::string_view value);
 /// Returns a value with another id in its url(#id). Text after it, such as a fallback colour, stays.
 std::string with_referenced_id(std::string_view value, const std::string& id);
 
-/// Adds a declaration to a style attribute.
+/// Adds declarations to a style attribute, as they stand in it.
+void append_style(pugi::xml_node node, const std::string& text);
 void append_declaration(pugi::xml_node node, const std::string& property, const std::string& text,
                         bool important);
 
@@ -52,11 +53,10 @@ struct StyleValue {
 
 /// The values that style sheets, style attributes and attributes give the elements of a document.
 ///
-/// Every element is marked, in an attribute that its copies keep, with the rules that apply to it as the
-/// document was read. These are what it is given later too, whatever becomes of its kind, its attributes and
-/// its place. settle() makes this true for other programs.
+/// Each element carries a mark that names the rules matching it at load. Copies keep the mark. settle()
+/// writes style attributes so that other programs see the same values.
 ///
-/// Blocks of @media apply if they do on every screen. Rules under other conditions, and for states such as
+/// A block of @media applies if its query holds on every screen. Rules under other conditions, and for states such as
 /// :hover, stay in their sheet and apply to nothing here.
 class StyleSheets {
 public:
@@ -117,7 +117,8 @@ private:
     void read(std::size_t sheet, std::size_t from, std::size_t end, bool conditional, int depth);
     void read_rule(std::size_t sheet, std::string_view prelude, std::string_view body, bool conditional);
     std::string place_of(std::size_t sheet, std::string_view part) const;
-    Rules matching(pugi::xml_node node, pugi::xml_node top = {}) const;
+    /// The rules that match an element, or others once there are no steps left.
+    Rules matching(pugi::xml_node node, const Rules& otherwise, pugi::xml_node top = {}) const;
     const Rules& rules_of(pugi::xml_node node) const;
     /// The values of sheets and of the style attribute, of all properties or of those that are read.
     Values cascade(const Rules& rules, pugi::xml_node node, bool all) const;
@@ -133,6 +134,7 @@ private:
     std::vector<pugi::xml_node> elements_;                             // of it, by their marks
     std::map<std::pair<std::size_t, std::size_t>, std::size_t> alone_; // marks, by those of top and element
     std::vector<Removed> placing_;
+    mutable std::size_t steps_; // left for matching
 };
 
 } // namespace detail

@@ -66,11 +66,6 @@ std::vector<pugi::xml_node> number_texts(SvgDocument& document) {
     return texts;
 }
 
-void append_style(pugi::xml_node node, const std::string& text) {
-    const std::string style = node.attribute("style").value();
-    set_attribute(node, "style", style + (trimmed(style).empty() ? "" : ";") + text);
-}
-
 std::string colour_of(std::size_t number) {
     std::array<char, 16> text{};
     std::snprintf(text.data(), text.size(), "#%06x", static_cast<unsigned>(number & 0xffffff));
@@ -111,7 +106,7 @@ PlaceLists take_lists(pugi::xml_node node) {
 
 /// The bytes of the letter that a text begins with: a character reference, or a character in UTF-8.
 std::size_t letter_bytes(std::string_view text) {
-    const std::size_t end = text.front() == '&' ? text.find(';') : std::string_view::npos;
+    const std::size_t end = text.front() == '&' ? text.substr(0, 12).find(';') : std::string_view::npos;
     if (end != std::string_view::npos) return end + 1;
     std::size_t count = 1;
     while (count < text.size() && (text[count] & 0xc0) == 0x80) ++count;

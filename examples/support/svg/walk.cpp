@@ -36,7 +36,7 @@ bool ShapeCollector::leave_out(const SvgError& fault) {
         return false;
     }
     const std::string text = to_string(fault) + "; what cannot be read is left out, as in browsers";
-    if (std::find(warnings.begin(), warnings.end(), text) == warnings.end()) warnings.push_back(text);
+    if (left_out_.insert(text).second) warnings.push_back(text);
     return true;
 }
 
