@@ -191,7 +191,7 @@ TEST_CASE("rules that take too long to match are told and not read", "[examples]
     const std::string deep = repeated("<g>", 60) + path + repeated("</g>", 60);
     const auto warnings = [&](const std::string& rule, const std::string& content) {
         const std::string style = "<style>" + rule + "{translate:3px}path{translate:1px}</style>";
-        const Result moved = deformed(svg(style + content), {});
+        const Result moved = deformed(svg(style + content), slanted);
         const bool is_read = moved.text.find("translate:1px") == std::string::npos; // it became an attribute
         CHECK(is_read == moved.warnings.empty());
         return moved.warnings;
