@@ -370,8 +370,7 @@ SvgResult<std::size_t> text_to_paths(SvgDocument& document, std::vector<std::str
                 return node.attribute("rotate") || node.attribute("textLength");
             };
             if (places_letters(text.node) || text.node.find_node(places_letters))
-                warnings.push_back(label(work, text.node) +
-                                   ": rotate and textLength are left out in its outlines");
+                warnings.push_back(label(work, text.node) + ": the outlines ignore rotate and textLength");
             replace_text(text, drawn->outlines, tolerance);
             ++count;
         } else if (drawn->seen[n]) {
