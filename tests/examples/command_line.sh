@@ -234,7 +234,7 @@ printf '%s\n' -9,-9 150,-9 150,59 -9,59 >wide_cage.csv
 report $ok "lists of places"
 svg turned.svg '<text y="20" rotate="9 20">ab</text>'
 works "turned letters" "$deform" turned.svg --text-as-paths --cage wide_cage.csv --pose wide_cage.csv -o letters_out.svg
-grep -q 'warning: text (line 1): rotate and textLength are left out' log && ok=yes || ok=no
+grep -q 'warning: text (line 1): the outlines ignore rotate and textLength' log && ok=yes || ok=no
 report $ok "turned letters are named"
 mkdir -p no_programs
 refuses 'letters.svg: texts cannot become paths: rsvg-convert (librsvg2-bin) is not installed' \

@@ -378,9 +378,7 @@ private:
             return {x, y, x + size("width", view.width), y + size("height", view.height)};
         }
         if (kind == "use" && depth < max_svg_depth) {
-            const std::string reference = reference_of(node);
-            const pugi::xml_node target =
-                reference.starts_with('#') ? ids_.find(reference.substr(1)) : pugi::xml_node();
+            const pugi::xml_node target = ids_.referred(reference_of(node));
             const bool shifts = node.attribute("x") || node.attribute("y"); // browsers differ
             const auto own = parse_transform(attribute_text(target, "transform"));
             const Box inner = own && !shifts ? object_box(target, view, depth + 1) : box;

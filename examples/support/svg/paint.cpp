@@ -97,8 +97,7 @@ std::optional<PaintServer> PaintFollower::find(const std::string& value) {
         if (std::find(server.chain.begin(), server.chain.end(), node) != server.chain.end()) break;
         if (server.chain.size() > 30) break;
         server.chain.push_back(node);
-        const std::string next = reference_of(node);
-        node = next.starts_with('#') ? ids_.find(next.substr(1)) : pugi::xml_node();
+        node = ids_.referred(reference_of(node));
     }
     if (server.chain.empty()) return std::nullopt;
     const char* const name = transform_name(server);

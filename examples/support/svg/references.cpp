@@ -33,8 +33,7 @@ void use_becomes_group(pugi::xml_node use) {
 
 pugi::xml_node ShapeCollector::used_element(pugi::xml_node use) {
     const std::string reference = reference_of(use);
-    const pugi::xml_node target =
-        reference.starts_with('#') ? ids_.find(reference.substr(1)) : pugi::xml_node();
+    const pugi::xml_node target = ids_.referred(reference);
     if (!target) {
         warn(use, "refers to nothing in this file (\"" + reference + "\") and stays as it is");
         return {};

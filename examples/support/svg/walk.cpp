@@ -449,8 +449,7 @@ bool ShapeCollector::add_text_path(pugi::xml_node text_path, const Place& place)
         text_path.remove_attribute("path");
     }
     const std::string reference = reference_of(text_path);
-    const pugi::xml_node target =
-        reference.starts_with('#') ? ids_.find(reference.substr(1)) : pugi::xml_node();
+    const pugi::xml_node target = ids_.referred(reference);
     if (!target || !is_shape(local_name(target))) return true; // nothing is drawn
     const auto path = path_of(target, place);
     if (!path || !drop_bad_transform(target)) return false;

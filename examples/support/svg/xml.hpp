@@ -72,6 +72,10 @@ public:
     explicit IdTable(pugi::xml_node root);
 
     pugi::xml_node find(const std::string& id) const; ///< nothing if there is none
+    /// The element that a reference "#id" names; nothing for other references.
+    pugi::xml_node referred(const std::string& reference) const {
+        return reference.starts_with('#') ? find(reference.substr(1)) : pugi::xml_node();
+    }
     void move(const std::string& id, pugi::xml_node node) { nodes_[id] = node; }
 
     /// Gives the element an id that is not in use: the stem with a number.
