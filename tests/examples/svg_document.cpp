@@ -677,7 +677,7 @@ TEST_CASE("what cannot be read is named with its place, and the rest is deformed
         CAPTURE(written);
         const Result result = deformed(document(written), wave);
         CHECK(result.report.warnings ==
-              std::vector{"test.svg: " + fault + "; what cannot be read is left out, as in browsers"});
+              std::vector{"test.svg: " + fault + "; the faulty part is ignored, as in browsers"});
         const bool is_kept = contains(fault, "out of range"); // unmoved
         if (!is_kept) CHECK(drawn_by(result) == drawn_by(deformed(document(read), wave)));
         const auto strict = shapes(parsed(document(written))); // of a cage or a pose every corner counts

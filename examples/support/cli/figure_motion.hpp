@@ -50,8 +50,8 @@ SvgResult<MovedFigure> move_figure(const SvgDocument& document, const std::strin
                                    const FigureControl& control, const OutsideChoice& outside,
                                    const DeformOptions& options);
 
-/// Moves points of a figure to all frames of a control, as move_figure() moves what does not come late.
-/// Points outside are warned of, even if most are.
+/// Moves points of layer 0 to all frames of a control. Points outside give a warning, never an error by their
+/// number.
 ///
 ///   returns  the points in every frame
 SvgResult<std::vector<std::vector<Point2>>> move_points(const std::vector<Point2>& points,

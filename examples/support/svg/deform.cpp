@@ -322,8 +322,9 @@ private:
             }
             if (moved.pen_stays)
                 result_.report.warnings.push_back(
-                    label(work_, shape.node) + ": its stroke does not turn, as a transform skews it and it "
-                                               "has a clip path, a mask or a filter");
+                    label(work_, shape.node) +
+                    ": its stroke keeps its direction: its transform is skewed, and "
+                    "it has a clip path, a mask or a filter");
             for (std::size_t f = 0; f < moved.turns.size(); ++f) // the rest of the map, in its user space
                 moved.maps[f] = compose(*inverse(moved.turns[f]), moved.maps[f]);
             if (moved.gains_inside) styles_.set(shape.node, "fill", "none");

@@ -35,7 +35,7 @@ bool ShapeCollector::leave_out(const SvgError& fault) {
         if (!error_) error_ = fault;
         return false;
     }
-    const std::string text = to_string(fault) + "; what cannot be read is left out, as in browsers";
+    const std::string text = to_string(fault) + "; the faulty part is ignored, as in browsers";
     if (left_out_.insert(text).second) warnings.push_back(text);
     return true;
 }

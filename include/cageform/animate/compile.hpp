@@ -46,8 +46,8 @@ Result<Track<T>, CompileReport> compile(const R& keys, const TrackOptions& optio
 
 /// Compiles key frames to a clip, curve by curve, in parallel if `running` says so.
 ///
-///   curves   #vertices · D ranges of keys; the coordinates of a vertex are adjacent. Where the
-///            first time is farther from zero than the clip is long, times count from there in T
+///   curves   #vertices · D ranges of keys; the coordinates of a vertex are adjacent. If the first
+///            time is larger than the clip's length, times are stored relative to it
 ///   options  the extrapolation applies to the clip as a whole. Without a tolerance, the result
 ///            does not depend on the unit of length; set one for a figure that moves far
 ///   fails    input_malformed if the number of curves is no multiple of D; as `compile`

@@ -101,8 +101,8 @@ Status make_keys(const FittedSkeleton<T>& given, const std::vector<Vec<double, 3
         result.report.keys += from.times.size();
         result.report.numbers += from.times.size() * (rows * (sizeof(V) / sizeof(T)) + 1);
     };
-    // In a tree the differences between slerp and nlerp add up. Then the distance is kept by a smaller one;
-    // in the last round a key in each frame keeps any distance.
+    // Differences of slerp and nlerp add up along a chain. The fit is repeated with a smaller distance; the
+    // last round keeps every frame.
     constexpr int rounds = 6;
     SkeletonKeyOptions smaller = options;
     for (int round = 0; round < rounds; ++round) {
