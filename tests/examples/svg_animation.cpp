@@ -7,7 +7,7 @@
 #include "svg/walk.hpp"
 #include "svg/xml.hpp"
 
-#include "catch.hpp"
+#include "svg_texts.hpp"
 
 #include <algorithm>
 #include <array>
@@ -20,6 +20,7 @@
 namespace svg_animation_tests {
 
 using namespace cageform_examples;
+using svg_texts::parsed;
 
 namespace {
 
@@ -41,13 +42,6 @@ const std::string drawing = R"x(<svg xmlns="http://www.w3.org/2000/svg" viewBox=
 <text id="f" x="20" y="60" font-size="8" transform="scale(1.5)">letters</text>
 <image id="g" x="70" y="5" width="9" height="20" href="data:,"/>
 </svg>)x";
-
-SvgDocument parsed(std::string_view text) {
-    auto document = parse_svg(text, "test.svg");
-    INFO(text);
-    REQUIRE(document);
-    return std::move(*document);
-}
 
 /// A map of the plane that is not affine, with its inverse nowhere needed.
 struct Wave {

@@ -4,8 +4,8 @@
 #include "svg/style.hpp"
 #include "svg/xml.hpp"
 
-#include "catch.hpp"
 #include "support/larger.hpp"
+#include "svg_texts.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -25,6 +25,7 @@
 namespace svg_document_tests {
 
 using namespace cageform_examples;
+using svg_texts::parsed;
 namespace fs = std::filesystem;
 
 namespace {
@@ -33,14 +34,6 @@ const std::string head = R"(<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0
 
 std::string svg(std::string_view content) {
     return head + std::string(content) + "</svg>";
-}
-
-SvgDocument parsed(std::string_view text) {
-    auto document = parse_svg(text, "test.svg");
-    INFO(text);
-    INFO((document ? std::string() : to_string(document.error())));
-    REQUIRE(document);
-    return std::move(*document);
 }
 
 bool contains(std::string_view text, std::string_view part) {

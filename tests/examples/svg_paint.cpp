@@ -5,7 +5,7 @@
 #include "svg/walk.hpp"
 #include "svg/xml.hpp"
 
-#include "catch.hpp"
+#include "svg_texts.hpp"
 
 #include <algorithm>
 #include <array>
@@ -20,20 +20,10 @@ namespace svg_paint_tests {
 
 using namespace cageform_examples;
 using detail::Box;
+using svg_texts::parsed;
+using svg_texts::svg;
 
 namespace {
-
-std::string svg(std::string_view content) {
-    return R"(<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 100 100">)" + std::string(content) +
-           "</svg>";
-}
-
-SvgDocument parsed(std::string_view text) {
-    auto document = parse_svg(text, "test.svg");
-    INFO(text);
-    REQUIRE(document);
-    return std::move(*document);
-}
 
 Deformer by(const Affine2& map) {
     return [map](std::span<const Point2> in, std::span<Point2> out) {

@@ -4,7 +4,7 @@
 #include "svg/walk.hpp"
 #include "svg/xml.hpp"
 
-#include "catch.hpp"
+#include "svg_texts.hpp"
 
 #include <algorithm>
 #include <array>
@@ -17,19 +17,13 @@
 namespace svg_style_tests {
 
 using namespace cageform_examples;
+using svg_texts::parsed;
 
 namespace {
 
+/// A drawing of 200 by 100 units.
 std::string svg(std::string_view content) {
-    return R"(<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 200 100">)" + std::string(content) +
-           "</svg>";
-}
-
-SvgDocument parsed(std::string_view text) {
-    auto document = parse_svg(text, "test.svg");
-    INFO(text);
-    REQUIRE(document);
-    return std::move(*document);
+    return svg_texts::svg(content, "0 0 200 100");
 }
 
 struct Result {
