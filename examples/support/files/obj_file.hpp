@@ -168,9 +168,9 @@ Point3 area_vector(const ObjFace& face, std::span<const Point3> vertices);
 /// Appends a number with the fewest digits that give it back.
 void append_number(std::string& text, double x);
 
-/// Leaves out also the unused vertices that are far from the others, for they would decide the figure's
-/// size. Far means a million times the diagonal of the used vertices' box. Then puts the vertices that are
-/// left out at the first other. Returns why it cannot; empty if it can.
+/// Leaves out distant unused vertices too, which would inflate the figure's size. Distant means farther than
+/// a million times the diagonal of the used vertices' box. Vertices that are left out move to the first
+/// vertex that is kept. Returns why this is impossible; empty if it is possible.
 ///
 ///   used  #vertices: whether a face or a cell has the vertex
 std::string place_left_out(ObjFile& file, const std::vector<bool>& used, StrayVertices strays);

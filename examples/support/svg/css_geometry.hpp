@@ -33,7 +33,7 @@ struct BasicShape {
     bool even_odd = false;
 };
 
-/// Nothing where the text is none, or not one that is read.
+/// Returns nothing if the text is no basic shape, or an unsupported one.
 ///
 ///   box    that its lengths refer to: of the geometry, or with the stroke around it
 std::optional<BasicShape> parse_basic_shape(std::string_view text, const Box& fill, const Box& stroke,

@@ -3,10 +3,10 @@
 // SVG documents: reading, finding the shapes, deforming them, writing back. The XML is pugixml's; what is
 // not touched is written as it was read, comments, white space and character references included.
 //
-// Deformed shapes: path, rect, circle, ellipse, line, polyline and polygon are deformed wherever they
-// are drawn, also inside g, a, switch and nested svg, by `use` of an element of the same file (each use
-// becomes a group with its own copy), and inside a clipPath or mask of a drawn element (copied if
-// elements under different transforms share it, or if it is in units of their boxes). Each becomes a
+// Deformed shapes: path, rect, circle, ellipse, line, polyline and polygon. They are deformed wherever they
+// are drawn: in g, a, switch, nested svg, copies for `use`, and clip paths or masks of drawn elements. Each
+// use of an element of the same file becomes a group with its own copy. A clip path or mask is copied if
+// elements under different transforms share it, or if it is in units of their boxes. Each shape becomes a
 // <path> in its place. Shapes that do not move are not rewritten.
 //
 // Affine followers: gradients and patterns of a shape, in user space or in units of its box (paint.hpp),
@@ -17,19 +17,19 @@
 //
 // Unchanged: the width of strokes, and lengths in filters, such as the radius of a blur. Shapes under a
 // transform without inverse stay, offsets in filters and markers of a fixed direction do not turn. Warnings
-// name these, and every property, attribute and element that is not known or would have to change with a
-// pose and does not (properties.hpp). Where a transform
-// makes an ellipse of a stroke's pen, the pen turns with the shape.
+// name these, every unknown property, attribute or element, and every one that should change with the pose
+// but does not (properties.hpp). If a transform makes a stroke's pen elliptical, the pen turns with the
+// shape.
 //
-// Markers stand at the vertices of the file. A path that gets more has a second one after it, which has
-// the markers and no paint.
+// Markers stand at the vertices of the file. If deformation adds vertices to a path, an unpainted second
+// path after it carries the markers.
 //
 // The part of an attribute that cannot be read is left out, as browsers do, with a warning. Cages and poses
 // are read strictly: there it is an error.
 //
-// Style sheets stay as they are, but for geometry and transforms, which become attributes. Where other
-// rules apply to an element than did (a rect has become a path, a copy stands elsewhere), its style
-// attribute has what the rules gave it before.
+// Style sheets stay as they are, but for geometry and transforms, which become attributes. If an element's
+// matching rules change (a rect has become a path, a copy stands elsewhere), its style attribute keeps the
+// values that the earlier rules gave.
 
 #include "svg/path.hpp"
 

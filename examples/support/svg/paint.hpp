@@ -23,10 +23,10 @@ struct PaintServer {
     Affine2 transform;  // its own
 };
 
-/// Makes paint follow the shapes. Where a gradient or pattern, as it is written, would not go where the
-/// best affine map of its shape takes it, the shape gets a copy of it with that map, and an id of its
-/// own. Shapes for which the same map is right share a copy. A copy has all attributes resolved. It refers
-/// to another element only for stops or for the content of tiles.
+/// Makes paint follow the shapes. If an unchanged gradient or pattern would not follow its shape's best
+/// affine map, the shape gets a copy of it with that map and an id of its own. Shapes for which the same
+/// map is right share a copy. A copy has all attributes resolved. It refers to another element only for
+/// stops or for the content of tiles.
 class PaintFollower {
 public:
     using Tracks = std::vector<AnimatedSvg::Track>;
@@ -81,8 +81,7 @@ private:
     std::map<std::string, std::string> stops_;        // by the id of the gradient that has them
 };
 
-/// The box that a mask or filter of a drawing lies about, in the user space of the element that refers
-/// to it.
+/// The box of the content that a mask or filter covers, in the user space of the element that refers to it.
 struct MovedRegion {
     Box before;
     std::vector<Box> after;                   // in every frame
@@ -90,9 +89,9 @@ struct MovedRegion {
     bool moved = false;
 };
 
-/// Makes the regions of masks and filters large enough for what they are about in all frames; so the
-/// regions of primitives in user space. Lights of a filter go where the best map of its only user takes
-/// them.
+/// Makes the regions of masks and filters large enough for what they cover in all frames. The function also
+/// enlarges regions of filter primitives that are given in user space. Lights of a filter go where the best
+/// map of its only user takes them.
 ///   regions   of the drawing's references
 void follow_regions(SvgDocument& document, const Drawing& rest, const std::vector<MovedRegion>& regions,
                     std::vector<AnimatedSvg::Track>& tracks, std::vector<std::string>& warnings);

@@ -27,10 +27,10 @@ PropertyUse use_of(std::string_view property);
 /// The value of a property that no rule and no attribute names: "inherit" or the initial value.
 std::string neutral_value(const std::string& property);
 
-/// Says what is not deformed, one line for each property, attribute or element, with the first place.
+/// Lists each property, attribute or element that is not deformed, once, with its first location.
 class UnappliedReport {
 public:
-    /// A declaration, if it needs a word.
+    /// Reports a declaration if the deformation does not apply it.
     ///   where   such as: rect "wall" (line 12)
     void declare(const std::string& where, std::string_view property, std::string_view value);
     void add(const std::string& where, const std::string& what, std::string_view value = {});

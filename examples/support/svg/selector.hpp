@@ -30,10 +30,11 @@ struct Selector {
     /// Whether the selector matches the element. Every state that it asks for counts as met.
     ///
     ///   steps   that matching may take, counted down; the answer means nothing once they are zero
-    ///   top     the element outside which nothing is looked at
+    ///   top     matching ignores every element outside this one
     bool matches(pugi::xml_node node, std::size_t& steps, pugi::xml_node top = {}) const;
 
-    /// "#id", ".class" or the type, one that its elements have; empty where they need none.
+    /// One id ("#id"), class (".class") or type that every matching element has; empty if the selector
+    /// requires none.
     std::string key() const;
 };
 

@@ -56,8 +56,8 @@ struct StyleValue {
 /// Each element carries a mark that names the rules matching it at load. Copies keep the mark. settle()
 /// writes style attributes so that other programs see the same values.
 ///
-/// A block of @media applies if its query holds on every screen. Rules under other conditions, and for states such as
-/// :hover, stay in their sheet and apply to nothing here.
+/// A block of @media applies if its query holds on every screen. Rules under other conditions, and rules for
+/// states such as :hover, stay in their sheet. The deformation ignores them.
 class StyleSheets {
 public:
     using Values = std::map<std::string, StyleValue, std::less<>>;
@@ -74,17 +74,17 @@ public:
     /// Writes a value that wins, in place of the one that did.
     void set(pugi::xml_node node, const std::string& property, const std::string& text) const;
 
-    /// The copy for a `use` has the rules that apply to what it is a copy of, by itself: nothing around it
-    /// counts, as in SVG 2.
+    /// Gives the copy for a `use` the rules that match its original without ancestors or siblings, as in
+    /// SVG 2.
     void stand_alone(pugi::xml_node copy);
 
     /// Whether a sheet has properties of geometry or about transforms.
     bool places_elements() const { return !placing_.empty(); }
-    /// Takes these out of the sheets, where attributes say the same.
+    /// Removes these properties from the sheets. Attributes already hold their values.
     void remove_placing();
 
-    /// Removes the marks. Where other rules apply to an element than did when the document was read, its
-    /// style attribute receives what it lost, and what undoes the new. New elements have had no rules.
+    /// Removes the marks. If an element's matching rules changed since loading, its style attribute restores
+    /// lost declarations and cancels gained ones. New elements have had no rules.
     ///   warnings   name rules under conditions that have lost elements
     void settle(std::vector<std::string>& warnings) const;
 

@@ -35,8 +35,8 @@ public:
     static constexpr std::size_t width = detail::functions_together;
     using Values = detail::NodeValues;
     using Row = detail::NodeRow;
-    /// Called some times a second while work goes on. After it returns false, the work ends early, and the
-    /// values of the block mean nothing until the next start.
+    /// The solver calls this several times a second. If it returns false, work stops, and the block's values
+    /// are invalid until `start`.
     using KeepGoing = std::function<bool()>;
 
     /// The solution of one group of functions and the memory to compute it.
