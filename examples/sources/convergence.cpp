@@ -295,7 +295,7 @@ struct Diagrams {
 template <std::size_t D>
 void add_oracle(const Oracle<D>& oracle, const char* colour, Diagrams& diagrams) {
     std::vector<CoordinatesChoice> uniform, adaptive;
-    for (std::size_t resolution = D == 2 ? 32 : 16; resolution <= (D == 2 ? 1024u : 256u); resolution *= 2)
+    for (std::size_t resolution = D == 2 ? 32 : 16; resolution <= (D == 2 ? 1024u : 128u); resolution *= 2)
         uniform.emplace_back().resolution = resolution;
     for (const double accuracy : {1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5}) {
         if (accuracy >= (D == 2 ? 1e-5 : 5e-4)) adaptive.emplace_back().harmonic.accuracy = accuracy;
@@ -326,6 +326,7 @@ void add_oracle(const Oracle<D>& oracle, const char* colour, Diagrams& diagrams)
             by_unknowns.points.push_back({std::log10(measured.unknowns), std::log10(measured.error)});
             by_seconds.points.push_back({std::log10(measured.seconds), std::log10(measured.error)});
         }
+        if (by_unknowns.points.empty()) continue;
         diagrams.by_unknowns.push_back(std::move(by_unknowns));
         diagrams.by_seconds.push_back(std::move(by_seconds));
     }
