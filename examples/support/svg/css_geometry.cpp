@@ -22,14 +22,16 @@ struct CssItem {
     bool is_function = false;
 };
 
-/// The items of a value; nothing where a bracket stays open. Commas part words as spaces do.
+/// The items of a value; nothing where a bracket stays open. Commas part words as spaces do, and a slash
+/// between the words of a function is a word.
 std::optional<std::vector<CssItem>> css_items(std::string_view text) {
     std::vector<CssItem> items;
     std::string word;
     int brackets = 0;
     char quote = 0;
     for (const char c : std::string(text) + ' ') {
-        const bool parts = quote == 0 && (is_space(c) || c == ',') && brackets <= 1;
+        const bool is_slash = quote == 0 && c == '/' && brackets == 1;
+        const bool parts = is_slash || (quote == 0 && (is_space(c) || c == ',') && brackets <= 1);
         const bool closes = quote == 0 && c == ')' && brackets == 1;
         if ((parts || closes) && !word.empty()) {
             if (brackets == 0) {
@@ -45,6 +47,7 @@ std::optional<std::vector<CssItem>> css_items(std::string_view text) {
             word.clear();
             continue;
         }
+        if (is_slash) items.back().words.emplace_back("/");
         if (parts || closes) continue;
         if (c == '"' || c == '\'') quote = quote == 0 ? c : quote == c ? '\0' : quote;
         word += c;
@@ -109,7 +112,7 @@ std::optional<Point2> position_in(std::vector<std::string> words, const Box& box
     return x && y ? std::optional(Point2{*x, *y}) : std::nullopt;
 }
 
-/// A function of a transform of CSS as one of the attribute of SVG.
+/// A function of a transform of CSS as one of the attribute of SVG; nothing where it leaves the plane.
 std::optional<std::string> transform_function(const CssItem& item, const Box& box, const Viewport& view) {
     std::string name = item.name;
     const std::vector<std::string>& words = item.words;
@@ -121,7 +124,8 @@ std::optional<std::string> transform_function(const CssItem& item, const Box& bo
         const auto value = moves   ? length_in(words[i], across ? box.height() : box.width(), view)
                            : turns ? angle_of(words[i])
                                    : factor_of(words[i]);
-        if (!value || ((moves || turns) && lacks_unit(words[i]))) return std::nullopt;
+        const bool is_of_axis = name == "rotate3d" && i < 3;
+        if (!value || ((moves || turns) && !is_of_axis && lacks_unit(words[i]))) return std::nullopt;
         numbers.push_back(*value);
     }
     const auto is_of = [&](const char* form, std::size_t count) {
@@ -133,10 +137,21 @@ std::optional<std::string> transform_function(const CssItem& item, const Box& bo
     };
     if (is_of("translatex", 1)) become("translate", {numbers[0], 0});
     if (is_of("translatey", 1)) become("translate", {0, numbers[0]});
-    if (is_of("translate3d", 3)) become("translate", {numbers[0], numbers[1]});
+    if (is_of("translate3d", 3) || is_of("translate", 3)) become("translate", {numbers[0], numbers[1]});
     if (is_of("scalex", 1)) become("scale", {numbers[0], 1});
     if (is_of("scaley", 1)) become("scale", {1, numbers[0]});
+    if (is_of("translatez", 1) || is_of("scalez", 1)) return "";
+    if (is_of("scale3d", 3) || is_of("scale", 3)) become("scale", {numbers[0], numbers[1]});
     if (is_of("rotatez", 1)) become("rotate", {numbers[0]});
+    if (is_of("rotate3d", 4) && numbers[0] == 0 && numbers[1] == 0)
+        become("rotate", {numbers[2] < 0 ? -numbers[3] : numbers[2] > 0 ? numbers[3] : 0});
+    if (is_of("matrix3d", 16)) {
+        const std::vector<double>& m = numbers; // by columns
+        const std::array from_or_to_depth{m[2], m[3], m[6], m[7], m[8], m[9], m[11], m[15] - 1};
+        const auto is_zero = [](double x) { return x == 0; };
+        if (std::all_of(from_or_to_depth.begin(), from_or_to_depth.end(), is_zero))
+            become("matrix", {m[0], m[1], m[4], m[5], m[12], m[13]});
+    }
     if (is_of("skewx", 1)) become("skewX", {numbers[0]});
     if (is_of("skewy", 1)) become("skewY", {numbers[0]});
     if (is_of("skew", 1)) become("skewX", {numbers[0]});
@@ -149,13 +164,24 @@ std::optional<std::string> transform_function(const CssItem& item, const Box& bo
     return text + ')';
 }
 
+/// A value of the property `rotate` as a function of `transform`. A letter or three numbers before or after
+/// the angle are the axis.
+CssItem turn_about(std::vector<std::string> words) {
+    if (words.size() < 2) return {"rotate", words, true};
+    if (words[0].size() > 1 && is_letter(words[0].back())) // the angle, which has a unit
+        std::rotate(words.begin(), words.begin() + 1, words.end());
+    if (words.size() == 2) return {"rotate" + lowered(words[0]), {words[1]}, true};
+    return {"rotate3d", words, true};
+}
+
 /// A value of `transform`, or of translate, rotate or scale: then the name of the function.
 std::optional<Affine2> css_transform(std::string_view value, const char* name, const Box& box,
                                      const Viewport& view) {
     if (value.empty() || lowered(value) == "none") return Affine2();
-    const auto items =
-        css_items(name == nullptr ? std::string(value) : name + ('(' + std::string(value) + ')'));
+    auto items = css_items(name == nullptr ? std::string(value) : name + ('(' + std::string(value) + ')'));
     if (!items) return std::nullopt;
+    if (name != nullptr && name == std::string_view("rotate"))
+        items->front() = turn_about(items->front().words);
     std::string text;
     for (const CssItem& item : *items) {
         const auto function = item.is_function ? transform_function(item, box, view) : std::nullopt;
@@ -314,12 +340,14 @@ private:
             std::any_of(maps.begin(), maps.end(), [&](const char* name) { return values.count(name) != 0; });
         const bool turns_about = !given("transform-origin").empty() && node.attribute("transform");
         if (!has_map && !turns_about) return;
-        const auto map = is_drawn ? whole_transform(node, values, given, view) : std::nullopt;
+        std::string fault;
+        const auto map = is_drawn ? whole_transform(node, values, given, view, fault) : std::nullopt;
         if (!map) {
             for (const char* name : maps) {
-                if (values.count(name) != 0) report(node, name, values.find(name)->second.text);
+                if (fault.empty() && values.count(name) != 0)
+                    report(node, name, values.find(name)->second.text);
             }
-            if (!has_map) report(node, "transform-origin", given("transform-origin"));
+            if (!fault.empty()) report(node, fault, given(fault.c_str()));
             return;
         }
         node.remove_attribute("transform");
@@ -329,36 +357,59 @@ private:
         for (const char* name : about) values.erase(name);
     }
 
+    /// Nothing where a property cannot be read: `fault` then names it, but where the walk names it.
     template <class Given>
     std::optional<Affine2> whole_transform(pugi::xml_node node, const Values& values, const Given& given,
-                                           const Viewport& view) {
+                                           const Viewport& view, std::string& fault) {
         const std::string kind = given("transform-box");
         const bool of_view = kind.empty() || kind == "view-box";
-        const std::string origin = given("transform-origin");
+        const bool of_stroke = kind == "stroke-box" || kind == "border-box";
         Box box;
         if (of_view) box = {0, 0, view.width, view.height};
-        if (kind == "fill-box" || kind == "content-box") box = object_box(node, view, 0);
-        if ((!of_view && kind != "fill-box" && kind != "content-box") || box.empty()) return std::nullopt;
+        if (kind == "fill-box" || kind == "content-box" || of_stroke) box = object_box(node, view, 0);
+        const auto width = of_stroke && !box.empty() ? stroke_reach(node, view) : std::optional(0.0);
+        fault = "transform-box";
+        if (box.empty() || !width) return std::nullopt;
+        box = box.grown(*width);
         const Point2 start = of_view ? Point2{0, 0} : Point2{box.x0, box.y0};
-        const auto items = css_items(origin);
-        if (!items) return std::nullopt;
-        std::vector<std::string> words;
-        for (const CssItem& item : *items) words.push_back(item.name);
+        fault = "transform-origin";
+        const auto items = css_items("at(" + given(fault.c_str()) + ')'); // a sum is one word of it
+        if (!items || items->size() != 1) return std::nullopt;
+        const auto& words = items->front().words;
         const auto about = words.empty() ? std::optional(start) : position_in(words, box, view);
         if (!about) return std::nullopt;
         Affine2 map{1, 0, 0, 1, about->x, about->y};
         for (const char* name : {"translate", "rotate", "scale"}) {
+            fault = name;
             const auto part = css_transform(text_of(values, name), name, box, view);
             if (!part) return std::nullopt;
             map = compose(map, *part);
         }
+        fault.clear();
         const auto attribute = parse_transform(attribute_text(node, "transform"));
         if (!attribute) return std::nullopt; // the walk says why
         const auto own = values.count("transform") != 0
                              ? css_transform(text_of(values, "transform"), nullptr, box, view)
                              : std::optional<Affine2>(*attribute);
+        if (!own) fault = "transform";
         if (!own) return std::nullopt;
         return compose(compose(map, *own), {1, 0, 0, 1, -about->x, -about->y});
+    }
+
+    /// How far its stroke reaches beyond the box of a shape; nothing where joins or caps decide.
+    std::optional<double> stroke_reach(pugi::xml_node shape, const Viewport& view) const {
+        const auto inherited = [&](const char* property) {
+            std::string text;
+            for (auto up = shape; text.empty() && up.type() == pugi::node_element; up = up.parent())
+                text = text_of(styles_.values(up), property);
+            return text;
+        };
+        const std::string stroke = inherited("stroke"), width = inherited("stroke-width"),
+                          kind = local_name(shape);
+        if (stroke.empty() || stroke == "none") return 0;
+        if (kind != "rect" && kind != "circle" && kind != "ellipse") return std::nullopt;
+        const auto read = length_in(width.empty() ? "1" : width, view.diagonal(), view);
+        return read ? std::optional(*read / 2) : std::nullopt;
     }
 
     /// The box of what an element draws, in its user space; empty where it is not known.
@@ -422,6 +473,13 @@ double font_size(const Values& values, const Viewport& parent) {
     return size && *size > 0 ? *size : parent.em;
 }
 
+bool leaves_plane(const Values& values) {
+    const std::string functions = lowered(text_of(values, "transform"));
+    const auto has = [&](const char* name) { return functions.find(name) != std::string::npos; };
+    const bool has_axis = lowered(text_of(values, "rotate")).find(' ') != std::string::npos;
+    return has_axis || has("rotatex(") || has("rotatey(") || has("3d(") || has("perspective(");
+}
+
 void place_by_attributes(SvgDocument& document, StyleSheets& styles) {
     Placer(document, styles).run();
 }
@@ -442,9 +500,8 @@ public:
         if (name == "polygon") return polygon();
         if (name == "path") return path();
         PathBuilder builder;
-        const bool good = name == "inset"
-                              ? inset(builder)
-                              : (name == "circle" || name == "ellipse") && ellipse(builder, name == "circle");
+        const bool is_round = name == "circle" || name == "ellipse";
+        const bool good = is_round ? ellipse(builder, name == "circle") : rectangle(builder, name);
         if (!good || at_ < words_.size()) return std::nullopt;
         return BasicShape{write_path_data(builder.take(), 9), false};
     }
@@ -501,17 +558,41 @@ private:
         return count > 0;
     }
 
-    bool inset(PathBuilder& builder) {
+    /// The rectangle of inset(), rect() or xywh() in the box; nothing where it cannot be read.
+    std::optional<Box> inner_box(const std::string& name) {
+        const Box& b = box_;
+        const double w = b.width(), h = b.height();
+        std::array<double, 4> v{};
+        if (name == "inset") {
+            if (!four(v, {h, w, h, w})) return std::nullopt;
+            return Box{b.x0 + v[3], b.y0 + v[0], b.x1 - v[1], b.y1 - v[2]};
+        }
+        const bool has_size = name == "xywh";
+        if (!has_size && name != "rect") return std::nullopt;
+        const std::array whole = has_size ? std::array{w, h, w, h} : std::array{h, w, h, w};
+        for (std::size_t k = 0; k < 4; ++k) {
+            if (has_size || !take("auto")) {
+                if (!next(whole[k], v[k])) return std::nullopt;
+            } else {
+                v[k] = k == 1 ? w : k == 2 ? h : 0;
+            }
+        }
+        if (has_size) return Box{b.x0 + v[0], b.y0 + v[1], b.x0 + v[0] + v[2], b.y0 + v[1] + v[3]};
+        return Box{b.x0 + v[3], b.y0 + v[0], b.x0 + v[1], b.y0 + v[2]};
+    }
+
+    bool rectangle(PathBuilder& builder, const std::string& name) {
+        const auto read = inner_box(name);
+        if (!read) return false;
+        const Box inner = *read;
         const double w = box_.width(), h = box_.height();
-        std::array<double, 4> side{}, rx{}, ry{};
-        if (!four(side, {h, w, h, w})) return false;
+        std::array<double, 4> rx{}, ry{};
         if (take("round")) {
             const std::size_t first = at_;
             if (!four(rx, {w, w, w, w})) return false;
             if (!take("/")) at_ = first; // the same, of the other side
             if (!four(ry, {h, h, h, h})) return false;
         }
-        const Box inner{box_.x0 + side[3], box_.y0 + side[0], box_.x1 - side[1], box_.y1 - side[2]};
         if (inner.empty()) return true;
         double fit = 1; // radii that meet are made smaller, all by the same
         for (const auto& [size, a, b] :

@@ -27,7 +27,10 @@ double font_size(const StyleSheets::Values& values, const Viewport& parent);
 /// warning.
 void place_by_attributes(SvgDocument& document, StyleSheets& styles);
 
-/// A basic shape, as clip-path has them: circle(), ellipse(), inset(), polygon(), path().
+/// Whether a transform that is left in the style turns the element out of the plane.
+bool leaves_plane(const StyleSheets::Values& values);
+
+/// A basic shape, as clip-path has them: circle(), ellipse(), inset(), rect(), xywh(), polygon(), path().
 struct BasicShape {
     std::string data; // of a path
     bool even_odd = false;

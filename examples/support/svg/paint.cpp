@@ -101,11 +101,13 @@ std::optional<PaintServer> PaintFollower::find(const std::string& value) {
     }
     if (server.chain.empty()) return std::nullopt;
     const char* const name = transform_name(server);
-    const auto transform = parse_transform(chain_text(server, name));
-    if (!transform) {
-        warnings.push_back(label(document_, server.chain.front()) + ": " + name + ": " +
-                           transform.error().message);
-        return std::nullopt;
+    auto transform = parse_transform(chain_text(server, name));
+    for (; !transform; transform = parse_transform(chain_text(server, name))) { // browsers take the next one
+        const auto has_it = [&](pugi::xml_node node) { return bool(node.attribute(name)); };
+        pugi::xml_node owner = *std::find_if(server.chain.begin(), server.chain.end(), has_it);
+        warnings.push_back(to_string(error_in(document_, owner, name, transform.error())) +
+                           "; the transform is ignored, as in browsers");
+        owner.remove_attribute(name);
     }
     server.transform = *transform;
     server.of_box =

@@ -174,7 +174,7 @@ void UnappliedReport::look_at(const SvgDocument& document) {
         const std::string kind = local_name(node);
         const bool foreign = kind.empty() || kind.find(':') != std::string::npos;
         const bool known = known_elements.count(kind) != 0;
-        if (!foreign) look_at(document, node, kind);
+        if (!foreign && known) look_at(document, node, kind);
         if (!foreign && !known) add(label(document, node), kind + " is not deformed and stays as it is");
         const bool opaque = !known || kind == "foreignObject" || kind == "metadata" || kind == "script";
         node = opaque ? node_after(node, root) : next_node(node, root);

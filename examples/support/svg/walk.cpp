@@ -108,6 +108,7 @@ bool ShapeCollector::visit(pugi::xml_node node, const Place& parent) {
         warn(node, "is not displayed and stays as it is");
         return true;
     }
+    if (leaves_plane(values)) return true; // as a warning says
     Place place = parent;
     ++place.depth;
     inherit(values, place);
