@@ -80,9 +80,8 @@ private:
         std::size_t numbers = 0;
         for (std::size_t i = part.first; i < part.end; ++i) {
             const DrawnShape& shape = rest_.shapes[i];
-            if (taken_[i] || shape.level != 0 || shape.is_extent || shape.marks_ends ||
-                shape.marks_vertices || (shape.has_dashes && shape.stroke != "none") ||
-                !is_in(shape.node, part.node))
+            if (taken_[i] || shape.level != 0 || shape.is_extent || has_markers(shape) ||
+                (shape.has_dashes && shape.stroke != "none") || !is_in(shape.node, part.node))
                 return false;
             for (const Subpath& subpath : paths_[i]) {
                 for (const Segment& s : subpath.segments) numbers += s.is_line() ? 2 : 6;

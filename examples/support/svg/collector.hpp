@@ -93,7 +93,6 @@ private:
     bool count_copies(pugi::xml_node top);
     /// The nodes of an element after all uses in it have become copies, or more than the limit.
     std::size_t expanded_size(pugi::xml_node top, int depth = 0);
-    static void drop_ids(pugi::xml_node top);
 
     // ---- clip paths, masks and filters (svg_references.cpp) ----
     bool visit_references(pugi::xml_node node, const Values& values, const Place& place, std::size_t first);

@@ -67,20 +67,6 @@ bool lacks_unit(const std::string& word) {
     return number && number->size() == 1 && number->front() != 0;
 }
 
-/// In degrees.
-std::optional<double> angle_of(const std::string& word) {
-    const std::size_t unit = std::min(word.find_first_not_of("+-.0123456789eE"), word.size());
-    const std::string name = lowered(word.substr(unit));
-    const auto number = parse_numbers(word.substr(0, unit));
-    if (!number || number->size() != 1) return std::nullopt;
-    for (const auto& [known, degrees] :
-         {std::pair("", 1.0), std::pair("deg", 1.0), std::pair("grad", 0.9), std::pair("turn", 360.0),
-          std::pair("rad", 180 / std::numbers::pi)}) {
-        if (name == known) return number->front() * degrees;
-    }
-    return std::nullopt;
-}
-
 /// A factor of scale: a number or a percentage.
 std::optional<double> factor_of(const std::string& word) {
     const auto value = parse_length(word, 1);
@@ -454,6 +440,19 @@ private:
 };
 
 } // namespace
+
+std::optional<double> angle_of(const std::string& word) {
+    const std::size_t unit = std::min(word.find_first_not_of("+-.0123456789eE"), word.size());
+    const std::string name = lowered(word.substr(unit));
+    const auto number = parse_numbers(word.substr(0, unit));
+    if (!number || number->size() != 1) return std::nullopt;
+    for (const auto& [known, degrees] :
+         {std::pair("", 1.0), std::pair("deg", 1.0), std::pair("grad", 0.9), std::pair("turn", 360.0),
+          std::pair("rad", 180 / std::numbers::pi)}) {
+        if (name == known) return number->front() * degrees;
+    }
+    return std::nullopt;
+}
 
 std::string text_of(const Values& values, std::string_view property) {
     const auto found = values.find(property);

@@ -16,6 +16,9 @@ namespace detail {
 /// A value that is given and not "inherit"; else empty.
 std::string text_of(const StyleSheets::Values& values, std::string_view property);
 
+/// An angle in degrees.
+std::optional<double> angle_of(const std::string& word);
+
 /// The size of an element's font.
 ///
 ///   parent   has that of the element it stands in

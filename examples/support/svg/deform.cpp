@@ -1,10 +1,13 @@
 #include "svg/affine_parts.hpp"
+#include "svg/css_geometry.hpp"
 #include "svg/curves.hpp"
 #include "svg/paint.hpp"
 #include "svg/walk.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <numbers>
 #include <set>
 
 namespace cageform_examples {
@@ -111,8 +114,8 @@ void grow_view_box(pugi::xml_node root, const ViewBox& view, const Box& to) {
 }
 
 void drop_markers(const StyleSheets& styles, pugi::xml_node node) {
-    for (const char* property : {"marker", "marker-start", "marker-mid", "marker-end"})
-        styles.set(node, property, "none");
+    styles.set(node, "marker", "none");
+    for (const char* property : marker_properties) styles.set(node, property, "none");
 }
 
 /// Adds a path after another that has its style, but shows its markers alone. Paints stay, since markers may
@@ -275,7 +278,7 @@ private:
                 if (!in_range(local)) return error_at(work_, shape.node, "coordinates out of range");
                 moved.boxes.push_back(bounds(local));
                 moved.paths.push_back(std::move(local));
-                if (shape.marks_vertices)
+                if (!shape.markers[1].empty())
                     moved.marked.push_back(transformed(curves.path_of_vertices(i, f), from_root));
                 moved.gains_inside = moved.gains_inside || (!has_inside_at_rest[i] && has_inside(shape.path));
             }
@@ -332,10 +335,11 @@ private:
                 paint.follow(shape, moved.maps, boxes_at_rest_[i], moved.boxes);
             const std::string kind = local_name(shape.node);
             const bool takes_markers = kind != "rect" && kind != "circle" && kind != "ellipse";
-            const bool adds_vertices = takes_markers && shape.marks_vertices && has_other_vertices(moved);
+            if (takes_markers) turn_markers(shape, moved.maps);
+            const bool adds_vertices =
+                takes_markers && !shape.markers[1].empty() && has_other_vertices(moved);
             if (adds_vertices) write_path(add_marked_path(styles_, shape.node), i, std::move(moved.marked));
-            if (adds_vertices || (!takes_markers && (shape.marks_ends || shape.marks_vertices)))
-                drop_markers(styles_, shape.node);
+            if (adds_vertices || (!takes_markers && has_markers(shape))) drop_markers(styles_, shape.node);
             write_path(shape.node, i, std::move(moved.paths));
         }
         auto& warnings = result_.report.warnings;
@@ -352,6 +356,39 @@ private:
         styles_.settle(warnings);
         for (pugi::xml_node animation : animations) animation.parent().remove_child(animation);
         return std::nullopt;
+    }
+
+    /// Turns markers whose direction is given, by the turn nearest to the shape's best map. Shapes that turn
+    /// alike share a copy.
+    void turn_markers(const DrawnShape& shape, const std::vector<Affine2>& maps) {
+        AnimatedSvg::Track track{.node = {}, .attribute = "orient", .scale = largest_scale(shape.to_root)};
+        std::string name;
+        bool turns = false;
+        for (const Affine2& map : maps) {
+            const Affine2 turn = turn_of(compose(compose(shape.from_root, map), shape.to_root), {});
+            double angle = std::atan2(turn.b, turn.a) * 180 / std::numbers::pi;
+            if (!track.numbers.empty()) // the shorter way
+                angle += 360 * std::round((track.numbers.back() - angle) / 360);
+            track.numbers.push_back(angle);
+            name += ' ' + format_number(angle, 3);
+            turns = turns || std::abs(angle) > 1e-3;
+        }
+        for (std::size_t k = 0; turns && k < shape.markers.size(); ++k) {
+            const std::string& id = shape.markers[k];
+            pugi::xml_node marker = id.empty() ? pugi::xml_node() : ids_.find(id);
+            const std::string orient = attribute_text(marker, "orient");
+            if (local_name(marker) != "marker" || orient.starts_with("auto")) continue;
+            std::string& copy_id = turned_markers_[id + name];
+            if (copy_id.empty()) {
+                pugi::xml_node copy = marker.parent().insert_copy_after(marker, marker);
+                drop_ids(copy);
+                copy_id = ids_.name(copy, id);
+                result_.tracks.push_back(track);
+                result_.tracks.back().node = copy;
+                for (double& angle : result_.tracks.back().numbers) angle += angle_of(orient).value_or(0);
+            }
+            styles_.set(shape.node, marker_properties[k], "url(#" + copy_id + ')');
+        }
     }
 
     /// Whether the path that is written has other vertices than the author's.
@@ -403,7 +440,8 @@ private:
     IdTable ids_;
     ViewBox view_;
     double diagonal_ = 0, tolerance_ = 0;
-    Drawing rest_; // its paths are those of the frame looked at last
+    std::map<std::string, std::string> turned_markers_; // ids, by that of the marker and its turns
+    Drawing rest_;                                      // its paths are those of the frame looked at last
     std::vector<bool> moves_;
     std::vector<Moved> moved_;
     std::vector<Box> boxes_at_rest_;   // each in its own user space

@@ -161,8 +161,7 @@ struct DrawnShape {
     bool even_odd = false;              // fill-rule
     bool is_visible = true;             // visibility
     bool is_transparent = false;        // itself or what it stands in
-    bool marks_ends = false;            // has markers at its start or end
-    bool marks_vertices = false;        // has markers between
+    std::array<std::string, 3> markers; // the ids of those at its start, between and at its end
     int level = 0;                      // of clip paths and masks that it stands in; 0 is the picture itself
     bool clips = false;                 // stands in a clip path
     bool is_box = false;                // text or an image

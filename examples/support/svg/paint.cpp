@@ -209,7 +209,7 @@ std::string PaintFollower::stops_of(pugi::xml_node gradient) {
     if (!stops.empty()) return stops;
     pugi::xml_node holder = gradient.parent().insert_copy_after(gradient, gradient);
     while (const pugi::xml_attribute each = holder.find_attribute(places)) holder.remove_attribute(each);
-    for (pugi::xml_node node = holder; node; node = next_node(node, holder)) node.remove_attribute("id");
+    drop_ids(holder);
     return stops = ids_.name(holder, id + "-stops");
 }
 

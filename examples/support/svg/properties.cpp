@@ -205,8 +205,6 @@ void UnappliedReport::look_at(const SvgDocument& document, pugi::xml_node node, 
     };
     if ((kind == "feOffset" || kind == "feDropShadow") && !(is_zero("dx") && is_zero("dy")))
         add(label(document, node), "the offset of " + kind + " is not deformed");
-    if (kind == "marker" && !attribute_text(node, "orient").starts_with("auto"))
-        add(label(document, node), "a marker keeps its direction, as its orient is not \"auto\"");
     const std::string animated = animated_property(node, kind);
     if (!animated.empty()) add(label(document, node), kind + " is not deformed: it animates " + animated);
 }

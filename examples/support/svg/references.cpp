@@ -192,10 +192,6 @@ bool ShapeCollector::count_copies(pugi::xml_node top) {
     return copies_ <= max_svg_copies;
 }
 
-void ShapeCollector::drop_ids(pugi::xml_node top) {
-    for (pugi::xml_node node = top; node; node = next_node(node, top)) node.remove_attribute("id");
-}
-
 // ---- clip paths, masks and filters ----
 
 bool ShapeCollector::visit_references(pugi::xml_node node, const Values& values, const Place& place,

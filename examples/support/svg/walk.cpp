@@ -52,15 +52,12 @@ void ShapeCollector::inherit(const Values& values, Place& place) {
     take("fill", place.style.fill);
     take("stroke", place.style.stroke);
     take("text-anchor", place.text_anchor);
-    const auto take_marker = [&](std::string_view property, bool& set) {
-        const std::string text = text_of(values, property);
-        if (!text.empty()) set = !referenced_id(text).empty();
-    };
-    take_marker("marker", place.style.marks_vertices);
-    take_marker("marker", place.style.marks_ends);
-    take_marker("marker-mid", place.style.marks_vertices);
-    take_marker("marker-start", place.style.marks_ends);
-    take_marker("marker-end", place.style.marks_ends);
+    for (std::size_t k = 0; k < marker_properties.size(); ++k) {
+        for (const char* property : {"marker", marker_properties[k]}) {
+            const std::string text = text_of(values, property);
+            if (!text.empty()) place.style.markers[k] = referenced_id(text);
+        }
+    }
     Viewport& view = place.viewport;
     view.em = font_size(values, view);
     const auto stroke = parse_length(text_of(values, "stroke-width"), view.diagonal(), view.em, view.root_em);
@@ -459,7 +456,7 @@ bool ShapeCollector::add_text_path(pugi::xml_node text_path, const Place& place)
     Place there = place;
     there.to_root = compose(place.to_root, *own);
     there.style.fill = there.style.stroke = "none";
-    there.style.marks_ends = there.style.marks_vertices = false;
+    there.style.markers = {};
     if (place.style.carrier || !is_drawn_under(target, there.to_root)) {
         if (!count_copies(target))
             return fail(text_path, "the texts of this file expand to too many elements");
@@ -567,6 +564,11 @@ bool shows(const std::string& paint, double opacity) {
 }
 
 } // namespace
+
+bool has_markers(const DrawnShape& shape) {
+    return std::any_of(shape.markers.begin(), shape.markers.end(),
+                       [](const auto& id) { return !id.empty(); });
+}
 
 bool is_painted(const DrawnShape& shape) {
     return shape.is_box || shows(shape.fill, shape.fill_opacity) ||

@@ -6,6 +6,7 @@
 #include "svg/style.hpp"
 #include "svg/xml.hpp"
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -56,6 +57,11 @@ SvgResult<Drawing> walk(SvgDocument& document, StyleSheets& styles, IdTable& ids
 /// The box of shapes [first, end) that are of this level, after a map.
 Box bounds(const std::vector<DrawnShape>& shapes, std::size_t first, std::size_t end, int level,
            const Affine2& map);
+
+/// The properties of DrawnShape::markers, in this order.
+inline constexpr std::array marker_properties{"marker-start", "marker-mid", "marker-end"};
+
+bool has_markers(const DrawnShape& shape);
 
 /// Whether it has a fill or a stroke that is not transparent.
 bool is_painted(const DrawnShape& shape);

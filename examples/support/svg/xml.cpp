@@ -170,6 +170,10 @@ SvgError error_in(const SvgDocument& document, pugi::xml_node node, const std::s
     return error_at(document, node, attribute + " at " + place + ": " + error.message);
 }
 
+void drop_ids(pugi::xml_node top) {
+    for (pugi::xml_node node = top; node; node = next_node(node, top)) node.remove_attribute("id");
+}
+
 IdTable::IdTable(pugi::xml_node root) {
     for (pugi::xml_node node = root; node; node = next_node(node, root)) {
         if (node.attribute("id")) nodes_.try_emplace(attribute_text(node, "id"), node);

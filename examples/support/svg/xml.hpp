@@ -66,6 +66,9 @@ SvgError error_at(const SvgDocument& document, pugi::xml_node node, const std::s
 SvgError error_in(const SvgDocument& document, pugi::xml_node node, const std::string& attribute,
                   const SvgError& error);
 
+/// Removes the ids of an element and of all in it.
+void drop_ids(pugi::xml_node top);
+
 /// The elements of a document by their ids; of several with the same id the first one counts.
 class IdTable {
 public:
