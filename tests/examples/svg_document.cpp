@@ -711,7 +711,7 @@ TEST_CASE("markers stand where the author's vertices go", "[examples][svg_docume
         return q;
     };
     SvgDocument document = parsed(svg(
-        R"(<style>#line { stroke: red; marker-mid: url(#m) }</style><marker id="m"/><path id="line" d=")" +
+        R"(<style>#line { stroke: red; marker-mid: url(#m) }</style><marker id="m" orient="auto"/><path id="line" d=")" +
         data + R"("/>)"));
     REQUIRE(deform(document, slope));
     const pugi::xml_node line = document.xml.find_node(

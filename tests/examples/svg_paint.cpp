@@ -56,6 +56,12 @@ Result deformed(std::string_view text, const Deformer& deformer, const DeformOpt
     return {std::move(document), *report, std::move(after)};
 }
 
+Affine2 transform_of(pugi::xml_node node) {
+    const auto map = parse_transform(node.attribute("transform").value());
+    REQUIRE(map);
+    return *map;
+}
+
 class Random {
 public:
     explicit Random(unsigned seed)
@@ -444,7 +450,9 @@ TEST_CASE("regions of filters and masks hold what has moved", "[examples][svg_do
     CAPTURE(result.text);
     const auto all = shapes(result.document);
     REQUIRE(all);
-    const Box moved = detail::bounds(all->front().path);
+    const Affine2 own = transform_of(
+        detail::root_element(result.document.xml).child("g")); // a filter goes along with its element
+    const Box moved = detail::bounds(all->front().path, *inverse(own));
     const pugi::xml_node node = by_id(result.document, "r");
     const auto value = [&](const char* name) { return node.attribute(name).as_double(); };
     Box held{value("x"), value("y"), value("x") + value("width"), value("y") + value("height")};
@@ -458,10 +466,17 @@ TEST_CASE("regions of filters and masks hold what has moved", "[examples][svg_do
     const std::string cutting =
         svg(R"x(<mask id="r" x="35" width="5" height="100" maskUnits="userSpaceOnUse"/>
         <rect mask="url(#r)" x="30" y="40" width="20" height="10"/>)x");
-    const Result cut = deformed(cutting, by({1, 0, 0, 1, 10, 0}));
-    CHECK(by_id(cut.document, "r").attribute("x").as_double() == Approx(45));
-    CHECK(by_id(cut.document, "r").attribute("width").as_double() == Approx(5));
-    CHECK(cut.report.warnings.size() == 1);
+    const Affine2 map = random.map(20);
+    const Result cut = deformed(cutting, by(map)); // a clip path in it cuts now
+    const pugi::xml_node clip = by_id(cut.document, "r").child("clipPath").child("path");
+    const auto path = parse_path_data(clip.attribute("d").value());
+    REQUIRE(path);
+    REQUIRE(path->size() == 1);
+    const auto corners = Box{35, -10, 40, 90}.corners();
+    CHECK(distance(path->front().start, apply(map, corners[0])) < 1e-3);
+    for (std::size_t k = 1; k < 4; ++k)
+        CHECK(distance(path->front().segments.at(k - 1).p3, apply(map, corners[k])) < 1e-3);
+    CHECK(cut.report.warnings.empty());
 }
 
 TEST_CASE("primitives and lights of a filter in user space follow",
@@ -470,7 +485,8 @@ TEST_CASE("primitives and lights of a filter in user space follow",
     CAPTURE(seed);
     Random random(static_cast<unsigned>(seed));
     const Affine2 map = random.map(20);
-    const std::string rect = R"x(<rect filter="url(#r)" x="30" y="40" width="20" height="10"/>)x";
+    const std::string rect =
+        R"x(<rect filter="url(#r)" x="30" y="40" width="20" height="10" stroke="red"/>)x";
     const auto filter = [](const std::string& content) {
         return "<filter id=\"r\">" + content + "</filter>";
     };
@@ -487,13 +503,18 @@ TEST_CASE("primitives and lights of a filter in user space follow",
         deformed(svg(filter(R"(<feFlood x="27" y="37" width="26" height="16"/>)") + rect), by(map));
     const auto all = shapes(whole.document);
     REQUIRE(all);
-    CHECK(box_of(find(whole, "feFlood")).contains(detail::bounds(all->front().path).grown(2.9)));
+    const Affine2 turn = transform_of(find(whole, "path")); // as far as the stroke keeps its width
+    const Affine2 left = compose(*inverse(turn), map);
+    CHECK(std::abs(turn.a * turn.a + turn.b * turn.b - 1) < 1e-6);
+    CHECK(std::abs(left.b - left.c) < 1e-6 * detail::largest_scale(map));
+    CHECK(box_of(find(whole, "feFlood"))
+              .contains(detail::bounds(all->front().path, *inverse(turn)).grown(2.9)));
     CHECK(whole.report.warnings.empty());
 
     // the left half, from the filter's own region on: the missing attributes are the region's
     const Result half = deformed(svg(filter(R"(<feFlood width="12"/>)") + rect), by(map));
     Box cut;
-    for (const Point2& p : Box{28, 39, 40, 51}.corners()) cut.add(apply(map, p));
+    for (const Point2& p : Box{28, 39, 40, 51}.corners()) cut.add(apply(left, p));
     const Box held = box_of(find(half, "feFlood"));
     CHECK(held.x0 == Approx(cut.x0).epsilon(0).margin(1e-3));
     CHECK(held.y0 == Approx(cut.y0).epsilon(0).margin(1e-3));
@@ -509,8 +530,8 @@ TEST_CASE("primitives and lights of a filter in user space follow",
     const auto at = [&](const char* x, const char* y) {
         return Point2{light.attribute(x).as_double(), light.attribute(y).as_double()};
     };
-    CHECK(distance(at("x", "y"), apply(map, {31, 42})) < 1e-4);
-    CHECK(distance(at("pointsAtX", "pointsAtY"), apply(map, {45, 0})) < 1e-4);
+    CHECK(distance(at("x", "y"), apply(left, {31, 42})) < 1e-4);
+    CHECK(distance(at("pointsAtX", "pointsAtY"), apply(left, {45, 0})) < 1e-4);
     CHECK(light.attribute("z").as_double() == 9);
     CHECK(moved.report.warnings.empty());
     const Result shared = deformed(svg(lit + rect + rect), by(map)); // one light for two shapes
@@ -521,6 +542,16 @@ TEST_CASE("primitives and lights of a filter in user space follow",
     const std::string in_boxes =
         R"(<filter id="r" primitiveUnits="objectBoundingBox"><feFlood x=".1" width=".5"/></filter>)";
     CHECK(find(deformed(svg(in_boxes + rect), by(map)), "feFlood").attribute("x").as_double() == 0.1);
+
+    // without a stroke the element itself moves, and its filter stays as it is
+    const std::string plain = R"x(<rect filter="url(#r)" x="30" y="40" width="20" height="10"/>)x";
+    const Result carried = deformed(svg(lit + plain + plain), by(map));
+    CHECK(carried.text.find(lit) != std::string::npos);
+    const Affine2 own = transform_of(find(carried, "path"));
+    for (const Point2& p : Box{0, 0, 100, 100}.corners())
+        CHECK(distance(apply(own, p), apply(map, p)) < 1e-5);
+    CHECK(find(carried, "path").attribute("d").value() == std::string("M30 40 L50 40 L50 50 L30 50 Z"));
+    CHECK(carried.report.warnings.empty());
 }
 
 TEST_CASE("a nested svg clips what it did, where it went", "[examples][svg_document][clip]") {

@@ -422,12 +422,12 @@ TEST_CASE("geometry and transforms by CSS are those by attributes", "[examples][
     const Result kept =
         deformed(svg("<style>rect{x:max(1px, 2px)}</style><rect width='9' height='9'/>\n"
                      "<g style='transform:rotate3d(1,1,1,9deg)'/><g style='offset-path:none'/>"
-                     "<rect width='2' height='2' style='translate:1px;transform-box:stroke-box'/>"),
+                     "<rect width='2' height='2' style='translate:1px;transform-origin:oops'/>"),
                  slanted);
     REQUIRE(kept.warnings.size() == 3);
     CHECK(kept.warnings[0] == "rect (line 1): the property \"x\" is not deformed: max(1px, 2px) (2 times)");
     CHECK(kept.warnings[1] == "g (line 2): the property \"transform\" is not deformed: rotate3d(1,1,1,9deg)");
-    CHECK(kept.warnings[2] == "rect (line 2): the property \"translate\" is not deformed: 1px");
+    CHECK(kept.warnings[2] == "rect (line 2): the property \"transform-origin\" is not deformed: oops");
     CHECK(kept.text.find("x:max(1px, 2px)") != std::string::npos);
 }
 
@@ -455,6 +455,8 @@ TEST_CASE("basic shapes clip as paths do", "[examples][svg_style][clip]") {
           "M20 34A4 4 0 0 1 24 30H56A4 4 0 0 1 60 34V46A4 4 0 0 1 56 50H24A4 4 0 0 1 20 46Z");
     clips("inset(0 round 50% / 25%)",
           "M20 35A20 5 0 0 1 40 30A20 5 0 0 1 60 35V45A20 5 0 0 1 40 50A20 5 0 0 1 20 45Z");
+    clips("xywh(25% 1px 50% 10px)", "M30 31H50V41H30Z");
+    clips("rect(1px auto 50% 1px)", "M21 31H60V40H21Z");
     clips("circle()", "M50 40A10 10 0 0 1 40 50A10 10 0 0 1 30 40A10 10 0 0 1 40 30A10 10 0 0 1 50 40Z");
     clips("circle(5px at left 25%)",
           "M25 35A5 5 0 0 1 20 40A5 5 0 0 1 15 35A5 5 0 0 1 20 30A5 5 0 0 1 25 35Z");
@@ -468,7 +470,7 @@ TEST_CASE("basic shapes clip as paths do", "[examples][svg_style][clip]") {
         deformed("<svg viewBox='0 0 90 90' style='clip-path:circle(9px)'>" + box + "/></svg>", slanted);
     CHECK(detail::root_element(whole.document.xml).child("clipPath")); // a document has one root
     for (const std::string_view odd :
-         {"circle(", "polygon(1px)", "inset()", "ellipse(1px)", "path(x)", "xywh(0 0 1px 1px)",
+         {"circle(", "polygon(1px)", "inset()", "ellipse(1px)", "path(x)", "xywh(0 0 1px)", "rect(1px 1px)",
           "circle(1px at)", "polygon()", "fill-box", "inset(1px round)", "()", "')"}) {
         CAPTURE(odd);
         const Result left = deformed(svg(box + " clip-path=\"" + std::string(odd) + "\"/>"), slanted);

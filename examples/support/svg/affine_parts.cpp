@@ -11,11 +11,6 @@ namespace {
 
 constexpr std::size_t few_numbers = 40; // a transform that moves takes some 600 bytes
 
-bool is_in(pugi::xml_node node, pugi::xml_node group) {
-    while (node && node != group) node = node.parent();
-    return bool(node);
-}
-
 /// Calls `visit` with the control points of two paths of the same pieces.
 void visit_pairs(const Path& a, const Path& b, const auto& visit) {
     for (std::size_t k = 0; k < a.size(); ++k) {

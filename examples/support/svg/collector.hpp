@@ -49,6 +49,7 @@ private:
         Affine2 to_root;
         std::string id;
         std::size_t first = 0, end = 0; // its shapes
+        bool has_window = false;        // a clip path cuts them as the region of the mask did
     };
 
     bool fail(pugi::xml_node node, const std::string& why);
@@ -104,7 +105,9 @@ private:
     static void to_user_space(pugi::xml_node content, const char* units, const Affine2& unit_square);
     /// Visits a clip path or mask of shapes from `first` on. One that clips it in turn has their user space
     /// and box, as in browsers.
-    bool visit_content(pugi::xml_node content, pugi::xml_node target, const Place& place, std::size_t first);
+    ///   window   clips the content, if not empty
+    bool visit_content(pugi::xml_node content, pugi::xml_node target, const Place& place, std::size_t first,
+                       const Box& window);
 
     // ---- shapes ----
     double length(pugi::xml_node node, const char* name, const Viewport& viewport, double whole,

@@ -151,6 +151,24 @@ Affine2 turn_of(const Affine2& map, const Point2& centre) {
     return turn;
 }
 
+/// Whether a filter shows which way is up: it moves what it draws.
+bool has_direction(const StyleSheets& styles, const Reference& filter) {
+    if (!filter.target)
+        return styles.value(filter.node, "filter").text.find("drop-shadow(") != std::string::npos;
+    return std::any_of(filter.target.begin(), filter.target.end(), [](pugi::xml_node primitive) {
+        const std::string kind = local_name(primitive);
+        const auto is_zero = [&](const char* name) {
+            const std::string text = attribute_text(primitive, name);
+            return text.empty() ? kind == "feOffset" : text == "0";
+        };
+        return (kind == "feOffset" || kind == "feDropShadow") && !(is_zero("dx") && is_zero("dy"));
+    });
+}
+
+bool turns_plane(const Affine2& map) {
+    return std::abs(map.a - 1) + std::abs(map.b) + std::abs(map.c) + std::abs(map.d - 1) > 1e-9;
+}
+
 /// A deformation on its way: what is known of every shape in every frame.
 class DocumentMover {
 public:
@@ -234,6 +252,7 @@ private:
         std::vector<DrawnShape>& shapes = rest_.shapes;
         moved_.resize(shapes.size());
         regions_.resize(rest_.references.size());
+        find_filter_maps(curves);
         std::vector<bool> has_inside_at_rest;
         std::set<std::size_t> referring; // by hash: their user space is that of what they refer to
         for (const Reference& reference : rest_.references) referring.insert(reference.node.hash_value());
@@ -262,7 +281,7 @@ private:
                 if (shape.stroke != "none" && !shape.clips && is_skewed(shape.to_root)) {
                     const Box& box = boxes_at_rest_[i];
                     const Point2 centre{(box.x0 + box.x1) / 2, (box.y0 + box.y1) / 2};
-                    Affine2 turn = turn_of(moved.maps.back(), apply(shape.to_root, centre));
+                    Affine2 turn = turn_of(unfiltered(i, f, moved.maps.back()), apply(shape.to_root, centre));
                     if (referring.count(shape.node.hash_value()) != 0) {
                         moved.pen_stays = moved.pen_stays || !(turn == Affine2());
                         turn = {};
@@ -273,6 +292,8 @@ private:
                 if (shape.carrier && moves_[*shape.carrier]) { // goes before the text's own motion
                     const auto undone = inverse(moved_[*shape.carrier].maps.back());
                     from_root = compose(from_root, undone ? *undone : Affine2());
+                } else {
+                    from_root = compose(from_root, unfiltered(i, f, {}));
                 }
                 Path local = transformed(shape.path, from_root);
                 if (!in_range(local)) return error_at(work_, shape.node, "coordinates out of range");
@@ -284,14 +305,16 @@ private:
             }
             for (std::size_t r = 0; r < rest_.references.size(); ++r) {
                 const Reference& reference = rest_.references[r];
-                regions_[r].after.push_back(
-                    bounds(shapes, reference.first, reference.end, reference.level, reference.from_root));
-                Motion motion;
-                for (std::size_t i = reference.first; i < reference.end; ++i) {
-                    if (shapes[i].level == reference.level) motion.add(curves.motion(i, f));
-                }
+                const std::size_t by = reference.first < reference.end ? filter_of_[reference.first] : none;
+                const bool goes_along =
+                    by != none && (by == r || rest_.references[by].node != reference.node);
+                const Affine2 back = goes_along ? unfiltered(reference.first, f, {}) : Affine2();
+                regions_[r].after.push_back(bounds(shapes, reference.first, reference.end, reference.level,
+                                                   compose(reference.from_root, back)));
+                const Motion motion = motion_of(reference, curves, f);
+                const auto best = motion.best_map();
                 regions_[r].moved = regions_[r].moved || motion.moved();
-                regions_[r].maps.push_back(motion.best_map());
+                regions_[r].maps.push_back(best ? std::optional(compose(back, *best)) : std::nullopt);
             }
             const std::vector<Box> after = seen(rest_, shapes);
             for (std::size_t i = 0; i < shapes.size(); ++i) seen_after_[i].add(after[i]);
@@ -299,10 +322,77 @@ private:
         return std::nullopt;
     }
 
+    Motion motion_of(const Reference& reference, const CurveDeformer& curves, std::size_t frame) const {
+        Motion motion;
+        for (std::size_t i = reference.first; i < reference.end; ++i) {
+            if (rest_.shapes[i].level == reference.level) motion.add(curves.motion(i, frame));
+        }
+        return motion;
+    }
+
+    /// Finds how elements with filters move as a whole: by the best map of what they hold, or by its turn where
+    /// a stroke keeps its width. Their shapes move by the rest of the deformation.
+    void find_filter_maps(const CurveDeformer& curves) {
+        filter_of_.assign(rest_.shapes.size(), none);
+        filter_maps_.resize(rest_.references.size());
+        for (std::size_t k = 0; k < rest_.references.size(); ++k) {
+            const Reference& r = rest_.references[k];
+            const auto first = rest_.shapes.begin() + std::ptrdiff_t(r.first);
+            const auto end = rest_.shapes.begin() + std::ptrdiff_t(r.end);
+            if (!is_filter(r) || first == end || (first->is_box && first->node == r.node)) continue;
+            const bool has_stroke = std::any_of(first, end, [](const DrawnShape& shape) {
+                return shape.stroke != "none" || has_markers(shape);
+            });
+            const Box box = bounds(rest_.shapes, r.first, r.end, r.level, {});
+            const Point2 centre{(box.x0 + box.x1) / 2, (box.y0 + box.y1) / 2};
+            std::vector<Affine2> maps;
+            for (std::size_t f = 0; f < frames_; ++f) {
+                auto best = motion_of(r, curves, f).best_map();
+                if (best && has_stroke) {
+                    const Point2 there = apply(*best, centre);
+                    const Affine2 turn = turn_of(*best, centre);
+                    best = compose({1, 0, 0, 1, there.x - centre.x, there.y - centre.y}, turn);
+                }
+                maps.push_back(best && inverse(*best) ? *best : maps.empty() ? Affine2() : maps.back());
+            }
+            if (std::none_of(maps.begin(), maps.end(), turns_plane)) continue;
+            if (stands_alone(r)) {
+                std::fill(filter_of_.begin() + std::ptrdiff_t(r.first),
+                          filter_of_.begin() + std::ptrdiff_t(r.end), k);
+                std::fill(moves_.begin() + std::ptrdiff_t(r.first), moves_.begin() + std::ptrdiff_t(r.end),
+                          true);
+                filter_maps_[k] = std::move(maps);
+            } else if (has_direction(styles_, r)) {
+                result_.report.warnings.push_back(label(work_, r.node) + ": its filter keeps its direction");
+            }
+        }
+    }
+
+    /// Whether an element can move with what it holds: no filter lies inside, and its clip paths and masks
+    /// are of no other element.
+    bool stands_alone(const Reference& filter) const {
+        if (local_name(filter.node) == "svg") return false;
+        return std::all_of(rest_.references.begin(), rest_.references.end(), [&](const Reference& r) {
+            const bool is_inside = r.node != filter.node && is_in(r.node, filter.node);
+            if (is_filter(r)) return !is_inside;
+            const bool is_held =
+                r.first_inside >= filter.first && r.end_inside <= filter.end && !is_in(filter.node, r.target);
+            return r.first_inside == r.end_inside || is_inside == is_held;
+        });
+    }
+
+    /// A shape's map without that of the element around it that has a filter.
+    Affine2 unfiltered(std::size_t shape, std::size_t frame, const Affine2& map) const {
+        const std::size_t by = filter_of_[shape];
+        return by == none ? map : compose(*inverse(filter_maps_[by][frame]), map);
+    }
+
     std::optional<SvgError> write(const CurveDeformer& curves) {
         std::vector<bool> carried(rest_.shapes.size());
         if (frames_ > 1) {
-            for (const AffinePart& part : affine_parts(rest_, styles_, curves, frames_, tolerance_)) {
+            for (AffinePart& part : affine_parts(rest_, styles_, curves, frames_, tolerance_)) {
+                for (std::size_t f = 0; f < frames_; ++f)
+                    part.maps[f] = unfiltered(part.first, f, part.maps[f]);
                 carry(part.node, part.to_root, part.maps, part.box, result_.tracks);
                 std::fill(carried.begin() + std::ptrdiff_t(part.first),
                           carried.begin() + std::ptrdiff_t(part.end), true);
@@ -313,9 +403,10 @@ private:
             const DrawnShape& shape = rest_.shapes[i];
             Moved& moved = moved_[i];
             if (!moves_[i] || shape.is_extent || carried[i]) continue;
+            for (std::size_t f = 0; f < frames_; ++f) moved.maps[f] = unfiltered(i, f, moved.maps[f]);
             if (shape.is_box) {
                 const auto is_its = [&](const Reference& of) {
-                    return of.node == shape.node && local_name(of.target) != "filter";
+                    return of.node == shape.node && !is_filter(of);
                 };
                 if (std::any_of(rest_.references.begin(), rest_.references.end(), is_its))
                     leave_clips_behind(styles_, shape.node);
@@ -341,6 +432,14 @@ private:
             if (adds_vertices) write_path(add_marked_path(styles_, shape.node), i, std::move(moved.marked));
             if (adds_vertices || (!takes_markers && has_markers(shape))) drop_markers(styles_, shape.node);
             write_path(shape.node, i, std::move(moved.paths));
+        }
+        for (std::size_t k = 0; k < filter_maps_.size(); ++k) {
+            if (filter_maps_[k].empty()) continue;
+            const Reference& r = rest_.references[k];
+            const auto is_its = [&](const Reference& of) { return of.node == r.node && !is_filter(of); };
+            if (std::any_of(rest_.references.begin(), rest_.references.end(), is_its))
+                leave_clips_behind(styles_, r.node);
+            carry(r.node, r.to_root, filter_maps_[k], regions_[k].before, result_.tracks);
         }
         auto& warnings = result_.report.warnings;
         follow_regions(work_, rest_, regions_, result_.tracks, warnings);
@@ -405,14 +504,18 @@ private:
         const auto turned = [](const Affine2& map) { return !(map == Affine2()); };
         if (std::any_of(turns.begin(), turns.end(), turned))
             carry(node, shape.to_root, turns, boxes_at_rest_[index], result_.tracks);
+        Affine2 to_root = shape.to_root; // of the frame that enlarges most
+        for (std::size_t f = 0; f < frames_; ++f) {
+            const Affine2 there = compose(*inverse(unfiltered(index, f, {})), shape.to_root);
+            if (largest_scale(there) > largest_scale(to_root)) to_root = there;
+        }
         write_shape(node, {}); // show() writes the data
-        result_.tracks.push_back({.node = node,
-                                  .attribute = "d",
-                                  .scale = largest_scale(shape.to_root),
-                                  .paths = std::move(paths),
-                                  .decimals = options_.decimals >= 0
-                                                  ? options_.decimals
-                                                  : decimals_for(shape.to_root, tolerance_)});
+        result_.tracks.push_back(
+            {.node = node,
+             .attribute = "d",
+             .scale = largest_scale(to_root),
+             .paths = std::move(paths),
+             .decimals = options_.decimals >= 0 ? options_.decimals : decimals_for(to_root, tolerance_)});
     }
 
     void fit() {
@@ -444,8 +547,11 @@ private:
     Drawing rest_;                                      // its paths are those of the frame looked at last
     std::vector<bool> moves_;
     std::vector<Moved> moved_;
-    std::vector<Box> boxes_at_rest_;   // each in its own user space
-    std::vector<MovedRegion> regions_; // of the references
+    static constexpr std::size_t none = std::size_t(-1);
+    std::vector<std::size_t> filter_of_; // of each shape: the reference whose element moves with it
+    std::vector<std::vector<Affine2>> filter_maps_; // of each reference, in every frame
+    std::vector<Box> boxes_at_rest_;                // each in its own user space
+    std::vector<MovedRegion> regions_;              // of the references
     std::vector<Box> seen_before_, seen_after_;
 };
 

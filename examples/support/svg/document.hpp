@@ -11,13 +11,14 @@
 //
 // Affine followers: gradients and patterns of a shape, in user space or in units of its box (paint.hpp),
 // and a whole text, image or foreignObject follow the affine map that fits the motion of their points
-// best, by least squares. Under a strong bend this fit is poor. Regions of filters, of their primitives
-// and of masks are enlarged to hold the moved shapes; lights of filters follow. A nested svg or a used
-// symbol that clips becomes a group with a clip path.
+// best, by least squares. Under a strong bend this fit is poor. An element with a filter moves as a whole by
+// the map of what it holds, and the filter with it; where a stroke keeps its width, by the turn of this map.
+// Regions of filters, of their primitives and of masks are enlarged to hold the moved shapes; lights follow.
+// The region of a mask, a nested svg or a used symbol that clips becomes a clip path. Markers of a fixed
+// direction turn with their shape.
 //
-// Unchanged: the width of strokes, and lengths in filters, such as the radius of a blur. Shapes under a
-// transform without inverse stay, offsets in filters and markers of a fixed direction do not turn. Warnings
-// name these, every unknown property, attribute or element, and every one that should change with the pose
+// Unchanged: the width of strokes. Shapes under a transform without inverse stay. A filter does not turn if
+// its element holds other filters, or clip paths and masks that others share. Warnings name these, every unknown property, attribute or element, and every one that should change with the pose
 // but does not (properties.hpp). If a transform makes a stroke's pen elliptical, the pen turns with the
 // shape.
 //

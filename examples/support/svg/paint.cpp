@@ -328,11 +328,13 @@ void grow(const SvgDocument& document, Region& region, const Subject& subject,
         if (cuts) {
             if (!subject.maps[f]) continue;
             now = {};
-            for (const Point2& p : old.corners()) now.add(apply(*subject.maps[f], p));
-            if (!warned)
+            const Affine2& map = *subject.maps[f];
+            for (const Point2& p : old.corners()) now.add(apply(map, p));
+            const bool turns = std::abs(map.b) + std::abs(map.c) > 1e-6 * (std::abs(map.a) + std::abs(map.d));
+            if (turns && !warned)
                 warnings.push_back(label(document, region.node) +
                                    ": clips at a rectangle, which is not deformed");
-            warned = true;
+            warned = warned || turns;
             region.wanted = region.changed ? region.wanted : Box();
             region.changed = true;
         }
@@ -346,11 +348,7 @@ void grow(const SvgDocument& document, Region& region, const Subject& subject,
 void write(const Region& region) {
     const Box& box = region.wanted;
     if (!region.changed || box.empty() || !std::isfinite(box.width() + box.height())) return;
-    pugi::xml_node node = region.node;
-    set_attribute(node, "x", format_number(box.x0, 6));
-    set_attribute(node, "y", format_number(box.y0, 6));
-    set_attribute(node, "width", format_number(box.width(), 6));
-    set_attribute(node, "height", format_number(box.height(), 6));
+    set_box(region.node, box, 6);
 }
 
 /// A light in user space goes where the map takes its place in the plane, and what it points at.
@@ -398,6 +396,12 @@ void follow_primitives(const SvgDocument& document, const Subject& subject, cons
         for (const pugi::xml_node light : primitive.children()) {
             const std::string kind = local_name(light);
             if (kind != "fePointLight" && kind != "feSpotLight") continue;
+            const auto stays = [](const std::optional<Affine2>& map) {
+                const auto& [a, b, c, d, e, f] = map.value_or(Affine2{0, 0, 0, 0, 0, 0});
+                const std::array off{a - 1, b, c, d - 1, e, f};
+                return std::all_of(off.begin(), off.end(), [](double x) { return std::abs(x) < 1e-6; });
+            };
+            if (std::all_of(subject.maps.begin(), subject.maps.end(), stays)) continue;
             if (shared || !subject.maps.front()) {
                 warnings.push_back(label(document, light) + ": stays where it is");
             } else {
@@ -409,6 +413,10 @@ void follow_primitives(const SvgDocument& document, const Subject& subject, cons
 
 } // namespace
 
+Box region_in_user_space(pugi::xml_node node, const Viewport& viewport, const Box& box) {
+    return in_user_units(region_of(node, viewport), box);
+}
+
 void follow_regions(SvgDocument& document, const Drawing& rest, const std::vector<MovedRegion>& moved,
                     std::vector<AnimatedSvg::Track>& tracks, std::vector<std::string>& warnings) {
     std::map<std::size_t, int> users; // by the hash of what they refer to
@@ -417,7 +425,7 @@ void follow_regions(SvgDocument& document, const Drawing& rest, const std::vecto
     for (std::size_t i = 0; i < rest.references.size(); ++i) {
         const Reference& r = rest.references[i];
         const std::string kind = local_name(r.target);
-        if (kind == "clipPath") continue;
+        if (kind == "clipPath" || !r.target) continue;
         Subject subject{r, moved[i].before, moved[i].after, {}};
         const Box& before = subject.before;
         const auto all = [&](const auto& holds) {

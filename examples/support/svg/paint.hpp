@@ -81,11 +81,15 @@ private:
     std::map<std::string, std::string> stops_;        // by the id of the gradient that has them
 };
 
+/// The region of a mask or filter that lies about what this box holds.
+Box region_in_user_space(pugi::xml_node node, const Viewport& viewport, const Box& box);
+
 /// The box of the content that a mask or filter covers, in the user space of the element that refers to it.
 struct MovedRegion {
     Box before;
     std::vector<Box> after;                   // in every frame
-    std::vector<std::optional<Affine2>> maps; // the best for its shapes, in root user space
+    std::vector<std::optional<Affine2>> maps; // the best for its shapes, in root user space; what is left of
+                                              // them where the element itself moves
     bool moved = false;
 };
 

@@ -148,8 +148,6 @@ void UnappliedReport::add(const std::string& where, const std::string& what, std
 
 void UnappliedReport::declare(const std::string& where, std::string_view property, std::string_view value) {
     const auto has = [value](std::string_view part) { return value.find(part) != std::string_view::npos; };
-    if (property == "filter" && has("drop-shadow("))
-        add(where, "the offset of drop-shadow() is not deformed", value);
     switch (use_of(property)) {
     case PropertyUse::unknown:
         return add(where, "the property \"" + std::string(property) + "\" is not known and stays as it is");
@@ -199,12 +197,6 @@ void UnappliedReport::look_at(const SvgDocument& document, pugi::xml_node node, 
     for (const Declaration& d : declarations(node.attribute("style").value())) {
         tell(property_name(d.property), d.value);
     }
-    const auto is_zero = [&](const char* name) {
-        const std::string text = attribute_text(node, name);
-        return text.empty() ? kind == "feOffset" : text == "0";
-    };
-    if ((kind == "feOffset" || kind == "feDropShadow") && !(is_zero("dx") && is_zero("dy")))
-        add(label(document, node), "the offset of " + kind + " is not deformed");
     const std::string animated = animated_property(node, kind);
     if (!animated.empty()) add(label(document, node), kind + " is not deformed: it animates " + animated);
 }

@@ -2,9 +2,11 @@
 
 #include "svg/collector.hpp"
 #include "svg/css_geometry.hpp"
+#include "svg/paint.hpp"
 
 #include <algorithm>
 #include <array>
+#include <tuple>
 
 namespace cageform_examples {
 
@@ -201,9 +203,10 @@ bool ShapeCollector::visit_references(pugi::xml_node node, const Values& values,
     if (make_clip_path(node, values, place, first))
         return visit_references(node, styles_.values(node), place, first);
     const auto good = [&](const char* property, const char* kind) {
-        const std::string id = referenced_id(text_of(values, property));
+        const std::string value = text_of(values, property), id = referenced_id(value);
         const pugi::xml_node target = id.empty() ? pugi::xml_node() : ids_.find(id);
-        if (!target || local_name(target) != kind) return true;
+        const bool is_function = kind == std::string_view("filter") && id.empty() && value.ends_with(')');
+        if (!is_function && (!target || local_name(target) != kind)) return true;
         const auto from_root = inverse(place.to_root);
         if (!from_root) return true; // nothing of it is drawn
         Reference reference{node,  target, place.to_root, *from_root, place.viewport, place.style.level,
@@ -266,12 +269,21 @@ bool ShapeCollector::visit_reference(const char* property, const std::string& id
     }
     const bool clip = local_name(target) == "clipPath";
     const char* const units = clip ? "clipPathUnits" : "maskContentUnits";
-    const bool of_box = attribute_text(target, units) == "objectBoundingBox";
+    const bool has_content_of_box = attribute_text(target, units) == "objectBoundingBox";
+    const auto& [first, end, level, from_root] =
+        std::tie(reference.first, reference.end, reference.level, reference.from_root);
+    const Box box = bounds(drawing.shapes, first, end, level, from_root);
+    Box window; // of a mask that cuts what is painted
+    if (!clip && !box.empty()) {
+        const Box region = region_in_user_space(target, place.viewport, box);
+        const Box painted = painted_bounds(drawing.shapes, first, end, level, from_root);
+        if (!region.grown(1e-9 * (region.width() + region.height())).contains(painted)) window = region;
+    }
+    const bool of_box =
+        has_content_of_box || (!window.empty() && attribute_text(target, "maskUnits") != "userSpaceOnUse");
     Affine2 to_root = place.to_root;
     Affine2 unit_square;
     if (of_box) {
-        const Box box =
-            bounds(drawing.shapes, reference.first, reference.end, reference.level, reference.from_root);
         if (box.empty() || !(box.width() > 0 && box.height() > 0)) return true; // nothing is drawn
         unit_square = {box.width(), 0, 0, box.height(), box.x0, box.y0};
         to_root = compose(to_root, unit_square);
@@ -292,10 +304,10 @@ bool ShapeCollector::visit_reference(const char* property, const std::string& id
             content_id = ids_.name(content, id);
         }
         if (!drop_bad_transform(content)) return false;
-        if (of_box) to_user_space(content, units, unit_square);
-        claims.push_back({to_root, content_id, drawing.shapes.size(), 0});
+        if (has_content_of_box) to_user_space(content, units, unit_square);
+        claims.push_back({to_root, content_id, drawing.shapes.size(), 0, !window.empty()});
         const std::size_t index = claims.size() - 1;
-        if (!visit_content(content, target, place, reference.first)) return false;
+        if (!visit_content(content, target, place, first, window)) return false;
         std::vector<Claim>& grown = claims_[target.hash_value()];
         grown[index].end = drawing.shapes.size();
         claim = grown.begin() + static_cast<std::ptrdiff_t>(index);
@@ -303,6 +315,12 @@ bool ShapeCollector::visit_reference(const char* property, const std::string& id
     reference.first_inside = claim->first;
     reference.end_inside = claim->end;
     reference.target = ids_.find(claim->id);
+    if (claim->has_window) { // and its region no longer cuts
+        Box region = region_in_user_space(reference.target, place.viewport, box);
+        region.add(box);
+        set_attribute(reference.target, "maskUnits", "userSpaceOnUse");
+        set_box(reference.target, region, 17);
+    }
     if (claim->id != id) {
         const std::string value = styles_.value(reference.node, property).text;
         styles_.set(reference.node, property, with_referenced_id(value, claim->id));
@@ -323,7 +341,7 @@ void ShapeCollector::to_user_space(pugi::xml_node content, const char* units, co
 }
 
 bool ShapeCollector::visit_content(pugi::xml_node content, pugi::xml_node target, const Place& place,
-                                   std::size_t first) {
+                                   std::size_t first, const Box& window) {
     Place inner;
     inner.to_root = place.to_root;
     inner.viewport = place.viewport;
@@ -338,7 +356,10 @@ bool ShapeCollector::visit_content(pugi::xml_node content, pugi::xml_node target
     const Values values = styles_.values(content);
     if (clip && !apply_transform(content, inner.to_root)) return false;
     active_.push_back(target);
-    const bool good = visit_children(content, inner) && visit_references(content, values, place, first);
+    const std::size_t begin = drawing.shapes.size();
+    const bool good = visit_children(content, inner) &&
+                      (window.empty() || this->clip(content, window, inner, begin)) &&
+                      visit_references(content, values, place, first);
     active_.pop_back();
     return good;
 }

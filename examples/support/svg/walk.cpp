@@ -193,11 +193,8 @@ bool ShapeCollector::visit_svg(pugi::xml_node node, const Values& values, Place&
         for (const Point2& p : Box{x, y, x + size.width, y + size.height}.corners()) {
             window.add(apply(*to_inside, p));
         }
-        Box content;
-        for (std::size_t i = first; i < drawing.shapes.size(); ++i) {
-            const DrawnShape& shape = drawing.shapes[i];
-            if (shape.level == place.style.level) content.add(painted_box(shape, *from_root));
-        }
+        const Box content =
+            painted_bounds(drawing.shapes, first, drawing.shapes.size(), place.style.level, *from_root);
         cuts = !window.grown(1e-9 * (window.width() + window.height())).contains(content);
     }
     if (!cuts && symbols_.count(node.hash_value()) == 0) {
@@ -228,10 +225,7 @@ bool ShapeCollector::clip(pugi::xml_node group, const Box& box, const Place& pla
     pugi::xml_node clip_path = group.prepend_child((prefix + "clipPath").c_str());
     const std::string id = ids_.name(clip_path, "cageform-clip");
     pugi::xml_node rect = clip_path.append_child((prefix + "rect").c_str());
-    set_attribute(rect, "x", format_number(box.x0, 17));
-    set_attribute(rect, "y", format_number(box.y0, 17));
-    set_attribute(rect, "width", format_number(box.width(), 17));
-    set_attribute(rect, "height", format_number(box.height(), 17));
+    set_box(rect, box, 17);
     set_attribute(inner, "clip-path", "url(#" + escaped(id) + ')');
     return visit_references(inner, styles_.values(inner), place, first);
 }
@@ -565,6 +559,10 @@ bool shows(const std::string& paint, double opacity) {
 
 } // namespace
 
+bool is_filter(const Reference& reference) {
+    return !reference.target || local_name(reference.target) == "filter";
+}
+
 bool has_markers(const DrawnShape& shape) {
     return std::any_of(shape.markers.begin(), shape.markers.end(),
                        [](const auto& id) { return !id.empty(); });
@@ -577,6 +575,22 @@ bool is_painted(const DrawnShape& shape) {
 
 bool is_seen(const DrawnShape& shape) {
     return shape.level == 0 && is_painted(shape) && shape.is_visible && !shape.is_transparent;
+}
+
+Box painted_bounds(const std::vector<DrawnShape>& shapes, std::size_t first, std::size_t end, int level,
+                   const Affine2& map) {
+    Box box;
+    for (std::size_t i = first; i < end; ++i) {
+        if (shapes[i].level == level) box.add(painted_box(shapes[i], map));
+    }
+    return box;
+}
+
+void set_box(pugi::xml_node node, const Box& box, int digits) {
+    set_attribute(node, "x", format_number(box.x0, digits));
+    set_attribute(node, "y", format_number(box.y0, digits));
+    set_attribute(node, "width", format_number(box.width(), digits));
+    set_attribute(node, "height", format_number(box.height(), digits));
 }
 
 Box painted_box(const DrawnShape& shape, const Affine2& map) {

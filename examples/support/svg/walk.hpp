@@ -17,7 +17,7 @@ namespace detail {
 /// An element whose filter, mask or clip path lies about what it draws: shapes [first, end) of its level.
 struct Reference {
     pugi::xml_node node;   // that refers
-    pugi::xml_node target; // filter, mask or clipPath
+    pugi::xml_node target; // filter, mask or clipPath; nothing for a filter by functions of CSS
     Affine2 to_root;
     Affine2 from_root;
     Viewport viewport;
@@ -25,6 +25,8 @@ struct Reference {
     std::size_t first = 0, end = 0;
     std::size_t first_inside = 0, end_inside = 0; // the shapes of the clip path
 };
+
+bool is_filter(const Reference& reference);
 
 /// An element that holds shapes [first, end).
 struct Group {
@@ -68,6 +70,13 @@ bool is_painted(const DrawnShape& shape);
 
 /// Whether it shows in the picture itself: is painted, not hidden and not transparent.
 bool is_seen(const DrawnShape& shape);
+
+/// The box of what is painted of shapes [first, end) of this level, after a map.
+Box painted_bounds(const std::vector<DrawnShape>& shapes, std::size_t first, std::size_t end, int level,
+                   const Affine2& map);
+
+/// Writes x, y, width and height.
+void set_box(pugi::xml_node node, const Box& box, int digits);
 
 /// The box of what is painted of it, strokes included (but for the tips of mitred corners), after a map.
 Box painted_box(const DrawnShape& shape, const Affine2& map);

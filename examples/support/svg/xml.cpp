@@ -170,6 +170,11 @@ SvgError error_in(const SvgDocument& document, pugi::xml_node node, const std::s
     return error_at(document, node, attribute + " at " + place + ": " + error.message);
 }
 
+bool is_in(pugi::xml_node node, pugi::xml_node group) {
+    while (node && node != group) node = node.parent();
+    return bool(node);
+}
+
 void drop_ids(pugi::xml_node top) {
     for (pugi::xml_node node = top; node; node = next_node(node, top)) node.remove_attribute("id");
 }

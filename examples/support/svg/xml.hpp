@@ -66,6 +66,9 @@ SvgError error_at(const SvgDocument& document, pugi::xml_node node, const std::s
 SvgError error_in(const SvgDocument& document, pugi::xml_node node, const std::string& attribute,
                   const SvgError& error);
 
+/// Whether a node is an element or stands in it.
+bool is_in(pugi::xml_node node, pugi::xml_node element);
+
 /// Removes the ids of an element and of all in it.
 void drop_ids(pugi::xml_node top);
 
