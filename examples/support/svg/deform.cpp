@@ -335,8 +335,9 @@ private:
     void find_filter_maps(const CurveDeformer& curves) {
         filter_of_.assign(rest_.shapes.size(), none);
         filter_maps_.resize(rest_.references.size());
-        for (std::size_t k = 0; k < rest_.references.size(); ++k) {
+        for (std::size_t k = rest_.references.size(); k-- > 0;) { // each before those inside it
             const Reference& r = rest_.references[k];
+            if (r.first < r.end && filter_of_[r.first] != none) continue; // goes along
             const auto first = rest_.shapes.begin() + std::ptrdiff_t(r.first);
             const auto end = rest_.shapes.begin() + std::ptrdiff_t(r.end);
             if (!is_filter(r) || first == end || (first->is_box && first->node == r.node)) continue;
@@ -368,16 +369,14 @@ private:
         }
     }
 
-    /// Whether an element can move with what it holds: no filter lies inside, and its clip paths and masks
-    /// are of no other element.
+    /// Whether an element can move with what it holds: its clip paths and masks are of no other element.
     bool stands_alone(const Reference& filter) const {
         if (local_name(filter.node) == "svg") return false;
         return std::all_of(rest_.references.begin(), rest_.references.end(), [&](const Reference& r) {
             const bool is_inside = r.node != filter.node && is_in(r.node, filter.node);
-            if (is_filter(r)) return !is_inside;
             const bool is_held =
                 r.first_inside >= filter.first && r.end_inside <= filter.end && !is_in(filter.node, r.target);
-            return r.first_inside == r.end_inside || is_inside == is_held;
+            return is_filter(r) || r.first_inside == r.end_inside || is_inside == is_held;
         });
     }
 

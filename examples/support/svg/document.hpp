@@ -18,9 +18,9 @@
 // direction turn with their shape.
 //
 // Unchanged: the width of strokes. Shapes under a transform without inverse stay. A filter does not turn if
-// its element holds other filters, or clip paths and masks that others share. Warnings name these, every
-// unknown property, attribute or element, and every one that should change with the pose but does not
-// (properties.hpp). If a transform makes a stroke's pen elliptical, the pen turns with the shape.
+// the clip paths or masks in its element are of others too. Warnings name these, every unknown property,
+// attribute or element, and every one that should change with the pose but does not (properties.hpp). If a
+// transform makes a stroke's pen elliptical, the pen turns with the shape.
 //
 // Markers stand at the vertices of the file. If deformation adds vertices to a path, an unpainted second
 // path after it carries the markers.

@@ -365,7 +365,9 @@ bool ShapeCollector::is_drawn_under(pugi::xml_node node, const Affine2& to_root)
         }
         const bool draws = up == node ? is_shape(kind) : is_group(kind) && kind != "svg";
         const auto own = parse_transform(attribute_text(up, "transform"));
-        if (!draws || !own || text_of(styles_.values(up), "display") == "none") return false;
+        const Values values = styles_.values(up);
+        const bool may_be_carried = !text_of(values, "filter").empty();
+        if (!draws || !own || may_be_carried || text_of(values, "display") == "none") return false;
         map = compose(*own, map);
     }
     return false;
