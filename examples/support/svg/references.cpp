@@ -56,8 +56,8 @@ pugi::xml_node ShapeCollector::used_element(pugi::xml_node use) {
         return is_shape(name) || is_fixed(name) || is_group(name) || name == "use";
     });
     if (!usable || has_content) {
-        warn(use, flat ? "shows nothing, as in browsers: a clip path has no use of " + kind
-                       : "cannot be expanded and stays as it is");
+        warn(use, flat && !usable ? "shows nothing, as in browsers: a clip path has no use of " + kind
+                                  : "cannot be expanded and stays as it is");
         return {};
     }
     if (!count_copies(target) || copies_ + expanded_size(target) > max_svg_copies) {
