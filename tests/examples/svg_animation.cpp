@@ -443,10 +443,9 @@ TEST_CASE("the picture holds all frames when asked", "[examples][svg_document][a
     const AnimatedSvg fitted = animated(square, waves, {.fit = true});
     CHECK(fitted.report.cut_off == 0);
     const auto view = view_box(fitted.document);
-    REQUIRE(view);
-    CHECK(view->x + view->width == Approx(160).epsilon(0).margin(0.5));
-    CHECK(view->y == Approx(-50).epsilon(0).margin(0.5));
-    CHECK(view->y + view->height == Approx(100).epsilon(0).margin(0.5));
+    CHECK(view.x + view.width == Approx(160).epsilon(0).margin(0.5));
+    CHECK(view.y == Approx(-50).epsilon(0).margin(0.5));
+    CHECK(view.y + view.height == Approx(100).epsilon(0).margin(0.5));
 }
 
 TEST_CASE("what moves in no frame stays as it was written", "[examples][svg_document][animate]") {

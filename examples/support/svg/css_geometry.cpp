@@ -178,11 +178,7 @@ public:
         const pugi::xml_node root = root_element(document_.xml);
         if (!styles_.places_elements() && !any_style_places(root)) return;
         const auto view = view_box(document_);
-        Viewport viewport;
-        if (view) {
-            viewport.width = view->width;
-            viewport.height = view->height;
-        }
+        Viewport viewport{view.width, view.height};
         const Values values = styles_.values(root);
         viewport.em = viewport.root_em = font_size(values, viewport);
         keep_in_style(root, values);

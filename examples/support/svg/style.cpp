@@ -55,8 +55,6 @@ std::string without_comments(std::string_view css) {
 
 constexpr int max_media_depth = 30; // of blocks of @media inside each other; reading them is recursive
 
-constexpr std::size_t most_steps = 30'000'000; // of matching rules when a document is read: about a second
-
 /// Whether every screen meets a list of queries: it is empty, or one of them is "all" or "screen".
 bool is_for_screens(std::string_view written) {
     const std::string queries = lowered(trimmed(written));
@@ -105,8 +103,11 @@ std::vector<Declaration> declarations(std::string_view text) {
     }
 }
 
-std::string referenced_id(std::string_view value) {
-    const std::size_t url = value.find("url(");
+namespace {
+
+/// The id in url(#id) as it is written, a part of the value; empty if none.
+std::string_view written_id(std::string_view value) {
+    const std::size_t url = lowered(value).find("url(");
     if (url == std::string_view::npos) return {};
     std::size_t begin = value.find_first_not_of(' ', url + 4);
     if (begin == std::string_view::npos) return {};
@@ -114,15 +115,20 @@ std::string referenced_id(std::string_view value) {
     const std::string ends = is_quoted ? std::string(1, value[begin++]) : " )";
     if (begin == value.size() || value[begin] != '#') return {};
     const std::size_t end = value.find_first_of(ends, begin);
-    return end == std::string_view::npos ? std::string()
-                                         : std::string(value.substr(begin + 1, end - begin - 1));
+    return end == std::string_view::npos ? std::string_view() : value.substr(begin + 1, end - begin - 1);
+}
+
+} // namespace
+
+std::string referenced_id(std::string_view value) {
+    return without_percents(written_id(value));
 }
 
 std::string with_referenced_id(std::string_view value, const std::string& id) {
-    const std::string old = referenced_id(value);
-    std::string result(value);
-    const std::size_t at = old.empty() ? std::string::npos : result.find('#' + old);
-    return at == std::string::npos ? "url(#" + id + ')' : result.replace(at + 1, old.size(), id);
+    const std::string_view old = written_id(value);
+    if (old.empty()) return "url(#" + id + ')';
+    const auto at = static_cast<std::size_t>(old.data() - value.data());
+    return std::string(value).replace(at, old.size(), id);
 }
 
 std::string property_name(std::string_view written) {
@@ -144,9 +150,9 @@ const char* const rules_mark = "cageform-rules"; // attribute of an element: whi
 
 } // namespace
 
-StyleSheets::StyleSheets(SvgDocument& document)
+StyleSheets::StyleSheets(SvgDocument& document, std::size_t most)
     : document_(document)
-    , steps_(most_steps) {
+    , search_{most} {
     const pugi::xml_node root = root_element(document.xml);
     for (pugi::xml_node node = root; node; node = next_node(node, root)) {
         if (local_name(node) != "style") continue;
@@ -173,14 +179,14 @@ StyleSheets::StyleSheets(SvgDocument& document)
         elements_.push_back(node);
         marked_.push_back(matching(node, {}));
     }
-    if (steps_ == 0) {
+    if (search_.steps == 0) {
         report.add("style", "its rules take too long to match and are not read");
         rules_.clear();
         elements_.clear();
         placing_.clear();
         return;
     }
-    steps_ = 2 * most_steps; // for copies, and for settle()
+    search_.steps = 2 * most; // for copies, and for settle()
     std::size_t number = 0;
     for (pugi::xml_node node = root; node; node = next_node(node, root)) {
         if (node.type() == pugi::node_element) set_attribute(node, rules_mark, std::to_string(number++));
@@ -204,9 +210,12 @@ void StyleSheets::stand_alone(pugi::xml_node copy) {
 }
 
 std::string StyleSheets::place_of(std::size_t sheet, std::string_view part) const {
-    const std::string& text = sheets_[sheet].text;
-    const std::size_t line = line_of(document_, sheets_[sheet].node);
-    const auto lines = std::count(text.data(), part.data(), '\n');
+    const auto& [node, css, text, counted, lines] = sheets_[sheet];
+    const char* const from = text.data() + counted; // near, as parts are asked for about in order
+    lines += std::count(from, std::max(from, part.data()), '\n');
+    lines -= std::count(std::min(from, part.data()), from, '\n');
+    counted = static_cast<std::size_t>(part.data() - text.data());
+    const std::size_t line = line_of(document_, node);
     return to_string(SvgError{"style", line == 0 ? 0 : line + static_cast<std::size_t>(lines), 0});
 }
 
@@ -303,7 +312,7 @@ StyleSheets::Rules StyleSheets::matching(pugi::xml_node node, const Rules& other
         const auto found = by_key_.find(key);
         if (found == by_key_.end()) return;
         for (const std::size_t rule : found->second) {
-            if (rules_[rule].selector.matches(node, steps_, top)) rules.push_back(rule);
+            if (rules_[rule].selector.matches(node, search_, top)) rules.push_back(rule);
         }
     };
     look_up("");
@@ -311,7 +320,7 @@ StyleSheets::Rules StyleSheets::matching(pugi::xml_node node, const Rules& other
     if (node.attribute("id")) look_up('#' + attribute_text(node, "id"));
     const std::string classes = attribute_text(node, "class");
     for (const std::string_view name : words_of(classes)) look_up('.' + std::string(name));
-    if (steps_ == 0) return otherwise;
+    if (search_.steps == 0) return otherwise;
     std::sort(rules.begin(), rules.end());
     rules.erase(std::unique(rules.begin(), rules.end()), rules.end());
     return rules;
@@ -396,15 +405,14 @@ void StyleSheets::set(pugi::xml_node node, const std::string& property, const st
 }
 
 void StyleSheets::remove_placing() {
-    std::sort(placing_.begin(), placing_.end(),
-              [](const Removed& a, const Removed& b) { return a.begin > b.begin; });
-    std::set<std::size_t> changed;
-    for (const Removed& part : placing_) {
-        sheets_[part.sheet].css.erase(part.begin, part.end - part.begin);
-        changed.insert(part.sheet);
-    }
-    for (const std::size_t i : changed) {
-        const Sheet& sheet = sheets_[i];
+    for (auto part = placing_.begin(); part != placing_.end();) { // they stand in order
+        const std::size_t changed = part->sheet;
+        Sheet& sheet = sheets_[changed];
+        std::string rest;
+        std::size_t at = 0;
+        for (; part != placing_.end() && part->sheet == changed; at = (part++)->end)
+            rest += std::string_view(sheet.css).substr(at, part->begin - at);
+        sheet.css = rest.append(sheet.css, at);
         const auto is_text = [](pugi::xml_node child) {
             return child.type() == pugi::node_pcdata || child.type() == pugi::node_cdata;
         };
@@ -424,6 +432,7 @@ void StyleSheets::remove_placing() {
 
 void StyleSheets::settle(std::vector<std::string>& warnings) const {
     if (rules_.empty()) return;
+    search_.places.clear(); // elements have changed
     const pugi::xml_node root = root_element(document_.xml);
     std::vector<std::pair<pugi::xml_node, const Rules*>> elements;
     for (pugi::xml_node node = root; node; node = next_node(node, root)) {
@@ -434,7 +443,7 @@ void StyleSheets::settle(std::vector<std::string>& warnings) const {
     std::vector<Rules> now;
     now.reserve(elements.size());
     for (const auto& [node, before] : elements) now.push_back(matching(node, *before));
-    if (steps_ == 0)
+    if (search_.steps == 0)
         warnings.push_back("style: its rules take too long to match; others may apply to changed elements");
     for (std::size_t i = 0; i < elements.size(); ++i) {
         const auto& [node, before] = elements[i];

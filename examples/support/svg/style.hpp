@@ -62,7 +62,8 @@ class StyleSheets {
 public:
     using Values = std::map<std::string, StyleValue, std::less<>>;
 
-    explicit StyleSheets(SvgDocument& document);
+    ///   most   steps of matching rules when the document is read; as given they take about a second
+    explicit StyleSheets(SvgDocument& document, std::size_t most = 30'000'000);
 
     /// The values that an element is given and the deformation reads: `!important`, then the style
     /// attribute, then rules by their specificity and order, then attributes, as in CSS.
@@ -106,8 +107,10 @@ private:
     };
     struct Sheet {
         pugi::xml_node node;
-        std::string css;  // unescaped
-        std::string text; // without comments
+        std::string css;                  // unescaped
+        std::string text;                 // without comments
+        mutable std::size_t counted = 0;  // of its bytes, for the number of a line
+        mutable std::ptrdiff_t lines = 0; // in these
     };
     struct Removed { // part of a sheet's text
         std::size_t sheet = 0, begin = 0, end = 0;
@@ -134,7 +137,7 @@ private:
     std::vector<pugi::xml_node> elements_;                             // of it, by their marks
     std::map<std::pair<std::size_t, std::size_t>, std::size_t> alone_; // marks, by those of top and element
     std::vector<Removed> placing_;
-    mutable std::size_t steps_; // left for matching
+    mutable SelectorSearch search_;
 };
 
 } // namespace detail
