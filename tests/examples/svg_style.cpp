@@ -402,6 +402,11 @@ TEST_CASE("geometry and transforms by CSS are those by attributes", "[examples][
              "/></g></defs><use href='#d' style='rotate:90deg;transform-box:fill-box;"
              "transform-origin:left top'/>",
          "<g " + about("20", "30", "rotate(90)") + "><g>" + rect + "/></g></g>"},
+        {".k{x:min(9px,5%,1em);width:max(9px,3rem);height:clamp(4px,10%,8px)}",
+         "<rect class='k' y='calc(2*max(3,min(9,4)))'/>", "<rect x='9' y='8' width='48' height='8'/>"},
+        {"g{--w:calc(var(--half)*2);--half:9px}.k{width:var(--w);height:var(--h, 3px)}",
+         "<g><rect class='k' x='var(--half)' y='var(--h)'/></g>", "<rect x='9' width='18' height='3'/>"},
+        {"rect{--a:var(--b);--b:var(--a);height:2px;height:var(--a)}", "<rect width='9' height='9'/>", ""},
         {"svg{font-size:8px}", "<rect x='1cm' y='1pc' width='3rem' height='40q'/>",
          "<rect x='37.795' y='16' width='24' height='37.795'/>"}};
     for (const Case& c : cases) {
@@ -421,15 +426,57 @@ TEST_CASE("geometry and transforms by CSS are those by attributes", "[examples][
     CHECK(moved.text.find("<style>/* x:1 */ rect { fill:red;  stroke:tan;}</style>") != std::string::npos);
     // it stays where it cannot be read, and is named
     const Result kept =
-        deformed(svg("<style>rect{x:max(1px, 2px)}</style><rect width='9' height='9'/>\n"
+        deformed(svg("<style>rect{x:round(1px, 2px)}</style><rect width='9' height='9'/>\n"
                      "<g style='transform:rotate3d(1,1,1,9deg)'/><g style='offset-path:none'/>"
-                     "<rect width='2' height='2' style='translate:1px;transform-box:stroke-box'/>"),
+                     "<circle r='2' style='translate:1px;transform-box:stroke-box'/>"),
                  slanted);
     REQUIRE(kept.warnings.size() == 3);
-    CHECK(kept.warnings[0] == "rect (line 1): the property \"x\" is not deformed: max(1px, 2px) (2 times)");
+    CHECK(kept.warnings[0] == "rect (line 1): the property \"x\" is not deformed: round(1px, 2px)");
     CHECK(kept.warnings[1] == "g (line 2): the property \"transform\" is not deformed: rotate3d(1,1,1,9deg)");
-    CHECK(kept.warnings[2] == "rect (line 2): the property \"translate\" is not deformed: 1px");
-    CHECK(kept.text.find("x:max(1px, 2px)") != std::string::npos);
+    CHECK(kept.warnings[2] == "circle (line 2): the property \"translate\" is not deformed: 1px");
+    CHECK(kept.text.find("x:round(1px, 2px)") != std::string::npos);
+}
+
+TEST_CASE("an invalid declaration counts as none", "[examples][svg_style][property]") {
+    const auto seed = GENERATE(range(0, 80));
+    CAPTURE(seed);
+    Random random(static_cast<unsigned>(seed));
+    struct Kind {
+        std::string property;
+        std::vector<std::string> valid, invalid;
+    };
+    const Kind kind = std::vector<Kind>{
+        {"fill",
+         {"#c33", "RED", "url(#a) none", "hsl(9 8% 7%)", "Canvas", "inherit"},
+         {"nonsense", "#12345", "rgb(1 2)", "none red", "url(#a) odd", "", "3"}},
+        {"stroke-width", {"3", "5%", "calc(1px + 2px)", "0"}, {"-3", "3foo", "1 2", "thick"}},
+        {"width", {"40px", "auto", "0", "max-content", "3vw"}, {"auto2", "-3px", "40", "none", "4 0px"}},
+        {"opacity", {".5", "20%", "-1", "var(--a)"}, {"half", "3px", "1 1"}},
+        {"stroke-dasharray", {"none", "4,2 6%", "0"}, {"1,-2", "a", "none 3"}},
+        {"font-size", {"12px", "larger", "0", "2ch"}, {"12", "-1px", "big"}},
+        {"transform",
+         {"rotate(3deg)", "none", "scale(2)translate(0,3px)"},
+         {"rotate(3)", "translate(3)", "x"}},
+        {"clip-path", {"none", "url(#a)", "circle(3px)"}, {"a", "3px"}},
+        {"text-anchor", {"start", "end"}, {"left", "start end"}}}[random.below(9)];
+    std::string css, style, wanted;
+    bool is_important = false;
+    for (std::string* const to : {&css, &style}) {
+        for (int n = 0; n < 4; ++n) {
+            const bool valid = random.below(3) == 0, important = random.below(4) == 0;
+            const std::string value = random.any_of(valid ? kind.valid : kind.invalid);
+            const std::string declaration = kind.property + ':' + value + (important ? "!important;" : ";");
+            *to += to == &css ? "rect{" + declaration + '}' : declaration;
+            if (!valid || (is_important && !important)) continue;
+            wanted = value;
+            is_important = important;
+        }
+    }
+    SvgDocument document = parsed(svg("<style>" + css + "</style><rect style='" + style + "'/>"));
+    const detail::StyleSheets styles(document);
+    CAPTURE(css, style);
+    const std::string found = styles.value(by_name(document, "rect"), kind.property).text;
+    CHECK(found == (wanted == "var(--a)" ? "unset" : wanted)); // as --a has no value
 }
 
 TEST_CASE("basic shapes clip as paths do", "[examples][svg_style][clip]") {
@@ -469,8 +516,8 @@ TEST_CASE("basic shapes clip as paths do", "[examples][svg_style][clip]") {
         deformed("<svg viewBox='0 0 90 90' style='clip-path:circle(9px)'>" + box + "/></svg>", slanted);
     CHECK(detail::root_element(whole.document.xml).child("clipPath")); // a document has one root
     for (const std::string_view odd :
-         {"circle(", "polygon(1px)", "inset()", "ellipse(1px)", "path(x)", "xywh(0 0 1px 1px)",
-          "circle(1px at)", "polygon()", "fill-box", "inset(1px round)", "()", "')"}) {
+         {"circle(", "polygon(1px)", "inset()", "ellipse(1px)", "xywh(0 0 1px 1px)", "circle(1px at)",
+          "polygon()", "fill-box", "inset(1px round)"}) {
         CAPTURE(odd);
         const Result left = deformed(svg(box + " clip-path=\"" + std::string(odd) + "\"/>"), slanted);
         REQUIRE(left.warnings.size() == 1);

@@ -22,9 +22,8 @@ std::string text_of(const StyleSheets::Values& values, std::string_view property
 double font_size(const StyleSheets::Values& values, const Viewport& parent);
 
 /// Moves geometry and transforms from style attributes and sheets to attributes, for all elements but the
-/// root. A `transform` then has all of transform, translate,
-/// rotate, scale, transform-origin and transform-box. Values that cannot be read stay, with a
-/// warning.
+/// root. A `transform` then has all of transform, translate, rotate, scale, transform-origin and
+/// transform-box. An element whose values are not read is kept whole, with a warning.
 void place_by_attributes(SvgDocument& document, StyleSheets& styles);
 
 /// A basic shape, as clip-path has them: circle(), ellipse(), inset(), polygon(), path().

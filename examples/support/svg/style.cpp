@@ -103,6 +103,27 @@ std::vector<Declaration> declarations(std::string_view text) {
     }
 }
 
+std::optional<std::vector<std::string_view>> css_words(std::string_view value) {
+    std::vector<std::string_view> words;
+    std::size_t begin = 0;
+    int brackets = 0;
+    const auto end_word = [&](std::size_t end, std::size_t next) {
+        if (end > begin) words.push_back(value.substr(begin, end - begin));
+        begin = next;
+    };
+    for (std::size_t at = 0, next = 0; at < value.size(); at = next) {
+        next = after_token(value, at);
+        if (value[at] == '(') ++brackets;
+        if (value[at] == ')' && --brackets < 0) return std::nullopt;
+        const bool parts = is_space(value[at]) || value[at] == ',' || value.substr(at).starts_with("/*");
+        if (brackets == 0 && parts) end_word(at, next);
+        if (brackets == 0 && value[at] == ')') end_word(next, next);
+    }
+    if (brackets != 0) return std::nullopt;
+    end_word(value.size(), value.size());
+    return words;
+}
+
 namespace {
 
 /// The id in url(#id) as it is written, a part of the value; empty if none.
@@ -146,6 +167,7 @@ std::string size_in_font(std::string_view font) {
     return "inherit";
 }
 
+const char* const whole_mark = "cageform-whole"; // attribute of an element that no pose moves
 const char* const rules_mark = "cageform-rules"; // attribute of an element: which of StyleSheets::marked_
 
 } // namespace
@@ -287,6 +309,7 @@ void StyleSheets::read_rule(std::size_t sheet, std::string_view prelude, std::st
         if (use_of(property) == PropertyUse::placing) {
             if (!applies)
                 report.add(place, "the property \"" + property + "\" of " + name + " is not deformed");
+            block.places = block.places || !applies;
             if (!applies) continue;
             const std::string& text = sheets_[sheet].text;
             const auto begin = static_cast<std::size_t>(d.property.data() - text.data());
@@ -297,7 +320,7 @@ void StyleSheets::read_rule(std::size_t sheet, std::string_view prelude, std::st
         }
         block.sets.push_back({property, std::string(d.value), d.important});
     }
-    if (block.sets.empty()) return;
+    if (block.sets.empty() && !block.places) return;
     for (Selector& selector : selectors) {
         const bool state = is_conditional(selector);
         rules_.push_back({std::move(selector), blocks_.size(), state});
@@ -332,12 +355,13 @@ const StyleSheets::Rules& StyleSheets::rules_of(pugi::xml_node node) const {
     return number && number.as_ullong() < marked_.size() ? marked_[number.as_ullong()] : none;
 }
 
-StyleSheets::Values StyleSheets::cascade(const Rules& rules, pugi::xml_node node, bool all) const {
+template <class Wanted>
+StyleSheets::Values StyleSheets::cascade(const Rules& rules, pugi::xml_node node,
+                                         const Wanted& wanted) const {
     using Source = StyleValue::Source;
     Values result;
     const auto set = [&](const std::string& property, std::string value, Source source, bool important) {
-        const PropertyUse use = use_of(property);
-        if (!all && use != PropertyUse::read && use != PropertyUse::placing) return;
+        if (!wanted(property) || !is_valid(property, value)) return;
         if (!std::all_of(property.begin(), property.end(), is_name_character)) return; // nothing to browsers
         StyleValue& old = result[property];
         if (!old.important || important) old = {std::move(value), source, important};
@@ -359,13 +383,77 @@ StyleSheets::Values StyleSheets::cascade(const Rules& rules, pugi::xml_node node
 }
 
 StyleSheets::Values StyleSheets::values(pugi::xml_node node) const {
-    Values result = cascade(rules_of(node), node, false);
+    Values result = cascade(rules_of(node), node, [](const std::string& property) {
+        const PropertyUse use = use_of(property);
+        return use == PropertyUse::read || use == PropertyUse::placing;
+    });
     for (const pugi::xml_attribute attribute : node.attributes()) {
         if (use_of(attribute.name()) != PropertyUse::read) continue;
-        result.try_emplace(attribute.name(), StyleValue{std::string(trimmed(unescaped(attribute.value()))),
-                                                        StyleValue::Source::attribute, false});
+        const std::string text(trimmed(unescaped(attribute.value())));
+        if (!is_valid(attribute.name(), text, true)) continue;
+        result.try_emplace(attribute.name(), StyleValue{text, StyleValue::Source::attribute, false});
+    }
+    for (auto& [property, value] : result) {
+        if (value.text.find("var(") == std::string::npos) continue;
+        const auto text = substituted(node, value.text);
+        value.text = text && is_valid(property, *text) ? trimmed(*text) : "unset";
     }
     return result;
+}
+
+std::optional<std::string> StyleSheets::substituted(pugi::xml_node node, std::string_view text) const {
+    int left = 1000;
+    return substituted(node, text, left);
+}
+
+std::optional<std::string> StyleSheets::substituted(pugi::xml_node node, std::string_view text,
+                                                    int& left) const {
+    std::string result;
+    constexpr std::string_view begin = "var(";
+    for (std::size_t at = 0; (at = text.find(begin)) != std::string_view::npos;) {
+        result += text.substr(0, at);
+        text.remove_prefix(at + begin.size());
+        std::size_t end = 0;
+        for (int brackets = 1; end < text.size(); end = after_token(text, end)) {
+            if (text[end] == '(') ++brackets;
+            if (text[end] == ')' && --brackets == 0) break;
+        }
+        const std::size_t comma = std::min(text.substr(0, end).find(','), end);
+        auto value = custom_property(node, trimmed(text.substr(0, comma)), left);
+        if (!value && comma < end) value = substituted(node, text.substr(comma + 1, end - comma - 1), left);
+        if (!value) return std::nullopt;
+        result += *value;
+        text.remove_prefix(std::min(end + 1, text.size()));
+    }
+    return result.append(text);
+}
+
+std::optional<std::string> StyleSheets::custom_property(pugi::xml_node node, std::string_view name,
+                                                        int& left) const {
+    for (; node.type() == pugi::node_element && --left > 0; node = node.parent()) {
+        const Values own =
+            cascade(rules_of(node), node, [&](const std::string& each) { return each == name; });
+        if (own.empty()) continue;
+        const std::string& text = own.begin()->second.text;
+        if (lowered(text) == "initial") return std::nullopt;
+        if (!has_word(wide_keywords, lowered(text))) return substituted(node, text, left);
+    }
+    return std::nullopt;
+}
+
+void StyleSheets::keep_whole(pugi::xml_node node) {
+    set_attribute(node, whole_mark, "");
+}
+
+bool StyleSheets::is_kept_whole(pugi::xml_node node) {
+    return node.attribute(whole_mark);
+}
+
+bool StyleSheets::is_placed_by_others(pugi::xml_node node) const {
+    const Rules& rules = rules_of(node);
+    return std::any_of(rules.begin(), rules.end(), [&](std::size_t rule) {
+        return blocks_[rules_[rule].block].places && !rules_[rule].selector.has_state;
+    });
 }
 
 void append_style(pugi::xml_node node, const std::string& text) {
@@ -431,9 +519,10 @@ void StyleSheets::remove_placing() {
 }
 
 void StyleSheets::settle(std::vector<std::string>& warnings) const {
+    const pugi::xml_node root = root_element(document_.xml);
+    for (pugi::xml_node node = root; node; node = next_node(node, root)) node.remove_attribute(whole_mark);
     if (rules_.empty()) return;
     search_.places.clear(); // elements have changed
-    const pugi::xml_node root = root_element(document_.xml);
     std::vector<std::pair<pugi::xml_node, const Rules*>> elements;
     for (pugi::xml_node node = root; node; node = next_node(node, root)) {
         if (node.type() == pugi::node_element) elements.emplace_back(node, &rules_of(node));
@@ -460,7 +549,8 @@ void StyleSheets::settle(std::vector<std::string>& warnings) const {
 }
 
 void StyleSheets::settle(pugi::xml_node node, const Rules& before, const Rules& now) const {
-    const Values wanted = cascade(before, node, true), given = cascade(now, node, true);
+    const auto all = [](const std::string&) { return true; };
+    const Values wanted = cascade(before, node, all), given = cascade(now, node, all);
     Values either = wanted;
     either.insert(given.begin(), given.end());
     std::string shorthand;

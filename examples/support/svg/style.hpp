@@ -8,6 +8,7 @@
 
 #include <cstddef>
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <unordered_map>
@@ -28,6 +29,10 @@ struct Declaration {
 /// The declarations of a style attribute as written, or of the block of a rule. Semicolons inside quotes,
 /// brackets, comments and character references do not part them.
 std::vector<Declaration> declarations(std::string_view text);
+
+/// The words of a value between white space and commas; a function and a quoted text are one word each.
+/// Nothing where a bracket stays open.
+std::optional<std::vector<std::string_view>> css_words(std::string_view value);
 
 /// The id that a value names as url(#id), with or without quotes; empty if none.
 std::string referenced_id(std::string_view value);
@@ -66,11 +71,15 @@ public:
     explicit StyleSheets(SvgDocument& document, std::size_t most = 30'000'000);
 
     /// The values that an element is given and the deformation reads: `!important`, then the style
-    /// attribute, then rules by their specificity and order, then attributes, as in CSS.
+    /// attribute, then rules by their specificity and order, then attributes, as in CSS. Invalid ones are
+    /// left out, and var() has its value.
     Values values(pugi::xml_node node) const;
 
     /// One of these.
     StyleValue value(pugi::xml_node node, std::string_view property) const;
+
+    /// A text with the values of var() as they are at an element; nothing where one has none.
+    std::optional<std::string> substituted(pugi::xml_node node, std::string_view text) const;
 
     /// Writes a value that wins, in place of the one that did.
     void set(pugi::xml_node node, const std::string& property, const std::string& text) const;
@@ -83,6 +92,12 @@ public:
     bool places_elements() const { return !placing_.empty(); }
     /// Removes these properties from the sheets. Attributes already hold their values.
     void remove_placing();
+
+    /// Marks an element that no pose moves, as its geometry or transform is not read.
+    static void keep_whole(pugi::xml_node node);
+    static bool is_kept_whole(pugi::xml_node node);
+    /// Whether rules that are not read place an element.
+    bool is_placed_by_others(pugi::xml_node node) const;
 
     /// Removes the marks. If an element's matching rules changed since loading, its style attribute restores
     /// lost declarations and cancels gained ones. New elements have had no rules.
@@ -99,6 +114,7 @@ private:
     struct Block {
         std::string name, place; // its selectors, and the line
         std::vector<Set> sets;
+        bool places = false; // by declarations that are not in `sets`
     };
     struct Rule {
         Selector selector;
@@ -123,8 +139,13 @@ private:
     /// The rules that match an element, or others once there are no steps left.
     Rules matching(pugi::xml_node node, const Rules& otherwise, pugi::xml_node top = {}) const;
     const Rules& rules_of(pugi::xml_node node) const;
-    /// The values of sheets and of the style attribute, of all properties or of those that are read.
-    Values cascade(const Rules& rules, pugi::xml_node node, bool all) const;
+    /// The values of sheets and of the style attribute, of some properties.
+    template <class Wanted>
+    Values cascade(const Rules& rules, pugi::xml_node node, const Wanted& wanted) const;
+    /// Works as substituted().
+    ///   left   var() that may still be looked up
+    std::optional<std::string> substituted(pugi::xml_node node, std::string_view text, int& left) const;
+    std::optional<std::string> custom_property(pugi::xml_node node, std::string_view name, int& left) const;
     void settle(pugi::xml_node node, const Rules& before, const Rules& now) const;
 
     SvgDocument& document_;

@@ -95,6 +95,8 @@ bool ShapeCollector::visit(pugi::xml_node node, const Place& parent) {
     const bool is_shared_image = uses_of_images_.count(node.hash_value()) != 0;
     const std::string kind = is_shared_image ? "image" : local_name(node);
     if (parent.depth >= max_svg_depth) return fail(node, "elements are nested too deeply");
+    if (StyleSheets::is_kept_whole(node))
+        return !options_.is_strict || fail(node, "its geometry or transform is not read");
     if (kind == "use") return visit_use(node, parent);
     if (!is_group(kind) && !is_shape(kind) && !is_fixed(kind)) return true;
     const std::string_view extensions = trimmed(node.attribute("requiredExtensions").value());
