@@ -211,19 +211,95 @@ TEST_CASE("at-rules and media are read in any case of letters", "[examples][svg_
     const auto applies = [&](const std::string& style) {
         return drawn(svg(style + rect)) == drawn(svg("<rect width='3' height='9'/>"));
     };
-    for (const std::string at : {"@MEDIA Screen", "@Media print, ALL", "@media", "@SUPPORTS (d:none)",
+    for (const std::string at : {"@MEDIA Screen", "@Media print, ALL", "@media", "@media not print",
+                                 "@Media NOT ALL, only screen", "@layer", "@LAYER a.b", "@SUPPORTS (d:none)",
                                  "@Supports (font-family: notable)", "@supports (--knot: 1)"}) {
         CAPTURE(at);
         CHECK(applies("<style>" + at + rule + "</style>"));
     }
-    for (const std::string at : {"@MEDIA PRINT", "@SUPPORTS NOT (d:none)", "@supports (not (d:none))",
+    for (const std::string at : {"@MEDIA PRINT", "@media not screen", "@media print and (width:9px), not all",
+                                 "@SUPPORTS NOT (d:none)", "@supports (not (d:none))",
                                  "@Supports (d:none) and (NOT (d:none))", "@FONT-FACE", "@KeyFrames a"}) {
         CAPTURE(at);
         CHECK_FALSE(applies("<style>" + at + rule + "</style>"));
     }
     CHECK(applies("<style media='SCREEN'>rect{height:9px}</style>"));
+    for (const std::string at :
+         {"(min-width:1px)", "screen and (height:9px), print", "not all and (color)"}) {
+        const Result kept = deformed(svg("<style>@media " + at + rule + "</style><g/>" + rect), slanted);
+        CHECK(kept.warnings == std::vector<std::string>{
+                                   "style (line 1): the property \"height\" of \"rect\" is not deformed"});
+        CHECK(kept.text.find("<rect width=\"3\" height=\"1\"/>") != std::string::npos); // it stays
+    }
     CHECK(deformed(svg("<style>@FONT-FACE{src:x}@KEYFRAMES a{to{x:1px}}</style>" + rect), slanted)
               .warnings.empty());
+}
+
+TEST_CASE("layers rank as CSS says", "[examples][svg_style][property]") {
+    const auto seed = GENERATE(range(0, 100));
+    CAPTURE(seed);
+    Random random(static_cast<unsigned>(seed));
+    const std::vector<std::string> selectors{"rect", ".k", "#i", ":is(.k, rect)"}, names{"a", "b", "a.c", ""};
+    const std::vector<int> ranks{0, 1, 2, 1};
+    const bool b_is_first = random.below(2) == 0;
+    const std::vector<int> order{b_is_first ? 2 : 1, b_is_first ? 0 : 2, b_is_first ? 1 : 0, 3}; // of names
+    std::string css = b_is_first ? "@layer b, a;" : "@layer a;@layer b;", wanted;
+    std::array<int, 4> best{-1, 0, 0, 0};
+    for (int n = 0; n < 9; ++n) {
+        const std::size_t layer = random.below(4), selector = random.below(4);
+        const bool important = random.below(3) == 0;
+        const std::string value = "#00000" + std::to_string(n);
+        std::string rule = selectors[selector] + "{fill:" + value + (important ? "!important}" : "}");
+        if (names[layer] == "a.c" && random.below(2) == 0) {
+            rule = "@layer a{@layer c{" + rule + "}}";
+        } else if (!names[layer].empty()) {
+            rule = "@layer " + names[layer] + '{' + rule + '}';
+        }
+        css += rule;
+        const std::array<int, 4> rank{important ? 1 : 0, important ? -order[layer] : order[layer],
+                                      ranks[selector], n};
+        if (rank < best) continue;
+        best = rank;
+        wanted = value;
+    }
+    SvgDocument document = parsed(svg("<style>" + css + "</style><rect id='i' class='k'/>"));
+    CAPTURE(css);
+    CHECK(detail::StyleSheets(document).value(by_name(document, "rect"), "fill").text == wanted);
+}
+
+TEST_CASE("rules inside rules are those of the elements that they name", "[examples][svg_style][selector]") {
+    const std::string content =
+        "<g class='a'><rect class='b'/><circle/><g id='g'><rect/><circle class='a'/></g></g>"
+        "<rect class='a b'/>";
+    const auto fills = [&](const std::string& css) {
+        SvgDocument document = parsed(svg("<style>" + css + "</style>" + content));
+        const detail::StyleSheets styles(document);
+        CHECK(styles.report.lines().empty());
+        std::string all;
+        const pugi::xml_node root = detail::root_element(document.xml);
+        for (pugi::xml_node node = root; node; node = detail::next_node(node, root))
+            all += styles.value(node, "fill").text + '|';
+        return all;
+    };
+    const std::vector<std::array<std::string, 2>> cases{
+        {"g{rect{fill:red}}", "g rect{fill:red}"},
+        {"g{fill:tan;> rect,+.b{fill:red}}", "g{fill:tan}g > rect,g+.b{fill:red}"},
+        {".a,#g{&.b{fill:red}rect{fill:tan}}", ":is(.a,#g).b{fill:red}:is(.a,#g) rect{fill:tan}"},
+        {"rect{.a &{fill:red}}rect{fill:tan}", ".a rect{fill:red}rect{fill:tan}"},
+        {"rect{fill:red;&{fill:tan}fill:blue}", "rect{fill:red}rect{fill:tan}rect{fill:blue}"},
+        {"g{circle{&.a{fill:red}@media print{fill:tan}@supports (d:none){fill:blue}}}",
+         "g circle.a{fill:red}g circle{fill:blue}"},
+        {"g{:not(&){fill:red}[class='a&']{fill:tan}}", ":not(g){fill:red}"}};
+    for (const auto& [nested, flat] : cases) {
+        CAPTURE(nested);
+        CHECK(fills(nested) == fills(flat));
+    }
+    std::string deep, twice = "g";
+    for (int n = 0; n < 5'000; ++n) deep += "g{";
+    for (int n = 0; n < 29; ++n) twice += "{& &";
+    CHECK_FALSE(deformed(svg("<style>" + deep + "</style><path d='M1 1h2v2z'/>"), slanted).warnings.empty());
+    CHECK_FALSE(deformed(svg("<style>" + twice + "{fill:red}</style><path d='M1 1h2v2z'/>"), slanted)
+                    .warnings.empty());
 }
 
 TEST_CASE("what becomes of elements changes nothing of what rules give them",
@@ -250,7 +326,9 @@ TEST_CASE("what becomes of elements changes nothing of what rules give them",
                                          ":nth-child(3)",
                                          ":is(rect,.b)",
                                          "[d]",
-                                         ":where(#i1)"};
+                                         ":where(#i1)",
+                                         "[style]",
+                                         "path:not([style])"};
     const std::vector<std::string> properties{"fill",       "stroke",    "opacity",
                                               "visibility", "fill-rule", "stroke-width"};
     const auto declaration = [&] {
@@ -272,7 +350,8 @@ TEST_CASE("what becomes of elements changes nothing of what rules give them",
         const std::string kind = random.any_of(kinds);
         content += '<' + kind + " id='i" + std::to_string(n) + "' class='" +
                    random.any_of({"", "a", "b", "a b"}) + "' " +
-                   random.any_of({"", "fill='blue'", "opacity='.75'", "stroke='black' stroke-width='3'"});
+                   random.any_of({"", "fill='blue'", "opacity='.75'", "stroke='black' stroke-width='3'",
+                                  "fill='nonsense' font-size='7'"});
         if (random.below(3) == 0) content += " style='" + declaration() + "'";
         const std::map<std::string, std::string> shape{
             {"rect", " width='9' height='4'/>"},    {"circle", " r='7'/>"},
@@ -333,13 +412,18 @@ TEST_CASE("rules keep their effect on copies and new elements", "[examples][svg_
     CHECK(detail::StyleSheets(print.document).value(by_name(print.document, "path"), "fill").text.empty());
     CHECK(lost.warnings[1] == "style (line 1): \"rect:hover\" no longer applies to path (line 3)");
     const Result words =
-        deformed(svg("<style>g{path{fill:red}}@supports(d:none){rect{fill:tan}}p{height:9px}</style>"
+        deformed(svg("<style>@supports(d:none){rect{fill:tan}}p{height:9px}</style>"
                      "<foreignObject width='9' height='9'><p xmlns='h' style='width:5px'/></foreignObject>"
                      "<rect width='9' height='9'/>"),
                  slanted);
-    CHECK(words.warnings.back() == "style (line 1): \"g\" has rules in it and is not read");
+    CHECK(words.warnings.size() == 1);
     CHECK(words.text.find("<p xmlns=\"h\" style=\"height:9px;width:5px\"/>") != std::string::npos);
     CHECK(words.text.find("style=\"fill:tan\"") != std::string::npos);
+    // an attribute has no need of the unit that a style attribute needs, and may be invalid
+    const Result sized = deformed(svg("<style>path{font-size:20px;fill:red}</style><rect font-size='7' "
+                                      "fill='odd' width='9' height='9'/>"),
+                                  slanted);
+    CHECK(sized.text.find("style=\"fill:inherit;font-size:7px\"") != std::string::npos);
     // what has not moved is as it was
     const std::string still = svg(R"(<style>rect{fill:red;x:5px}</style><rect width="9" height="9"/>)");
     CHECK(deformed(still, {}).text == still);
@@ -666,7 +750,7 @@ TEST_CASE("what is not applied is named", "[examples][svg_style][warnings]") {
 @import url(more.css);
 @keyframes spin { to { transform: none } }
 .s { animation: spin 2s; fill: red; -x-ink: 3; --own: 1 }
-@layer low { path { fill: red } }
+@scope (g) { path { fill: red } }
 @media (max-width: 9px) { path { translate: 3px } }
 </style>
 <rect class="s" width="9" height="9" style="Offset-Path:none;-x-ink:4;offset-path:path('M0 0')"/>
@@ -680,7 +764,7 @@ TEST_CASE("what is not applied is named", "[examples][svg_style][warnings]") {
         "style (line 2): \"@import url(more.css)\" is not read",
         "style (line 4): the property \"animation\" is not deformed: spin 2s",
         "style (line 4): the property \"-x-ink\" is not known and stays as it is (2 times)",
-        "style (line 5): \"@layer low\" is not read",
+        "style (line 5): \"@scope (g)\" is not read",
         "style (line 6): the property \"translate\" of \"path\" is not deformed",
         "xml-stylesheet: another file is not read: href=\"a.css\"",
         "rect (line 8): the property \"offset-path\" is not deformed: path('M0 0')",

@@ -145,13 +145,13 @@ threedhighlight threedlightshadow threedshadow visitedtext window windowframe wi
 -webkit-focus-ring-color -webkit-link -webkit-text)";
 
 constexpr std::string_view math_functions = R"(
-abs() acos() asin() atan() atan2() calc() calc-size() clamp() cos() exp() hypot() log() max() min() mod() pow()
-rem() round() sign() sin() sqrt() tan())";
+abs() acos() asin() atan() atan2() calc() calc-size() clamp() cos() exp() hypot() log() max() min() mod()
+pow() rem() round() sign() sin() sqrt() tan())";
 
 /// Units whose size a browser takes from its window or from a font.
 constexpr std::string_view page_units = R"(
-cap ic lh rcap ric rlh vw vh vi vb vmin vmax svw svh svi svb svmin svmax lvw lvh lvi lvb lvmin lvmax dvw dvh dvi
-dvb dvmin dvmax cqw cqh cqi cqb cqmin cqmax)";
+cap ic lh rcap ric rlh vw vh vi vb vmin vmax svw svh svi svb svmin svmax lvw lvh lvi lvb lvmin lvmax
+dvw dvh dvi dvb dvmin dvmax cqw cqh cqi cqb cqmin cqmax)";
 
 constexpr std::string_view attribute_names = R"(
 accent-height accumulate additive alphabetic amplitude arabic-form ascent attributeName attributeType

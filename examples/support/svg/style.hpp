@@ -6,6 +6,7 @@
 #include "svg/properties.hpp"
 #include "svg/selector.hpp"
 
+#include <algorithm>
 #include <cstddef>
 #include <map>
 #include <optional>
@@ -62,7 +63,8 @@ struct StyleValue {
 /// writes style attributes so that other programs see the same values.
 ///
 /// A block of @media applies if its query holds on every screen. Rules under other conditions, and rules for
-/// states such as :hover, stay in their sheet. The deformation ignores them.
+/// states such as :hover, stay in their sheet. The deformation ignores them, and keeps whole the elements that
+/// they would place.
 class StyleSheets {
 public:
     using Values = std::map<std::string, StyleValue, std::less<>>;
@@ -89,7 +91,9 @@ public:
     void stand_alone(pugi::xml_node copy);
 
     /// Whether a sheet has properties of geometry or about transforms.
-    bool places_elements() const { return !placing_.empty(); }
+    bool places_elements() const {
+        return std::any_of(blocks_.begin(), blocks_.end(), [](const Block& b) { return b.places; });
+    }
     /// Removes these properties from the sheets. Attributes already hold their values.
     void remove_placing();
 
@@ -107,14 +111,28 @@ public:
     UnappliedReport report; // properties that are not applied, rules that are not read
 
 private:
+    enum class Applies { never, by_window, always };
+    /// The numbers of a layer and of those that it stands in, outermost first. A layer with a greater number
+    /// wins.
+    using Layer = std::vector<std::size_t>;
+    /// Where rules or declarations stand in a sheet.
+    struct RulePlace {
+        std::string selectors;    // of the rule that they stand in, and of those outside
+        std::string_view prelude; // of that rule, as it is written
+        Layer layer;
+        Applies applies = Applies::always;
+        int depth = 0;
+    };
     struct Set {
         std::string property, value;
         bool important = false;
     };
     struct Block {
         std::string name, place; // its selectors, and the line
+        Layer layer;
         std::vector<Set> sets;
-        bool places = false; // by declarations that are not in `sets`
+        bool places = false; // has properties of geometry or about transforms
+        bool is_read = true; // these are in `sets`
     };
     struct Rule {
         Selector selector;
@@ -133,8 +151,12 @@ private:
     };
     using Rules = std::vector<std::size_t>; // ascending indices of rules_
 
-    void read(std::size_t sheet, std::size_t from, std::size_t end, bool conditional, int depth);
-    void read_rule(std::size_t sheet, std::string_view prelude, std::string_view body, bool conditional);
+    /// Whether a screen meets a list of queries.
+    static Applies media_applies(std::string_view queries);
+    /// The layer of a name with dots in another layer; without a name a new one.
+    Layer layer_of(Layer layer, std::string_view name);
+    void read(std::size_t sheet, std::size_t from, std::size_t end, const RulePlace& in);
+    void read_rule(std::size_t sheet, std::string_view body, const RulePlace& in);
     std::string place_of(std::size_t sheet, std::string_view part) const;
     /// The rules that match an element, or others once there are no steps left.
     Rules matching(pugi::xml_node node, const Rules& otherwise, pugi::xml_node top = {}) const;
@@ -146,12 +168,14 @@ private:
     ///   left   var() that may still be looked up
     std::optional<std::string> substituted(pugi::xml_node node, std::string_view text, int& left) const;
     std::optional<std::string> custom_property(pugi::xml_node node, std::string_view name, int& left) const;
-    void settle(pugi::xml_node node, const Rules& before, const Rules& now) const;
+    /// Returns whether the style attribute has changed.
+    bool settle(pugi::xml_node node, const Rules& before, const Rules& now) const;
 
     SvgDocument& document_;
     std::vector<Sheet> sheets_;
+    std::map<std::pair<Layer, std::string>, std::size_t> layers_; // the number by what it stands in and name
     std::vector<Block> blocks_;
-    std::vector<Rule> rules_; // by specificity and order
+    std::vector<Rule> rules_; // by layer, specificity and order
     std::unordered_map<std::string, Rules> by_key_;
     std::vector<Rules> marked_;                                        // by an element's mark
     pugi::xml_document read_;                                          // the document as it was read
