@@ -529,7 +529,7 @@ TEST_CASE("an invalid declaration counts as none", "[examples][svg_style][proper
         std::string property;
         std::vector<std::string> valid, invalid;
     };
-    const Kind kind = std::vector<Kind>{
+    const std::vector<Kind> kinds{
         {"fill",
          {"#c33", "RED", "url(#a) none", "hsl(9 8% 7%)", "Canvas", "inherit"},
          {"nonsense", "#12345", "rgb(1 2)", "none red", "url(#a) odd", "", "3"}},
@@ -542,25 +542,28 @@ TEST_CASE("an invalid declaration counts as none", "[examples][svg_style][proper
          {"rotate(3deg)", "none", "scale(2)translate(0,3px)"},
          {"rotate(3)", "translate(3)", "x"}},
         {"clip-path", {"none", "url(#a)", "circle(3px)"}, {"a", "3px"}},
-        {"text-anchor", {"start", "end"}, {"left", "start end"}}}[random.below(9)];
-    std::string css, style, wanted;
-    bool is_important = false;
-    for (std::string* const to : {&css, &style}) {
-        for (int n = 0; n < 4; ++n) {
-            const bool valid = random.below(3) == 0, important = random.below(4) == 0;
-            const std::string value = random.any_of(valid ? kind.valid : kind.invalid);
-            const std::string declaration = kind.property + ':' + value + (important ? "!important;" : ";");
-            *to += to == &css ? "rect{" + declaration + '}' : declaration;
-            if (!valid || (is_important && !important)) continue;
-            wanted = value;
-            is_important = important;
+        {"text-anchor", {"start", "end"}, {"left", "start end"}}};
+    for (const Kind& kind : kinds) {
+        std::string css, style, wanted;
+        bool is_important = false;
+        for (std::string* const to : {&css, &style}) {
+            for (int n = 0; n < 4; ++n) {
+                const bool valid = random.below(3) == 0, important = random.below(4) == 0;
+                const std::string value = random.any_of(valid ? kind.valid : kind.invalid);
+                const std::string declaration =
+                    kind.property + ':' + value + (important ? "!important;" : ";");
+                *to += to == &css ? "rect{" + declaration + '}' : declaration;
+                if (!valid || (is_important && !important)) continue;
+                wanted = value;
+                is_important = important;
+            }
         }
+        SvgDocument document = parsed(svg("<style>" + css + "</style><rect style='" + style + "'/>"));
+        const detail::StyleSheets styles(document);
+        CAPTURE(css, style);
+        const std::string found = styles.value(by_name(document, "rect"), kind.property).text;
+        CHECK(found == (wanted == "var(--a)" ? "unset" : wanted)); // as --a has no value
     }
-    SvgDocument document = parsed(svg("<style>" + css + "</style><rect style='" + style + "'/>"));
-    const detail::StyleSheets styles(document);
-    CAPTURE(css, style);
-    const std::string found = styles.value(by_name(document, "rect"), kind.property).text;
-    CHECK(found == (wanted == "var(--a)" ? "unset" : wanted)); // as --a has no value
 }
 
 TEST_CASE("basic shapes clip as paths do", "[examples][svg_style][clip]") {

@@ -71,7 +71,8 @@ mask-type:luminance)";
 
 struct Grammar {
     std::string_view property; // or function, or kind of word
-    std::string_view words;    // of a value of one word; after "|" those of a value of several
+    /// A value of one word; after "|" the first word of several; after another "|" the others.
+    std::string_view words;
 };
 
 /// A word in angle brackets is a kind of word, see is_of_kind().
@@ -86,7 +87,7 @@ constexpr Grammar grammars[] = {
                 "inline-table table-cell table-row table-column table-caption table-row-group "
                 "table-header-group table-footer-group table-column-group flow-root flow ruby ruby-text math "
                 "-webkit-box -webkit-inline-box|inline block flow flow-root table flex grid ruby list-item"},
-    {"fill", "none currentcolor context-fill context-stroke <colour> <url>|none currentcolor <colour> <url>"},
+    {"fill", "none currentcolor context-fill context-stroke <colour> <url>|<url>|none currentcolor <colour>"},
     {"fill-opacity", "<number>"},
     {"fill-rule", "nonzero evenodd"},
     {"filter", "none <url> <function>|<url> <function>"},
@@ -109,8 +110,8 @@ constexpr Grammar grammars[] = {
     {"scale()", "<number>|<number>"},
     {"skewx()", "<angle>"},
     {"skewy()", "<angle>"},
-    {"stroke", "none currentcolor context-fill context-stroke <colour> <url>|none currentcolor <colour> "
-               "<url>"},
+    {"stroke",
+     "none currentcolor context-fill context-stroke <colour> <url>|<url>|none currentcolor <colour>"},
     {"stroke-dasharray", "none <size>|<size>"},
     {"stroke-linecap", "butt round square"},
     {"stroke-linejoin", "miter round bevel"},
@@ -205,7 +206,10 @@ bool is_of_kind(std::string_view word, std::string_view kind, bool is_attribute)
     const bool is_function = open != std::string_view::npos && word.ends_with(')');
     const std::string name = is_function ? std::string(word.substr(0, open)) + "()" : std::string(word);
     if (kind == "<url>") return name == "url()" || name == "src()";
-    if (kind == "<colour>") return has_word(other_colours, name) || parse_colour(word) || name == "rgb()";
+    if (kind == "<colour>") {
+        const bool is_open = name.starts_with("rgb") && word.find_first_of("fn(", open + 1) < word.size();
+        return has_word(other_colours, name) || parse_colour(word) || is_open; // from, none, calc()
+    }
     if (kind == "<function>")
         return is_function && is_valid(name, word.substr(open + 1, word.size() - open - 2));
     if (kind == "<path>") {
@@ -255,28 +259,35 @@ PropertyUse use_of(std::string_view property) {
 
 bool is_valid(std::string_view property, std::string_view value, bool is_attribute) {
     using Words = std::vector<std::string_view>;
-    static const std::unordered_map<std::string_view, std::array<Words, 2>> table = [] {
-        std::unordered_map<std::string_view, std::array<Words, 2>> words;
-        for (const auto& [name, all] : grammars) {
-            const std::size_t end = std::min(all.find('|'), all.size());
-            words[name] = {words_of(all.substr(0, end)), words_of(all.substr(std::min(end + 1, all.size())))};
+    static const std::unordered_map<std::string_view, std::array<Words, 3>> table = [] {
+        std::unordered_map<std::string_view, std::array<Words, 3>> words;
+        for (auto [name, all] : grammars) {
+            auto& [single, first, others] = words[name];
+            for (Words* const to : {&single, &first, &others}) {
+                const std::size_t end = std::min(all.find('|'), all.size());
+                *to = words_of(all.substr(0, end));
+                all.remove_prefix(std::min(end + 1, all.size()));
+            }
+            if (others.empty()) others = first;
         }
         return words;
     }();
     const auto found = table.find(property);
     if (found == table.end()) return true;
-    const Words& single = found->second[0];
+    const auto& [single, first, others] = found->second;
     if (std::find(single.begin(), single.end(), value) != single.end()) return true;
     const std::string text = lowered(trimmed(value));
     const bool is_open = text.find("var(") != std::string::npos || text.find("env(") != std::string::npos;
     const auto words = css_words(text);
     if (is_open || !words || has_word(wide_keywords, text)) return true; // brackets are closed at the end
-    const Words& allowed = words->size() == 1 ? single : found->second[1];
-    return !words->empty() && std::all_of(words->begin(), words->end(), [&](std::string_view word) {
+    const auto is_one_of = [&](std::string_view word, const Words& allowed) {
         return std::any_of(allowed.begin(), allowed.end(), [&](std::string_view each) {
             return each == word || (each.starts_with('<') && is_of_kind(word, each, is_attribute));
         });
-    });
+    };
+    return !words->empty() && is_one_of(words->front(), words->size() == 1 ? single : first) &&
+           std::all_of(words->begin() + 1, words->end(),
+                       [&, &rest = others](std::string_view word) { return is_one_of(word, rest); });
 }
 
 std::string neutral_value(const std::string& property) {
