@@ -133,8 +133,7 @@ SvgResult<Section> in_plane(const Arguments& given) {
         const auto figure = load_svg(given.figure);
         if (!figure) return figure.error();
         const auto view = view_box(*figure);
-        if (!view) return view.error();
-        section.image = "<image" + place(view->x, view->y, view->width, view->height) +
+        section.image = "<image" + place(view.x, view.y, view.width, view.height) +
                         " href=\"data:image/svg+xml;base64," + base64(to_text(*figure)) + "\"/>\n";
     }
     const auto coordinates = make_coordinates<double>(given.choice, *cage);

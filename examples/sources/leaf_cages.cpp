@@ -154,13 +154,12 @@ int run_program(int argc, char** argv) {
     const auto pose = load_pose(given.pose, *cage);
     if (!pose) return fail(to_string(pose.error()));
     const auto view = view_box(*figure);
-    if (!view) return fail(to_string(view.error()));
 
     constexpr std::size_t along = 400; // points across the picture
     std::vector<Point2> points;
     for (std::size_t n = 0; n < along * along; ++n)
-        points.push_back({view->x + view->width * (0.5 + double(n % along)) / along,
-                          view->y + view->height * (0.5 + double(n / along)) / along});
+        points.push_back({view.x + view.width * (0.5 + double(n % along)) / along,
+                          view.y + view.height * (0.5 + double(n / along)) / along});
     std::array<Trial, 2> trials;
     trials[0] = {*cage, *pose, "curved", "curves", {}, {}};
     trials[1] = {
@@ -183,20 +182,20 @@ int run_program(int argc, char** argv) {
                                     (trial.cage.curves ? " of them control points" : " of them vertices");
         std::printf("%-8s %3zu handles, %zu points: bound in %.4f s, posed in %.4f s\n", trial.title.c_str(),
                     trial.handles, points.size(), trial.bind_seconds, trial.clone_seconds);
-        text += panel(*figure, trial.cage, *view, 0, double(n) * (view->height + gap),
+        text += panel(*figure, trial.cage, view, 0, double(n) * (view.height + gap),
                       trial.title + ": " + handles);
-        text += panel(trial.posed, trial.pose, *view, view->width, double(n) * (view->height + gap),
+        text += panel(trial.posed, trial.pose, view, view.width, double(n) * (view.height + gap),
                       given.seconds ? text_of("%.0f", double(points.size())) + " points: bound in " +
                                           text_of("%.0f", 1000 * trial.bind_seconds) + " ms, posed in " +
                                           text_of("%.1f", 1000 * trial.clone_seconds) + " ms"
                                     : "posed");
     }
     std::printf("the figures differ by %.3g at most, %.2g of the picture's width\n", largest,
-                largest / view->width);
+                largest / view.width);
     OutputFiles outputs;
     AtomicFile& svg = outputs.add(given.out);
-    svg.write("<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " + text_of("%.9g", 2 * view->width) +
-              ' ' + text_of("%.9g", 2 * (view->height + gap)) +
+    svg.write("<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " + text_of("%.9g", 2 * view.width) +
+              ' ' + text_of("%.9g", 2 * (view.height + gap)) +
               "\" font-family=\"DejaVu Sans, sans-serif\" font-size=\"17\" text-anchor=\"middle\">\n" + text +
               "</svg>\n");
     if (given.png) add_png(outputs, svg, 1400);

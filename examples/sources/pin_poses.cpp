@@ -142,8 +142,8 @@ private:
         auto moved = move_figure(figure_, given_.figure, control_, outside_, {});
         if (!moved) return to_string(moved.error());
         SvgDocument& document = moved->drawing.document;
-        if (const auto view = view_box(document))
-            draw_pins(document, pins, std::hypot(view->width, view->height));
+        const auto view = view_box(document);
+        draw_pins(document, pins, std::hypot(view.width, view.height));
         outputs.add(path).write(to_text(document));
         return inside_.print(control_.coordinates, pose, path);
     }

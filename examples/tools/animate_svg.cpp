@@ -37,7 +37,7 @@ using namespace cageform_examples;
 /// A line with tufts of grass, which repeat every `period` units; begins `period` before the view.
 pugi::xml_node draw_ground(SvgDocument& document, double y, double period) {
     const auto view = view_box(document);
-    const double left = view->x - period, right = view->x + view->width, step = period / 4;
+    const double left = view.x - period, right = view.x + view.width, step = period / 4;
     auto root = detail::root_element(document.xml);
     auto group = root.prepend_child((detail::name_prefix(root) + "g").c_str());
     group.append_attribute("fill") = "none";
@@ -257,8 +257,7 @@ std::vector<std::vector<Point2>> poses_of(const cageform::CageClip<double, 2>& c
 int animate(const Settings& settings, const SvgDocument& document, const CageFile& cage,
             const ClipFile& file) {
     const auto view = view_box(document);
-    if (!view) return fail(to_string(view.error()));
-    const auto plan = plan_of(settings, file, *view);
+    const auto plan = plan_of(settings, file, view);
     if (!plan) return fail(to_string(plan.error()));
     const auto& [frames, passed] = *plan;
     std::vector<std::filesystem::path> outputs_asked(settings.films.begin(), settings.films.end());
@@ -277,7 +276,7 @@ int animate(const Settings& settings, const SvgDocument& document, const CageFil
     control.poses = poses_of(*clip, file, frames, keys->rest.size());
     DeformOptions options = settings.options;
     for (const ClipFile::Late& late : file.late) options.layers.push_back(late.element);
-    if (options.tolerance == 0) options.tolerance = 2e-4 * std::hypot(view->width, view->height);
+    if (options.tolerance == 0) options.tolerance = 2e-4 * std::hypot(view.width, view.height);
     auto moved = move_figure(document, settings.figure, control, settings.outside, options);
     if (!moved) return fail(to_string(moved.error()));
     const std::string fault = pose_faults(control, cage);
@@ -287,7 +286,7 @@ int animate(const Settings& settings, const SvgDocument& document, const CageFil
     pugi::xml_node ground;
     if (file.ground)
         ground =
-            draw_ground(drawing.document, file.ground->y, passed != 0 ? std::fabs(passed) : view->width / 8);
+            draw_ground(drawing.document, file.ground->y, passed != 0 ? std::fabs(passed) : view.width / 8);
     const auto text_of_frame = [&, passed = passed, frames = frames](std::size_t f) {
         drawing.show(f);
         if (ground) {
@@ -324,7 +323,7 @@ int animate(const Settings& settings, const SvgDocument& document, const CageFil
                                           "0 0;" + format_number(passed, 2) + " 0");
         }
         const auto played = played_file(drawing, settings, file.length, options.tolerance,
-                                        0.02 * std::hypot(view->width, view->height));
+                                        0.02 * std::hypot(view.width, view.height));
         if (!played) return fail(to_string(played.error()));
         outputs.add(settings.out).write(played->text);
         size = ", " + std::to_string(played->text.size()) + " bytes, " + std::to_string(played->keys) +

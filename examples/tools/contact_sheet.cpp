@@ -84,13 +84,12 @@ int run_program(int argc, char** argv) {
         const auto document = path.ends_with(".png") ? wrap_png(path) : load_svg(path);
         if (!document) return fail(to_string(document.error()));
         const auto view = view_box(*document);
-        if (!view) return fail(to_string(view.error()));
         if (n % columns == 0) {
             height += row_height;
             row_height = 0;
         }
         const double x = gap + double(n % columns) * (tile + gap);
-        const double tile_height = tile * view->height / view->width;
+        const double tile_height = tile * view.height / view.width;
         row_height = std::max(row_height, caption + tile_height + gap);
 
         auto text = root.append_child("text");
@@ -107,10 +106,9 @@ int run_program(int argc, char** argv) {
         nested.append_attribute("y") = height + caption;
         nested.append_attribute("width") = tile;
         nested.append_attribute("height") = tile_height;
-        nested.append_attribute("viewBox") =
-            (std::to_string(view->x) + " " + std::to_string(view->y) + " " + std::to_string(view->width) +
-             " " + std::to_string(view->height))
-                .c_str();
+        nested.append_attribute("viewBox") = (std::to_string(view.x) + " " + std::to_string(view.y) + " " +
+                                              std::to_string(view.width) + " " + std::to_string(view.height))
+                                                 .c_str();
     }
     height += row_height;
     const double width = gap + double(std::min(columns, words.size() / 2)) * (tile + gap);

@@ -294,8 +294,7 @@ int run_program(int argc, char** argv) {
     const auto rest_view = view_box(*document);
     std::string pose_file;
     if (!save_path.empty()) {
-        if (!rest_view) return fail(to_string(rest_view.error()));
-        auto text = saved_pose(*posed, choice.takes_sites(), save_path, *rest_view);
+        auto text = saved_pose(*posed, choice.takes_sites(), save_path, rest_view);
         if (!text) return fail(to_string(text.error()));
         pose_file = std::move(*text);
     }
@@ -303,9 +302,9 @@ int run_program(int argc, char** argv) {
     if (!moved) return fail(to_string(moved.error()));
     if (!posed->fault.empty()) warn(posed->fault);
     document = std::move(moved->drawing.document);
-    if (show_rest && rest_view) draw_rest(*document, rest, *rest_view);
+    if (show_rest) draw_rest(*document, rest, rest_view);
     const auto view = view_box(*document);
-    const double diagonal = view ? std::hypot(view->width, view->height) : 100;
+    const double diagonal = std::hypot(view.width, view.height);
     if (show_cage || show_lines) draw_cage(*document, posed->drawn, diagonal, "#c2377a");
     if (show_cage) draw_numbers(*document, posed->drawn, diagonal / 60);
     if (show_pins) draw_pins(*document, posed->pins, diagonal);

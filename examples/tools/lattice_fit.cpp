@@ -115,8 +115,7 @@ int fit_in_plane(const Arguments& given) {
     if (!fit) return fail(to_string(fit.error()));
     const CageFile pose = moved_cage(*cage, fit->pose);
     const auto view = view_box(*rest);
-    if (!view) return fail(to_string(view.error()));
-    const SvgResult<std::string> text = ending_of(given.out) == ".csv" ? to_csv(pose) : to_svg(pose, *view);
+    const SvgResult<std::string> text = ending_of(given.out) == ".csv" ? to_csv(pose) : to_svg(pose, view);
     if (!text) return fail(given.out + ": " + to_string(text.error()));
     OutputFiles outputs;
     outputs.add(given.out).write(*text);

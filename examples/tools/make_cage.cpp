@@ -124,16 +124,15 @@ int cage_in_plane(const Arguments& given) {
     const auto figure = load_figure(given.figure);
     if (!figure) return fail(to_string(figure.error()));
     const auto view = view_box(*figure);
-    if (!view) return fail(to_string(view.error()));
     if (given.lattice) {
         const auto made = make_lattice_for(*figure, *given.lattice, given.lattice_margin());
         if (!made) return fail(to_string(made.error()));
-        return write_in_plane(given, *figure, *made, *view, describe(*made->lattice) + '\n');
+        return write_in_plane(given, *figure, *made, view, describe(*made->lattice) + '\n');
     }
     const auto made = make_cage_for(*figure, given.options);
     if (!made) return fail(to_string(made.error()));
     print_warnings(warnings_of(made->report, given.options));
-    return write_in_plane(given, *figure, made->cage, *view, describe(made->report, 2));
+    return write_in_plane(given, *figure, made->cage, view, describe(made->report, 2));
 }
 
 int write_in_space(const Arguments& given, const ObjFile& figure, const ObjFile& cage,

@@ -1050,7 +1050,8 @@ refuses 'nowhere.svg: no such file' "$animate" nowhere.svg --cage auto -o out.sv
 refuses 'nowhere.svg: no such file' "$field" --cage auto --figure nowhere.svg --vertex 0 -o out.png
 refuses 'nowhere.obj: no such file' "$mesh" nowhere.obj --cage auto -o out.obj
 printf '<svg xmlns="http://www.w3.org/2000/svg" viewBox="nan 0 5 5"><rect width="5" height="5"/></svg>' >hostile.svg
-refuses 'hostile.svg: svg: viewBox is not four numbers' "$make_cage" hostile.svg -o out.svg
+works "a figure with a faulty viewBox" "$make_cage" hostile.svg -o out.svg
+refuses 'hostile.svg: svg: viewBox is not four numbers' "$deform" hostile.svg --cage hostile.svg --pose hostile.svg -o out.svg
 caged "a line" '<path stroke="red" fill="none" d="M 5,5 L 50,50"/>'
 caged "a stroke of no length" '<path stroke="red" stroke-width="4" d="M 5,5 L 5,5"/>'
 caged "a gigantic stroke" '<path stroke="red" stroke-width="1e6" d="M 5,5 L 50,50"/>'

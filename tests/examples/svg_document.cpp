@@ -310,12 +310,11 @@ TEST_CASE("transforms accumulate through groups, viewBoxes and nested documents"
         "M0 0 L10 0 L10 20 L0 20 Z");
 
     const auto view = view_box(parsed(R"(<svg viewBox="-1,-2 30 40" width="7"/>)"));
-    REQUIRE(view);
-    CHECK(view->x == -1);
-    CHECK(view->height == 40);
-    CHECK(view_box(parsed(R"(<svg width="2in" height="96"/>)"))->width == 192);
-    CHECK(view_box(parsed("<svg/>"))->width == 300);
-    CHECK_FALSE(view_box(parsed(R"(<svg viewBox="1 2 3"/>)")));
+    CHECK(view.x == -1);
+    CHECK(view.height == 40);
+    CHECK(view_box(parsed(R"(<svg width="2in" height="96"/>)")).width == 192);
+    CHECK(view_box(parsed("<svg/>")).width == 300);
+    CHECK(view_box(parsed(R"(<svg viewBox="1 2 3" width="70" height="9"/>)")).width == 70);
 }
 
 TEST_CASE("only what is drawn is a shape", "[examples][svg_document][shapes]") {
@@ -676,6 +675,17 @@ TEST_CASE("what cannot be read is named with its place, and the rest is deformed
         const auto strict = shapes(parsed(document(written))); // of a cage or a pose every corner counts
         REQUIRE_FALSE(strict);
         CHECK(to_string(strict.error()) == "test.svg: " + fault);
+    }
+    for (const std::string faulty : {"0 0 9", "0 0 9 9 9", "0 0 9px 9px", "none"}) { // of the root
+        const std::string text =
+            "<svg viewBox='" + faulty + "' width='80' height='70'><path d='M9 9H20'/></svg>";
+        const Result result = deformed(text, wave);
+        CHECK(result.report.warnings ==
+              std::vector<std::string>{"test.svg: svg: viewBox is not four numbers "
+                                       "(line 1); the faulty part is ignored, as in browsers"});
+        CHECK(drawn_by(result) ==
+              drawn_by(deformed("<svg viewBox='0 0 80 70'><path d='M9 9H20'/></svg>", wave)));
+        CHECK_FALSE(shapes(parsed(text)));
     }
 }
 

@@ -61,12 +61,11 @@ SvgResult<StrokeFile> load_strokes(const std::string& path, const std::vector<co
     const auto document = std::make_shared<SvgDocument>(std::move(*loaded));
     StrokeFile file{document->name, {}, {}};
     const auto canvas = view_box(*document);
-    if (!canvas) return canvas.error();
-    file.canvas = *canvas;
+    file.canvas = canvas;
     std::vector<std::string> warnings;
     const auto drawn = detail::drawn_shapes(*document, warnings);
     if (!drawn) return drawn.error();
-    const double tolerance = 1e-4 * std::hypot(canvas->width, canvas->height);
+    const double tolerance = 1e-4 * std::hypot(canvas.width, canvas.height);
     for (const auto& shape : *drawn) {
         const auto attribute = [document, node = shape.node](const char* name) {
             return detail::unescaped(detail::attribute_text(node, name));
@@ -82,7 +81,7 @@ SvgResult<StrokeFile> load_strokes(const std::string& path, const std::vector<co
             line.stroke = shape.stroke;
             detail::flatten(subpath, tolerance, line);
             for (auto& p : line.points) {
-                const std::array<double, 2> low{canvas->x, canvas->y}, size{canvas->width, canvas->height};
+                const std::array<double, 2> low{canvas.x, canvas.y}, size{canvas.width, canvas.height};
                 for (std::size_t k = 0; k < 2; ++k) {
                     const double rounding = 1e-9 * (std::fabs(low[k]) + size[k]);
                     if (!(p[k] >= low[k] - rounding && p[k] <= low[k] + size[k] + rounding))

@@ -112,8 +112,7 @@ SvgResult<SvgDocument> draw_pose(const CageFile& cage, const CageFile& pose, con
     set_view(picture->xml.document_element(), seen);
     if (figure != nullptr) {
         const auto view = view_box(*figure);
-        if (!view) return view.error();
-        draw_figure(*picture, *figure, *view, seen);
+        draw_figure(*picture, *figure, view, seen);
     }
     if (cage.vertices != pose.vertices) draw_cage(*picture, cage, diagonal, "#888888");
     draw_cage(*picture, pose, diagonal, "#c2377a");

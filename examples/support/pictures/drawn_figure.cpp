@@ -118,9 +118,8 @@ Box page_of(const SvgDocument& document) {
         return length && *length > 0;
     };
     constexpr double far = std::numeric_limits<double>::infinity();
-    if (!view || !(root.attribute("viewBox") || (is_given("width") && is_given("height"))))
-        return {-far, -far, far, far};
-    return {view->x, view->y, view->x + view->width, view->y + view->height};
+    if (!(view_box_of(root) || (is_given("width") && is_given("height")))) return {-far, -far, far, far};
+    return {view.x, view.y, view.x + view.width, view.y + view.height};
 }
 
 } // namespace detail

@@ -75,6 +75,8 @@ private:
     static void to_group(pugi::xml_node node, const Affine2& inside);
     /// Puts what a group holds into a group inside it, that a box clips.
     bool clip(pugi::xml_node group, const Box& box, const Place& place, std::size_t first);
+    /// Removes a viewBox that is not four numbers: browsers take none.
+    bool drop_bad_view_box(pugi::xml_node node);
     /// Maps the element's viewBox into `viewport`, which then becomes the viewBox's size.
     bool enter_view_box(pugi::xml_node node, Affine2& to_root, Viewport& viewport);
 

@@ -25,46 +25,33 @@ struct CssItem {
 /// The items of a value; nothing where a bracket stays open. Commas part words as spaces do, and a slash
 /// between the words of a function is a word.
 std::optional<std::vector<CssItem>> css_items(std::string_view text) {
+    const auto words = css_words(text);
+    if (!words) return std::nullopt;
     std::vector<CssItem> items;
-    std::string word;
-    int brackets = 0;
-    char quote = 0;
-    for (const char c : std::string(text) + ' ') {
-        const bool is_slash = quote == 0 && c == '/' && brackets == 1;
-        const bool parts = is_slash || (quote == 0 && (is_space(c) || c == ',') && brackets <= 1);
-        const bool closes = quote == 0 && c == ')' && brackets == 1;
-        if ((parts || closes) && !word.empty()) {
-            if (brackets == 0) {
-                items.push_back({lowered(word), {}, false});
-            } else {
-                items.back().words.push_back(word);
+    for (const std::string_view word : *words) {
+        const std::size_t open = word.find('(');
+        CssItem item{lowered(word.substr(0, open)), {}, word.ends_with(')')};
+        if (item.is_function) {
+            const auto inside = css_words(word.substr(open + 1, word.size() - open - 2));
+            if (!inside) return std::nullopt;
+            for (std::string_view part : *inside) {
+                const bool is_plain = part.find_first_of("(\"'") == std::string_view::npos;
+                for (std::size_t slash = 0; is_plain && (slash = part.find('/')) != std::string_view::npos;) {
+                    if (slash > 0) item.words.emplace_back(part.substr(0, slash));
+                    item.words.emplace_back("/");
+                    part.remove_prefix(slash + 1);
+                }
+                if (!part.empty()) item.words.emplace_back(part);
             }
-            word.clear();
         }
-        if (quote == 0 && c == ')' && --brackets < 0) return std::nullopt;
-        if (quote == 0 && c == '(' && ++brackets == 1) {
-            items.push_back({lowered(word), {}, true});
-            word.clear();
-            continue;
-        }
-        if (is_slash) items.back().words.emplace_back("/");
-        if (parts || closes) continue;
-        if (c == '"' || c == '\'') quote = quote == 0 ? c : quote == c ? '\0' : quote;
-        word += c;
+        items.push_back(std::move(item));
     }
-    if (brackets != 0 || quote != 0) return std::nullopt;
     return items;
 }
 
 std::optional<double> length_in(const std::string& word, double whole, const Viewport& view) {
     const auto value = parse_length(word, whole, view.em, view.root_em);
     return value ? std::optional<double>(*value) : std::nullopt;
-}
-
-/// Whether a number that is not zero has no unit: browsers do not take it for a length or an angle of CSS.
-bool lacks_unit(const std::string& word) {
-    const auto number = parse_numbers(word);
-    return number && number->size() == 1 && number->front() != 0;
 }
 
 /// A factor of scale: a number or a percentage.
@@ -110,8 +97,7 @@ std::optional<std::string> transform_function(const CssItem& item, const Box& bo
         const auto value = moves   ? length_in(words[i], across ? box.height() : box.width(), view)
                            : turns ? angle_of(words[i])
                                    : factor_of(words[i]);
-        const bool is_of_axis = name == "rotate3d" && i < 3;
-        if (!value || ((moves || turns) && !is_of_axis && lacks_unit(words[i]))) return std::nullopt;
+        if (!value) return std::nullopt;
         numbers.push_back(*value);
     }
     const auto is_of = [&](const char* form, std::size_t count) {
@@ -188,13 +174,9 @@ public:
 
     void run() {
         const pugi::xml_node root = root_element(document_.xml);
-        if (!styles_.places_elements() && !any_style_places(root)) return;
+        if (!styles_.places_elements() && !any_node_places(root)) return;
         const auto view = view_box(document_);
-        Viewport viewport;
-        if (view) {
-            viewport.width = view->width;
-            viewport.height = view->height;
-        }
+        Viewport viewport{view.width, view.height};
         const Values values = styles_.values(root);
         viewport.em = viewport.root_em = font_size(values, viewport);
         keep_in_style(root, values);
@@ -203,9 +185,15 @@ public:
     }
 
 private:
-    static bool any_style_places(pugi::xml_node root) {
+    static bool any_node_places(pugi::xml_node root) {
         for (pugi::xml_node node = root; node; node = next_node(node, root)) {
-            if (node.attribute("transform-origin") || node.attribute("transform-box")) return true;
+            for (const pugi::xml_attribute attribute : node.attributes()) {
+                const std::string_view name = attribute.name(), text = attribute.value();
+                if (name == "transform-origin" || name == "transform-box") return true;
+                const bool is_length = std::find(geometry.begin(), geometry.end(), name) != geometry.end();
+                const bool is_plain = parse_length(text, 1) && text.find('(') == std::string_view::npos;
+                if (is_length && name != "d" && !is_plain) return true;
+            }
             for (const Declaration& d : declarations(node.attribute("style").value())) {
                 if (use_of(property_name(d.property)) == PropertyUse::placing) return true;
             }
@@ -219,16 +207,22 @@ private:
         const std::string kind = foreign ? std::string() : local_name(node);
         Viewport view = parent;
         view.em = font_size(values, parent);
-        if (!kind.empty()) take_geometry(node, kind, values);
+        bool is_read =
+            kind.empty() || (take_geometry(node, kind, values, view) && !styles_.is_placed_by_others(node));
         Viewport inside = view;
-        const auto box = parse_numbers(attribute_text(node, "viewBox"));
-        if (box && box->size() == 4) {
-            inside.width = (*box)[2];
-            inside.height = (*box)[3];
+        if (kind == "svg") {
+            inside.width = length_in(attribute_text(node, "width"), view.width, view).value_or(view.width);
+            inside.height =
+                length_in(attribute_text(node, "height"), view.height, view).value_or(view.height);
+        }
+        if (const auto box = view_box_of(node)) {
+            inside.width = box->width;
+            inside.height = box->height;
         }
         for (const pugi::xml_node child : node.children())
             visit(child, inside, foreign || kind == "foreignObject", depth + 1);
-        if (!kind.empty()) take_transform(node, kind, values, view);
+        if (is_read && !kind.empty()) is_read = take_transform(node, kind, values, view);
+        if (!is_read) StyleSheets::keep_whole(node);
         keep_in_style(node, values);
     }
 
@@ -268,38 +262,54 @@ private:
                            value);
     }
 
-    /// Properties that become attributes go from `values`.
-    void take_geometry(pugi::xml_node node, const std::string& kind, Values& values) {
-        static const std::vector<const char*> of_box{"x", "y", "width", "height"}, of_place{"x", "y"}, none;
+    /// Properties that become attributes go from `values`. Returns whether all could be read.
+    bool take_geometry(pugi::xml_node node, const std::string& kind, Values& values, const Viewport& view) {
+        static const std::vector<const char*> of_box{"x", "y", "width", "height"}, none;
         const auto shape = shape_attributes().find(kind);
         const bool has_place = kind == "use" || kind == "svg"; // browsers differ in the size of these
-        const auto& names = shape != shape_attributes().end()            ? shape->second
-                            : kind == "image" || kind == "foreignObject" ? of_box
-                            : has_place                                  ? of_place
-                                                                         : none;
-        for (const std::string name : {"x", "y", "width", "height", "cx", "cy", "r", "rx", "ry", "d"}) {
+        const bool has_box = has_place || kind == "image" || kind == "foreignObject";
+        const auto& names = shape != shape_attributes().end() ? shape->second : has_box ? of_box : none;
+        bool all = true;
+        for (const std::string name : geometry) {
             const auto found = values.find(name);
-            if (found == values.end()) continue;
+            const bool by_css = found != values.end(), is_size = name == "width" || name == "height";
             const bool has_name = std::find(names.begin(), names.end(), name) != names.end();
-            const std::string text = found->second.text;
-            const bool is_faulty = (name == "width" || name == "height") && lacks_unit(text);
-            const bool is_sum = lowered(text).starts_with("calc"); // no attribute of an image has one
-            const auto written = name == "d"                                   ? path_data(text)
-                                 : is_faulty                                   ? std::nullopt
-                                 : is_sum && shape == shape_attributes().end() ? std::nullopt
-                                                                               : length_text(text);
-            if ((has_name && !written) || (has_place && (name == "width" || name == "height"))) {
+            const std::string attribute = attribute_text(node, name.c_str());
+            const bool is_given = by_css || (has_name && name != "d" && !is_blank(attribute));
+            if (!is_given) continue;
+            const std::string text =
+                by_css ? found->second.text : styles_.substituted(node, attribute).value_or("unset");
+            const auto written = has_name ? geometry_text(name, text, view) : std::nullopt;
+            const bool is_fault = !by_css && !is_valid(name, text, true); // the walk names it
+            if ((has_name && !written && !is_fault) || (by_css && has_place && is_size)) {
                 report(node, name, text);
+                all = false;
                 continue;
             }
-            if (has_name) set_attribute(node, name.c_str(), escaped(*written));
-            values.erase(found);
+            if (written && *written != attribute) set_attribute(node, name.c_str(), escaped(*written));
+            if (by_css) values.erase(found);
         }
+        return all;
     }
 
-    static std::optional<std::string> length_text(const std::string& text) {
-        if (lowered(text) == "auto" || parse_length(text, 1)) return text;
-        return std::nullopt;
+    /// A value as the attribute has it; nothing where it is not read.
+    static std::optional<std::string> geometry_text(const std::string& name, const std::string& text,
+                                                    const Viewport& view) {
+        const bool is_across = name == "width" || name.find('x') != std::string::npos;
+        const bool has_sign = name[0] == 'x' || name[0] == 'y' || name[0] == 'c',
+                   is_auto = lowered(text) == "auto";
+        const bool is_initial = has_word(wide_keywords, lowered(text)) && lowered(text) != "inherit";
+        if (is_initial) return name == "d" ? "" : has_sign || name == "r" ? "0" : "auto";
+        if (name == "d") return path_data(text);
+        if (is_auto) return text;
+        const auto value = length_in(text,
+                                     name == "r" ? view.diagonal()
+                                     : is_across ? view.width
+                                                 : view.height,
+                                     view);
+        if (!value) return std::nullopt;
+        if (text.find('(') == std::string::npos) return text;
+        return format_number(has_sign ? *value : std::max(*value, 0.0), 17);
     }
 
     static std::optional<std::string> path_data(const std::string& text) {
@@ -313,7 +323,8 @@ private:
         return quoted.substr(1, quoted.size() - 2);
     }
 
-    void take_transform(pugi::xml_node node, const std::string& kind, Values& values, const Viewport& view) {
+    /// Returns whether the transform could be read.
+    bool take_transform(pugi::xml_node node, const std::string& kind, Values& values, const Viewport& view) {
         const bool is_drawn =
             is_group(kind) || is_shape(kind) || is_fixed(kind) || kind == "use" || kind == "clipPath";
         constexpr std::array maps{"translate", "rotate", "scale", "transform"};
@@ -325,8 +336,8 @@ private:
         const bool has_map =
             std::any_of(maps.begin(), maps.end(), [&](const char* name) { return values.count(name) != 0; });
         const bool turns_about = !given("transform-origin").empty() && node.attribute("transform");
-        if (!has_map && !turns_about) return;
-        std::string fault;
+        if (!has_map && !turns_about) return true;
+        std::string fault = is_drawn || has_map ? "" : "transform-origin";
         const auto map = is_drawn ? whole_transform(node, values, given, view, fault) : std::nullopt;
         if (!map) {
             for (const char* name : maps) {
@@ -334,13 +345,14 @@ private:
                     report(node, name, values.find(name)->second.text);
             }
             if (!fault.empty()) report(node, fault, given(fault.c_str()));
-            return;
+            return false;
         }
         node.remove_attribute("transform");
         if (!(*map == Affine2())) set_attribute(node, "transform", write_transform(*map, 17));
         for (const char* name : about) node.remove_attribute(name);
         for (const char* name : maps) values.erase(name);
         for (const char* name : about) values.erase(name);
+        return true;
     }
 
     /// Nothing where a property cannot be read: `fault` then names it, but where the walk names it.
@@ -433,6 +445,8 @@ private:
         return box;
     }
 
+    static constexpr std::array geometry{"x",  "y",  "width", "height", "cx", "cy", "r",
+                                         "rx", "ry", "d",     "x1",     "y1", "x2", "y2"};
     SvgDocument& document_;
     StyleSheets& styles_;
     const IdTable ids_;
@@ -456,7 +470,9 @@ std::optional<double> angle_of(const std::string& word) {
 
 std::string text_of(const Values& values, std::string_view property) {
     const auto found = values.find(property);
-    return found == values.end() || found->second.text == "inherit" ? std::string() : found->second.text;
+    if (found == values.end()) return {};
+    const std::string& text = found->second.text;
+    return text != "initial" && has_word(wide_keywords, text) ? std::string() : text;
 }
 
 double font_size(const Values& values, const Viewport& parent) {

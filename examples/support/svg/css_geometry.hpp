@@ -25,9 +25,8 @@ std::optional<double> angle_of(const std::string& word);
 double font_size(const StyleSheets::Values& values, const Viewport& parent);
 
 /// Moves geometry and transforms from style attributes and sheets to attributes, for all elements but the
-/// root. A `transform` then has all of transform, translate,
-/// rotate, scale, transform-origin and transform-box. Values that cannot be read stay, with a
-/// warning.
+/// root. A `transform` then has all of transform, translate, rotate, scale, transform-origin and
+/// transform-box. An element whose values are not read is kept whole, with a warning.
 void place_by_attributes(SvgDocument& document, StyleSheets& styles);
 
 /// Whether a transform that is left in the style turns the element out of the plane.

@@ -186,8 +186,7 @@ public:
     /// it was.
     std::optional<SvgError> run() {
         const auto view = view_box(work_);
-        if (!view) return view.error();
-        view_ = *view;
+        view_ = view;
         diagonal_ = std::hypot(view_.width, view_.height);
         const bool given = options_.tolerance > 0 && std::isfinite(options_.tolerance);
         tolerance_ = given ? options_.tolerance : 2e-5 * diagonal_;

@@ -51,6 +51,60 @@ std::map<std::string, std::string, std::less<>> entities_of(const pugi::xml_docu
     return entities;
 }
 
+/// The words of a declaration of a document type from a place up to ">": names, quoted texts, groups in
+/// brackets.
+std::vector<std::string_view> declared_words(std::string_view text, std::size_t at) {
+    std::vector<std::string_view> words;
+    while ((at = text.find_first_not_of(" \t\r\n", at)) < text.size() && text[at] != '>') {
+        const bool is_quoted = text[at] == '"' || text[at] == '\'', is_group = text[at] == '(';
+        std::size_t end = is_quoted  ? text.find(text[at], at + 1)
+                          : is_group ? text.find(')', at)
+                                     : text.find_first_of(" \t\r\n\"'(>", at);
+        end = end == std::string_view::npos ? text.size() : end + (is_quoted || is_group ? 1 : 0);
+        words.push_back(text.substr(at, end - at));
+        at = end;
+    }
+    return words;
+}
+
+/// Gives elements the attributes that a document type in the file declares with a value. Nothing, or why not.
+std::optional<std::string> add_default_attributes(const pugi::xml_document& xml) {
+    std::map<std::string, std::map<std::string, std::string>> defaults; // by element, by attribute
+    for (const pugi::xml_node node : xml.children()) {
+        if (node.type() != pugi::node_doctype) continue;
+        const std::string_view text = node.value();
+        for (std::size_t at = 0; (at = text.find("<!", at)) != std::string_view::npos; ++at) {
+            constexpr std::string_view comment = "<!--", list = "<!ATTLIST";
+            if (text.substr(at).starts_with(comment)) at = std::min(text.find("-->", at), text.size());
+            if (!text.substr(at).starts_with(list)) continue;
+            const auto words = declared_words(text, at + list.size());
+            for (std::size_t i = 1; i + 2 < words.size(); ++i) { // a name, a type, a value
+                const std::string_view name = words[i++];
+                if (words[i] == "NOTATION") ++i;
+                if (++i < words.size() && words[i] == "#FIXED") ++i;
+                if (i >= words.size() || words[i].size() < 2 || words[i].starts_with('#')) continue;
+                defaults[std::string(words[0])].try_emplace(std::string(name),
+                                                            words[i].substr(1, words[i].size() - 2));
+            }
+        }
+    }
+    if (defaults.empty()) return std::nullopt;
+    std::size_t size = 0; // of all that was added
+    const pugi::xml_node root = root_element(xml);
+    for (pugi::xml_node node = root; node; node = next_node(node, root)) {
+        const auto found = defaults.find(node.name());
+        if (node.type() != pugi::node_element || found == defaults.end()) continue;
+        for (const auto& [name, value] : found->second) {
+            if (node.attribute(name.c_str())) continue;
+            size += name.size() + value.size();
+            if (size > std::size_t{1} << 24)
+                return "the default attributes of the document type are too many";
+            node.append_attribute(name.c_str()).set_value(value.c_str());
+        }
+    }
+    return std::nullopt;
+}
+
 /// Puts the entities of the document type in the place of their names.
 class EntityExpander {
 public:
@@ -167,6 +221,7 @@ SvgResult<SvgDocument> parse_svg(std::string_view text, std::string name) {
 
     const pugi::xml_node root = detail::root_element(document.xml);
     if (!root) return refuse("not XML: there is no element");
+    if (const auto fault = detail::add_default_attributes(document.xml)) return refuse(*fault);
     if (const auto fault = detail::EntityExpander(document.xml).expand(root)) return refuse(*fault);
     for (const pugi::xml_node node : document.xml.children()) {
         const bool stray = node.type() == pugi::node_pcdata && !detail::is_blank(node.value());
@@ -259,13 +314,16 @@ std::string to_text(const SvgDocument& document) {
     return std::move(stream).str();
 }
 
-SvgResult<ViewBox> view_box(const SvgDocument& document) {
+std::optional<ViewBox> detail::view_box_of(pugi::xml_node node) {
+    const auto v = parse_numbers(attribute_text(node, "viewBox"));
+    if (!v || v->size() != 4) return std::nullopt;
+    return ViewBox{(*v)[0], (*v)[1], (*v)[2], (*v)[3]};
+}
+
+ViewBox view_box(const SvgDocument& document) {
     const pugi::xml_node root = detail::root_element(document.xml);
-    if (root.attribute("viewBox")) {
-        const auto v = parse_numbers(detail::attribute_text(root, "viewBox"));
-        if (!v || v->size() != 4) return detail::error_at(document, root, "viewBox is not four numbers");
-        if ((*v)[2] > 0 && (*v)[3] > 0) return ViewBox{(*v)[0], (*v)[1], (*v)[2], (*v)[3]};
-    }
+    const auto given = detail::view_box_of(root);
+    if (given && given->width > 0 && given->height > 0) return *given;
     const auto width = parse_length(detail::attribute_text(root, "width"), 0);
     const auto height = parse_length(detail::attribute_text(root, "height"), 0);
     if (width && height && *width > 0 && *height > 0) return ViewBox{0, 0, *width, *height};

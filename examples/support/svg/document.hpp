@@ -139,10 +139,13 @@ SvgResult<SvgDocument> load_svg(const std::filesystem::path& path);
 /// kind of quotes, and <a></a> for <a/>.
 std::string to_text(const SvgDocument& document);
 
-/// The viewBox of the root; without one its width and height; without these 300 x 150, as in CSS.
-SvgResult<ViewBox> view_box(const SvgDocument& document);
+/// The viewBox of the root; without a valid one its width and height; without these 300 x 150, as in CSS.
+ViewBox view_box(const SvgDocument& document);
 
 namespace detail {
+
+/// The viewBox of an element; nothing where it is not four numbers.
+std::optional<ViewBox> view_box_of(pugi::xml_node node);
 
 /// A shape found by the walk. Other requested elements (text, an image) have the outline of their box as
 /// path.

@@ -384,7 +384,7 @@ SvgResult<Affine2> parse_transform(std::string_view text) {
 
 namespace detail {
 
-/// Reads a length, or a calc() of lengths and numbers.
+/// Reads a length, or calc(), min(), max() or clamp() of lengths and numbers.
 class LengthReader {
 public:
     LengthReader(std::string_view text, double whole, double em, double root_em)
@@ -399,7 +399,10 @@ public:
                   {"q", 96 / 101.6},
                   {"em", em},
                   {"ex", em / 2},
+                  {"ch", em / 2},
                   {"rem", root_em},
+                  {"rex", root_em / 2},
+                  {"rch", root_em / 2},
                   {"%", whole / 100}}} {}
 
     SvgResult<double> read() {
@@ -424,12 +427,22 @@ private:
         constexpr int max_depth = 20; // of brackets; reading them is recursive
         scan_.skip_space();
         const std::size_t begin = scan_.position();
-        const bool named = lowered(scan_.word()) == "calc";
-        if (scan_.peek() == '(' && (named || depth > 0) && depth < max_depth) {
-            scan_.advance();
-            if (!sum(value, depth + 1)) return false;
+        const std::string name = lowered(scan_.word());
+        const bool is_limit = name == "min" || name == "max" || name == "clamp";
+        const bool opens = name == "calc" || is_limit || (name.empty() && depth > 0);
+        if (scan_.peek() == '(' && opens && depth < max_depth) {
+            std::vector<double> parts;
+            do {
+                scan_.advance();
+                if (!sum(parts.emplace_back(), depth + 1)) return false;
+            } while (is_limit && scan_.peek() == ',');
             if (scan_.peek() != ')') return scan_.fail("expected )");
             scan_.advance();
+            if (name == "clamp" && parts.size() != 3) return scan_.fail_at(begin, "clamp() has three parts");
+            value = name == "min"   ? *std::min_element(parts.begin(), parts.end())
+                    : name == "max" ? *std::max_element(parts.begin(), parts.end())
+                    : is_limit      ? std::max(parts[0], std::min(parts[1], parts[2]))
+                                    : parts[0];
             return true;
         }
         if (scan_.position() != begin) return scan_.fail_at(begin, "expected a number");
@@ -474,7 +487,7 @@ private:
     }
 
     Scanner scan_;
-    std::array<Unit, 12> units_;
+    std::array<Unit, 15> units_;
 };
 
 } // namespace detail

@@ -290,8 +290,8 @@ SvgResult<std::vector<double>> parse_numbers(std::string_view text);
 /// A `transform` attribute as one map; the functions are those of SVG 1.1, angles in degrees.
 SvgResult<Affine2> parse_transform(std::string_view text);
 
-/// A length in user units, or a calc() of some: 96 to the inch; a percentage is of `whole`; an ex is half of
-/// an em.
+/// A length in user units, or calc(), min(), max() or clamp() of some: 96 to the inch; a percentage is of
+/// `whole`; ex and ch are half of an em.
 ///
 ///   em, root_em   the size of the font of the element and of the root
 SvgResult<double> parse_length(std::string_view text, double whole, double em = 16, double root_em = 16);

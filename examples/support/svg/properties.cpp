@@ -1,10 +1,12 @@
 #include "svg/properties.hpp"
 
+#include "svg/css_colour.hpp"
 #include "svg/style.hpp"
 #include "svg/xml.hpp"
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <set>
 #include <unordered_map>
 
@@ -67,6 +69,91 @@ isolation:auto stop-color:black stop-opacity:1 flood-color:black flood-opacity:1
 text-decoration:none alignment-baseline:auto baseline-shift:baseline animation:none transition:none
 mask-type:luminance)";
 
+struct Grammar {
+    std::string_view property; // or function, or kind of word
+    /// A value of one word; after "|" the first word of several; after another "|" the others.
+    std::string_view words;
+};
+
+/// A word in angle brackets is a kind of word, see is_of_kind().
+constexpr Grammar grammars[] = {
+    {"clip-path", "none <url> <function> fill-box stroke-box view-box border-box padding-box content-box "
+                  "margin-box|<function> fill-box stroke-box view-box border-box padding-box content-box "
+                  "margin-box"},
+    {"cx", "<length>"},
+    {"cy", "<length>"},
+    {"d", "none <function>"},
+    {"display", "none inline block contents flex grid inline-block inline-flex inline-grid list-item table "
+                "inline-table table-cell table-row table-column table-caption table-row-group "
+                "table-header-group table-footer-group table-column-group flow-root flow ruby ruby-text math "
+                "-webkit-box -webkit-inline-box|inline block flow flow-root table flex grid ruby list-item"},
+    {"fill", "none currentcolor context-fill context-stroke <colour> <url>|<url>|none currentcolor <colour>"},
+    {"fill-opacity", "<number>"},
+    {"fill-rule", "nonzero evenodd"},
+    {"filter", "none <url> <function>|<url> <function>"},
+    {"font-size", "<positive> xx-small x-small small medium large x-large xx-large xxx-large smaller larger "
+                  "math"},
+    {"height", "<positive> auto min-content max-content fit-content stretch -webkit-fill-available"},
+    {"marker", "none <url>"},
+    {"marker-end", "none <url>"},
+    {"marker-mid", "none <url>"},
+    {"marker-start", "none <url>"},
+    {"opacity", "<number>"},
+    {"overflow", "visible hidden scroll auto clip overlay|visible hidden scroll auto clip"},
+    {"path()", "<path>|nonzero evenodd <path>"},
+    {"r", "<size>"},
+    {"rotate", "none <angle>|<angle> <number> x y z"},
+    {"rotate()", "<angle>"},
+    {"rx", "<size> auto"},
+    {"ry", "<size> auto"},
+    {"scale", "none <number>|<number>"},
+    {"scale()", "<number>|<number>"},
+    {"skewx()", "<angle>"},
+    {"skewy()", "<angle>"},
+    {"stroke",
+     "none currentcolor context-fill context-stroke <colour> <url>|<url>|none currentcolor <colour>"},
+    {"stroke-dasharray", "none <size>|<size>"},
+    {"stroke-linecap", "butt round square"},
+    {"stroke-linejoin", "miter round bevel"},
+    {"stroke-miterlimit", "<size>"},
+    {"stroke-opacity", "<number>"},
+    {"stroke-width", "<size>"},
+    {"text-anchor", "start middle end"},
+    {"transform", "none <function>|<function>"},
+    {"transform-box", "fill-box stroke-box view-box border-box content-box"},
+    {"transform-origin", "left right top bottom center <distance>|left right top bottom center <distance>"},
+    {"translate", "none <distance>|<distance>"},
+    {"translate()", "<distance>|<distance>"},
+    {"translatex()", "<distance>"},
+    {"translatey()", "<distance>"},
+    {"visibility", "visible hidden collapse"},
+    {"width", "<positive> auto min-content max-content fit-content stretch -webkit-fill-available"},
+    {"x", "<length>"},
+    {"x1", "<length>"},
+    {"x2", "<length>"},
+    {"y", "<length>"},
+    {"y1", "<length>"},
+    {"y2", "<length>"}};
+
+/// Colours and functions of colours that parse_colour() does not read.
+constexpr std::string_view other_colours = R"(
+hsl() hsla() hwb() lab() lch() oklab() oklch() color() color-mix() light-dark()
+accentcolor accentcolortext activeborder activecaption activetext appworkspace background buttonborder
+buttonface buttonhighlight buttonshadow buttontext canvas canvastext captiontext field fieldtext graytext
+highlight highlighttext inactiveborder inactivecaption inactivecaptiontext infobackground infotext linktext
+mark marktext menu menutext scrollbar selecteditem selecteditemtext threeddarkshadow threedface
+threedhighlight threedlightshadow threedshadow visitedtext window windowframe windowtext -webkit-activelink
+-webkit-focus-ring-color -webkit-link -webkit-text)";
+
+constexpr std::string_view math_functions = R"(
+abs() acos() asin() atan() atan2() calc() calc-size() clamp() cos() exp() hypot() log() max() min() mod()
+pow() rem() round() sign() sin() sqrt() tan())";
+
+/// Units whose size a browser takes from its window or from a font.
+constexpr std::string_view page_units = R"(
+cap ic lh rcap ric rlh vw vh vi vb vmin vmax svw svh svi svb svmin svmax lvw lvh lvi lvb lvmin lvmax
+dvw dvh dvi dvb dvmin dvmax cqw cqh cqi cqb cqmin cqmax)";
+
 constexpr std::string_view attribute_names = R"(
 accent-height accumulate additive alphabetic amplitude arabic-form ascent attributeName attributeType
 azimuth baseFrequency baseProfile bbox begin bias by calcMode cap-height class clipPathUnits
@@ -102,6 +189,45 @@ std::set<std::string_view> set_of(std::string_view list) {
     return {words.begin(), words.end()};
 }
 
+/// Whether a word begins with a number, which `rest` stands after.
+bool begins_with_number(std::string_view word, std::string_view& rest) {
+    const std::size_t digits = word.find_first_not_of("+-.");
+    const bool is_number = digits < 3 && digits < word.size() && is_digit(word[digits]);
+    double value = 0;
+    if (is_number)
+        rest = {std::from_chars(word.data() + digits, word.data() + word.size(), value).ptr,
+                word.data() + word.size()};
+    return is_number;
+}
+
+/// Whether a word of a value, in lower case, is of a kind that a grammar names.
+bool is_of_kind(std::string_view word, std::string_view kind, bool is_attribute) {
+    const std::size_t open = word.find('(');
+    const bool is_function = open != std::string_view::npos && word.ends_with(')');
+    const std::string name = is_function ? std::string(word.substr(0, open)) + "()" : std::string(word);
+    if (kind == "<url>") return name == "url()" || name == "src()";
+    if (kind == "<colour>") {
+        const bool is_open = name.starts_with("rgb") && word.find_first_of("fn(", open + 1) < word.size();
+        return has_word(other_colours, name) || parse_colour(word) || is_open; // from, none, calc()
+    }
+    if (kind == "<function>")
+        return is_function && is_valid(name, word.substr(open + 1, word.size() - open - 2));
+    if (kind == "<path>") {
+        const bool is_quoted = word.size() > 1 && (word[0] == '"' || word[0] == '\'');
+        return is_quoted && parse_path_data(word.substr(1, word.size() - 2));
+    }
+    if (is_function) return has_word(math_functions, name);
+    std::string_view unit;
+    if (!begins_with_number(word, unit)) return false;
+    const bool is_zero = unit.empty() && word.find_first_of("123456789") == std::string_view::npos;
+    if (kind == "<number>") return unit.empty() || unit == "%";
+    if (kind == "<angle>") return is_zero || has_word("deg grad rad turn", unit);
+    if (!has_word(page_units, unit) && !parse_length(word, 1)) return false;
+    const bool needs_unit = (kind == "<positive>" || kind == "<distance>") && !is_attribute && !is_zero;
+    const bool is_positive = kind == "<positive>" || kind == "<size>";
+    return !(needs_unit && unit.empty()) && !(is_positive && word.starts_with('-') && !is_zero);
+}
+
 /// The property that an element animates and that the deformation moves; empty for others.
 std::string animated_property(pugi::xml_node node, const std::string& kind) {
     if (kind == "animateMotion" || kind == "animateTransform") return "the transform";
@@ -131,6 +257,39 @@ PropertyUse use_of(std::string_view property) {
     return found == table.end() ? PropertyUse::unknown : found->second;
 }
 
+bool is_valid(std::string_view property, std::string_view value, bool is_attribute) {
+    using Words = std::vector<std::string_view>;
+    static const std::unordered_map<std::string_view, std::array<Words, 3>> table = [] {
+        std::unordered_map<std::string_view, std::array<Words, 3>> words;
+        for (auto [name, all] : grammars) {
+            auto& [single, first, others] = words[name];
+            for (Words* const to : {&single, &first, &others}) {
+                const std::size_t end = std::min(all.find('|'), all.size());
+                *to = words_of(all.substr(0, end));
+                all.remove_prefix(std::min(end + 1, all.size()));
+            }
+            if (others.empty()) others = first;
+        }
+        return words;
+    }();
+    const auto found = table.find(property);
+    if (found == table.end()) return true;
+    const auto& [single, first, others] = found->second;
+    if (std::find(single.begin(), single.end(), value) != single.end()) return true;
+    const std::string text = lowered(trimmed(value));
+    const bool is_open = text.find("var(") != std::string::npos || text.find("env(") != std::string::npos;
+    const auto words = css_words(text);
+    if (is_open || !words || has_word(wide_keywords, text)) return true; // brackets are closed at the end
+    const auto is_one_of = [&](std::string_view word, const Words& allowed) {
+        return std::any_of(allowed.begin(), allowed.end(), [&](std::string_view each) {
+            return each == word || (each.starts_with('<') && is_of_kind(word, each, is_attribute));
+        });
+    };
+    return !words->empty() && is_one_of(words->front(), words->size() == 1 ? single : first) &&
+           std::all_of(words->begin() + 1, words->end(),
+                       [&, &rest = others](std::string_view word) { return is_one_of(word, rest); });
+}
+
 std::string neutral_value(const std::string& property) {
     for (const std::string_view word : words_of(not_inherited_names)) {
         if (word.starts_with(property + ':')) return std::string(word.substr(property.size() + 1));
@@ -154,9 +313,6 @@ void UnappliedReport::declare(const std::string& where, std::string_view propert
     case PropertyUse::not_applied:
         if (value == "none" || value == "auto" || value == "0" || value == "initial") return;
         return add(where, "the property \"" + std::string(property) + "\" is not deformed", value);
-    case PropertyUse::read:
-        if (!has("var(") || property == "fill" || property == "stroke") return; // colours, nearly always
-        return add(where, "the property \"" + std::string(property) + "\" is not read", value);
     default: return;
     }
 }

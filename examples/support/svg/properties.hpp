@@ -24,6 +24,15 @@ enum class PropertyUse {
 
 PropertyUse use_of(std::string_view property);
 
+/// The values that every property has.
+constexpr std::string_view wide_keywords = "inherit initial unset revert revert-layer";
+
+/// Whether browsers take a value. They drop a declaration whose value they do not take.
+///
+///   is_attribute   there a length has no need of a unit
+///   returns        true for properties that the deformation does not read, and for values with var()
+bool is_valid(std::string_view property, std::string_view value, bool is_attribute = false);
+
 /// The value of a property that no rule and no attribute names: "inherit" or the initial value.
 std::string neutral_value(const std::string& property);
 

@@ -91,8 +91,8 @@ private:
                 const char* const first = text_.data() + at_ + 1;
                 const char* const end = first + std::min<std::size_t>(6, text_.size() - at_ - 1);
                 const auto [stop, error] = std::from_chars(first, end, code, 16);
-                if (error == std::errc() && code < 0x80) {
-                    result += static_cast<char>(code);
+                if (error == std::errc()) {
+                    result += utf8(code);
                     at_ += static_cast<std::size_t>(stop - first) + 1;
                     if (is_space(peek())) ++at_;
                 } else {
@@ -280,23 +280,41 @@ bool meets_comparison(std::string value, const SimpleSelector& part) {
     }
 }
 
-bool is_nth(const SimpleSelector& part, pugi::xml_node node, pugi::xml_node top, std::size_t& steps) {
-    const std::string_view name = node.name();
+/// Counts the places of all children of an element.
+void count_places(pugi::xml_node parent, SelectorSearch& search) {
+    std::unordered_map<std::string_view, long long> of_type;
+    std::vector<pugi::xml_node> children;
+    for (const pugi::xml_node node : parent.children()) {
+        if (!spend(search.steps)) return;
+        if (!is_element(node)) continue;
+        children.push_back(node);
+        const auto place = static_cast<long long>(children.size());
+        search.places[node.hash_value()] = {place, -place, ++of_type[node.name()], 0};
+    }
+    for (const pugi::xml_node node : children) {
+        auto& [place, from_end, place_of_type, from_end_of_type] = search.places[node.hash_value()];
+        from_end += static_cast<long long>(children.size()) + 1;
+        from_end_of_type = of_type[node.name()] - place_of_type + 1;
+    }
+}
+
+bool is_nth(const SimpleSelector& part, pugi::xml_node node, pugi::xml_node top, SelectorSearch& search) {
     long long place = 1;
-    const auto next = [&](pugi::xml_node from) { return element_beside(from, part.from_end, steps); };
-    for (pugi::xml_node other = node == top ? pugi::xml_node() : next(node); other; other = next(other)) {
-        if (!part.of_type || other.name() == name) ++place;
-        if (part.step == 0 && place > part.offset) return false;
+    if (node != top) {
+        if (search.places.count(node.hash_value()) == 0) count_places(node.parent(), search);
+        if (search.steps == 0) return false;
+        place = search.places[node.hash_value()][(part.of_type ? 2U : 0U) + (part.from_end ? 1U : 0U)];
     }
     const long long beyond = place - part.offset;
     return part.step == 0 ? beyond == 0 : beyond % part.step == 0 && beyond / part.step >= 0;
 }
 
-bool meets(const SimpleSelector& part, pugi::xml_node node, pugi::xml_node top, std::size_t& steps) {
+bool meets(const SimpleSelector& part, pugi::xml_node node, pugi::xml_node top, SelectorSearch& search) {
     using Kind = SimpleSelector::Kind;
+    std::size_t& steps = search.steps;
     const auto any_of_list = [&] {
         return std::any_of(part.list.begin(), part.list.end(),
-                           [&](const Selector& each) { return each.matches(node, steps, top); });
+                           [&](const Selector& each) { return each.matches(node, search, top); });
     };
     constexpr std::size_t letters_of_step = 16;
     switch (part.kind) {
@@ -315,9 +333,9 @@ bool meets(const SimpleSelector& part, pugi::xml_node node, pugi::xml_node top, 
     case Kind::any_of: return any_of_list();
     case Kind::none_of: // an element at rest has no state
         return std::none_of(part.list.begin(), part.list.end(), [&](const Selector& each) {
-            return !each.has_state && each.matches(node, steps, top);
+            return !each.has_state && each.matches(node, search, top);
         });
-    case Kind::nth: return is_nth(part, node, top, steps) && (part.list.empty() || any_of_list());
+    case Kind::nth: return is_nth(part, node, top, search) && (part.list.empty() || any_of_list());
     case Kind::root: return !is_element(node.parent());
     case Kind::empty:
         return !node.find_child([&](pugi::xml_node child) {
@@ -332,11 +350,12 @@ bool meets(const SimpleSelector& part, pugi::xml_node node, pugi::xml_node top, 
 enum class Match { yes, no, no_sibling, never };
 
 Match match(const std::vector<CompoundSelector>& compounds, std::size_t last, pugi::xml_node node,
-            pugi::xml_node top, std::size_t& steps) {
+            pugi::xml_node top, SelectorSearch& search) {
+    std::size_t& steps = search.steps;
     if (!spend(steps, 1 + compounds[last].parts.size())) return Match::never;
     const CompoundSelector& compound = compounds[last];
     const bool met = std::all_of(compound.parts.begin(), compound.parts.end(),
-                                 [&](const SimpleSelector& part) { return meets(part, node, top, steps); });
+                                 [&](const SimpleSelector& part) { return meets(part, node, top, search); });
     if (!met) return Match::no;
     if (last == 0) return Match::yes;
     const bool beside = compound.combinator == '+' || compound.combinator == '~';
@@ -347,7 +366,7 @@ Match match(const std::vector<CompoundSelector>& compounds, std::size_t last, pu
         return is_element(node);
     };
     while (next()) {
-        const Match result = match(compounds, last - 1, node, top, steps);
+        const Match result = match(compounds, last - 1, node, top, search);
         if (nearest || result == Match::yes || result == Match::never) return result;
         if (beside && result == Match::no_sibling) return result;
     }
@@ -356,8 +375,8 @@ Match match(const std::vector<CompoundSelector>& compounds, std::size_t last, pu
 
 } // namespace
 
-bool Selector::matches(pugi::xml_node node, std::size_t& steps, pugi::xml_node top) const {
-    return match(compounds, compounds.size() - 1, node, top, steps) == Match::yes;
+bool Selector::matches(pugi::xml_node node, SelectorSearch& search, pugi::xml_node top) const {
+    return match(compounds, compounds.size() - 1, node, top, search) == Match::yes;
 }
 
 std::string Selector::key() const {

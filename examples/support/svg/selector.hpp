@@ -4,9 +4,11 @@
 
 #include <pugixml.hpp>
 
+#include <array>
 #include <cstddef>
 #include <string>
 #include <string_view>
+#include <unordered_map>
 #include <vector>
 
 namespace cageform_examples {
@@ -14,6 +16,14 @@ namespace cageform_examples {
 namespace detail {
 
 struct SimpleSelector;
+
+/// The effort of matching selectors. Between the changes of a document its counts of siblings serve all.
+struct SelectorSearch {
+    std::size_t steps = 0; // left; an answer means nothing once they are zero
+    /// xml_node::hash_value() -> the place among its siblings, from 1: from the start and from the end, of
+    /// all and of those of its type
+    std::unordered_map<std::size_t, std::array<long long, 4>> places = {};
+};
 
 /// Simple selectors that one element has to meet, such as rect.wall:first-child
 struct CompoundSelector {
@@ -29,9 +39,8 @@ struct Selector {
 
     /// Whether the selector matches the element. Every state that it asks for counts as met.
     ///
-    ///   steps   that matching may take, counted down; the answer means nothing once they are zero
-    ///   top     matching ignores every element outside this one
-    bool matches(pugi::xml_node node, std::size_t& steps, pugi::xml_node top = {}) const;
+    ///   top   matching ignores every element outside this one
+    bool matches(pugi::xml_node node, SelectorSearch& search, pugi::xml_node top = {}) const;
 
     /// One id ("#id"), class (".class") or type that every matching element has; empty if the selector
     /// requires none.

@@ -53,22 +53,35 @@ std::string without_comments(std::string_view css) {
     return text;
 }
 
-constexpr int max_media_depth = 30; // of blocks of @media inside each other; reading them is recursive
+constexpr int max_rule_depth = 30; // of rules inside each other; reading them is recursive
 
-constexpr std::size_t most_steps = 30'000'000; // of matching rules when a document is read: about a second
+constexpr std::size_t most_of_selectors = 10'000; // bytes, of a rule with all that it stands in
 
-/// Whether every screen meets a list of queries: it is empty, or one of them is "all" or "screen".
-bool is_for_screens(std::string_view written) {
-    const std::string queries = lowered(trimmed(written));
-    if (queries.empty()) return true;
-    for (std::size_t from = 0; from <= queries.size();) {
-        const std::size_t comma = std::min(queries.find(',', from), queries.size());
-        std::string_view query = trimmed(std::string_view(queries).substr(from, comma - from));
-        if (query.starts_with("only ")) query = trimmed(query.substr(5));
-        if (query == "all" || query == "screen") return true;
-        from = comma + 1;
+/// The selectors of a rule that stands in another: "&" is the rule outside.
+std::string nested_selectors(const std::string& outside, std::string_view inside) {
+    const std::string parent = ":is(" + outside + ')';
+    std::string all, each;
+    int brackets = 0;
+    bool has_parent = false;
+    const auto end_selector = [&] {
+        all += (all.empty() ? "" : ",") + (has_parent ? each : parent + ' ' + each);
+        each.clear();
+        has_parent = false;
+    };
+    for (std::size_t at = 0, next = 0; at < inside.size() && all.size() < most_of_selectors; at = next) {
+        next = after_token(inside, at);
+        const std::string_view token = inside.substr(at, next - at);
+        if (token == "(" || token == "[") ++brackets;
+        if (token == ")" || token == "]") --brackets;
+        if (token == "," && brackets == 0) {
+            end_selector();
+        } else {
+            has_parent = has_parent || token == "&";
+            each += token == "&" ? parent : token;
+        }
     }
-    return false;
+    end_selector();
+    return all;
 }
 
 } // namespace
@@ -105,8 +118,32 @@ std::vector<Declaration> declarations(std::string_view text) {
     }
 }
 
-std::string referenced_id(std::string_view value) {
-    const std::size_t url = value.find("url(");
+std::optional<std::vector<std::string_view>> css_words(std::string_view value) {
+    std::vector<std::string_view> words;
+    std::size_t begin = 0;
+    int brackets = 0;
+    const auto end_word = [&](std::size_t end, std::size_t next) {
+        if (end > begin) words.push_back(value.substr(begin, end - begin));
+        begin = next;
+    };
+    for (std::size_t at = 0, next = 0; at < value.size(); at = next) {
+        next = after_token(value, at);
+        if (value[at] == '(') ++brackets;
+        if (value[at] == ')' && --brackets < 0) return std::nullopt;
+        const bool parts = is_space(value[at]) || value[at] == ',' || value.substr(at).starts_with("/*");
+        if (brackets == 0 && parts) end_word(at, next);
+        if (brackets == 0 && value[at] == ')') end_word(next, next);
+    }
+    if (brackets != 0) return std::nullopt;
+    end_word(value.size(), value.size());
+    return words;
+}
+
+namespace {
+
+/// The id in url(#id) as it is written, a part of the value; empty if none.
+std::string_view written_id(std::string_view value) {
+    const std::size_t url = lowered(value).find("url(");
     if (url == std::string_view::npos) return {};
     std::size_t begin = value.find_first_not_of(' ', url + 4);
     if (begin == std::string_view::npos) return {};
@@ -114,15 +151,20 @@ std::string referenced_id(std::string_view value) {
     const std::string ends = is_quoted ? std::string(1, value[begin++]) : " )";
     if (begin == value.size() || value[begin] != '#') return {};
     const std::size_t end = value.find_first_of(ends, begin);
-    return end == std::string_view::npos ? std::string()
-                                         : std::string(value.substr(begin + 1, end - begin - 1));
+    return end == std::string_view::npos ? std::string_view() : value.substr(begin + 1, end - begin - 1);
+}
+
+} // namespace
+
+std::string referenced_id(std::string_view value) {
+    return without_percents(written_id(value));
 }
 
 std::string with_referenced_id(std::string_view value, const std::string& id) {
-    const std::string old = referenced_id(value);
-    std::string result(value);
-    const std::size_t at = old.empty() ? std::string::npos : result.find('#' + old);
-    return at == std::string::npos ? "url(#" + id + ')' : result.replace(at + 1, old.size(), id);
+    const std::string_view old = written_id(value);
+    if (old.empty()) return "url(#" + id + ')';
+    const auto at = static_cast<std::size_t>(old.data() - value.data());
+    return std::string(value).replace(at, old.size(), id);
 }
 
 std::string property_name(std::string_view written) {
@@ -140,13 +182,44 @@ std::string size_in_font(std::string_view font) {
     return "inherit";
 }
 
+const char* const whole_mark = "cageform-whole"; // attribute of an element that no pose moves
 const char* const rules_mark = "cageform-rules"; // attribute of an element: which of StyleSheets::marked_
 
 } // namespace
 
-StyleSheets::StyleSheets(SvgDocument& document)
+StyleSheets::Applies StyleSheets::media_applies(std::string_view written) {
+    const std::string queries = lowered(trimmed(written));
+    Applies any = queries.empty() ? Applies::always : Applies::never;
+    for (std::size_t from = 0, comma = 0; from < queries.size(); from = comma + 1) {
+        comma = std::min(queries.find(',', from), queries.size());
+        const auto words = css_words(std::string_view(queries).substr(from, comma - from));
+        if (!words || words->empty()) continue;
+        Applies all = Applies::always;
+        for (const std::string_view word : *words) {
+            if (has_word("not only and all screen", word)) continue;
+            all = std::min(all, word.starts_with('(') || word == "or" ? Applies::by_window : Applies::never);
+        }
+        if (words->front() == "not" && all != Applies::by_window)
+            all = all == Applies::never ? Applies::always : Applies::never;
+        any = std::max(any, all);
+    }
+    return any;
+}
+
+StyleSheets::Layer StyleSheets::layer_of(Layer layer, std::string_view name) {
+    while (true) {
+        const std::size_t dot = std::min(name.find('.'), name.size());
+        const std::string part = name.empty() ? ' ' + std::to_string(layers_.size()) // without a name
+                                              : std::string(name.substr(0, dot));
+        layer.push_back(layers_.try_emplace({layer, part}, layers_.size()).first->second);
+        if (dot == name.size()) return layer;
+        name.remove_prefix(dot + 1);
+    }
+}
+
+StyleSheets::StyleSheets(SvgDocument& document, std::size_t most)
     : document_(document)
-    , steps_(most_steps) {
+    , search_{most} {
     const pugi::xml_node root = root_element(document.xml);
     for (pugi::xml_node node = root; node; node = next_node(node, root)) {
         if (local_name(node) != "style") continue;
@@ -159,11 +232,12 @@ StyleSheets::StyleSheets(SvgDocument& document)
     }
     for (std::size_t i = 0; i < sheets_.size(); ++i) {
         const std::string media = attribute_text(sheets_[i].node, "media");
-        read(i, 0, sheets_[i].text.size(), !is_for_screens(media), 0);
+        read(i, 0, sheets_[i].text.size(), {"", "", {}, media_applies(media), 0});
     }
     if (rules_.empty()) return;
-    std::sort(rules_.begin(), rules_.end(), [](const Rule& a, const Rule& b) { // later blocks win
-        return std::tie(a.selector.specificity, a.block) < std::tie(b.selector.specificity, b.block);
+    std::sort(rules_.begin(), rules_.end(), [&](const Rule& a, const Rule& b) { // later blocks win
+        return std::tie(blocks_[a.block].layer, a.selector.specificity, a.block) <
+               std::tie(blocks_[b.block].layer, b.selector.specificity, b.block);
     });
     for (std::size_t i = 0; i < rules_.size(); ++i) by_key_[rules_[i].selector.key()].push_back(i);
     read_.reset(document.xml);
@@ -173,14 +247,14 @@ StyleSheets::StyleSheets(SvgDocument& document)
         elements_.push_back(node);
         marked_.push_back(matching(node, {}));
     }
-    if (steps_ == 0) {
+    if (search_.steps == 0) {
         report.add("style", "its rules take too long to match and are not read");
         rules_.clear();
         elements_.clear();
         placing_.clear();
         return;
     }
-    steps_ = 2 * most_steps; // for copies, and for settle()
+    search_.steps = 2 * most; // for copies, and for settle()
     std::size_t number = 0;
     for (pugi::xml_node node = root; node; node = next_node(node, root)) {
         if (node.type() == pugi::node_element) set_attribute(node, rules_mark, std::to_string(number++));
@@ -204,13 +278,16 @@ void StyleSheets::stand_alone(pugi::xml_node copy) {
 }
 
 std::string StyleSheets::place_of(std::size_t sheet, std::string_view part) const {
-    const std::string& text = sheets_[sheet].text;
-    const std::size_t line = line_of(document_, sheets_[sheet].node);
-    const auto lines = std::count(text.data(), part.data(), '\n');
+    const auto& [node, css, text, counted, lines] = sheets_[sheet];
+    const char* const from = text.data() + counted; // near, as parts are asked for about in order
+    lines += std::count(from, std::max(from, part.data()), '\n');
+    lines -= std::count(std::min(from, part.data()), from, '\n');
+    counted = static_cast<std::size_t>(part.data() - text.data());
+    const std::size_t line = line_of(document_, node);
     return to_string(SvgError{"style", line == 0 ? 0 : line + static_cast<std::size_t>(lines), 0});
 }
 
-void StyleSheets::read(std::size_t sheet, std::size_t from, std::size_t end, bool conditional, int depth) {
+void StyleSheets::read(std::size_t sheet, std::size_t from, std::size_t end, const RulePlace& in) {
     const std::string_view css = std::string_view(sheets_[sheet].text).substr(0, end);
     const auto to_any_of = [&](std::size_t at, std::string_view ends) {
         while (at < css.size() && ends.find(css[at]) == std::string_view::npos) at = after_token(css, at);
@@ -219,7 +296,11 @@ void StyleSheets::read(std::size_t sheet, std::size_t from, std::size_t end, boo
     const auto is_any_of = [](std::string_view rule, std::initializer_list<std::string_view> names) {
         return std::any_of(names.begin(), names.end(), [&](auto name) { return rule.starts_with(name); });
     };
-    constexpr std::string_view media = "@media";
+    constexpr std::string_view media = "@media", layers = "@layer";
+    std::size_t run = from; // begins declarations of the rule that all this stands in
+    const auto end_run = [&](std::size_t at) {
+        if (!in.selectors.empty() && run < at) read_rule(sheet, css.substr(run, at - run), in);
+    };
     for (std::size_t at = from; at < css.size();) {
         const std::size_t open = to_any_of(at, "{;");
         const std::string_view prelude = trimmed(css.substr(at, open - at));
@@ -228,6 +309,11 @@ void StyleSheets::read(std::size_t sheet, std::size_t from, std::size_t end, boo
             if (rule.starts_with("@import")) {
                 report.add(place_of(sheet, prelude),
                            '"' + std::string(prelude.substr(0, 60)) + "\" is not read");
+            }
+            if (rule.starts_with(layers)) {
+                const auto names = css_words(prelude.substr(layers.size()));
+                for (const std::string_view name : names.value_or(std::vector<std::string_view>()))
+                    layer_of(in.layer, name);
             }
             at = open + 1;
             continue;
@@ -238,35 +324,42 @@ void StyleSheets::read(std::size_t sheet, std::size_t from, std::size_t end, boo
             if (open_blocks == 0) break;
             close = to_any_of(close + 1, "{}");
         }
-        at = close + 1;
+        end_run(at);
+        at = run = close + 1;
         std::replace_if(
             rule.begin(), rule.end(), [](char c) { return c == '(' || c == ')'; }, ' ');
+        RulePlace inside = in;
+        ++inside.depth;
         if (rule.empty()) {
-            read_rule(sheet, prelude, css.substr(open + 1, close - std::min(open + 1, close)), conditional);
-        } else if (rule.starts_with(media) && depth < max_media_depth) {
-            const bool always = is_for_screens(prelude.substr(media.size()));
-            read(sheet, open + 1, close, conditional || !always, depth + 1);
-        } else if (rule.starts_with("@supports") && !has_word(rule, "not") &&
-                   depth < max_media_depth) { // browsers support what drawings ask for
-            read(sheet, open + 1, close, conditional, depth + 1);
+            inside.selectors = in.selectors.empty() ? prelude : nested_selectors(in.selectors, prelude);
+            inside.prelude = prelude;
+        } else if (rule.starts_with(media)) {
+            inside.applies = std::min(in.applies, media_applies(prelude.substr(media.size())));
+        } else if (rule.starts_with(layers)) {
+            inside.layer = layer_of(in.layer, trimmed(prelude.substr(layers.size())));
+        }
+        // browsers support what drawings ask for
+        const bool is_supported = rule.starts_with("@supports") && !has_word(rule, "not");
+        const bool is_read = rule.empty() || is_supported || is_any_of(rule, {media, layers});
+        const bool is_small = in.depth < max_rule_depth && inside.selectors.size() < most_of_selectors;
+        if (is_read && is_small) {
+            read(sheet, open + 1, close, inside);
         } else if (!is_any_of(rule, {"@font-", "@page", "@keyframes", "@-", "@property", "@counter-style"})) {
             report.add(place_of(sheet, prelude), '"' + std::string(prelude.substr(0, 60)) + "\" is not read");
         }
     }
+    end_run(css.size());
 }
 
-void StyleSheets::read_rule(std::size_t sheet, std::string_view prelude, std::string_view body,
-                            bool conditional) {
+void StyleSheets::read_rule(std::size_t sheet, std::string_view body, const RulePlace& in) {
     bool complete = true;
-    auto selectors = parse_selectors(prelude, complete);
-    const auto is_conditional = [&](const Selector& s) { return conditional || s.has_state; };
+    auto selectors = parse_selectors(in.selectors, complete);
+    const bool is_certain = in.applies == Applies::always;
+    const auto is_conditional = [&](const Selector& s) { return !is_certain || s.has_state; };
     const bool applies = complete && std::none_of(selectors.begin(), selectors.end(), is_conditional);
-    const std::string name = '"' + std::string(prelude.substr(0, 60)) + '"';
-    Block block{name, place_of(sheet, prelude), {}};
-    if (body.find('{') != std::string_view::npos) {
-        report.add(block.place, name + " has rules in it and is not read");
-        return;
-    }
+    const std::string name = '"' + std::string(in.prelude.substr(0, 60)) + '"';
+    Block block{name, place_of(sheet, in.prelude), in.layer, {}};
+    block.layer.push_back(std::string::npos); // a layer's own rules win over those of layers in it
     if (!complete) report.add(block.place, name + " has a selector that is not read");
     for (const Declaration& d : declarations(body)) {
         const std::string property = property_name(d.property);
@@ -278,6 +371,8 @@ void StyleSheets::read_rule(std::size_t sheet, std::string_view prelude, std::st
         if (use_of(property) == PropertyUse::placing) {
             if (!applies)
                 report.add(place, "the property \"" + property + "\" of " + name + " is not deformed");
+            block.places = block.places || in.applies != Applies::never;
+            block.is_read = applies;
             if (!applies) continue;
             const std::string& text = sheets_[sheet].text;
             const auto begin = static_cast<std::size_t>(d.property.data() - text.data());
@@ -288,7 +383,7 @@ void StyleSheets::read_rule(std::size_t sheet, std::string_view prelude, std::st
         }
         block.sets.push_back({property, std::string(d.value), d.important});
     }
-    if (block.sets.empty()) return;
+    if (block.sets.empty() && !block.places) return;
     for (Selector& selector : selectors) {
         const bool state = is_conditional(selector);
         rules_.push_back({std::move(selector), blocks_.size(), state});
@@ -303,7 +398,7 @@ StyleSheets::Rules StyleSheets::matching(pugi::xml_node node, const Rules& other
         const auto found = by_key_.find(key);
         if (found == by_key_.end()) return;
         for (const std::size_t rule : found->second) {
-            if (rules_[rule].selector.matches(node, steps_, top)) rules.push_back(rule);
+            if (rules_[rule].selector.matches(node, search_, top)) rules.push_back(rule);
         }
     };
     look_up("");
@@ -311,7 +406,7 @@ StyleSheets::Rules StyleSheets::matching(pugi::xml_node node, const Rules& other
     if (node.attribute("id")) look_up('#' + attribute_text(node, "id"));
     const std::string classes = attribute_text(node, "class");
     for (const std::string_view name : words_of(classes)) look_up('.' + std::string(name));
-    if (steps_ == 0) return otherwise;
+    if (search_.steps == 0) return otherwise;
     std::sort(rules.begin(), rules.end());
     rules.erase(std::unique(rules.begin(), rules.end()), rules.end());
     return rules;
@@ -323,12 +418,13 @@ const StyleSheets::Rules& StyleSheets::rules_of(pugi::xml_node node) const {
     return number && number.as_ullong() < marked_.size() ? marked_[number.as_ullong()] : none;
 }
 
-StyleSheets::Values StyleSheets::cascade(const Rules& rules, pugi::xml_node node, bool all) const {
+template <class Wanted>
+StyleSheets::Values StyleSheets::cascade(const Rules& rules, pugi::xml_node node,
+                                         const Wanted& wanted) const {
     using Source = StyleValue::Source;
     Values result;
     const auto set = [&](const std::string& property, std::string value, Source source, bool important) {
-        const PropertyUse use = use_of(property);
-        if (!all && use != PropertyUse::read && use != PropertyUse::placing) return;
+        if (!wanted(property) || !is_valid(property, value)) return;
         if (!std::all_of(property.begin(), property.end(), is_name_character)) return; // nothing to browsers
         StyleValue& old = result[property];
         if (!old.important || important) old = {std::move(value), source, important};
@@ -338,10 +434,15 @@ StyleSheets::Values StyleSheets::cascade(const Rules& rules, pugi::xml_node node
         set(property, value, source, important);
         if (property == "font") set("font-size", size_in_font(value), source, important);
     };
+    std::map<std::string_view, const Layer*> first; // that says that a property is important
     for (const std::size_t rule : rules) {
         if (rules_[rule].conditional) continue;
-        for (const Set& d : blocks_[rules_[rule].block].sets)
-            give(d.property, d.value, Source::sheet, d.important);
+        const Block& block = blocks_[rules_[rule].block];
+        for (const Set& d : block.sets) {
+            const bool is_beaten =
+                d.important && *first.try_emplace(d.property, &block.layer).first->second != block.layer;
+            if (!is_beaten) give(d.property, d.value, Source::sheet, d.important);
+        }
     }
     for (const Declaration& d : declarations(node.attribute("style").value())) {
         give(property_name(d.property), unescaped(d.value), Source::style, d.important);
@@ -350,13 +451,78 @@ StyleSheets::Values StyleSheets::cascade(const Rules& rules, pugi::xml_node node
 }
 
 StyleSheets::Values StyleSheets::values(pugi::xml_node node) const {
-    Values result = cascade(rules_of(node), node, false);
+    Values result = cascade(rules_of(node), node, [](const std::string& property) {
+        const PropertyUse use = use_of(property);
+        return use == PropertyUse::read || use == PropertyUse::placing;
+    });
     for (const pugi::xml_attribute attribute : node.attributes()) {
         if (use_of(attribute.name()) != PropertyUse::read) continue;
-        result.try_emplace(attribute.name(), StyleValue{std::string(trimmed(unescaped(attribute.value()))),
-                                                        StyleValue::Source::attribute, false});
+        const std::string text(trimmed(unescaped(attribute.value())));
+        if (!is_valid(attribute.name(), text, true)) continue;
+        result.try_emplace(attribute.name(), StyleValue{text, StyleValue::Source::attribute, false});
+    }
+    for (auto& [property, value] : result) {
+        if (value.text.find("var(") == std::string::npos) continue;
+        const auto text = substituted(node, value.text);
+        value.text = text && is_valid(property, *text) ? trimmed(*text) : "unset";
     }
     return result;
+}
+
+std::optional<std::string> StyleSheets::substituted(pugi::xml_node node, std::string_view text) const {
+    int left = 1000;
+    return substituted(node, text, left);
+}
+
+std::optional<std::string> StyleSheets::substituted(pugi::xml_node node, std::string_view text,
+                                                    int& left) const {
+    std::string result;
+    constexpr std::string_view begin = "var(";
+    for (std::size_t at = 0; (at = text.find(begin)) != std::string_view::npos;) {
+        result += text.substr(0, at);
+        text.remove_prefix(at + begin.size());
+        std::size_t end = 0;
+        for (int brackets = 1; end < text.size(); end = after_token(text, end)) {
+            if (text[end] == '(') ++brackets;
+            if (text[end] == ')' && --brackets == 0) break;
+        }
+        const std::size_t comma = std::min(text.substr(0, end).find(','), end);
+        auto value = custom_property(node, trimmed(text.substr(0, comma)), left);
+        if (!value && comma < end) value = substituted(node, text.substr(comma + 1, end - comma - 1), left);
+        if (!value) return std::nullopt;
+        result += *value;
+        text.remove_prefix(std::min(end + 1, text.size()));
+    }
+    return result.append(text);
+}
+
+std::optional<std::string> StyleSheets::custom_property(pugi::xml_node node, std::string_view name,
+                                                        int& left) const {
+    for (; node.type() == pugi::node_element && --left > 0; node = node.parent()) {
+        const Values own =
+            cascade(rules_of(node), node, [&](const std::string& each) { return each == name; });
+        if (own.empty()) continue;
+        const std::string& text = own.begin()->second.text;
+        if (lowered(text) == "initial") return std::nullopt;
+        if (!has_word(wide_keywords, lowered(text))) return substituted(node, text, left);
+    }
+    return std::nullopt;
+}
+
+void StyleSheets::keep_whole(pugi::xml_node node) {
+    set_attribute(node, whole_mark, "");
+}
+
+bool StyleSheets::is_kept_whole(pugi::xml_node node) {
+    return node.attribute(whole_mark);
+}
+
+bool StyleSheets::is_placed_by_others(pugi::xml_node node) const {
+    const Rules& rules = rules_of(node);
+    return std::any_of(rules.begin(), rules.end(), [&](std::size_t rule) {
+        const Block& block = blocks_[rules_[rule].block];
+        return block.places && !block.is_read && !rules_[rule].selector.has_state;
+    });
 }
 
 void append_style(pugi::xml_node node, const std::string& text) {
@@ -396,15 +562,14 @@ void StyleSheets::set(pugi::xml_node node, const std::string& property, const st
 }
 
 void StyleSheets::remove_placing() {
-    std::sort(placing_.begin(), placing_.end(),
-              [](const Removed& a, const Removed& b) { return a.begin > b.begin; });
-    std::set<std::size_t> changed;
-    for (const Removed& part : placing_) {
-        sheets_[part.sheet].css.erase(part.begin, part.end - part.begin);
-        changed.insert(part.sheet);
-    }
-    for (const std::size_t i : changed) {
-        const Sheet& sheet = sheets_[i];
+    for (auto part = placing_.begin(); part != placing_.end();) { // they stand in order
+        const std::size_t changed = part->sheet;
+        Sheet& sheet = sheets_[changed];
+        std::string rest;
+        std::size_t at = 0;
+        for (; part != placing_.end() && part->sheet == changed; at = (part++)->end)
+            rest += std::string_view(sheet.css).substr(at, part->begin - at);
+        sheet.css = rest.append(sheet.css, at);
         const auto is_text = [](pugi::xml_node child) {
             return child.type() == pugi::node_pcdata || child.type() == pugi::node_cdata;
         };
@@ -423,38 +588,49 @@ void StyleSheets::remove_placing() {
 }
 
 void StyleSheets::settle(std::vector<std::string>& warnings) const {
-    if (rules_.empty()) return;
     const pugi::xml_node root = root_element(document_.xml);
+    for (pugi::xml_node node = root; node; node = next_node(node, root)) node.remove_attribute(whole_mark);
+    if (rules_.empty()) return;
+    search_.places.clear(); // elements have changed
     std::vector<std::pair<pugi::xml_node, const Rules*>> elements;
     for (pugi::xml_node node = root; node; node = next_node(node, root)) {
         if (node.type() == pugi::node_element) elements.emplace_back(node, &rules_of(node));
     }
     for (auto& [node, before] : elements) node.remove_attribute(rules_mark);
     std::set<std::size_t> lost;
-    std::vector<Rules> now;
-    now.reserve(elements.size());
-    for (const auto& [node, before] : elements) now.push_back(matching(node, *before));
-    if (steps_ == 0)
-        warnings.push_back("style: its rules take too long to match; others may apply to changed elements");
-    for (std::size_t i = 0; i < elements.size(); ++i) {
-        const auto& [node, before] = elements[i];
-        if (*before == now[i]) continue;
-        settle(node, *before, now[i]);
-        for (const std::size_t rule : *before) {
-            const bool gone = !std::binary_search(now[i].begin(), now[i].end(), rule);
-            const Block& block = blocks_[rules_[rule].block];
-            if (!gone || !rules_[rule].conditional || !lost.insert(rule).second) continue;
-            warnings.push_back(block.place + ": " + block.name + " no longer applies to " +
-                               label(document_, node));
+    const bool asks_for_styles = std::any_of(sheets_.begin(), sheets_.end(), [](const Sheet& sheet) {
+        return sheet.text.find("[style") != std::string::npos;
+    });
+    for (bool is_settled = false; !is_settled;) { // rules may ask for the style attributes written here
+        is_settled = true;
+        std::vector<Rules> now;
+        now.reserve(elements.size());
+        for (const auto& [node, before] : elements) now.push_back(matching(node, *before));
+        for (std::size_t i = 0; i < elements.size(); ++i) {
+            const auto& [node, before] = elements[i];
+            if (*before == now[i]) continue;
+            is_settled = !settle(node, *before, now[i]) && is_settled;
+            for (const std::size_t rule : *before) {
+                const bool gone = !std::binary_search(now[i].begin(), now[i].end(), rule);
+                const Block& block = blocks_[rules_[rule].block];
+                if (!gone || !rules_[rule].conditional || !lost.insert(rule).second) continue;
+                warnings.push_back(block.place + ": " + block.name + " no longer applies to " +
+                                   label(document_, node));
+            }
         }
+        is_settled = is_settled || !asks_for_styles;
     }
+    if (search_.steps == 0)
+        warnings.push_back("style: its rules take too long to match; others may apply to changed elements");
 }
 
-void StyleSheets::settle(pugi::xml_node node, const Rules& before, const Rules& now) const {
-    const Values wanted = cascade(before, node, true), given = cascade(now, node, true);
+bool StyleSheets::settle(pugi::xml_node node, const Rules& before, const Rules& now) const {
+    const auto all = [](const std::string&) { return true; };
+    const Values wanted = cascade(before, node, all), given = cascade(now, node, all);
     Values either = wanted;
     either.insert(given.begin(), given.end());
     std::string shorthand;
+    bool has_changed = false;
     for (const auto& [property, any] : either) {
         const auto found = wanted.find(property), other = given.find(property);
         const StyleValue was = found == wanted.end() ? StyleValue() : found->second;
@@ -462,11 +638,16 @@ void StyleSheets::settle(pugi::xml_node node, const Rules& before, const Rules& 
         const bool same = was.text == is.text && was.important == is.important;
         if (same && (shorthand.empty() || !property.starts_with(shorthand + '-'))) continue;
         std::string text = was.text;
-        if (text.empty()) text = attribute_text(node, property.c_str());
-        if (text.empty()) text = neutral_value(property);
+        if (text.empty()) {
+            text = attribute_text(node, property.c_str());
+            if (!is_valid(property, text)) text += "px"; // attributes need no unit
+            if (text.empty() || !is_valid(property, text)) text = neutral_value(property);
+        }
         append_declaration(node, property, text, was.important || is.important);
+        has_changed = true;
         if (property == "font" || property == "marker" || property == "text-decoration") shorthand = property;
     }
+    return has_changed;
 }
 
 } // namespace detail

@@ -6,8 +6,10 @@
 #include "svg/properties.hpp"
 #include "svg/selector.hpp"
 
+#include <algorithm>
 #include <cstddef>
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <unordered_map>
@@ -28,6 +30,10 @@ struct Declaration {
 /// The declarations of a style attribute as written, or of the block of a rule. Semicolons inside quotes,
 /// brackets, comments and character references do not part them.
 std::vector<Declaration> declarations(std::string_view text);
+
+/// The words of a value between white space and commas; a function and a quoted text are one word each.
+/// Nothing where a bracket stays open.
+std::optional<std::vector<std::string_view>> css_words(std::string_view value);
 
 /// The id that a value names as url(#id), with or without quotes; empty if none.
 std::string referenced_id(std::string_view value);
@@ -57,19 +63,25 @@ struct StyleValue {
 /// writes style attributes so that other programs see the same values.
 ///
 /// A block of @media applies if its query holds on every screen. Rules under other conditions, and rules for
-/// states such as :hover, stay in their sheet. The deformation ignores them.
+/// states such as :hover, stay in their sheet. The deformation ignores them, and keeps whole the elements that
+/// they would place.
 class StyleSheets {
 public:
     using Values = std::map<std::string, StyleValue, std::less<>>;
 
-    explicit StyleSheets(SvgDocument& document);
+    ///   most   steps of matching rules when the document is read; as given they take about a second
+    explicit StyleSheets(SvgDocument& document, std::size_t most = 30'000'000);
 
     /// The values that an element is given and the deformation reads: `!important`, then the style
-    /// attribute, then rules by their specificity and order, then attributes, as in CSS.
+    /// attribute, then rules by their specificity and order, then attributes, as in CSS. Invalid ones are
+    /// left out, and var() has its value.
     Values values(pugi::xml_node node) const;
 
     /// One of these.
     StyleValue value(pugi::xml_node node, std::string_view property) const;
+
+    /// A text with the values of var() as they are at an element; nothing where one has none.
+    std::optional<std::string> substituted(pugi::xml_node node, std::string_view text) const;
 
     /// Writes a value that wins, in place of the one that did.
     void set(pugi::xml_node node, const std::string& property, const std::string& text) const;
@@ -79,9 +91,17 @@ public:
     void stand_alone(pugi::xml_node copy);
 
     /// Whether a sheet has properties of geometry or about transforms.
-    bool places_elements() const { return !placing_.empty(); }
+    bool places_elements() const {
+        return std::any_of(blocks_.begin(), blocks_.end(), [](const Block& b) { return b.places; });
+    }
     /// Removes these properties from the sheets. Attributes already hold their values.
     void remove_placing();
+
+    /// Marks an element that no pose moves, as its geometry or transform is not read.
+    static void keep_whole(pugi::xml_node node);
+    static bool is_kept_whole(pugi::xml_node node);
+    /// Whether rules that are not read place an element.
+    bool is_placed_by_others(pugi::xml_node node) const;
 
     /// Removes the marks. If an element's matching rules changed since loading, its style attribute restores
     /// lost declarations and cancels gained ones. New elements have had no rules.
@@ -91,13 +111,28 @@ public:
     UnappliedReport report; // properties that are not applied, rules that are not read
 
 private:
+    enum class Applies { never, by_window, always };
+    /// The numbers of a layer and of those that it stands in, outermost first. A layer with a greater number
+    /// wins.
+    using Layer = std::vector<std::size_t>;
+    /// Where rules or declarations stand in a sheet.
+    struct RulePlace {
+        std::string selectors;    // of the rule that they stand in, and of those outside
+        std::string_view prelude; // of that rule, as it is written
+        Layer layer;
+        Applies applies = Applies::always;
+        int depth = 0;
+    };
     struct Set {
         std::string property, value;
         bool important = false;
     };
     struct Block {
         std::string name, place; // its selectors, and the line
+        Layer layer;
         std::vector<Set> sets;
+        bool places = false; // has properties of geometry or about transforms
+        bool is_read = true; // these are in `sets`
     };
     struct Rule {
         Selector selector;
@@ -106,35 +141,48 @@ private:
     };
     struct Sheet {
         pugi::xml_node node;
-        std::string css;  // unescaped
-        std::string text; // without comments
+        std::string css;                  // unescaped
+        std::string text;                 // without comments
+        mutable std::size_t counted = 0;  // of its bytes, for the number of a line
+        mutable std::ptrdiff_t lines = 0; // in these
     };
     struct Removed { // part of a sheet's text
         std::size_t sheet = 0, begin = 0, end = 0;
     };
     using Rules = std::vector<std::size_t>; // ascending indices of rules_
 
-    void read(std::size_t sheet, std::size_t from, std::size_t end, bool conditional, int depth);
-    void read_rule(std::size_t sheet, std::string_view prelude, std::string_view body, bool conditional);
+    /// Whether a screen meets a list of queries.
+    static Applies media_applies(std::string_view queries);
+    /// The layer of a name with dots in another layer; without a name a new one.
+    Layer layer_of(Layer layer, std::string_view name);
+    void read(std::size_t sheet, std::size_t from, std::size_t end, const RulePlace& in);
+    void read_rule(std::size_t sheet, std::string_view body, const RulePlace& in);
     std::string place_of(std::size_t sheet, std::string_view part) const;
     /// The rules that match an element, or others once there are no steps left.
     Rules matching(pugi::xml_node node, const Rules& otherwise, pugi::xml_node top = {}) const;
     const Rules& rules_of(pugi::xml_node node) const;
-    /// The values of sheets and of the style attribute, of all properties or of those that are read.
-    Values cascade(const Rules& rules, pugi::xml_node node, bool all) const;
-    void settle(pugi::xml_node node, const Rules& before, const Rules& now) const;
+    /// The values of sheets and of the style attribute, of some properties.
+    template <class Wanted>
+    Values cascade(const Rules& rules, pugi::xml_node node, const Wanted& wanted) const;
+    /// Works as substituted().
+    ///   left   var() that may still be looked up
+    std::optional<std::string> substituted(pugi::xml_node node, std::string_view text, int& left) const;
+    std::optional<std::string> custom_property(pugi::xml_node node, std::string_view name, int& left) const;
+    /// Returns whether the style attribute has changed.
+    bool settle(pugi::xml_node node, const Rules& before, const Rules& now) const;
 
     SvgDocument& document_;
     std::vector<Sheet> sheets_;
+    std::map<std::pair<Layer, std::string>, std::size_t> layers_; // the number by what it stands in and name
     std::vector<Block> blocks_;
-    std::vector<Rule> rules_; // by specificity and order
+    std::vector<Rule> rules_; // by layer, specificity and order
     std::unordered_map<std::string, Rules> by_key_;
     std::vector<Rules> marked_;                                        // by an element's mark
     pugi::xml_document read_;                                          // the document as it was read
     std::vector<pugi::xml_node> elements_;                             // of it, by their marks
     std::map<std::pair<std::size_t, std::size_t>, std::size_t> alone_; // marks, by those of top and element
     std::vector<Removed> placing_;
-    mutable std::size_t steps_; // left for matching
+    mutable SelectorSearch search_;
 };
 
 } // namespace detail

@@ -331,9 +331,9 @@ SvgResult<DrawnTexts> draw_texts(SvgDocument& document, const ViewBox& view) {
     StyleSheets none(*picture);
     IdTable its_ids(root_element(picture->xml));
     const auto outline = walk(*picture, none, its_ids, {.follow_references = false}, ignored);
-    if (!size || !outline) return SvgError{document.name + ": rsvg-convert wrote no outlines"};
+    if (!outline) return SvgError{document.name + ": rsvg-convert wrote no outlines"};
     const Affine2 to_root{
-        3 * view.width / size->width, 0, 0, 3 * view.height / size->height, view.x - view.width,
+        3 * view.width / size.width, 0, 0, 3 * view.height / size.height, view.x - view.width,
         view.y - view.height};
     for (const DrawnShape& shape : outline->shapes) {
         const auto colour = number_of(shape.fill);
@@ -353,13 +353,12 @@ SvgResult<DrawnTexts> draw_texts(SvgDocument& document, const ViewBox& view) {
 SvgResult<std::size_t> text_to_paths(SvgDocument& document, std::vector<std::string>& warnings) {
     using namespace detail;
     const auto view = view_box(document);
-    if (!view) return view.error();
     SvgDocument work = copy_of(document);
     if (const auto error = expand_used_texts(work, warnings)) return *error;
     const StyleSheets styles(work);
-    auto drawn = draw_texts(work, *view);
+    auto drawn = draw_texts(work, view);
     if (!drawn) return drawn.error();
-    const double tolerance = 2e-5 * std::hypot(view->width, view->height);
+    const double tolerance = 2e-5 * std::hypot(view.width, view.height);
     std::size_t count = 0;
     for (std::size_t n = 0; n < drawn->texts.size(); ++n) {
         DrawnText& text = drawn->texts[n];
@@ -385,8 +384,7 @@ SvgResult<std::size_t> text_to_paths(SvgDocument& document, std::vector<std::str
 void measure_texts(SvgDocument& document) {
     using namespace detail;
     const auto view = view_box(document);
-    if (!view) return;
-    const auto drawn = draw_texts(document, *view);
+    const auto drawn = draw_texts(document, view);
     for (pugi::xml_node text : number_texts(document)) {
         const std::size_t n = text.attribute(number_attribute).as_ullong();
         text.remove_attribute(number_attribute);

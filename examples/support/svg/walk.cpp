@@ -13,11 +13,11 @@ namespace detail {
 
 std::optional<SvgError> ShapeCollector::collect() {
     const pugi::xml_node root = root_element(document_.xml);
+    if (!drop_bad_view_box(root)) return error_;
     const auto view = view_box(document_);
-    if (!view) return view.error();
     Place place;
-    place.viewport.width = view->width;
-    place.viewport.height = view->height;
+    place.viewport.width = view.width;
+    place.viewport.height = view.height;
     const Values values = styles_.values(root);
     inherit(values, place);
     place.viewport.root_em = place.viewport.em;
@@ -92,6 +92,8 @@ bool ShapeCollector::visit(pugi::xml_node node, const Place& parent) {
     const bool is_shared_image = uses_of_images_.count(node.hash_value()) != 0;
     const std::string kind = is_shared_image ? "image" : local_name(node);
     if (parent.depth >= max_svg_depth) return fail(node, "elements are nested too deeply");
+    if (StyleSheets::is_kept_whole(node))
+        return !options_.is_strict || fail(node, "its geometry or transform is not read");
     if (kind == "use") return visit_use(node, parent);
     if (!is_group(kind) && !is_shape(kind) && !is_fixed(kind)) return true;
     const std::string_view extensions = trimmed(node.attribute("requiredExtensions").value());
@@ -230,16 +232,18 @@ bool ShapeCollector::clip(pugi::xml_node group, const Box& box, const Place& pla
     return visit_references(inner, styles_.values(inner), place, first);
 }
 
+bool ShapeCollector::drop_bad_view_box(pugi::xml_node node) {
+    if (view_box_of(node) || !node.remove_attribute("viewBox")) return true;
+    return leave_out(error_at(document_, node, "viewBox is not four numbers"));
+}
+
 bool ShapeCollector::enter_view_box(pugi::xml_node node, Affine2& to_root, Viewport& viewport) {
-    if (!node.attribute("viewBox")) return true;
-    const auto v = parse_numbers(attribute_text(node, "viewBox"));
-    if (!v || v->size() != 4) {
-        node.remove_attribute("viewBox");
-        return leave_out(error_at(document_, node, "viewBox is not four numbers"));
-    }
+    if (!drop_bad_view_box(node)) return false;
+    const auto view = view_box_of(node);
+    if (!view) return true;
     Viewport box = viewport;
-    box.width = (*v)[2];
-    box.height = (*v)[3];
+    box.width = view->width;
+    box.height = view->height;
     if (!(box.width > 0 && box.height > 0)) return true; // nothing is drawn, so nothing matters
     double sx = viewport.width / box.width;
     double sy = viewport.height / box.height;
@@ -248,8 +252,8 @@ bool ShapeCollector::enter_view_box(pugi::xml_node node, Affine2& to_root, Viewp
     if (!says("none")) sx = sy = says("slice") ? std::max(sx, sy) : std::min(sx, sy);
     const double along_x = says("xMin") ? 0 : says("xMax") ? 1 : 0.5;
     const double along_y = says("YMin") ? 0 : says("YMax") ? 1 : 0.5;
-    const double x = (viewport.width - sx * box.width) * along_x - sx * (*v)[0];
-    const double y = (viewport.height - sy * box.height) * along_y - sy * (*v)[1];
+    const double x = (viewport.width - sx * box.width) * along_x - sx * view->x;
+    const double y = (viewport.height - sy * box.height) * along_y - sy * view->y;
     to_root = compose(to_root, {sx, 0, 0, sy, x, y});
     viewport = box;
     return true;

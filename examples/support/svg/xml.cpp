@@ -1,6 +1,7 @@
 #include "svg/xml.hpp"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <map>
 
@@ -64,6 +65,16 @@ bool has_word(std::string_view text, std::string_view word) {
     return std::find(words.begin(), words.end(), word) != words.end();
 }
 
+std::string utf8(std::uint32_t code) {
+    if (code < 0x80) return {static_cast<char>(code)};
+    if (code > 0x10ffff || (code >= 0xd800 && code < 0xe000)) code = 0xfffd;
+    const std::uint32_t more = code < 0x800 ? 1 : code < 0x10000 ? 2 : 3; // bytes after the first
+    constexpr std::array<std::uint32_t, 4> first{0, 0xc0, 0xe0, 0xf0};
+    std::string text(1, static_cast<char>(first[more] | code >> 6 * more));
+    for (std::uint32_t k = more; k-- > 0;) text += static_cast<char>(0x80 | (code >> 6 * k & 0x3f));
+    return text;
+}
+
 std::string unescaped(std::string_view raw) {
     static const std::map<std::string_view, char> entities = {
         {"amp", '&'}, {"lt", '<'}, {"gt", '>'}, {"quot", '"'}, {"apos", '\''}};
@@ -83,10 +94,10 @@ std::string unescaped(std::string_view raw) {
         const bool whole = failed == std::errc() && stop == digits.data() + digits.size();
         if (const auto entity = entities.find(name); entity != entities.end()) {
             text += entity->second;
-        } else if (name.starts_with('#') && whole && code < 0x80) {
-            text += static_cast<char>(code);
+        } else if (name.starts_with('#') && whole) {
+            text += utf8(code);
         } else {
-            text += raw.substr(0, end + 1); // nothing of the grammars here is beyond ASCII
+            text += raw.substr(0, end + 1);
         }
         raw.remove_prefix(end + 1);
     }
@@ -134,13 +145,26 @@ void set_reference(pugi::xml_node node, const std::string& id) {
     }
 }
 
-std::string reference_of(pugi::xml_node node) {
-    if (node.attribute("href")) return attribute_text(node, "href");
-    std::string reference;
-    for (const pugi::xml_attribute attribute : node.attributes()) {
-        if (std::string_view(attribute.name()).ends_with(":href")) reference = unescaped(attribute.value());
+std::string without_percents(std::string_view fragment) {
+    std::string text;
+    for (std::size_t at = 0; at < fragment.size(); ++at) {
+        unsigned byte = 0;
+        const char* const digits = fragment.data() + at + 1;
+        const bool is_code = fragment[at] == '%' && at + 2 < fragment.size() &&
+                             std::from_chars(digits, digits + 2, byte, 16).ptr == digits + 2;
+        text += is_code ? static_cast<char>(byte) : fragment[at];
+        at += is_code ? 2 : 0;
     }
-    return reference;
+    return text;
+}
+
+std::string reference_of(pugi::xml_node node) {
+    std::string reference = attribute_text(node, "href");
+    for (const pugi::xml_attribute attribute : node.attributes()) {
+        const bool counts = !node.attribute("href") && is_reference(attribute.name());
+        if (counts) reference = unescaped(attribute.value());
+    }
+    return reference.starts_with('#') ? without_percents(reference) : reference;
 }
 
 std::size_t line_of(const SvgDocument& document, pugi::xml_node node) {
@@ -191,9 +215,14 @@ pugi::xml_node IdTable::find(const std::string& id) const {
 }
 
 std::string IdTable::name(pugi::xml_node node, const std::string& stem) {
-    std::size_t& number = next_.try_emplace(stem, 2).first->second;
-    std::string id = stem + '-' + std::to_string(number++);
-    while (nodes_.count(id) != 0) id = stem + '-' + std::to_string(number++);
+    std::string plain = stem; // that url(#id) can have as it is
+    std::replace_if(
+        plain.begin(), plain.end(),
+        [](char c) { return is_space(c) || std::string_view("%()'\"\\").find(c) != std::string_view::npos; },
+        '-');
+    std::size_t& number = next_.try_emplace(plain, 2).first->second;
+    std::string id = plain + '-' + std::to_string(number++);
+    while (nodes_.count(id) != 0) id = plain + '-' + std::to_string(number++);
     nodes_[id] = node;
     if (!node.attribute("id")) node.prepend_attribute("id");
     set_attribute(node, "id", escaped(id));

@@ -4,6 +4,7 @@
 
 #include "svg/document.hpp"
 
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <unordered_map>
@@ -36,6 +37,9 @@ std::vector<std::string_view> words_of(std::string_view text);
 
 bool has_word(std::string_view text, std::string_view word);
 
+/// A character by its number; the replacement character for a number that is none.
+std::string utf8(std::uint32_t code);
+
 /// Replaces character references and the five entities of XML; others, from a doctype, are left.
 std::string unescaped(std::string_view raw);
 
@@ -48,7 +52,11 @@ std::string reference_name(pugi::xml_node root);
 /// Text as it stands between the quotes of an attribute.
 std::string escaped(std::string_view text);
 
-/// The value of href, or of xlink:href whatever the prefix; empty if there is none.
+/// The part of a URL after "#" as ids have it: without "%20" and the like.
+std::string without_percents(std::string_view fragment);
+
+/// The value of href, or of xlink:href whatever the prefix; empty if there is none. One within the file has
+/// the id as the element has it.
 std::string reference_of(pugi::xml_node node);
 void set_reference(pugi::xml_node node, const std::string& id); ///< of all attributes that refer
 
@@ -84,7 +92,7 @@ public:
     }
     void move(const std::string& id, pugi::xml_node node) { nodes_[id] = node; }
 
-    /// Gives the element an id that is not in use: the stem with a number.
+    /// Gives the element an id that is not in use: the stem, without what url(#id) cannot have, and a number.
     std::string name(pugi::xml_node node, const std::string& stem);
 
 private:
