@@ -79,21 +79,6 @@ bool has_inside(const Path& path) {
     });
 }
 
-/// The box of each shape that is seen, by what clips it; empty for others.
-std::vector<Box> seen(const Drawing& drawing, const std::vector<DrawnShape>& shapes) {
-    std::vector<Box> boxes;
-    boxes.reserve(shapes.size());
-    for (const DrawnShape& shape : shapes) {
-        boxes.push_back(is_seen(shape) ? painted_box(shape, {}) : Box());
-    }
-    for (const Reference& r : drawing.references) {
-        if (r.level != 0 || local_name(r.target) != "clipPath" || r.first_inside == r.end_inside) continue;
-        const Box clip = bounds(shapes, r.first_inside, r.end_inside, 1, {});
-        for (std::size_t i = r.first; i < r.end; ++i) boxes[i] = boxes[i].within(clip);
-    }
-    return boxes;
-}
-
 /// Grows the viewBox of the root to a box; its width and height too, so that nothing gets smaller.
 void grow_view_box(pugi::xml_node root, const ViewBox& view, const Box& to) {
     const auto write = [&](double v) { return format_number(v, 6); };
@@ -175,19 +160,24 @@ public:
         if (!rest) return rest.error();
         for (std::string& line : styles_.report.lines()) result_.report.warnings.push_back(std::move(line));
         rest_ = std::move(*rest);
-        const auto roles = roles_of(rest_.shapes);
+        seen_before_ = seen_boxes(rest_, rest_.shapes);
+        auto roles = roles_of(rest_.shapes);
         if (!roles) return roles.error();
         std::vector<Path> paths;
         paths.reserve(rest_.shapes.size());
         for (const DrawnShape& shape : rest_.shapes) paths.push_back(shape.path);
         CurveDeformer curves(deformer_, frames_, tolerance_, diagonal_, options_.max_halvings,
                              result_.report);
-        if (!curves.run(paths, *roles)) return SvgError{work_.name + ": " + curves.failure()};
+        if (!curves.run(paths, std::move(*roles))) return SvgError{work_.name + ": " + curves.failure()};
         result_.report.shapes = paths.size();
         moves_.resize(paths.size());
         for (std::size_t i = 0; i < paths.size(); ++i) {
             const auto& carrier = rest_.shapes[i].carrier;
             moves_[i] = carrier && moves_[*carrier];
+            if (curves.is_lost(i))
+                result_.report.warnings.push_back(
+                    label(work_, rest_.shapes[i].node) +
+                    ": no place can be computed for a point of it; it stays as it is");
             for (std::size_t f = 0; f < frames_ && !moves_[i]; ++f) moves_[i] = curves.motion(i, f).moved();
         }
         if (!moved()) return std::nullopt;
@@ -208,9 +198,9 @@ private:
     };
 
     /// The role of every shape's points; fails where a layer has no shape.
-    SvgResult<std::vector<PointRole>> roles_of(const std::vector<DrawnShape>& shapes) const {
-        std::vector<PointRole> roles(shapes.size());
-        for (std::size_t i = 0; i < shapes.size(); ++i) roles[i].is_painted = is_seen(shapes[i]);
+    SvgResult<std::vector<PathRole>> roles_of(const std::vector<DrawnShape>& shapes) const {
+        std::vector<PathRole> roles;
+        for (const Box& box : seen_before_) roles.push_back({0, box.grown(1e-9 * diagonal_)}); // by roundings
         for (std::size_t n = 0; n < options_.layers.size(); ++n) {
             bool found = false;
             for (std::size_t i = 0; i < shapes.size(); ++i) {
@@ -243,13 +233,12 @@ private:
             regions_[r].before =
                 bounds(shapes, reference.first, reference.end, reference.level, reference.from_root);
         }
-        seen_before_ = seen(rest_, shapes);
         seen_after_.resize(shapes.size());
         for (std::size_t f = 0; f < frames_; ++f) {
             for (std::size_t i = 0; i < shapes.size(); ++i) {
                 DrawnShape& shape = shapes[i];
-                shape.path = curves.path(i, f);
                 if (!moves_[i]) continue;
+                shape.path = curves.path(i, f);
                 Moved& moved = moved_[i];
                 const auto best = curves.motion(i, f).best_map();
                 moved.has_map = moved.has_map || best;
@@ -290,7 +279,7 @@ private:
                 regions_[r].moved = regions_[r].moved || motion.moved();
                 regions_[r].maps.push_back(motion.best_map());
             }
-            const std::vector<Box> after = seen(rest_, shapes);
+            const std::vector<Box> after = seen_boxes(rest_, shapes);
             for (std::size_t i = 0; i < shapes.size(); ++i) seen_after_[i].add(after[i]);
         }
         return std::nullopt;

@@ -18,8 +18,8 @@ constexpr std::string_view placing_names =
     "x y width height cx cy r rx ry d transform transform-origin transform-box translate rotate scale";
 
 constexpr std::string_view read_names = R"(
-clip-path display fill fill-opacity fill-rule filter font-size marker marker-end marker-mid marker-start mask
-opacity overflow stroke stroke-dasharray stroke-linecap stroke-linejoin stroke-miterlimit stroke-opacity
+clip-path color display fill fill-opacity fill-rule filter font-size marker marker-end marker-mid marker-start mask
+opacity overflow stop-color stop-opacity stroke stroke-dasharray stroke-linecap stroke-linejoin stroke-miterlimit stroke-opacity
 stroke-width text-anchor visibility)";
 
 constexpr std::string_view kept_names = R"(
@@ -29,7 +29,7 @@ animation-timing-function backface-visibility background background-attachment b
 background-color background-image background-origin background-position background-repeat background-size
 baseline-shift baseline-source block-size border border-bottom border-collapse border-color border-left
 border-radius border-right border-spacing border-style border-top border-width bottom box-shadow box-sizing
-caret-color clear clip clip-rule color color-interpolation color-interpolation-filters color-profile
+caret-color clear clip clip-rule color-interpolation color-interpolation-filters color-profile
 color-rendering color-scheme contain content cursor direction dominant-baseline enable-background
 flex flex-direction float flood-color flood-opacity font font-family font-feature-settings
 font-kerning font-language-override font-optical-sizing font-palette font-size-adjust font-stretch
@@ -43,7 +43,7 @@ object-fit object-position offset-anchor offset-distance offset-position offset-
 outline-color outline-offset outline-style outline-width overflow-wrap overflow-x overflow-y padding
 padding-bottom padding-left padding-right padding-top page paint-order perspective-origin pointer-events
 position print-color-adjust quotes right shape-image-threshold shape-margin shape-outside shape-padding
-shape-rendering solid-color solid-opacity src stop-color stop-opacity stroke-dashoffset
+shape-rendering solid-color solid-opacity src stroke-dashoffset
 tab-size text-align text-align-all text-align-last text-combine-upright text-decoration
 text-decoration-color text-decoration-fill text-decoration-line text-decoration-skip-ink
 text-decoration-stroke text-decoration-style text-decoration-thickness text-indent text-orientation
@@ -157,7 +157,9 @@ void UnappliedReport::declare(const std::string& where, std::string_view propert
         if (value == "none" || value == "auto" || value == "0" || value == "initial") return;
         return add(where, "the property \"" + std::string(property) + "\" is not deformed", value);
     case PropertyUse::read:
-        if (!has("var(") || property == "fill" || property == "stroke") return; // colours, nearly always
+        if (!has("var(") || property == "fill" || property == "stroke" || property == "color" ||
+            property.starts_with("stop-"))
+            return; // it stays, and is right where it shows
         return add(where, "the property \"" + std::string(property) + "\" is not read", value);
     default: return;
     }
