@@ -234,8 +234,28 @@ printf '%s\n' -9,-9 150,-9 150,59 -9,59 >wide_cage.csv
 report $ok "lists of places"
 svg turned.svg '<text y="20" rotate="9 20">ab</text>'
 works "turned letters" "$deform" turned.svg --text-as-paths --cage wide_cage.csv --pose wide_cage.csv -o letters_out.svg
-grep -q 'warning: text (line 1): the outlines ignore rotate and textLength' log && ok=yes || ok=no
+grep -q 'warning: text (line 1): the outlines ignore rotate: 9 20' log && ok=yes || ok=no
 report $ok "turned letters are named"
+for property in dominant-baseline:hanging word-spacing:2em text-transform:uppercase alignment-baseline:middle; do
+  for place in "<text y='20' style='$property'>a b" "<text y='20'>a <tspan ${property%:*}='${property#*:}'>b</tspan>" \
+    "<style>.k{$property}</style><text y='20' class='k'>a b"; do
+    svg placed.svg "$place</text>"
+    works "$place" "$deform" placed.svg --text-as-paths --cage wide_cage.csv --pose wide_cage.csv -o letters_out.svg
+    grep -q "warning: tspan.* (line 1): the outlines ignore ${property%:*}: ${property#*:}\$\|warning: text (line 1): the outlines ignore ${property%:*}: ${property#*:}\$" log && ok=yes || ok=no
+    report $ok "it is named"
+  done
+done
+# lines of text-decoration, wherever they are written
+lined=$(drawn_letters lined.svg '<text y="20" text-decoration="underline overline">a<tspan text-decoration="underline overline">b</tspan></text>')
+[ "$(printf '%s\n' "$lined" | wc -l)" -gt "$(($(drawn_letters bare.svg '<text y="20">a<tspan>b</tspan></text>' | wc -l) + 3))" ] && ok=yes || ok=no
+report $ok "lines are drawn"
+letters='a<tspan>b</tspan></text>'
+for text in "<text y='20' text-decoration='underline overline'>$letters" "<text y='20' style='text-decoration:overline dotted UNDERLINE red'>$letters" \
+  "<text y='20' style='text-decoration-line:underline overline'>$letters" "<g style='text-decoration:underline'><text y='20' text-decoration='overline'>$letters</g>" \
+  "<style>tspan{fill:red}.k{text-decoration:overline underline}</style><text y='20' class='k'>$letters"; do
+  [ "$(drawn_letters lined.svg "$text")" = "$lined" ] && ok=yes || ok=no
+  report $ok "lines: $text"
+done
 mkdir -p no_programs
 refuses 'letters.svg: texts cannot become paths: rsvg-convert (librsvg2-bin) is not installed' \
   env PATH=no_programs "$deform" letters.svg --text-as-paths --cage picture_cage.csv --pose picture_pose.csv -o out.svg

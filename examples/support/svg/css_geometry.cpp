@@ -258,17 +258,22 @@ private:
 
     /// Properties that become attributes go from `values`.
     void take_geometry(pugi::xml_node node, const std::string& kind, Values& values) {
-        static const std::vector<const char*> of_box{"x", "y", "width", "height"}, of_place{"x", "y"}, none;
+        static const std::vector<const char*> of_box{"x", "y", "width", "height"}, of_place{"x", "y"},
+            of_size{"width", "height"}, none;
         const auto shape = shape_attributes().find(kind);
-        const bool has_place = kind == "use" || kind == "svg"; // browsers differ in the size of these
         const auto& names = shape != shape_attributes().end()            ? shape->second
                             : kind == "image" || kind == "foreignObject" ? of_box
-                            : has_place                                  ? of_place
+                            : kind == "use"                              ? of_place
                                                                          : none;
+        // Browsers differ in these.
+        const auto& ignored = kind == "svg" ? of_box : kind == "use" ? of_size : none;
         for (const std::string name : {"x", "y", "width", "height", "cx", "cy", "r", "rx", "ry", "d"}) {
             const auto found = values.find(name);
             if (found == values.end()) continue;
-            const bool has_name = std::find(names.begin(), names.end(), name) != names.end();
+            const auto is_in = [&](const std::vector<const char*>& list) {
+                return std::find(list.begin(), list.end(), name) != list.end();
+            };
+            const bool has_name = is_in(names);
             const std::string text = found->second.text;
             const bool is_faulty = (name == "width" || name == "height") && lacks_unit(text);
             const bool is_sum = lowered(text).starts_with("calc"); // no attribute of an image has one
@@ -276,7 +281,7 @@ private:
                                  : is_faulty                                   ? std::nullopt
                                  : is_sum && shape == shape_attributes().end() ? std::nullopt
                                                                                : length_text(text);
-            if ((has_name && !written) || (has_place && (name == "width" || name == "height"))) {
+            if ((has_name && !written) || is_in(ignored)) {
                 report(node, name, text);
                 continue;
             }

@@ -95,6 +95,38 @@ void grow_view_box(pugi::xml_node root, const ViewBox& view, const Box& to) {
     grow("height", to.height() / view.height);
 }
 
+/// Whether an element in the root may have a length in percent of the picture. Moved shapes have none.
+bool has_percentages(pugi::xml_node root) {
+    for (pugi::xml_node node = next_node(root, root); node; node = next_node(node, root)) {
+        const std::string kind = local_name(node);
+        if (kind.empty() || kind == "stop") continue;
+        if (kind == "style" && std::string_view(node.text().get()).find('%') != std::string_view::npos)
+            return true;
+        bool in_user_space = !kind.ends_with("Gradient"), has_percent = false;
+        for (const pugi::xml_attribute attribute : node.attributes()) {
+            const std::string_view value = attribute.value();
+            in_user_space = in_user_space || value == "userSpaceOnUse";
+            has_percent = has_percent || value.find('%') != std::string_view::npos;
+        }
+        if (in_user_space && has_percent) return true;
+    }
+    return false;
+}
+
+/// Puts what the root holds into a nested svg of the given size, whose percentages stay as they are.
+void keep_percentages(pugi::xml_node root, const ViewBox& view) {
+    pugi::xml_node inner = root.append_child(root.name());
+    while (root.first_child() != inner) inner.append_move(root.first_child());
+    const auto write = [](double v) { return format_number(v, 17); };
+    set_attribute(inner, "x", write(view.x));
+    set_attribute(inner, "y", write(view.y));
+    set_attribute(inner, "width", write(view.width));
+    set_attribute(inner, "height", write(view.height));
+    set_attribute(inner, "viewBox",
+                  write(view.x) + ' ' + write(view.y) + ' ' + write(view.width) + ' ' + write(view.height));
+    set_attribute(inner, "overflow", "visible");
+}
+
 void drop_markers(const StyleSheets& styles, pugi::xml_node node) {
     for (const char* property : {"marker", "marker-start", "marker-mid", "marker-end"})
         styles.set(node, property, "none");
@@ -379,6 +411,7 @@ private:
             all.add(seen_after_[i]);
         }
         if (!options_.fit || result_.report.cut_off == 0) return;
+        if (has_percentages(root_element(work_.xml))) keep_percentages(root_element(work_.xml), view_);
         grow_view_box(root_element(work_.xml), view_, all.grown(1e-3 * diagonal_));
         result_.report.cut_off = 0;
     }
