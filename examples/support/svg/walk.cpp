@@ -186,10 +186,11 @@ bool ShapeCollector::visit_svg(pugi::xml_node node, const Values& values, Place&
     if (!enter_view_box(node, inside, place.viewport)) return false;
     place.to_root = compose(place.to_root, inside);
     const auto is_flat = [](const Viewport& each) { return !(each.width > 0 && each.height > 0); };
-    if (is_flat(size) || is_flat(place.viewport)) place.style.is_transparent = true; // nothing is drawn
+    const bool draws_nothing = is_flat(size) || is_flat(place.viewport);
+    place.style.is_transparent = place.style.is_transparent || draws_nothing;
     const std::size_t first = drawing.shapes.size();
     if (error_ || !visit_children(node, place)) return false;
-    if (!options_.follow_references && symbols_.count(node.hash_value()) == 0) return true;
+    if (draws_nothing || (!options_.follow_references && symbols_.count(node.hash_value()) == 0)) return true;
 
     const std::string overflow = text_of(values, "overflow");
     const bool clips = overflow != "visible" && overflow != "auto";
