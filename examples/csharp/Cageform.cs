@@ -334,8 +334,8 @@ namespace Cageform
         {
             if (numbers == null) throw new ArgumentNullException(name);
             if (numbers.Length < (long)dimension * points)
-                throw new ArgumentException(name + " has " + numbers.Length + " numbers, " + (long)dimension * points + " are needed",
-                                            name);
+                throw new ArgumentException(name + " has " + numbers.Length + (numbers.Length == 1 ? " number, " : " numbers, ") +
+                                            (long)dimension * points + " are needed", name);
             held = GCHandle.Alloc(numbers, GCHandleType.Pinned);
             View = ViewOf(held.AddrOfPinnedObject(), dimension, points);
         }

@@ -24,6 +24,8 @@
 #include "pictures/render.hpp"
 #include "svg/text.hpp"
 
+#include <cageform/core/threads.hpp>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -74,6 +76,7 @@ struct Settings {
     bool text_as_paths = false;
     CoordinatesChoice choice;
     OutsideChoice outside;
+    std::size_t threads = 0;
     DeformOptions options;
 };
 
@@ -277,7 +280,8 @@ int animate(const Settings& settings, const SvgDocument& document, const CageFil
     DeformOptions options = settings.options;
     for (const ClipFile::Late& late : file.late) options.layers.push_back(late.element);
     if (options.tolerance == 0) options.tolerance = 2e-4 * std::hypot(view.width, view.height);
-    auto moved = move_figure(document, settings.figure, control, settings.outside, options);
+    auto moved = move_figure(document, settings.figure, control, settings.outside, options,
+                             cageform::ThreadedFor{unsigned(settings.threads)});
     if (!moved) return fail(to_string(moved.error()));
     const std::string fault = pose_faults(control, cage);
     if (!fault.empty()) warn(fault);
@@ -440,6 +444,9 @@ int run_program(int argc, char** argv) {
     add_film("mp4", "a video", {".mp4"});
     line.add("--width", settings.width, "the width of films, in pixels").range(16, 8192).show_default();
     settings.outside.add_options(line);
+    line.add("--threads", settings.threads, "how many threads bind the figure; 0: as many as the machine has")
+        .range(0, 1024)
+        .show_default();
     settings.choice.in_plane = settings.choice.with_normals = true;
     settings.choice.add_options(line);
     line.set_footer(cage_formats + std::string("\n") + lattice_format + "\n" + pose_operations_format + "\n" +

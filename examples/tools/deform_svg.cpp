@@ -29,6 +29,8 @@
 #include "svg/document.hpp"
 #include "svg/text.hpp"
 
+#include <cageform/core/threads.hpp>
+
 #include <iostream>
 
 namespace {
@@ -232,6 +234,7 @@ int run_program(int argc, char** argv) {
     int png_width = 900;
     CoordinatesChoice choice;
     OutsideChoice outside;
+    std::size_t threads = 0;
     SiteChoice of_sites;
     DeformOptions options;
     line.add("figure", figure_path, "the SVG file to deform").required();
@@ -255,6 +258,9 @@ int run_program(int argc, char** argv) {
     line.add("--png-width", png_width, "the width of the PNG file, in pixels").range(1, 16384).show_default();
     outside.with_sites = choice.with_sites = choice.in_plane = choice.with_normals = true;
     outside.add_options(line);
+    line.add("--threads", threads, "how many threads bind the figure; 0: as many as the machine has")
+        .range(0, 1024)
+        .show_default();
     of_sites.add_options(line);
     line.add_flag(
         "--text-as-paths", text_as_paths,
@@ -298,7 +304,8 @@ int run_program(int argc, char** argv) {
         if (!text) return fail(to_string(text.error()));
         pose_file = std::move(*text);
     }
-    auto moved = move_figure(*document, figure_path, posed->control, outside, options);
+    auto moved = move_figure(*document, figure_path, posed->control, outside, options,
+                             cageform::ThreadedFor{unsigned(threads)});
     if (!moved) return fail(to_string(moved.error()));
     if (!posed->fault.empty()) warn(posed->fault);
     document = std::move(moved->drawing.document);

@@ -234,8 +234,28 @@ printf '%s\n' -9,-9 150,-9 150,59 -9,59 >wide_cage.csv
 report $ok "lists of places"
 svg turned.svg '<text y="20" rotate="9 20">ab</text>'
 works "turned letters" "$deform" turned.svg --text-as-paths --cage wide_cage.csv --pose wide_cage.csv -o letters_out.svg
-grep -q 'warning: text (line 1): the outlines ignore rotate and textLength' log && ok=yes || ok=no
+grep -q 'warning: text (line 1): the outlines ignore rotate: 9 20' log && ok=yes || ok=no
 report $ok "turned letters are named"
+for property in dominant-baseline:hanging word-spacing:2em text-transform:uppercase alignment-baseline:middle; do
+  for place in "<text y='20' style='$property'>a b" "<text y='20'>a <tspan ${property%:*}='${property#*:}'>b</tspan>" \
+    "<style>.k{$property}</style><text y='20' class='k'>a b"; do
+    svg placed.svg "$place</text>"
+    works "$place" "$deform" placed.svg --text-as-paths --cage wide_cage.csv --pose wide_cage.csv -o letters_out.svg
+    grep -q "warning: tspan.* (line 1): the outlines ignore ${property%:*}: ${property#*:}\$\|warning: text (line 1): the outlines ignore ${property%:*}: ${property#*:}\$" log && ok=yes || ok=no
+    report $ok "it is named"
+  done
+done
+# lines of text-decoration, wherever they are written
+lined=$(drawn_letters lined.svg '<text y="20" text-decoration="underline overline">a<tspan text-decoration="underline overline">b</tspan></text>')
+[ "$(printf '%s\n' "$lined" | wc -l)" -gt "$(($(drawn_letters bare.svg '<text y="20">a<tspan>b</tspan></text>' | wc -l) + 3))" ] && ok=yes || ok=no
+report $ok "lines are drawn"
+letters='a<tspan>b</tspan></text>'
+for text in "<text y='20' text-decoration='underline overline'>$letters" "<text y='20' style='text-decoration:overline dotted UNDERLINE red'>$letters" \
+  "<text y='20' style='text-decoration-line:underline overline'>$letters" "<g style='text-decoration:underline'><text y='20' text-decoration='overline'>$letters</g>" \
+  "<style>tspan{fill:red}.k{text-decoration:overline underline}</style><text y='20' class='k'>$letters"; do
+  [ "$(drawn_letters lined.svg "$text")" = "$lined" ] && ok=yes || ok=no
+  report $ok "lines: $text"
+done
 mkdir -p no_programs
 refuses 'letters.svg: texts cannot become paths: rsvg-convert (librsvg2-bin) is not installed' \
   env PATH=no_programs "$deform" letters.svg --text-as-paths --cage picture_cage.csv --pose picture_pose.csv -o out.svg
@@ -280,6 +300,13 @@ for seed in 1 2; do
         { echo $?; sed 's/, first [^;]*;/;/; s/, first .*: is it/: is it/' log; } >$order.verdict
         if [ -f ordered_out.svg ]; then grep '^<path' ordered_out.svg; fi | sort >$order.result
       done
+      for threads in 1 2 3; do
+        rm -f ordered_out.svg
+        "$deform" ordered.svg --cage frame.csv --move 0:-9,-20 --coordinates $type --threads $threads -o ordered_out.svg >log 2>&1
+        { echo $?; cat log; if [ -f ordered_out.svg ]; then cat ordered_out.svg; fi; } >$threads.threads
+      done
+      cmp -s 1.threads 2.threads && cmp -s 1.threads 3.threads && ok=yes || ok=no
+      report $ok "any number of threads, $type, $size, $seed"
       cmp -s in_order.verdict shuffled.verdict && cmp -s in_order.verdict reversed.verdict &&
         cmp -s in_order.result shuffled.result && cmp -s in_order.result reversed.result && ok=yes || ok=no
       report $ok "any order of elements, $type, $size, $seed"
@@ -300,14 +327,32 @@ done
 # Elements that are not seen may lie outside.
 printf '%s\n' 0,0 20,0 20,20 0,20 >frame.csv
 for hidden in 'fill="none"' 'visibility="hidden"' 'opacity="0"' 'fill="transparent"' 'fill="#12345600"' 'fill-opacity="0"' \
-  'style="fill:none; stroke:red; stroke-opacity:0"' 'fill="none" stroke="red" stroke-width="0"'; do
-  svg hidden.svg "<rect x='5' y='5' width='9' height='9'/><rect width='90' height='40' $hidden/>"
+  'style="fill:none; stroke:red; stroke-opacity:0"' 'fill="none" stroke="red" stroke-width="0"' \
+  'fill="hsl(20 30% 40% / 0)"' 'fill="url(#gone) none"' 'clip-path="url(#nothing)"'; do
+  svg hidden.svg "<clipPath id='nothing'/><rect x='5' y='5' width='9' height='9'/><rect width='90' height='40' $hidden/>"
   works "hidden outside: $hidden" "$deform" hidden.svg --cage frame.csv --turn 0:9 --outside refuse -o hidden_out.svg
   [ ! -s log ] && ok=yes || ok=no
   report $ok "nothing is said of it"
 done
 svg shown.svg "<rect x='5' y='5' width='9' height='9'/><rect width='90' height='40'/>"
 refuses 'of shown.svg lie outside' "$deform" shown.svg --cage frame.csv --turn 0:9 --outside refuse -o out.svg
+# Far from a tiny lattice some points have no weights: their element is named, the others move as alone.
+cat >tiny.lattice.json <<'END'
+{"format": "lattice/1", "axes": [{"points": 2, "degree": 1}, {"points": 2, "degree": 1}],
+ "frame_columns": [[1e-13, 0], [0, 1e-13]], "origin": [0, 0], "falloff": 0}
+END
+near='<path id="near" d="M20 20L70 25C70 60 40 70 30 60z"/>'
+far='<path id="far" d="M120 20L170 25L140 30z"/>'
+svg near.svg "$near"
+svg both.svg "$far$near"
+for name in near both; do
+  works "a tiny lattice, $name" "$deform" $name.svg --cage tiny.lattice.json --move all:9,5 --outside nearest -o ${name}_out.svg
+done
+grep -q 'both.svg: no weights can be computed for' log && grep -q 'path "far".*it stays as it is' log && ok=yes || ok=no
+report $ok "the element without weights is named"
+grep -o '<path id="near"[^>]*>' near_out.svg >expected && grep -o '<path id="near"[^>]*>' both_out.svg | cmp -s - expected &&
+  ! grep -qF "$near" both_out.svg && grep -qF "$far" both_out.svg && ok=yes || ok=no
+report $ok "the other moves as alone"
 for policy in keep nearest extend; do
   works "outside: $policy" "$deform" "$cat" --cage "$data/man_cage.svg" --pose "$data/man_pose.svg" --outside $policy -o kept.svg
 done
@@ -1032,9 +1077,9 @@ no_cage ' paints nothing that a cage could enclose' '<defs><rect width="50" heig
 no_cage ' paints nothing that a cage could enclose' '<rect transform="scale(0)" width="5" height="5"/>'
 no_cage "$unread: path: d at 1:9: expected a number" '<path d="M 5,5 L NaN,50 z"/>'
 no_cage "$unread: path: d at 1:9: number out of range" '<path d="M 5,5 L 1e999,50 z"/>'
-no_cage "$unread: path: coordinates out of range" '<path d="M 5,5 L 1e300,50 L 3,1e300 z"/>'
+no_cage " paints nothing that a cage could enclose; path (line 1): has coordinates out of range" '<path d="M 5,5 L 1e300,50 L 3,1e300 z"/>'
 no_cage ': a coordinate of the figure is not a finite number, or too large' '<path stroke="red" stroke-width="1e308" d="M 5,5 L 50,50"/>'
-no_cage ': no cage around the figure was found: a margin of 0.0353553 at coordinates of 1e+15 is below' '<path d="M 1e15,1e15 h 1 v 1 h -1 z"/>'
+no_cage ' paints nothing that a cage could enclose; path (line 1): has coordinates out of range' '<path d="M 1e15,1e15 h 1 v 1 h -1 z"/>'
 no_cage ': the figure is a single point' '<path d="M 0,0 L 1e-300,0 L 0,1e-300 z"/>'
 no_cage ' paints nothing that a cage could enclose; use "u" (line 1): uses itself' '<use id="u" href="#u"/>'
 : >hostile.svg

@@ -608,6 +608,21 @@ TEST_CASE("the picture grows to what has moved when asked", "[examples][svg_docu
         deformed(R"(<svg viewBox="0 0 9 9" width="9&quot;"><rect width="1" height="1"/></svg>)",
                  by({1, 0, 0, 1, 100, 0}), {.fit = true});
     CHECK(parse_svg(odd.text, "odd.svg"));
+    // percentages stay those of the size at rest
+    for (const char* content :
+         {R"(<path d="M90 0h9" stroke="red" stroke-width="9%"/>)",
+          R"(<style>path{stroke-dasharray:5%}</style><path d="M90 0h9" stroke="red"/>)",
+          R"(<linearGradient id="g" gradientUnits="userSpaceOnUse" x1="3%"/><path d="M90 0h9v9z"/>)"}) {
+        const std::string rect = R"(<rect id="still" x="20%" y="30%" width="8%" height="9%" fill="none"/>)";
+        const auto beyond = [](std::span<const Point2> in, std::span<Point2> out) {
+            for (std::size_t i = 0; i < in.size(); ++i) out[i] = {in[i].x + (in[i].x > 80 ? 50 : 0), in[i].y};
+            return true;
+        };
+        const Result grown = deformed(svg(content + rect), beyond, {.fit = true});
+        CAPTURE(grown.text);
+        CHECK(view_box(grown.document).width > 130);
+        CHECK(write_path_data(shapes(grown.document)->back().path, 6) == "M20 30 L28 30 L28 39 L20 39 Z");
+    }
     // without a viewBox the size is it
     const Result bare = deformed(R"(<svg width="100" height="50"><rect width="10" height="10"/></svg>)",
                                  by(right), {.fit = true});

@@ -415,7 +415,7 @@ TEST_CASE("transforms: errors", "[examples][svg_path][transform][error]") {
         CHECK(map.error().column == column);
         CHECK(map.error().message == reason);
     };
-    check("turn(3)", 1, "no transform turn with 1 numbers");
+    check("turn(3)", 1, "no transform turn with 1 number");
     check("rotate(1 2)", 1, "no transform rotate with 2 numbers");
     check("scale(1) translate()", 10, "no transform translate with 0 numbers");
     check("translate", 1, "expected a transform such as translate(1 2)");

@@ -42,7 +42,7 @@ export function flattened(given, name) {
     if (length !== rows[0].length)
       throw new CageformError(
         'counts_do_not_match',
-        `${name}[${k}] has ${length} numbers, ${name}[0] ${rows[0].length}`,
+        `${name}[${k}] has ${length} number${length === 1 ? '' : 's'}, ${name}[0] ${rows[0].length}`,
       );
   }
   return rows.flat();

@@ -696,7 +696,7 @@ export const tests = [
         ['poses[2] has 4 numbers, poses[0] 6', [square, square.flat(), [0, 0, 1, 1], square]],
         ['poses[1] has 8 numbers, poses[0] 6', [square, [...square, [0, 1]]]],
         ['poses[1][2] has 3 numbers, poses[1][0] 2', [square, [[0, 0], [1, 0], [1, 1, 1]]]],
-        ['poses[3] has 1 numbers, poses[0] 6', [square, square, square, 7]],
+        ['poses[3] has 1 number, poses[0] 6', [square, square, square, 7]],
       ]) {
         const times = poses.map((row, k) => k);
         const { message } = refused(cageform, 'counts_do_not_match', () => compileClip(times, poses, { dimension: 2 }));

@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <array>
 #include <functional>
+#include <limits>
 
 namespace cageform_examples {
 
@@ -105,31 +106,41 @@ std::string pose_faults(const FigureControl& control, const CageFile& cage) {
 namespace {
 
 /// Binds batches of points and moves them to all frames. The first batch stands for the whole: whether it
-/// lies in the cage is judged by its painted points. Each of the later points is judged alone.
+/// lies in the cage is judged by the points that are seen. Each of the later points is judged alone. Points
+/// without weights go to no place.
 class BatchMover {
 public:
-    BatchMover(const std::string& figure, const FigureControl& control, OutsideChoice outside)
+    BatchMover(const std::string& figure, const FigureControl& control, OutsideChoice outside,
+               cageform::ParallelFor parallel)
         : figure_(figure)
         , control_(control)
-        , outside_(std::move(outside)) {
+        , outside_(std::move(outside))
+        , running_{std::move(parallel)} {
         options_ = outside_.bind_options(control.coordinates);
     }
 
     /// False where it cannot be done: see `failure`.
     bool move(std::span<const Point2> in, std::span<const PointRole> roles, std::span<Point2> out) {
         const auto& coordinates = control_.coordinates;
-        const auto [binding, bound] = coordinates.bind(in, options_);
+        const auto [binding, bound] = coordinates.bind(in, options_, running_);
         if (bound.status != cageform::Status::ok) {
             failure = control_.describe_faults(bound);
             return false;
         }
-        cageform::BindReport painted = bound;
-        painted.points = std::size_t(
-            std::count_if(roles.begin(), roles.end(), [](const PointRole& role) { return role.is_painted; }));
-        std::erase_if(painted.outside, [&](std::size_t i) { return !roles[i].is_painted; });
-        auto verdict = outside_.judge(coordinates, painted, in, figure_, control_.name);
+        std::vector<bool> counts(in.size()); // seen, and with weights
+        for (std::size_t i = 0; i < in.size(); ++i) counts[i] = roles[i].is_seen;
+        for (const std::size_t i : bound.unreached) counts[i] = false;
+        cageform::BindReport judged = bound;
+        judged.unreached.clear();
+        judged.points = std::size_t(std::count(counts.begin(), counts.end(), true));
+        std::erase_if(judged.outside, [&](std::size_t i) { return !counts[i]; });
+        auto verdict = outside_.judge(coordinates, judged, in, figure_, control_.name);
         failure = std::move(verdict.fault);
         if (!failure.empty()) return false;
+        judged.outside.clear();
+        judged.unreached = bound.unreached;
+        if (unreached.empty())
+            unreached = outside_.judge(coordinates, judged, in, figure_, control_.name).fault;
         if (first.points == 0) {
             first = bound;
             warning = std::move(verdict.warning);
@@ -144,11 +155,15 @@ public:
                 if (roles[k].layer == layer) target[k] = moved[k];
             }
         }
+        constexpr double nowhere = std::numeric_limits<double>::quiet_NaN();
+        for (std::size_t frame = 0; frame < control_.frames; ++frame) {
+            for (const std::size_t i : bound.unreached) out[frame * in.size() + i] = {nowhere, nowhere};
+        }
         return true;
     }
 
     cageform::BindReport first;
-    std::string failure, warning, pose_warning;
+    std::string failure, warning, unreached, pose_warning;
 
 private:
     bool clone(const cageform::Binding<double, 2>& binding, std::size_t pose, std::size_t frame,
@@ -175,6 +190,7 @@ private:
     const std::string& figure_;
     const FigureControl& control_;
     OutsideChoice outside_;
+    cageform::Running running_;
     cageform::BindOptions options_;
 };
 
@@ -182,25 +198,25 @@ private:
 
 SvgResult<MovedFigure> move_figure(const SvgDocument& document, const std::string& figure,
                                    const FigureControl& control, const OutsideChoice& outside,
-                                   const DeformOptions& options) {
+                                   const DeformOptions& options, const cageform::ParallelFor& parallel) {
     MovedFigure result;
     if (!control.coordinates.closed_form()) {
         // The points come in several batches; the functions are solved once.
         ProgressBar bar("solving");
-        const auto evaluation = control.coordinates.solve({.progress = bar.callback()});
+        const auto evaluation = control.coordinates.solve({parallel, bar.callback()});
         result.bound.status = evaluation.status;
         result.bound.cage = control.coordinates.cage_report();
         result.bound.solver = evaluation.solver;
         if (evaluation.status != cageform::Status::ok) return SvgError{control.describe_faults(result.bound)};
         warn_of_coarse_grid(control.name, evaluation.solver);
     }
-    BatchMover mover(figure, control, outside);
+    BatchMover mover(figure, control, outside, parallel);
     const FrameDeformer deformer = [&](std::span<const Point2> in, std::span<const PointRole> roles,
                                        std::span<Point2> out) { return mover.move(in, roles, out); };
     auto drawing = animate(document, deformer, control.frames, options);
     if (!drawing) return mover.failure.empty() ? drawing.error() : SvgError{mover.failure};
     if (mover.first.points != 0) result.bound = mover.first;
-    for (const std::string& each : {mover.warning, mover.pose_warning}) {
+    for (const std::string& each : {mover.warning, mover.unreached, mover.pose_warning}) {
         if (!each.empty()) warn(each);
     }
     const DeformReport& report = drawing->report;
@@ -223,9 +239,10 @@ SvgResult<std::vector<std::vector<Point2>>> move_points(const std::vector<Point2
                                                         const OutsideChoice& outside) {
     OutsideChoice of_part = outside;
     of_part.of_part = true;
-    BatchMover mover(figure, control, std::move(of_part));
+    BatchMover mover(figure, control, std::move(of_part), cageform::SerialFor{});
     std::vector<Point2> moved(control.frames * points.size());
     if (!mover.move(points, std::vector<PointRole>(points.size()), moved)) return SvgError{mover.failure};
+    if (!mover.unreached.empty()) return SvgError{mover.unreached};
     if (!mover.warning.empty()) warn(mover.warning);
     std::vector<std::vector<Point2>> frames;
     for (auto at = moved.begin(); at != moved.end(); at += std::ptrdiff_t(points.size()))

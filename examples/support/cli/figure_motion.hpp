@@ -44,11 +44,13 @@ struct MovedFigure {
 
 /// Binds all that a drawing shows and moves it to every frame. Warnings go to stderr.
 ///
-///   figure   the name of its file
-///   fails    as animate() does, where the bind fails, or points are outside and --outside forbids it
+///   figure     the name of its file
+///   parallel   what binds; the result does not depend on it
+///   fails      as animate() does, where the bind fails, or points are outside and --outside forbids it
 SvgResult<MovedFigure> move_figure(const SvgDocument& document, const std::string& figure,
                                    const FigureControl& control, const OutsideChoice& outside,
-                                   const DeformOptions& options);
+                                   const DeformOptions& options,
+                                   const cageform::ParallelFor& parallel = cageform::SerialFor{});
 
 /// Moves points of layer 0 to all frames of a control. Points outside give a warning, never an error by their
 /// number.

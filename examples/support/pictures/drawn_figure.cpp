@@ -133,20 +133,19 @@ SvgResult<DrawnFigure> drawn_figure(const SvgDocument& document) {
     if (!drawing) return drawing.error();
     // Shapes beside the page are not seen, unless all lie there.
     const auto page = detail::page_of(work);
-    const auto is_on_page = [&](const detail::DrawnShape& shape) {
-        return detail::is_seen(shape) && !detail::painted_box(shape, {}).within(page).empty();
-    };
     const auto& all = drawing->shapes;
-    const bool any = std::any_of(all.begin(), all.end(), is_on_page);
-    const auto counts = [&](const auto& shape) { return any ? is_on_page(shape) : detail::is_seen(shape); };
+    const std::vector<detail::Box> seen = detail::seen_boxes(*drawing, all);
+    const bool any = std::any_of(seen.begin(), seen.end(),
+                                 [&](const detail::Box& box) { return !box.within(page).empty(); });
+    const auto counts = [&](std::size_t i) { return !(any ? seen[i].within(page) : seen[i]).empty(); };
     detail::Box box;
-    for (const auto& shape : all) {
-        if (counts(shape)) box.add(detail::bounds(shape.path));
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        if (counts(i)) box.add(detail::bounds(all[i].path));
     }
     const double tolerance = box.empty() ? 0 : 5e-4 * std::hypot(box.width(), box.height());
     DrawnFigure figure;
-    for (const auto& shape : all) {
-        if (counts(shape)) detail::add_shape(shape, tolerance, figure);
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        if (counts(i)) detail::add_shape(all[i], tolerance, figure);
     }
     if (figure.segments.empty()) {
         return SvgError{document.name + " paints nothing that a cage could enclose" +

@@ -41,6 +41,7 @@ private:
         int depth = 0;
         DrawnShape style; // all but its geometry
         std::string text_anchor = "start";
+        std::string colour = "black";      // that currentColor stands for
         std::string context_fill = "none"; // of the `use` that it is a copy for
         std::string context_stroke = "none";
     };
@@ -114,6 +115,10 @@ private:
     // ---- shapes ----
     double length(pugi::xml_node node, const char* name, const Viewport& viewport, double whole,
                   double otherwise);
+    /// Whether a paint is not transparent.
+    ///   colour   that currentColor stands for
+    bool shows(std::string_view paint, const std::string& colour);
+    bool has_colour(pugi::xml_node stop) const;
     /// The element's path, with warnings of what is left out of it; nothing where the walk has failed.
     std::optional<Path> path_of(pugi::xml_node node, const Place& place);
     bool add_shape(pugi::xml_node node, const Place& place);
@@ -143,8 +148,10 @@ private:
     std::vector<pugi::xml_node> active_; // used elements, clip paths and masks that we are inside of
     std::unordered_map<std::string, pugi::xml_node> images_;         // definitions, by what they show
     std::unordered_map<std::size_t, pugi::xml_node> uses_of_images_; // definitions, by the hash of their use
+    double most_ = 0; // coordinate: beyond it rounding shows in the picture
     std::size_t copies_ = 0;
     std::unordered_map<std::size_t, std::size_t> expanded_sizes_; // by the element's hash
+    std::unordered_map<std::size_t, bool> paints_;                // whether gradients show, by their hash
     std::unordered_set<std::string> left_out_;                    // the warnings of leave_out()
     std::optional<SvgError> error_;
 };

@@ -1,5 +1,6 @@
 #include "svg/css_colour.hpp"
 
+#include "svg/path.hpp"
 #include "svg/xml.hpp"
 
 #include <algorithm>
@@ -228,6 +229,22 @@ std::optional<PaintColour> parse_colour(std::string_view text) {
                          [](const detail::NamedColour& a, const std::string& b) { return a.name < b; });
     if (found == end || found->name != word) return std::nullopt;
     return detail::of_bytes(found->rgb, 255);
+}
+
+double alpha_of(std::string_view text) {
+    if (const auto colour = parse_colour(text)) return colour->alpha;
+    constexpr std::array notations{"rgb(", "rgba(", "hsl(",   "hsla(",  "hwb(",
+                                   "lab(", "lch(",  "oklab(", "oklch(", "color("};
+    const std::string word = detail::lowered(detail::trimmed(text));
+    const auto begins = [&](const char* notation) { return word.starts_with(notation); };
+    if (std::none_of(notations.begin(), notations.end(), begins) || !word.ends_with(')')) return 1;
+    const bool has_commas = std::count(word.begin(), word.end(), ',') == 3;
+    const std::size_t at = word.rfind(has_commas ? ',' : '/');
+    if (at == std::string::npos) return 1;
+    const std::string_view given =
+        detail::trimmed(std::string_view(word).substr(at + 1, word.size() - at - 2));
+    const auto alpha = parse_length(given, 1);
+    return given == "none" ? 0 : alpha ? *alpha : 1;
 }
 
 double to_linear(double displayed) {

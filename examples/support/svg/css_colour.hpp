@@ -18,6 +18,9 @@ struct PaintColour {
 /// transparent. Nothing where the text is none of these: `none`, a gradient, `currentColor`.
 std::optional<PaintColour> parse_colour(std::string_view text);
 
+/// The opacity of a colour in any notation of CSS; 1 where the text gives none.
+double alpha_of(std::string_view text);
+
 /// Light, in proportion to its energy, from what a display is sent, and back: IEC 61966-2-1 (sRGB).
 double to_linear(double displayed);
 double to_displayed(double linear);

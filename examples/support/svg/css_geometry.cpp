@@ -266,8 +266,7 @@ private:
     bool take_geometry(pugi::xml_node node, const std::string& kind, Values& values, const Viewport& view) {
         static const std::vector<const char*> of_box{"x", "y", "width", "height"}, none;
         const auto shape = shape_attributes().find(kind);
-        const bool has_place = kind == "use" || kind == "svg"; // browsers differ in the size of these
-        const bool has_box = has_place || kind == "image" || kind == "foreignObject";
+        const bool has_box = kind == "use" || kind == "svg" || kind == "image" || kind == "foreignObject";
         const auto& names = shape != shape_attributes().end() ? shape->second : has_box ? of_box : none;
         bool all = true;
         for (const std::string name : geometry) {
@@ -281,9 +280,11 @@ private:
                 by_css ? found->second.text : styles_.substituted(node, attribute).value_or("unset");
             const auto written = has_name ? geometry_text(name, text, view) : std::nullopt;
             const bool is_fault = !by_css && !is_valid(name, text, true); // the walk names it
-            if ((has_name && !written && !is_fault) || (by_css && has_place && is_size)) {
+            // Browsers ignore these of a nested svg, and differ in the size of a use.
+            const bool is_ignored = by_css && (kind == "svg" ? has_name : kind == "use" && is_size);
+            if ((has_name && !written && !is_fault) || is_ignored) {
                 report(node, name, text);
-                all = false;
+                all = all && is_ignored;
                 continue;
             }
             if (written && *written != attribute) set_attribute(node, name.c_str(), escaped(*written));

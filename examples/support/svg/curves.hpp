@@ -5,6 +5,7 @@
 
 #include "svg/document.hpp"
 #include "svg/motion.hpp"
+#include "svg/shapes.hpp"
 
 #include <algorithm>
 #include <array>
@@ -19,19 +20,29 @@ namespace cageform_examples {
 
 namespace detail {
 
-/// Tests whether a coordinate may be written; beyond this range sums and products of coordinates overflow.
-inline bool in_range(const Point2& p) {
-    return std::abs(p.x) <= 1e100 && std::abs(p.y) <= 1e100;
+/// The largest that may be written; beyond it sums and products of coordinates overflow.
+constexpr double most_coordinate = 1e100;
+
+inline bool in_range(const Point2& p, double most = most_coordinate) {
+    return std::abs(p.x) <= most && std::abs(p.y) <= most;
 }
 
-inline bool in_range(const Path& path) {
-    return std::all_of(path.begin(), path.end(), [](const Subpath& subpath) {
-        return in_range(subpath.start) &&
-               std::all_of(subpath.segments.begin(), subpath.segments.end(), [](const Segment& s) {
-                   return in_range(s.p1) && in_range(s.p2) && in_range(s.p3);
+inline bool in_range(const Path& path, double most = most_coordinate) {
+    return std::all_of(path.begin(), path.end(), [most](const Subpath& subpath) {
+        return in_range(subpath.start, most) &&
+               std::all_of(subpath.segments.begin(), subpath.segments.end(), [most](const Segment& s) {
+                   return in_range(s.p1, most) && in_range(s.p2, most) && in_range(s.p3, most);
                });
     });
 }
+
+/// The layer of a path's points, and where they are seen.
+struct PathRole {
+    std::size_t layer = 0;
+    Box seen;
+
+    PointRole at(const Point2& p) const { return {layer, seen.contains({p.x, p.y, p.x, p.y})}; }
+};
 
 /// Deforms paths in one or more frames and covers the result with cubics. Every segment is sampled at equal
 /// steps, a multiple of six; a piece takes the cubic through its samples at 0, 1/3, 2/3 and 1 if in every
@@ -49,9 +60,11 @@ public:
         , max_halvings_(max_halvings)
         , report_(report) {}
 
-    /// False if the deformer stopped or gave a point out of range: see `failure()`.
+    /// False if the deformer stopped: see `failure()`.
     ///   roles   of each path, for the deformer
-    bool run(const std::vector<Path>& paths, const std::vector<PointRole>& roles) {
+    bool run(const std::vector<Path>& paths, std::vector<PathRole> roles) {
+        roles_ = std::move(roles);
+        lost_.resize(paths.size());
         for (std::size_t i = 0; i < paths.size(); ++i) {
             paths_.push_back({subpaths_.size(), subpaths_.size() + paths[i].size()});
             for (const Subpath& subpath : paths[i]) {
@@ -60,11 +73,11 @@ public:
                 for (const Segment& s : subpath.segments) {
                     const std::size_t places = frames_ * (steps(from, s) + 1);
                     pieces_.push_back({curves_.size(), 0, 1, 0, std::vector<Point2>(places), {}, false});
-                    curves_.push_back({from, s, roles[i]});
+                    curves_.push_back({from, s, i});
                     from = s.p3;
                 }
-                subpaths_.push_back({subpath.start, roles[i], subpath.closed, subpath.has_closing_line, first,
-                                     curves_.size()});
+                subpaths_.push_back(
+                    {subpath.start, i, subpath.closed, subpath.has_closing_line, first, curves_.size()});
             }
         }
         starts_.resize(frames_ * subpaths_.size());
@@ -72,7 +85,7 @@ public:
         record_motions();
         for (std::size_t f = 0; f < frames_; ++f) {
             for (std::size_t k = 0; k < subpaths_.size(); ++k) {
-                const auto& [start, role, closed, has_closing_line, first, end] = subpaths_[k];
+                const auto& [start, path, closed, has_closing_line, first, end] = subpaths_[k];
                 for (std::size_t i = first; i < end; ++i) {
                     samples_of(pieces_[i], f).front() =
                         i == first ? start_of(k, f) : samples_of(pieces_[i - 1], f).back();
@@ -83,11 +96,15 @@ public:
         while (settle_all()) {
             if (!sample(2)) return false;
         }
-        report_.segments += pieces_.size();
+        for (const Piece& piece : pieces_) report_.segments += is_lost(curves_[piece.curve].path) ? 0 : 1;
         return true;
     }
 
     const std::string& failure() const { return failure_; }
+
+    /// Whether the deformer gave a point of a path that is not finite, or out of range. Such a path has no
+    /// pieces and has not moved.
+    bool is_lost(std::size_t index) const { return lost_[index]; }
 
     /// A path in a frame.
     Path path(std::size_t index, std::size_t frame) const {
@@ -125,26 +142,27 @@ public:
         return in_pieces(
             index, [&](std::size_t k) { return subpaths_[k].start; },
             [&](const Piece& piece) {
-                const auto& [from, s, role] = curves_[piece.curve];
+                const auto& [from, s, path] = curves_[piece.curve];
                 return part_of(from, s, piece.from, piece.to);
             });
     }
 
     /// How a path has moved until a frame, from its first samples.
     const Motion& motion(std::size_t index, std::size_t frame) const {
-        return motions_[index * frames_ + frame];
+        static const Motion none;
+        return is_lost(index) ? none : motions_[index * frames_ + frame];
     }
 
 private:
     struct Curve {
         Point2 p0;
         Segment rest;
-        PointRole role;
+        std::size_t path = 0;
     };
 
     struct PlacedSubpath {
         Point2 start; // at rest
-        PointRole role;
+        std::size_t path = 0;
         bool closed = false, has_closing_line = false;
         std::size_t first = 0, end = 0; // its curves
     };
@@ -161,7 +179,7 @@ private:
 
     Path in_pieces(std::size_t index, const auto& start, const auto& segment) const {
         Path path;
-        for (std::size_t k = paths_[index].first; k < paths_[index].second; ++k) {
+        for (std::size_t k = paths_[index].first; k < paths_[index].second && !is_lost(index); ++k) {
             const PlacedSubpath& subpath = subpaths_[k];
             path.push_back({start(k), {}, subpath.closed});
             each_piece(subpath, [&](const Piece& piece) { path.back().segments.push_back(segment(piece)); });
@@ -207,11 +225,14 @@ private:
     bool sample(std::size_t stride) {
         std::vector<Point2> in;
         std::vector<PointRole> roles;
+        std::vector<std::size_t> paths; // of the points
+        const auto add = [&](const Point2& p, std::size_t path) {
+            in.push_back(p);
+            roles.push_back(roles_[path].at(p));
+            paths.push_back(path);
+        };
         if (stride == 1) {
-            for (const PlacedSubpath& subpath : subpaths_) {
-                in.push_back(subpath.start);
-                roles.push_back(subpath.role);
-            }
+            for (const PlacedSubpath& subpath : subpaths_) add(subpath.start, subpath.path);
         }
         for (const Piece& piece : pieces_) {
             if (piece.settled) continue;
@@ -220,8 +241,7 @@ private:
             for (std::size_t i = 1; i < n; i += stride) {
                 const double t = piece.from + (piece.to - piece.from) *
                                                   (static_cast<double>(i) / static_cast<double>(n - 1));
-                in.push_back(place_on(curve.p0, curve.rest, t));
-                roles.push_back(curve.role);
+                add(place_on(curve.p0, curve.rest, t), curve.path);
             }
         }
         if (in.empty()) return true;
@@ -237,9 +257,8 @@ private:
             failure_ = "the deformation was stopped";
             return false;
         }
-        if (!std::all_of(out.begin(), out.end(), [](const Point2& p) { return in_range(p); })) {
-            failure_ = "the deformation gave a point that is not finite, or out of range";
-            return false;
+        for (std::size_t i = 0; i < out.size(); ++i) {
+            if (!in_range(out[i])) lost_[paths[i % in.size()]] = true;
         }
         for (std::size_t f = 0; f < frames_; ++f) {
             const Point2* next = out.data() + f * in.size();
@@ -288,6 +307,7 @@ private:
         std::vector<Piece> next;
         next.reserve(pieces_.size());
         for (Piece& piece : pieces_) {
+            piece.settled = piece.settled || is_lost(curves_[piece.curve].path);
             if (piece.settled) {
                 next.push_back(std::move(piece));
             } else {
@@ -443,6 +463,8 @@ private:
     double diagonal_;
     int max_halvings_;
     DeformReport& report_;
+    std::vector<PathRole> roles_;
+    std::vector<bool> lost_;
     std::vector<std::pair<std::size_t, std::size_t>> paths_; // the subpaths of each, first and end
     std::vector<PlacedSubpath> subpaths_;
     std::vector<Point2> starts_; // of all subpaths, frame by frame

@@ -82,21 +82,6 @@ bool has_inside(const Path& path) {
     });
 }
 
-/// The box of each shape that is seen, by what clips it; empty for others.
-std::vector<Box> seen(const Drawing& drawing, const std::vector<DrawnShape>& shapes) {
-    std::vector<Box> boxes;
-    boxes.reserve(shapes.size());
-    for (const DrawnShape& shape : shapes) {
-        boxes.push_back(is_seen(shape) ? painted_box(shape, {}) : Box());
-    }
-    for (const Reference& r : drawing.references) {
-        if (r.level != 0 || local_name(r.target) != "clipPath" || r.first_inside == r.end_inside) continue;
-        const Box clip = bounds(shapes, r.first_inside, r.end_inside, 1, {});
-        for (std::size_t i = r.first; i < r.end; ++i) boxes[i] = boxes[i].within(clip);
-    }
-    return boxes;
-}
-
 /// Grows the viewBox of the root to a box; its width and height too, so that nothing gets smaller.
 void grow_view_box(pugi::xml_node root, const ViewBox& view, const Box& to) {
     const auto write = [&](double v) { return format_number(v, 6); };
@@ -111,6 +96,38 @@ void grow_view_box(pugi::xml_node root, const ViewBox& view, const Box& to) {
     };
     grow("width", to.width() / view.width);
     grow("height", to.height() / view.height);
+}
+
+/// Whether an element in the root may have a length in percent of the picture. Moved shapes have none.
+bool has_percentages(pugi::xml_node root) {
+    for (pugi::xml_node node = next_node(root, root); node; node = next_node(node, root)) {
+        const std::string kind = local_name(node);
+        if (kind.empty() || kind == "stop") continue;
+        if (kind == "style" && std::string_view(node.text().get()).find('%') != std::string_view::npos)
+            return true;
+        bool in_user_space = !kind.ends_with("Gradient"), has_percent = false;
+        for (const pugi::xml_attribute attribute : node.attributes()) {
+            const std::string_view value = attribute.value();
+            in_user_space = in_user_space || value == "userSpaceOnUse";
+            has_percent = has_percent || value.find('%') != std::string_view::npos;
+        }
+        if (in_user_space && has_percent) return true;
+    }
+    return false;
+}
+
+/// Puts what the root holds into a nested svg of the given size, whose percentages stay as they are.
+void keep_percentages(pugi::xml_node root, const ViewBox& view) {
+    pugi::xml_node inner = root.append_child(root.name());
+    while (root.first_child() != inner) inner.append_move(root.first_child());
+    const auto write = [](double v) { return format_number(v, 17); };
+    set_attribute(inner, "x", write(view.x));
+    set_attribute(inner, "y", write(view.y));
+    set_attribute(inner, "width", write(view.width));
+    set_attribute(inner, "height", write(view.height));
+    set_attribute(inner, "viewBox",
+                  write(view.x) + ' ' + write(view.y) + ' ' + write(view.width) + ' ' + write(view.height));
+    set_attribute(inner, "overflow", "visible");
 }
 
 void drop_markers(const StyleSheets& styles, pugi::xml_node node) {
@@ -195,19 +212,24 @@ public:
         if (!rest) return rest.error();
         for (std::string& line : styles_.report.lines()) result_.report.warnings.push_back(std::move(line));
         rest_ = std::move(*rest);
-        const auto roles = roles_of(rest_.shapes);
+        seen_before_ = seen_boxes(rest_, rest_.shapes);
+        auto roles = roles_of(rest_.shapes);
         if (!roles) return roles.error();
         std::vector<Path> paths;
         paths.reserve(rest_.shapes.size());
         for (const DrawnShape& shape : rest_.shapes) paths.push_back(shape.path);
         CurveDeformer curves(deformer_, frames_, tolerance_, diagonal_, options_.max_halvings,
                              result_.report);
-        if (!curves.run(paths, *roles)) return SvgError{work_.name + ": " + curves.failure()};
+        if (!curves.run(paths, std::move(*roles))) return SvgError{work_.name + ": " + curves.failure()};
         result_.report.shapes = paths.size();
         moves_.resize(paths.size());
         for (std::size_t i = 0; i < paths.size(); ++i) {
             const auto& carrier = rest_.shapes[i].carrier;
             moves_[i] = carrier && moves_[*carrier];
+            if (curves.is_lost(i))
+                result_.report.warnings.push_back(
+                    label(work_, rest_.shapes[i].node) +
+                    ": no place can be computed for a point of it; it stays as it is");
             for (std::size_t f = 0; f < frames_ && !moves_[i]; ++f) moves_[i] = curves.motion(i, f).moved();
         }
         if (!moved()) return std::nullopt;
@@ -228,9 +250,9 @@ private:
     };
 
     /// The role of every shape's points; fails where a layer has no shape.
-    SvgResult<std::vector<PointRole>> roles_of(const std::vector<DrawnShape>& shapes) const {
-        std::vector<PointRole> roles(shapes.size());
-        for (std::size_t i = 0; i < shapes.size(); ++i) roles[i].is_painted = is_seen(shapes[i]);
+    SvgResult<std::vector<PathRole>> roles_of(const std::vector<DrawnShape>& shapes) const {
+        std::vector<PathRole> roles;
+        for (const Box& box : seen_before_) roles.push_back({0, box.grown(1e-9 * diagonal_)}); // by roundings
         for (std::size_t n = 0; n < options_.layers.size(); ++n) {
             bool found = false;
             for (std::size_t i = 0; i < shapes.size(); ++i) {
@@ -264,13 +286,12 @@ private:
             regions_[r].before =
                 bounds(shapes, reference.first, reference.end, reference.level, reference.from_root);
         }
-        seen_before_ = seen(rest_, shapes);
         seen_after_.resize(shapes.size());
         for (std::size_t f = 0; f < frames_; ++f) {
             for (std::size_t i = 0; i < shapes.size(); ++i) {
                 DrawnShape& shape = shapes[i];
-                shape.path = curves.path(i, f);
                 if (!moves_[i]) continue;
+                shape.path = curves.path(i, f);
                 Moved& moved = moved_[i];
                 const auto best = curves.motion(i, f).best_map();
                 moved.has_map = moved.has_map || best;
@@ -315,7 +336,7 @@ private:
                 regions_[r].moved = regions_[r].moved || motion.moved();
                 regions_[r].maps.push_back(best ? std::optional(compose(back, *best)) : std::nullopt);
             }
-            const std::vector<Box> after = seen(rest_, shapes);
+            const std::vector<Box> after = seen_boxes(rest_, shapes);
             for (std::size_t i = 0; i < shapes.size(); ++i) seen_after_[i].add(after[i]);
         }
         return std::nullopt;
@@ -528,6 +549,7 @@ private:
             all.add(seen_after_[i]);
         }
         if (!options_.fit || result_.report.cut_off == 0) return;
+        if (has_percentages(root_element(work_.xml))) keep_percentages(root_element(work_.xml), view_);
         grow_view_box(root_element(work_.xml), view_, all.grown(1e-3 * diagonal_));
         result_.report.cut_off = 0;
     }

@@ -78,8 +78,8 @@ using Deformer = std::function<bool(std::span<const Point2> in, std::span<Point2
 
 /// The role of a point in the drawing.
 struct PointRole {
-    std::size_t layer = 0;  // as DeformOptions::layers has them
-    bool is_painted = true; // else of a clip path or a mask, or of what is hidden, transparent or unpainted
+    std::size_t layer = 0; // as DeformOptions::layers has them
+    bool is_seen = true;   // else in a clip path or mask, hidden, transparent, unpainted or clipped off
 };
 
 /// Works as Deformer, into several frames: out[f * in.size() + i] is where point i is in frame f.
@@ -158,6 +158,7 @@ struct DrawnShape {
     std::string stroke = "none";
     double stroke_width = 1; // in its own user space
     double fill_opacity = 1, stroke_opacity = 1;
+    bool has_fill = true, has_stroke = false; // that is not transparent
     double miter_limit = 4;
     bool has_miters = true;             // stroke-linejoin
     bool has_square_caps = false;       // stroke-linecap
@@ -219,8 +220,9 @@ SvgResult<std::vector<Point2>> figure_vertices(const SvgDocument& document);
 ///              have to be halved, at most 1 + max_halvings times
 ///   accuracy   every sample of a deformed curve is within the tolerance of the path written, before the
 ///              rounding to `decimals`; features narrower than a 64th of the viewBox's diagonal may be missed
-///   fails      where copies are too many or nested too deeply, on points out of range, or when the deformer
-///              returns false
+///   left       a shape that is out of range, or of which the deformer gives a point that is not finite,
+///              stays as it is, with a warning
+///   fails      where copies are too many or nested too deeply, or when the deformer returns false
 SvgResult<DeformReport> deform(SvgDocument& document, const Deformer& deformer,
                                const DeformOptions& options = {});
 

@@ -60,6 +60,27 @@ bool has_content(pugi::xml_node server) {
     }));
 }
 
+} // namespace
+
+std::vector<pugi::xml_node> server_chain(const IdTable& ids, const std::string& id) {
+    std::vector<pugi::xml_node> chain;
+    for (pugi::xml_node node = id.empty() ? pugi::xml_node() : ids.find(id); node;) {
+        const bool is_pattern = local_name(chain.empty() ? node : chain.front()) == "pattern";
+        if (is_pattern ? local_name(node) != "pattern" : !is_gradient(local_name(node))) break;
+        if (std::find(chain.begin(), chain.end(), node) != chain.end() || chain.size() > 30) break;
+        chain.push_back(node);
+        node = ids.referred(reference_of(node));
+    }
+    return chain;
+}
+
+pugi::xml_node content_owner(const std::vector<pugi::xml_node>& chain) {
+    const auto owner = std::find_if(chain.begin(), chain.end(), has_content);
+    return owner == chain.end() ? pugi::xml_node() : *owner;
+}
+
+namespace {
+
 const char* transform_name(const PaintServer& server) {
     return server.is_pattern ? "patternTransform" : "gradientTransform";
 }
@@ -88,18 +109,10 @@ void PaintFollower::follow(const DrawnShape& shape, const std::vector<Affine2>& 
 }
 
 std::optional<PaintServer> PaintFollower::find(const std::string& value) {
-    const std::string id = referenced_id(value);
     Server server;
-    for (pugi::xml_node node = id.empty() ? pugi::xml_node() : ids_.find(id); node;) {
-        const std::string kind = local_name(node);
-        if (server.chain.empty()) server.is_pattern = kind == "pattern";
-        if (server.is_pattern ? kind != "pattern" : !is_gradient(kind)) break;
-        if (std::find(server.chain.begin(), server.chain.end(), node) != server.chain.end()) break;
-        if (server.chain.size() > 30) break;
-        server.chain.push_back(node);
-        node = ids_.referred(reference_of(node));
-    }
+    server.chain = server_chain(ids_, referenced_id(value));
     if (server.chain.empty()) return std::nullopt;
+    server.is_pattern = local_name(server.chain.front()) == "pattern";
     const char* const name = transform_name(server);
     auto transform = parse_transform(chain_text(server, name));
     for (; !transform; transform = parse_transform(chain_text(server, name))) { // browsers take the next one
@@ -195,8 +208,7 @@ pugi::xml_node PaintFollower::add_copy(const Server& server) {
 
 pugi::xml_node PaintFollower::copy_of_gradient(const Server& gradient) {
     pugi::xml_node copy = add_copy(gradient);
-    const auto owner = std::find_if(gradient.chain.begin(), gradient.chain.end(), has_content);
-    if (owner != gradient.chain.end()) refer(copy, stops_of(*owner));
+    if (const pugi::xml_node owner = content_owner(gradient.chain)) refer(copy, stops_of(owner));
     return copy;
 }
 
@@ -226,8 +238,7 @@ bool PaintFollower::content_is_of_box(const Server& pattern) const {
 /// that of the original: a pattern without elements takes it from the one that it refers to.
 pugi::xml_node PaintFollower::copy_of_pattern(const Server& pattern, const Box& rest) {
     pugi::xml_node copy = add_copy(pattern);
-    const auto owner = std::find_if(pattern.chain.begin(), pattern.chain.end(), has_content);
-    if (owner != pattern.chain.end()) refer(copy, attribute_text(*owner, "id"));
+    if (const pugi::xml_node owner = content_owner(pattern.chain)) refer(copy, attribute_text(owner, "id"));
 
     const auto number = [&](const char* name) { return fraction_or_number(chain_text(pattern, name), 0); };
     const double width = number("width");

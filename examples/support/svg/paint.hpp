@@ -15,6 +15,12 @@ namespace cageform_examples {
 
 namespace detail {
 
+/// The gradient or pattern of this id, then those it takes attributes from; empty where there is none.
+std::vector<pugi::xml_node> server_chain(const IdTable& ids, const std::string& id);
+
+/// The first of a chain that has stops or a tile; nothing where none has.
+pugi::xml_node content_owner(const std::vector<pugi::xml_node>& chain);
+
 /// A gradient or pattern, and those it takes attributes from.
 struct PaintServer {
     std::vector<pugi::xml_node> chain; // itself first

@@ -368,8 +368,8 @@ SvgResult<Affine2> parse_transform(std::string_view text) {
         } else if (name == "skewY" && n == 1) {
             step.b = std::tan(angle);
         } else {
-            scan.fail_at(begin,
-                         "no transform " + std::string(name) + " with " + std::to_string(n) + " numbers");
+            scan.fail_at(begin, "no transform " + std::string(name) + " with " + std::to_string(n) +
+                                    (n == 1 ? " number" : " numbers"));
             return scan.error();
         }
         result = compose(result, step);

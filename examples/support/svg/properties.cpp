@@ -20,19 +20,20 @@ constexpr std::string_view placing_names =
     "x y width height cx cy r rx ry d transform transform-origin transform-box translate rotate scale";
 
 constexpr std::string_view read_names = R"(
-clip-path display fill fill-opacity fill-rule filter font-size marker marker-end marker-mid marker-start mask
-opacity overflow stroke stroke-dasharray stroke-linecap stroke-linejoin stroke-miterlimit stroke-opacity
-stroke-width text-anchor visibility)";
+alignment-baseline clip-path color display dominant-baseline fill fill-opacity fill-rule filter font-size
+marker marker-end marker-mid marker-start mask
+opacity overflow stop-color stop-opacity stroke stroke-dasharray stroke-linecap stroke-linejoin stroke-miterlimit stroke-opacity
+stroke-width text-anchor text-decoration text-decoration-line text-transform visibility word-spacing)";
 
 constexpr std::string_view kept_names = R"(
-alignment-baseline animation-composition animation-delay animation-direction animation-duration
+animation-composition animation-delay animation-direction animation-duration
 animation-fill-mode animation-iteration-count animation-play-state animation-range animation-timeline
 animation-timing-function backface-visibility background background-attachment background-clip
 background-color background-image background-origin background-position background-repeat background-size
 baseline-shift baseline-source block-size border border-bottom border-collapse border-color border-left
 border-radius border-right border-spacing border-style border-top border-width bottom box-shadow box-sizing
-caret-color clear clip clip-rule color color-interpolation color-interpolation-filters color-profile
-color-rendering color-scheme contain content cursor direction dominant-baseline enable-background
+caret-color clear clip clip-rule color-interpolation color-interpolation-filters color-profile
+color-rendering color-scheme contain content cursor direction enable-background
 flex flex-direction float flood-color flood-opacity font font-family font-feature-settings
 font-kerning font-language-override font-optical-sizing font-palette font-size-adjust font-stretch
 font-style font-synthesis font-variant font-variant-alternates font-variant-caps font-variant-east-asian
@@ -45,14 +46,14 @@ object-fit object-position offset-anchor offset-distance offset-position offset-
 outline-color outline-offset outline-style outline-width overflow-wrap overflow-x overflow-y padding
 padding-bottom padding-left padding-right padding-top page paint-order perspective-origin pointer-events
 position print-color-adjust quotes right shape-image-threshold shape-margin shape-outside shape-padding
-shape-rendering solid-color solid-opacity src stop-color stop-opacity stroke-dashoffset
-tab-size text-align text-align-all text-align-last text-combine-upright text-decoration
-text-decoration-color text-decoration-fill text-decoration-line text-decoration-skip-ink
+shape-rendering solid-color solid-opacity src stroke-dashoffset
+tab-size text-align text-align-all text-align-last text-combine-upright
+text-decoration-color text-decoration-fill text-decoration-skip-ink
 text-decoration-stroke text-decoration-style text-decoration-thickness text-indent text-orientation
-text-overflow text-rendering text-shadow text-size-adjust text-transform text-underline-offset
+text-overflow text-rendering text-shadow text-size-adjust text-underline-offset
 text-underline-position top touch-action transform-style transition-behavior transition-delay
 transition-duration transition-timing-function unicode-bidi user-select vector-effect vertical-align
-white-space white-space-collapse widows will-change word-break word-spacing word-wrap writing-mode z-index
+white-space white-space-collapse widows will-change word-break word-wrap writing-mode z-index
 -inkscape-font-specification -inkscape-stroke -inkscape-text-align -moz-osx-font-smoothing -moz-user-select
 -ms-user-select -webkit-font-smoothing -webkit-tap-highlight-color -webkit-text-size-adjust
 -webkit-transform-origin -webkit-user-select)";
@@ -306,7 +307,6 @@ void UnappliedReport::add(const std::string& where, const std::string& what, std
 }
 
 void UnappliedReport::declare(const std::string& where, std::string_view property, std::string_view value) {
-    const auto has = [value](std::string_view part) { return value.find(part) != std::string_view::npos; };
     switch (use_of(property)) {
     case PropertyUse::unknown:
         return add(where, "the property \"" + std::string(property) + "\" is not known and stays as it is");

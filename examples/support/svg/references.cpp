@@ -314,6 +314,8 @@ bool ShapeCollector::visit_reference(const char* property, const std::string& id
     }
     reference.first_inside = claim->first;
     reference.end_inside = claim->end;
+    const auto is_text = [](pugi::xml_node part) { return local_name(part) == "text"; };
+    reference.hides_rest = claim->first < claim->end || !target.find_node(is_text);
     reference.target = ids_.find(claim->id);
     if (claim->has_window) { // and its region no longer cuts
         Box region = region_in_user_space(reference.target, place.viewport, box);

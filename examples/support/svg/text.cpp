@@ -2,6 +2,7 @@
 
 #include "cli/guard.hpp"
 #include "pictures/render.hpp"
+#include "svg/css_geometry.hpp"
 #include "svg/walk.hpp"
 
 #include <algorithm>
@@ -170,10 +171,28 @@ bool has_lists(pugi::xml_node text) {
     return (lists(text) || text.find_node(lists)) && !text.find_node(on_path);
 }
 
+/// The lines that an element of a text has from itself and from what it stands in: the renderer knows
+/// only those of the element, and only by this property.
+std::string decoration_of(const StyleSheets& styles, pugi::xml_node node) {
+    std::string found;
+    for (const char* line : {"underline", "overline", "line-through"}) {
+        for (pugi::xml_node up = node; up.type() == pugi::node_element; up = up.parent()) {
+            const auto values = styles.values(up);
+            const std::string given = lowered(text_of(values, "text-decoration")) + ' ' +
+                                      lowered(text_of(values, "text-decoration-line"));
+            if (!has_word(given, line)) continue;
+            found += (found.empty() ? "" : " ") + std::string(line);
+            break;
+        }
+    }
+    return found;
+}
+
 /// Leaves of a document its texts and what they stand in, and paints every element of a text in a colour of
 /// its own. The picture shows three times the viewBox, in about 4096 pixels.
 void strip_to_texts(SvgDocument& document, const ViewBox& view, std::vector<DrawnText>& texts) {
     pugi::xml_node root = root_element(document.xml);
+    const StyleSheets styles(document);
     std::size_t colour = 1;
     for (pugi::xml_node node = root; node;) {
         const std::string kind = local_name(node);
@@ -193,6 +212,10 @@ void strip_to_texts(SvgDocument& document, const ViewBox& view, std::vector<Draw
             pugi::xml_node last_space;
             if (has_lists(node)) place_letters(node, open, last_space);
             if (last_space) last_space.set_value("");
+            for (pugi::xml_node part = node; part; part = next_node(part, node)) {
+                const std::string lines = decoration_of(styles, part);
+                if (!lines.empty()) append_declaration(part, "text-decoration", lines, false);
+            }
         }
         const bool keeps = is_group(kind) || kind == "style" || node.type() != pugi::node_element;
         if (is_group(kind)) {
@@ -248,6 +271,30 @@ SvgResult<std::string> outlines(const std::string& text) {
     }
     if (std::ferror(out.get()) != 0) return failure;
     return result;
+}
+
+/// Warns of what places or changes letters and is not in the outlines.
+void warn_of_ignored(const SvgDocument& document, const StyleSheets& styles, pugi::xml_node text,
+                     std::vector<std::string>& warnings) {
+    std::vector<pugi::xml_node> nodes;
+    for (pugi::xml_node up = text.parent(); up.type() == pugi::node_element; up = up.parent())
+        nodes.push_back(up);
+    for (pugi::xml_node part = text; part; part = next_node(part, text)) nodes.push_back(part);
+    for (const pugi::xml_node node : nodes) {
+        const auto tell = [&](const std::string& name, const std::string& value) {
+            const std::string line = label(document, node) + ": the outlines ignore " + name + ": " + value;
+            if (std::find(warnings.begin(), warnings.end(), line) == warnings.end()) warnings.push_back(line);
+        };
+        for (const char* name : {"rotate", "textLength"}) {
+            if (node.attribute(name)) tell(name, attribute_text(node, name));
+        }
+        for (const char* name :
+             {"alignment-baseline", "dominant-baseline", "text-transform", "word-spacing"}) {
+            const std::string value = lowered(styles.value(node, name).text);
+            if (!has_word("auto baseline alphabetic none normal 0 inherit", value.empty() ? "auto" : value))
+                tell(name, value);
+        }
+    }
 }
 
 /// Makes groups of a text and the elements in it, with a path where the first of an element's own letters
@@ -365,11 +412,7 @@ SvgResult<std::size_t> text_to_paths(SvgDocument& document, std::vector<std::str
         text.node.remove_attribute(number_attribute);
         const auto [first, end] = drawn->outlines_of(n);
         if (first != end) {
-            const auto places_letters = [](pugi::xml_node node) {
-                return node.attribute("rotate") || node.attribute("textLength");
-            };
-            if (places_letters(text.node) || text.node.find_node(places_letters))
-                warnings.push_back(label(work, text.node) + ": the outlines ignore rotate and textLength");
+            warn_of_ignored(work, styles, text.node, warnings);
             replace_text(text, drawn->outlines, tolerance);
             ++count;
         } else if (drawn->seen[n]) {

@@ -15,8 +15,9 @@ namespace cageform_examples {
 ///
 ///   returns   how many texts became outlines, copies by <use> included; those in clip paths, not displayed,
 ///             or of which nothing was drawn stay, the last with a warning
-///   places    the lists x, y, dx and dy hold for every letter; rotate and textLength are left out, with a
-///             warning
+///   places    the lists x, y, dx and dy hold for every letter; rotate, textLength and the properties of CSS
+///             that rsvg-convert does not draw are left out, with a warning
+///   lines     that text-decoration draws have the paint of the letters
 ///   fails     where rsvg-convert is not installed or cannot read the document, which is then unchanged
 SvgResult<std::size_t> text_to_paths(SvgDocument& document, std::vector<std::string>& warnings);
 

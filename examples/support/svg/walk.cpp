@@ -2,6 +2,7 @@
 #include "svg/css_colour.hpp"
 #include "svg/css_geometry.hpp"
 #include "svg/curves.hpp"
+#include "svg/paint.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -15,6 +16,7 @@ std::optional<SvgError> ShapeCollector::collect() {
     const pugi::xml_node root = root_element(document_.xml);
     if (!drop_bad_view_box(root)) return error_;
     const auto view = view_box(document_);
+    most_ = 0x1p35 * std::hypot(view.width, view.height);
     Place place;
     place.viewport.width = view.width;
     place.viewport.height = view.height;
@@ -47,10 +49,12 @@ void ShapeCollector::warn(pugi::xml_node node, const std::string& why) {
 void ShapeCollector::inherit(const Values& values, Place& place) {
     const auto take = [&](std::string_view property, std::string& to) {
         const std::string text = text_of(values, property);
-        if (!text.empty()) to = text.size() < 1000 ? text : "black"; // every shape has a copy
+        if (text.empty()) return;
+        to = lowered(text) == "none" ? "none" : text.size() < 1000 ? text : "black"; // every shape has a copy
     };
     take("fill", place.style.fill);
     take("stroke", place.style.stroke);
+    if (lowered(text_of(values, "color")) != "currentcolor") take("color", place.colour);
     take("text-anchor", place.text_anchor);
     for (std::size_t k = 0; k < marker_properties.size(); ++k) {
         for (const char* property : {"marker", marker_properties[k]}) {
@@ -68,7 +72,7 @@ void ShapeCollector::inherit(const Values& values, Place& place) {
 void ShapeCollector::inherit_outline(const Values& values, DrawnShape& style) {
     const auto take = [&](std::string_view property, std::string_view word, bool& is) {
         const std::string text = text_of(values, property);
-        if (!text.empty()) is = text == word;
+        if (!text.empty()) is = lowered(text) == word;
     };
     take("fill-rule", "evenodd", style.even_odd);
     take("stroke-linecap", "square", style.has_square_caps);
@@ -181,9 +185,12 @@ bool ShapeCollector::visit_svg(pugi::xml_node node, const Values& values, Place&
     place.viewport = size;
     if (!enter_view_box(node, inside, place.viewport)) return false;
     place.to_root = compose(place.to_root, inside);
+    const auto is_flat = [](const Viewport& each) { return !(each.width > 0 && each.height > 0); };
+    const bool draws_nothing = is_flat(size) || is_flat(place.viewport);
+    place.style.is_transparent = place.style.is_transparent || draws_nothing;
     const std::size_t first = drawing.shapes.size();
     if (error_ || !visit_children(node, place)) return false;
-    if (!options_.follow_references && symbols_.count(node.hash_value()) == 0) return true;
+    if (draws_nothing || (!options_.follow_references && symbols_.count(node.hash_value()) == 0)) return true;
 
     const std::string overflow = text_of(values, "overflow");
     const bool clips = overflow != "visible" && overflow != "auto";
@@ -244,7 +251,10 @@ bool ShapeCollector::enter_view_box(pugi::xml_node node, Affine2& to_root, Viewp
     Viewport box = viewport;
     box.width = view->width;
     box.height = view->height;
-    if (!(box.width > 0 && box.height > 0)) return true; // nothing is drawn, so nothing matters
+    if (!(box.width > 0 && box.height > 0)) {
+        if (box.width >= 0 && box.height >= 0) viewport = box; // nothing is drawn
+        return true;
+    }
     double sx = viewport.width / box.width;
     double sy = viewport.height / box.height;
     const std::string fit = attribute_text(node, "preserveAspectRatio");
@@ -319,9 +329,45 @@ bool ShapeCollector::add(pugi::xml_node node, Path path, const Place& place, boo
     shape.from_root = *from_root;
     shape.is_box = is_box;
     shape.path = transformed(std::move(path), place.to_root);
-    if (!in_range(shape.path)) return leave_out(error_at(document_, node, "coordinates out of range"));
+    if (!in_range(shape.path, options_.is_strict ? most_coordinate : most_)) {
+        if (options_.is_strict) return fail(node, "coordinates out of range");
+        warn(node, "has coordinates out of range and stays as it is");
+        return true;
+    }
+    shape.has_fill = shape.fill_opacity > 0 && shows(shape.fill, place.colour);
+    shape.has_stroke =
+        shape.stroke_width > 0 && shape.stroke_opacity > 0 && shows(shape.stroke, place.colour);
     drawing.shapes.push_back(std::move(shape));
     return true;
+}
+
+bool ShapeCollector::shows(std::string_view paint, const std::string& colour) {
+    const std::string word = lowered(trimmed(paint));
+    if (word.empty() || word == "none") return false;
+    if (word == "currentcolor") return alpha_of(colour) > 0;
+    if (!word.starts_with("url(")) return alpha_of(word) > 0;
+    const std::string id = referenced_id(paint);
+    const auto chain = server_chain(ids_, id);
+    if (id.empty()) return true; // of another file
+    if (chain.empty()) return shows(paint.substr(std::min(paint.find(')'), paint.size() - 1) + 1), colour);
+    const auto [found, is_new] = paints_.try_emplace(chain.front().hash_value(), false);
+    for (pugi::xml_node child : content_owner(chain).children()) {
+        if (!is_new || found->second) break;
+        found->second = local_name(chain.front()) == "pattern" || has_colour(child);
+    }
+    return found->second;
+}
+
+bool ShapeCollector::has_colour(pugi::xml_node stop) const {
+    if (local_name(stop) != "stop") return false;
+    const Values values = styles_.values(stop);
+    const auto opacity = parse_length(text_of(values, "stop-opacity"), 1);
+    std::string colour = text_of(values, "stop-color");
+    for (pugi::xml_node up = stop; up && lowered(colour) == "currentcolor"; up = up.parent()) {
+        const std::string given = text_of(styles_.values(up), "color");
+        if (!given.empty()) colour = given;
+    }
+    return alpha_of(colour) > 0 && (!opacity || *opacity > 0);
 }
 
 bool ShapeCollector::add_fixed(pugi::xml_node node, const std::string& kind, Place place) {
@@ -482,7 +528,7 @@ bool ShapeCollector::add_reach(pugi::xml_node text_path, const Path& path, Place
     Path reach = letters.empty() ? part_of(places, 0, whole)
                                  : part_of(places, std::max(from, 0.0), std::min(from + width, whole));
     if (reach.empty()) return true;
-    place.style.stroke = "currentColor";
+    place.style.stroke = "black";
     place.style.stroke_width = 1.6 * place.viewport.em;
     place.style.is_extent = true;
     return add(text_path, std::move(reach), place);
@@ -556,15 +602,6 @@ Box bounds(const std::vector<DrawnShape>& shapes, std::size_t first, std::size_t
     return box;
 }
 
-namespace {
-
-bool shows(const std::string& paint, double opacity) {
-    const auto colour = parse_colour(paint);
-    return paint != "none" && opacity > 0 && !(colour && colour->alpha <= 0);
-}
-
-} // namespace
-
 bool is_filter(const Reference& reference) {
     return !reference.target || local_name(reference.target) == "filter";
 }
@@ -574,13 +611,29 @@ bool has_markers(const DrawnShape& shape) {
                        [](const auto& id) { return !id.empty(); });
 }
 
-bool is_painted(const DrawnShape& shape) {
-    return shape.is_box || shows(shape.fill, shape.fill_opacity) ||
-           (shape.stroke_width > 0 && shows(shape.stroke, shape.stroke_opacity));
-}
-
-bool is_seen(const DrawnShape& shape) {
-    return shape.level == 0 && is_painted(shape) && shape.is_visible && !shape.is_transparent;
+std::vector<Box> seen_boxes(const Drawing& drawing, const std::vector<DrawnShape>& shapes) {
+    std::vector<Box> boxes;
+    boxes.reserve(shapes.size());
+    for (const DrawnShape& shape : shapes) {
+        boxes.push_back(!shape.is_visible      ? Box()
+                        : shape.clips          ? bounds(shape.path)
+                        : shape.is_transparent ? Box()
+                                               : painted_box(shape, {}));
+    }
+    for (const Reference& r : drawing.references) { // those inside clip paths come first
+        if (!r.hides_rest) continue;
+        Box inside;
+        for (std::size_t i = r.first_inside; i < r.end_inside; ++i) {
+            if (shapes[i].level == r.level + 1) inside.add(boxes[i]);
+        }
+        for (std::size_t i = r.first; i < r.end; ++i) {
+            if (shapes[i].level == r.level) boxes[i] = boxes[i].within(inside);
+        }
+    }
+    for (std::size_t i = 0; i < shapes.size(); ++i) {
+        if (shapes[i].level > 0) boxes[i] = {};
+    }
+    return boxes;
 }
 
 Box painted_bounds(const std::vector<DrawnShape>& shapes, std::size_t first, std::size_t end, int level,
@@ -600,9 +653,9 @@ void set_box(pugi::xml_node node, const Box& box, int digits) {
 }
 
 Box painted_box(const DrawnShape& shape, const Affine2& map) {
-    if (!is_painted(shape)) return {};
+    if (!(shape.is_box || shape.has_fill || shape.has_stroke)) return {};
     const Box box = bounds(shape.path, map);
-    const double width = shape.stroke == "none" ? 0 : shape.stroke_width;
+    const double width = shape.has_stroke ? shape.stroke_width : 0;
     return box.empty() ? box : box.grown(width / 2 * largest_scale(compose(map, shape.to_root)));
 }
 

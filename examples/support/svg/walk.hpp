@@ -23,7 +23,8 @@ struct Reference {
     Viewport viewport;
     int level = 0;
     std::size_t first = 0, end = 0;
-    std::size_t first_inside = 0, end_inside = 0; // the shapes of the clip path
+    std::size_t first_inside = 0, end_inside = 0; // the shapes of the clip path or mask
+    bool hides_rest = false;                      // what lies beyond these shapes
 };
 
 bool is_filter(const Reference& reference);
@@ -65,11 +66,9 @@ inline constexpr std::array marker_properties{"marker-start", "marker-mid", "mar
 
 bool has_markers(const DrawnShape& shape);
 
-/// Whether it has a fill or a stroke that is not transparent.
-bool is_painted(const DrawnShape& shape);
-
-/// Whether it shows in the picture itself: is painted, not hidden and not transparent.
-bool is_seen(const DrawnShape& shape);
+/// The box of each shape that is seen in the picture, by what clips it; empty for others.
+///   shapes   of the drawing, which may have moved
+std::vector<Box> seen_boxes(const Drawing& drawing, const std::vector<DrawnShape>& shapes);
 
 /// The box of what is painted of shapes [first, end) of this level, after a map.
 Box painted_bounds(const std::vector<DrawnShape>& shapes, std::size_t first, std::size_t end, int level,

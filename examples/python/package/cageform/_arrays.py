@@ -54,7 +54,8 @@ def _refuse_uneven(given: Any, name: str) -> None:
         _refuse_uneven(row, '%s[%d]' % (name, k))
     for k, row in enumerate(rows):
         if _count(row) != _count(rows[0]):
-            raise ValueError('%s[%d] has %d numbers, %s[0] %d' % (name, k, _count(row), name, _count(rows[0])))
+            raise ValueError('%s[%d] has %d number%s, %s[0] %d' %
+                             (name, k, _count(row), '' if _count(row) == 1 else 's', name, _count(rows[0])))
 
 
 def numbers(given: npt.ArrayLike, name: str) -> Array:
