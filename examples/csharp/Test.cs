@@ -72,15 +72,15 @@ static class Test
         }
         throw new Exception("nothing was refused");
     }
-    static void Throws<E>(Action call) where E : Exception
+    static E Throws<E>(Action call) where E : Exception
     {
         try
         {
             call();
         }
-        catch (E)
+        catch (E error)
         {
-            return;
+            return error;
         }
         throw new Exception("no " + typeof(E).Name);
     }
@@ -199,7 +199,11 @@ static class Test
             Require(error.Name == "index_out_of_range" && error.Message.EndsWith("(pin 2)"));
             Require(error.Culprit == "2");
             Throws<ArgumentException>(() => pins.Set(figure, new[] { 0, 7 }, new double[1]));
-            Throws<ArgumentException>(() => pins.Solve(new float[8], pose));
+            foreach (var words in new[] { "0 numbers", "1 number", "8 numbers" })
+            {
+                var few = Throws<ArgumentException>(() => pins.Solve(new float[words[0] - '0'], pose));
+                Require(few.Message.Contains(" has " + words + ", 9 are needed"));
+            }
             pins.Hold(new[] { 0 });
             Require(Refused(() => pins.Hold(new[] { 3, 8 })).Culprit == "8");
         }
