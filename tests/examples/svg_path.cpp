@@ -116,7 +116,6 @@ TEST_CASE("path data: repetition and compact numbers", "[examples][svg_path]") {
     CHECK(normal("M.5.5") == "M0.5 0.5");
     CHECK(normal("M1e-3,2E+1") == "M0.001 20");
     CHECK(normal("M+1 -.25") == "M1 -0.25");
-    CHECK(normal("M5. 6.") == "M5 6");
     CHECK(normal("M0 0 1 1 2 0") == "M0 0 L1 1 L2 0");
     CHECK(normal("m1 1 1 1 1-2") == "M1 1 L2 2 L3 0");
     CHECK(normal("M0 0H1 2 3V4 5") == "M0 0 L1 0 L2 0 L3 0 L3 4 L3 5");
@@ -238,6 +237,8 @@ TEST_CASE("path data: errors tell line, column and reason", "[examples][svg_path
     check("L1 1", 1, 1, "a path begins with M");
     check("  1 1", 1, 3, "expected a command letter");
     check("M1", 1, 3, "expected a number");
+    check("M5. 6", 1, 3, "expected a digit after the point");
+    check("M5 6.e1", 1, 5, "expected a digit after the point");
     check("M1 1 X", 1, 6, "expected a command letter");
     check("M1 1\nL2 2\n  L3,", 3, 6, "expected a number");
     check("M0 0 1", 1, 7, "expected a number");

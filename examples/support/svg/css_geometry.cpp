@@ -57,7 +57,7 @@ std::optional<double> length_in(const std::string& word, double whole, const Vie
 /// A factor of scale: a number or a percentage.
 std::optional<double> factor_of(const std::string& word) {
     const auto value = parse_length(word, 1);
-    const bool plain = !word.empty() && (is_digit(word.back()) || word.back() == '.' || word.back() == '%');
+    const bool plain = !word.empty() && (is_digit(word.back()) || word.back() == '%');
     return value && plain ? std::optional<double>(*value) : std::nullopt;
 }
 

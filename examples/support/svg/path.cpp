@@ -111,7 +111,11 @@ public:
         } else if (code != std::errc()) {
             return fail("expected a number");
         }
+        const std::size_t point = static_cast<std::size_t>(std::find(first, end, '.') - text_.data());
         at_ = static_cast<std::size_t>(end - text_.data());
+        if (point < at_ && !is_digit(text_[std::min(point + 1, text_.size() - 1)])) {
+            return fail_at(point, "expected a digit after the point"); // as browsers
+        }
         if (negative) value = -value;
         return true;
     }
