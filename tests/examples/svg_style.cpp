@@ -217,9 +217,10 @@ TEST_CASE("at-rules and media are read in any case of letters", "[examples][svg_
         CAPTURE(at);
         CHECK(applies("<style>" + at + rule + "</style>"));
     }
-    for (const std::string at : {"@MEDIA PRINT", "@media not screen", "@media print and (width:9px), not all",
-                                 "@SUPPORTS NOT (d:none)", "@supports (not (d:none))",
-                                 "@Supports (d:none) and (NOT (d:none))", "@FONT-FACE", "@KeyFrames a"}) {
+    for (const std::string at :
+         {"@MEDIA PRINT", "@media not screen", "@media print and (width:9px), not all",
+          "@SUPPORTS NOT (d:none)", "@supports (not (d:none))", "@Supports (d:none) and (NOT (d:none))",
+          "@supports (d:none) or (knot : 1)", "@FONT-FACE", "@KeyFrames a"}) {
         CAPTURE(at);
         CHECK_FALSE(applies("<style>" + at + rule + "</style>"));
     }
@@ -233,6 +234,9 @@ TEST_CASE("at-rules and media are read in any case of letters", "[examples][svg_
     }
     CHECK(deformed(svg("<style>@FONT-FACE{src:x}@KEYFRAMES a{to{x:1px}}</style>" + rect), slanted)
               .warnings.empty());
+    CHECK(deformed(svg("<style>@property --a{syntax:'*'}@supports(knot:1){a{}}</style>" + rect), slanted)
+              .warnings == std::vector<std::string>{"style (line 1): \"@property --a\" is not read",
+                                                    "style (line 1): \"@supports(knot:1)\" is not read"});
 }
 
 TEST_CASE("layers rank as CSS says", "[examples][svg_style][property]") {

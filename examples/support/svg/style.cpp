@@ -185,6 +185,16 @@ std::string size_in_font(std::string_view font) {
 const char* const whole_mark = "cageform-whole"; // attribute of an element that no pose moves
 const char* const rules_mark = "cageform-rules"; // attribute of an element: which of StyleSheets::marked_
 
+/// Whether a condition of @supports asks for known properties alone, which browsers support. Spaces stand for
+/// its brackets.
+bool asks_for_known(std::string_view condition) {
+    for (std::size_t colon = 0; (colon = condition.find(':', colon)) != std::string_view::npos; ++colon) {
+        const std::string_view before = trimmed(condition.substr(0, colon));
+        if (use_of(before.substr(before.rfind(' ') + 1)) == PropertyUse::unknown) return false;
+    }
+    return !has_word(condition, "not");
+}
+
 } // namespace
 
 StyleSheets::Applies StyleSheets::media_applies(std::string_view written) {
@@ -338,13 +348,12 @@ void StyleSheets::read(std::size_t sheet, std::size_t from, std::size_t end, con
         } else if (rule.starts_with(layers)) {
             inside.layer = layer_of(in.layer, trimmed(prelude.substr(layers.size())));
         }
-        // browsers support what drawings ask for
-        const bool is_supported = rule.starts_with("@supports") && !has_word(rule, "not");
+        const bool is_supported = rule.starts_with("@supports") && asks_for_known(rule);
         const bool is_read = rule.empty() || is_supported || is_any_of(rule, {media, layers});
         const bool is_small = in.depth < max_rule_depth && inside.selectors.size() < most_of_selectors;
         if (is_read && is_small) {
             read(sheet, open + 1, close, inside);
-        } else if (!is_any_of(rule, {"@font-", "@page", "@keyframes", "@-", "@property", "@counter-style"})) {
+        } else if (!is_any_of(rule, {"@font-", "@page", "@keyframes", "@-", "@counter-style"})) {
             report.add(place_of(sheet, prelude), '"' + std::string(prelude.substr(0, 60)) + "\" is not read");
         }
     }
