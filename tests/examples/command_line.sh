@@ -1081,6 +1081,7 @@ no_cage " paints nothing that a cage could enclose; path (line 1): has coordinat
 no_cage ': a coordinate of the figure is not a finite number, or too large' '<path stroke="red" stroke-width="1e308" d="M 5,5 L 50,50"/>'
 no_cage ' paints nothing that a cage could enclose; path (line 1): has coordinates out of range' '<path d="M 1e15,1e15 h 1 v 1 h -1 z"/>'
 no_cage ': the figure is a single point' '<path d="M 0,0 L 1e-300,0 L 0,1e-300 z"/>'
+no_cage ' paints nothing that a cage could enclose; circle (line 1): the property "r" is not deformed: abs(7px)' '<circle style="r:abs(7px)"/>'
 no_cage ' paints nothing that a cage could enclose; use "u" (line 1): uses itself' '<use id="u" href="#u"/>'
 : >hostile.svg
 refuses 'hostile.svg: the file is empty' "$make_cage" hostile.svg -o out.svg

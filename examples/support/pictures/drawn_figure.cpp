@@ -131,6 +131,7 @@ SvgResult<DrawnFigure> drawn_figure(const SvgDocument& document) {
     detail::IdTable ids(detail::root_element(work.xml));
     const auto drawing = detail::walk(work, styles, ids, {.boxes = true}, warnings);
     if (!drawing) return drawing.error();
+    for (std::string& line : styles.report.lines()) warnings.push_back(std::move(line));
     // Shapes beside the page are not seen, unless all lie there.
     const auto page = detail::page_of(work);
     const auto& all = drawing->shapes;
