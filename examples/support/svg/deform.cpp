@@ -182,6 +182,12 @@ bool has_direction(const StyleSheets& styles, const Reference& filter) {
     });
 }
 
+/// Whether a filter draws noise, which has a place in user space.
+bool has_noise(const Reference& filter) {
+    return std::any_of(filter.target.begin(), filter.target.end(),
+                       [](pugi::xml_node primitive) { return local_name(primitive) == "feTurbulence"; });
+}
+
 bool turns_plane(const Affine2& map) {
     return std::abs(map.a - 1) + std::abs(map.b) + std::abs(map.c) + std::abs(map.d - 1) > 1e-9;
 }
@@ -376,14 +382,15 @@ private:
                 }
                 maps.push_back(best && inverse(*best) ? *best : maps.empty() ? Affine2() : maps.back());
             }
-            if (std::none_of(maps.begin(), maps.end(), turns_plane)) continue;
+            const bool turns = std::any_of(maps.begin(), maps.end(), turns_plane);
+            if (!turns && !has_noise(r)) continue;
             if (stands_alone(r)) {
                 std::fill(filter_of_.begin() + std::ptrdiff_t(r.first),
                           filter_of_.begin() + std::ptrdiff_t(r.end), k);
                 std::fill(moves_.begin() + std::ptrdiff_t(r.first), moves_.begin() + std::ptrdiff_t(r.end),
                           true);
                 filter_maps_[k] = std::move(maps);
-            } else if (has_direction(styles_, r)) {
+            } else if (turns && has_direction(styles_, r)) {
                 result_.report.warnings.push_back(label(work_, r.node) + ": its filter keeps its direction");
             }
         }

@@ -136,7 +136,13 @@ void PaintFollower::follow(const DrawnShape& shape, const char* property, const 
     if (rest.empty() || moved.front().empty()) return;
 
     const auto from_rest = inverse(from_unit_square(rest));
-    if (server->of_box && !from_rest) return;
+    if (server->of_box && !from_rest) { // browsers paint a box without an area by what stands behind url()
+        const auto has_area = [](const Box& box) { return inverse(from_unit_square(box)).has_value(); };
+        const std::string otherwise(trimmed(std::string_view(value).substr(value.find(')') + 1)));
+        if (std::any_of(moved.begin(), moved.end(), has_area))
+            styles_.set(shape.node, property, otherwise.empty() ? "none" : otherwise);
+        return;
+    }
     // Whether paint goes where it is to go, by maps in user space or in units of the box.
     const auto goes_right = [&](bool of_box, const auto& map_of) {
         for (std::size_t n = 0; n < local.size(); ++n) {

@@ -159,8 +159,8 @@ constexpr std::string_view attribute_names = R"(
 accent-height accumulate additive alphabetic amplitude arabic-form ascent attributeName attributeType
 azimuth baseFrequency baseProfile bbox begin bias by calcMode cap-height class clipPathUnits
 contentScriptType contentStyleType crossorigin cy data decoding descent diffuseConstant divisor download dur
-dx dy edgeMode elevation end exponent externalResourcesRequired fetchpriority filterRes filterUnits font fr
-from fx fy g1 g2 glyph-name glyphRef gradientTransform gradientUnits hanging height horiz-adv-x
+dx dy edgeMode elevation end exponent externalResourcesRequired fetchpriority filterRes filterUnits focusable
+font fr from fx fy g1 g2 glyph-name glyphRef gradientTransform gradientUnits hanging height horiz-adv-x
 horiz-origin-x horiz-origin-y href hreflang id ideographic in in2 intercept k k1 k2 k3 k4 kernelMatrix
 kernelUnitLength keyPoints keySplines keyTimes lang lengthAdjust limitingConeAngle local markerHeight
 markerUnits markerWidth maskContentUnits maskUnits mathematical max media method min mode name nonce

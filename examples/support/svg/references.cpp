@@ -200,6 +200,9 @@ bool ShapeCollector::visit_references(pugi::xml_node node, const Values& values,
                                       std::size_t first) {
     if (!options_.follow_references) return true;
     const std::size_t end = drawing.shapes.size();
+    const std::string mask = text_of(values, "mask");
+    if (!mask.empty() && mask != "none" && referenced_id(mask).empty())
+        warn(node, "the property \"mask\" is not deformed: " + mask.substr(0, 60));
     if (make_clip_path(node, values, place, first))
         return visit_references(node, styles_.values(node), place, first);
     const auto good = [&](const char* property, const char* kind) {
@@ -284,7 +287,10 @@ bool ShapeCollector::visit_reference(const char* property, const std::string& id
     Affine2 to_root = place.to_root;
     Affine2 unit_square;
     if (of_box) {
-        if (box.empty() || !(box.width() > 0 && box.height() > 0)) return true; // nothing is drawn
+        if (box.empty() || !(box.width() > 0 && box.height() > 0)) {          // nothing is drawn
+            if (!box.empty()) styles_.set(reference.node, "display", "none"); // nor of a pose
+            return true;
+        }
         unit_square = {box.width(), 0, 0, box.height(), box.x0, box.y0};
         to_root = compose(to_root, unit_square);
     }
