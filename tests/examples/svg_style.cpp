@@ -224,7 +224,8 @@ TEST_CASE("at-rules and media are read in any case of letters", "[examples][svg_
         CAPTURE(at);
         CHECK_FALSE(applies("<style>" + at + rule + "</style>"));
     }
-    CHECK(applies("<style media='SCREEN'>rect{height:9px}</style>"));
+    CHECK(applies("<style media='SCREEN' type='text/css'>rect{height:9px}</style>"));
+    CHECK_FALSE(applies("<style type='text/less'>rect{height:9px}</style>"));
     for (const std::string at :
          {"(min-width:1px)", "screen and (height:9px), print", "not all and (color)"}) {
         const Result kept = deformed(svg("<style>@media " + at + rule + "</style><g/>" + rect), slanted);

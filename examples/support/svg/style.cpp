@@ -232,7 +232,8 @@ StyleSheets::StyleSheets(SvgDocument& document, std::size_t most)
     , search_{most} {
     const pugi::xml_node root = root_element(document.xml);
     for (pugi::xml_node node = root; node; node = next_node(node, root)) {
-        if (local_name(node) != "style") continue;
+        const std::string type = attribute_text(node, "type");
+        if (local_name(node) != "style" || !(type.empty() || type == "text/css")) continue; // as browsers
         std::string css;
         for (const pugi::xml_node text : node.children()) {
             if (text.type() == pugi::node_pcdata) css += unescaped(text.value());
