@@ -552,6 +552,11 @@ TEST_CASE("primitives and lights of a filter in user space follow",
         CHECK(distance(apply(own, p), apply(map, p)) < 1e-5);
     CHECK(find(carried, "path").attribute("d").value() == std::string("M30 40 L50 40 L50 50 L30 50 Z"));
     CHECK(carried.report.warnings.empty());
+    // noise has a place in user space: a move without a turn carries it too
+    const Affine2 shift{1, 0, 0, 1, map.e, map.f};
+    const Affine2 noisy =
+        transform_of(find(deformed(svg(filter("<feTurbulence/>") + plain), by(shift)), "path"));
+    CHECK(distance(apply(noisy, {}), apply(shift, {})) < 1e-5);
 }
 
 TEST_CASE("a nested svg clips what it did, where it went", "[examples][svg_document][clip]") {
