@@ -119,7 +119,7 @@ Box page_of(const SvgDocument& document) {
     };
     constexpr double far = std::numeric_limits<double>::infinity();
     if (!(view_box_of(root) || (is_given("width") && is_given("height")))) return {-far, -far, far, far};
-    return {view.x, view.y, view.x + view.width, view.y + view.height};
+    return box_of(view);
 }
 
 } // namespace detail

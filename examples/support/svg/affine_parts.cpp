@@ -26,10 +26,8 @@ void visit_pairs(const Path& a, const Path& b, const auto& visit) {
 
 class PartFinder {
 public:
-    PartFinder(const Drawing& rest, const StyleSheets& styles, const CurveDeformer& curves,
-               std::size_t frames, double tolerance)
+    PartFinder(const Drawing& rest, const CurveDeformer& curves, std::size_t frames, double tolerance)
         : rest_(rest)
-        , styles_(styles)
         , curves_(curves)
         , frames_(frames)
         , tolerance_(tolerance)
@@ -83,7 +81,6 @@ private:
             }
         }
         return (numbers >= few_numbers || part.end - part.first > 1) && inverse(part.to_root) &&
-               styles_.value(part.node, "transform").source <= StyleValue::Source::attribute &&
                std::none_of(rest_.references.begin(), rest_.references.end(),
                             [&](const Reference& r) { return is_in(r.node, part.node); });
     }
@@ -107,7 +104,6 @@ private:
     }
 
     const Drawing& rest_; // but for its paths
-    const StyleSheets& styles_;
     const CurveDeformer& curves_;
     std::size_t frames_;
     double tolerance_;
@@ -118,9 +114,9 @@ private:
 
 } // namespace
 
-std::vector<AffinePart> affine_parts(const Drawing& rest, const StyleSheets& styles,
-                                     const CurveDeformer& curves, std::size_t frames, double tolerance) {
-    return PartFinder(rest, styles, curves, frames, tolerance).run();
+std::vector<AffinePart> affine_parts(const Drawing& rest, const CurveDeformer& curves, std::size_t frames,
+                                     double tolerance) {
+    return PartFinder(rest, curves, frames, tolerance).run();
 }
 
 } // namespace detail

@@ -24,8 +24,8 @@ struct AffinePart {
 /// The largest groups and shapes for which one affine map is right in every frame, up to the tolerance,
 /// strokes included. No part lies in a clip path or mask. No part has markers, a clip path, a mask, a filter
 /// or text on a path. A shape alone is left out where its path takes fewer bytes than a transform.
-std::vector<AffinePart> affine_parts(const Drawing& rest, const StyleSheets& styles,
-                                     const CurveDeformer& curves, std::size_t frames, double tolerance);
+std::vector<AffinePart> affine_parts(const Drawing& rest, const CurveDeformer& curves, std::size_t frames,
+                                     double tolerance);
 
 } // namespace detail
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// The walk's state: for svg_walk.cpp and svg_references.cpp, which hold its functions.
+// The state of the walk, whose functions stand in walk.cpp and references.cpp.
 
 #include "svg/walk.hpp"
 
@@ -64,9 +64,9 @@ private:
     /// Visits what a <switch> chooses from. Each child goes into a group, so that the paths and clip paths
     /// that it needs can stand beside it.
     bool visit_choices(pugi::xml_node node, Place place);
-    /// Removes a transform that cannot be read: browsers take none.
-    bool drop_bad_transform(pugi::xml_node node);
-    bool apply_transform(pugi::xml_node node, Affine2& to_root);
+    /// The transform of an element. One that cannot be read is removed, since browsers take none. Returns
+    /// nothing where the walk has failed.
+    std::optional<Affine2> own_transform(pugi::xml_node node);
 
     // ---- nested svg ----
     /// A nested svg clips what it holds. One that cuts nothing no longer does; one that does becomes a
@@ -81,7 +81,7 @@ private:
     /// Maps the element's viewBox into `viewport`, which then becomes the viewBox's size.
     bool enter_view_box(pugi::xml_node node, Affine2& to_root, Viewport& viewport);
 
-    // ---- use (svg_references.cpp) ----
+    // ---- use (references.cpp) ----
     bool visit_use(pugi::xml_node use, const Place& parent);
     /// Returns the target of a `use`; if it cannot be used, returns nothing, with a warning or an error.
     pugi::xml_node used_element(pugi::xml_node use);
@@ -98,7 +98,7 @@ private:
     /// The nodes of an element after all uses in it have become copies, or more than the limit.
     std::size_t expanded_size(pugi::xml_node top, int depth = 0);
 
-    // ---- clip paths, masks and filters (svg_references.cpp) ----
+    // ---- clip paths, masks and filters (references.cpp) ----
     bool visit_references(pugi::xml_node node, const Values& values, const Place& place, std::size_t first);
     /// Makes a clip path of a basic shape of CSS that an element is clipped by, if it is.
     bool make_clip_path(pugi::xml_node node, const Values& values, const Place& place, std::size_t first);

@@ -22,8 +22,7 @@ struct CssItem {
     bool is_function = false;
 };
 
-/// The items of a value; nothing where a bracket stays open. Commas part words as spaces do, and a slash
-/// between the words of a function is a word.
+/// The items of a value. Nothing where a bracket stays open.
 std::optional<std::vector<CssItem>> css_items(std::string_view text) {
     const auto words = css_words(text);
     if (!words) return std::nullopt;
@@ -34,15 +33,7 @@ std::optional<std::vector<CssItem>> css_items(std::string_view text) {
         if (item.is_function) {
             const auto inside = css_words(word.substr(open + 1, word.size() - open - 2));
             if (!inside) return std::nullopt;
-            for (std::string_view part : *inside) {
-                const bool is_plain = part.find_first_of("(\"'") == std::string_view::npos;
-                for (std::size_t slash = 0; is_plain && (slash = part.find('/')) != std::string_view::npos;) {
-                    if (slash > 0) item.words.emplace_back(part.substr(0, slash));
-                    item.words.emplace_back("/");
-                    part.remove_prefix(slash + 1);
-                }
-                if (!part.empty()) item.words.emplace_back(part);
-            }
+            item.words.assign(inside->begin(), inside->end());
         }
         items.push_back(std::move(item));
     }
@@ -50,15 +41,14 @@ std::optional<std::vector<CssItem>> css_items(std::string_view text) {
 }
 
 std::optional<double> length_in(const std::string& word, double whole, const Viewport& view) {
-    const auto value = parse_length(word, whole, view.em, view.root_em);
-    return value ? std::optional<double>(*value) : std::nullopt;
+    return parse_length(word, whole, view.em, view.root_em).if_any();
 }
 
 /// A factor of scale: a number or a percentage.
-std::optional<double> factor_of(const std::string& word) {
-    const auto value = parse_length(word, 1);
-    const bool plain = !word.empty() && (is_digit(word.back()) || word.back() == '%');
-    return value && plain ? std::optional<double>(*value) : std::nullopt;
+std::optional<double> factor_of(std::string_view word) {
+    const auto number = read_quantity(word);
+    if (!number || (!number->unit.empty() && number->unit != "%")) return std::nullopt;
+    return number->unit.empty() ? number->value : number->value / 100;
 }
 
 /// A place in a box, from one or two words such as "left", "30%", "2em"; further words are of depth.
@@ -160,8 +150,7 @@ std::optional<Affine2> css_transform(std::string_view value, const char* name, c
         if (!function) return std::nullopt;
         text += *function;
     }
-    const auto map = parse_transform(text);
-    return map ? std::optional<Affine2>(*map) : std::nullopt;
+    return parse_transform(text).if_any();
 }
 
 /// See place_by_attributes().
@@ -389,7 +378,7 @@ private:
         if (!attribute) return std::nullopt; // the walk says why
         const auto own = values.count("transform") != 0
                              ? css_transform(text_of(values, "transform"), nullptr, box, view)
-                             : std::optional<Affine2>(*attribute);
+                             : attribute.if_any();
         if (!own) fault = "transform";
         if (!own) return std::nullopt;
         return compose(compose(map, *own), {1, 0, 0, 1, -about->x, -about->y});
@@ -432,16 +421,13 @@ private:
             const bool shifts = node.attribute("x") || node.attribute("y"); // browsers differ
             const auto own = parse_transform(attribute_text(target, "transform"));
             const Box inner = own && !shifts ? object_box(target, view, depth + 1) : box;
-            if (inner.empty()) return box;
-            for (const Point2& p : inner.corners()) box.add(apply(*own, p));
-            return box;
+            return inner.empty() ? box : inner.mapped(*own);
         }
         if ((kind != "g" && kind != "a" && kind != "switch") || depth > max_svg_depth) return box;
         for (const pugi::xml_node child : node.children()) {
             const auto own = parse_transform(attribute_text(child, "transform"));
             const Box inner = object_box(child, view, depth + 1);
-            if (!own || inner.empty()) continue;
-            for (const Point2& p : inner.corners()) box.add(apply(*own, p));
+            if (own && !inner.empty()) box.add(inner.mapped(*own));
         }
         return box;
     }
@@ -456,15 +442,12 @@ private:
 
 } // namespace
 
-std::optional<double> angle_of(const std::string& word) {
-    const std::size_t unit = std::min(word.find_first_not_of("+-.0123456789eE"), word.size());
-    const std::string name = lowered(word.substr(unit));
-    const auto number = parse_numbers(word.substr(0, unit));
-    if (!number || number->size() != 1) return std::nullopt;
-    for (const auto& [known, degrees] :
-         {std::pair("", 1.0), std::pair("deg", 1.0), std::pair("grad", 0.9), std::pair("turn", 360.0),
-          std::pair("rad", 180 / std::numbers::pi)}) {
-        if (name == known) return number->front() * degrees;
+std::optional<double> angle_of(std::string_view word) {
+    const auto angle = read_quantity(trimmed(word));
+    if (!angle) return std::nullopt;
+    for (const auto& [unit, degrees] : {std::pair("", 1.0), std::pair("deg", 1.0), std::pair("grad", 0.9),
+                                        std::pair("turn", 360.0), std::pair("rad", 180 / std::numbers::pi)}) {
+        if (lowered(angle->unit) == unit) return angle->value * degrees;
     }
     return std::nullopt;
 }
@@ -487,13 +470,6 @@ double font_size(const Values& values, const Viewport& parent) {
     if (name == "smaller" || name == "larger") return parent.em * (name == "larger" ? 1.2 : 1 / 1.2);
     const auto size = parse_length(text_of(values, "font-size"), parent.em, parent.em, parent.root_em);
     return size && *size > 0 ? *size : parent.em;
-}
-
-bool leaves_plane(const Values& values) {
-    const std::string functions = lowered(text_of(values, "transform"));
-    const auto has = [&](const char* name) { return functions.find(name) != std::string::npos; };
-    const bool has_axis = lowered(text_of(values, "rotate")).find(' ') != std::string::npos;
-    return has_axis || has("rotatex(") || has("rotatey(") || has("3d(") || has("perspective(");
 }
 
 void place_by_attributes(SvgDocument& document, StyleSheets& styles) {
@@ -536,10 +512,10 @@ private:
         return true;
     }
 
+    bool takes_even_odd() { return take("evenodd") || (take("nonzero"), false); }
+
     std::optional<BasicShape> polygon() {
-        BasicShape shape;
-        shape.even_odd = take("evenodd");
-        if (!shape.even_odd) take("nonzero");
+        BasicShape shape{{}, takes_even_odd()};
         while (at_ < words_.size()) {
             double x = 0, y = 0;
             if (!next(box_.width(), x) || !next(box_.height(), y)) return std::nullopt;
@@ -551,14 +527,12 @@ private:
     }
 
     std::optional<BasicShape> path() {
-        BasicShape shape;
-        shape.even_odd = take("evenodd");
-        if (!shape.even_odd) take("nonzero");
+        const bool even_odd = takes_even_odd();
         if (at_ + 1 != words_.size() || words_[at_].size() < 2) return std::nullopt;
         const auto parsed = parse_path_data(std::string_view(words_[at_]).substr(1, words_[at_].size() - 2));
         if (!parsed) return std::nullopt;
-        shape.data = write_path_data(transformed(*parsed, {1, 0, 0, 1, box_.x0, box_.y0}), 9);
-        return shape;
+        const Affine2 to_box{1, 0, 0, 1, box_.x0, box_.y0};
+        return BasicShape{write_path_data(transformed(*parsed, to_box), 9), even_odd};
     }
 
     /// From one to four lengths for the four sides, or corners, as in margin.
@@ -635,7 +609,7 @@ private:
     bool ellipse(PathBuilder& builder, bool circle) {
         std::vector<std::string> radii;
         while (at_ < words_.size() && lowered(words_[at_]) != "at") radii.push_back(lowered(words_[at_++]));
-        Point2 centre{(box_.x0 + box_.x1) / 2, (box_.y0 + box_.y1) / 2};
+        Point2 centre = box_.centre();
         if (take("at")) {
             const auto place =
                 position_in({words_.begin() + static_cast<std::ptrdiff_t>(at_), words_.end()}, box_, view_);

@@ -17,7 +17,7 @@ namespace detail {
 std::string text_of(const StyleSheets::Values& values, std::string_view property);
 
 /// An angle in degrees.
-std::optional<double> angle_of(const std::string& word);
+std::optional<double> angle_of(std::string_view word);
 
 /// The size of an element's font.
 ///
@@ -28,9 +28,6 @@ double font_size(const StyleSheets::Values& values, const Viewport& parent);
 /// root. A `transform` then has all of transform, translate, rotate, scale, transform-origin and
 /// transform-box. An element whose values are not read is kept whole, with a warning.
 void place_by_attributes(SvgDocument& document, StyleSheets& styles);
-
-/// Whether a transform that is left in the style turns the element out of the plane.
-bool leaves_plane(const StyleSheets::Values& values);
 
 /// A basic shape, as clip-path has them: circle(), ellipse(), inset(), rect(), xywh(), polygon(), path().
 struct BasicShape {

@@ -42,9 +42,10 @@ void carry(pugi::xml_node node, const Affine2& to_root, const std::vector<Affine
     tracks.push_back(std::move(track));
 }
 
-/// Puts an element that is carried into a group that has its clip path and mask, whose shapes move by
-/// themselves.
-void leave_clips_behind(const StyleSheets& styles, pugi::xml_node node) {
+/// Puts a carried element into a group that takes its clip path and mask. Their shapes move by themselves.
+void leave_clips_behind(const Drawing& drawing, const StyleSheets& styles, pugi::xml_node node) {
+    const auto is_its = [&](const Reference& each) { return each.node == node && !is_filter(each); };
+    if (std::none_of(drawing.references.begin(), drawing.references.end(), is_its)) return;
     pugi::xml_node group = node.parent().insert_child_before((name_prefix(node) + 'g').c_str(), node);
     for (const char* property : {"clip-path", "mask"}) {
         const std::string value = styles.value(node, property).text;
@@ -84,15 +85,12 @@ bool has_inside(const Path& path) {
 
 /// Grows the viewBox of the root to a box; its width and height too, so that nothing gets smaller.
 void grow_view_box(pugi::xml_node root, const ViewBox& view, const Box& to) {
-    const auto write = [&](double v) { return format_number(v, 6); };
-    set_attribute(root, "viewBox",
-                  write(to.x0) + ' ' + write(to.y0) + ' ' + write(to.width()) + ' ' + write(to.height()));
+    set_view_box(root, to, 6);
     const auto grow = [&](const char* name, double factor) {
-        const std::string text(trimmed(attribute_text(root, name)));
-        const std::size_t unit = std::min(text.find_first_not_of("+-.0123456789"), text.size());
-        const auto number = parse_length(text.substr(0, unit), 0);
-        if (!number || text.substr(unit) == "%") return;
-        set_attribute(root, name, format_number(*number * factor, 6) + escaped(text.substr(unit)));
+        const std::string text = attribute_text(root, name);
+        const auto size = read_quantity(trimmed(text));
+        if (!size || size->unit == "%") return;
+        set_attribute(root, name, format_number(size->value * factor, 6) + escaped(size->unit));
     };
     grow("width", to.width() / view.width);
     grow("height", to.height() / view.height);
@@ -120,13 +118,8 @@ bool has_percentages(pugi::xml_node root) {
 void keep_percentages(pugi::xml_node root, const ViewBox& view) {
     pugi::xml_node inner = root.append_child(root.name());
     while (root.first_child() != inner) inner.append_move(root.first_child());
-    const auto write = [](double v) { return format_number(v, 17); };
-    set_attribute(inner, "x", write(view.x));
-    set_attribute(inner, "y", write(view.y));
-    set_attribute(inner, "width", write(view.width));
-    set_attribute(inner, "height", write(view.height));
-    set_attribute(inner, "viewBox",
-                  write(view.x) + ' ' + write(view.y) + ' ' + write(view.width) + ' ' + write(view.height));
+    set_box(inner, box_of(view), 12);
+    set_view_box(inner, box_of(view), 12);
     set_attribute(inner, "overflow", "visible");
 }
 
@@ -208,8 +201,7 @@ public:
     /// Nothing, or why not. `moved()` is false where nothing has moved, and the document then is to stay as
     /// it was.
     std::optional<SvgError> run() {
-        const auto view = view_box(work_);
-        view_ = view;
+        view_ = view_box(work_);
         diagonal_ = std::hypot(view_.width, view_.height);
         const bool given = options_.tolerance > 0 && std::isfinite(options_.tolerance);
         tolerance_ = given ? options_.tolerance : 2e-5 * diagonal_;
@@ -305,9 +297,8 @@ private:
                 if (shape.is_box || shape.is_extent) continue;
                 Affine2 from_root = shape.from_root;
                 if (shape.stroke != "none" && !shape.clips && is_skewed(shape.to_root)) {
-                    const Box& box = boxes_at_rest_[i];
-                    const Point2 centre{(box.x0 + box.x1) / 2, (box.y0 + box.y1) / 2};
-                    Affine2 turn = turn_of(unfiltered(i, f, moved.maps.back()), apply(shape.to_root, centre));
+                    const Point2 centre = apply(shape.to_root, boxes_at_rest_[i].centre());
+                    Affine2 turn = turn_of(unfiltered(i, f, moved.maps.back()), centre);
                     if (referring.count(shape.node.hash_value()) != 0) {
                         moved.pen_stays = moved.pen_stays || !(turn == Affine2());
                         turn = {};
@@ -317,7 +308,7 @@ private:
                 }
                 if (shape.carrier && moves_[*shape.carrier]) { // goes before the text's own motion
                     const auto undone = inverse(moved_[*shape.carrier].maps.back());
-                    from_root = compose(from_root, undone ? *undone : Affine2());
+                    from_root = compose(from_root, undone.value_or(Affine2()));
                 } else {
                     from_root = compose(from_root, unfiltered(i, f, {}));
                 }
@@ -370,8 +361,7 @@ private:
             const bool has_stroke = std::any_of(first, end, [](const DrawnShape& shape) {
                 return shape.stroke != "none" || has_markers(shape);
             });
-            const Box box = bounds(rest_.shapes, r.first, r.end, r.level, {});
-            const Point2 centre{(box.x0 + box.x1) / 2, (box.y0 + box.y1) / 2};
+            const Point2 centre = bounds(rest_.shapes, r.first, r.end, r.level, {}).centre();
             std::vector<Affine2> maps;
             for (std::size_t f = 0; f < frames_; ++f) {
                 auto best = motion_of(r, curves, f).best_map();
@@ -385,10 +375,10 @@ private:
             const bool turns = std::any_of(maps.begin(), maps.end(), turns_plane);
             if (!turns && !has_noise(r)) continue;
             if (stands_alone(r)) {
-                std::fill(filter_of_.begin() + std::ptrdiff_t(r.first),
-                          filter_of_.begin() + std::ptrdiff_t(r.end), k);
-                std::fill(moves_.begin() + std::ptrdiff_t(r.first), moves_.begin() + std::ptrdiff_t(r.end),
-                          true);
+                for (std::size_t i = r.first; i < r.end; ++i) {
+                    filter_of_[i] = k;
+                    moves_[i] = true;
+                }
                 filter_maps_[k] = std::move(maps);
             } else if (turns && has_direction(styles_, r)) {
                 result_.report.warnings.push_back(label(work_, r.node) + ": its filter keeps its direction");
@@ -400,10 +390,11 @@ private:
     bool stands_alone(const Reference& filter) const {
         if (local_name(filter.node) == "svg") return false;
         return std::all_of(rest_.references.begin(), rest_.references.end(), [&](const Reference& r) {
+            if (is_filter(r) || r.first_inside == r.end_inside) return true;
             const bool is_inside = r.node != filter.node && is_in(r.node, filter.node);
             const bool is_held =
                 r.first_inside >= filter.first && r.end_inside <= filter.end && !is_in(filter.node, r.target);
-            return is_filter(r) || r.first_inside == r.end_inside || is_inside == is_held;
+            return is_inside == is_held;
         });
     }
 
@@ -416,12 +407,11 @@ private:
     std::optional<SvgError> write(const CurveDeformer& curves) {
         std::vector<bool> carried(rest_.shapes.size());
         if (frames_ > 1) {
-            for (AffinePart& part : affine_parts(rest_, styles_, curves, frames_, tolerance_)) {
+            for (AffinePart& part : affine_parts(rest_, curves, frames_, tolerance_)) {
                 for (std::size_t f = 0; f < frames_; ++f)
                     part.maps[f] = unfiltered(part.first, f, part.maps[f]);
                 carry(part.node, part.to_root, part.maps, part.box, result_.tracks);
-                std::fill(carried.begin() + std::ptrdiff_t(part.first),
-                          carried.begin() + std::ptrdiff_t(part.end), true);
+                for (std::size_t i = part.first; i < part.end; ++i) carried[i] = true;
             }
         }
         PaintFollower paint(work_, styles_, ids_, tolerance_, result_.tracks);
@@ -431,11 +421,7 @@ private:
             if (!moves_[i] || shape.is_extent || carried[i]) continue;
             for (std::size_t f = 0; f < frames_; ++f) moved.maps[f] = unfiltered(i, f, moved.maps[f]);
             if (shape.is_box) {
-                const auto is_its = [&](const Reference& of) {
-                    return of.node == shape.node && !is_filter(of);
-                };
-                if (std::any_of(rest_.references.begin(), rest_.references.end(), is_its))
-                    leave_clips_behind(styles_, shape.node);
+                leave_clips_behind(rest_, styles_, shape.node);
                 if (moved.has_map)
                     carry(shape.node, shape.to_root, moved.maps, boxes_at_rest_[i], result_.tracks);
                 continue;
@@ -462,9 +448,7 @@ private:
         for (std::size_t k = 0; k < filter_maps_.size(); ++k) {
             if (filter_maps_[k].empty()) continue;
             const Reference& r = rest_.references[k];
-            const auto is_its = [&](const Reference& of) { return of.node == r.node && !is_filter(of); };
-            if (std::any_of(rest_.references.begin(), rest_.references.end(), is_its))
-                leave_clips_behind(styles_, r.node);
+            leave_clips_behind(rest_, styles_, r.node);
             carry(r.node, r.to_root, filter_maps_[k], regions_[k].before, result_.tracks);
         }
         auto& warnings = result_.report.warnings;
@@ -545,7 +529,7 @@ private:
     }
 
     void fit() {
-        const Box window{view_.x, view_.y, view_.x + view_.width, view_.y + view_.height};
+        const Box window = box_of(view_);
         Box all = window;
         for (std::size_t i = 0; i < rest_.shapes.size(); ++i) {
             if (seen_after_[i].empty() || seen_before_[i].within(window).empty()) continue; // was not seen

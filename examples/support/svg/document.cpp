@@ -51,9 +51,9 @@ std::map<std::string, std::string, std::less<>> entities_of(const pugi::xml_docu
     return entities;
 }
 
-/// The words of a declaration of a document type from a place up to ">": names, quoted texts, groups in
-/// brackets.
-std::vector<std::string_view> declared_words(std::string_view text, std::size_t at) {
+/// Reads the words of a declaration of a document type: names, quoted texts, groups in brackets.
+///   at   the place to begin at; then that of ">", or the end of the text
+std::vector<std::string_view> declared_words(std::string_view text, std::size_t& at) {
     std::vector<std::string_view> words;
     while ((at = text.find_first_not_of(" \t\r\n", at)) < text.size() && text[at] != '>') {
         const bool is_quoted = text[at] == '"' || text[at] == '\'', is_group = text[at] == '(';
@@ -64,6 +64,7 @@ std::vector<std::string_view> declared_words(std::string_view text, std::size_t 
         words.push_back(text.substr(at, end - at));
         at = end;
     }
+    at = std::min(at, text.size());
     return words;
 }
 
@@ -77,7 +78,8 @@ std::optional<std::string> add_default_attributes(const pugi::xml_document& xml)
             constexpr std::string_view comment = "<!--", list = "<!ATTLIST";
             if (text.substr(at).starts_with(comment)) at = std::min(text.find("-->", at), text.size());
             if (!text.substr(at).starts_with(list)) continue;
-            const auto words = declared_words(text, at + list.size());
+            at += list.size();
+            const auto words = declared_words(text, at);
             for (std::size_t i = 1; i + 2 < words.size(); ++i) { // a name, a type, a value
                 const std::string_view name = words[i++];
                 if (words[i] == "NOTATION") ++i;

@@ -85,11 +85,6 @@ const char* transform_name(const PaintServer& server) {
     return server.is_pattern ? "patternTransform" : "gradientTransform";
 }
 
-double fraction_or_number(const std::string& text, double otherwise) {
-    const auto value = parse_length(text, 1);
-    return value ? *value : otherwise;
-}
-
 } // namespace
 
 std::string PaintFollower::chain_text(const Server& server, const char* name) const {
@@ -184,8 +179,7 @@ void PaintFollower::follow(const DrawnShape& shape, const char* property, const 
     }
     AnimatedSvg::Track& track = tracks_[copy->track];
     const Affine2 back = inverse(server->transform).value_or(Affine2());
-    Box all; // before the transform
-    for (const Point2& p : (fills_box ? Box{0, 0, 1, 1} : rest).corners()) all.add(apply(back, p));
+    Box all = (fills_box ? Box{0, 0, 1, 1} : rest).mapped(back); // before the transform
     for (const Point2& p : track.places) all.add(p);
     const auto corners = all.corners();
     track.places.assign(corners.begin(), corners.end());
@@ -246,14 +240,13 @@ pugi::xml_node PaintFollower::copy_of_pattern(const Server& pattern, const Box& 
     pugi::xml_node copy = add_copy(pattern);
     if (const pugi::xml_node owner = content_owner(pattern.chain)) refer(copy, attribute_text(owner, "id"));
 
-    const auto number = [&](const char* name) { return fraction_or_number(chain_text(pattern, name), 0); };
+    const auto number = [&](const char* name) {
+        return parse_length(chain_text(pattern, name), 1).value_or(0);
+    };
     const double width = number("width");
     const double height = number("height");
-    double across = 1; // user units of the tile
-    double down = 1;
     if (pattern.of_box) {
-        across = rest.width();
-        down = rest.height();
+        const double across = rest.width(), down = rest.height(); // user units of the tile
         set_attribute(copy, "x", format_number(rest.x0 + across * number("x"), 12));
         set_attribute(copy, "y", format_number(rest.y0 + down * number("y"), 12));
         set_attribute(copy, "width", format_number(across * width, 12));
@@ -310,8 +303,7 @@ Region read_region(pugi::xml_node node, bool of_box, const Viewport& viewport, c
     region.node = node;
     region.of_box = of_box;
     const auto value = [&](const char* name, double whole, double missing) {
-        const auto read = parse_length(attribute_text(node, name), of_box ? 1 : whole);
-        return read ? *read : missing;
+        return parse_length(attribute_text(node, name), of_box ? 1 : whole).value_or(missing);
     };
     const double x = value("x", viewport.width, otherwise.x0);
     const double y = value("y", viewport.height, otherwise.y0);
@@ -344,9 +336,8 @@ void grow(const SvgDocument& document, Region& region, const Subject& subject,
                 after.x1 + std::max(0.0, old.x1 - before.x1), after.y1 + std::max(0.0, old.y1 - before.y1)};
         if (cuts) {
             if (!subject.maps[f]) continue;
-            now = {};
             const Affine2& map = *subject.maps[f];
-            for (const Point2& p : old.corners()) now.add(apply(map, p));
+            now = old.mapped(map);
             const bool turns = std::abs(map.b) + std::abs(map.c) > 1e-6 * (std::abs(map.a) + std::abs(map.d));
             if (turns && !warned)
                 warnings.push_back(label(document, region.node) +
@@ -376,8 +367,7 @@ void move_light(pugi::xml_node light, const std::vector<std::optional<Affine2>>&
     for (const auto& [x, y] : {std::pair("x", "y"), std::pair("pointsAtX", "pointsAtY")}) {
         if (!light.attribute(x) && !light.attribute(y)) continue;
         const auto to_number = [&](const char* name) {
-            const auto number = parse_length(attribute_text(light, name), 0);
-            return number ? *number : 0;
+            return parse_length(attribute_text(light, name), 0).value_or(0);
         };
         const Point2 rest{to_number(x), to_number(y)};
         Point2 moved = rest;

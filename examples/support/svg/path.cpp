@@ -321,6 +321,12 @@ SvgResult<Path> parse_path_data(std::string_view text, double most_turn) {
     return std::move(read.path);
 }
 
+std::optional<Quantity> read_quantity(std::string_view text) {
+    detail::Scanner scan(text);
+    double value = 0;
+    return scan.number(value) ? std::optional(Quantity{value, scan.rest()}) : std::nullopt;
+}
+
 SvgResult<std::vector<double>> parse_numbers(std::string_view text) {
     detail::Scanner scan(text);
     std::vector<double> numbers;

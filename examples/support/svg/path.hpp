@@ -51,6 +51,8 @@ public:
     T* operator->() { return &std::get<0>(content_); }
     const T* operator->() const { return &std::get<0>(content_); }
     const SvgError& error() const { return std::get<1>(content_); }
+    T value_or(T otherwise) const { return *this ? **this : std::move(otherwise); }
+    std::optional<T> if_any() const { return *this ? std::optional<T>(**this) : std::nullopt; }
 
 private:
     std::variant<T, SvgError> content_;
@@ -283,6 +285,13 @@ struct ReadPath {
     std::optional<SvgError> fault;
 };
 ReadPath read_path_data(std::string_view text, double most_turn = arc_of_figure);
+
+/// A number and what stands after it. Nothing where the text does not begin with a number.
+struct Quantity {
+    double value = 0;
+    std::string_view unit;
+};
+std::optional<Quantity> read_quantity(std::string_view text);
 
 /// Numbers parted by white space with at most one comma, as in `points` and `viewBox`.
 SvgResult<std::vector<double>> parse_numbers(std::string_view text);

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <set>
 #include <unordered_map>
 
@@ -71,8 +70,9 @@ text-decoration:none alignment-baseline:auto baseline-shift:baseline animation:n
 mask-type:luminance)";
 
 struct Grammar {
-    std::string_view property; // or function, or kind of word
-    /// A value of one word; after "|" the first word of several; after another "|" the others.
+    std::string_view names; // of properties and functions
+    /// The words that a value of one word may be. After "|": those that may be the first of several words.
+    /// After another "|": those that may follow.
     std::string_view words;
 };
 
@@ -81,60 +81,40 @@ constexpr Grammar grammars[] = {
     {"clip-path", "none <url> <function> fill-box stroke-box view-box border-box padding-box content-box "
                   "margin-box|<function> fill-box stroke-box view-box border-box padding-box content-box "
                   "margin-box"},
-    {"cx", "<length>"},
-    {"cy", "<length>"},
+    {"cx cy x x1 x2 y y1 y2", "<length>"},
     {"d", "none <function>"},
     {"display", "none inline block contents flex grid inline-block inline-flex inline-grid list-item table "
                 "inline-table table-cell table-row table-column table-caption table-row-group "
                 "table-header-group table-footer-group table-column-group flow-root flow ruby ruby-text math "
                 "-webkit-box -webkit-inline-box|inline block flow flow-root table flex grid ruby list-item"},
-    {"fill", "none currentcolor context-fill context-stroke <colour> <url>|<url>|none currentcolor <colour>"},
-    {"fill-opacity", "<number>"},
+    {"fill stroke",
+     "none currentcolor context-fill context-stroke <colour> <url>|<url>|none currentcolor <colour>"},
+    {"fill-opacity opacity stroke-opacity", "<number>"},
     {"fill-rule", "nonzero evenodd"},
     {"filter", "none <url> <function>|<url> <function>"},
     {"font-size", "<positive> xx-small x-small small medium large x-large xx-large xxx-large smaller larger "
                   "math"},
-    {"height", "<positive> auto min-content max-content fit-content stretch -webkit-fill-available"},
-    {"marker", "none <url>"},
-    {"marker-end", "none <url>"},
-    {"marker-mid", "none <url>"},
-    {"marker-start", "none <url>"},
-    {"opacity", "<number>"},
+    {"height width", "<positive> auto min-content max-content fit-content stretch -webkit-fill-available"},
+    {"marker marker-end marker-mid marker-start", "none <url>"},
     {"overflow", "visible hidden scroll auto clip overlay|visible hidden scroll auto clip"},
     {"path()", "<path>|nonzero evenodd <path>"},
-    {"r", "<size>"},
+    {"r stroke-miterlimit stroke-width", "<size>"},
     {"rotate", "none <angle>|<angle> <number> x y z"},
-    {"rotate()", "<angle>"},
-    {"rx", "<size> auto"},
-    {"ry", "<size> auto"},
+    {"rotate() skewx() skewy()", "<angle>"},
+    {"rx ry", "<size> auto"},
     {"scale", "none <number>|<number>"},
     {"scale()", "<number>|<number>"},
-    {"skewx()", "<angle>"},
-    {"skewy()", "<angle>"},
-    {"stroke",
-     "none currentcolor context-fill context-stroke <colour> <url>|<url>|none currentcolor <colour>"},
     {"stroke-dasharray", "none <size>|<size>"},
     {"stroke-linecap", "butt round square"},
     {"stroke-linejoin", "miter round bevel"},
-    {"stroke-miterlimit", "<size>"},
-    {"stroke-opacity", "<number>"},
-    {"stroke-width", "<size>"},
     {"text-anchor", "start middle end"},
     {"transform", "none <function>|<function>"},
     {"transform-box", "fill-box stroke-box view-box border-box content-box"},
     {"transform-origin", "left right top bottom center <distance>|left right top bottom center <distance>"},
     {"translate", "none <distance>|<distance>"},
     {"translate()", "<distance>|<distance>"},
-    {"translatex()", "<distance>"},
-    {"translatey()", "<distance>"},
-    {"visibility", "visible hidden collapse"},
-    {"width", "<positive> auto min-content max-content fit-content stretch -webkit-fill-available"},
-    {"x", "<length>"},
-    {"x1", "<length>"},
-    {"x2", "<length>"},
-    {"y", "<length>"},
-    {"y1", "<length>"},
-    {"y2", "<length>"}};
+    {"translatex() translatey()", "<distance>"},
+    {"visibility", "visible hidden collapse"}};
 
 /// Colours and functions of colours that parse_colour() does not read.
 constexpr std::string_view other_colours = R"(
@@ -190,17 +170,6 @@ std::set<std::string_view> set_of(std::string_view list) {
     return {words.begin(), words.end()};
 }
 
-/// Whether a word begins with a number, which `rest` stands after.
-bool begins_with_number(std::string_view word, std::string_view& rest) {
-    const std::size_t digits = word.find_first_not_of("+-.");
-    const bool is_number = digits < 3 && digits < word.size() && is_digit(word[digits]);
-    double value = 0;
-    if (is_number)
-        rest = {std::from_chars(word.data() + digits, word.data() + word.size(), value).ptr,
-                word.data() + word.size()};
-    return is_number;
-}
-
 /// Whether a word of a value, in lower case, is of a kind that a grammar names.
 bool is_of_kind(std::string_view word, std::string_view kind, bool is_attribute) {
     const std::size_t open = word.find('(');
@@ -218,15 +187,16 @@ bool is_of_kind(std::string_view word, std::string_view kind, bool is_attribute)
         return is_quoted && parse_path_data(word.substr(1, word.size() - 2));
     }
     if (is_function) return has_word(math_functions, name);
-    std::string_view unit;
-    if (!begins_with_number(word, unit)) return false;
-    const bool is_zero = unit.empty() && word.find_first_of("123456789") == std::string_view::npos;
+    const auto quantity = read_quantity(word);
+    if (!quantity) return false;
+    const auto& [value, unit] = *quantity;
+    const bool is_zero = unit.empty() && value == 0;
     if (kind == "<number>") return unit.empty() || unit == "%";
     if (kind == "<angle>") return is_zero || has_word("deg grad rad turn", unit);
     if (!has_word(page_units, unit) && !parse_length(word, 1)) return false;
     const bool needs_unit = (kind == "<positive>" || kind == "<distance>") && !is_attribute && !is_zero;
     const bool is_positive = kind == "<positive>" || kind == "<size>";
-    return !(needs_unit && unit.empty()) && !(is_positive && word.starts_with('-') && !is_zero);
+    return !(needs_unit && unit.empty()) && !(is_positive && value < 0);
 }
 
 /// The property that an element animates and that the deformation moves; empty for others.
@@ -262,14 +232,15 @@ bool is_valid(std::string_view property, std::string_view value, bool is_attribu
     using Words = std::vector<std::string_view>;
     static const std::unordered_map<std::string_view, std::array<Words, 3>> table = [] {
         std::unordered_map<std::string_view, std::array<Words, 3>> words;
-        for (auto [name, all] : grammars) {
-            auto& [single, first, others] = words[name];
-            for (Words* const to : {&single, &first, &others}) {
+        for (auto [names, all] : grammars) {
+            std::array<Words, 3> parts;
+            for (Words& part : parts) {
                 const std::size_t end = std::min(all.find('|'), all.size());
-                *to = words_of(all.substr(0, end));
+                part = words_of(all.substr(0, end));
                 all.remove_prefix(std::min(end + 1, all.size()));
             }
-            if (others.empty()) others = first;
+            if (parts[2].empty()) parts[2] = parts[1];
+            for (const std::string_view name : words_of(names)) words[name] = parts;
         }
         return words;
     }();

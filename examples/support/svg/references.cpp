@@ -85,7 +85,7 @@ std::size_t ShapeCollector::expanded_size(pugi::xml_node top, int depth) {
 bool ShapeCollector::visit_use(pugi::xml_node use, const Place& parent) {
     const pugi::xml_node target = used_element(use);
     if (!target) return !error_;
-    if (!drop_bad_transform(use)) return false;
+    if (!own_transform(use)) return false;
     const double x = length(use, "x", parent.viewport, parent.viewport.width, 0);
     const double y = length(use, "y", parent.viewport, parent.viewport.height, 0);
     std::string transform = use.attribute("transform").value();
@@ -309,7 +309,7 @@ bool ShapeCollector::visit_reference(const char* property, const std::string& id
             drop_ids(content);
             content_id = ids_.name(content, id);
         }
-        if (!drop_bad_transform(content)) return false;
+        if (!own_transform(content)) return false;
         if (has_content_of_box) to_user_space(content, units, unit_square);
         claims.push_back({to_root, content_id, drawing.shapes.size(), 0, !window.empty()});
         const std::size_t index = claims.size() - 1;
@@ -362,7 +362,9 @@ bool ShapeCollector::visit_content(pugi::xml_node content, pugi::xml_node target
     const bool clip = local_name(content) == "clipPath";
     inner.style.clips = place.style.clips || clip;
     const Values values = styles_.values(content);
-    if (clip && !apply_transform(content, inner.to_root)) return false;
+    const auto own = clip ? own_transform(content) : Affine2();
+    if (!own) return false;
+    inner.to_root = compose(inner.to_root, *own);
     active_.push_back(target);
     const std::size_t begin = drawing.shapes.size();
     const bool good = visit_children(content, inner) &&

@@ -50,6 +50,30 @@ Box Box::within(const Box& other) const {
     return {std::max(x0, other.x0), std::max(y0, other.y0), std::min(x1, other.x1), std::min(y1, other.y1)};
 }
 
+Box Box::mapped(const Affine2& map) const {
+    Box box;
+    for (const Point2& p : corners()) box.add(apply(map, p));
+    return box;
+}
+
+Box box_of(const ViewBox& view) {
+    return {view.x, view.y, view.x + view.width, view.y + view.height};
+}
+
+void set_box(pugi::xml_node node, const Box& box, int digits) {
+    set_attribute(node, "x", format_number(box.x0, digits));
+    set_attribute(node, "y", format_number(box.y0, digits));
+    set_attribute(node, "width", format_number(box.width(), digits));
+    set_attribute(node, "height", format_number(box.height(), digits));
+}
+
+void set_view_box(pugi::xml_node node, const Box& box, int digits) {
+    std::string text;
+    for (const double number : {box.x0, box.y0, box.width(), box.height()})
+        text += (text.empty() ? "" : " ") + format_number(number, digits);
+    set_attribute(node, "viewBox", text);
+}
+
 bool Box::contains(const Box& other) const {
     return other.empty() || (x0 <= other.x0 && y0 <= other.y0 && x1 >= other.x1 && y1 >= other.y1);
 }
@@ -118,9 +142,8 @@ SvgResult<double> length_of(const SvgDocument& document, pugi::xml_node node, co
                             const Viewport& viewport, double whole, double otherwise) {
     const std::string text = attribute_text(node, name);
     if (is_blank(text) || trimmed(text) == "auto") return otherwise;
-    const auto value = parse_length(text, whole, viewport.em, viewport.root_em);
-    if (value) return *value;
-    return error_in(document, node, name, value.error());
+    auto value = parse_length(text, whole, viewport.em, viewport.root_em);
+    return value ? value : error_in(document, node, name, value.error());
 }
 
 void add_ellipse(PathBuilder& builder, const Point2& centre, double rx, double ry) {

@@ -50,8 +50,16 @@ struct Box {
     Box grown(double by) const { return {x0 - by, y0 - by, x1 + by, y1 + by}; } ///< of one not empty
     Box within(const Box& other) const;
     bool contains(const Box& other) const;
+    Point2 centre() const { return {(x0 + x1) / 2, (y0 + y1) / 2}; }
     std::array<Point2, 4> corners() const { return {{{x0, y0}, {x1, y0}, {x1, y1}, {x0, y1}}}; }
+    Box mapped(const Affine2& map) const; ///< about the corners of one not empty
 };
+
+Box box_of(const ViewBox& view);
+
+/// Writes x, y, width and height; or the viewBox.
+void set_box(pugi::xml_node node, const Box& box, int digits);
+void set_view_box(pugi::xml_node node, const Box& box, int digits);
 
 /// The least box of a path after a map: the curves', not their control points'.
 Box bounds(const Path& path, const Affine2& map = {});

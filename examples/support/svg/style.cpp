@@ -57,6 +57,11 @@ constexpr int max_rule_depth = 30; // of rules inside each other; reading them i
 
 constexpr std::size_t most_of_selectors = 10'000; // bytes, of a rule with all that it stands in
 
+/// The beginning of what stands before the block of a rule, for messages.
+std::string quoted(std::string_view prelude) {
+    return '"' + std::string(prelude.substr(0, 60)) + '"';
+}
+
 /// The selectors of a rule that stands in another: "&" is the rule outside.
 std::string nested_selectors(const std::string& outside, std::string_view inside) {
     const std::string parent = ":is(" + outside + ')';
@@ -68,7 +73,8 @@ std::string nested_selectors(const std::string& outside, std::string_view inside
         each.clear();
         has_parent = false;
     };
-    for (std::size_t at = 0, next = 0; at < inside.size() && all.size() < most_of_selectors; at = next) {
+    for (std::size_t at = 0, next = 0; at < inside.size(); at = next) {
+        if (all.size() + each.size() >= most_of_selectors) break; // which is not read
         next = after_token(inside, at);
         const std::string_view token = inside.substr(at, next - at);
         if (token == "(" || token == "[") ++brackets;
@@ -132,7 +138,8 @@ std::optional<std::vector<std::string_view>> css_words(std::string_view value) {
         if (value[at] == ')' && --brackets < 0) return std::nullopt;
         const bool parts = is_space(value[at]) || value[at] == ',' || value.substr(at).starts_with("/*");
         if (brackets == 0 && parts) end_word(at, next);
-        if (brackets == 0 && value[at] == ')') end_word(next, next);
+        if (brackets == 0 && value[at] == '/' && !parts) end_word(at, at);
+        if (brackets == 0 && (value[at] == ')' || (value[at] == '/' && !parts))) end_word(next, next);
     }
     if (brackets != 0) return std::nullopt;
     end_word(value.size(), value.size());
@@ -317,10 +324,8 @@ void StyleSheets::read(std::size_t sheet, std::size_t from, std::size_t end, con
         const std::string_view prelude = trimmed(css.substr(at, open - at));
         std::string rule = lowered(prelude.substr(0, prelude.starts_with('@') ? prelude.size() : 0));
         if (open == css.size() || css[open] == ';') {
-            if (rule.starts_with("@import")) {
-                report.add(place_of(sheet, prelude),
-                           '"' + std::string(prelude.substr(0, 60)) + "\" is not read");
-            }
+            if (rule.starts_with("@import"))
+                report.add(place_of(sheet, prelude), quoted(prelude) + " is not read");
             if (rule.starts_with(layers)) {
                 const auto names = css_words(prelude.substr(layers.size()));
                 for (const std::string_view name : names.value_or(std::vector<std::string_view>()))
@@ -355,7 +360,7 @@ void StyleSheets::read(std::size_t sheet, std::size_t from, std::size_t end, con
         if (is_read && is_small) {
             read(sheet, open + 1, close, inside);
         } else if (!is_any_of(rule, {"@font-", "@page", "@keyframes", "@-", "@counter-style"})) {
-            report.add(place_of(sheet, prelude), '"' + std::string(prelude.substr(0, 60)) + "\" is not read");
+            report.add(place_of(sheet, prelude), quoted(prelude) + " is not read");
         }
     }
     end_run(css.size());
@@ -367,7 +372,7 @@ void StyleSheets::read_rule(std::size_t sheet, std::string_view body, const Rule
     const bool is_certain = in.applies == Applies::always;
     const auto is_conditional = [&](const Selector& s) { return !is_certain || s.has_state; };
     const bool applies = complete && std::none_of(selectors.begin(), selectors.end(), is_conditional);
-    const std::string name = '"' + std::string(in.prelude.substr(0, 60)) + '"';
+    const std::string name = quoted(in.prelude);
     Block block{name, place_of(sheet, in.prelude), in.layer, {}};
     block.layer.push_back(std::string::npos); // a layer's own rules win over those of layers in it
     if (!complete) report.add(block.place, name + " has a selector that is not read");
@@ -378,6 +383,7 @@ void StyleSheets::read_rule(std::size_t sheet, std::string_view body, const Rule
         if (!applies && d.value.find("url(") != std::string_view::npos) {
             report.add(place, name + " refers to an element and is not read");
         }
+        if (!is_valid(property, d.value)) continue; // browsers drop it
         if (use_of(property) == PropertyUse::placing) {
             if (!applies)
                 report.add(place, "the property \"" + property + "\" of " + name + " is not deformed");
@@ -434,7 +440,7 @@ StyleSheets::Values StyleSheets::cascade(const Rules& rules, pugi::xml_node node
     using Source = StyleValue::Source;
     Values result;
     const auto set = [&](const std::string& property, std::string value, Source source, bool important) {
-        if (!wanted(property) || !is_valid(property, value)) return;
+        if (!wanted(property)) return;
         if (!std::all_of(property.begin(), property.end(), is_name_character)) return; // nothing to browsers
         StyleValue& old = result[property];
         if (!old.important || important) old = {std::move(value), source, important};
@@ -455,7 +461,8 @@ StyleSheets::Values StyleSheets::cascade(const Rules& rules, pugi::xml_node node
         }
     }
     for (const Declaration& d : declarations(node.attribute("style").value())) {
-        give(property_name(d.property), unescaped(d.value), Source::style, d.important);
+        const std::string property = property_name(d.property), value = unescaped(d.value);
+        if (is_valid(property, value)) give(property, value, Source::style, d.important);
     }
     return result;
 }

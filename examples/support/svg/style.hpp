@@ -31,8 +31,8 @@ struct Declaration {
 /// brackets, comments and character references do not part them.
 std::vector<Declaration> declarations(std::string_view text);
 
-/// The words of a value between white space and commas; a function and a quoted text are one word each.
-/// Nothing where a bracket stays open.
+/// The words of a value between white space and commas. A function, a quoted text and a slash are one word
+/// each. Nothing where a bracket stays open.
 std::optional<std::vector<std::string_view>> css_words(std::string_view value);
 
 /// The id that a value names as url(#id), with or without quotes; empty if none.

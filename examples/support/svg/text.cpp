@@ -12,7 +12,6 @@
 #include <iterator>
 #include <map>
 #include <memory>
-#include <sstream>
 #include <utility>
 
 namespace cageform_examples {
@@ -98,8 +97,7 @@ PlaceLists take_lists(pugi::xml_node node) {
     for (std::size_t k = 0; k < lists.names.size(); ++k) {
         std::string text = attribute_text(node, lists.names[k]);
         std::replace(text.begin(), text.end(), ',', ' ');
-        std::istringstream words(text);
-        for (std::string word; words >> word;) lists.values[k].push_back(word);
+        for (const std::string_view word : words_of(text)) lists.values[k].emplace_back(word);
         node.remove_attribute(lists.names[k]);
     }
     return lists;
@@ -231,20 +229,12 @@ void strip_to_texts(SvgDocument& document, const ViewBox& view, std::vector<Draw
     const double scale = 4096 / (3 * std::max(view.width, view.height));
     const Box window{view.x - view.width, view.y - view.height, view.x + 2 * view.width,
                      view.y + 2 * view.height};
-    const auto write = [](double v) { return format_number(v, 12); };
-    set_attribute(outer, "viewBox",
-                  write(window.x0) + ' ' + write(window.y0) + ' ' + write(window.width()) + ' ' +
-                      write(window.height()));
-    set_attribute(outer, "width", write(scale * window.width()));
-    set_attribute(outer, "height", write(scale * window.height()));
+    set_view_box(outer, window, 12);
+    set_box(outer, {0, 0, scale * window.width(), scale * window.height()}, 12);
     set_attribute(outer, "preserveAspectRatio", "none");
     root = outer.append_move(root);
-    set_attribute(root, "x", write(view.x));
-    set_attribute(root, "y", write(view.y));
-    set_attribute(root, "width", write(view.width));
-    set_attribute(root, "height", write(view.height));
-    set_attribute(root, "viewBox",
-                  write(view.x) + ' ' + write(view.y) + ' ' + write(view.width) + ' ' + write(view.height));
+    set_box(root, box_of(view), 12);
+    set_view_box(root, box_of(view), 12);
 }
 
 /// Returns rsvg-convert's version of a document: an SVG of outlines.

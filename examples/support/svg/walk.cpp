@@ -111,11 +111,12 @@ bool ShapeCollector::visit(pugi::xml_node node, const Place& parent) {
         warn(node, "is not displayed and stays as it is");
         return true;
     }
-    if (leaves_plane(values)) return true; // as a warning says
     Place place = parent;
     ++place.depth;
     inherit(values, place);
-    if (!apply_transform(node, place.to_root)) return false;
+    const auto own = own_transform(node);
+    if (!own) return false;
+    place.to_root = compose(place.to_root, *own);
     const std::size_t first = drawing.shapes.size();
     const bool good = is_shape(kind)   ? add_shape(node, place)
                       : is_fixed(kind) ? add_fixed(node, kind, place)
@@ -157,19 +158,12 @@ bool ShapeCollector::visit_choices(pugi::xml_node node, Place place) {
     return true;
 }
 
-bool ShapeCollector::drop_bad_transform(pugi::xml_node node) {
+std::optional<Affine2> ShapeCollector::own_transform(pugi::xml_node node) {
     const auto map = parse_transform(attribute_text(node, "transform"));
-    if (map) return true;
+    if (map) return *map;
     const SvgError fault = error_in(document_, node, "transform", map.error());
     node.remove_attribute("transform");
-    return leave_out(fault);
-}
-
-bool ShapeCollector::apply_transform(pugi::xml_node node, Affine2& to_root) {
-    if (!drop_bad_transform(node)) return false;
-    const auto map = parse_transform(attribute_text(node, "transform"));
-    to_root = compose(to_root, *map);
-    return true;
+    return leave_out(fault) ? std::optional(Affine2()) : std::nullopt;
 }
 
 // ---- nested svg ----
@@ -199,9 +193,7 @@ bool ShapeCollector::visit_svg(pugi::xml_node node, const Values& values, Place&
     bool cuts = false;
     Box window;
     if (options_.follow_references && clips && to_inside && from_root) {
-        for (const Point2& p : Box{x, y, x + size.width, y + size.height}.corners()) {
-            window.add(apply(*to_inside, p));
-        }
+        window = Box{x, y, x + size.width, y + size.height}.mapped(*to_inside);
         const Box content =
             painted_bounds(drawing.shapes, first, drawing.shapes.size(), place.style.level, *from_root);
         cuts = !window.grown(1e-9 * (window.width() + window.height())).contains(content);
@@ -361,13 +353,12 @@ bool ShapeCollector::shows(std::string_view paint, const std::string& colour) {
 bool ShapeCollector::has_colour(pugi::xml_node stop) const {
     if (local_name(stop) != "stop") return false;
     const Values values = styles_.values(stop);
-    const auto opacity = parse_length(text_of(values, "stop-opacity"), 1);
     std::string colour = text_of(values, "stop-color");
     for (pugi::xml_node up = stop; up && lowered(colour) == "currentcolor"; up = up.parent()) {
         const std::string given = text_of(styles_.values(up), "color");
         if (!given.empty()) colour = given;
     }
-    return alpha_of(colour) > 0 && (!opacity || *opacity > 0);
+    return alpha_of(colour) > 0 && parse_length(text_of(values, "stop-opacity"), 1).value_or(1) > 0;
 }
 
 bool ShapeCollector::add_fixed(pugi::xml_node node, const std::string& kind, Place place) {
@@ -496,8 +487,8 @@ bool ShapeCollector::add_text_path(pugi::xml_node text_path, const Place& place)
     const pugi::xml_node target = ids_.referred(reference);
     if (!target || !is_shape(local_name(target))) return true; // nothing is drawn
     const auto path = path_of(target, place);
-    if (!path || !drop_bad_transform(target)) return false;
-    const auto own = parse_transform(attribute_text(target, "transform"));
+    const auto own = own_transform(target);
+    if (!path || !own) return false;
     if (path->empty()) return true;
     Place there = place;
     there.to_root = compose(place.to_root, *own);
@@ -520,8 +511,7 @@ bool ShapeCollector::add_reach(pugi::xml_node text_path, const Path& path, Place
     const std::string letters = unescaped(trimmed(text_path.text().get()));
     const double whole = places.back().length;
     const double width = 0.6 * place.viewport.em * static_cast<double>(letters.size());
-    const auto offset = parse_length(attribute_text(text_path, "startOffset"), whole);
-    const double at = offset ? *offset : 0;
+    const double at = parse_length(attribute_text(text_path, "startOffset"), whole).value_or(0);
     const double from = place.text_anchor == "end"      ? at - width
                         : place.text_anchor == "middle" ? at - width / 2
                                                         : at;
@@ -643,13 +633,6 @@ Box painted_bounds(const std::vector<DrawnShape>& shapes, std::size_t first, std
         if (shapes[i].level == level) box.add(painted_box(shapes[i], map));
     }
     return box;
-}
-
-void set_box(pugi::xml_node node, const Box& box, int digits) {
-    set_attribute(node, "x", format_number(box.x0, digits));
-    set_attribute(node, "y", format_number(box.y0, digits));
-    set_attribute(node, "width", format_number(box.width(), digits));
-    set_attribute(node, "height", format_number(box.height(), digits));
 }
 
 Box painted_box(const DrawnShape& shape, const Affine2& map) {

@@ -74,9 +74,6 @@ std::vector<Box> seen_boxes(const Drawing& drawing, const std::vector<DrawnShape
 Box painted_bounds(const std::vector<DrawnShape>& shapes, std::size_t first, std::size_t end, int level,
                    const Affine2& map);
 
-/// Writes x, y, width and height.
-void set_box(pugi::xml_node node, const Box& box, int digits);
-
 /// The box of what is painted of it, strokes included (but for the tips of mitred corners), after a map.
 Box painted_box(const DrawnShape& shape, const Affine2& map);
 
