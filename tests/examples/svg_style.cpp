@@ -311,8 +311,9 @@ TEST_CASE("rules inside rules are those of the elements that they name", "[examp
     std::string deep, twice = "g";
     for (int n = 0; n < 5'000; ++n) deep += "g{";
     for (int n = 0; n < 29; ++n) twice += "{& &";
-    const std::string many =
-        "g{" + std::string(300'000, '&') + "{fill:red}}"; // each stands for the rule outside
+    std::string many = "g";
+    for (int n = 0; n < 2'000; ++n) many += ",g";
+    many += '{' + std::string(300'000, '&') + "{fill:red}}"; // each "&" stands for the rule outside
     for (const std::string& hostile : {deep, twice + "{fill:red}", many}) {
         const std::string text = svg("<style>" + hostile + "</style><path d='M1 1h2v2z'/>");
         CHECK_FALSE(deformed(text, slanted).warnings.empty());
@@ -507,7 +508,8 @@ TEST_CASE("geometry and transforms by CSS are those by attributes", "[examples][
          "<rect class='k' y='calc(2*max(3,min(9,4)))'/>", "<rect x='9' y='8' width='48' height='8'/>"},
         {"g{--w:calc(var(--half)*2);--half:9px}.k{width:var(--w);height:var(--h, 3px)}",
          "<g><rect class='k' x='var(--half)' y='var(--h)'/></g>", "<rect x='9' width='18' height='3'/>"},
-        {"rect{--a:var(--b);--b:var(--a);height:2px;height:var(--a)}", "<rect width='9' height='9'/>", ""},
+        {"rect{--a:var(--b);--b:var(--a);height:2px;height:var(--a)}g{font:/ 3em x}",
+         "<rect width='9' height='9'/>", ""},
         {"svg{font-size:8px}", "<rect x='1cm' y='1pc' width='3rem' height='40q'/>",
          "<rect x='37.795' y='16' width='24' height='37.795'/>"}};
     for (const Case& c : cases) {

@@ -106,8 +106,8 @@ std::string pose_faults(const FigureControl& control, const CageFile& cage) {
 namespace {
 
 /// Binds batches of points and moves them to all frames. The first batch stands for the whole: whether it
-/// lies in the cage is judged by the points that are seen. Each of the later points is judged alone. Points
-/// without weights go to no place.
+/// lies in the cage is judged by the points that are seen. Each of the later points is judged alone. A point
+/// without weights goes to a place that is not a number.
 class BatchMover {
 public:
     BatchMover(const std::string& figure, const FigureControl& control, OutsideChoice outside,

@@ -51,7 +51,7 @@ std::optional<double> factor_of(std::string_view word) {
     return number->unit.empty() ? number->value : number->value / 100;
 }
 
-/// A place in a box, from one or two words such as "left", "30%", "2em"; further words are of depth.
+/// A place in a box, from one or two words such as "left", "30%", "2em". A third word, of depth, is ignored.
 std::optional<Point2> position_in(std::vector<std::string> words, const Box& box, const Viewport& view) {
     if (words.empty() || words.size() > 3) return std::nullopt;
     for (std::string& word : words) word = lowered(word);
@@ -75,7 +75,7 @@ std::optional<Point2> position_in(std::vector<std::string> words, const Box& box
     return x && y ? std::optional(Point2{*x, *y}) : std::nullopt;
 }
 
-/// A function of a transform of CSS as one of the attribute of SVG; nothing where it leaves the plane.
+/// A transform function of CSS as the attribute has it. Nothing where the function leaves the plane.
 std::optional<std::string> transform_function(const CssItem& item, const Box& box, const Viewport& view) {
     std::string name = item.name;
     const std::vector<std::string>& words = item.words;
@@ -136,7 +136,7 @@ CssItem turn_about(std::vector<std::string> words) {
     return {"rotate3d", words, true};
 }
 
-/// A value of `transform`, or of translate, rotate or scale: then the name of the function.
+/// The map of a value of `transform`; or of translate, rotate or scale, which `name` then is.
 std::optional<Affine2> css_transform(std::string_view value, const char* name, const Box& box,
                                      const Viewport& view) {
     if (value.empty() || lowered(value) == "none") return Affine2();
@@ -211,11 +211,11 @@ private:
         for (const pugi::xml_node child : node.children())
             visit(child, inside, foreign || kind == "foreignObject", depth + 1);
         if (is_read && !kind.empty()) is_read = take_transform(node, kind, values, view);
-        if (!is_read) StyleSheets::keep_whole(node);
+        if (!is_read) StyleSheets::leave_unmoved(node);
         keep_in_style(node, values);
     }
 
-    /// Writes what the attributes do not say.
+    /// Writes the values that did not become attributes.
     static void keep_in_style(pugi::xml_node node, const Values& values) {
         drop_from_style(node);
         for (const auto& [property, value] : values) {
@@ -345,7 +345,8 @@ private:
         return true;
     }
 
-    /// Nothing where a property cannot be read: `fault` then names it, but where the walk names it.
+    /// Returns nothing where a property cannot be read.
+    ///   fault   then names the property; empty where the walk names it
     template <class Given>
     std::optional<Affine2> whole_transform(pugi::xml_node node, const Values& values, const Given& given,
                                            const Viewport& view, std::string& fault) {
@@ -361,7 +362,7 @@ private:
         box = box.grown(*width);
         const Point2 start = of_view ? Point2{0, 0} : Point2{box.x0, box.y0};
         fault = "transform-origin";
-        const auto items = css_items("at(" + given(fault.c_str()) + ')'); // a sum is one word of it
+        const auto items = css_items("at(" + given(fault.c_str()) + ')'); // of which calc() is one word
         if (!items || items->size() != 1) return std::nullopt;
         const auto& words = items->front().words;
         const auto about = words.empty() ? std::optional(start) : position_in(words, box, view);
@@ -384,7 +385,7 @@ private:
         return compose(compose(map, *own), {1, 0, 0, 1, -about->x, -about->y});
     }
 
-    /// How far its stroke reaches beyond the box of a shape; nothing where joins or caps decide.
+    /// How far the stroke of a shape reaches beyond its box. Nothing where joins or caps decide.
     std::optional<double> stroke_reach(pugi::xml_node shape, const Viewport& view) const {
         const auto inherited = [&](const char* property) {
             std::string text;
@@ -404,7 +405,7 @@ private:
     Box object_box(pugi::xml_node node, const Viewport& view, int depth) {
         const std::string kind = local_name(node);
         Box box;
-        if (++looked_at_ > 1'000'000) return box; // uses of uses
+        if (++looked_at_ > 1'000'000) return box; // uses of uses are too many
         if (is_shape(kind)) {
             std::vector<SvgError> told_by_the_walk;
             return bounds(shape_path(document_, node, view, told_by_the_walk));

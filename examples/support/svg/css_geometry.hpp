@@ -26,7 +26,7 @@ double font_size(const StyleSheets::Values& values, const Viewport& parent);
 
 /// Moves geometry and transforms from style attributes and sheets to attributes, for all elements but the
 /// root. A `transform` then has all of transform, translate, rotate, scale, transform-origin and
-/// transform-box. An element whose values are not read is kept whole, with a warning.
+/// transform-box. An element whose values are not read stays unmoved, with a warning.
 void place_by_attributes(SvgDocument& document, StyleSheets& styles);
 
 /// A basic shape, as clip-path has them: circle(), ellipse(), inset(), rect(), xywh(), polygon(), path().

@@ -161,7 +161,7 @@ Affine2 turn_of(const Affine2& map, const Point2& centre) {
     return turn;
 }
 
-/// Whether a filter shows which way is up: it moves what it draws.
+/// Whether a filter draws at an offset, so that a viewer sees its direction.
 bool has_direction(const StyleSheets& styles, const Reference& filter) {
     if (!filter.target)
         return styles.value(filter.node, "filter").text.find("drop-shadow(") != std::string::npos;
@@ -181,8 +181,8 @@ bool has_noise(const Reference& filter) {
                        [](pugi::xml_node primitive) { return local_name(primitive) == "feTurbulence"; });
 }
 
-bool turns_plane(const Affine2& map) {
-    return std::abs(map.a - 1) + std::abs(map.b) + std::abs(map.c) + std::abs(map.d - 1) > 1e-9;
+bool is_shift(const Affine2& map) {
+    return std::abs(map.a - 1) + std::abs(map.b) + std::abs(map.c) + std::abs(map.d - 1) <= 1e-9;
 }
 
 /// A deformation on its way: what is known of every shape in every frame.
@@ -227,7 +227,7 @@ public:
             if (curves.is_lost(i))
                 result_.report.warnings.push_back(
                     label(work_, rest_.shapes[i].node) +
-                    ": no place can be computed for a point of it; it stays as it is");
+                    ": has a point whose place cannot be computed, and stays as it is");
             for (std::size_t f = 0; f < frames_ && !moves_[i]; ++f) moves_[i] = curves.motion(i, f).moved();
         }
         if (!moved()) return std::nullopt;
@@ -347,8 +347,8 @@ private:
         return motion;
     }
 
-    /// Finds how elements with filters move as a whole: by the best map of what they hold, or by its turn where
-    /// a stroke keeps its width. Their shapes move by the rest of the deformation.
+    /// Finds the maps of elements with filters, which move as a whole: the best map of their shapes, or its
+    /// turn where a stroke keeps its width. The shapes move by the rest of the deformation.
     void find_filter_maps(const CurveDeformer& curves) {
         filter_of_.assign(rest_.shapes.size(), none);
         filter_maps_.resize(rest_.references.size());
@@ -372,16 +372,18 @@ private:
                 }
                 maps.push_back(best && inverse(*best) ? *best : maps.empty() ? Affine2() : maps.back());
             }
-            const bool turns = std::any_of(maps.begin(), maps.end(), turns_plane);
-            if (!turns && !has_noise(r)) continue;
+            const bool only_shifts = std::all_of(maps.begin(), maps.end(), is_shift);
+            if (only_shifts && !has_noise(r)) continue;
             if (stands_alone(r)) {
                 for (std::size_t i = r.first; i < r.end; ++i) {
                     filter_of_[i] = k;
                     moves_[i] = true;
                 }
                 filter_maps_[k] = std::move(maps);
-            } else if (turns && has_direction(styles_, r)) {
-                result_.report.warnings.push_back(label(work_, r.node) + ": its filter keeps its direction");
+            } else if (!only_shifts && has_direction(styles_, r)) {
+                result_.report.warnings.push_back(
+                    label(work_, r.node) +
+                    ": its filter does not turn: other elements share its clip path or mask");
             }
         }
     }
@@ -398,7 +400,7 @@ private:
         });
     }
 
-    /// A shape's map without that of the element around it that has a filter.
+    /// The part of a shape's map that is left beside the map of the element around it that has a filter.
     Affine2 unfiltered(std::size_t shape, std::size_t frame, const Affine2& map) const {
         const std::size_t by = filter_of_[shape];
         return by == none ? map : compose(*inverse(filter_maps_[by][frame]), map);

@@ -68,7 +68,8 @@ std::vector<std::string_view> declared_words(std::string_view text, std::size_t&
     return words;
 }
 
-/// Gives elements the attributes that a document type in the file declares with a value. Nothing, or why not.
+/// Gives elements the attributes that the document type in the file declares with a value.
+///   returns   nothing, or why not
 std::optional<std::string> add_default_attributes(const pugi::xml_document& xml) {
     std::map<std::string, std::map<std::string, std::string>> defaults; // by element, by attribute
     for (const pugi::xml_node node : xml.children()) {
@@ -277,8 +278,7 @@ namespace {
 
 /// Unpacks a gzip file, which an .svgz file is. Fails where it is damaged, or holds more than a document may.
 SvgResult<std::string> unpacked(std::string_view packed, const std::string& name) {
-    constexpr std::size_t most = std::size_t{1}
-                                 << 28; // bytes; of zeros a file of a thousandth of that is enough
+    constexpr std::size_t most = std::size_t{1} << 28; // bytes, which 256 kB of packed zeros become
     z_stream stream{};
     if (inflateInit2(&stream, 16 + MAX_WBITS) != Z_OK) return SvgError{name + ": out of memory"};
     std::vector<Bytef> in(packed.begin(), packed.end()), out(std::size_t{1} << 16);

@@ -93,9 +93,10 @@ Box region_in_user_space(pugi::xml_node node, const Viewport& viewport, const Bo
 /// The box of the content that a mask or filter covers, in the user space of the element that refers to it.
 struct MovedRegion {
     Box before;
-    std::vector<Box> after;                   // in every frame
-    std::vector<std::optional<Affine2>> maps; // the best for its shapes, in root user space; what is left of
-                                              // them where the element itself moves
+    std::vector<Box> after; // in every frame
+    std::vector<std::optional<Affine2>>
+        maps; // the best for its shapes, in root user space, beside the map of
+              // an element that moves as a whole
     bool moved = false;
 };
 

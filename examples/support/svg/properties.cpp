@@ -21,8 +21,9 @@ constexpr std::string_view placing_names =
 constexpr std::string_view read_names = R"(
 alignment-baseline clip-path color display dominant-baseline fill fill-opacity fill-rule filter font-size
 marker marker-end marker-mid marker-start mask
-opacity overflow stop-color stop-opacity stroke stroke-dasharray stroke-linecap stroke-linejoin stroke-miterlimit stroke-opacity
-stroke-width text-anchor text-decoration text-decoration-line text-transform visibility word-spacing)";
+opacity overflow stop-color stop-opacity stroke stroke-dasharray stroke-linecap stroke-linejoin
+stroke-miterlimit stroke-opacity stroke-width text-anchor text-decoration text-decoration-line text-transform
+visibility word-spacing)";
 
 constexpr std::string_view kept_names = R"(
 animation-composition animation-delay animation-direction animation-duration
@@ -251,7 +252,7 @@ bool is_valid(std::string_view property, std::string_view value, bool is_attribu
     const std::string text = lowered(trimmed(value));
     const bool is_open = text.find("var(") != std::string::npos || text.find("env(") != std::string::npos;
     const auto words = css_words(text);
-    if (is_open || !words || has_word(wide_keywords, text)) return true; // brackets are closed at the end
+    if (is_open || !words || has_word(wide_keywords, text)) return true; // the end closes brackets
     const auto is_one_of = [&](std::string_view word, const Words& allowed) {
         return std::any_of(allowed.begin(), allowed.end(), [&](std::string_view each) {
             return each == word || (each.starts_with('<') && is_of_kind(word, each, is_attribute));

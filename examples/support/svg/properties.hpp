@@ -27,9 +27,9 @@ PropertyUse use_of(std::string_view property);
 /// The values that every property has.
 constexpr std::string_view wide_keywords = "inherit initial unset revert revert-layer";
 
-/// Whether browsers take a value. They drop a declaration whose value they do not take.
+/// Whether browsers accept a value. Browsers drop a declaration with a value that is not accepted.
 ///
-///   is_attribute   there a length has no need of a unit
+///   is_attribute   the value is that of an attribute, where a length needs no unit
 ///   returns        true for properties that the deformation does not read, and for values with var()
 bool is_valid(std::string_view property, std::string_view value, bool is_attribute = false);
 

@@ -17,9 +17,9 @@ namespace detail {
 
 struct SimpleSelector;
 
-/// The effort of matching selectors. Between the changes of a document its counts of siblings serve all.
+/// What all searches by selectors share. The places of siblings hold until the document changes.
 struct SelectorSearch {
-    std::size_t steps = 0; // left; an answer means nothing once they are zero
+    std::size_t steps = 0; // that are left; once none is left, answers mean nothing
     /// xml_node::hash_value() -> the place among its siblings, from 1: from the start and from the end, of
     /// all and of those of its type
     std::unordered_map<std::size_t, std::array<long long, 4>> places = {};

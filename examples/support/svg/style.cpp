@@ -62,7 +62,7 @@ std::string quoted(std::string_view prelude) {
     return '"' + std::string(prelude.substr(0, 60)) + '"';
 }
 
-/// The selectors of a rule that stands in another: "&" is the rule outside.
+/// The selectors of a rule inside another rule. "&" stands for the outer rule.
 std::string nested_selectors(const std::string& outside, std::string_view inside) {
     const std::string parent = ":is(" + outside + ')';
     std::string all, each;
@@ -184,13 +184,14 @@ namespace {
 std::string size_in_font(std::string_view font) {
     for (const std::string_view word : words_of(font)) {
         const std::string_view size = word.substr(0, word.find('/'));
-        if (!is_digit(size.back()) && parse_length(size, 1)) return std::string(size); // a number is a weight
+        const bool is_weight = size.empty() || is_digit(size.back());
+        if (!is_weight && parse_length(size, 1)) return std::string(size);
     }
     return "inherit";
 }
 
-const char* const whole_mark = "cageform-whole"; // attribute of an element that no pose moves
-const char* const rules_mark = "cageform-rules"; // attribute of an element: which of StyleSheets::marked_
+const char* const unmoved_mark = "cageform-unmoved"; // attribute of an element that no pose moves
+const char* const rules_mark = "cageform-rules";     // attribute of an element: which of StyleSheets::marked_
 
 /// Whether a condition of @supports asks for known properties alone, which browsers support. Spaces stand for
 /// its brackets.
@@ -315,9 +316,9 @@ void StyleSheets::read(std::size_t sheet, std::size_t from, std::size_t end, con
         return std::any_of(names.begin(), names.end(), [&](auto name) { return rule.starts_with(name); });
     };
     constexpr std::string_view media = "@media", layers = "@layer";
-    std::size_t run = from; // begins declarations of the rule that all this stands in
-    const auto end_run = [&](std::size_t at) {
-        if (!in.selectors.empty() && run < at) read_rule(sheet, css.substr(run, at - run), in);
+    std::size_t begin = from; // of declarations of the enclosing rule
+    const auto end_declarations = [&](std::size_t at) {
+        if (!in.selectors.empty() && begin < at) read_rule(sheet, css.substr(begin, at - begin), in);
     };
     for (std::size_t at = from; at < css.size();) {
         const std::size_t open = to_any_of(at, "{;");
@@ -335,13 +336,13 @@ void StyleSheets::read(std::size_t sheet, std::size_t from, std::size_t end, con
             continue;
         }
         std::size_t close = to_any_of(open + 1, "{}");
-        for (int open_blocks = 1; close < css.size();) { // blocks inside, of @media
+        for (int open_blocks = 1; close < css.size();) { // blocks inside the block
             open_blocks += css[close] == '{' ? 1 : -1;
             if (open_blocks == 0) break;
             close = to_any_of(close + 1, "{}");
         }
-        end_run(at);
-        at = run = close + 1;
+        end_declarations(at);
+        at = begin = close + 1;
         std::replace_if(
             rule.begin(), rule.end(), [](char c) { return c == '(' || c == ')'; }, ' ');
         RulePlace inside = in;
@@ -363,7 +364,7 @@ void StyleSheets::read(std::size_t sheet, std::size_t from, std::size_t end, con
             report.add(place_of(sheet, prelude), quoted(prelude) + " is not read");
         }
     }
-    end_run(css.size());
+    end_declarations(css.size());
 }
 
 void StyleSheets::read_rule(std::size_t sheet, std::string_view body, const RulePlace& in) {
@@ -450,13 +451,13 @@ StyleSheets::Values StyleSheets::cascade(const Rules& rules, pugi::xml_node node
         set(property, value, source, important);
         if (property == "font") set("font-size", size_in_font(value), source, important);
     };
-    std::map<std::string_view, const Layer*> first; // that says that a property is important
+    std::map<std::string_view, const Layer*> winners; // of important values, by property: the first layers
     for (const std::size_t rule : rules) {
         if (rules_[rule].conditional) continue;
         const Block& block = blocks_[rules_[rule].block];
         for (const Set& d : block.sets) {
             const bool is_beaten =
-                d.important && *first.try_emplace(d.property, &block.layer).first->second != block.layer;
+                d.important && *winners.try_emplace(d.property, &block.layer).first->second != block.layer;
             if (!is_beaten) give(d.property, d.value, Source::sheet, d.important);
         }
     }
@@ -495,6 +496,7 @@ std::optional<std::string> StyleSheets::substituted(pugi::xml_node node, std::st
                                                     int& left) const {
     std::string result;
     constexpr std::string_view begin = "var(";
+    constexpr std::size_t most_of_value = 1'000'000; // bytes
     for (std::size_t at = 0; (at = text.find(begin)) != std::string_view::npos;) {
         result += text.substr(0, at);
         text.remove_prefix(at + begin.size());
@@ -508,6 +510,7 @@ std::optional<std::string> StyleSheets::substituted(pugi::xml_node node, std::st
         if (!value && comma < end) value = substituted(node, text.substr(comma + 1, end - comma - 1), left);
         if (!value) return std::nullopt;
         result += *value;
+        if (result.size() > most_of_value) return std::nullopt;
         text.remove_prefix(std::min(end + 1, text.size()));
     }
     return result.append(text);
@@ -526,12 +529,12 @@ std::optional<std::string> StyleSheets::custom_property(pugi::xml_node node, std
     return std::nullopt;
 }
 
-void StyleSheets::keep_whole(pugi::xml_node node) {
-    set_attribute(node, whole_mark, "");
+void StyleSheets::leave_unmoved(pugi::xml_node node) {
+    set_attribute(node, unmoved_mark, "");
 }
 
-bool StyleSheets::is_kept_whole(pugi::xml_node node) {
-    return node.attribute(whole_mark);
+bool StyleSheets::is_left_unmoved(pugi::xml_node node) {
+    return node.attribute(unmoved_mark);
 }
 
 bool StyleSheets::is_placed_by_others(pugi::xml_node node) const {
@@ -579,7 +582,7 @@ void StyleSheets::set(pugi::xml_node node, const std::string& property, const st
 }
 
 void StyleSheets::remove_placing() {
-    for (auto part = placing_.begin(); part != placing_.end();) { // they stand in order
+    for (auto part = placing_.begin(); part != placing_.end();) { // in the order of the sheets
         const std::size_t changed = part->sheet;
         Sheet& sheet = sheets_[changed];
         std::string rest;
@@ -606,7 +609,7 @@ void StyleSheets::remove_placing() {
 
 void StyleSheets::settle(std::vector<std::string>& warnings) const {
     const pugi::xml_node root = root_element(document_.xml);
-    for (pugi::xml_node node = root; node; node = next_node(node, root)) node.remove_attribute(whole_mark);
+    for (pugi::xml_node node = root; node; node = next_node(node, root)) node.remove_attribute(unmoved_mark);
     if (rules_.empty()) return;
     search_.places.clear(); // elements have changed
     std::vector<std::pair<pugi::xml_node, const Rules*>> elements;

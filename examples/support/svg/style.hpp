@@ -63,8 +63,8 @@ struct StyleValue {
 /// writes style attributes so that other programs see the same values.
 ///
 /// A block of @media applies if its query holds on every screen. Rules under other conditions, and rules for
-/// states such as :hover, stay in their sheet. The deformation ignores them, and keeps whole the elements that
-/// they would place.
+/// states such as :hover, stay in their sheet. The deformation ignores these rules. It does not move the
+/// elements whose geometry or transform they set.
 class StyleSheets {
 public:
     using Values = std::map<std::string, StyleValue, std::less<>>;
@@ -77,10 +77,10 @@ public:
     /// left out, and var() has its value.
     Values values(pugi::xml_node node) const;
 
-    /// One of these.
+    /// The value of one property.
     StyleValue value(pugi::xml_node node, std::string_view property) const;
 
-    /// A text with the values of var() as they are at an element; nothing where one has none.
+    /// A text in which each var() is replaced by its value at an element. Nothing where a var() has no value.
     std::optional<std::string> substituted(pugi::xml_node node, std::string_view text) const;
 
     /// Writes a value that wins, in place of the one that did.
@@ -90,17 +90,17 @@ public:
     /// SVG 2.
     void stand_alone(pugi::xml_node copy);
 
-    /// Whether a sheet has properties of geometry or about transforms.
+    /// Whether a sheet sets geometry or transforms.
     bool places_elements() const {
         return std::any_of(blocks_.begin(), blocks_.end(), [](const Block& b) { return b.places; });
     }
-    /// Removes these properties from the sheets. Attributes already hold their values.
+    /// Removes geometry and transforms from the sheets. Attributes already hold their values.
     void remove_placing();
 
     /// Marks an element that no pose moves, as its geometry or transform is not read.
-    static void keep_whole(pugi::xml_node node);
-    static bool is_kept_whole(pugi::xml_node node);
-    /// Whether rules that are not read place an element.
+    static void leave_unmoved(pugi::xml_node node);
+    static bool is_left_unmoved(pugi::xml_node node);
+    /// Whether a rule that is not read sets the geometry or the transform of an element.
     bool is_placed_by_others(pugi::xml_node node) const;
 
     /// Removes the marks. If an element's matching rules changed since loading, its style attribute restores
@@ -112,13 +112,12 @@ public:
 
 private:
     enum class Applies { never, by_window, always };
-    /// The numbers of a layer and of those that it stands in, outermost first. A layer with a greater number
-    /// wins.
+    /// The numbers of the layers around a layer, outermost first, then its own. The greater number wins.
     using Layer = std::vector<std::size_t>;
     /// Where rules or declarations stand in a sheet.
     struct RulePlace {
-        std::string selectors;    // of the rule that they stand in, and of those outside
-        std::string_view prelude; // of that rule, as it is written
+        std::string selectors;    // of the enclosing rules
+        std::string_view prelude; // what the file has before the block of the inmost rule
         Layer layer;
         Applies applies = Applies::always;
         int depth = 0;
@@ -131,8 +130,8 @@ private:
         std::string name, place; // its selectors, and the line
         Layer layer;
         std::vector<Set> sets;
-        bool places = false; // has properties of geometry or about transforms
-        bool is_read = true; // these are in `sets`
+        bool places = false; // sets geometry or transforms
+        bool is_read = true; // `sets` has geometry and transforms too
     };
     struct Rule {
         Selector selector;
@@ -153,19 +152,19 @@ private:
 
     /// Whether a screen meets a list of queries.
     static Applies media_applies(std::string_view queries);
-    /// The layer of a name with dots in another layer; without a name a new one.
+    /// The layer of a name with dots, inside another layer. Without a name it is a new layer.
     Layer layer_of(Layer layer, std::string_view name);
     void read(std::size_t sheet, std::size_t from, std::size_t end, const RulePlace& in);
     void read_rule(std::size_t sheet, std::string_view body, const RulePlace& in);
     std::string place_of(std::size_t sheet, std::string_view part) const;
-    /// The rules that match an element, or others once there are no steps left.
+    /// The rules that match an element; `otherwise` once no steps are left.
     Rules matching(pugi::xml_node node, const Rules& otherwise, pugi::xml_node top = {}) const;
     const Rules& rules_of(pugi::xml_node node) const;
     /// The values of sheets and of the style attribute, of some properties.
     template <class Wanted>
     Values cascade(const Rules& rules, pugi::xml_node node, const Wanted& wanted) const;
     /// Works as substituted().
-    ///   left   var() that may still be looked up
+    ///   left   the number of elements that may still be searched for the values of var()
     std::optional<std::string> substituted(pugi::xml_node node, std::string_view text, int& left) const;
     std::optional<std::string> custom_property(pugi::xml_node node, std::string_view name, int& left) const;
     /// Returns whether the style attribute has changed.
@@ -173,7 +172,7 @@ private:
 
     SvgDocument& document_;
     std::vector<Sheet> sheets_;
-    std::map<std::pair<Layer, std::string>, std::size_t> layers_; // the number by what it stands in and name
+    std::map<std::pair<Layer, std::string>, std::size_t> layers_; // numbers, by enclosing layer and name
     std::vector<Block> blocks_;
     std::vector<Rule> rules_; // by layer, specificity and order
     std::unordered_map<std::string, Rules> by_key_;

@@ -169,8 +169,8 @@ bool has_lists(pugi::xml_node text) {
     return (lists(text) || text.find_node(lists)) && !text.find_node(on_path);
 }
 
-/// The lines that an element of a text has from itself and from what it stands in: the renderer knows
-/// only those of the element, and only by this property.
+/// The decoration lines of an element of a text and of the elements around it. The renderer reads those of
+/// the element itself only, and only from `text-decoration`.
 std::string decoration_of(const StyleSheets& styles, pugi::xml_node node) {
     std::string found;
     for (const char* line : {"underline", "overline", "line-through"}) {

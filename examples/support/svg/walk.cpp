@@ -50,7 +50,9 @@ void ShapeCollector::inherit(const Values& values, Place& place) {
     const auto take = [&](std::string_view property, std::string& to) {
         const std::string text = text_of(values, property);
         if (text.empty()) return;
-        to = lowered(text) == "none" ? "none" : text.size() < 1000 ? text : "black"; // every shape has a copy
+        to = lowered(text) == "none" ? "none"
+             : text.size() < 1000    ? text
+                                     : "black"; // a long one is not copied to each shape
     };
     take("fill", place.style.fill);
     take("stroke", place.style.stroke);
@@ -96,14 +98,14 @@ bool ShapeCollector::visit(pugi::xml_node node, const Place& parent) {
     const bool is_shared_image = uses_of_images_.count(node.hash_value()) != 0;
     const std::string kind = is_shared_image ? "image" : local_name(node);
     if (parent.depth >= max_svg_depth) return fail(node, "elements are nested too deeply");
-    if (StyleSheets::is_kept_whole(node))
+    if (StyleSheets::is_left_unmoved(node))
         return !options_.is_strict || fail(node, "its geometry or transform is not read");
     if (kind == "use") return visit_use(node, parent);
     if (!is_group(kind) && !is_shape(kind) && !is_fixed(kind)) return true;
     const std::string_view extensions = trimmed(node.attribute("requiredExtensions").value());
     const bool known = extensions.empty() || extensions == "http://www.w3.org/1999/xhtml" ||
                        extensions == "http://www.w3.org/1998/Math/MathML";
-    if (!known) return true; // nobody draws it
+    if (!known) return true; // no renderer draws it
 
     // Pages and hidden layers need not lie in the cage. To be read (a cage, say) a shape may be hidden.
     const Values values = take_context_paint(node, parent);

@@ -24,7 +24,7 @@ struct Reference {
     int level = 0;
     std::size_t first = 0, end = 0;
     std::size_t first_inside = 0, end_inside = 0; // the shapes of the clip path or mask
-    bool hides_rest = false;                      // what lies beyond these shapes
+    bool hides_rest = false;                      // hides what lies beyond these shapes
 };
 
 bool is_filter(const Reference& reference);
@@ -66,7 +66,7 @@ inline constexpr std::array marker_properties{"marker-start", "marker-mid", "mar
 
 bool has_markers(const DrawnShape& shape);
 
-/// The box of each shape that is seen in the picture, by what clips it; empty for others.
+/// For each shape the box of the part that is seen, after all clipping. Empty where nothing is seen.
 ///   shapes   of the drawing, which may have moved
 std::vector<Box> seen_boxes(const Drawing& drawing, const std::vector<DrawnShape>& shapes);
 
