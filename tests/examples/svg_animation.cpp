@@ -20,6 +20,8 @@
 namespace svg_animation_tests {
 
 using namespace cageform_examples;
+using svg_texts::by_id;
+using svg_texts::by_name;
 using svg_texts::parsed;
 
 namespace {
@@ -89,10 +91,6 @@ AnimatedSvg animated(std::string_view text, const std::vector<Wave>& waves,
     INFO((result ? std::string() : to_string(result.error())));
     REQUIRE(result);
     return std::move(*result);
-}
-
-pugi::xml_node by_id(const SvgDocument& document, std::string_view id) {
-    return document.xml.find_node([&](pugi::xml_node n) { return n.attribute("id").value() == id; });
 }
 
 std::string letters_of(std::string_view data) {
@@ -190,8 +188,7 @@ TEST_CASE("a frame is what a still of its pose shows", "[examples][svg_document]
                              by_id(still, id).attribute("transform").value()) < 1e-6);
         }
         const auto light = [](const SvgDocument& document) {
-            const auto node = document.xml.find_node(
-                [](pugi::xml_node n) { return detail::local_name(n) == "fePointLight"; });
+            const auto node = by_name(document.xml, "fePointLight");
             return std::array{node.attribute("x").as_double(), node.attribute("y").as_double()};
         };
         CHECK(light(moving.document)[0] == Approx(light(still)[0]).epsilon(0).margin(1e-3));
@@ -418,7 +415,7 @@ TEST_CASE("what moves by one affine map is moved by a transform", "[examples][sv
     AnimatedSvg moving = animated(text, {Wave{}, Wave{map, height, 0.1}, Wave{}});
     const auto group = by_id(moving.document, "g");
     moving.show(1);
-    const auto rect = group.find_node([](pugi::xml_node n) { return detail::local_name(n) == "rect"; });
+    const auto rect = by_name(group, "rect");
     CHECK(bool(rect) == is_carried);
     if (!is_carried) return;
     moving.play(1, 1e-3);
@@ -505,8 +502,7 @@ TEST_CASE("letters on a path move with it, once", "[examples][svg_document][text
         return document;
     };
     const auto path_start = [](const SvgDocument& document) {
-        const auto text_path =
-            document.xml.find_node([](pugi::xml_node n) { return detail::local_name(n) == "textPath"; });
+        const auto text_path = by_name(document.xml, "textPath");
         const auto path = by_id(document, detail::reference_of(text_path).substr(1));
         const auto parsed_path = parse_path_data(path.attribute("d").value());
         REQUIRE(parsed_path);
@@ -518,8 +514,7 @@ TEST_CASE("letters on a path move with it, once", "[examples][svg_document][text
 <text font-size="4"><textPath href="#p">on it</textPath></text></g></svg>)x");
         CHECK(path_start(document).x == Approx(20).epsilon(0).margin(1e-3));
         CHECK(path_start(document).y == Approx(12.5).epsilon(0).margin(1e-3));
-        const auto text =
-            document.xml.find_node([](pugi::xml_node n) { return detail::local_name(n) == "text"; });
+        const auto text = by_name(document.xml, "text");
         CHECK_FALSE(text.attribute("transform"));
         CHECK_FALSE(by_id(document, "p-2"));
     }
@@ -533,8 +528,7 @@ TEST_CASE("letters on a path move with it, once", "[examples][svg_document][text
                      R"x(<text font-size="4"><textPath href="#p">on it</textPath></text></svg>)x");
         CHECK(path_start(document).x == Approx(35).epsilon(0).margin(1e-3));
         CHECK(path_start(document).y == Approx(15).epsilon(0).margin(1e-3));
-        CHECK_FALSE(document.xml.find_node([](pugi::xml_node n) { return detail::local_name(n) == "text"; })
-                        .attribute("transform"));
+        CHECK_FALSE(by_name(document.xml, "text").attribute("transform"));
     }
     SECTION("of a transform of its own, in a text of another") {
         const auto document = deformed(

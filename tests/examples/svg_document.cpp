@@ -25,7 +25,9 @@
 namespace svg_document_tests {
 
 using namespace cageform_examples;
+using svg_texts::deformed;
 using svg_texts::parsed;
+using Result = svg_texts::Deformed;
 namespace fs = std::filesystem;
 
 namespace {
@@ -65,19 +67,6 @@ Point2 waved(const Point2& p) {
 bool wave(std::span<const Point2> in, std::span<Point2> out) {
     std::transform(in.begin(), in.end(), out.begin(), waved);
     return true;
-}
-
-struct Result {
-    std::string text;
-    DeformReport report;
-};
-
-Result deformed(std::string_view text, const Deformer& deformer, const DeformOptions& options = {}) {
-    SvgDocument document = parsed(text);
-    auto report = deform(document, deformer, options);
-    INFO((report ? std::string() : to_string(report.error())));
-    REQUIRE(report);
-    return {to_text(document), *report};
 }
 
 std::string error_of(std::string_view text) {
@@ -858,8 +847,7 @@ TEST_CASE("markers stand where the author's vertices go", "[examples][svg_docume
         R"(<style>#line { stroke: red; marker-mid: url(#m) }</style><marker id="m" orient="auto"/><path id="line" d=")" +
         data + R"("/>)"));
     REQUIRE(deform(document, slope));
-    const pugi::xml_node line = document.xml.find_node(
-        [](pugi::xml_node n) { return n.attribute("id").value() == std::string("line"); });
+    const pugi::xml_node line = svg_texts::by_id(document, "line");
     const pugi::xml_node marked = line.next_sibling();
     const detail::StyleSheets styles(document);
     const auto value = [&](pugi::xml_node node, const char* name) { return styles.value(node, name).text; };
@@ -939,13 +927,7 @@ TEST_CASE("the pen of a stroke that a group skews turns with the shape",
     };
     SvgDocument document = parsed(svg(text));
     const auto rest = shape_of(document);
-    REQUIRE(deform(document,
-                   [&](std::span<const Point2> in, std::span<Point2> out) {
-                       std::transform(in.begin(), in.end(), out.begin(),
-                                      [&](const Point2& p) { return apply(pose, p); });
-                       return true;
-                   },
-                   {.decimals = 9}));
+    REQUIRE(deform(document, svg_texts::by(pose), {.decimals = 9}));
     const auto moved = shape_of(document);
     CHECK(write_path_data(moved.path, 3) == write_path_data(transformed(rest.path, pose), 3));
     const Affine2 wanted = compose(pose, rest.to_root);

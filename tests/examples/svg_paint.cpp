@@ -20,17 +20,10 @@ namespace svg_paint_tests {
 
 using namespace cageform_examples;
 using detail::Box;
-using svg_texts::parsed;
-using svg_texts::svg;
+using namespace svg_texts;
+using Result = Deformed;
 
 namespace {
-
-Deformer by(const Affine2& map) {
-    return [map](std::span<const Point2> in, std::span<Point2> out) {
-        std::transform(in.begin(), in.end(), out.begin(), [&](const Point2& p) { return apply(map, p); });
-        return true;
-    };
-}
 
 /// Bends the x axis.
 bool bend(std::span<const Point2> in, std::span<Point2> out) {
@@ -40,58 +33,14 @@ bool bend(std::span<const Point2> in, std::span<Point2> out) {
     return true;
 }
 
-struct Result {
-    SvgDocument document;
-    DeformReport report;
-    std::string text;
-};
-
-Result deformed(std::string_view text, const Deformer& deformer, const DeformOptions& options = {}) {
-    SvgDocument document = parsed(text);
-    auto report = deform(document, deformer, options);
-    INFO(text);
-    INFO((report ? std::string() : to_string(report.error())));
-    REQUIRE(report);
-    std::string after = to_text(document);
-    return {std::move(document), *report, std::move(after)};
-}
-
 Affine2 transform_of(pugi::xml_node node) {
     const auto map = parse_transform(node.attribute("transform").value());
     REQUIRE(map);
     return *map;
 }
 
-class Random {
-public:
-    explicit Random(unsigned seed)
-        : engine_(seed) {}
-    double in(double least, double most) {
-        return std::uniform_real_distribution<double>(least, most)(engine_);
-    }
-    std::size_t below(std::size_t n) { return std::uniform_int_distribution<std::size_t>(0, n - 1)(engine_); }
-    Affine2 map(double shift) {
-        const double turn = in(0, 6), skew = in(-0.8, 0.8), sx = in(0.4, 2), sy = in(0.4, 2);
-        const double side = below(4) == 0 ? -1 : 1; // some are mirrored
-        const double c = std::cos(turn), s = std::sin(turn);
-        return {sx * c,
-                sx * s,
-                side * (skew * c - sy * s),
-                side * (skew * s + sy * c),
-                in(-shift, shift),
-                in(-shift, shift)};
-    }
-
-private:
-    std::mt19937 engine_;
-};
-
 std::string number(double v) {
     return format_number(v, 9);
-}
-
-pugi::xml_node by_id(const SvgDocument& document, const std::string& id) {
-    return document.xml.find_node([&](pugi::xml_node node) { return id == node.attribute("id").value(); });
 }
 
 /// The attribute of a gradient or pattern, or of those it refers to.

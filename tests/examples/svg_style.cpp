@@ -17,7 +17,11 @@
 namespace svg_style_tests {
 
 using namespace cageform_examples;
+using svg_texts::by;
+using svg_texts::by_name;
+using svg_texts::Deformed;
 using svg_texts::parsed;
+using svg_texts::Random;
 
 namespace {
 
@@ -33,19 +37,8 @@ struct Result {
 };
 
 Result deformed(std::string_view text, const Affine2& pose) {
-    SvgDocument document = parsed(text);
-    const auto report = deform(document,
-                               [&](std::span<const Point2> in, std::span<Point2> out) {
-                                   std::transform(in.begin(), in.end(), out.begin(),
-                                                  [&](const Point2& p) { return apply(pose, p); });
-                                   return true;
-                               },
-                               {.decimals = 9});
-    INFO(text);
-    INFO((report ? std::string() : to_string(report.error())));
-    REQUIRE(report);
-    std::string written = to_text(document);
-    return {std::move(document), std::move(written), report->warnings};
+    Deformed result = svg_texts::deformed(text, by(pose), {.decimals = 9});
+    return {std::move(result.document), std::move(result.text), std::move(result.report.warnings)};
 }
 
 /// The shapes of a drawing in root user space, after a map.
@@ -59,25 +52,7 @@ std::string drawn(std::string_view text, const Affine2& map = {}) {
     return result;
 }
 
-pugi::xml_node by_name(const SvgDocument& document, const char* name) {
-    return document.xml.find_node([&](pugi::xml_node node) { return detail::local_name(node) == name; });
-}
-
 const Affine2 slanted{0.9, 0.4, -0.3, 1.2, 7, -5};
-
-class Random {
-public:
-    explicit Random(unsigned seed)
-        : engine_(seed) {}
-    std::size_t below(std::size_t n) { return engine_() % n; }
-    double number(double from, double to) {
-        return from + (to - from) * double(engine_()) / double(std::mt19937::max());
-    }
-    std::string any_of(const std::vector<std::string>& texts) { return texts[below(texts.size())]; }
-
-private:
-    std::mt19937 engine_;
-};
 
 } // namespace
 
@@ -278,7 +253,7 @@ TEST_CASE("layers, rules, style attributes and attributes rank as CSS says",
         svg("<style>" + css + "</style><rect id='i' class='k' style='" + style + '\'' + attributes + "/>");
     CAPTURE(text);
     SvgDocument document = parsed(text);
-    CHECK(detail::StyleSheets(document).value(by_name(document, "rect"), "fill").text == wanted);
+    CHECK(detail::StyleSheets(document).value(by_name(document.xml, "rect"), "fill").text == wanted);
 }
 
 TEST_CASE("rules inside rules are those of the elements that they name", "[examples][svg_style][selector]") {
@@ -427,7 +402,8 @@ TEST_CASE("rules keep their effect on copies and new elements", "[examples][svg_
     REQUIRE(lost.warnings.size() == 2);
     CHECK(lost.warnings[0] == "style (line 3): \"rect\" no longer applies to path (line 3)");
     Result print = deformed(svg("<style media='print'>path{fill:red}</style><path d='M1 1h2v2z'/>"), slanted);
-    CHECK(detail::StyleSheets(print.document).value(by_name(print.document, "path"), "fill").text.empty());
+    CHECK(
+        detail::StyleSheets(print.document).value(by_name(print.document.xml, "path"), "fill").text.empty());
     CHECK(lost.warnings[1] == "style (line 1): \"rect:hover\" no longer applies to path (line 3)");
     const Result words =
         deformed(svg("<style>@supports(d:none){rect{fill:tan}}p{height:9px}</style>"
@@ -581,7 +557,7 @@ TEST_CASE("an invalid declaration counts as none", "[examples][svg_style][proper
         SvgDocument document = parsed(svg("<style>" + css + "</style><rect style='" + style + "'/>"));
         const detail::StyleSheets styles(document);
         CAPTURE(css, style);
-        const std::string found = styles.value(by_name(document, "rect"), kind.property).text;
+        const std::string found = styles.value(by_name(document.xml, "rect"), kind.property).text;
         CHECK(found == (wanted == "var(--a)" ? "unset" : wanted)); // as --a has no value
     }
 }
@@ -595,7 +571,7 @@ TEST_CASE("basic shapes clip as paths do", "[examples][svg_style][clip]") {
         const auto clip_of = [](const std::string& text) {
             const Result moved = deformed(text, slanted);
             const std::string data =
-                detail::attribute_text(by_name(moved.document, "clipPath").first_child(), "d");
+                detail::attribute_text(by_name(moved.document.xml, "clipPath").first_child(), "d");
             CHECK(moved.warnings.empty());
             return write_path_data(*parse_path_data(data), 3);
         };
@@ -716,7 +692,7 @@ TEST_CASE("references find the ids that they mean", "[examples][svg_style][refer
                             "<path d='M0 0h9v9z' clip-path='URL(" + plain + ")'/>";
     const Result moved = deformed(svg(cut), slanted);
     const auto clipped =
-        parse_path_data(by_name(moved.document, "clipPath").first_child().attribute("d").value());
+        parse_path_data(by_name(moved.document.xml, "clipPath").first_child().attribute("d").value());
     REQUIRE(clipped);
     CHECK(write_path_data(*clipped, 3) + '\n' == drawn(svg("<path d='M1 1h5v5z'/>"), slanted));
 }

@@ -87,9 +87,9 @@ void add_stroke(const Outline& outline, const DrawnShape& shape, double radius, 
 }
 
 void add_shape(const DrawnShape& shape, double tolerance, DrawnFigure& figure) {
-    const bool filled = shape.is_box || shape.fill != "none";
+    const bool filled = shape.is_box || shape.has_fill;
     const double radius =
-        shape.stroke == "none" || shape.is_box ? 0 : shape.stroke_width / 2 * largest_scale(shape.to_root);
+        shape.has_stroke && !shape.is_box ? shape.stroke_width / 2 * largest_scale(shape.to_root) : 0;
     const std::size_t begin = figure.segments.size();
     std::vector<Outline> outlines;
     for (const Subpath& subpath : shape.path) {

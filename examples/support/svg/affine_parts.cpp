@@ -74,7 +74,7 @@ private:
         for (std::size_t i = part.first; i < part.end; ++i) {
             const DrawnShape& shape = rest_.shapes[i];
             if (taken_[i] || shape.level != 0 || shape.is_extent || has_markers(shape) ||
-                (shape.has_dashes && shape.stroke != "none") || !is_in(shape.node, part.node))
+                (shape.has_dashes && shape.has_stroke) || !is_in(shape.node, part.node))
                 return false;
             for (const Subpath& subpath : paths_[i]) {
                 for (const Segment& s : subpath.segments) numbers += s.is_line() ? 2 : 6;
@@ -90,7 +90,7 @@ private:
         for (std::size_t i = part.first; i < part.end; ++i) {
             const DrawnShape& shape = rest_.shapes[i];
             const double half_width =
-                shape.stroke == "none" ? 0 : shape.stroke_width / 2 * largest_scale(shape.to_root);
+                shape.has_stroke ? shape.stroke_width / 2 * largest_scale(shape.to_root) : 0;
             const double left = tolerance_ - half_width * std::max(most - 1, 1 - least);
             bool good = left >= 0;
             if (!good) return false;

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <set>
 
 namespace cageform_examples {
 
@@ -169,7 +170,10 @@ public:
         const Values values = styles_.values(root);
         viewport.em = viewport.root_em = font_size(values, viewport);
         keep_in_style(root, values);
-        for (const pugi::xml_node child : root.children()) visit(child, viewport, false, 0);
+        for (pugi::xml_node node = root; node; node = next_node(node, root)) {
+            if (local_name(node) == "use") used_.insert(ids_.referred(reference_of(node)).hash_value());
+        }
+        for (const pugi::xml_node child : root.children()) visit(child, viewport, {});
         styles_.remove_placing();
     }
 
@@ -190,14 +194,20 @@ private:
         return false;
     }
 
-    void visit(pugi::xml_node node, const Viewport& parent, bool foreign, int depth) {
-        if (node.type() != pugi::node_element || depth > max_svg_depth) return;
+    struct Place {
+        bool is_foreign = false, is_used = false; // in a foreignObject; in what a `use` refers to
+        int depth = 0;
+    };
+
+    void visit(pugi::xml_node node, const Viewport& parent, Place place) {
+        if (node.type() != pugi::node_element || place.depth > max_svg_depth) return;
         Values values = styles_.values(node);
-        const std::string kind = foreign ? std::string() : local_name(node);
+        const std::string kind = place.is_foreign ? std::string() : local_name(node);
+        place.is_used = place.is_used || used_.count(node.hash_value()) != 0;
         Viewport view = parent;
         view.em = font_size(values, parent);
-        bool is_read =
-            kind.empty() || (take_geometry(node, kind, values, view) && !styles_.is_placed_by_others(node));
+        bool is_read = kind.empty() || (take_geometry(node, kind, values, view, place.is_used) &&
+                                        !styles_.is_placed_by_others(node));
         Viewport inside = view;
         if (kind == "svg") {
             inside.width = length_in(attribute_text(node, "width"), view.width, view).value_or(view.width);
@@ -208,8 +218,9 @@ private:
             inside.width = box->width;
             inside.height = box->height;
         }
-        for (const pugi::xml_node child : node.children())
-            visit(child, inside, foreign || kind == "foreignObject", depth + 1);
+        place.is_foreign = place.is_foreign || kind == "foreignObject";
+        ++place.depth;
+        for (const pugi::xml_node child : node.children()) visit(child, inside, place);
         if (is_read && !kind.empty()) is_read = take_transform(node, kind, values, view);
         if (!is_read) StyleSheets::leave_unmoved(node);
         keep_in_style(node, values);
@@ -252,7 +263,8 @@ private:
     }
 
     /// Properties that become attributes go from `values`. Returns whether all could be read.
-    bool take_geometry(pugi::xml_node node, const std::string& kind, Values& values, const Viewport& view) {
+    bool take_geometry(pugi::xml_node node, const std::string& kind, Values& values, const Viewport& view,
+                       bool is_used) {
         static const std::vector<const char*> of_box{"x", "y", "width", "height"}, none;
         const auto shape = shape_attributes().find(kind);
         const bool has_box = kind == "use" || kind == "svg" || kind == "image" || kind == "foreignObject";
@@ -267,7 +279,7 @@ private:
             if (!is_given) continue;
             const std::string text =
                 by_css ? found->second.text : styles_.substituted(node, attribute).value_or("unset");
-            const auto written = has_name ? geometry_text(name, text, view) : std::nullopt;
+            const auto written = has_name ? geometry_text(name, text, view, is_used) : std::nullopt;
             const bool is_fault = !by_css && !is_valid(name, text, true); // the walk names it
             // Browsers ignore these of a nested svg, and differ in the size of a use.
             const bool is_ignored = by_css && (kind == "svg" ? has_name : kind == "use" && is_size);
@@ -282,9 +294,10 @@ private:
         return all;
     }
 
-    /// A value as the attribute has it; nothing where it is not read.
+    /// A value as the attribute has it. Nothing where the value is not read. Functions stay in a used element:
+    /// its copies may have other sizes of fonts and of the nested svg.
     static std::optional<std::string> geometry_text(const std::string& name, const std::string& text,
-                                                    const Viewport& view) {
+                                                    const Viewport& view, bool is_used) {
         const bool is_across = name == "width" || name.find('x') != std::string::npos;
         const bool has_sign = name[0] == 'x' || name[0] == 'y' || name[0] == 'c',
                    is_auto = lowered(text) == "auto";
@@ -298,7 +311,7 @@ private:
                                                  : view.height,
                                      view);
         if (!value) return std::nullopt;
-        if (text.find('(') == std::string::npos) return text;
+        if (is_used || text.find('(') == std::string::npos) return text;
         return format_number(has_sign ? *value : std::max(*value, 0.0), 17);
     }
 
@@ -438,6 +451,7 @@ private:
     SvgDocument& document_;
     StyleSheets& styles_;
     const IdTable ids_;
+    std::set<std::size_t> used_; // by hash: the elements that `use` refers to
     std::size_t looked_at_ = 0;
 };
 

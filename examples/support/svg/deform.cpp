@@ -296,7 +296,7 @@ private:
                 moved.maps.push_back(best ? *best : moved.maps.empty() ? Affine2() : moved.maps.back());
                 if (shape.is_box || shape.is_extent) continue;
                 Affine2 from_root = shape.from_root;
-                if (shape.stroke != "none" && !shape.clips && is_skewed(shape.to_root)) {
+                if (shape.has_stroke && !shape.clips && is_skewed(shape.to_root)) {
                     const Point2 centre = apply(shape.to_root, boxes_at_rest_[i].centre());
                     Affine2 turn = turn_of(unfiltered(i, f, moved.maps.back()), centre);
                     if (referring.count(shape.node.hash_value()) != 0) {
@@ -358,9 +358,8 @@ private:
             const auto first = rest_.shapes.begin() + std::ptrdiff_t(r.first);
             const auto end = rest_.shapes.begin() + std::ptrdiff_t(r.end);
             if (!is_filter(r) || first == end || (first->is_box && first->node == r.node)) continue;
-            const bool has_stroke = std::any_of(first, end, [](const DrawnShape& shape) {
-                return shape.stroke != "none" || has_markers(shape);
-            });
+            const bool has_stroke = std::any_of(
+                first, end, [](const DrawnShape& shape) { return shape.has_stroke || has_markers(shape); });
             const Point2 centre = bounds(rest_.shapes, r.first, r.end, r.level, {}).centre();
             std::vector<Affine2> maps;
             for (std::size_t f = 0; f < frames_; ++f) {

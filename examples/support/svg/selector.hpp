@@ -17,7 +17,7 @@ namespace detail {
 
 struct SimpleSelector;
 
-/// What all searches by selectors share. The places of siblings hold until the document changes.
+/// The state that all searches by selectors share. The places of siblings hold until the document changes.
 struct SelectorSearch {
     std::size_t steps = 0; // that are left; once none is left, answers mean nothing
     /// xml_node::hash_value() -> the place among its siblings, from 1: from the start and from the end, of
