@@ -204,6 +204,9 @@ private:
         Values values = styles_.values(node);
         const std::string kind = place.is_foreign ? std::string() : local_name(node);
         place.is_used = place.is_used || used_.count(node.hash_value()) != 0;
+        for (auto& [property, value] : values) {
+            if (!place.is_used && value.text.find("var(") != std::string::npos) value.text = "unset";
+        }
         Viewport view = parent;
         view.em = font_size(values, parent);
         bool is_read = kind.empty() || (take_geometry(node, kind, values, view, place.is_used) &&
@@ -278,7 +281,8 @@ private:
             const bool is_given = by_css || (has_name && name != "d" && !is_blank(attribute));
             if (!is_given) continue;
             const std::string text =
-                by_css ? found->second.text : styles_.substituted(node, attribute).value_or("unset");
+                by_css ? found->second.text
+                       : styles_.substituted(node, attribute).value_or(is_used ? attribute : "unset");
             const auto written = has_name ? geometry_text(name, text, view, is_used) : std::nullopt;
             const bool is_fault = !by_css && !is_valid(name, text, true); // the walk names it
             // Browsers ignore these of a nested svg, and differ in the size of a use.
@@ -294,8 +298,8 @@ private:
         return all;
     }
 
-    /// A value as the attribute has it. Nothing where the value is not read. Functions stay in a used element:
-    /// its copies may have other sizes of fonts and of the nested svg.
+    /// A value as the attribute has it. Nothing where the value is not read. Functions stay in a used
+    /// element, whose copies may have other sizes of fonts and of the nested svg.
     static std::optional<std::string> geometry_text(const std::string& name, const std::string& text,
                                                     const Viewport& view, bool is_used) {
         const bool is_across = name == "width" || name.find('x') != std::string::npos;

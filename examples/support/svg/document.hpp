@@ -11,8 +11,8 @@
 //
 // Affine followers: gradients and patterns of a shape, in user space or in units of its box (paint.hpp),
 // and a whole text, image or foreignObject follow the affine map that fits the motion of their points
-// best, by least squares. Under a strong bend this fit is poor. An element with a filter moves as a whole, and
-// the filter with it: by the map of its shapes, or by the turn of this map where a stroke keeps its width.
+// best, by least squares. Under a strong bend this fit is poor. An element with a filter moves as a whole,
+// and the filter with it: by the map of its shapes, or by the turn of this map if a stroke keeps its width.
 // Regions of filters, of their primitives and of masks are enlarged to hold the moved shapes; lights follow.
 // The region of a mask, a nested svg or a used symbol that clips becomes a clip path. Markers of a fixed
 // direction turn with their shape.

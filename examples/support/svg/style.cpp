@@ -482,7 +482,9 @@ StyleSheets::Values StyleSheets::values(pugi::xml_node node) const {
     for (auto& [property, value] : result) {
         if (value.text.find("var(") == std::string::npos) continue;
         const auto text = substituted(node, value.text);
-        value.text = text && is_valid(property, *text) ? trimmed(*text) : "unset";
+        const bool is_computed = text && is_valid(property, *text);
+        if (is_computed || use_of(property) == PropertyUse::read)
+            value.text = is_computed ? trimmed(*text) : "unset";
     }
     return result;
 }

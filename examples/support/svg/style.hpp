@@ -74,7 +74,8 @@ public:
 
     /// The values that an element is given and the deformation reads: `!important`, then the style
     /// attribute, then rules by their specificity and order, then attributes, as in CSS. Invalid ones are
-    /// left out, and var() has its value.
+    /// left out, and var() has its value. Geometry and transforms keep a var() without value, since a copy may
+    /// have one.
     Values values(pugi::xml_node node) const;
 
     /// The value of one property.
