@@ -8,7 +8,9 @@
 #include "support/weights.hpp"
 
 #include <cageform/coordinates/harmonic.hpp>
+#include <cageform/coordinates/harmonic/leaf_samples.hpp>
 #include <cageform/coordinates/harmonic/near_rows.hpp>
+#include <cageform/coordinates/harmonic/tree_cage.hpp>
 #include <cageform/core/threads.hpp>
 #include <cageform/grid/tree/boundary.hpp>
 
@@ -121,6 +123,65 @@ TEST_CASE("the corrections of a row keep constants and positions, whatever is ne
         CHECK(corrected > 0);
     }
     CHECK(scaled > 0); // next to bent edges
+}
+
+TEST_CASE("blends of the models of leaves keep constants and positions, and have no jumps and kinks",
+          "[coordinates][harmonic][space][property]") {
+    const int seed = GENERATE(seeds(effort(6, 2)));
+    CAPTURE(seed);
+    const bool is_prism = seed % 3 == 0;
+    const auto mesh = is_prism ? u_prism() : random_mesh(std::uint64_t(seed)).mesh<double>();
+    const cageform::CellComplex<double, 3> complex(mesh);
+    cageform::detail::TreeCage<3> cage(complex, 1e-12, true, 1);
+    double leaves = 0;
+    REQUIRE(cage.refine(0.02, 1e6, leaves, {}));
+    const auto& boundary = cage.tree().boundary();
+    const cageform::detail::NearField field(boundary, complex.boundary());
+    cageform::detail::LeafSamples samples(cage.tree(), cage.nodes(), field);
+    const auto points = points_below_faces(mesh, 12, std::uint64_t(seed));
+    // Any values at nodes and vertices.
+    const auto value_at = [&](std::uint32_t number, std::uint64_t kind) {
+        return 2 * WalkNumbers(std::uint64_t(seed) + kind, number).next() - 1;
+    };
+    for (std::size_t n = 0; n < points.size(); ++n) {
+        CAPTURE(n);
+        const auto from = boundary.in_units(points[n]);
+        WalkNumbers numbers(std::uint64_t(seed), 2000 + n);
+        Vec<double, 3> foot;
+        (void)nearest_boundary_value(mesh, points[n], foot);
+        const auto along = 0.9 * length(boundary.in_units(foot) - from) * random_direction(numbers);
+        std::array<double, 2> bend{};
+        for (int half = 0; half < 2; ++half) {
+            const int steps = half == 0 ? 400 : 800;
+            std::vector<Vec<double, 3>> line;
+            for (int k = 0; k <= steps; ++k) line.push_back(from + (double(k) / steps) * along);
+            std::vector<double> values;
+            std::size_t k = 0;
+            for (const auto& stencil : samples.stencils(line)) {
+                double sum = 0, value = 0;
+                Vec<double, 3> place{};
+                for (const auto& [node, share] : stencil.nodes) {
+                    sum += share;
+                    place = place + share * cageform::node_position<3>(cage.nodes().index(node));
+                    value += share * value_at(node, 1);
+                }
+                for (const auto& [vertex, share] : stencil.vertices) {
+                    sum += share;
+                    place = place + share * field.at(vertex);
+                    value += share * value_at(vertex, 2);
+                }
+                CHECK(std::fabs(sum - 1) <= 1e-9);
+                CHECK(length(place - line[k]) <=
+                      1e-7 * cage.tree().cells().size()); // places are moved inside
+                values.push_back(value);
+                ++k;
+            }
+            for (std::size_t m = 1; m + 1 < values.size(); ++m)
+                bend[std::size_t(half)] = (std::max)(
+                    bend[std::size_t(half)], std::fabs(values[m - 1] - 2 * values[m] + values[m + 1]));
+        }
+        CHECK(bend[0] > 2.5 * bend[1]); // half a step halves a kink, and leaves a jump as it is
+    }
 }
 
 TEST_CASE("on a flat side of the cage twice the double layer of a vertex is its hat, kinks included",

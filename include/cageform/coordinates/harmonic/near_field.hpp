@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cageform/coordinates/green/space.hpp>
+#include <cageform/coordinates/harmonic/wedge.hpp>
 #include <cageform/grid/tree/nodes.hpp>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
@@ -61,6 +62,30 @@ public:
     Corners<3> corners(std::uint32_t f) const noexcept {
         const auto& c = face(f).corner;
         return {at_[c[0]], at_[c[1]], at_[c[2]]};
+    }
+    /// Whether the two faces of an edge do not lie in a plane.
+    bool is_bent(std::uint32_t e) const noexcept {
+        constexpr double flat = 1e-3; // the sine of the angle
+        const auto& [f, g] = faces_of_edge(e);
+        return g != none && length(cross(face(f).normal, face(g).normal)) > flat;
+    }
+    /// Returns the corner of a face opposite an edge.
+    std::uint32_t apex(std::uint32_t f, std::uint32_t e) const noexcept {
+        const auto& corner = face(f).corner;
+        return *std::find_if(corner.begin(), corner.end(),
+                             [&](std::uint32_t v) { return v != edge(e).from && v != edge(e).to; });
+    }
+    /// Returns the wedge at an edge of two faces.
+    Wedge wedge(std::uint32_t e) const noexcept {
+        const auto& [f, g] = faces_of_edge(e);
+        const auto& [from, to, along, length_in_units] = edge(e);
+        const Point normal = -1.0 * face(f).normal;
+        auto plane = cross(normal, along);
+        if (dot(plane, at(apex(f, e)) - at(from)) < 0) plane = -1.0 * plane;
+        // The first half-plane is at an angle of 0, so that half a turn is where angles are cut.
+        Wedge wedge{at(from), along, plane, normal, length_in_units, 2 * std::numbers::pi};
+        wedge.angle = wedge.place(at(apex(g, e))).theta;
+        return wedge;
     }
     /// Returns the point of the boundary that has a value.
     Point position(const BoundaryValue<3>& value) const noexcept {

@@ -3,7 +3,6 @@
 
 #include <cageform/coordinates/harmonic/near_field.hpp>
 #include <cageform/coordinates/harmonic/near_simplex.hpp>
-#include <cageform/coordinates/harmonic/wedge.hpp>
 
 #include <optional>
 
@@ -67,7 +66,7 @@ public:
     bool has_other_bend(const Point& p, double distance) const noexcept {
         return std::any_of(bends_.begin(), bends_.end(), [&](const Bend& bend) {
             const auto& edge = field_.edge(bend.edge);
-            return bend.edge != wedge_edge_ && is_bent(bend.edge) &&
+            return bend.edge != wedge_edge_ && field_.is_bent(bend.edge) &&
                    distance_to_segment(p, field_.at(edge.from), field_.at(edge.to)) < distance;
         });
     }
@@ -218,26 +217,20 @@ private:
 
     // ---- linear functions ----------------------------------------------------------------------------
 
-    static constexpr double flat = 1e-3; ///< the sine of the angle between faces that make no bend
-
-    bool is_bent(std::uint32_t edge) const noexcept {
-        const auto& [f, g] = field_.faces_of_edge(edge);
-        return g != none && length(cross(field_.face(f).normal, field_.face(g).normal)) > flat;
-    }
     /// Takes the ends and apices of the nearest bend, unless their functions are large, else a large simplex.
     bool choose_simplex() {
         constexpr double most = 2.5;
         wedge_.reset();
         wedge_edge_ = none;
         const std::span<const Point> vertices(frame_.vertices.data(), vertices_.size());
-        const auto bend =
-            std::find_if(bends_.begin(), bends_.end(), [this](const Bend& b) { return is_bent(b.edge); });
+        const auto bend = std::find_if(bends_.begin(), bends_.end(),
+                                       [this](const Bend& b) { return field_.is_bent(b.edge); });
         if (bend != bends_.end()) {
             const auto& [f, g] = field_.faces_of_edge(bend->edge);
             const auto& [from, to] = std::pair(field_.edge(bend->edge).from, field_.edge(bend->edge).to);
             const double largest = simplex_.set(vertices, {local_vertex_[from], local_vertex_[to],
-                                                           local_vertex_[apex(f, bend->edge)],
-                                                           local_vertex_[apex(g, bend->edge)]});
+                                                           local_vertex_[field_.apex(f, bend->edge)],
+                                                           local_vertex_[field_.apex(g, bend->edge)]});
             if (largest < most) {
                 set_wedge(bend->edge);
                 return true;
@@ -245,25 +238,10 @@ private:
         }
         return simplex_.set_largest(vertices);
     }
-    /// Returns the corner of a face opposite an edge.
-    std::uint32_t apex(std::uint32_t face, std::uint32_t edge) const noexcept {
-        const auto& corner = field_.face(face).corner;
-        return *std::find_if(corner.begin(), corner.end(), [&](std::uint32_t v) {
-            return v != field_.edge(edge).from && v != field_.edge(edge).to;
-        });
-    }
     void set_wedge(std::uint32_t edge) {
-        const auto& [f, g] = field_.faces_of_edge(edge);
-        const auto& [from, to, along, length_in_units] = field_.edge(edge);
-        const Point normal = -1.0 * field_.face(f).normal;
-        auto plane = cross(normal, along);
-        if (dot(plane, field_.at(apex(f, edge)) - field_.at(from)) < 0) plane = -1.0 * plane;
-        wedge_ = Wedge{field_.at(from), along, plane, normal, length_in_units, 0};
-        // The first half-plane is at an angle of 0, so that half a turn is where angles are cut.
-        wedge_->angle = 2 * std::numbers::pi;
-        wedge_->angle = wedge_->place(field_.at(apex(g, edge))).theta;
+        wedge_ = field_.wedge(edge);
         wedge_edge_ = edge;
-        wedge_ends_ = {local_vertex_[from], local_vertex_[to]};
+        wedge_ends_ = {local_vertex_[field_.edge(edge).from], local_vertex_[field_.edge(edge).to]};
     }
 
     // ---- double layers -------------------------------------------------------------------------------
@@ -310,7 +288,7 @@ private:
             if (g == none) continue;
             const auto &a = field_.face(f), &b = field_.face(g);
             if (!(std::fabs(dot(a.normal, b.normal)) < most_cosine)) continue;
-            if (!(height(f, field_.at(apex(g, bend.edge))) < 0)) continue; // reflex
+            if (!(height(f, field_.at(field_.apex(g, bend.edge))) < 0)) continue; // reflex
             for (const std::uint32_t n : {f, g}) {
                 if (planes_.size() == 3) return;
                 const Point normal = field_.face(n).normal;

@@ -1,0 +1,403 @@
+// Samples harmonic functions in space by a smooth blend of local harmonic models, one a leaf.
+//
+// At a point x inside the cage the function of handle i is
+//
+//     u_i(x) = Σ_m w_m(x) M_m,i(x) / Σ_m w_m(x) + E_i(x)
+//
+// over the models m of the leaves near x. w_m falls to zero, twice differentiably, within a fifth of a leaf
+// beyond the leaf, and where a face comes between x and the place of the model. A model is a fit to data
+// about the leaf, plus the correction of near_rows.hpp for kinks, with one L_i for the whole leaf:
+//
+//     M_i(x) = Σ_d S_d(x) y_i(d) + F(L_i),   F(L) = L(x) − Σ_d S_d(x) L(d),
+//     S(x) = b(x)ᵀ (BᵀWB + R)⁻¹ BᵀW.
+//
+// d runs over nodes about the leaf and places of the boundary, and y are the values there. b are 16 harmonic
+// polynomials up to degree three, and two functions for each of the nearest bent edges. W are weights that
+// fall with the distance from the leaf. R is a ridge, next to zero for linear functions: constants and
+// positions are kept. E adds what the models miss at the faces nearest to x, and fades within a fifth of a
+// leaf:
+//
+//     E_i(x) = Σ_f a_f (φ_i(q_f) − Σ_m w_m(x) M_m,i(q_f) / Σ_m w_m(x)) / (1 + Σ_f a_f),
+//
+// where q_f is a place of face f near x that is a smooth function of x. So u tends to the data at faces.
+//
+// TreeSolver does not use these samples yet.
+#pragma once
+
+#include <cageform/coordinates/harmonic/near_patch.hpp>
+#include <cageform/coordinates/harmonic/ridge_fit.hpp>
+#include <cageform/coordinates/harmonic/stencil_table.hpp>
+#include <cageform/grid/tree/cut_tree.hpp>
+
+#include <map>
+#include <memory>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+/// Rises from 0 at t ≤ 0 to 1 at t ≥ 1, twice differentiable.
+inline double smooth_step(double t) noexcept {
+    t = std::clamp(t, 0.0, 1.0);
+    return t * t * t * (10 - 15 * t + 6 * t * t);
+}
+
+/// A model of the functions in a leaf and about it.
+class LeafModel {
+    using Point = NearField::Point;
+    using Cell = grid::CellTree<3>::Cell;
+    using Nodes = grid::TreeNodes<3>;
+
+public:
+    static constexpr std::size_t polynomials = 16, most_wedges = 4,
+                                 most_functions = polynomials + 2 * most_wedges;
+    using Values = std::array<double, most_functions>;
+
+    /// A place where values are known: a node, or a place of the boundary.
+    struct Datum {
+        Point at;
+        double weight;
+        std::uint32_t node; ///< none: on the boundary
+        BoundaryValue<3> value;
+    };
+
+    /// The shares of data in coefficients, for each pattern of nodes about a leaf without the boundary.
+    using Patterns = std::map<std::vector<std::int8_t>, std::shared_ptr<const std::vector<double>>>;
+
+    ///   place  of the leaf, inside: what the model sees is seen from there
+    LeafModel(const grid::CutTree<3>& tree, const Nodes& nodes, const NearField& field, const Cell& leaf,
+              const Point& place, Patterns& patterns)
+        : tree_(tree)
+        , nodes_(nodes)
+        , field_(field)
+        , leaf_(leaf)
+        , middle_(leaf.middle())
+        , place_(place)
+        , size_(leaf.size) {
+        find_surroundings();
+        for (const auto& index : lattice()) add_node(index, true);
+        for (const Cell& cell : larger_) {
+            for (std::size_t n = 0; n < 8; ++n) add_node(corner(cell, n), false);
+        }
+        if (!is_valid()) return;
+        if (is_near_) find_edges();
+        fit(patterns);
+        look();
+    }
+    LeafModel(const LeafModel&) = delete;
+    LeafModel& operator=(const LeafModel&) = delete;
+    ~LeafModel() = default;
+
+    /// Whether there is enough data for a linear function.
+    bool is_valid() const noexcept { return data_.size() >= 4; }
+    double size() const noexcept { return size_; } ///< of the leaf
+    std::span<const Datum> data() const noexcept { return data_; }
+    /// The vertices whose double layers count.
+    std::span<const std::uint32_t> vertices() const noexcept {
+        return patch_ ? patch_->vertices() : std::span<const std::uint32_t>();
+    }
+
+    /// Returns the visibility of a point, in [0, 1]: 0 where a face stands between it and the model's place.
+    double visibility(const Point& x) const noexcept {
+        constexpr double least = 1e-6; // serves where no model sees the point
+        if (!is_near_) return 1;
+        if (field_.boundary().first_met(place_, (1 - 1e-3) * (x - place_))) return least;
+        double factor = 1;
+        for (const auto& [from, to] : reflex_) {
+            const double here = distance_to_segment(x, from, to);
+            if (here > 0) factor *= smooth_step(segment_distance(place_, x, from, to) / (0.7 * here));
+        }
+        return least + (1 - least) * factor;
+    }
+
+    /// Evaluates the double layers at points; `add` reads them.
+    void evaluate(std::span<const Point> points) {
+        if (patch_) patch_->evaluate(points, unused_mirrors_);
+    }
+    /// Adds a sum of values at points, each multiplied by its factor.
+    ///
+    ///   first    the number of points[0] among those of `evaluate`
+    ///   node     node(number, share) gets the shares of nodes
+    ///   place    place(value, share) those of places of the boundary
+    ///   vertex   vertex(number, share) those of vertices
+    template <class Node, class Place, class Vertex>
+    void add(std::span<const Point> points, std::span<const double> factors, std::size_t first,
+             const Node& node, const Place& place, const Vertex& vertex) {
+        Values sum{};
+        for (std::size_t n = 0; n < points.size(); ++n) {
+            const Values values = functions(points[n]);
+            for (std::size_t k = 0; k < count_; ++k) sum[k] += factors[n] * values[k];
+        }
+        row_.assign(data_.size(), 0.0);
+        for (std::size_t k = 0; k < count_; ++k) add_row(sum[k], *shares_, k, row_);
+        for (std::size_t d = 0; d < data_.size(); ++d) {
+            if (data_[d].node != Nodes::none) {
+                node(data_[d].node, row_[d]);
+            } else {
+                place(data_[d].value, row_[d]);
+            }
+        }
+        if (!patch_) return;
+        const auto of = patch_->vertices();
+        row_.assign(of.size(), 0.0);
+        for (std::size_t k = 0; k < count_; ++k) add_row(-sum[k], layers_, k, row_);
+        for (std::size_t v = 0; v < of.size(); ++v) {
+            for (std::size_t n = 0; n < points.size(); ++n)
+                row_[v] += factors[n] * patch_->layer(v, first + n);
+            row_[v] *= 2;
+        }
+        patch_->finish(row_, -1, {}); // drops nothing: what is dropped at a threshold jumps
+        for (std::size_t v = 0; v < of.size(); ++v) vertex(of[v], row_[v]);
+    }
+
+    /// Returns the places to see a leaf from: its middle, or a place far from the faces that pass it, then
+    /// places that those before do not see.
+    static std::vector<Point> places_of(const grid::CutTree<3>& tree, const NearField& field,
+                                        const Cell& leaf) {
+        constexpr std::size_t most = 4, across = 5;
+        constexpr double free =
+            0.3; // a place is no better for being farther from faces, in sizes of the leaf
+        const auto middle = leaf.middle();
+        const auto facets = tree.facets(leaf.number);
+        const auto& boundary = tree.boundary();
+        if (tree.state(leaf.number) == grid::CellState::in) return {middle};
+        std::vector<std::pair<double, Point>> inside;
+        for (std::size_t n = 0; n < across * across * across; ++n) {
+            Point p{};
+            for (std::size_t k = 0, rest = n; k < 3; ++k, rest /= across)
+                p[k] = leaf.low[k] + (0.02 + 0.24 * double(rest % across)) * leaf.size;
+            if (!tree.is_inside(p)) continue;
+            inside.push_back({(std::min)(boundary.nearest(facets, p).distance, free * leaf.size) -
+                                  0.25 * length(p - middle),
+                              p});
+        }
+        std::sort(inside.begin(), inside.end(),
+                  [](const auto& a, const auto& b) { return a.first > b.first; });
+        const bool hides = facets.size() > 2 || has_reflex_edge(field, middle, 0.9 * leaf.size);
+        std::vector<Point> places;
+        for (const auto& [score, p] : inside) {
+            if (places.size() == most || (!places.empty() && !hides)) break;
+            if (std::all_of(places.begin(), places.end(), [&, to = p](const Point& from) {
+                    return boundary.first_met(from, to - from, facets).has_value();
+                }))
+                places.push_back(p);
+        }
+        return places;
+    }
+
+private:
+    using Index = std::array<std::int32_t, 3>;
+    static constexpr double radius_near = 3.5, radius_inside = 2; ///< of the near field, in sizes of the leaf
+
+    static Index corner(const Cell& cell, std::size_t n) noexcept {
+        Index index = cell.low;
+        for (std::size_t k = 0; k < 3; ++k) index[k] += ((n >> k) & 1u) != 0 ? cell.size : 0;
+        return index;
+    }
+    /// Calls f(edge) for the bent edges that are nearer to a point than a distance.
+    template <class F>
+    static void for_each_bent_edge(const NearField& field, const Point& p, double distance, const F& f) {
+        std::vector<std::uint32_t> known;
+        field.boundary().for_each_within(p, distance, [&](std::uint32_t face) {
+            for (const std::uint32_t e : field.face(face).edge) {
+                const auto& edge = field.edge(e);
+                if (!field.is_bent(e) || std::find(known.begin(), known.end(), e) != known.end()) continue;
+                known.push_back(e);
+                const double apart = distance_to_segment(p, field.at(edge.from), field.at(edge.to));
+                if (apart < distance) f(e, apart);
+            }
+        });
+    }
+    static bool has_reflex_edge(const NearField& field, const Point& p, double distance) {
+        bool any = false;
+        for_each_bent_edge(field, p, distance, [&](std::uint32_t e, double) {
+            any = any || field.wedge(e).angle > std::numbers::pi;
+        });
+        return any;
+    }
+    /// Finds the larger leaves about the leaf, and the facets that pass the leaves about it.
+    void find_surroundings() {
+        is_near_ = tree_.state(leaf_.number) != grid::CellState::in;
+        for (std::int32_t n = 0; n < 27; ++n) {
+            Index doubled{};
+            for (std::size_t k = 0, rest = std::size_t(n); k < 3; ++k, rest /= 3)
+                doubled[k] = 2 * leaf_.low[k] + (2 * std::int32_t(rest % 3) - 1) * leaf_.size;
+            const Cell cell = tree_.cells().leaf_at(doubled);
+            const auto state = tree_.state(cell.number);
+            is_near_ = is_near_ || state != grid::CellState::in;
+            if (state == grid::CellState::cut) {
+                const auto facets = tree_.facets(cell.number);
+                facets_.insert(facets_.end(), facets.begin(), facets.end());
+            }
+            if (cell.size > leaf_.size && state != grid::CellState::out) larger_.push_back(cell);
+        }
+        std::sort(facets_.begin(), facets_.end());
+        facets_.erase(std::unique(facets_.begin(), facets_.end()), facets_.end());
+    }
+    /// The positions of nodes about the leaf: the corners of the leaf, and of those across its faces.
+    std::vector<Index> lattice() const {
+        std::vector<Index> all;
+        for (std::size_t n = 0; n < 64; ++n) {
+            Index index = leaf_.low;
+            std::size_t outer = 0;
+            for (std::size_t k = 0, rest = n; k < 3; ++k, rest /= 4) {
+                index[k] += leaf_.size * (std::int32_t(rest % 4) - 1);
+                outer += rest % 4 % 3 == 0 ? 1 : 0;
+            }
+            if (outer <= 1) all.push_back(index);
+        }
+        return all;
+    }
+    /// Adds a node, or the place of the boundary that hides it.
+    ///
+    ///   takes_place  whether that place is added
+    void add_node(const Index& index, bool takes_place) {
+        const auto p = node_position<3>(index);
+        bool is_in_tree = true;
+        for (const std::int32_t x : index) is_in_tree = is_in_tree && x >= 0 && x <= tree_.cells().size();
+        const double apart = length(p - middle_) / size_, weight = 1 / (0.3 + apart * apart * apart * apart);
+        if (is_near_ && p != place_) {
+            if (const auto met = tree_.boundary().first_met(place_, p - place_, facets_)) {
+                if (takes_place)
+                    data_.push_back(
+                        {field_.moved_inside(met->value, place_), 3 * weight, Nodes::none, met->value});
+                return;
+            }
+        }
+        const std::uint32_t node = is_in_tree ? nodes_.find(index) : Nodes::none;
+        if (node == Nodes::none) return;
+        for (const Datum& known : data_) {
+            if (known.node == node) return;
+        }
+        data_.push_back({p, weight, node, {}});
+    }
+    /// Finds the reflex edges that can hide points, and the wedges that hold all data.
+    void find_edges() {
+        std::vector<std::pair<double, Wedge>> found;
+        for_each_bent_edge(field_, middle_, 2.5 * size_, [&](std::uint32_t e, double apart) {
+            const Wedge wedge = field_.wedge(e);
+            const auto& edge = field_.edge(e);
+            if (wedge.angle > std::numbers::pi && apart < 1.5 * size_)
+                reflex_.push_back({field_.at(edge.from), field_.at(edge.to)});
+            if (wedge.is_singular() && std::all_of(data_.begin(), data_.end(), [&](const Datum& datum) {
+                    return wedge.has(wedge.place(datum.at));
+                }))
+                found.push_back({apart, wedge});
+        });
+        std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+        for (const auto& [apart, wedge] : found) {
+            if (wedges_.size() < most_wedges) wedges_.push_back(wedge);
+        }
+    }
+
+    /// The values of the functions of the fit at a point.
+    Values functions(const Point& p) const noexcept {
+        const Point q = (1 / size_) * (p - middle_);
+        const double x = q[0], y = q[1], z = q[2];
+        const double xx = x * x, yy = y * y, zz = z * z;
+        Values values{1,
+                      x,
+                      y,
+                      z,
+                      x * y,
+                      y * z,
+                      z * x,
+                      (xx - yy) / 2,
+                      (2 * zz - xx - yy) / 2,
+                      x * y * z,
+                      z * (xx - yy) / 2,
+                      x * (xx - 3 * yy) / 3,
+                      y * (3 * xx - yy) / 3,
+                      z * (2 * zz - 3 * xx - 3 * yy) / 6,
+                      x * (4 * zz - xx - yy) / 6,
+                      y * (4 * zz - xx - yy) / 6};
+        for (std::size_t n = 0; n < wedges_.size(); ++n) {
+            auto at = wedges_[n].place(p);
+            at.r /= size_;
+            const double power = std::numbers::pi / wedges_[n].angle;
+            double* const to = values.data() + polynomials + 2 * n;
+            to[0] = wedges_[n].singular(at);
+            to[1] = power < 1 ? 0.5 * std::pow(at.r, 2 * power) * std::sin(2 * power * at.theta)
+                              : to[0] * dot(wedges_[n].along, p - middle_) / size_;
+        }
+        return values;
+    }
+    void fit(Patterns& patterns) {
+        count_ = polynomials + 2 * wedges_.size();
+        std::vector<std::int8_t> pattern; // in halves of a leaf
+        if (!is_near_) {
+            for (const Datum& datum : data_) {
+                for (std::size_t k = 0; k < 3; ++k)
+                    pattern.push_back(std::int8_t(std::lround(2 * (datum.at[k] - middle_[k]) / size_)));
+            }
+            shares_ = patterns[pattern];
+            if (shares_) return;
+        }
+        std::vector<double> basis, weight;
+        double trace = 0;
+        for (const Datum& datum : data_) {
+            const Values values = functions(datum.at);
+            basis.insert(basis.end(), values.begin(), values.begin() + std::ptrdiff_t(count_));
+            weight.push_back(datum.weight);
+            trace += datum.weight;
+        }
+        const double damping = is_near_ ? trace : 1e-4 * trace;
+        Values ridge{};
+        for (std::size_t k = 0; k < count_; ++k) {
+            const bool is_linear = k < 4, is_cubic = k >= 9 && k < polynomials;
+            ridge[k] = is_linear ? 1e-13 * trace : is_cubic ? 1e-4 * damping : 1e-6 * damping;
+        }
+        auto shares = std::make_shared<std::vector<double>>();
+        RidgeFit().solve(basis, weight, std::span(ridge).first(count_), *shares);
+        shares_ = std::move(shares);
+        if (!is_near_) patterns[pattern] = shares_;
+    }
+    /// Prepares the double layers of the vertices near.
+    void look() {
+        patch_ = std::make_unique<NearPatch>(field_);
+        if (!patch_->look(place_, (is_near_ ? radius_near : radius_inside) * size_)) {
+            patch_.reset();
+            return;
+        }
+        std::vector<Point> places;
+        for (const Datum& datum : data_) {
+            places.push_back(datum.at);
+            unused_mirrors_ |= patch_->mirrors_passed(datum.at);
+        }
+        patch_->evaluate(places, unused_mirrors_);
+        const std::size_t vertices = patch_->vertices().size();
+        layers_.assign(count_ * vertices, 0.0);
+        for (std::size_t k = 0; k < count_; ++k) {
+            for (std::size_t d = 0; d < data_.size(); ++d) {
+                const double share = (*shares_)[k * data_.size() + d];
+                for (std::size_t v = 0; v < vertices; ++v)
+                    layers_[k * vertices + v] += share * patch_->layer(v, d);
+            }
+        }
+    }
+    /// Adds row k of a matrix, multiplied by a factor.
+    static void add_row(double factor, const std::vector<double>& matrix, std::size_t k,
+                        std::vector<double>& to) {
+        const double* const row = matrix.data() + k * to.size();
+        for (std::size_t n = 0; n < to.size(); ++n) to[n] += factor * row[n];
+    }
+
+    const grid::CutTree<3>& tree_;
+    const Nodes& nodes_;
+    const NearField& field_;
+    Cell leaf_;
+    Point middle_, place_;
+    double size_;
+    bool is_near_ = false; ///< whether a leaf about it is cut or outside
+    std::vector<Cell> larger_;
+    std::vector<std::uint32_t> facets_;
+    std::vector<Datum> data_;
+    std::vector<Wedge> wedges_;
+    std::vector<std::pair<Point, Point>> reflex_;
+    std::size_t count_ = polynomials; ///< of functions
+    std::shared_ptr<const std::vector<double>> shares_;
+    std::unique_ptr<NearPatch> patch_;
+    unsigned unused_mirrors_ = 0;
+    std::vector<double> layers_; ///< the fit of the double layers: #functions · #vertices
+    std::vector<double> row_;
+};
+
+} // namespace cageform::inline CAGEFORM_ABI::detail

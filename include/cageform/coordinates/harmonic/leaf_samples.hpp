@@ -1,0 +1,289 @@
+// Blends the models of leaves; leaf_models.hpp has the formula.
+#pragma once
+
+#include <cageform/coordinates/harmonic/leaf_models.hpp>
+
+#include <unordered_map>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+/// Makes the stencils of points inside a cage. Points of one leaf share its models. A stencil does not depend
+/// on other points.
+class LeafSamples {
+    using Point = NearField::Point;
+    using Cell = grid::CellTree<3>::Cell;
+    using Table = StencilTable<3>;
+
+public:
+    /// The shares of nodes and of vertices in the functions at a point.
+    struct Stencil {
+        std::vector<Table::Node> nodes;
+        std::vector<Table::Handle> vertices;
+    };
+
+    LeafSamples(const grid::CutTree<3>& tree, const grid::TreeNodes<3>& nodes, const NearField& field)
+        : tree_(tree)
+        , nodes_(nodes)
+        , field_(field) {}
+
+    /// Returns the stencils of points inside, in units of the tree.
+    std::vector<Stencil> stencils(std::span<const Point> points) {
+        points_.assign(points.size(), {});
+        terms_.clear();
+        for (std::uint32_t n = 0; n < points.size(); ++n) {
+            points_[n].at = points[n];
+            visit(tree_.cells().root(), points[n], [&](const Cell& leaf, double weight) {
+                terms_.push_back({leaf.number, n, weight, nullptr});
+            });
+        }
+        std::sort(terms_.begin(), terms_.end(), [](const Term& a, const Term& b) {
+            return a.leaf != b.leaf ? a.leaf < b.leaf : a.point < b.point;
+        });
+        const auto leaves = std::exchange(terms_, {});
+        for (auto begin = leaves.begin(), end = begin; begin != leaves.end(); begin = end) {
+            while (end != leaves.end() && end->leaf == begin->leaf) ++end;
+            for (const auto& model : models_of(begin->leaf)) {
+                for (auto term = begin; term != end; ++term) {
+                    const double weight = term->weight * model->visibility(points[term->point]);
+                    if (weight > 0) add_term({term->leaf, term->point, weight, model.get()});
+                }
+            }
+        }
+        for (std::uint32_t n = 0; n < points.size(); ++n) {
+            if (!(points_[n].total > 0)) add_own_model(n);
+            find_feet(points_[n]);
+        }
+        std::vector<Stencil> stencils(points.size());
+        for (auto begin = terms_.begin(), end = begin; begin != terms_.end(); begin = end) {
+            while (end != terms_.end() && end->model == begin->model) ++end;
+            add_model({begin, end}, stencils);
+        }
+        for (std::uint32_t n = 0; n < points.size(); ++n) finish(points_[n], stencils[n]);
+        own_models_.clear();
+        return stencils;
+    }
+
+private:
+    struct Term {
+        std::uint32_t leaf, point;
+        double weight;
+        LeafModel* model;
+    };
+    struct Foot { ///< a place of a face near a point
+        Point at;
+        BoundaryValue<3> value;
+        double share; ///< a / (1 + Σ a)
+    };
+    struct Sampled {
+        Point at;
+        double total = 0, size = 0; ///< of weights; of weights · sizes of leaves
+        bool is_on_face = false;
+        std::vector<Foot> feet;
+    };
+
+    /// Calls f(leaf, weight) for the leaves near a point.
+    template <class F>
+    void visit(const Cell& cell, const Point& x, const F& f) const {
+        constexpr double overlap = 0.2; // by which models reach beyond their leaf, in its sizes
+        if (tree_.state(cell.number) == grid::CellState::out) return;
+        const bool is_leaf = tree_.cells().is_leaf(cell.number);
+        const double reach = overlap * cell.size * (is_leaf ? 1 : 0.5);
+        double weight = 1;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const double beyond = (std::max)(cell.low[k] - x[k], x[k] - cell.low[k] - cell.size);
+            if (beyond >= reach) return;
+            weight *= smooth_step((reach - beyond) / (2 * reach));
+        }
+        if (is_leaf) return f(cell, weight);
+        for (std::size_t n = 0; n < 8; ++n) visit(tree_.cells().child(cell, n), x, f);
+    }
+    const std::vector<std::unique_ptr<LeafModel>>& models_of(std::uint32_t number) {
+        const auto [known, is_new] = models_.try_emplace(number);
+        if (is_new) {
+            const Cell leaf = tree_.cells().cell(number);
+            for (const Point& place : LeafModel::places_of(tree_, field_, leaf)) {
+                auto model = make_model(leaf, place);
+                if (model->is_valid()) known->second.push_back(std::move(model));
+            }
+        }
+        return known->second;
+    }
+    std::unique_ptr<LeafModel> make_model(const Cell& leaf, const Point& place) {
+        return std::make_unique<LeafModel>(tree_, nodes_, field_, leaf, place, patterns_);
+    }
+    void add_term(const Term& term) {
+        terms_.push_back(term);
+        points_[term.point].total += term.weight;
+        points_[term.point].size += term.weight * term.model->size();
+    }
+    /// Adds a model that sees a point from the point itself, where no other is.
+    void add_own_model(std::uint32_t point) {
+        const Cell leaf = tree_.leaf_at(points_[point].at);
+        own_models_.push_back(make_model(leaf, points_[point].at));
+        if (own_models_.back()->is_valid()) add_term({leaf.number, point, 1, own_models_.back().get()});
+    }
+
+    // ---- next to the boundary ------------------------------------------------------------------------
+
+    static constexpr double rounding = 2e-4; ///< of where a point lies, in units of the tree
+
+    void find_feet(Sampled& point) const {
+        if (!(point.total > 0)) return;
+        const double layer = 0.2 * point.size / point.total;
+        const Point& x = point.at;
+        // Nearer, a point can lie outside the rounded faces.
+        const double least = std::ldexp(4.0, -field_.boundary().fraction());
+        double sum = 1;
+        field_.boundary().for_each_within(x, layer, [&](std::uint32_t f) {
+            const auto corners = exact_corners(f);
+            const auto nearest = nearest_on_facet(x, corners);
+            const auto foot = point_on_facet(nearest, corners);
+            const double distance = length(foot - x), depth = dot(field_.face(f).normal, corners[0] - x);
+            if (!(distance < layer)) return;
+            if (distance < (depth > 0 ? least : rounding)) {
+                point.is_on_face = true;
+                point.feet = {{foot, value_on_facet(field_.face(f).corner, nearest), 1}};
+            }
+            const double cosine = (depth + rounding) / (distance + rounding);
+            if (point.is_on_face || !(cosine > 0)) return;
+            if (distance > 1e-3 * layer && field_.boundary().first_met(x, 0.99 * (foot - x))) return;
+            const double t = distance / layer, fades = (1 - t * t) * (1 - t * t);
+            const double amount = smooth_step(cosine / 0.3) * fades * fades / (std::max)(t * t, 1e-16);
+            if (!(amount > 0)) return;
+            const auto weights = place_inside(f, x, nearest, 0.15 * distance);
+            const auto place = point_on_facet(weights, field_.corners(f));
+            const double below = (std::min)(1e-5, 0.5 * depth);
+            point.feet.push_back({place - below * field_.face(f).normal,
+                                  value_on_facet(field_.face(f).corner, weights), amount});
+            sum += amount;
+        });
+        if (point.is_on_face) return;
+        for (Foot& foot : point.feet) foot.share /= sum;
+    }
+    /// Returns the corners of a face without rounding.
+    Corners<3> exact_corners(std::uint32_t f) const noexcept {
+        const auto& exact = field_.boundary().exact(f);
+        Corners<3> corners{};
+        for (std::size_t k = 0; k < 3; ++k) {
+            for (std::size_t l = 0; l < 3; ++l) {
+                if (exact.vertex[l] == field_.face(f).corner[k]) corners[k] = exact.corner[l];
+            }
+        }
+        return corners;
+    }
+    /// Returns the weights of a place of a face near x: a smooth function of x, inside the face. The place q
+    /// minimises |q − x|² / (2 width²) − Σ_k log(distance of q from edge k), by a damped Newton method.
+    std::array<double, 3> place_inside(std::uint32_t f, const Point& x, const std::array<double, 3>& nearest,
+                                       double width) const {
+        const auto& face = field_.face(f);
+        const auto corners = exact_corners(f);
+        const Point u = (1 / length(corners[1] - corners[0])) * (corners[1] - corners[0]),
+                    v = cross(face.normal, u);
+        double altitude = 0;
+        for (const double inverse : face.inverse_altitude) altitude = (std::max)(altitude, 1 / inverse);
+        const double pull = (std::min)(0.5, width / altitude), stiffness = 1 / (width * width);
+        std::array<double, 3> weights = nearest;
+        for (double& w : weights) w = (1 - pull) * w + pull / 3;
+        Point q = point_on_facet(weights, corners);
+        const auto distance_from = [&](std::size_t k) {
+            return dot(face.across[k], corners[(k + 1) % 3] - q);
+        };
+        for (int step = 0; step < 60; ++step) {
+            double gu = stiffness * dot(u, q - x), gv = stiffness * dot(v, q - x);
+            double huu = stiffness, huv = 0, hvv = stiffness;
+            for (std::size_t k = 0; k < 3; ++k) {
+                const double inverse = 1 / distance_from(k);
+                const double au = inverse * dot(face.across[k], u), av = inverse * dot(face.across[k], v);
+                gu += au;
+                gv += av;
+                huu += au * au;
+                huv += au * av;
+                hvv += av * av;
+            }
+            const double determinant = huu * hvv - huv * huv;
+            const double du = (huv * gv - hvv * gu) / determinant, dv = (huv * gu - huu * gv) / determinant;
+            const double decrement = std::sqrt((std::max)(0.0, -(gu * du + gv * dv)));
+            const double damping = decrement > 0.25 ? 1 / (1 + decrement) : 1;
+            q = q + (damping * du) * u + (damping * dv) * v;
+            if (decrement < 1e-9) break;
+        }
+        return nearest_on_facet(q, corners);
+    }
+
+    // ---- sums ------------------------------------------------------------------------------------------
+
+    /// Adds what a model has at some points, and at their feet with the weights of the points.
+    void add_model(std::span<const Term> terms, std::vector<Stencil>& stencils) {
+        LeafModel& model = *terms.front().model;
+        places_.clear();
+        factors_.clear();
+        for (const Term& term : terms) {
+            const Sampled& point = points_[term.point];
+            const double factor = term.weight / point.total;
+            places_.push_back(point.at);
+            factors_.push_back(factor);
+            if (point.is_on_face) continue;
+            for (const Foot& foot : point.feet) {
+                places_.push_back(foot.at);
+                factors_.push_back(-factor * foot.share);
+            }
+        }
+        model.evaluate(places_);
+        std::size_t first = 0;
+        for (const Term& term : terms) {
+            const Sampled& point = points_[term.point];
+            Stencil& to = stencils[term.point];
+            const std::size_t count = 1 + (point.is_on_face ? 0 : point.feet.size());
+            if (!point.is_on_face)
+                model.add(
+                    std::span(places_).subspan(first, count), std::span(factors_).subspan(first, count),
+                    first,
+                    [&](std::uint32_t node, double share) {
+                        to.nodes.push_back({node, share});
+                    },
+                    [&](const BoundaryValue<3>& value, double share) { add_value(value, share, to); },
+                    [&](std::uint32_t vertex, double share) {
+                        to.vertices.push_back({vertex, share});
+                    });
+            first += count;
+        }
+    }
+    static void add_value(const BoundaryValue<3>& value, double share, Stencil& to) {
+        HatData<3>::for_each_weight(value, [&](std::uint32_t vertex, double weight) {
+            to.vertices.push_back({vertex, share * weight});
+        });
+    }
+    static void finish(const Sampled& point, Stencil& stencil) {
+        for (const Foot& foot : point.feet) add_value(foot.value, foot.share, stencil);
+        merge(stencil.nodes, [](const Table::Node& node) { return node.node; });
+        merge(stencil.vertices, [](const Table::Handle& handle) { return handle.handle; });
+    }
+    /// Adds the shares of equal numbers.
+    template <class Entry, class Number>
+    static void merge(std::vector<Entry>& entries, const Number& number) {
+        std::sort(entries.begin(), entries.end(),
+                  [&](const Entry& a, const Entry& b) { return number(a) < number(b); });
+        std::size_t count = 0;
+        for (const Entry& entry : entries) {
+            if (count > 0 && number(entries[count - 1]) == number(entry)) {
+                entries[count - 1].share += entry.share;
+            } else {
+                entries[count++] = entry;
+            }
+        }
+        entries.resize(count);
+    }
+
+    const grid::CutTree<3>& tree_;
+    const grid::TreeNodes<3>& nodes_;
+    const NearField& field_;
+    LeafModel::Patterns patterns_;
+    std::unordered_map<std::uint32_t, std::vector<std::unique_ptr<LeafModel>>> models_; ///< by leaf
+    std::vector<std::unique_ptr<LeafModel>> own_models_;
+    std::vector<Sampled> points_;
+    std::vector<Term> terms_; ///< the terms of a model one after the other
+    std::vector<Point> places_;
+    std::vector<double> factors_;
+};
+
+} // namespace cageform::inline CAGEFORM_ABI::detail
