@@ -426,7 +426,7 @@ awk 'BEGIN { for (y = 50; y < 700; y += 10) for (x = 50; x < 450; x += 10) print
   --outside keep --report -o out/biped_weights.csv >out/biped_report.txt
 
 step "electrons as waves"
-# One process for each processor: the waves take a third of the time of all pictures. Beams need the larger lattice.
+# One process for each processor: the waves take a third of the time of all pictures. Shadow and spin need the larger lattice.
 printf '%s\n' 'shadow 320x240' 'spin 320x240' 'slit 256x192' 'two-slits 256x192' |
   xargs -P "$(nproc)" -L 1 sh -c '"$0/electron_waves" --scene "$1" --size "$2" --mesh 0.12 --float -o "out/waves_$1.png" \
     --csv "out/waves_$1.csv" >"out/waves_$1.txt"' "$programs"

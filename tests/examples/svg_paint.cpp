@@ -381,7 +381,7 @@ TEST_CASE("regions of filters and masks hold what has moved", "[examples][svg_do
     const auto all = shapes(result.document);
     REQUIRE(all);
     const Affine2 own = transform_of(
-        detail::root_element(result.document.xml).child("g")); // a filter goes along with its element
+        detail::root_element(result.document.xml).child("g")); // the filter moves with this transform
     const Box moved = detail::bounds(all->front().path, *inverse(own));
     const pugi::xml_node node = by_id(result.document, "r");
     const auto value = [&](const char* name) { return node.attribute(name).as_double(); };
@@ -397,7 +397,7 @@ TEST_CASE("regions of filters and masks hold what has moved", "[examples][svg_do
         svg(R"x(<mask id="r" x="35" width="5" height="100" maskUnits="userSpaceOnUse"/>
         <rect mask="url(#r)" x="30" y="40" width="20" height="10"/>)x");
     const Affine2 map = random.map(20);
-    const Result cut = deformed(cutting, by(map)); // a clip path in it cuts now
+    const Result cut = deformed(cutting, by(map)); // a clip path in the mask replaces its region
     const pugi::xml_node clip = by_id(cut.document, "r").child("clipPath").child("path");
     const auto path = parse_path_data(clip.attribute("d").value());
     REQUIRE(path);
@@ -433,7 +433,7 @@ TEST_CASE("primitives and lights of a filter in user space follow",
         deformed(svg(filter(R"(<feFlood x="27" y="37" width="26" height="16"/>)") + rect), by(map));
     const auto all = shapes(whole.document);
     REQUIRE(all);
-    const Affine2 turn = transform_of(find(whole, "path")); // as far as the stroke keeps its width
+    const Affine2 turn = transform_of(find(whole, "path")); // only the turn, as the stroke keeps its width
     const Affine2 left = compose(*inverse(turn), map);
     CHECK(std::abs(turn.a * turn.a + turn.b * turn.b - 1) < 1e-6);
     CHECK(std::abs(left.b - left.c) < 1e-6 * detail::largest_scale(map));

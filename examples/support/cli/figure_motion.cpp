@@ -105,8 +105,8 @@ std::string pose_faults(const FigureControl& control, const CageFile& cage) {
 
 namespace {
 
-/// Binds batches of points and moves them to all frames. The first batch stands for the whole: whether it
-/// lies in the cage is judged by the points that are seen. Each of the later points is judged alone. A point
+/// Binds batches of points and moves them to all frames. The first batch decides whether the
+/// figure lies in the cage; only visible points count. In later batches each point is judged alone. A point
 /// without weights goes to a place that is not a number.
 class BatchMover {
 public:

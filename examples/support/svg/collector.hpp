@@ -50,7 +50,7 @@ private:
         Affine2 to_root;
         std::string id;
         std::size_t first = 0, end = 0; // its shapes
-        bool has_window = false;        // a clip path cuts them as the region of the mask did
+        bool has_window = false;        // a clip path inside the mask replaces its region
     };
 
     bool fail(pugi::xml_node node, const std::string& why);

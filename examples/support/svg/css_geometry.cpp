@@ -127,8 +127,8 @@ std::optional<std::string> transform_function(const CssItem& item, const Box& bo
     return text + ')';
 }
 
-/// A value of the property `rotate` as a function of `transform`. A letter or three numbers before or after
-/// the angle are the axis.
+/// Rewrites a value of the property `rotate` as a function of `transform`. The axis is a letter or three
+/// numbers, before or after the angle.
 CssItem turn_about(std::vector<std::string> words) {
     if (words.size() < 2) return {"rotate", words, true};
     if (words[0].size() > 1 && is_letter(words[0].back())) // the angle, which has a unit
@@ -137,7 +137,7 @@ CssItem turn_about(std::vector<std::string> words) {
     return {"rotate3d", words, true};
 }
 
-/// The map of a value of `transform`; or of translate, rotate or scale, which `name` then is.
+/// The map of a value of `transform` if `name` is null, else of `name`: translate, rotate or scale.
 std::optional<Affine2> css_transform(std::string_view value, const char* name, const Box& box,
                                      const Viewport& view) {
     if (value.empty() || lowered(value) == "none") return Affine2();
@@ -210,7 +210,7 @@ private:
         Viewport view = parent;
         view.em = font_size(values, parent);
         bool is_read = kind.empty() || (take_geometry(node, kind, values, view, place.is_used) &&
-                                        !styles_.is_placed_by_others(node));
+                                        !styles_.is_placed_by_unapplied_rule(node));
         Viewport inside = view;
         if (kind == "svg") {
             inside.width = length_in(attribute_text(node, "width"), view.width, view).value_or(view.width);
@@ -265,7 +265,7 @@ private:
                            value);
     }
 
-    /// Properties that become attributes go from `values`. Returns whether all could be read.
+    /// Writes properties as attributes, and removes them from `values`. Returns whether all could be read.
     bool take_geometry(pugi::xml_node node, const std::string& kind, Values& values, const Viewport& view,
                        bool is_used) {
         static const std::vector<const char*> of_box{"x", "y", "width", "height"}, none;
@@ -285,7 +285,7 @@ private:
                        : styles_.substituted(node, attribute).value_or(is_used ? attribute : "unset");
             const auto written = has_name ? geometry_text(name, text, view, is_used) : std::nullopt;
             const bool is_fault = !by_css && !is_valid(name, text, true); // the walk names it
-            // Browsers ignore these of a nested svg, and differ in the size of a use.
+            // Browsers ignore these properties of a nested svg. They disagree on the size of a use.
             const bool is_ignored = by_css && (kind == "svg" ? has_name : kind == "use" && is_size);
             if ((has_name && !written && !is_fault) || is_ignored) {
                 report(node, name, text);
@@ -298,8 +298,8 @@ private:
         return all;
     }
 
-    /// A value as the attribute has it. Nothing where the value is not read. Functions stay in a used
-    /// element, whose copies may have other sizes of fonts and of the nested svg.
+    /// Returns the text of the attribute, or nothing if the value cannot be read. In an element that a `use`
+    /// refers to, functions stay: each copy may have another font size or viewport.
     static std::optional<std::string> geometry_text(const std::string& name, const std::string& text,
                                                     const Viewport& view, bool is_used) {
         const bool is_across = name == "width" || name.find('x') != std::string::npos;
@@ -363,7 +363,7 @@ private:
     }
 
     /// Returns nothing where a property cannot be read.
-    ///   fault   then names the property; empty where the walk names it
+    ///   fault   the property that cannot be read; empty if the walk reports the fault
     template <class Given>
     std::optional<Affine2> whole_transform(pugi::xml_node node, const Values& values, const Given& given,
                                            const Viewport& view, std::string& fault) {

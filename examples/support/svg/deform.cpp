@@ -347,8 +347,9 @@ private:
         return motion;
     }
 
-    /// Finds the maps of elements with filters, which move as a whole: the best map of their shapes, or its
-    /// turn where a stroke keeps its width. The shapes move by the rest of the deformation.
+    /// Finds the map by which each element with a filter moves as a whole: the best affine map of its shapes.
+    /// Where a stroke keeps its width, only the turn of the map is used. The shapes get the remaining
+    /// deformation.
     void find_filter_maps(const CurveDeformer& curves) {
         filter_of_.assign(rest_.shapes.size(), none);
         filter_maps_.resize(rest_.references.size());
@@ -373,7 +374,7 @@ private:
             }
             const bool only_shifts = std::all_of(maps.begin(), maps.end(), is_shift);
             if (only_shifts && !has_noise(r)) continue;
-            if (stands_alone(r)) {
+            if (can_move_as_whole(r)) {
                 for (std::size_t i = r.first; i < r.end; ++i) {
                     filter_of_[i] = k;
                     moves_[i] = true;
@@ -382,13 +383,15 @@ private:
             } else if (!only_shifts && has_direction(styles_, r)) {
                 result_.report.warnings.push_back(
                     label(work_, r.node) +
-                    ": its filter does not turn: other elements share its clip path or mask");
+                    (local_name(r.node) == "svg"
+                         ? ": its filter does not turn, as its element is an svg"
+                         : ": its filter does not turn: other elements share its clip path or mask"));
             }
         }
     }
 
     /// Whether an element can move with what it holds: its clip paths and masks are of no other element.
-    bool stands_alone(const Reference& filter) const {
+    bool can_move_as_whole(const Reference& filter) const {
         if (local_name(filter.node) == "svg") return false;
         return std::all_of(rest_.references.begin(), rest_.references.end(), [&](const Reference& r) {
             if (is_filter(r) || r.first_inside == r.end_inside) return true;
@@ -399,7 +402,8 @@ private:
         });
     }
 
-    /// The part of a shape's map that is left beside the map of the element around it that has a filter.
+    /// Returns a shape's map without the map of the enclosing element that has a filter. If no such element
+    /// moves as a whole, returns the map itself.
     Affine2 unfiltered(std::size_t shape, std::size_t frame, const Affine2& map) const {
         const std::size_t by = filter_of_[shape];
         return by == none ? map : compose(*inverse(filter_maps_[by][frame]), map);

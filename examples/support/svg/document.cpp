@@ -53,7 +53,7 @@ std::map<std::string, std::string, std::less<>> entities_of(const pugi::xml_docu
 
 /// Reads the words of a declaration of a document type: names, quoted texts, groups in brackets.
 ///   at   the place to begin at; then that of ">", or the end of the text
-std::vector<std::string_view> declared_words(std::string_view text, std::size_t& at) {
+std::vector<std::string_view> doctype_words(std::string_view text, std::size_t& at) {
     std::vector<std::string_view> words;
     while ((at = text.find_first_not_of(" \t\r\n", at)) < text.size() && text[at] != '>') {
         const bool is_quoted = text[at] == '"' || text[at] == '\'', is_group = text[at] == '(';
@@ -80,7 +80,7 @@ std::optional<std::string> add_default_attributes(const pugi::xml_document& xml)
             if (text.substr(at).starts_with(comment)) at = std::min(text.find("-->", at), text.size());
             if (!text.substr(at).starts_with(list)) continue;
             at += list.size();
-            const auto words = declared_words(text, at);
+            const auto words = doctype_words(text, at);
             for (std::size_t i = 1; i + 2 < words.size(); ++i) { // a name, a type, a value
                 const std::string_view name = words[i++];
                 if (words[i] == "NOTATION") ++i;
@@ -101,7 +101,7 @@ std::optional<std::string> add_default_attributes(const pugi::xml_document& xml)
             if (node.attribute(name.c_str())) continue;
             size += name.size() + value.size();
             if (size > std::size_t{1} << 24)
-                return "the default attributes of the document type are too many";
+                return "the default attributes of the document type take more than 16 MiB";
             node.append_attribute(name.c_str()).set_value(value.c_str());
         }
     }

@@ -17,8 +17,8 @@
 // The region of a mask, a nested svg or a used symbol that clips becomes a clip path. Markers of a fixed
 // direction turn with their shape.
 //
-// Unchanged: the width of strokes. Shapes under a transform without inverse stay. A filter does not turn if
-// the clip paths or masks in its element are of others too. Warnings name these, every unknown property,
+// Unchanged: the width of strokes. Shapes under a transform without inverse stay. A filter does not turn
+// on an svg element, or if another element shares a clip path or mask in its element. Warnings name these, every unknown property,
 // attribute or element, and every one that should change with the pose but does not (properties.hpp). If a
 // transform makes a stroke's pen elliptical, the pen turns with the shape.
 //

@@ -94,9 +94,9 @@ Box region_in_user_space(pugi::xml_node node, const Viewport& viewport, const Bo
 struct MovedRegion {
     Box before;
     std::vector<Box> after; // in every frame
-    std::vector<std::optional<Affine2>>
-        maps; // the best for its shapes, in root user space, beside the map of
-              // an element that moves as a whole
+    /// In every frame: the best map of the shapes, in root user space, without the map of an element that
+    /// moves as a whole.
+    std::vector<std::optional<Affine2>> maps;
     bool moved = false;
 };
 

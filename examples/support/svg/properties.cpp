@@ -72,8 +72,8 @@ mask-type:luminance)";
 
 struct Grammar {
     std::string_view names; // of properties and functions
-    /// The words that a value of one word may be. After "|": those that may be the first of several words.
-    /// After another "|": those that may follow.
+    /// Up to three lists, separated by "|": values of one word, first words of longer values, and the words after
+    /// the first. Without a third list the second is used.
     std::string_view words;
 };
 

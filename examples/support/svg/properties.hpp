@@ -30,7 +30,8 @@ constexpr std::string_view wide_keywords = "inherit initial unset revert revert-
 /// Whether browsers accept a value. Browsers drop a declaration with a value that is not accepted.
 ///
 ///   is_attribute   the value is that of an attribute, where a length needs no unit
-///   returns        true for properties that the deformation does not read, and for values with var()
+///   returns        true for properties without a grammar in properties.cpp, and for values with var(), env() or
+///                  an open bracket
 bool is_valid(std::string_view property, std::string_view value, bool is_attribute = false);
 
 /// The value of a property that no rule and no attribute names: "inherit" or the initial value.

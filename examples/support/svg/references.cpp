@@ -56,8 +56,9 @@ pugi::xml_node ShapeCollector::used_element(pugi::xml_node use) {
         return is_shape(name) || is_fixed(name) || is_group(name) || name == "use";
     });
     if (!usable || has_content) {
-        warn(use, flat && !usable ? "shows nothing, as in browsers: a clip path has no use of " + kind
-                                  : "cannot be expanded and stays as it is");
+        warn(use, flat && !usable
+                      ? "shows nothing, as in browsers: in a clip path a use cannot refer to " + kind
+                      : "cannot be expanded and stays as it is");
         return {};
     }
     if (!count_copies(target) || copies_ + expanded_size(target) > max_svg_copies) {
@@ -288,7 +289,7 @@ bool ShapeCollector::visit_reference(const char* property, const std::string& id
     Affine2 unit_square;
     if (of_box) {
         if (box.empty() || !(box.width() > 0 && box.height() > 0)) {          // nothing is drawn
-            if (!box.empty()) styles_.set(reference.node, "display", "none"); // nor of a pose
+            if (!box.empty()) styles_.set(reference.node, "display", "none"); // in no pose either
             return true;
         }
         unit_square = {box.width(), 0, 0, box.height(), box.x0, box.y0};

@@ -281,7 +281,7 @@ bool meets_comparison(std::string value, const SimpleSelector& part) {
 }
 
 /// Counts the places of all children of an element.
-void count_places(pugi::xml_node parent, SelectorSearch& search) {
+void store_sibling_positions(pugi::xml_node parent, SelectorSearch& search) {
     std::unordered_map<std::string_view, long long> of_type;
     std::vector<pugi::xml_node> children;
     for (const pugi::xml_node node : parent.children()) {
@@ -301,7 +301,7 @@ void count_places(pugi::xml_node parent, SelectorSearch& search) {
 bool is_nth(const SimpleSelector& part, pugi::xml_node node, pugi::xml_node top, SelectorSearch& search) {
     long long place = 1;
     if (node != top) {
-        if (search.places.count(node.hash_value()) == 0) count_places(node.parent(), search);
+        if (search.places.count(node.hash_value()) == 0) store_sibling_positions(node.parent(), search);
         if (search.steps == 0) return false;
         place = search.places[node.hash_value()][(part.of_type ? 2U : 0U) + (part.from_end ? 1U : 0U)];
     }

@@ -20,8 +20,8 @@ struct SimpleSelector;
 /// The state that all searches by selectors share. The places of siblings hold until the document changes.
 struct SelectorSearch {
     std::size_t steps = 0; // that are left; once none is left, answers mean nothing
-    /// xml_node::hash_value() -> the place among its siblings, from 1: from the start and from the end, of
-    /// all and of those of its type
+    /// xml_node::hash_value() -> the element's position among its siblings, from 1. Order: from the start, from
+    /// the end, from the start within its type, from the end within its type.
     std::unordered_map<std::size_t, std::array<long long, 4>> places = {};
 };
 

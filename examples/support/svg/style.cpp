@@ -193,8 +193,8 @@ std::string size_in_font(std::string_view font) {
 const char* const unmoved_mark = "cageform-unmoved"; // attribute of an element that no pose moves
 const char* const rules_mark = "cageform-rules";     // attribute of an element: which of StyleSheets::marked_
 
-/// Whether a condition of @supports asks for known properties alone, which browsers support. Spaces stand for
-/// its brackets.
+/// Whether a condition of @supports has no "not" and names only known properties, which browsers support. The
+/// caller has replaced its brackets by spaces.
 bool asks_for_known(std::string_view condition) {
     for (std::size_t colon = 0; (colon = condition.find(':', colon)) != std::string_view::npos; ++colon) {
         const std::string_view before = trimmed(condition.substr(0, colon));
@@ -539,7 +539,7 @@ bool StyleSheets::is_left_unmoved(pugi::xml_node node) {
     return node.attribute(unmoved_mark);
 }
 
-bool StyleSheets::is_placed_by_others(pugi::xml_node node) const {
+bool StyleSheets::is_placed_by_unapplied_rule(pugi::xml_node node) const {
     const Rules& rules = rules_of(node);
     return std::any_of(rules.begin(), rules.end(), [&](std::size_t rule) {
         const Block& block = blocks_[rules_[rule].block];
@@ -643,7 +643,8 @@ void StyleSheets::settle(std::vector<std::string>& warnings) const {
         is_settled = is_settled || !asks_for_styles;
     }
     if (search_.steps == 0)
-        warnings.push_back("style: its rules take too long to match; others may apply to changed elements");
+        warnings.push_back(
+            "style: matching the rules takes too long; other rules may apply to changed elements");
 }
 
 bool StyleSheets::settle(pugi::xml_node node, const Rules& before, const Rules& now) const {

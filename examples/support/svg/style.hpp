@@ -63,8 +63,8 @@ struct StyleValue {
 /// writes style attributes so that other programs see the same values.
 ///
 /// A block of @media applies if its query holds on every screen. Rules under other conditions, and rules for
-/// states such as :hover, stay in their sheet. The deformation ignores these rules. It does not move the
-/// elements whose geometry or transform they set.
+/// states such as :hover, stay in their sheet. The deformation ignores both kinds of rules. An element stays
+/// unmoved if a rule whose query depends on the window sets its geometry or transform.
 class StyleSheets {
 public:
     using Values = std::map<std::string, StyleValue, std::less<>>;
@@ -73,9 +73,9 @@ public:
     explicit StyleSheets(SvgDocument& document, std::size_t most = 30'000'000);
 
     /// The values that an element is given and the deformation reads: `!important`, then the style
-    /// attribute, then rules by their specificity and order, then attributes, as in CSS. Invalid ones are
-    /// left out, and var() has its value. Geometry and transforms keep a var() without value, since a copy may
-    /// have one.
+    /// attribute, then rules by their specificity and order, then attributes, as in CSS. Invalid values
+    /// are left out. Each var() is replaced by its value. Geometry and transforms keep a var() without a value,
+    /// because a copy may define it.
     Values values(pugi::xml_node node) const;
 
     /// The value of one property.
@@ -101,8 +101,9 @@ public:
     /// Marks an element that no pose moves, as its geometry or transform is not read.
     static void leave_unmoved(pugi::xml_node node);
     static bool is_left_unmoved(pugi::xml_node node);
-    /// Whether a rule that is not read sets the geometry or the transform of an element.
-    bool is_placed_by_others(pugi::xml_node node) const;
+    /// Whether a rule that is not applied sets the element's geometry or transform. Rules for states such as
+    /// :hover do not count.
+    bool is_placed_by_unapplied_rule(pugi::xml_node node) const;
 
     /// Removes the marks. If an element's matching rules changed since loading, its style attribute restores
     /// lost declarations and cancels gained ones. New elements have had no rules.
@@ -143,15 +144,15 @@ private:
         pugi::xml_node node;
         std::string css;                  // unescaped
         std::string text;                 // without comments
-        mutable std::size_t counted = 0;  // of its bytes, for the number of a line
-        mutable std::ptrdiff_t lines = 0; // in these
+        mutable std::size_t counted = 0;  // the bytes whose lines are counted
+        mutable std::ptrdiff_t lines = 0; // the lines in these bytes
     };
     struct Removed { // part of a sheet's text
         std::size_t sheet = 0, begin = 0, end = 0;
     };
     using Rules = std::vector<std::size_t>; // ascending indices of rules_
 
-    /// Whether a screen meets a list of queries.
+    /// Returns whether a list of media queries holds on a screen: never, depending on the window, or always.
     static Applies media_applies(std::string_view queries);
     /// The layer of a name with dots, inside another layer. Without a name it is a new layer.
     Layer layer_of(Layer layer, std::string_view name);

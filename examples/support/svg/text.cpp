@@ -264,8 +264,8 @@ SvgResult<std::string> outlines(const std::string& text) {
 }
 
 /// Warns of what places or changes letters and is not in the outlines.
-void warn_of_ignored(const SvgDocument& document, const StyleSheets& styles, pugi::xml_node text,
-                     std::vector<std::string>& warnings) {
+void warn_of_ignored_text_properties(const SvgDocument& document, const StyleSheets& styles,
+                                     pugi::xml_node text, std::vector<std::string>& warnings) {
     std::vector<pugi::xml_node> nodes;
     for (pugi::xml_node up = text.parent(); up.type() == pugi::node_element; up = up.parent())
         nodes.push_back(up);
@@ -402,7 +402,7 @@ SvgResult<std::size_t> text_to_paths(SvgDocument& document, std::vector<std::str
         text.node.remove_attribute(number_attribute);
         const auto [first, end] = drawn->outlines_of(n);
         if (first != end) {
-            warn_of_ignored(work, styles, text.node, warnings);
+            warn_of_ignored_text_properties(work, styles, text.node, warnings);
             replace_text(text, drawn->outlines, tolerance);
             ++count;
         } else if (drawn->seen[n]) {

@@ -92,7 +92,8 @@ public:
     }
     void move(const std::string& id, pugi::xml_node node) { nodes_[id] = node; }
 
-    /// Gives the element an id that is not in use: the stem, without what url(#id) cannot have, and a number.
+    /// Gives the element an id that is not in use: the stem and a number. A hyphen replaces each character that
+    /// url(#id) cannot hold.
     std::string name(pugi::xml_node node, const std::string& stem);
 
 private:

@@ -4,9 +4,10 @@
 //
 //     u_i(x) = Σ_m w_m(x) M_m,i(x) / Σ_m w_m(x) + E_i(x)
 //
-// over the models m of the leaves near x. w_m falls to zero, twice differentiably, within a fifth of a leaf
-// beyond the leaf, and where a face comes between x and the place of the model. A model is a fit to data
-// about the leaf, plus the correction of near_rows.hpp for kinks, with one L_i for the whole leaf:
+// over the models m of the leaves near x. The weight w_m falls, twice differentiably, to 0 a fifth of a leaf
+// beyond the leaf, and to next to 0 where a face comes between x and the place of the model. A model is a
+// fit to data about the leaf, plus the correction of near_rows.hpp for kinks, with one L_i for the whole
+// leaf:
 //
 //     M_i(x) = Σ_d S_d(x) y_i(d) + F(L_i),   F(L) = L(x) − Σ_d S_d(x) L(d),
 //     S(x) = b(x)ᵀ (BᵀWB + R)⁻¹ BᵀW.
@@ -59,7 +60,7 @@ public:
         BoundaryValue<3> value;
     };
 
-    /// The shares of data in coefficients, for each pattern of nodes about a leaf without the boundary.
+    /// Solutions of the fit, by the pattern of nodes about a leaf. Leaves next to the boundary use none.
     using Patterns = std::map<std::vector<std::int8_t>, std::shared_ptr<const std::vector<double>>>;
 
     ///   place  of the leaf, inside: what the model sees is seen from there
@@ -80,7 +81,7 @@ public:
         if (!is_valid()) return;
         if (is_near_) find_edges();
         fit(patterns);
-        look();
+        add_near_field();
     }
     LeafModel(const LeafModel&) = delete;
     LeafModel& operator=(const LeafModel&) = delete;
@@ -95,7 +96,7 @@ public:
         return patch_ ? patch_->vertices() : std::span<const std::uint32_t>();
     }
 
-    /// Returns the visibility of a point, in [0, 1]: 0 where a face stands between it and the model's place.
+    /// Returns the visibility of a point from the model's place, in [1e-6, 1]: 1e-6 if a face lies between.
     double visibility(const Point& x) const noexcept {
         constexpr double least = 1e-6; // serves where no model sees the point
         if (!is_near_) return 1;
@@ -148,13 +149,12 @@ public:
         for (std::size_t v = 0; v < of.size(); ++v) vertex(of[v], row_[v]);
     }
 
-    /// Returns the places to see a leaf from: its middle, or a place far from the faces that pass it, then
-    /// places that those before do not see.
+    /// Returns viewpoints of a leaf. A leaf that no face cuts has its middle. Others have a point far from
+    /// faces, then points that are hidden from the earlier ones.
     static std::vector<Point> places_of(const grid::CutTree<3>& tree, const NearField& field,
                                         const Cell& leaf) {
         constexpr std::size_t most = 4, across = 5;
-        constexpr double free =
-            0.3; // a place is no better for being farther from faces, in sizes of the leaf
+        constexpr double free = 0.3; // in sizes of the leaf; greater distances from faces score no more
         const auto middle = leaf.middle();
         const auto facets = tree.facets(leaf.number);
         const auto& boundary = tree.boundary();
@@ -194,7 +194,7 @@ private:
     }
     /// Calls f(edge) for the bent edges that are nearer to a point than a distance.
     template <class F>
-    static void for_each_bent_edge(const NearField& field, const Point& p, double distance, const F& f) {
+    static void for_each_near_bent_edge(const NearField& field, const Point& p, double distance, const F& f) {
         std::vector<std::uint32_t> known;
         field.boundary().for_each_within(p, distance, [&](std::uint32_t face) {
             for (const std::uint32_t e : field.face(face).edge) {
@@ -208,7 +208,7 @@ private:
     }
     static bool has_reflex_edge(const NearField& field, const Point& p, double distance) {
         bool any = false;
-        for_each_bent_edge(field, p, distance, [&](std::uint32_t e, double) {
+        for_each_near_bent_edge(field, p, distance, [&](std::uint32_t e, double) {
             any = any || field.wedge(e).angle > std::numbers::pi;
         });
         return any;
@@ -272,7 +272,7 @@ private:
     /// Finds the reflex edges that can hide points, and the wedges that hold all data.
     void find_edges() {
         std::vector<std::pair<double, Wedge>> found;
-        for_each_bent_edge(field_, middle_, 2.5 * size_, [&](std::uint32_t e, double apart) {
+        for_each_near_bent_edge(field_, middle_, 2.5 * size_, [&](std::uint32_t e, double apart) {
             const Wedge wedge = field_.wedge(e);
             const auto& edge = field_.edge(e);
             if (wedge.angle > std::numbers::pi && apart < 1.5 * size_)
@@ -351,7 +351,7 @@ private:
         if (!is_near_) patterns[pattern] = shares_;
     }
     /// Prepares the double layers of the vertices near.
-    void look() {
+    void add_near_field() {
         patch_ = std::make_unique<NearPatch>(field_);
         if (!patch_->look(place_, (is_near_ ? radius_near : radius_inside) * size_)) {
             patch_.reset();

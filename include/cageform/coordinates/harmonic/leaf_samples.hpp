@@ -116,7 +116,7 @@ private:
         points_[term.point].total += term.weight;
         points_[term.point].size += term.weight * term.model->size();
     }
-    /// Adds a model that sees a point from the point itself, where no other is.
+    /// Adds a model placed at the point itself, for a point that no other model covers.
     void add_own_model(std::uint32_t point) {
         const Cell leaf = tree_.leaf_at(points_[point].at);
         own_models_.push_back(make_model(leaf, points_[point].at));
@@ -127,6 +127,7 @@ private:
 
     static constexpr double rounding = 2e-4; ///< of where a point lies, in units of the tree
 
+    /// Finds the places of faces near a point at which models are corrected, or that the point is on a face.
     void find_feet(Sampled& point) const {
         if (!(point.total > 0)) return;
         const double layer = 0.2 * point.size / point.total;
@@ -212,7 +213,7 @@ private:
 
     // ---- sums ------------------------------------------------------------------------------------------
 
-    /// Adds what a model has at some points, and at their feet with the weights of the points.
+    /// Adds a model's shares at points to their stencils, and subtracts its shares at the points' feet.
     void add_model(std::span<const Term> terms, std::vector<Stencil>& stencils) {
         LeafModel& model = *terms.front().model;
         places_.clear();

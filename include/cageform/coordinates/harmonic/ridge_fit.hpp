@@ -10,7 +10,8 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
-/// The solution of a least squares fit: the shares of data in the coefficients of functions.
+/// Solves a weighted least squares fit. The share of a datum in a function is its factor in the coefficient
+/// of the function.
 ///
 ///   basis   #data · #functions values, data after data
 ///   weight  #data
