@@ -135,7 +135,7 @@ SvgResult<DrawnFigure> drawn_figure(const SvgDocument& document) {
     // Shapes beside the page are not seen, unless all lie there.
     const auto page = detail::page_of(work);
     const auto& all = drawing->shapes;
-    const std::vector<detail::Box> seen = detail::seen_boxes(*drawing, all);
+    const std::vector<detail::Box> seen = detail::seen_boxes(*drawing);
     const bool any = std::any_of(seen.begin(), seen.end(),
                                  [&](const detail::Box& box) { return !box.within(page).empty(); });
     const auto counts = [&](std::size_t i) { return !(any ? seen[i].within(page) : seen[i]).empty(); };

@@ -151,8 +151,8 @@ private:
     double most_ = 0; // coordinate: beyond it rounding shows in the picture
     std::size_t copies_ = 0;
     std::unordered_map<std::size_t, std::size_t> expanded_sizes_; // by the element's hash
-    std::unordered_map<std::size_t, bool> paints_;                // whether gradients show, by their hash
-    std::unordered_set<std::string> left_out_;                    // the warnings of leave_out()
+    std::unordered_map<std::size_t, bool> paints_; // whether gradients are visible, by the hash of the node
+    std::unordered_set<std::string> left_out_;     // the warnings of leave_out()
     std::optional<SvgError> error_;
 };
 

@@ -183,9 +183,10 @@ private:
             for (const pugi::xml_attribute attribute : node.attributes()) {
                 const std::string_view name = attribute.name(), text = attribute.value();
                 if (name == "transform-origin" || name == "transform-box") return true;
-                const bool is_length = std::find(geometry.begin(), geometry.end(), name) != geometry.end();
-                const bool is_plain = parse_length(text, 1) && text.find('(') == std::string_view::npos;
-                if (is_length && name != "d" && !is_plain) return true;
+                const bool is_length =
+                    name != "d" && std::find(geometry.begin(), geometry.end(), name) != geometry.end();
+                if (is_length && (text.find('(') != std::string_view::npos || !parse_length(text, 1)))
+                    return true;
             }
             for (const Declaration& d : declarations(node.attribute("style").value())) {
                 if (use_of(property_name(d.property)) == PropertyUse::placing) return true;
@@ -397,8 +398,10 @@ private:
         const auto own = values.count("transform") != 0
                              ? css_transform(text_of(values, "transform"), nullptr, box, view)
                              : attribute.if_any();
-        if (!own) fault = "transform";
-        if (!own) return std::nullopt;
+        if (!own) {
+            fault = "transform";
+            return std::nullopt;
+        }
         return compose(compose(map, *own), {1, 0, 0, 1, -about->x, -about->y});
     }
 

@@ -210,7 +210,7 @@ public:
         if (!rest) return rest.error();
         for (std::string& line : styles_.report.lines()) result_.report.warnings.push_back(std::move(line));
         rest_ = std::move(*rest);
-        seen_before_ = seen_boxes(rest_, rest_.shapes);
+        seen_before_ = seen_boxes(rest_);
         auto roles = roles_of(rest_.shapes);
         if (!roles) return roles.error();
         std::vector<Path> paths;
@@ -333,7 +333,7 @@ private:
                 regions_[r].moved = regions_[r].moved || motion.moved();
                 regions_[r].maps.push_back(best ? std::optional(compose(back, *best)) : std::nullopt);
             }
-            const std::vector<Box> after = seen_boxes(rest_, shapes);
+            const std::vector<Box> after = seen_boxes(rest_);
             for (std::size_t i = 0; i < shapes.size(); ++i) seen_after_[i].add(after[i]);
         }
         return std::nullopt;
@@ -348,8 +348,8 @@ private:
     }
 
     /// Finds the map by which each element with a filter moves as a whole: the best affine map of its shapes.
-    /// Where a stroke keeps its width, only the turn of the map is used. The shapes get the remaining
-    /// deformation.
+    /// If a shape has a stroke or markers, only the turn of the map and the shift of the centre are used. The
+    /// shapes get the remaining deformation.
     void find_filter_maps(const CurveDeformer& curves) {
         filter_of_.assign(rest_.shapes.size(), none);
         filter_maps_.resize(rest_.references.size());
@@ -443,7 +443,7 @@ private:
                 paint.follow(shape, moved.maps, boxes_at_rest_[i], moved.boxes);
             const std::string kind = local_name(shape.node);
             const bool takes_markers = kind != "rect" && kind != "circle" && kind != "ellipse";
-            if (takes_markers) turn_markers(shape, moved.maps);
+            if (takes_markers && has_markers(shape)) turn_markers(shape, moved.maps);
             const bool adds_vertices =
                 takes_markers && !shape.markers[1].empty() && has_other_vertices(moved);
             if (adds_vertices) write_path(add_marked_path(styles_, shape.node), i, std::move(moved.marked));

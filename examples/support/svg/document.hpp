@@ -11,16 +11,16 @@
 //
 // Affine followers: gradients and patterns of a shape, in user space or in units of its box (paint.hpp),
 // and a whole text, image or foreignObject follow the affine map that fits the motion of their points
-// best, by least squares. Under a strong bend this fit is poor. An element with a filter moves as a whole,
-// and the filter with it: by the map of its shapes, or by the turn of this map if a stroke keeps its width.
+// best, by least squares. Under a strong bend this fit is poor. An element with a filter moves as a whole, by
+// the best affine map of its shapes. If a shape has a stroke or markers, the element only turns and shifts.
 // Regions of filters, of their primitives and of masks are enlarged to hold the moved shapes; lights follow.
 // The region of a mask, a nested svg or a used symbol that clips becomes a clip path. Markers of a fixed
 // direction turn with their shape.
 //
 // Unchanged: the width of strokes. Shapes under a transform without inverse stay. A filter does not turn
-// on an svg element, or if another element shares a clip path or mask in its element. Warnings name these, every unknown property,
-// attribute or element, and every one that should change with the pose but does not (properties.hpp). If a
-// transform makes a stroke's pen elliptical, the pen turns with the shape.
+// on an svg element. A filter on another element does not turn if elements outside share a clip path or mask
+// with the content of the element. Warnings name both. Warnings also name every unknown property, attribute
+// or element, and every one that should change with the pose but does not (properties.hpp). If a transform makes a stroke's pen elliptical, the pen turns with the shape.
 //
 // Markers stand at the vertices of the file. If deformation adds vertices to a path, an unpainted second
 // path after it carries the markers.
@@ -220,8 +220,8 @@ SvgResult<std::vector<Point2>> figure_vertices(const SvgDocument& document);
 ///              have to be halved, at most 1 + max_halvings times
 ///   accuracy   every sample of a deformed curve is within the tolerance of the path written, before the
 ///              rounding to `decimals`; features narrower than a 64th of the viewBox's diagonal may be missed
-///   left       a shape that is out of range, or of which the deformer gives a point that is not finite,
-///              stays as it is, with a warning
+///   left       a shape out of range stays as it is, with a warning; so does a shape for which the deformer
+///              gives a point that is not finite
 ///   fails      where copies are too many or nested too deeply, or when the deformer returns false
 SvgResult<DeformReport> deform(SvgDocument& document, const Deformer& deformer,
                                const DeformOptions& options = {});

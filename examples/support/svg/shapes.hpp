@@ -52,7 +52,7 @@ struct Box {
     bool contains(const Box& other) const;
     Point2 centre() const { return {(x0 + x1) / 2, (y0 + y1) / 2}; }
     std::array<Point2, 4> corners() const { return {{{x0, y0}, {x1, y0}, {x1, y1}, {x0, y1}}}; }
-    Box mapped(const Affine2& map) const; ///< about the corners of one not empty
+    Box mapped(const Affine2& map) const; ///< the least box about the mapped corners; not of an empty box
 };
 
 Box box_of(const ViewBox& view);

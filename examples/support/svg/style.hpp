@@ -72,10 +72,10 @@ public:
     ///   most   steps of matching rules when the document is read; as given they take about a second
     explicit StyleSheets(SvgDocument& document, std::size_t most = 30'000'000);
 
-    /// The values that an element is given and the deformation reads: `!important`, then the style
-    /// attribute, then rules by their specificity and order, then attributes, as in CSS. Invalid values
-    /// are left out. Each var() is replaced by its value. Geometry and transforms keep a var() without a value,
-    /// because a copy may define it.
+    /// The values of an element's properties that the deformation reads. Precedence is as in CSS: `!important`,
+    /// the style attribute, rules by specificity and order, attributes. Invalid values are left out. Each var()
+    /// is replaced by its value. Geometry and transforms keep a var() without a value, because a copy may
+    /// define it.
     Values values(pugi::xml_node node) const;
 
     /// The value of one property.

@@ -172,16 +172,14 @@ bool has_lists(pugi::xml_node text) {
 /// The decoration lines of an element of a text and of the elements around it. The renderer reads those of
 /// the element itself only, and only from `text-decoration`.
 std::string decoration_of(const StyleSheets& styles, pugi::xml_node node) {
-    std::string found;
+    std::string given, found;
+    for (pugi::xml_node up = node; up.type() == pugi::node_element; up = up.parent()) {
+        const auto values = styles.values(up);
+        for (const char* name : {"text-decoration", "text-decoration-line"})
+            given += ' ' + lowered(text_of(values, name));
+    }
     for (const char* line : {"underline", "overline", "line-through"}) {
-        for (pugi::xml_node up = node; up.type() == pugi::node_element; up = up.parent()) {
-            const auto values = styles.values(up);
-            const std::string given = lowered(text_of(values, "text-decoration")) + ' ' +
-                                      lowered(text_of(values, "text-decoration-line"));
-            if (!has_word(given, line)) continue;
-            found += (found.empty() ? "" : " ") + std::string(line);
-            break;
-        }
+        if (has_word(given, line)) found += (found.empty() ? "" : " ") + std::string(line);
     }
     return found;
 }

@@ -345,9 +345,11 @@ bool ShapeCollector::shows(std::string_view paint, const std::string& colour) {
     if (id.empty()) return true; // of another file
     if (chain.empty()) return shows(paint.substr(std::min(paint.find(')'), paint.size() - 1) + 1), colour);
     const auto [found, is_new] = paints_.try_emplace(chain.front().hash_value(), false);
-    for (pugi::xml_node child : content_owner(chain).children()) {
-        if (!is_new || found->second) break;
-        found->second = local_name(chain.front()) == "pattern" || has_colour(child);
+    if (is_new) {
+        const bool is_pattern = local_name(chain.front()) == "pattern";
+        const auto content = content_owner(chain).children();
+        found->second = std::any_of(content.begin(), content.end(),
+                                    [&](pugi::xml_node child) { return is_pattern || has_colour(child); });
     }
     return found->second;
 }
@@ -603,7 +605,8 @@ bool has_markers(const DrawnShape& shape) {
                        [](const auto& id) { return !id.empty(); });
 }
 
-std::vector<Box> seen_boxes(const Drawing& drawing, const std::vector<DrawnShape>& shapes) {
+std::vector<Box> seen_boxes(const Drawing& drawing) {
+    const std::vector<DrawnShape>& shapes = drawing.shapes;
     std::vector<Box> boxes;
     boxes.reserve(shapes.size());
     for (const DrawnShape& shape : shapes) {

@@ -67,8 +67,7 @@ inline constexpr std::array marker_properties{"marker-start", "marker-mid", "mar
 bool has_markers(const DrawnShape& shape);
 
 /// For each shape the box of the part that is seen, after all clipping. Empty where nothing is seen.
-///   shapes   of the drawing, which may have moved
-std::vector<Box> seen_boxes(const Drawing& drawing, const std::vector<DrawnShape>& shapes);
+std::vector<Box> seen_boxes(const Drawing& drawing);
 
 /// The box of what is painted of shapes [first, end) of this level, after a map.
 Box painted_bounds(const std::vector<DrawnShape>& shapes, std::size_t first, std::size_t end, int level,

@@ -1,26 +1,27 @@
-// Samples harmonic functions in space by a smooth blend of local harmonic models, one a leaf.
+// Samples harmonic functions in space by a smooth blend of local harmonic models, which leaf_samples.hpp
+// makes.
 //
 // At a point x inside the cage the function of handle i is
 //
 //     u_i(x) = Σ_m w_m(x) M_m,i(x) / Σ_m w_m(x) + E_i(x)
 //
-// over the models m of the leaves near x. The weight w_m falls, twice differentiably, to 0 a fifth of a leaf
-// beyond the leaf, and to next to 0 where a face comes between x and the place of the model. A model is a
-// fit to data about the leaf, plus the correction of near_rows.hpp for kinks, with one L_i for the whole
-// leaf:
+// over the models m of the leaves near x. A leaf inside has one model, a leaf that faces cut up to four. The
+// weight w_m is a twice differentiable function of x. It is 0 from a fifth of a leaf's size beyond the leaf
+// on. A face between x and the place of the model makes the weight nearly 0. A model is a fit to data about
+// its leaf, corrected for kinks as in near_rows.hpp, with one L_i for the whole model:
 //
 //     M_i(x) = Σ_d S_d(x) y_i(d) + F(L_i),   F(L) = L(x) − Σ_d S_d(x) L(d),
 //     S(x) = b(x)ᵀ (BᵀWB + R)⁻¹ BᵀW.
 //
 // d runs over nodes about the leaf and places of the boundary, and y are the values there. b are 16 harmonic
-// polynomials up to degree three, and two functions for each of the nearest bent edges. W are weights that
-// fall with the distance from the leaf. R is a ridge, next to zero for linear functions: constants and
-// positions are kept. E adds what the models miss at the faces nearest to x, and fades within a fifth of a
-// leaf:
+// polynomials up to degree three, and two functions for each of the nearest bent edges. The diagonal matrix W
+// holds the weights of the data. Weights fall with the distance from the middle of the leaf, and are three
+// times as large at the boundary. R is a ridge, next to zero for linear functions: constants and positions
+// are kept. E adds what the models miss at the nearest faces, and fades within a fifth of a leaf:
 //
-//     E_i(x) = Σ_f a_f (φ_i(q_f) − Σ_m w_m(x) M_m,i(q_f) / Σ_m w_m(x)) / (1 + Σ_f a_f),
+//     E_i(x) = Σ_f a_f (φ_i(q_f) − Σ_m w_m(x) M_m,i(q_f) / Σ_m w_m(x)) / (1 + Σ_f a_f).
 //
-// where q_f is a place of face f near x that is a smooth function of x. So u tends to the data at faces.
+// The place q_f of face f lies near x and is a smooth function of x. So u tends to the data at faces.
 //
 // TreeSolver does not use these samples yet.
 #pragma once
@@ -40,6 +41,19 @@ inline double smooth_step(double t) noexcept {
     t = std::clamp(t, 0.0, 1.0);
     return t * t * t * (10 - 15 * t + 6 * t * t);
 }
+
+/// The shares of nodes and of vertices in the functions at a point.
+struct LeafStencil {
+    std::vector<StencilTable<3>::Node> nodes;
+    std::vector<StencilTable<3>::Handle> vertices;
+
+    /// Adds a share of the data at a place of the boundary.
+    void add(const BoundaryValue<3>& value, double share) {
+        HatData<3>::for_each_weight(value, [&](std::uint32_t vertex, double weight) {
+            vertices.push_back({vertex, share * weight});
+        });
+    }
+};
 
 /// A model of the functions in a leaf and about it.
 class LeafModel {
@@ -76,7 +90,7 @@ public:
         find_surroundings();
         for (const auto& index : lattice()) add_node(index, true);
         for (const Cell& cell : larger_) {
-            for (std::size_t n = 0; n < 8; ++n) add_node(corner(cell, n), false);
+            for (std::size_t n = 0; n < 8; ++n) add_node(cell.corner(n), false);
         }
         if (!is_valid()) return;
         if (is_near_) find_edges();
@@ -90,11 +104,6 @@ public:
     /// Whether there is enough data for a linear function.
     bool is_valid() const noexcept { return data_.size() >= 4; }
     double size() const noexcept { return size_; } ///< of the leaf
-    std::span<const Datum> data() const noexcept { return data_; }
-    /// The vertices whose double layers count.
-    std::span<const std::uint32_t> vertices() const noexcept {
-        return patch_ ? patch_->vertices() : std::span<const std::uint32_t>();
-    }
 
     /// Returns the visibility of a point from the model's place, in [1e-6, 1]: 1e-6 if a face lies between.
     double visibility(const Point& x) const noexcept {
@@ -113,15 +122,11 @@ public:
     void evaluate(std::span<const Point> points) {
         if (patch_) patch_->evaluate(points, unused_mirrors_);
     }
-    /// Adds a sum of values at points, each multiplied by its factor.
+    /// Adds a sum of values at points, each multiplied by its factor, to a stencil.
     ///
     ///   first    the number of points[0] among those of `evaluate`
-    ///   node     node(number, share) gets the shares of nodes
-    ///   place    place(value, share) those of places of the boundary
-    ///   vertex   vertex(number, share) those of vertices
-    template <class Node, class Place, class Vertex>
     void add(std::span<const Point> points, std::span<const double> factors, std::size_t first,
-             const Node& node, const Place& place, const Vertex& vertex) {
+             LeafStencil& to) {
         Values sum{};
         for (std::size_t n = 0; n < points.size(); ++n) {
             const Values values = functions(points[n]);
@@ -131,22 +136,22 @@ public:
         for (std::size_t k = 0; k < count_; ++k) add_row(sum[k], *shares_, k, row_);
         for (std::size_t d = 0; d < data_.size(); ++d) {
             if (data_[d].node != Nodes::none) {
-                node(data_[d].node, row_[d]);
+                to.nodes.push_back({data_[d].node, row_[d]});
             } else {
-                place(data_[d].value, row_[d]);
+                to.add(data_[d].value, row_[d]);
             }
         }
         if (!patch_) return;
-        const auto of = patch_->vertices();
-        row_.assign(of.size(), 0.0);
+        const auto vertices = patch_->vertices();
+        row_.assign(vertices.size(), 0.0);
         for (std::size_t k = 0; k < count_; ++k) add_row(-sum[k], layers_, k, row_);
-        for (std::size_t v = 0; v < of.size(); ++v) {
+        for (std::size_t v = 0; v < vertices.size(); ++v) {
             for (std::size_t n = 0; n < points.size(); ++n)
                 row_[v] += factors[n] * patch_->layer(v, first + n);
             row_[v] *= 2;
         }
         patch_->finish(row_, -1, {}); // drops nothing: what is dropped at a threshold jumps
-        for (std::size_t v = 0; v < of.size(); ++v) vertex(of[v], row_[v]);
+        for (std::size_t v = 0; v < vertices.size(); ++v) to.vertices.push_back({vertices[v], row_[v]});
     }
 
     /// Returns viewpoints of a leaf. A leaf that no face cuts has its middle. Others have a point far from
@@ -187,11 +192,6 @@ private:
     using Index = std::array<std::int32_t, 3>;
     static constexpr double radius_near = 3.5, radius_inside = 2; ///< of the near field, in sizes of the leaf
 
-    static Index corner(const Cell& cell, std::size_t n) noexcept {
-        Index index = cell.low;
-        for (std::size_t k = 0; k < 3; ++k) index[k] += ((n >> k) & 1u) != 0 ? cell.size : 0;
-        return index;
-    }
     /// Calls f(edge) for the bent edges that are nearer to a point than a distance.
     template <class F>
     static void for_each_near_bent_edge(const NearField& field, const Point& p, double distance, const F& f) {
@@ -246,17 +246,17 @@ private:
         }
         return all;
     }
-    /// Adds a node, or the place of the boundary that hides it.
+    /// Adds a node, unless the boundary hides it.
     ///
-    ///   takes_place  whether that place is added
-    void add_node(const Index& index, bool takes_place) {
+    ///   adds_hiding_place  whether a place of the boundary that hides the node is added in its stead
+    void add_node(const Index& index, bool adds_hiding_place) {
         const auto p = node_position<3>(index);
         bool is_in_tree = true;
         for (const std::int32_t x : index) is_in_tree = is_in_tree && x >= 0 && x <= tree_.cells().size();
         const double apart = length(p - middle_) / size_, weight = 1 / (0.3 + apart * apart * apart * apart);
         if (is_near_ && p != place_) {
             if (const auto met = tree_.boundary().first_met(place_, p - place_, facets_)) {
-                if (takes_place)
+                if (adds_hiding_place)
                     data_.push_back(
                         {field_.moved_inside(met->value, place_), 3 * weight, Nodes::none, met->value});
                 return;
@@ -283,9 +283,8 @@ private:
                 found.push_back({apart, wedge});
         });
         std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-        for (const auto& [apart, wedge] : found) {
-            if (wedges_.size() < most_wedges) wedges_.push_back(wedge);
-        }
+        for (std::size_t n = 0; n < (std::min)(found.size(), most_wedges); ++n)
+            wedges_.push_back(found[n].second);
     }
 
     /// The values of the functions of the fit at a point.
@@ -322,13 +321,15 @@ private:
     }
     void fit(Patterns& patterns) {
         count_ = polynomials + 2 * wedges_.size();
-        std::vector<std::int8_t> pattern; // in halves of a leaf
+        std::shared_ptr<const std::vector<double>>* known = nullptr;
         if (!is_near_) {
+            std::vector<std::int8_t> pattern; // in halves of a leaf
             for (const Datum& datum : data_) {
                 for (std::size_t k = 0; k < 3; ++k)
                     pattern.push_back(std::int8_t(std::lround(2 * (datum.at[k] - middle_[k]) / size_)));
             }
-            shares_ = patterns[pattern];
+            known = &patterns[pattern];
+            shares_ = *known;
             if (shares_) return;
         }
         std::vector<double> basis, weight;
@@ -345,10 +346,9 @@ private:
             const bool is_linear = k < 4, is_cubic = k >= 9 && k < polynomials;
             ridge[k] = is_linear ? 1e-13 * trace : is_cubic ? 1e-4 * damping : 1e-6 * damping;
         }
-        auto shares = std::make_shared<std::vector<double>>();
-        RidgeFit().solve(basis, weight, std::span(ridge).first(count_), *shares);
-        shares_ = std::move(shares);
-        if (!is_near_) patterns[pattern] = shares_;
+        shares_ = std::make_shared<const std::vector<double>>(
+            ridge_fit(basis, weight, std::span(ridge).first(count_)));
+        if (known != nullptr) *known = shares_;
     }
     /// Prepares the double layers of the vertices near.
     void add_near_field() {

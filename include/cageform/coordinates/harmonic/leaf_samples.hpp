@@ -15,19 +15,13 @@ class LeafSamples {
     using Table = StencilTable<3>;
 
 public:
-    /// The shares of nodes and of vertices in the functions at a point.
-    struct Stencil {
-        std::vector<Table::Node> nodes;
-        std::vector<Table::Handle> vertices;
-    };
-
     LeafSamples(const grid::CutTree<3>& tree, const grid::TreeNodes<3>& nodes, const NearField& field)
         : tree_(tree)
         , nodes_(nodes)
         , field_(field) {}
 
     /// Returns the stencils of points inside, in units of the tree.
-    std::vector<Stencil> stencils(std::span<const Point> points) {
+    std::vector<LeafStencil> stencils(std::span<const Point> points) {
         points_.assign(points.size(), {});
         terms_.clear();
         for (std::uint32_t n = 0; n < points.size(); ++n) {
@@ -53,7 +47,7 @@ public:
             if (!(points_[n].total > 0)) add_own_model(n);
             find_feet(points_[n]);
         }
-        std::vector<Stencil> stencils(points.size());
+        std::vector<LeafStencil> stencils(points.size());
         for (auto begin = terms_.begin(), end = begin; begin != terms_.end(); begin = end) {
             while (end != terms_.end() && end->model == begin->model) ++end;
             add_model({begin, end}, stencils);
@@ -151,7 +145,7 @@ private:
             const double t = distance / layer, fades = (1 - t * t) * (1 - t * t);
             const double amount = smooth_step(cosine / 0.3) * fades * fades / (std::max)(t * t, 1e-16);
             if (!(amount > 0)) return;
-            const auto weights = place_inside(f, x, nearest, 0.15 * distance);
+            const auto weights = place_inside(f, x, corners, nearest, 0.15 * distance);
             const auto place = point_on_facet(weights, field_.corners(f));
             const double below = (std::min)(1e-5, 0.5 * depth);
             point.feet.push_back({place - below * field_.face(f).normal,
@@ -174,10 +168,9 @@ private:
     }
     /// Returns the weights of a place of a face near x: a smooth function of x, inside the face. The place q
     /// minimises |q − x|² / (2 width²) − Σ_k log(distance of q from edge k), by a damped Newton method.
-    std::array<double, 3> place_inside(std::uint32_t f, const Point& x, const std::array<double, 3>& nearest,
-                                       double width) const {
+    std::array<double, 3> place_inside(std::uint32_t f, const Point& x, const Corners<3>& corners,
+                                       const std::array<double, 3>& nearest, double width) const {
         const auto& face = field_.face(f);
-        const auto corners = exact_corners(f);
         const Point u = (1 / length(corners[1] - corners[0])) * (corners[1] - corners[0]),
                     v = cross(face.normal, u);
         double altitude = 0;
@@ -214,16 +207,16 @@ private:
     // ---- sums ------------------------------------------------------------------------------------------
 
     /// Adds a model's shares at points to their stencils, and subtracts its shares at the points' feet.
-    void add_model(std::span<const Term> terms, std::vector<Stencil>& stencils) {
+    void add_model(std::span<const Term> terms, std::vector<LeafStencil>& stencils) {
         LeafModel& model = *terms.front().model;
         places_.clear();
         factors_.clear();
         for (const Term& term : terms) {
             const Sampled& point = points_[term.point];
+            if (point.is_on_face) continue;
             const double factor = term.weight / point.total;
             places_.push_back(point.at);
             factors_.push_back(factor);
-            if (point.is_on_face) continue;
             for (const Foot& foot : point.feet) {
                 places_.push_back(foot.at);
                 factors_.push_back(-factor * foot.share);
@@ -233,29 +226,15 @@ private:
         std::size_t first = 0;
         for (const Term& term : terms) {
             const Sampled& point = points_[term.point];
-            Stencil& to = stencils[term.point];
-            const std::size_t count = 1 + (point.is_on_face ? 0 : point.feet.size());
-            if (!point.is_on_face)
-                model.add(
-                    std::span(places_).subspan(first, count), std::span(factors_).subspan(first, count),
-                    first,
-                    [&](std::uint32_t node, double share) {
-                        to.nodes.push_back({node, share});
-                    },
-                    [&](const BoundaryValue<3>& value, double share) { add_value(value, share, to); },
-                    [&](std::uint32_t vertex, double share) {
-                        to.vertices.push_back({vertex, share});
-                    });
+            if (point.is_on_face) continue;
+            const std::size_t count = 1 + point.feet.size();
+            model.add(std::span(places_).subspan(first, count), std::span(factors_).subspan(first, count),
+                      first, stencils[term.point]);
             first += count;
         }
     }
-    static void add_value(const BoundaryValue<3>& value, double share, Stencil& to) {
-        HatData<3>::for_each_weight(value, [&](std::uint32_t vertex, double weight) {
-            to.vertices.push_back({vertex, share * weight});
-        });
-    }
-    static void finish(const Sampled& point, Stencil& stencil) {
-        for (const Foot& foot : point.feet) add_value(foot.value, foot.share, stencil);
+    static void finish(const Sampled& point, LeafStencil& stencil) {
+        for (const Foot& foot : point.feet) stencil.add(foot.value, foot.share);
         merge(stencil.nodes, [](const Table::Node& node) { return node.node; });
         merge(stencil.vertices, [](const Table::Handle& handle) { return handle.handle; });
     }

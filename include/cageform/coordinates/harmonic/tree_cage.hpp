@@ -157,8 +157,7 @@ public:
         const auto middle = leaf.middle();
         if (tree_.state(leaf.number) == grid::CellState::in || tree_.is_inside(middle)) return middle;
         for (std::size_t n = 0; n < grid::CellTree<D>::children; ++n) {
-            auto corner = leaf.low;
-            for (std::size_t k = 0; k < D; ++k) corner[k] += ((n >> k) & 1u) != 0 ? leaf.size : 0;
+            const auto corner = leaf.corner(n);
             if (nodes_.find(corner) != grid::TreeNodes<D>::none) return node_position<D>(corner);
         }
         return std::nullopt;

@@ -76,6 +76,12 @@ public:
             for (std::size_t k = 0; k < D; ++k) p[k] = low[k] + 0.5 * size;
             return p;
         }
+        /// Returns a corner: the upper one along the axes of the set bits of n.
+        Index corner(std::size_t n) const noexcept {
+            Index index = low;
+            for (std::size_t k = 0; k < D; ++k) index[k] += ((n >> k) & 1u) != 0 ? size : 0;
+            return index;
+        }
     };
 
     explicit CellTree(unsigned depth = 0)

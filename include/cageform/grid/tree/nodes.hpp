@@ -146,9 +146,7 @@ TreeNodes<D> nodes_of(const CutTree<D>& tree, const Running& running = {}) {
         const CellState state = tree.state(leaf.number);
         if (state == CellState::out) return;
         for (std::size_t n = 0; n < CellTree<D>::children; ++n) {
-            auto corner = leaf.low;
-            for (std::size_t k = 0; k < D; ++k) corner[k] += ((n >> k) & 1u) != 0 ? leaf.size : 0;
-            corners.push_back(2 * TreeNodes<D>::key(corner) + (state == CellState::cut ? 1 : 0));
+            corners.push_back(2 * TreeNodes<D>::key(leaf.corner(n)) + (state == CellState::cut ? 1 : 0));
         }
     });
     detail::sort_in_runs(corners, running.subtask(0.2, 0.5));
