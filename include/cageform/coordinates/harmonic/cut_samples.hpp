@@ -23,6 +23,12 @@ public:
         stencils_.add(stencil, data, corrections);
     }
 
+    template <class HandleOf>
+    void add(std::span<const typename StencilTable<D>::Node> nodes,
+             std::span<const typename StencilTable<D>::Handle> vertices, const HandleOf& handle_of) {
+        stencils_.add(nodes, vertices, handle_of);
+    }
+
     /// Writes the rows of handles first_handle … first_handle + count − 1, for all points.
     ///
     ///   functions  functions.value(node): an array of at least `count` values. If there is
@@ -65,7 +71,7 @@ public:
             }
             bool any = false;
             for (double& of_point : sum) {
-                const bool differs = of_point > 0.5 && std::fabs(of_point - 1) > least;
+                const bool differs = of_point > 0.5 && of_point != 1;
                 any = any || differs;
                 if (!differs) of_point = 1;
             }

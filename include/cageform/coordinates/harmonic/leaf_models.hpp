@@ -22,8 +22,6 @@
 //     E_i(x) = Σ_f a_f (φ_i(q_f) − Σ_m w_m(x) M_m,i(q_f) / Σ_m w_m(x)) / (1 + Σ_f a_f).
 //
 // The place q_f of face f lies near x and is a smooth function of x. So u tends to the data at faces.
-//
-// TreeSolver does not use these samples yet.
 #pragma once
 
 #include <cageform/coordinates/harmonic/near_patch.hpp>

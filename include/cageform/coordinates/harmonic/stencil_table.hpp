@@ -37,9 +37,14 @@ public:
             });
         }
         handles_.append(corrections.data(), corrections.data() + corrections.size());
-        std::sort(handles_.data() + (ends_.empty() ? 0 : ends_.back().handles),
-                  handles_.data() + handles_.size(),
-                  [](const Handle& a, const Handle& b) { return a.handle < b.handle; });
+        end_stencil();
+    }
+
+    /// Appends the shares of nodes and of vertices, as their handles.
+    template <class HandleOf>
+    void add(std::span<const Node> nodes, std::span<const Handle> vertices, const HandleOf& handle_of) {
+        nodes_.append(nodes.data(), nodes.data() + nodes.size());
+        for (const auto& [vertex, share] : vertices) handles_.push_back({handle_of(vertex), share});
         end_stencil();
     }
 
@@ -61,7 +66,12 @@ private:
     struct Ends {
         std::uint32_t nodes, handles;
     };
-    void end_stencil() { ends_.push_back({std::uint32_t(nodes_.size()), std::uint32_t(handles_.size())}); }
+    void end_stencil() {
+        std::sort(handles_.data() + (ends_.empty() ? 0 : ends_.back().handles),
+                  handles_.data() + handles_.size(),
+                  [](const Handle& a, const Handle& b) { return a.handle < b.handle; });
+        ends_.push_back({std::uint32_t(nodes_.size()), std::uint32_t(handles_.size())});
+    }
 
     Buffer<Node> nodes_;
     Buffer<Handle> handles_;

@@ -178,18 +178,23 @@ public:
     /// empty for points outside and beyond the batch.
     template <Scalar T>
     grid::CutStencil<D> stencil(const Batch<T>& batch, std::size_t i) const {
+        auto stencil = stencil_outside(batch, i);
+        if (i < batch.points.points && batch.states[i] == PointState::inside) {
+            const auto at = placed(vec_cast<double>(block_point<D>(batch.points, i)));
+            set_stencil(at, tree_.leaf_at(at), stencil);
+        }
+        return stencil;
+    }
+    /// Does so for points that do not lie inside; sets the states of all.
+    template <Scalar T>
+    grid::CutStencil<D> stencil_outside(const Batch<T>& batch, std::size_t i) const {
         grid::CutStencil<D> stencil;
         if (i >= batch.points.points || batch.states[i] == PointState::not_finite) return stencil;
         const auto p = vec_cast<double>(block_point<D>(batch.points, i));
         const auto at = placed(p);
-        const auto leaf = tree_.leaf_at(at);
-        const auto [state, value] = located(p, at, leaf);
+        const auto [state, value] = located(p, at, tree_.leaf_at(at));
         batch.states[i] = state;
-        if (state == PointState::on_boundary) {
-            stencil.add(value, 1.0);
-        } else if (state == PointState::inside) {
-            set_stencil(at, leaf, stencil);
-        }
+        if (state == PointState::on_boundary) stencil.add(value, 1.0);
         return stencil;
     }
 

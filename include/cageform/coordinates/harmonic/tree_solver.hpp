@@ -6,6 +6,7 @@
 #include <cageform/coordinates/harmonic/cage_solver.hpp>
 #include <cageform/coordinates/harmonic/cut_samples.hpp>
 #include <cageform/coordinates/harmonic/grid_errors.hpp>
+#include <cageform/coordinates/harmonic/leaf_samples.hpp>
 #include <cageform/coordinates/harmonic/near_rows.hpp>
 #include <cageform/coordinates/harmonic/options.hpp>
 #include <cageform/coordinates/harmonic/solution_blob.hpp>
@@ -326,47 +327,33 @@ private:
         }
         return {cage_->tree(), cage_->nodes(), ordered_data(), running};
     }
-    /// Adds the stencils of points first … last − 1, with their corrections. The points of a leaf are
-    /// corrected from one place of it, so that weights do not depend on other points.
+    /// Adds the stencils of points first … last − 1: blends of the models of leaves.
     template <Scalar T>
     void add_near_samples(const detail::Batch<T>& batch, std::size_t first, std::size_t last,
                           Samples& samples) const {
-        const auto& tree = cage_->tree();
-        struct Placed {
-            std::uint32_t leaf, point; ///< the point's number, less `first`
-        };
-        std::vector<Placed> placed;
-        std::vector<grid::CutStencil<D>> stencils;
-        for (std::size_t i = first; i < last; ++i) {
-            stencils.push_back(cage_->stencil(batch, i));
-            if (i >= batch.points.points || batch.states[i] != PointState::inside) continue;
-            const auto at = in_units(batch, i);
-            const auto leaf = tree.leaf_at(at);
-            // Nearer, rounded faces may have the point outside, and its stencil is the data itself.
-            const double least = std::ldexp(4.0, -tree.boundary().fraction());
-            if (tree.boundary().nearest(tree.facets(leaf.number), at).distance > least)
-                placed.push_back({leaf.number, std::uint32_t(i - first)});
-        }
-        std::sort(placed.begin(), placed.end(), [](const Placed& a, const Placed& b) {
-            return a.leaf != b.leaf ? a.leaf < b.leaf : a.point < b.point;
-        });
-        using Handle = typename detail::StencilTable<D>::Handle;
-        std::vector<std::vector<Handle>> corrections(stencils.size());
-        detail::NearRows rows(*near_, least_layer());
-        for (auto begin = placed.begin(), end = begin; begin != placed.end(); begin = end) {
-            const auto leaf = tree.cells().cell(begin->leaf);
-            for (; end != placed.end() && end->leaf == begin->leaf; ++end)
-                rows.add(end->point, in_units(batch, first + end->point), leaf.size, stencils[end->point],
-                         cage_->nodes());
-            rows.flush(
-                cage_->place_in(leaf), leaf.size,
-                [&](std::uint32_t point, std::uint32_t vertex, double amount) {
-                    corrections[point].push_back({order_.position(vertex), amount});
-                },
-                [&](std::uint32_t point, double factor) { stencils[point].scale_nodes(factor); });
-        }
         const auto data = ordered_data();
-        for (std::size_t n = 0; n < stencils.size(); ++n) samples.add(stencils[n], data, corrections[n]);
+        std::vector<Vec<double, D>> inside;
+        std::vector<grid::CutStencil<D>> others; // of points that are not inside
+        for (std::size_t i = first; i < last; ++i) {
+            others.push_back(cage_->stencil_outside(batch, i));
+            if (is_inside(batch, i)) inside.push_back(in_units(batch, i));
+        }
+        const auto blends = detail::LeafSamples(cage_->tree(), cage_->nodes(), *near_).stencils(inside);
+        auto blend = blends.begin();
+        for (std::size_t i = first; i < last; ++i) {
+            if (!is_inside(batch, i)) {
+                samples.add(others[i - first], data);
+                continue;
+            }
+            if (blend->nodes.empty() && blend->vertices.empty()) batch.states[i] = PointState::unreached;
+            samples.add(blend->nodes, blend->vertices,
+                        [this](std::uint32_t v) { return order_.position(v); });
+            ++blend;
+        }
+    }
+    template <Scalar T>
+    static bool is_inside(const detail::Batch<T>& batch, std::size_t i) noexcept {
+        return i < batch.points.points && batch.states[i] == PointState::inside;
     }
     template <Scalar T>
     Vec<double, D> in_units(const detail::Batch<T>& batch, std::size_t i) const noexcept {

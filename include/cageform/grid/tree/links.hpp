@@ -6,9 +6,9 @@
 // are not mutual.
 // LinkMaker::add_equation picks one of three formulas:
 //
-// 1. Plane, four equal leaves about the node and no facet in them: the nine-point formula of
-// Collatz. Its mean is exact for the powers of z up to the seventh, so for the Laplace equation it
-// is of order six.
+// 1. Equal leaves about the node and no facet in them: the mean of the 8 nodes about it in the plane, of the
+// 26 in space (Collatz, The Numerical Treatment of Differential Equations, table VI). The mean is exact for
+// harmonic polynomials up to degree seven, so for the Laplace equation it is of order six.
 //
 // 2. Plane, everywhere else, if it succeeds: generalised finite differences. The node collects the
 // corners of the leaves about it and, in the directions where a facet hides them, points on the
@@ -16,17 +16,15 @@
 // for harmonic polynomials up to degree three or four (grid/tree/harmonic_mean.hpp). These
 // equations limit the order of the solution in the plane to four.
 //
-// 3. Space, and the plane where 2 fails: along each axis the second difference of Shortley and
-// Weller (J. Appl. Phys. 9 (1938)), which allows two links of different lengths. A link ends on the
-// boundary or on a node. A node on a face of a larger leaf, but not at one of its corners, is a
-// hanging node. Its link through that leaf may end inside the opposite face, where no node is. The
+// 3. Space where 1 does not apply, and the plane where 2 fails: along each axis the second difference
+// of Shortley and Weller (J. Appl. Phys. 9 (1938)), which allows two links of different lengths. A link
+// ends on the boundary or on a node. A node on a face of a larger leaf, but not at one of its corners,
+// is a hanging node. Its link through that leaf may end inside the opposite face, where no node is. The
 // end then takes a ghost value, interpolated in that face by LeafGather (grid/tree/leaf_gather.hpp).
-// Interpolating a ghost value adds error terms along the other axes. The second differences are
-// scaled to cancel them (shares_of_axes below; Min, Gibou, Ceniceros, J. Comput. Phys. 218 (2006);
-// here the error terms are second moments of the interpolation, which also covers interpolation
-// that ends on the boundary). Linear functions are exact, and the order at the nodes is two. Samples
-// near the cage are linear between the boundary and the inside
-// (coordinates/harmonic/tree_cage.hpp).
+// Interpolating a ghost value adds error terms along the other axes. The second differences are scaled
+// to cancel them (shares_of_axes below; Min, Gibou, Ceniceros, J. Comput. Phys. 218 (2006); here the
+// error terms are second moments of the interpolation, which also covers interpolation that ends on the
+// boundary). Linear functions are exact, and the order at these nodes is two.
 //
 // grid/tree/hierarchy.hpp makes coarser levels from these rows, and grid/tree/multigrid.hpp solves
 // them.
@@ -180,10 +178,7 @@ private:
         const auto about = leaves_about(tree_, index);
         row_.clear();
         diagonal_ = 0;
-        if (add_nine_points(index, about)) {
-            end_row(double(about.leaf[0].size) * about.leaf[0].size);
-            return;
-        }
+        if (add_regular(node, index, about)) return end_row(std::pow(double(about.leaf[0].size), double(D)));
         for (std::size_t n = 0; n < 2 * D; ++n) set_side(sides_[n], index, about, n / 2, n % 2 == 1);
         double volume = 1;
         std::array<std::array<double, 2>, D> c{};
@@ -213,12 +208,16 @@ private:
         }
         end_row(volume);
     }
-    /// The nine-point formula, in the plane between four equal leaves that no facet passes.
-    bool add_nine_points([[maybe_unused]] const Index& index, const LeavesAbout<D>& about) {
+    /// The mean of all nodes about a node between equal leaves that no facet passes.
+    bool add_regular(std::uint32_t node, const Index& index, const LeavesAbout<D>& about) {
         const std::int32_t size = about.leaf[0].size;
         for (const Cell& leaf : about.leaf) {
-            if (D != 2 || leaf.size != size || tree_.state(leaf.number) != grid::CellState::in) return false;
+            if (leaf.size != size || tree_.state(leaf.number) != grid::CellState::in) return false;
         }
+        // By the number of axes along which a node is apart. A node belongs to several leaves, each of which
+        // adds its weight.
+        constexpr std::array weights =
+            D == 2 ? std::array{0.0, 1.0 / 3, 1.0 / 6, 0.0} : std::array{0.0, 3.5 / 30, 1.5 / 30, 1.0 / 30};
         for (const Cell& leaf : about.leaf) {
             for (std::size_t n = 0; n < about.leaf.size(); ++n) {
                 auto there = leaf.low;
@@ -227,10 +226,13 @@ private:
                     there[k] += ((n >> k) & 1u) != 0 ? size : 0;
                     apart += there[k] != index[k] ? 1 : 0;
                 }
-                // A node beside the centre belongs to two of the leaves, so its weight is added
-                // twice.
-                if (apart > 0) add_to_row(nodes_.find(there), apart == 1 ? 1.0 / 3 : 1.0 / 6);
+                if (apart > 0) add_to_row(nodes_.find(there), weights[apart] * (D == 2 ? 1 : size));
             }
+        }
+        if constexpr (has_near_field) {
+            begin_near_row(node, index, about);
+            for (const auto& [neighbour, weight] : row_)
+                near_.at_node(neighbour, node_position<D>(nodes_.index(neighbour)), weight);
         }
         return true;
     }
