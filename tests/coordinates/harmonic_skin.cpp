@@ -3,6 +3,7 @@
 #include "catch.hpp"
 #include "support/effort.hpp"
 #include "support/fingers.hpp"
+#include "support/gradients.hpp"
 #include "support/meshes.hpp"
 #include "support/walk_on_spheres.hpp"
 #include "support/weights.hpp"
@@ -181,6 +182,123 @@ TEST_CASE("blends of the models of leaves keep constants and positions, and have
                     bend[std::size_t(half)], std::fabs(values[m - 1] - 2 * values[m] + values[m + 1]));
         }
         CHECK(bend[0] > 2.5 * bend[1]); // half a step halves a kink, and leaves a jump as it is
+    }
+}
+
+TEST_CASE("gradients of harmonic weights in space are the derivatives of weights, without jumps",
+          "[coordinates][harmonic][space][gradients][property]") {
+    const int seed = GENERATE(seeds(effort(6, 2)));
+    CAPTURE(seed);
+    const auto mesh = (seed % 2 == 0 ? u_prism(0.9) : random_mesh(std::uint64_t(seed)).mesh<double>());
+    const double size = size_of(mesh.vertices());
+    cageform::HarmonicCoordinates<double, 3> coordinates(mesh, {.accuracy = 2e-2});
+    REQUIRE(coordinates.solve().status == Status::ok);
+    auto points = points_below_faces(mesh, 16, std::uint64_t(seed));
+    for (std::size_t n = 0; n < 8; ++n) { // far closer to faces
+        Vec<double, 3> foot;
+        (void)nearest_boundary_value(mesh, points[n], foot);
+        points.push_back(foot + (n < 4 ? 1e-2 : 1e-5) * (points[n] - foot));
+    }
+    const auto found = gradients_of<double, 3>(coordinates, points);
+    REQUIRE(found.evaluation.status == Status::ok);
+    std::size_t compared = 0;
+    for (std::size_t n = 0; n < points.size(); ++n) {
+        CAPTURE(n);
+        REQUIRE(found.states[n] == PointState::inside);
+        const auto& row = found.rows[n];
+        Vec<double, 3> sum{};
+        double largest = 0;
+        for (const auto& g : row) {
+            sum = sum + g;
+            largest = larger(largest, length(g));
+        }
+        CHECK(length(sum) <= 1e-12 * largest);
+        CHECK(law_error<double, 3>(mesh.vertices(), points[n], row) <= 1e-3);
+
+        // The weights themselves, where none has been cut at zero.
+        Vec<double, 3> foot;
+        (void)nearest_boundary_value(mesh, points[n], foot);
+        const double step = (std::min)(1e-6 * size, 1e-3 * length(foot - points[n]));
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            std::vector<Vec<double, 3>> pair(2, points[n]);
+            pair[0][axis] -= step;
+            pair[1][axis] += step;
+            const auto weights = evaluate_all(coordinates, pair).rows;
+            for (std::size_t i = 0; i < row.size(); ++i) {
+                if (*std::min_element(weights[0].begin(), weights[0].end()) <= 0) break;
+                const double slope = (weights[1][i] - weights[0][i]) / (pair[1][axis] - pair[0][axis]);
+                CHECK(std::fabs(row[i][axis] - slope) <= 1e-3 * largest);
+                ++compared;
+            }
+        }
+
+        // Along a line half the step halves the largest change; a jump would stay.
+        WalkNumbers numbers(std::uint64_t(seed), 3000 + n);
+        const auto along = 0.9 * length(foot - points[n]) * random_direction(numbers);
+        std::array<double, 2> change{};
+        for (const int half : {0, 1}) {
+            const int steps = half == 0 ? 100 : 200;
+            std::vector<Vec<double, 3>> line;
+            for (int k = 0; k <= steps; ++k) line.push_back(points[n] + (double(k) / steps) * along);
+            const auto rows = gradients_of<double, 3>(coordinates, line).rows;
+            for (std::size_t k = 1; k < line.size(); ++k) {
+                for (std::size_t i = 0; i < row.size(); ++i)
+                    change[std::size_t(half)] =
+                        larger(change[std::size_t(half)], length(rows[k][i] - rows[k - 1][i]));
+            }
+        }
+        CHECK(change[0] > 1.5 * change[1]);
+    }
+    CHECK(compared > 0);
+}
+TEST_CASE("gradients of harmonic weights on the boundary are those just inside, and keep to their points",
+          "[coordinates][harmonic][space][gradients]") {
+    const auto mesh = u_prism(0.8);
+    cageform::HarmonicCoordinates<double, 3> coordinates(mesh, {.accuracy = 1e-2});
+    std::vector<Vec<double, 3>> points = points_below_faces(mesh, 10, 4);
+    for (std::size_t n = 0; n < 10; ++n) { // on the boundary, and just inside
+        Vec<double, 3> foot;
+        (void)nearest_boundary_value(mesh, points[n], foot);
+        points.push_back(foot);
+        points.push_back(foot + 1e-6 * (points[n] - foot));
+    }
+    points.insert(points.end(), mesh.vertices().begin(), mesh.vertices().end());
+    points.push_back({1.4, 1.5, 0.5}); // between the boxes
+    const auto found = gradients_of<double, 3>(coordinates, points);
+    REQUIRE(found.evaluation.status == Status::ok);
+    for (std::size_t n = 10; n < 30; n += 2) {
+        CAPTURE(n);
+        CHECK(found.states[n] == PointState::on_boundary);
+        double largest = 0;
+        for (const auto& g : found.rows[n]) largest = larger(largest, length(g));
+        for (std::size_t i = 0; i < mesh.size(); ++i)
+            CHECK(length(found.rows[n][i] - found.rows[n + 1][i]) <= 0.02 * largest);
+    }
+    for (std::size_t n = 30; n < 30 + mesh.size(); ++n) {
+        CHECK(found.states[n] == PointState::on_boundary);
+        CHECK(law_error<double, 3>(mesh.vertices(), points[n], found.rows[n]) <= 1e-2);
+    }
+    CHECK(found.states.back() == PointState::outside);
+    for (const auto& g : found.rows.back()) CHECK(length(g) == 0); // as it was
+
+    CHECK(found.rows ==
+          gradients_of<double, 3>(coordinates, points, {.parallel = cageform::ThreadedFor{3}}).rows);
+    const cageform::HarmonicCoordinates<float, 3> rounded(
+        cageform::TriangleMesh<float>(mesh.vertices(), mesh.faces()), {.accuracy = 1e-2});
+    std::vector<Vec<float, 3>> float_points;
+    for (std::size_t n = 0; n < 10; ++n) float_points.push_back(vec_cast<float>(points[n]));
+    const auto in_float = gradients_of<float, 3>(rounded, float_points).rows;
+    for (std::size_t n = 0; n < 10; ++n) {
+        for (std::size_t i = 0; i < mesh.size(); ++i)
+            CHECK(length(vec_cast<double>(in_float[n][i]) - found.rows[n][i]) <= 1e-4);
+    }
+    REQUIRE(coordinates.solve({.parallel = cageform::ThreadedFor{2}}).status == Status::ok);
+    const auto kept = gradients_of<double, 3>(coordinates, points);
+    CHECK(kept.states == found.states);
+    for (std::size_t n = 0; n < points.size(); ++n) {
+        for (std::size_t i = 0; i < mesh.size(); ++i)
+            CHECK(length(kept.rows[n][i] - found.rows[n][i]) <= 1e-2);
+        CHECK(kept.rows[n] == gradients_of<double, 3>(coordinates, {points[n]}).rows[0]);
     }
 }
 

@@ -64,4 +64,20 @@ concept DifferentiableSolver = CageSolver<S> &&
     { solver.free_distance(p, axis, up, limit) } -> std::same_as<double>;
 };
 
+/// A solver that has stencils of derivatives.
+///
+///   has_gradient_samples()     whether there are any, else functions are differentiated by differences
+///   gradient_samples(batch, first, last)
+///                              as `samples`, for derivatives per unit of length: `sample` and `finish` fill
+///                              row axis · #handles + handle. Rows of points outside stay as they are
+template <class S>
+concept BlendedSolver = DifferentiableSolver<S> &&
+    requires(const S& solver, const detail::Batch<typename S::Problem::scalar>& batch,
+             typename S::GradientSamples& samples, const typename S::Functions& functions, std::size_t n) {
+    { solver.has_gradient_samples() } -> std::same_as<bool>;
+    { solver.gradient_samples(batch, n, n) } -> std::same_as<typename S::GradientSamples>;
+    solver.sample(samples, n, functions, batch.rows);
+    solver.finish(samples, batch.rows);
+};
+
 } // namespace cageform::inline CAGEFORM_ABI

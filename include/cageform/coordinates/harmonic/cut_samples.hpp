@@ -9,6 +9,24 @@
 
 namespace cageform::inline CAGEFORM_ABI::detail {
 
+/// Returns the values of functions first_handle … first_handle + count − 1 by stencil `n` of a table; see
+/// CutSamples::sample.
+template <std::size_t D, class Functions>
+auto values_at(const StencilTable<D>& stencils, std::size_t n, const Functions& functions,
+               std::size_t first_handle, std::size_t count) noexcept {
+    std::decay_t<decltype(functions.value(0))> value{};
+    for (const auto& [node, share] : stencils.nodes(n)) {
+        if constexpr (requires { functions.has(0); }) {
+            if (!functions.has(node)) continue;
+        }
+        const auto& at_node = functions.value(node);
+        for (std::size_t k = 0; k < value.size(); ++k) value[k] += share * at_node[k];
+    }
+    for (const auto& [handle, share] : stencils.handles(n, first_handle, count))
+        value[handle - first_handle] += share;
+    return value;
+}
+
 /// The stencils of points `first`, first + 1, ….
 template <std::size_t D>
 class CutSamples {
@@ -38,16 +56,7 @@ public:
     void sample(const Functions& functions, std::size_t first_handle, std::size_t count, BlockView<T> rows,
                 const RowOf& row_of = {}) const noexcept {
         for (std::size_t n = 0; n < stencils_.size(); ++n) {
-            std::decay_t<decltype(functions.value(0))> value{};
-            for (const auto& [node, share] : stencils_.nodes(n)) {
-                if constexpr (requires { functions.has(0); }) {
-                    if (!functions.has(node)) continue;
-                }
-                const auto& at_node = functions.value(node);
-                for (std::size_t k = 0; k < value.size(); ++k) value[k] += share * at_node[k];
-            }
-            for (const auto& [handle, share] : stencils_.handles(n, first_handle, count))
-                value[handle - first_handle] += share;
+            const auto value = values_at(stencils_, n, functions, first_handle, count);
             // A mean of boundary data is in [0, 1]; solver errors must not leave this range.
             const std::size_t i = first_ + n;
             auto* const row = rows.block(i / lane_count<T>);

@@ -3,6 +3,7 @@
 
 #include <cageform/coordinates/harmonic/leaf_models.hpp>
 
+#include <optional>
 #include <unordered_map>
 
 namespace cageform::inline CAGEFORM_ABI::detail {
@@ -22,11 +23,57 @@ public:
 
     /// Returns the stencils of points inside, in units of the tree.
     std::vector<LeafStencil> stencils(std::span<const Point> points) {
-        points_.assign(points.size(), {});
+        points_.clear();
+        for (const Point& p : points) points_.push_back({p, 1, points_.size()});
+        return sums(points.size());
+    }
+
+    /// Returns a point at which the functions can be differentiated: the point itself, or for points on the
+    /// boundary one a hundredth of a leaf inside, on the diagonal whose end is farthest from faces. None if no
+    /// end lies inside.
+    std::optional<Point> differentiable_place(const Point& x) const {
+        const double size = tree_.leaf_at(x).size;
+        double most = least_free;
+        if (tree_.is_inside(x) && !(free_distance(x, most) < most)) return x;
+        std::optional<Point> place;
+        for (unsigned direction = 0; direction < 8; ++direction) {
+            Point q = x;
+            for (std::size_t k = 0; k < 3; ++k)
+                q[k] += (((direction >> k) & 1u) != 0 ? 0.01 : -0.01) * size / std::numbers::sqrt3;
+            if (!tree_.is_inside(q) || field_.boundary().first_met(q, 0.9 * (x - q))) continue;
+            const double free = free_distance(q, size);
+            if (!(free > most)) continue;
+            most = free;
+            place = q;
+        }
+        return place;
+    }
+    /// Returns four stencils for each such place: of the value, and of the derivatives along the axes, per unit
+    /// of the cage. Derivatives are differences over a thousandth of a leaf, next to faces over less.
+    std::vector<LeafStencil> slopes(std::span<const Point> places) {
+        points_.clear();
+        std::size_t count = 0;
+        for (const Point& p : places) {
+            const double step = 0.01 * free_distance(p, 0.1 * tree_.leaf_at(p).size);
+            points_.push_back({p, 1, count++});
+            for (std::size_t axis = 0; axis < 3; ++axis, ++count) {
+                Point below = p, above = p;
+                below[axis] -= step;
+                above[axis] += step;
+                const double factor = 1 / (field_.boundary().unit() * (above[axis] - below[axis]));
+                points_.push_back({below, -factor, count});
+                points_.push_back({above, factor, count});
+            }
+        }
+        return sums(count);
+    }
+
+private:
+    /// Returns the sums of the stencils of `points_`, each multiplied by its factor.
+    std::vector<LeafStencil> sums(std::size_t count) {
         terms_.clear();
-        for (std::uint32_t n = 0; n < points.size(); ++n) {
-            points_[n].at = points[n];
-            visit(tree_.cells().root(), points[n], [&](const Cell& leaf, double weight) {
+        for (std::uint32_t n = 0; n < points_.size(); ++n) {
+            visit(tree_.cells().root(), points_[n].at, [&](const Cell& leaf, double weight) {
                 terms_.push_back({leaf.number, n, weight, nullptr});
             });
         }
@@ -38,26 +85,31 @@ public:
             while (end != leaves.end() && end->leaf == begin->leaf) ++end;
             for (const auto& model : models_of(begin->leaf)) {
                 for (auto term = begin; term != end; ++term) {
-                    const double weight = term->weight * model->visibility(points[term->point]);
+                    const double weight = term->weight * model->visibility(points_[term->point].at);
                     if (weight > 0) add_term({term->leaf, term->point, weight, model.get()});
                 }
             }
         }
-        for (std::uint32_t n = 0; n < points.size(); ++n) {
+        for (std::uint32_t n = 0; n < points_.size(); ++n) {
             if (!(points_[n].total > 0)) add_own_model(n);
             find_feet(points_[n]);
         }
-        std::vector<LeafStencil> stencils(points.size());
+        std::vector<LeafStencil> sums(count);
         for (auto begin = terms_.begin(), end = begin; begin != terms_.end(); begin = end) {
             while (end != terms_.end() && end->model == begin->model) ++end;
-            add_model({begin, end}, stencils);
+            add_model({begin, end}, sums);
         }
-        for (std::uint32_t n = 0; n < points.size(); ++n) finish(points_[n], stencils[n]);
+        for (const Sampled& point : points_) {
+            for (const Foot& foot : point.feet) sums[point.sum].add(foot.value, point.factor * foot.share);
+        }
+        for (LeafStencil& sum : sums) {
+            merge(sum.nodes, [](const Table::Node& node) { return node.node; });
+            merge(sum.vertices, [](const Table::Handle& handle) { return handle.handle; });
+        }
         own_models_.clear();
-        return stencils;
+        return sums;
     }
 
-private:
     struct Term {
         std::uint32_t leaf, point;
         double weight;
@@ -70,9 +122,11 @@ private:
     };
     struct Sampled {
         Point at;
+        double factor;              ///< in its sum
+        std::size_t sum;            ///< to which its stencil is added
         double total = 0, size = 0; ///< of weights; of weights · sizes of leaves
         bool is_on_face = false;
-        std::vector<Foot> feet;
+        std::vector<Foot> feet{};
     };
 
     /// Calls f(leaf, weight) for the leaves near a point.
@@ -119,8 +173,18 @@ private:
 
     // ---- next to the boundary ------------------------------------------------------------------------
 
-    static constexpr double rounding = 2e-4; ///< of where a point lies, in units of the tree
+    static constexpr double rounding = 2e-4;           ///< of where a point lies, in units of the tree
+    static constexpr double least_free = 5 * rounding; ///< from faces, at which functions are differentiated
 
+    /// Returns the distance of a point from the nearest face, at most `limit`.
+    double free_distance(const Point& x, double limit) const {
+        double least = limit;
+        field_.boundary().for_each_within(x, limit, [&](std::uint32_t f) {
+            const auto corners = exact_corners(f);
+            least = (std::min)(least, length(point_on_facet(nearest_on_facet(x, corners), corners) - x));
+        });
+        return least;
+    }
     /// Finds the places of faces near a point at which models are corrected, or that the point is on a face.
     void find_feet(Sampled& point) const {
         if (!(point.total > 0)) return;
@@ -206,15 +270,15 @@ private:
 
     // ---- sums ------------------------------------------------------------------------------------------
 
-    /// Adds a model's shares at points to their stencils, and subtracts its shares at the points' feet.
-    void add_model(std::span<const Term> terms, std::vector<LeafStencil>& stencils) {
+    /// Adds a model's shares at points to their sums, and subtracts its shares at the points' feet.
+    void add_model(std::span<const Term> terms, std::vector<LeafStencil>& sums) {
         LeafModel& model = *terms.front().model;
         places_.clear();
         factors_.clear();
         for (const Term& term : terms) {
             const Sampled& point = points_[term.point];
             if (point.is_on_face) continue;
-            const double factor = term.weight / point.total;
+            const double factor = point.factor * term.weight / point.total;
             places_.push_back(point.at);
             factors_.push_back(factor);
             for (const Foot& foot : point.feet) {
@@ -224,19 +288,18 @@ private:
         }
         model.evaluate(places_);
         std::size_t first = 0;
-        for (const Term& term : terms) {
-            const Sampled& point = points_[term.point];
-            if (point.is_on_face) continue;
-            const std::size_t count = 1 + point.feet.size();
-            model.add(std::span(places_).subspan(first, count), std::span(factors_).subspan(first, count),
-                      first, stencils[term.point]);
-            first += count;
+        for (auto term = terms.begin(); term != terms.end();) {
+            const std::size_t sum = points_[term->point].sum;
+            std::size_t places = 0;
+            for (; term != terms.end() && points_[term->point].sum == sum; ++term) {
+                const Sampled& point = points_[term->point];
+                if (!point.is_on_face) places += 1 + point.feet.size();
+            }
+            if (places > 0)
+                model.add(std::span(places_).subspan(first, places),
+                          std::span(factors_).subspan(first, places), first, sums[sum]);
+            first += places;
         }
-    }
-    static void finish(const Sampled& point, LeafStencil& stencil) {
-        for (const Foot& foot : point.feet) stencil.add(foot.value, foot.share);
-        merge(stencil.nodes, [](const Table::Node& node) { return node.node; });
-        merge(stencil.vertices, [](const Table::Handle& handle) { return handle.handle; });
     }
     /// Adds the shares of equal numbers.
     template <class Entry, class Number>

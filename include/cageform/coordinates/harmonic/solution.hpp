@@ -49,37 +49,10 @@ public:
         return Status::ok;
     }
 
-    /// Computes the weights from kept functions if there are any. Otherwise it solves the functions
-    /// group by group and frees each group after sampling it.
     Status sample(const Batch<T>& batch, SolverReport& report, const Running& running) const override {
-        constexpr std::size_t lanes = lane_count<T>;
-        constexpr std::size_t together = 1024 / lanes; // blocks of points in one Samples
-        const std::size_t blocks = batch.points.blocks(), pieces = (blocks + together - 1) / together;
-        if (!functions_.empty()) {
-            return for_each_block(blocks, running, [&](std::size_t begin, std::size_t end) {
-                for (std::size_t b = begin; b < end; b += together) {
-                    auto samples = solver().samples(batch, b * lanes, (std::min)(b + together, end) * lanes);
-                    for (std::size_t group = 0; group < functions_.size(); ++group)
-                        solver().sample(samples, group, functions_[group], batch.rows);
-                    solver().finish(samples, batch.rows);
-                }
-            });
-        }
-        if (blocks == 0) return Status::ok;
-        std::vector<typename S::Samples> samples(pieces);
-        in_parallel(running, pieces, 1, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t n = begin; n < end; ++n) {
-                samples[n] = solver().samples(batch, n * together * lanes,
-                                              (std::min)((n + 1) * together, blocks) * lanes);
-            }
+        return sample(batch, report, running, [&](std::size_t first, std::size_t last) {
+            return solver().samples(batch, first, last);
         });
-        const auto sample_group = [&](std::size_t group, const auto& block) {
-            for (auto& piece : samples) solver().sample(piece, group, block, batch.rows);
-        };
-        const Status status = grid::solve_groups(solver(), report, sample_group, running);
-        if (status != Status::ok) return status;
-        for (auto& piece : samples) solver().finish(piece, batch.rows);
-        return Status::ok;
     }
 
     /// Computes the gradients. If functions have been kept, a few blocks are handled at a time so that
@@ -89,6 +62,13 @@ public:
         if constexpr (!DifferentiableSolver<S>) {
             return Status::solver_not_supported;
         } else {
+            if constexpr (BlendedSolver<S>) {
+                if (solver().has_gradient_samples()) {
+                    return sample(batch, report, running, [&](std::size_t first, std::size_t last) {
+                        return solver().gradient_samples(batch, first, last);
+                    });
+                }
+            }
             constexpr std::size_t together = 4; // the values of a hundred handles fill the second-level cache
             const std::size_t blocks = batch.points.blocks();
             if (!functions_.empty()) {
@@ -146,6 +126,41 @@ public:
     }
 
 private:
+    /// Computes weights, or gradients, from kept functions if there are any. Otherwise it solves the functions
+    /// group by group and frees each group after sampling it.
+    ///
+    ///   samples_of  samples_of(first, last): the stencils of points first … last − 1
+    template <class SamplesOf>
+    Status sample(const Batch<T>& batch, SolverReport& report, const Running& running,
+                  const SamplesOf& samples_of) const {
+        constexpr std::size_t lanes = lane_count<T>;
+        constexpr std::size_t together = 1024 / lanes; // blocks of points in one Samples
+        const std::size_t blocks = batch.points.blocks(), pieces = (blocks + together - 1) / together;
+        if (!functions_.empty()) {
+            return for_each_block(blocks, running, [&](std::size_t begin, std::size_t end) {
+                for (std::size_t b = begin; b < end; b += together) {
+                    auto samples = samples_of(b * lanes, (std::min)(b + together, end) * lanes);
+                    for (std::size_t group = 0; group < functions_.size(); ++group)
+                        solver().sample(samples, group, functions_[group], batch.rows);
+                    solver().finish(samples, batch.rows);
+                }
+            });
+        }
+        if (blocks == 0) return Status::ok;
+        std::vector<decltype(samples_of(0, 0))> samples(pieces);
+        in_parallel(running, pieces, 1, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t n = begin; n < end; ++n)
+                samples[n] = samples_of(n * together * lanes, (std::min)((n + 1) * together, blocks) * lanes);
+        });
+        const auto sample_group = [&](std::size_t group, const auto& block) {
+            for (auto& piece : samples) solver().sample(piece, group, block, batch.rows);
+        };
+        const Status status = grid::solve_groups(solver(), report, sample_group, running);
+        if (status != Status::ok) return status;
+        for (auto& piece : samples) solver().finish(piece, batch.rows);
+        return Status::ok;
+    }
+
     // NOLINTNEXTLINE(bugprone-unchecked-optional-access): used only after `make`
     const S& solver() const noexcept { return *solver_; }
 

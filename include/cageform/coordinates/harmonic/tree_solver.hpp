@@ -5,6 +5,7 @@
 #include <cageform/coordinates/detail/evaluate_blocks.hpp>
 #include <cageform/coordinates/harmonic/cage_solver.hpp>
 #include <cageform/coordinates/harmonic/cut_samples.hpp>
+#include <cageform/coordinates/harmonic/gradient_samples.hpp>
 #include <cageform/coordinates/harmonic/grid_errors.hpp>
 #include <cageform/coordinates/harmonic/leaf_samples.hpp>
 #include <cageform/coordinates/harmonic/near_rows.hpp>
@@ -241,6 +242,7 @@ public:
     // ---- samples -----------------------------------------------------------------------------------
 
     using Samples = detail::CutSamples<D>;
+    using GradientSamples = detail::GradientSamples<D>;
 
     template <Scalar T>
     Samples samples(const detail::Batch<T>& batch, std::size_t first, std::size_t last) const {
@@ -255,8 +257,45 @@ public:
         for (std::size_t i = first; i < last; ++i) samples.add(cage_->stencil(batch, i), data);
         return samples;
     }
-    template <class Solved, Scalar T> // Solved: a block or kept functions
-    void sample(Samples& samples, std::size_t group, const Solved& solved, BlockView<T> rows) const noexcept {
+    /// Whether there are stencils of derivatives: the samples are then twice differentiable.
+    bool has_gradient_samples() const noexcept {
+        if constexpr (D == 3) return near_.has_value();
+        return false;
+    }
+    /// Points that are neither inside nor on the boundary have no stencils.
+    template <Scalar T>
+    GradientSamples gradient_samples([[maybe_unused]] const detail::Batch<T>& batch,
+                                     [[maybe_unused]] std::size_t first,
+                                     [[maybe_unused]] std::size_t last) const {
+        GradientSamples samples(order_.size());
+        if constexpr (D == 3) {
+            detail::LeafSamples blends(cage_->tree(), cage_->nodes(), *near_);
+            std::vector<Vec<double, D>> places;
+            std::vector<std::size_t> numbers;
+            for (std::size_t i = first; i < (std::min)(last, batch.points.points); ++i) {
+                (void)cage_->stencil_outside(batch, i);
+                PointState& state = batch.states[i];
+                if (state != PointState::inside && state != PointState::on_boundary) continue;
+                const auto place = blends.differentiable_place(in_units(batch, i));
+                if (place) {
+                    places.push_back(*place);
+                    numbers.push_back(i);
+                } else {
+                    state = PointState::unreached;
+                }
+            }
+            const auto slopes = blends.slopes(places);
+            for (std::size_t n = 0; n < slopes.size(); ++n) {
+                samples.add(numbers[n / (D + 1)], slopes[n].nodes, slopes[n].vertices,
+                            [this](std::uint32_t v) { return order_.position(v); });
+            }
+            samples.reserve();
+        }
+        return samples;
+    }
+    template <class AnySamples, class Solved, Scalar T> // Solved: a block or kept functions
+    void sample(AnySamples& samples, std::size_t group, const Solved& solved,
+                BlockView<T> rows) const noexcept {
         const auto [first, count] = handles_of(group);
         samples.sample(solved, first, count, rows,
                        [this](std::size_t position) { return order_.handle(position); });
@@ -266,6 +305,10 @@ public:
         if constexpr (D == 3) {
             if (near_) samples.normalise(rows, least_layer());
         }
+    }
+    template <Scalar T>
+    void finish(const GradientSamples& samples, BlockView<T> rows) const noexcept {
+        samples.finish(rows);
     }
 
     double spacing(const Vec<double, D>& p) const noexcept { return cage_->spacing(p); }

@@ -1,0 +1,72 @@
+// Samples the gradients of many functions at many points, by stencils of their derivatives.
+#pragma once
+
+#include <cageform/coordinates/harmonic/cut_samples.hpp>
+
+namespace cageform::inline CAGEFORM_ABI::detail {
+
+/// The stencils of the values at some points, and of the derivatives along the axes.
+template <std::size_t D>
+class GradientSamples {
+public:
+    explicit GradientSamples(std::size_t handles = 0)
+        : handles_(handles) {}
+
+    /// Adds the next stencil of point `i`: of its value, then of its derivatives.
+    template <class HandleOf>
+    void add(std::size_t i, std::span<const typename StencilTable<D>::Node> nodes,
+             std::span<const typename StencilTable<D>::Handle> vertices, const HandleOf& handle_of) {
+        if (stencils_.size() % per_point == 0) points_.push_back(i);
+        stencils_.add(nodes, vertices, handle_of);
+    }
+    /// Allocates memory for the values of all functions.
+    void reserve() { values_.resize(points_.size() * handles_); }
+
+    /// Computes the values and derivatives of handles first_handle … first_handle + count − 1; the arguments
+    /// are those of CutSamples. Row axis · #handles + handle gets a derivative.
+    template <class Functions, Scalar T, class RowOf>
+    void sample(const Functions& functions, std::size_t first_handle, std::size_t count, BlockView<T> rows,
+                const RowOf& row_of) noexcept {
+        for (std::size_t n = 0; n < stencils_.size(); ++n) {
+            const std::size_t i = points_[n / per_point], axis = n % per_point - 1;
+            const auto value = values_at(stencils_, n, functions, first_handle, count);
+            for (std::size_t k = 0; k < count; ++k) {
+                const std::size_t handle = row_of(first_handle + k);
+                if (n % per_point == 0) {
+                    values_[n / per_point * handles_ + handle] = value[k];
+                } else {
+                    rows(i, axis * handles_ + handle) = static_cast<T>(value[k]);
+                }
+            }
+        }
+    }
+
+    /// Turns derivatives into those of the values divided by their sum. They sum to zero.
+    template <Scalar T>
+    void finish(BlockView<T> rows) const noexcept {
+        for (std::size_t n = 0; n < points_.size(); ++n) {
+            const std::span value(values_.data() + n * handles_, handles_);
+            double sum = 0;
+            for (const double v : value) sum += v;
+            for (std::size_t axis = 0; axis < D; ++axis) {
+                double slope = 0;
+                for (std::size_t h = 0; h < handles_; ++h)
+                    slope += double(rows(points_[n], axis * handles_ + h));
+                for (std::size_t h = 0; h < handles_; ++h) {
+                    T& row = rows(points_[n], axis * handles_ + h);
+                    row = static_cast<T>((double(row) - value[h] / sum * slope) / sum);
+                }
+            }
+        }
+    }
+
+private:
+    static constexpr std::size_t per_point = D + 1; ///< stencils
+
+    std::size_t handles_;
+    std::vector<std::size_t> points_;
+    StencilTable<D> stencils_;
+    std::vector<double> values_; ///< #handles per point
+};
+
+} // namespace cageform::inline CAGEFORM_ABI::detail
