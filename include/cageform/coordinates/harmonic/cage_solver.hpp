@@ -66,7 +66,7 @@ concept DifferentiableSolver = CageSolver<S> &&
 
 /// A solver that has stencils of derivatives.
 ///
-///   has_gradient_samples()     whether there are any, else functions are differentiated by differences
+///   has_gradient_samples()     whether there are any for this cage
 ///   gradient_samples(batch, first, last)
 ///                              as `samples`, for derivatives per unit of length: `sample` and `finish` fill
 ///                              row axis · #handles + handle. Rows of points outside stay as they are

@@ -42,7 +42,7 @@ public:
                 q[k] += (((direction >> k) & 1u) != 0 ? 0.01 : -0.01) * size / std::numbers::sqrt3;
             if (!tree_.is_inside(q) || field_.boundary().first_met(q, 0.9 * (x - q))) continue;
             const double free = free_distance(q, size);
-            if (!(free > most)) continue;
+            if (!(free > 1.001 * most)) continue; // rounding decides no ties
             most = free;
             place = q;
         }
