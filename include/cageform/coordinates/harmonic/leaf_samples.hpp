@@ -29,8 +29,8 @@ public:
     }
 
     /// Returns a point at which the functions can be differentiated: the point itself, or for points on the
-    /// boundary one a hundredth of a leaf inside, on the diagonal whose end is farthest from faces. None if no
-    /// end lies inside.
+    /// boundary one a hundredth of a leaf inside. That one lies on the diagonal whose end is farthest from
+    /// faces; there is none if no end lies inside.
     std::optional<Point> differentiable_place(const Point& x) const {
         const double size = tree_.leaf_at(x).size;
         double most = least_free;
@@ -48,8 +48,10 @@ public:
         }
         return place;
     }
-    /// Returns four stencils for each such place: of the value, and of the derivatives along the axes, per unit
-    /// of the cage. Derivatives are differences over a thousandth of a leaf, next to faces over less.
+    /// Returns four stencils for each such place: of the value, and of the derivatives along the axes, per
+    /// unit of the cage. Derivatives are differences over two thousandths of a leaf, next to faces over a
+    /// fiftieth of the distance. They err by a millionth, since shares are twice differentiable and are not
+    /// rounded.
     std::vector<LeafStencil> slopes(std::span<const Point> places) {
         points_.clear();
         std::size_t count = 0;

@@ -126,8 +126,8 @@ public:
     }
 
 private:
-    /// Computes weights, or gradients, from kept functions if there are any. Otherwise it solves the functions
-    /// group by group and frees each group after sampling it.
+    /// Computes weights or gradients from kept functions if there are any. Otherwise it solves the
+    /// functions group by group and frees each group after sampling it.
     ///
     ///   samples_of  samples_of(first, last): the stencils of points first … last − 1
     template <class SamplesOf>
