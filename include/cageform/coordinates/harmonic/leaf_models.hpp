@@ -253,10 +253,16 @@ private:
         for (const std::int32_t x : index) is_in_tree = is_in_tree && x >= 0 && x <= tree_.cells().size();
         const double apart = length(p - middle_) / size_, weight = 1 / (0.3 + apart * apart * apart * apart);
         if (is_near_ && p != place_) {
-            if (const auto met = tree_.boundary().first_met(place_, p - place_, facets_)) {
-                if (adds_hiding_place)
-                    data_.push_back(
-                        {field_.moved_inside(met->value, place_), 3 * weight, Nodes::none, met->value});
+            const auto& boundary = tree_.boundary();
+            if (const auto met = boundary.first_met(place_, p - place_, facets_)) {
+                if (!adds_hiding_place) return;
+                auto value = met->value;
+                if (met->fraction < 0.1) { // a thin place: data next to the viewpoint alone do not suffice
+                    const auto nearest = boundary.nearest(facets_, p);
+                    if (!boundary.first_met(place_, (1 - 1e-3) * (nearest.position - place_), facets_))
+                        value = nearest.value;
+                }
+                data_.push_back({field_.moved_inside(value, place_), 3 * weight, Nodes::none, value});
                 return;
             }
         }

@@ -216,7 +216,7 @@ private:
     }
     /// Whether the edge of a wedge is the only one near a row, which is so close to it that S matters.
     bool is_alone(const Wedge& wedge, const Wedge::Place& at, const Row& row) const noexcept {
-        constexpr double most_sizes = 2, free = 2; // in sizes of the leaf; in distances from the edge
+        constexpr double most_sizes = 3, free = 2; // in sizes of the leaf; in distances from the edge
         return wedge.is_singular() && at.r < most_sizes * row.size && wedge.has(at) && at.along > at.r &&
                wedge.length - at.along > at.r && !patch_.has_other_bend(row.position, free * at.r);
     }

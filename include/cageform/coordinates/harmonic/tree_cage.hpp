@@ -92,20 +92,29 @@ public:
                     .largest = 0.0626 * std::pow(100 * accuracy, 0.301)};
         } else {
             constexpr double infinity = std::numeric_limits<double>::infinity();
+            const double finer = std::sqrt(2e-3 / accuracy);
+            if (!subtracts_kinks) {
+                const double levels = (std::max)(0.0, 1 + std::log2(finer));
+                return {.across = 4.8 * finer,
+                        .per_facet = 0.89 * finer,
+                        .edge_levels = levels,
+                        .reflex_levels = levels,
+                        .at_vertex = 7 * accuracy, // errors there are of first order
+                        .per_radius = 10 * finer,
+                        .largest = (std::min)(0.08, 0.0253 / finer)};
+            }
             // Once kinks are subtracted, reflex edges have the largest errors.
-            const double finer = std::sqrt(2e-3 / accuracy), least_levels = subtracts_kinks ? 1.0 : 0.0;
-            const double levels = (std::max)(least_levels, 1 + std::log2(finer));
-            return {.across = 4.8 * finer,
-                    .per_facet = (subtracts_kinks ? 0.25 : 0.89) * finer,
+            const double levels = (std::max)(2.0, 2 + std::log2(finer));
+            return {.across = 2.4 * finer,
+                    .small_error = accuracy,
+                    .per_facet = 0.25 * finer,
                     // No more faces are near than a near field can take.
-                    .of_root_area = subtracts_kinks ? 1.7 : infinity,
+                    .of_root_area = 1.7,
                     .edge_levels = levels,
                     .reflex_levels = levels,
-                    // Errors there are of first order.
-                    .at_vertex = (subtracts_kinks ? 5 : 7) * accuracy,
-                    .per_radius = 10 * finer,
-                    .largest = subtracts_kinks ? (std::min)(0.056, 0.045 / finer)
-                                               : (std::min)(0.08, 0.0253 / finer)};
+                    .at_vertex = 5 * accuracy,
+                    // Errors in the open fall with the fourth power of the cell size.
+                    .largest = (std::min)(0.056, 0.3 * std::sqrt(std::sqrt(accuracy)))};
         }
     }
 

@@ -9,11 +9,17 @@
 #include <cageform/core/types/solver_report.hpp>
 #include <cageform/grid/tree/bone_sizes.hpp>
 
+#include <map>
+
 namespace cageform::inline CAGEFORM_ABI {
 namespace grid {
 
 struct RefinementOptions {
     double across = 6; ///< cells across the thickness of the domain
+    /// In space: an error of functions that is small, or 0. Between two facets, far from their edges, functions
+    /// are linear. If this is not 0, cells are small across the thickness only where the kinks of functions at
+    /// edges would cause larger errors.
+    double small_error = 0;
     /// Cells along the least altitude of a facet. In the plane that is the length of an edge.
     double per_facet = 1;
     /// The largest cell at a facet in space, in roots of its area.
@@ -86,6 +92,7 @@ public:
             altitudes_.push_back(altitude(boundary[n].corner));
             root_areas_.push_back(std::sqrt(measure(boundary[n].corner)));
         }
+        if constexpr (D == 3) find_slopes();
     }
     const Boundary& boundary() const noexcept { return boundary_; }
     const grid::RefinementOptions& options() const noexcept { return options_; }
@@ -126,10 +133,11 @@ public:
             const auto position = facet.position(nearest_on_facet(middle, facet.corner));
             for (const bool front : {true, false}) {
                 if (!front && facet.separates) continue;
-                const double t = thickness(n, front, position, most),
-                             size = (std::max)(t / options_.across, 1.0);
+                const double t = thickness(n, front, position, most);
+                if (!(t < most)) continue;
+                const double size = (std::max)(size_between(n, position, t), 1.0);
                 if (size < least.size) least = {size, SizeReason::thickness};
-                if (t < most && size >= cell.size) thin.push_back({position, inwards(n, front), size, t});
+                if (size >= cell.size) thin.push_back({position, inwards(n, front), size, t});
             }
         }
         return least;
@@ -146,6 +154,24 @@ public:
     struct Patch {
         double area;                           ///< in the plane its length
         double altitude, root_area, thickness; ///< altitude and root of the area of its facet
+        std::array<double, D> slopes;          ///< see slopes_
+        std::array<double, D> lengths;         ///< of the edges of its facet, divided by the facet's area
+
+        /// Calls f(size, area) for parts that allow cells of different sizes, of at most `most`.
+        template <class F>
+        void for_each_part(const grid::RefinementOptions& options, double most, const F& f) const {
+            const double across = thickness / options.across;
+            if (!(options.small_error > 0) || !(across < most)) return f((std::min)(across, most), area);
+            double rest = area;
+            for (std::size_t k = 0; k < D; ++k) {
+                const auto kink = kink_at(thickness, slopes[k], options);
+                const double size = (std::min)(kink.size, most), width = kink.reach + 4 * size;
+                const double part = (std::min)(rest, area * width * lengths[k]);
+                f(size, part);
+                rest -= part;
+            }
+            f((std::min)(most, most_of_thickness * thickness), rest);
+        }
     };
     /// Divides the facets, and both sides of walls, into patches. Cost: a ray for each patch.
     std::vector<Patch> patches(const Running& running) const {
@@ -182,6 +208,60 @@ private:
         } else {
             return longest > 0 ? 2 * measure(corner) / longest : 0;
         }
+    }
+    /// The cells that a kink of functions at an edge needs where the domain is thin.
+    struct Kink {
+        double size, reach; ///< at the edge, and as far from it
+    };
+    /// Between two planes a function that deviates by A from a linear one deviates by A exp(-π d / thickness) at
+    /// a distance d.
+    ///
+    ///   slope  of functions next to the edge, on the facets
+    static Kink kink_at(double thickness, double slope, const grid::RefinementOptions& options) noexcept {
+        constexpr double error_of_cell =
+            0.2; // of a function with a kink, in sizes of the cell times the slope
+        const double amplitude = (std::min)(1.0, thickness * slope) / options.small_error;
+        return {(std::max)(thickness / options.across, options.small_error / (error_of_cell * slope)),
+                amplitude > 1 ? thickness / std::numbers::pi * std::log(amplitude) : 0};
+    }
+    /// The largest cell in a thin domain, in thicknesses: larger ones lose places of the boundary to rounding.
+    static constexpr double most_of_thickness = 64;
+    /// Returns the size that a facet allows at a place where the domain is thin.
+    double size_between([[maybe_unused]] std::uint32_t n, [[maybe_unused]] const Point& position,
+                        double thickness) const noexcept {
+        if constexpr (D == 3) {
+            if (options_.small_error > 0) {
+                const auto& corner = boundary_[n].corner;
+                double size = (std::min)(largest_, most_of_thickness * thickness);
+                for (std::size_t k = 0; k < 3; ++k) {
+                    const auto kink = kink_at(thickness, slopes_[n][k], options_);
+                    const double apart =
+                        distance_to_segment(position, corner[(k + 1) % 3], corner[(k + 2) % 3]) - kink.reach;
+                    size = (std::min)(size, (std::max)(kink.size, 0.5 * apart));
+                }
+                return size;
+            }
+        }
+        return thickness / options_.across;
+    }
+    void find_slopes() {
+        std::map<std::array<std::uint32_t, 2>, double> largest; // by the vertices of an edge
+        const auto for_each_edge = [&](const auto& f) {
+            for (std::uint32_t n = 0; n < boundary_.size(); ++n) {
+                for (std::size_t k = 0; k < 3; ++k) {
+                    const auto [a, b] =
+                        std::minmax(boundary_[n].vertex[(k + 1) % 3], boundary_[n].vertex[(k + 2) % 3]);
+                    f(n, k, largest[{a, b}]);
+                }
+            }
+        };
+        for_each_edge([&](std::uint32_t n, std::size_t k, double& slope) {
+            const auto& corner = boundary_[n].corner;
+            slope =
+                (std::max)(slope, length(corner[(k + 2) % 3] - corner[(k + 1) % 3]) / (2 * measure(corner)));
+        });
+        slopes_.resize(boundary_.size());
+        for_each_edge([&](std::uint32_t n, std::size_t k, double slope) { slopes_[n][k] = slope; });
     }
     static Point sum(const Corners<D>& corner) noexcept {
         auto sum = corner[0];
@@ -245,8 +325,17 @@ private:
             }
             return;
         }
-        patches.push_back({area, altitudes_[piece.facet], root_areas_[piece.facet],
-                           thickness(piece.facet, piece.front, (1.0 / D) * sum(c))});
+        auto& patch = patches.emplace_back();
+        patch.area = area;
+        patch.altitude = altitudes_[piece.facet];
+        patch.root_area = root_areas_[piece.facet];
+        patch.thickness = thickness(piece.facet, piece.front, (1.0 / D) * sum(c));
+        if constexpr (D == 3) {
+            const auto& whole = boundary_[piece.facet].corner;
+            patch.slopes = slopes_[piece.facet];
+            for (std::size_t k = 0; k < 3; ++k)
+                patch.lengths[k] = length(whole[(k + 2) % 3] - whole[(k + 1) % 3]) / measure(whole);
+        }
     }
     double by_facet(std::uint32_t n) const noexcept {
         return (std::min)(altitudes_[n] / options_.per_facet, options_.of_root_area * root_areas_[n]);
@@ -262,6 +351,8 @@ private:
     std::vector<std::uint32_t> faced_; ///< by facet and side: the facet that the last ray from it met
     std::vector<double> altitudes_;    ///< by facet
     std::vector<double> root_areas_;   ///< by facet: the root of its area
+    /// By facet, in space, and by the corner opposite an edge: the largest slope of a hat function next to it.
+    std::vector<std::array<double, D>> slopes_;
 };
 
 } // namespace detail

@@ -196,12 +196,14 @@ public:
             const double largest = options.largest * cage_size_;
             double leaves = volume_ / std::pow(rounded(largest), double(D));
             for (const auto& patch : patches_) {
-                const double size = rounded(
-                    (std::min)({largest, patch.altitude / options.per_facet,
-                                options.of_root_area * patch.root_area, patch.thickness / options.across}));
-                // Cells reach beyond narrow facets.
-                const double beyond = 1 + size / (std::max)(patch.altitude, 1e-3);
-                leaves += of_surface * patch.area / std::pow(size, double(D - 1)) * beyond;
+                const double most = (std::min)(
+                    {largest, patch.altitude / options.per_facet, options.of_root_area * patch.root_area});
+                patch.for_each_part(options, most, [&](double size, double area) {
+                    size = rounded(size);
+                    // Cells reach beyond narrow facets.
+                    const double beyond = 1 + size / (std::max)(patch.altitude, 1e-3);
+                    leaves += of_surface * area / std::pow(size, double(D - 1)) * beyond;
+                });
             }
             const double g = options.corner_gradation; // measured: leaves made for each halving
             leaves += options.corner_levels * inverse_exponents_ * (12 + 5.5 * g * g);
