@@ -3,6 +3,7 @@
 
 #include <cageform/coordinates/harmonic/leaf_models.hpp>
 
+#include <memory>
 #include <optional>
 #include <unordered_map>
 
@@ -19,7 +20,8 @@ public:
     LeafSamples(const grid::CutTree<3>& tree, const grid::TreeNodes<3>& nodes, const NearField& field)
         : tree_(tree)
         , nodes_(nodes)
-        , field_(field) {}
+        , field_(field)
+        , fit_(field) {}
 
     /// Returns the stencils of points inside, in units of the tree.
     std::vector<LeafStencil> stencils(std::span<const Point> points) {
@@ -159,7 +161,7 @@ private:
         return known->second;
     }
     std::unique_ptr<LeafModel> make_model(const Cell& leaf, const Point& place) {
-        return std::make_unique<LeafModel>(tree_, nodes_, field_, leaf, place, patterns_);
+        return std::make_unique<LeafModel>(tree_, nodes_, field_, leaf, place);
     }
     void add_term(const Term& term) {
         terms_.push_back(term);
@@ -274,7 +276,6 @@ private:
 
     /// Adds a model's shares at points to their sums, and subtracts its shares at the points' feet.
     void add_model(std::span<const Term> terms, std::vector<LeafStencil>& sums) {
-        LeafModel& model = *terms.front().model;
         places_.clear();
         factors_.clear();
         for (const Term& term : terms) {
@@ -288,7 +289,7 @@ private:
                 factors_.push_back(-factor * foot.share);
             }
         }
-        model.evaluate(places_);
+        fit_.set(*terms.front().model, places_);
         std::size_t first = 0;
         for (auto term = terms.begin(); term != terms.end();) {
             const std::size_t sum = points_[term->point].sum;
@@ -298,8 +299,8 @@ private:
                 if (!point.is_on_face) places += 1 + point.feet.size();
             }
             if (places > 0)
-                model.add(std::span(places_).subspan(first, places),
-                          std::span(factors_).subspan(first, places), first, sums[sum]);
+                fit_.add(std::span(places_).subspan(first, places),
+                         std::span(factors_).subspan(first, places), first, sums[sum]);
             first += places;
         }
     }
@@ -322,7 +323,7 @@ private:
     const grid::CutTree<3>& tree_;
     const grid::TreeNodes<3>& nodes_;
     const NearField& field_;
-    LeafModel::Patterns patterns_;
+    LeafFit fit_;
     std::unordered_map<std::uint32_t, std::vector<std::unique_ptr<LeafModel>>> models_; ///< by leaf
     std::vector<std::unique_ptr<LeafModel>> own_models_;
     std::vector<Sampled> points_;
